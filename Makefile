@@ -1,0 +1,39 @@
+# Two commands for a new user: `make demo` and `make test`. Everything they need is set up by them.
+PYTHON ?= python3
+VENV   := .venv
+BIN    := $(VENV)/bin
+READY  := $(VENV)/ready
+
+.PHONY: demo test lint types contracts check lock clean
+
+demo: $(READY)
+	$(BIN)/rigctl demo
+
+test: $(READY)
+	$(BIN)/python -m pytest -n 2
+
+lint: $(READY)
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+
+types: $(READY)
+	$(BIN)/mypy
+
+contracts: $(READY)
+	$(BIN)/lint-imports
+
+check: lint types contracts
+
+$(READY): requirements.lock pyproject.toml
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --require-hashes -r requirements.lock
+	$(BIN)/python -m pip install --quiet --no-deps --no-build-isolation -e .
+	touch $@
+
+# Hashes only: neither an index address nor a header that names one may enter the lock.
+lock:
+	$(PYTHON) -m uv lock --quiet
+	$(PYTHON) -m uv export --quiet --all-extras --no-header --no-emit-project --no-annotate > requirements.lock
+
+clean:
+	rm -rf $(VENV) dist .pytest_cache .mypy_cache .ruff_cache

@@ -1,0 +1,1 @@
+"""Devices by role, over transports that know only bytes and lines."""

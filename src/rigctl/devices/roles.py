@@ -1,0 +1,111 @@
+"""What the rig asks of its devices, by role; brands live in the modules beside this one.
+
+Every method returns within the bound that its driver was configured with or raises one of
+`rigctl.errors`. Queries may be repeated by a driver; `Trigger.fire` never is.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """A measured quantity with its unit and the monotonic time at which it was read (s)."""
+
+    value: float
+    unit: str
+    read_at: float
+
+
+class Device(Protocol):
+    """Anything with a name that can be made safe and closed."""
+
+    @property
+    def name(self) -> str:
+        """Role and driver, as errors and the state report call it."""
+
+    def check(self) -> None:
+        """Ask the device for a sign of life; raise a `DeviceError` if there is none."""
+
+    def close(self) -> None:
+        """Release the port. Safe to call twice."""
+
+
+@dataclass(frozen=True, slots=True)
+class FireReceipt:
+    """The trigger's own word that it fired.
+
+    `sent_at` and `confirmed_at` are monotonic seconds of the host; `device_time_us` is the
+    device's own clock at the first pulse, where it has one.
+    """
+
+    sequence: int
+    sent_at: float
+    confirmed_at: float
+    device_time_us: int | None
+
+
+class Trigger(Device, Protocol):
+    """Fires both pushers (or solenoids) from one command."""
+
+    def arm(self, sequence: int, delay_us: float) -> None:
+        """Make ready to fire once, under this sequence number, with b `delay_us` after a."""
+
+    def fire(self, sequence: int) -> FireReceipt:
+        """Send the fire command once.
+
+        Raises
+        ------
+        DeviceAnswerError
+            The device refused: it did not fire.
+        FireOutcomeUnknownError
+            The command left, and no clear answer came back.
+        """
+
+    def make_safe(self) -> None:
+        """Drive every line to its safe level; harmless in any state."""
+
+
+class Regulator(Device, Protocol):
+    """Sets and reads the pressure of both pushers."""
+
+    def set_pressure(self, a_kpa: float, b_kpa: float) -> None:
+        """Give both set points in kPa gauge; returns before the pressure has settled."""
+
+    def pressure(self) -> tuple[Reading, Reading]:
+        """Return the measured pressures of a and b in kPa gauge."""
+
+
+class Slide(Device, Protocol):
+    """Moves tube b vertically against tube a."""
+
+    def move_to(self, offset_mm: float) -> None:
+        """Start a move; returns before it has ended."""
+
+    def position(self) -> Reading:
+        """Return the measured offset in mm."""
+
+    def is_moving(self) -> bool:
+        """Say whether a move is under way."""
+
+
+class Closure(Device, Protocol):
+    """A contact that closes: the camera's remote trigger."""
+
+    def close_contact(self) -> None:
+        """Close the contact and hold it."""
+
+    def open_contact(self) -> None:
+        """Open the contact."""
+
+
+class CutOff(Device, Protocol):
+    """Cuts the power of every actuator, on a line of its own."""
+
+    def cut(self) -> None:
+        """Cut at once; harmless when already cut."""
+
+    def restore(self) -> None:
+        """Give power back, after a person released the latch."""

@@ -1,0 +1,151 @@
+"""The one tree of errors: what happened, to which part, beyond which limit, and what to do next."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+
+class RigError(Exception):
+    """Anything the daemon refuses or fails at, in words an operator can act on.
+
+    Parameters
+    ----------
+    what
+        One clause without a full stop: what happened.
+    part
+        The device, file or field it happened to.
+    value, limit
+        What was found and what was allowed, each with its unit in the text.
+    todo
+        What the operator does next.
+    shot
+        The shot it belongs to, where there is one.
+
+    Notes
+    -----
+    `code` is stable: programs that talk to the REST interface rely on it.
+    """
+
+    code: ClassVar[str] = "rig-error"
+
+    def __init__(
+        self,
+        what: str,
+        *,
+        part: str | None = None,
+        value: str | None = None,
+        limit: str | None = None,
+        todo: str | None = None,
+        shot: str | None = None,
+    ) -> None:
+        self.what, self.part, self.value = what, part, value
+        self.limit, self.todo, self.shot = limit, todo, shot
+        super().__init__(self.sentence())
+
+    def sentence(self) -> str:
+        """Return the error as one line of text."""
+        text = f"{self.part}: {self.what}" if self.part else self.what
+        if self.value is not None:
+            text += f" (found {self.value}"
+            text += f", allowed {self.limit})" if self.limit is not None else ")"
+        elif self.limit is not None:
+            text += f" (limit {self.limit})"
+        if self.shot is not None:
+            text += f" [shot {self.shot}]"
+        return f"{text}; {self.todo}" if self.todo else text
+
+
+class ConfigurationError(RigError):
+    """The configuration file says something that cannot be."""
+
+    code = "configuration"
+
+
+class SettingsError(RigError):
+    """A setting lies outside what the configuration allows."""
+
+    code = "settings-out-of-range"
+
+
+class DeviceError(RigError):
+    """A device did not do what it was told; the rig goes to FAULT."""
+
+    code = "device"
+
+
+class DeviceBusyError(DeviceError):
+    """Another program holds the port."""
+
+    code = "device-busy"
+
+
+class DeviceAbsentError(DeviceError):
+    """The port or the USB device is not there, or went away."""
+
+    code = "device-absent"
+
+
+class DeviceSilentError(DeviceError):
+    """No complete answer came within the stated time."""
+
+    code = "device-silent"
+
+
+class DeviceAnswerError(DeviceError):
+    """An answer came that does not follow the device's protocol."""
+
+    code = "device-answer"
+
+
+class FireOutcomeUnknownError(DeviceError):
+    """The fire command may or may not have reached the trigger; it is never sent again."""
+
+    code = "fire-outcome-unknown"
+
+
+class RecordingNotConfirmedError(RigError):
+    """The camera did not confirm that it records; nothing may fire."""
+
+    code = "recording-not-confirmed"
+
+
+class FramesError(RigError):
+    """Frames are missing, damaged, or not of the expected size, depth or count."""
+
+    code = "frames"
+
+
+class RefusedError(RigError):
+    """The rig refuses: wrong state, tripped interlock, or an arm token that does not hold."""
+
+    code = "refused"
+
+
+class InterlockError(RefusedError):
+    """One or more interlocks refuse; all of them are named."""
+
+    code = "interlock"
+
+
+class ArmTokenError(RefusedError):
+    """The arm token is unknown, spent, expired, or bound to other settings."""
+
+    code = "arm-token"
+
+
+class IdempotencyError(RefusedError):
+    """An idempotency key is absent, still running, or was used with another body."""
+
+    code = "idempotency"
+
+
+class NotFoundError(RigError):
+    """Nothing of that name is stored."""
+
+    code = "not-found"
+
+
+class StoreError(RigError):
+    """The store could not write or read what it must."""
+
+    code = "store"

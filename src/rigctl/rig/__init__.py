@@ -1,0 +1,1 @@
+"""The one state machine that may fire, and the interlocks that refuse."""

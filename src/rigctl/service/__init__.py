@@ -1,0 +1,1 @@
+"""REST: routes, authentication, problems and events."""

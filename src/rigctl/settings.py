@@ -1,0 +1,28 @@
+"""What an operator chooses for one shot."""
+
+from __future__ import annotations
+
+from pydantic import BaseModel, ConfigDict, Field
+
+
+class ShotSettings(BaseModel):
+    """Settings of one shot, as REST and the sweep hand them in.
+
+    Strict: a string or a boolean where a number belongs is refused, and so is an unknown field.
+    The bounds here are those of physics; a rig's own limits are narrower and stand in its
+    configuration.
+    """
+
+    model_config = ConfigDict(strict=True, extra="forbid", frozen=True, allow_inf_nan=False)
+
+    pressure_a_kpa: float = Field(ge=0, le=1000, description="pusher a, gauge pressure in kPa")
+    pressure_b_kpa: float = Field(ge=0, le=1000, description="pusher b, gauge pressure in kPa")
+    offset_mm: float = Field(
+        ge=-100, le=100, description="vertical offset of tube b below tube a in mm"
+    )
+    delay_us: float = Field(
+        default=0.0,
+        ge=-100_000,
+        le=100_000,
+        description="pusher b fires this much later than pusher a, in microseconds",
+    )

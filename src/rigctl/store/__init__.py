@@ -1,0 +1,1 @@
+"""What survives: the catalogue of shots and one folder for each shot."""
