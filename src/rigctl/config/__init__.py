@@ -1,0 +1,60 @@
+"""Configuration of a rig: strict models and the loader that names every mistake."""
+
+from rigctl.config.actuators import Alicat, Lcus, SolenoidPair, TriggerBox, TriggerSection, Zaber
+from rigctl.config.camera import (
+    CameraSection,
+    EktaproCamera,
+    EktaproLink,
+    FilesSource,
+    HidRelay,
+    RemoteTriggerSection,
+    SerialLine,
+    SourceSection,
+    V4l2Camera,
+    V4l2Source,
+)
+from rigctl.config.configuration import (
+    AnalysisSection,
+    Configuration,
+    ServiceSection,
+    Simulation,
+    StoreSection,
+)
+from rigctl.config.limits import Limits
+from rigctl.config.loading import default_path, load, parse
+from rigctl.config.model import SIMULATED
+from rigctl.config.scene import Body, Environment, Optics, Plate, Sphere
+
+__all__ = [
+    "SIMULATED",
+    "Alicat",
+    "AnalysisSection",
+    "Body",
+    "CameraSection",
+    "Configuration",
+    "EktaproCamera",
+    "EktaproLink",
+    "Environment",
+    "FilesSource",
+    "HidRelay",
+    "Lcus",
+    "Limits",
+    "Optics",
+    "Plate",
+    "RemoteTriggerSection",
+    "SerialLine",
+    "ServiceSection",
+    "Simulation",
+    "SolenoidPair",
+    "SourceSection",
+    "Sphere",
+    "StoreSection",
+    "TriggerBox",
+    "TriggerSection",
+    "V4l2Camera",
+    "V4l2Source",
+    "Zaber",
+    "default_path",
+    "load",
+    "parse",
+]

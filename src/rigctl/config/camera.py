@@ -1,0 +1,110 @@
+"""Sections of the camera: what starts it, what confirms it, where its frames come from."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from rigctl.config.actuators import Channel
+from rigctl.config.model import Port, Seconds, StrictModel
+
+EKTAPRO_ROWS = 192
+EKTAPRO_COLUMNS = 240
+
+
+class HidRelay(StrictModel):
+    """USB relay 16c0:05df whose contact starts the recorder."""
+
+    driver: Literal["hid-relay"]
+    channel: Channel
+
+
+class SerialLine(StrictModel):
+    """RTS line of a port as the contact that starts the recorder."""
+
+    driver: Literal["serial-line"]
+    port: Port
+
+
+class EktaproLink(StrictModel):
+    """Recorder link of the wire-protocol reference; not Kodak's protocol."""
+
+    driver: Literal["ektapro-link"]
+    port: Port
+    answer_timeout_s: Seconds
+
+
+class FilesSource(StrictModel):
+    """Folder into which a digitiser puts each stack."""
+
+    driver: Literal["files"]
+    folder: str = Field(min_length=1)
+
+
+class V4l2Source(StrictModel):
+    """Frame grabber that digitises the recorder's playback."""
+
+    driver: Literal["v4l2"]
+    device: str = Field(min_length=1)
+    input: int = Field(default=0, ge=0)
+
+
+RemoteTriggerSection = Annotated[HidRelay | SerialLine, Field(discriminator="driver")]
+SourceSection = Annotated[FilesSource | V4l2Source, Field(discriminator="driver")]
+
+
+class _Recording(StrictModel):
+    rows: int = Field(ge=8, le=4096, description="rows of one picture")
+    columns: int = Field(ge=8, le=4096, description="columns of one picture")
+    start_timeout_s: Seconds = Field(description="longest wait for a confirmed recording, s")
+    collect_timeout_s: Seconds = Field(description="longest wait for the frames, s")
+    frames_before_mark: int = Field(ge=0, le=10_000)
+    frames_after_mark: int = Field(ge=1, le=10_000)
+
+
+class EktaproCamera(_Recording):
+    """Kodak EktaPro 1000, a tape recorder: it records only after it was told (thesis, app. A).
+
+    `rows` are those of one picture: 192 divided by `pictures_per_frame`.
+    """
+
+    kind: Literal["ektapro"]
+    frame_rate_hz: Literal[30, 60, 125, 250, 500, 1000]
+    pictures_per_frame: Literal[1, 2, 3, 4, 6]
+    remote_trigger: RemoteTriggerSection | None = None
+    recorder: EktaproLink
+    source: SourceSection
+
+    @model_validator(mode="after")
+    def _has_the_format(self) -> Self:
+        rows = EKTAPRO_ROWS // self.pictures_per_frame
+        if (self.rows, self.columns) != (rows, EKTAPRO_COLUMNS):
+            raise ValueError(
+                f"{self.pictures_per_frame} pictures per frame have {rows} rows and "
+                f"{EKTAPRO_COLUMNS} columns, not {self.rows} and {self.columns}"
+            )
+        return self
+
+    @property
+    def picture_rate_hz(self) -> float:
+        """Pictures recorded per second: full frames times pictures per frame."""
+        return float(self.frame_rate_hz * self.pictures_per_frame)
+
+
+class V4l2Camera(_Recording):
+    """Camera behind the kernel's Video4Linux2 interface, recording into memory by itself."""
+
+    kind: Literal["v4l2"]
+    device: str = Field(min_length=1)
+    input: int = Field(default=0, ge=0)
+    frame_rate_hz: float = Field(gt=0, le=100_000)
+    buffers: int = Field(default=8, ge=2, le=64)
+
+    @property
+    def picture_rate_hz(self) -> float:
+        """Pictures recorded per second."""
+        return self.frame_rate_hz
+
+
+CameraSection = Annotated[EktaproCamera | V4l2Camera, Field(discriminator="kind")]

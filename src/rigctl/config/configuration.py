@@ -1,0 +1,151 @@
+"""The whole configuration of one rig."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterator
+from typing import Literal, Self
+
+from pydantic import ConfigDict, Field, model_validator
+
+from rigctl.config.actuators import Alicat, Lcus, SolenoidPair, TriggerSection, Zaber
+from rigctl.config.camera import CameraSection, EktaproCamera, FilesSource, SerialLine
+from rigctl.config.limits import Limits
+from rigctl.config.model import SIMULATED, StrictModel
+from rigctl.config.scene import Body, Environment, Optics
+
+
+class Simulation(StrictModel):
+    """What stands in for the laboratory; absent on a real rig.
+
+    Every further key is an option of the factory, which checks it.
+    """
+
+    model_config = ConfigDict(extra="allow")
+
+    factory: str = Field(pattern=r"^[A-Za-z_][\w.]*:[A-Za-z_]\w*$", description="module:function")
+
+    @property
+    def options(self) -> dict[str, object]:
+        """Everything in the table but the factory's name."""
+        return dict(self.model_extra or {})
+
+
+class StoreSection(StrictModel):
+    """Where shots are kept; a relative folder counts from the working directory."""
+
+    folder: str = Field(min_length=1)
+
+
+class ServiceSection(StrictModel):
+    """Where the service listens."""
+
+    host: str = Field(min_length=1)
+    port: int = Field(ge=0, le=65535, description="0 takes any free port")
+
+
+class AnalysisSection(StrictModel):
+    """How stored shots are analysed."""
+
+    workers: int = Field(ge=1, le=64)
+    method: Literal["thesis", "photometric"]
+    timeout_s: float = Field(default=300.0, gt=0, le=86_400, description="longest analysis, s")
+
+
+class Configuration(StrictModel):
+    """One rig: its devices, limits, camera, scene, store and service."""
+
+    name: str = Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*$")
+    apparatus: Literal["pusher", "release"]
+    simulation: Simulation | None = None
+    limits: Limits
+    trigger: TriggerSection
+    regulator: Alicat | None = None
+    slide: Zaber | None = None
+    cut_off: Lcus
+    camera: CameraSection
+    store: StoreSection
+    service: ServiceSection
+    analysis: AnalysisSection
+    optics: Optics
+    spheres: tuple[Body, Body]
+    environment: Environment
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of the configuration as canonical JSON, for manifests."""
+        text = json.dumps(self.model_dump(mode="json"), sort_keys=True, separators=(",", ":"))
+        return hashlib.sha256(text.encode()).hexdigest()
+
+    @model_validator(mode="after")
+    def _has_its_apparatus(self) -> Self:
+        pusher = self.apparatus == "pusher"
+        if pusher != (self.regulator is not None and self.slide is not None):
+            word = "needs" if pusher else "has no"
+            raise ValueError(f"the {self.apparatus} apparatus {word} regulator and slide")
+        if pusher == isinstance(self.trigger, SolenoidPair):
+            raise ValueError(f"{self.trigger.driver} cannot fire the {self.apparatus} apparatus")
+        if pusher == (self.limits.angle_deg is not None):
+            word = "has no" if pusher else "needs"
+            raise ValueError(f"the {self.apparatus} apparatus {word} limits.angle_deg")
+        return self
+
+    @model_validator(mode="after")
+    def _ports_are_all_real_or_all_simulated(self) -> Self:
+        simulated = self.simulation is not None
+        for field, port in self._acting_ports():
+            if port.startswith(SIMULATED) != simulated:
+                rule = "must" if simulated else "must not"
+                raise ValueError(f"{field} = {port!r} {rule} begin with {SIMULATED!r}")
+        for field, port in self._camera_ports():
+            if port.startswith(SIMULATED) and not simulated:
+                raise ValueError(f"{field} = {port!r} needs the table [simulation]")
+        return self
+
+    @model_validator(mode="after")
+    def _ports_are_their_own(self) -> Self:
+        seen: dict[str, str] = {}
+        for field, port in (*self._acting_ports(), *self._camera_ports()):
+            if port in seen:
+                raise ValueError(f"{field} and {seen[port]} share the port {port!r}")
+            seen[port] = field
+        return self
+
+    @model_validator(mode="after")
+    def _views_lie_in_the_frame(self) -> Self:
+        for field in ("front_view_rows", "top_view_rows"):
+            rows = getattr(self.optics, field)
+            if rows is not None and rows[1] > self.camera.rows:
+                raise ValueError(
+                    f"optics.{field} ends at row {rows[1]}, the picture has {self.camera.rows}"
+                )
+        return self
+
+    @model_validator(mode="after")
+    def _spheres_are_a_and_b(self) -> Self:
+        names = [body.name for body in self.spheres]
+        if names != ["a", "b"]:
+            raise ValueError(f"spheres are named {names}, a and b in this order are needed")
+        return self
+
+    def _acting_ports(self) -> Iterator[tuple[str, str]]:
+        yield "trigger.port", self.trigger.port
+        yield "cut_off.port", self.cut_off.port
+        if self.regulator is not None:
+            yield "regulator.port", self.regulator.port
+        if self.slide is not None:
+            yield "slide.port", self.slide.port
+
+    def _camera_ports(self) -> Iterator[tuple[str, str]]:
+        if not isinstance(self.camera, EktaproCamera):
+            yield "camera.device", self.camera.device
+            return
+        yield "camera.recorder.port", self.camera.recorder.port
+        if isinstance(self.camera.remote_trigger, SerialLine):
+            yield "camera.remote_trigger.port", self.camera.remote_trigger.port
+        source = self.camera.source
+        if isinstance(source, FilesSource):
+            yield "camera.source.folder", source.folder
+        else:
+            yield "camera.source.device", source.device

@@ -1,0 +1,152 @@
+"""From a TOML file to a checked configuration, or to one sentence that says what is wrong."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+from pydantic_core import ErrorDetails
+
+from rigctl.config.configuration import Configuration
+from rigctl.errors import ConfigurationError
+
+_BOUNDS = {
+    "gt": "more than {}",
+    "ge": "at least {}",
+    "lt": "less than {}",
+    "le": "at most {}",
+    "min_length": "at least {} entries or characters",
+    "max_length": "at most {} entries or characters",
+    "pattern": "text like {}",
+    "expected": "{}",
+    "expected_tags": "one of {}",
+}
+
+
+def default_path() -> Path:
+    """Return the simulated rig's file: beside the package when installed, else the checkout's.
+
+    Raises
+    ------
+    ConfigurationError
+        Neither is there.
+    """
+    package = Path(__file__).resolve().parents[1]
+    candidates = (package / "simulated.toml", package.parents[1] / "config" / "simulated.toml")
+    for path in candidates:
+        if path.is_file():
+            return path
+    raise ConfigurationError(
+        "the simulated rig's configuration is missing",
+        part="simulated.toml",
+        todo="install the package again, or name a file with --config",
+    )
+
+
+def load(path: Path | None = None) -> Configuration:
+    """Read and check a configuration file; without a path, the simulated rig's.
+
+    Raises
+    ------
+    ConfigurationError
+        The file cannot be read, is not TOML, or holds a field that cannot be. The error names
+        the file, the field, the value and the limit; further faulty fields are named as well.
+    """
+    path = default_path() if path is None else path
+    try:
+        document = tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise ConfigurationError(
+            f"cannot be read: {error.strerror}", part=str(path), todo="name a readable file"
+        ) from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise ConfigurationError(
+            f"is not TOML: {error}", part=str(path), todo="correct the line"
+        ) from error
+    return parse(document, str(path))
+
+
+def parse(document: Mapping[str, Any], source: str) -> Configuration:
+    """Check a document that was read elsewhere; `source` is named in errors.
+
+    Raises
+    ------
+    ConfigurationError
+        As `load`.
+    """
+    try:
+        # JSON mode: an array is a tuple there, and nothing else is converted.
+        return Configuration.model_validate_json(json.dumps(document, default=_no_dates))
+    except ValidationError as error:
+        raise _in_words(error.errors(include_url=False), document, source) from error
+
+
+def _no_dates(value: object) -> object:
+    raise ConfigurationError(
+        "a date or time has no place here", value=str(value), todo="write a number or a text"
+    )
+
+
+def _in_words(
+    errors: list[ErrorDetails], document: Mapping[str, Any], source: str
+) -> ConfigurationError:
+    fields = [_field(error, document) for error in errors]
+    first = errors[0]
+    missing = first["type"] in {"missing", "union_tag_not_found"}
+    todo = "add it" if missing else "correct it"
+    if len(errors) > 1:
+        todo += f"; also {', '.join(fields[1:])}"
+    return ConfigurationError(
+        _clause(first),
+        part=f"{source}: {fields[0]}" if fields[0] else source,
+        value=None if missing else _value(first),
+        limit=_limit(first),
+        todo=todo,
+    )
+
+
+def _field(error: ErrorDetails, document: object) -> str:
+    """Return the path as written in the file: Pydantic also names the chosen driver on the way."""
+    location = error["loc"]
+    if error["type"].startswith("union_tag"):
+        location = (*location, error["ctx"]["discriminator"].strip("'"))
+    path, here = "", document
+    for position, step in enumerate(location):
+        last = position == len(location) - 1
+        if isinstance(step, int):
+            path += f"[{step}]"
+            here = here[step] if isinstance(here, list) and step < len(here) else None
+        elif isinstance(here, Mapping) and (step in here or last):
+            path += f".{step}" if path else step
+            here = here.get(step)
+    return path
+
+
+def _clause(error: ErrorDetails) -> str:
+    if error["type"] in {"missing", "union_tag_not_found"}:
+        return "is missing"
+    if error["type"] == "union_tag_invalid":
+        return "names nothing that exists"
+    if error["type"] == "value_error":
+        return str(error["ctx"]["error"])
+    if error["type"] == "extra_forbidden":
+        return "is not a field of this section"
+    message = error["msg"]
+    return message[0].lower() + message[1:]
+
+
+def _limit(error: ErrorDetails) -> str | None:
+    context = error.get("ctx", {})
+    parts = [text.format(context[key]) for key, text in _BOUNDS.items() if key in context]
+    return ", ".join(parts) or None
+
+
+def _value(error: ErrorDetails) -> str | None:
+    if error["type"] == "union_tag_invalid":
+        return repr(error["ctx"]["tag"])
+    # A whole section is no value: its own sentence says what in it disagrees.
+    return None if isinstance(error["input"], dict) else repr(error["input"])
