@@ -122,9 +122,20 @@ class RefusedError(RigError):
 
 
 class InterlockError(RefusedError):
-    """One or more interlocks refuse; all of them are named."""
+    """One or more interlocks refuse; all of them are named, one sentence each in `tripped`."""
 
     code = "interlock"
+
+    def __init__(
+        self,
+        what: str,
+        *,
+        tripped: tuple[str, ...] = (),
+        todo: str | None = None,
+        shot: str | None = None,
+    ) -> None:
+        self.tripped = tripped
+        super().__init__(what, todo=todo, shot=shot)
 
 
 class ArmTokenError(RefusedError):
@@ -137,6 +148,18 @@ class IdempotencyError(RefusedError):
     """An idempotency key is absent, still running, or was used with another body."""
 
     code = "idempotency"
+
+
+class KeyRunningError(IdempotencyError):
+    """The shot of this idempotency key has not ended; `shot` names it."""
+
+    code = "idempotency-running"
+
+
+class KeyReusedError(IdempotencyError):
+    """This idempotency key was used with another body."""
+
+    code = "idempotency-reused"
 
 
 class NotFoundError(RigError):

@@ -26,3 +26,15 @@ class ShotSettings(BaseModel):
         le=100_000,
         description="pusher b fires this much later than pusher a, in microseconds",
     )
+    angle_a_deg: float | None = Field(
+        default=None,
+        ge=0,
+        le=90,
+        description="tilt of tube a below the horizontal in degrees; release apparatus only",
+    )
+    angle_b_deg: float | None = Field(
+        default=None,
+        ge=0,
+        le=90,
+        description="tilt of tube b below the horizontal in degrees; release apparatus only",
+    )

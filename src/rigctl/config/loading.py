@@ -116,7 +116,7 @@ def _field(error: ErrorDetails, document: object) -> str:
         location = (*location, error["ctx"]["discriminator"].strip("'"))
     path, here = "", document
     for position, step in enumerate(location):
-        last = position == len(location) - 1
+        last = position == len(location) - 1 and error["type"] != "value_error"
         if isinstance(step, int):
             path += f"[{step}]"
             here = here[step] if isinstance(here, list) and step < len(here) else None
