@@ -7,7 +7,8 @@ Every method returns within the bound that its driver was configured with or rai
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from enum import Enum
+from typing import Protocol, runtime_checkable
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,6 +67,22 @@ class Trigger(Device, Protocol):
 
     def make_safe(self) -> None:
         """Drive every line to its safe level; harmless in any state."""
+
+
+class FireOutcome(Enum):
+    """What became of a fire command whose answer did not come."""
+
+    FIRED = "fired"
+    NOT_FIRED = "not fired"
+    UNKNOWN = "unknown"
+
+
+@runtime_checkable
+class OutcomeQuery(Protocol):
+    """A trigger that can say afterwards whether it fired; not every one can."""
+
+    def outcome(self, sequence: int) -> FireOutcome:
+        """Ask what became of this fire command; a query, it fires nothing and never raises."""
 
 
 class Regulator(Device, Protocol):
