@@ -1,0 +1,187 @@
+"""LCUS relay boards: the cut-off, and the two solenoids of the release apparatus."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Literal
+
+from rigctl.devices.roles import FireReceipt
+from rigctl.devices.serial_port import SerialPort
+from rigctl.errors import (
+    DeviceAnswerError,
+    DeviceError,
+    FireOutcomeUnknownError,
+    SettingsError,
+)
+
+BAUD = 9600
+COMMAND_S = 4 * 10 / BAUD
+"""Time of one command on the wire: four bytes of ten bits, 4.17 ms."""
+
+
+def command(channel: int, on: bool) -> bytes:
+    """Return the four bytes that switch one channel: A0, channel, state, their sum modulo 256.
+
+    Raises
+    ------
+    ValueError
+        The channel is no byte.
+
+    Examples
+    --------
+    >>> command(1, True).hex(" ")
+    'a0 01 01 a2'
+    """
+    head = bytes((0xA0, channel, int(on)))
+    return head + bytes((sum(head) % 256,))
+
+
+class LcusRelay:
+    """A `CutOff` on one channel of an LCUS board.
+
+    The actuators' supply runs through the normally open contact: a board without power, or a
+    daemon that never ran, leaves them without supply. The board gives no answer, so its sign of
+    life is that of its port.
+    """
+
+    def __init__(self, port: SerialPort, *, channel: int) -> None:
+        self._port, self._channel = port, channel
+
+    @property
+    def name(self) -> str:
+        """Role and driver."""
+        return self._port.part
+
+    def check(self) -> None:
+        """See that the port is there; more the board does not tell."""
+        self._port.reopen_if_lost()
+        self._port.discard_stale()
+
+    def cut(self) -> None:
+        """Open the contact at once; harmless when already open."""
+        self._port.send(command(self._channel, False))
+
+    def restore(self) -> None:
+        """Close the contact."""
+        self._port.send(command(self._channel, True))
+
+    def close(self) -> None:
+        """Release the port; the contact stays as it is. Safe to call twice."""
+        self._port.close()
+
+
+class SolenoidPair:
+    """A `Trigger` of two solenoids on one LCUS board (release apparatus, thesis 3.2).
+
+    Both commands of a simultaneous fire leave in one write; the second channel still switches
+    4.17 ms after the first, the time of its bytes on the wire. A delayed fire is timed by the
+    host: no shorter than those 4.17 ms, and later by whatever the host's scheduler adds. The
+    board confirms nothing; the receipt says only that the bytes left.
+
+    Parameters
+    ----------
+    energised
+        What an energised solenoid does with its sphere. With ``"hold"`` the safe level is
+        energised, and a power cut releases both spheres; with ``"release"`` the safe level is
+        off, and a power cut holds them.
+    clock, wait
+        Monotonic seconds, and a wait in seconds.
+    """
+
+    def __init__(
+        self,
+        port: SerialPort,
+        *,
+        channel_a: int,
+        channel_b: int,
+        energised: Literal["hold", "release"],
+        clock: Callable[[], float] = time.monotonic,
+        wait: Callable[[float], None] = time.sleep,
+    ) -> None:
+        self._port, self._clock, self._wait = port, clock, wait
+        self._channels = (channel_a, channel_b)
+        self._firing_level = energised == "release"
+        self._ready_for: tuple[int, float] | None = None
+
+    @property
+    def name(self) -> str:
+        """Role and driver."""
+        return self._port.part
+
+    def check(self) -> None:
+        """See that the port is there; more the board does not tell."""
+        self._port.reopen_if_lost()
+        self._port.discard_stale()
+
+    def arm(self, sequence: int, delay_us: float) -> None:
+        """Hold both spheres and make ready for one fire, b `delay_us` after a.
+
+        Raises
+        ------
+        SettingsError
+            The delay is neither zero nor at least the time of one command.
+        """
+        if 0 < abs(delay_us) < COMMAND_S * 1e6:
+            raise SettingsError(
+                "the delay is shorter than a command takes on the wire",
+                part=self.name,
+                value=f"{delay_us:g} us",
+                limit=f"0, or at least {COMMAND_S * 1e6:.0f} us",
+                todo="choose another delay",
+            )
+        self.make_safe()
+        self._ready_for = (sequence, delay_us)
+
+    def fire(self, sequence: int) -> FireReceipt:
+        """Switch both solenoids to their releasing level, once.
+
+        Raises
+        ------
+        DeviceAnswerError
+            Not armed under this number: no byte left.
+        DeviceAbsentError
+            The port hung up before a byte left.
+        FireOutcomeUnknownError
+            The port failed while the bytes left; one solenoid, both or none may have released.
+        """
+        with self._port.held():
+            if self._ready_for is None or self._ready_for[0] != sequence:
+                raise DeviceAnswerError(
+                    f"not armed for shot number {sequence}; no fire command was sent",
+                    part=self.name,
+                    todo="arm again",
+                )
+            delay_us = self._ready_for[1]
+            self._ready_for = None
+            self._port.discard_stale()
+            sent_at = self._clock()
+            try:
+                self._release(delay_us)
+            except DeviceError as error:
+                raise FireOutcomeUnknownError(
+                    f"shot number {sequence} may have released none, one or both ({error})",
+                    part=self.name,
+                    todo="look at the tubes; the command is not sent again",
+                ) from error
+            return FireReceipt(sequence, sent_at, self._clock(), None)
+
+    def make_safe(self) -> None:
+        """Drive both channels to the level that holds the spheres."""
+        self._ready_for = None
+        self._port.send(b"".join(command(c, not self._firing_level) for c in self._channels))
+
+    def close(self) -> None:
+        """Release the port; the channels stay as they are. Safe to call twice."""
+        self._port.close()
+
+    def _release(self, delay_us: float) -> None:
+        first, second = self._channels if delay_us >= 0 else self._channels[::-1]
+        if delay_us == 0:
+            both = command(first, self._firing_level) + command(second, self._firing_level)
+            self._port.send(both)
+            return
+        began = self._clock()
+        self._port.send(command(first, self._firing_level))
+        self._wait(max(0.0, began + abs(delay_us) * 1e-6 - self._clock()))
+        self._port.send(command(second, self._firing_level))

@@ -1,0 +1,193 @@
+"""The trigger box: fires both pushers from one numbered command, at most once."""
+
+from __future__ import annotations
+
+import logging
+import re
+import time
+from collections.abc import Callable
+
+from rigctl.devices.roles import FireOutcome, FireReceipt
+from rigctl.devices.serial_port import SerialPort
+from rigctl.devices.trigger_box_lines import TriggerBoxStatus, closed, opened, status, unexpected
+from rigctl.errors import (
+    DeviceAnswerError,
+    DeviceError,
+    FireOutcomeUnknownError,
+    SettingsError,
+)
+
+_log = logging.getLogger(__name__)
+
+_IDENTITY = "RIGTRIG 1 2"
+_FIRED = re.compile(r"FIRED (\d{1,10}) (\d{1,20})", re.ASCII)
+_FIRED_ALREADY = "ERR DUPLICATE"
+_ANSWERS = ("ARMED ", "FIRED ", "STAT ", "SAFE", "RIGTRIG ")
+
+
+class TriggerBox:
+    """A `Trigger` behind the project's trigger box (wire-protocol reference).
+
+    A fire command leaves at most once for each successful `arm`, in every case. The box answers in
+    the order of its questions, and no question may have failed between `arm` and `fire`, so what
+    answers a fire command cannot belong to an earlier one.
+
+    Parameters
+    ----------
+    port
+        Opened port, lines ended by a line feed.
+    pulse_us
+        Width of both pulses in microseconds.
+    clock
+        Monotonic seconds.
+    """
+
+    def __init__(
+        self,
+        port: SerialPort,
+        *,
+        pulse_us: int,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self._port, self._pulse_us, self._clock = port, pulse_us, clock
+        self._ready_for: int | None = None
+
+    @property
+    def name(self) -> str:
+        """Role and driver."""
+        return self._port.part
+
+    def check(self) -> None:
+        """Ask what is on the port.
+
+        Raises
+        ------
+        DeviceError
+            Nothing answers, or it is no trigger box of version 1 with two channels.
+        """
+        self._port.reopen_if_lost()
+        text = self._ask("ID?", kind="RIGTRIG ")
+        if text != _IDENTITY:
+            raise unexpected(text, "ID?", self.name)
+
+    def status(self) -> TriggerBoxStatus:
+        """Return what the box says of itself, power of the outputs included."""
+        return status(self._ask("STAT?", kind="STAT "), self.name)
+
+    def arm(self, sequence: int, delay_us: float) -> None:
+        """Make ready for one fire under this number, b `delay_us` after a.
+
+        Raises
+        ------
+        SettingsError
+            The delay is no whole number of microseconds.
+        DeviceError
+            The box refused or gave no answer; it is not armed, or disarms itself within 5 s.
+        """
+        if delay_us != round(delay_us):
+            raise SettingsError(
+                "the delay is finer than the box's clock",
+                part=self.name,
+                value=f"{delay_us!r} us",
+                limit="whole microseconds",
+                todo="round the delay",
+            )
+        self._expect(f"ARM {sequence} {round(delay_us)} {self._pulse_us}", f"ARMED {sequence}")
+        self._ready_for = sequence
+
+    def fire(self, sequence: int) -> FireReceipt:
+        """Send the fire command once.
+
+        Raises
+        ------
+        DeviceAnswerError
+            The box is not armed under this number, or refused and confirmed that it did not fire.
+        DeviceAbsentError
+            The port hung up before the command left: it did not fire.
+        FireOutcomeUnknownError
+            The command left and no clear answer came back; `outcome` may settle it.
+        """
+        with self._port.held():
+            if self._ready_for != sequence:
+                raise DeviceAnswerError(
+                    f"not armed for shot number {sequence}; no fire command was sent",
+                    part=self.name,
+                    value=f"armed for {self._ready_for}",
+                    todo="arm again",
+                )
+            self._ready_for = None
+            self._port.discard_stale()
+            sent_at = self._clock()
+            try:
+                text = self._ask(f"FIRE {sequence}", kind=f"FIRED {sequence} ")
+            except DeviceError as error:
+                raise self._unknown(sequence, str(error)) from error
+            confirmed_at = self._clock()
+            if match := _FIRED.fullmatch(text):
+                return FireReceipt(sequence, sent_at, confirmed_at, int(match[2]))
+            raise self._refused(sequence, text)
+
+    def outcome(self, sequence: int) -> FireOutcome:
+        """Ask what became of a fire command; asks once, fires nothing and never raises."""
+        try:
+            found = self.status()
+        except DeviceError as error:
+            _log.warning("%s: shot number %d is not settled: %s", self.name, sequence, error)
+            return FireOutcome.UNKNOWN
+        if found.last_sequence == sequence:
+            return FireOutcome.FIRED
+        # A box that the pulses themselves have reset is disarmed and remembers no number.
+        remembers = found.armed or found.last_sequence > 0
+        if remembers and found.last_sequence < sequence:
+            return FireOutcome.NOT_FIRED
+        return FireOutcome.UNKNOWN
+
+    def make_safe(self) -> None:
+        """Disarm; both outputs low. Harmless in any state."""
+        self._expect("SAFE", "SAFE")
+        self._ready_for = None
+
+    def close(self) -> None:
+        """Release the port. Safe to call twice."""
+        self._port.close()
+
+    def _expect(self, question: str, answer: str) -> None:
+        text = self._ask(question, kind=answer)
+        if text != answer:
+            raise unexpected(text, question, self.name)
+
+    def _ask(self, question: str, *, kind: str) -> str:
+        with self._port.held():
+            try:
+                line = self._port.ask(closed(question), late=lambda line: self._is_late(line, kind))
+                return opened(line, self.name)
+            except DeviceError:
+                self._ready_for = None
+                raise
+
+    def _is_late(self, line: str, kind: str) -> bool:
+        try:
+            text = opened(line, self.name)
+        except DeviceAnswerError:
+            return False
+        return text.startswith(_ANSWERS) and not text.startswith(kind)
+
+    def _refused(self, sequence: int, text: str) -> DeviceError:
+        # A refusal carries no number: noise on the line may have earned it, and the command after
+        # the noise may have fired. The box's own record decides.
+        if text.startswith(_FIRED_ALREADY):
+            return self._unknown(sequence, f"the box answered {text!r}")
+        try:
+            fired = self.status().last_sequence >= sequence
+        except DeviceError as error:
+            return self._unknown(sequence, f"the box answered {text!r}, then failed: {error}")
+        if fired:
+            return self._unknown(sequence, f"the box answered {text!r}, yet counts a fire")
+        return unexpected(text, f"FIRE {sequence}", self.name)
+
+    def _unknown(self, sequence: int, why: str) -> FireOutcomeUnknownError:
+        return FireOutcomeUnknownError(
+            f"shot number {sequence} may or may not have fired ({why})",
+            part=self.name,
+            todo="look at the tubes; the command is not sent again",
+        )
