@@ -157,7 +157,7 @@ class KeyRunningError(IdempotencyError):
 
 
 class KeyReusedError(IdempotencyError):
-    """This idempotency key was used with another body."""
+    """The idempotency key was used with another body."""
 
     code = "idempotency-reused"
 

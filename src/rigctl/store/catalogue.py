@@ -1,0 +1,217 @@
+"""Shots and idempotency keys: which shots there are, where each stands, which request made it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from datetime import datetime
+from typing import Any
+
+from sqlalchemy import Connection, Row, func, insert, select, update
+
+from rigctl.errors import KeyReusedError, KeyRunningError, NotFoundError, StoreError
+from rigctl.settings import ShotSettings
+from rigctl.store.database import Database
+from rigctl.store.records import NewShot, ShotRecord
+from rigctl.store.schema import idempotency_keys, shots
+from rigctl.store.states import RUNNING, SHOT_TRANSITIONS, Fired, ShotState
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """What becomes known of a shot with its next state; None leaves a field as it is."""
+
+    fired: Fired | None = None
+    fired_at: datetime | None = None
+    ended_at: datetime | None = None
+    frames: int | None = None
+    lost: int | None = None
+    failure: str | None = None
+    failure_code: str | None = None
+    results: int | None = None
+
+
+class Catalogue:
+    """Table of shots. Each method is one transaction; any thread may call any of them."""
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+
+    def accept(
+        self, key: str, body_hash: str, describe: Callable[[], NewShot]
+    ) -> tuple[ShotRecord, bool]:
+        """Claim an idempotency key and create its shot, both or neither.
+
+        `describe` is called under the write lock and only when the key is free; what it raises
+        leaves the key free. Returns the shot and whether it was there before.
+
+        Raises
+        ------
+        KeyRunningError
+            The key's shot has not ended.
+        KeyReusedError
+            The key was used with another body.
+        StoreError
+            The claim is not on disk.
+        """
+        with self._database.writing() as connection:
+            known = _claimed(connection, key, body_hash)
+            if known is not None:
+                return known, True
+            new = describe()
+            number = connection.execute(select(func.max(shots.c.number))).scalar_one() or 0
+            record = _created(connection, number + 1, new)
+            row = {"key": key, "body_hash": body_hash, "shot": record.number}
+            connection.execute(insert(idempotency_keys).values(row))
+        return record, False
+
+    def move(self, shot: str, to: ShotState, change: Change | None = None) -> ShotRecord:
+        """Give a shot its next state and return the record once it is on disk.
+
+        Raises
+        ------
+        NotFoundError
+            There is no such shot.
+        StoreError
+            The table of states does not allow the move, or it is not on disk.
+        """
+        with self._database.writing() as connection:
+            present = _one(connection, shot)
+            if to not in SHOT_TRANSITIONS[present.state]:
+                raise StoreError(
+                    f"a shot that is {present.state} cannot become {to}",
+                    part=str(self._database.path),
+                    shot=shot,
+                )
+            known = {
+                name: value for name, value in _columns(change or Change()) if value is not None
+            }
+            if to not in RUNNING and present.outcome is None:
+                known["outcome"] = to
+            statement = update(shots).where(shots.c.id == shot).values(state=to, **known)
+            connection.execute(statement)
+            return _one(connection, shot)
+
+    def shot(self, shot: str) -> ShotRecord:
+        """Return one shot; raise `NotFoundError` if there is none of that name."""
+        with self._database.reading() as connection:
+            return _one(connection, shot)
+
+    def shots(
+        self,
+        *,
+        campaign: str | None = None,
+        state: ShotState | None = None,
+        limit: int = 100,
+        after: str | None = None,
+    ) -> list[ShotRecord]:
+        """Return up to `limit` shots, oldest first, that come later than the shot `after`."""
+        query = select(shots).order_by(shots.c.number).limit(limit)
+        if campaign is not None:
+            query = query.where(shots.c.campaign == campaign)
+        if state is not None:
+            query = query.where(shots.c.state == state)
+        with self._database.reading() as connection:
+            if after is not None:
+                query = query.where(shots.c.number > _one(connection, after).number)
+            return [_record(row) for row in connection.execute(query)]
+
+    def last(self) -> ShotRecord | None:
+        """Return the shot accepted last, or None."""
+        query = select(shots).order_by(shots.c.number.desc()).limit(1)
+        with self._database.reading() as connection:
+            row = connection.execute(query).one_or_none()
+        return _record(row) if row else None
+
+    def in_states(self, states: frozenset[ShotState]) -> list[ShotRecord]:
+        """Return every shot that stands in one of these states, oldest first."""
+        query = select(shots).where(shots.c.state.in_(states)).order_by(shots.c.number)
+        with self._database.reading() as connection:
+            return [_record(row) for row in connection.execute(query)]
+
+
+def _claimed(connection: Connection, key: str, body_hash: str) -> ShotRecord | None:
+    query = (
+        select(shots, idempotency_keys.c.body_hash)
+        .join(idempotency_keys, idempotency_keys.c.shot == shots.c.number)
+        .where(idempotency_keys.c.key == key)
+    )
+    row = connection.execute(query).one_or_none()
+    if row is None:
+        return None
+    record = _record(row)
+    if row.body_hash != body_hash:
+        raise KeyReusedError(
+            "the idempotency key was used with another body",
+            value=repr(key),
+            todo="take a fresh key for a fresh shot",
+            shot=record.id,
+        )
+    if record.outcome is None:
+        raise KeyRunningError(
+            "the shot of this idempotency key has not ended",
+            value=repr(key),
+            todo="ask for the shot until it has ended",
+            shot=record.id,
+        )
+    return record
+
+
+def _created(connection: Connection, number: int, new: NewShot) -> ShotRecord:
+    name = f"{new.accepted_at:%Y%m%d}-{number:06d}"
+    connection.execute(
+        insert(shots).values(
+            number=number,
+            id=name,
+            state=ShotState.ACCEPTED,
+            fired=Fired.NO,
+            settings=new.settings.model_dump_json(),
+            campaign=new.campaign,
+            note=new.note,
+            actor=new.actor,
+            simulated=int(new.simulated),
+            configuration=new.configuration,
+            accepted_at=new.accepted_at.isoformat(),
+        )
+    )
+    return _one(connection, name)
+
+
+def _one(connection: Connection, shot: str) -> ShotRecord:
+    row = connection.execute(select(shots).where(shots.c.id == shot)).one_or_none()
+    if row is None:
+        raise NotFoundError("no such shot", value=repr(shot), todo="list the shots")
+    return _record(row)
+
+
+def _columns(change: Change) -> list[tuple[str, object]]:
+    values = ((name, getattr(change, name)) for name in Change.__slots__)
+    return [(name, v.isoformat() if isinstance(v, datetime) else v) for name, v in values]
+
+
+def _moment(text: str | None) -> datetime | None:
+    return None if text is None else datetime.fromisoformat(text)
+
+
+def _record(row: Row[Any]) -> ShotRecord:
+    return ShotRecord(
+        id=row.id,
+        number=row.number,
+        state=ShotState(row.state),
+        outcome=None if row.outcome is None else ShotState(row.outcome),
+        fired=Fired(row.fired),
+        settings=ShotSettings.model_validate_json(row.settings),
+        campaign=row.campaign,
+        note=row.note,
+        actor=row.actor,
+        simulated=bool(row.simulated),
+        configuration=row.configuration,
+        accepted_at=datetime.fromisoformat(row.accepted_at),
+        fired_at=_moment(row.fired_at),
+        ended_at=_moment(row.ended_at),
+        frames=row.frames,
+        lost=row.lost,
+        failure=row.failure,
+        failure_code=row.failure_code,
+        results=row.results,
+    )

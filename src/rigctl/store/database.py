@@ -1,0 +1,126 @@
+"""The SQLite file: durable settings, one writer at a time, and errors in words."""
+
+from __future__ import annotations
+
+import sqlite3
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from sqlalchemy import Connection, Engine, create_engine, event
+from sqlalchemy.exc import SQLAlchemyError
+
+from rigctl.errors import StoreError
+from rigctl.store import schema
+
+_TODO = {
+    "locked": "end the program that holds the file, then arm again",
+    "full": "free disk space, then arm again",
+    "readonly": "give the daemon write access to the file and its folder",
+    "unable to open": "give the daemon write access to the folder",
+    "malformed": "restore the file from a backup; the shot folders are whole without it",
+    "not a database": "name another store folder, or restore the file from a backup",
+}
+
+
+class Database:
+    """One SQLite file in write-ahead mode, every commit forced to disk (synchronous FULL).
+
+    Write-ahead logging does not work on network file systems: keep the store on a local disk.
+
+    Raises
+    ------
+    StoreError
+        The file cannot be opened, or a later version of this program wrote it.
+    """
+
+    def __init__(self, path: Path, busy_timeout_s: float = 5.0) -> None:
+        self.path = path
+        self._engine = _engine(path, busy_timeout_s)
+        try:
+            self._create_or_refuse()
+        except BaseException:
+            self.close()
+            raise
+
+    @contextmanager
+    def writing(self) -> Iterator[Connection]:
+        """Hold the write lock from the first statement; commit at the end, or change nothing.
+
+        Raises
+        ------
+        StoreError
+            The lock was not had within the busy time-out, or the disk refused.
+        """
+        with self._in_words(), self._engine.begin() as connection:
+            yield connection
+
+    @contextmanager
+    def reading(self) -> Iterator[Connection]:
+        """Read one consistent state without waiting for a writer.
+
+        Raises
+        ------
+        StoreError
+            The file cannot be read.
+        """
+        reader = self._engine.execution_options(reading=True)
+        with self._in_words(), reader.begin() as connection:
+            yield connection
+
+    def check(self) -> None:
+        """Commit one row to prove that commits come through; raise `StoreError` if they do not."""
+        with self.writing() as connection:
+            connection.exec_driver_sql(
+                "INSERT OR REPLACE INTO probe (id, monotonic_s) VALUES (1, ?)", (time.monotonic(),)
+            )
+
+    def close(self) -> None:
+        """Close every connection. Safe to call twice."""
+        self._engine.dispose()
+
+    def _create_or_refuse(self) -> None:
+        with self.writing() as connection:
+            version = connection.exec_driver_sql("PRAGMA user_version").scalar_one()
+            if version > schema.SCHEMA_VERSION:
+                raise StoreError(
+                    "was written by a later version of this program",
+                    part=str(self.path),
+                    value=f"schema {version}",
+                    limit=f"schema {schema.SCHEMA_VERSION}",
+                    todo="install the later version, or name another store folder",
+                )
+            if version == 0:
+                schema.metadata.create_all(connection)
+                for statement in schema.APPEND_ONLY:
+                    connection.exec_driver_sql(statement)
+                connection.exec_driver_sql(f"PRAGMA user_version = {schema.SCHEMA_VERSION}")
+
+    @contextmanager
+    def _in_words(self) -> Iterator[None]:
+        try:
+            yield
+        except (SQLAlchemyError, sqlite3.Error) as error:
+            cause = str(getattr(error, "orig", None) or error)
+            todo = next((text for word, text in _TODO.items() if word in cause), None)
+            raise StoreError(cause, part=str(self.path), todo=todo) from error
+
+
+def _engine(path: Path, busy_timeout_s: float) -> Engine:
+    engine = create_engine(f"sqlite:///{path}", connect_args={"timeout": busy_timeout_s})
+
+    @event.listens_for(engine, "connect")
+    def _configure(connection: Any, _record: object) -> None:  # noqa: ANN401
+        # The driver would begin a transaction only at the first change, too late for a claim.
+        connection.isolation_level = None
+        for pragma in ("journal_mode = WAL", "synchronous = FULL", "foreign_keys = ON"):
+            connection.execute(f"PRAGMA {pragma}")
+
+    @event.listens_for(engine, "begin")
+    def _begin(connection: Connection) -> None:
+        reading = connection.get_execution_options().get("reading", False)
+        connection.exec_driver_sql("BEGIN" if reading else "BEGIN IMMEDIATE")
+
+    return engine

@@ -1,0 +1,210 @@
+"""One folder for each shot: raw frames and manifest never change, results are only added.
+
+::
+
+    shots/20260131/20260131-000042/frames.npy         uint8, shape (frames, rows, columns)
+                                   manifest.json      settings, times, digests, with units
+                                   result-0001.json   one for each analysis
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import re
+import shutil
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rigctl.cameras.frames import FrameSequence
+from rigctl.errors import NotFoundError, StoreError
+from rigctl.store.durable import make_folders, sync_folder, write_synced
+
+_NAME = re.compile(r"\d{8}-\d{6,}")
+_PARTIAL = ".partial"
+
+
+class ShotFolders:
+    """The folders below `root`/shots."""
+
+    def __init__(self, root: Path) -> None:
+        self._shots = root / "shots"
+
+    def folder(self, shot: str) -> Path:
+        """Return where a shot's files are, or will be; raise `NotFoundError` for no shot's name."""
+        if not _NAME.fullmatch(shot):
+            raise NotFoundError("no such shot", value=repr(shot), todo="list the shots")
+        return self._shots / shot.partition("-")[0] / shot
+
+    def write(self, shot: str, frames: FrameSequence, manifest: Mapping[str, Any]) -> Path:
+        """Write a shot's frames and manifest; return the folder once all of it is on disk.
+
+        The folder is filled under another name, forced to disk, renamed, and its parent forced
+        to disk. The manifest gains the entry `frames`.
+
+        Raises
+        ------
+        StoreError
+            The shot's folder exists, or the disk refused; nothing is left behind.
+        """
+        target = self.folder(shot)
+        partial = target.with_name(f".{shot}{_PARTIAL}")
+        with _in_words(shot, target):
+            if target.exists():
+                raise FileExistsError(0, "the shot's folder exists already")
+            make_folders(target.parent)
+            try:
+                partial.mkdir()
+                _fill(partial, frames, manifest)
+                partial.rename(target)
+                sync_folder(target.parent)
+            finally:
+                shutil.rmtree(partial, ignore_errors=True)
+        return target
+
+    def manifest(self, shot: str) -> dict[str, Any]:
+        """Return a shot's manifest; raise `NotFoundError` where no frames were stored."""
+        path = self.folder(shot) / "manifest.json"
+        with _in_words(shot, path):
+            document: dict[str, Any] = json.loads(path.read_bytes())
+        return document
+
+    def frames(self, shot: str) -> FrameSequence:
+        """Return a shot's frames, as they came from the source.
+
+        Raises
+        ------
+        NotFoundError
+            No frames were stored.
+        StoreError
+            The frames are not those that the manifest's digest was taken of.
+        """
+        path = self.folder(shot) / "frames.npy"
+        about = self.manifest(shot)["frames"]
+        with _in_words(shot, path):
+            found = _sha256(path)
+            if found != about["sha256"]:
+                raise StoreError(
+                    "the frames on disk are not those that were recorded",
+                    part=str(path),
+                    value=f"sha256 {found[:12]}",
+                    limit=f"sha256 {about['sha256'][:12]}",
+                    todo="restore the folder from a backup",
+                    shot=shot,
+                )
+            pixels: NDArray[np.uint8] = np.load(path, allow_pickle=False)
+        return FrameSequence(
+            pixels=pixels,
+            times_s=np.array(about["times_s"], dtype=np.float64),
+            sequence=np.array(about["sequence"], dtype=np.int64),
+            lost=tuple(about["lost"]),
+            source=about["source"],
+        )
+
+    def is_whole(self, shot: str) -> bool:
+        """Say whether frames and manifest are there and the frames match their digest."""
+        try:
+            self.frames(shot)
+        except (NotFoundError, StoreError):
+            return False
+        return True
+
+    def add_result(self, shot: str, result: Mapping[str, Any]) -> int:
+        """Write a result beside those there are; return its number, counted from 1.
+
+        Raises
+        ------
+        NotFoundError
+            No frames were stored.
+        StoreError
+            The disk refused, or the result holds a number that is not finite.
+        """
+        folder = self.folder(shot)
+        partial = folder / f".result{_PARTIAL}"
+        with _in_words(shot, folder):
+            text = json.dumps(result, allow_nan=False, indent=1).encode()
+            partial.unlink(missing_ok=True)
+            write_synced(partial, lambda file: file.write(text))
+            number = max(map(_number, _results(folder)), default=0) + 1
+            # A link, unlike a rename, refuses to take the place of a file that is there.
+            os.link(partial, folder / f"result-{number:04d}.json")
+            partial.unlink()
+            sync_folder(folder)
+        return number
+
+    def result(self, shot: str, number: int | None = None) -> dict[str, Any]:
+        """Return one result of a shot, the latest by default; `NotFoundError` if there is none."""
+        folder = self.folder(shot)
+        there = _results(folder)
+        chosen = [path for path in there if number is None or _number(path) == number]
+        if not chosen:
+            raise NotFoundError(
+                "has no such result", part=f"shot {shot}", todo="await its analysis"
+            )
+        with _in_words(shot, chosen[-1]):
+            document: dict[str, Any] = json.loads(chosen[-1].read_bytes())
+        return document
+
+    def remove_partial(self) -> int:
+        """Remove what a killed writer left behind; return how many there were."""
+        leftovers = list(self._shots.rglob(f".*{_PARTIAL}"))
+        for path in leftovers:
+            if path.is_dir():
+                shutil.rmtree(path, ignore_errors=True)
+            else:
+                path.unlink(missing_ok=True)
+        return len(leftovers)
+
+
+def _fill(folder: Path, frames: FrameSequence, manifest: Mapping[str, Any]) -> None:
+    def save(file: BinaryIO) -> None:
+        np.save(file, frames.pixels, allow_pickle=False)
+
+    write_synced(folder / "frames.npy", save)
+    about = {
+        "file": "frames.npy",
+        "sha256": _sha256(folder / "frames.npy"),
+        "shape": list(frames.pixels.shape),
+        "dtype": str(frames.pixels.dtype),
+        "times_s": frames.times_s.tolist(),
+        "sequence": frames.sequence.tolist(),
+        "lost": list(frames.lost),
+        "source": frames.source,
+    }
+    text = json.dumps({**manifest, "frames": about}, allow_nan=False, indent=1).encode()
+    write_synced(folder / "manifest.json", lambda file: file.write(text))
+    sync_folder(folder)
+
+
+def _sha256(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def _results(folder: Path) -> list[Path]:
+    return sorted(folder.glob("result-*.json"), key=_number)
+
+
+def _number(path: Path) -> int:
+    return int(path.stem.removeprefix("result-"))
+
+
+@contextmanager
+def _in_words(shot: str, path: Path) -> Iterator[None]:
+    try:
+        yield
+    except FileNotFoundError as error:
+        raise NotFoundError(
+            "has no stored frames", part=f"shot {shot}", todo="ask for the shot's state"
+        ) from error
+    except (OSError, ValueError) as error:
+        what = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+        raise StoreError(
+            what, part=str(path), todo="free or repair the disk, then arm again", shot=shot
+        ) from error

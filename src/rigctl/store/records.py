@@ -1,0 +1,82 @@
+"""Rows of the catalogue as unchangeable snapshots."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from datetime import datetime
+
+from rigctl.settings import ShotSettings
+from rigctl.store.states import Fired, ShotState
+
+
+@dataclass(frozen=True, slots=True)
+class NewShot:
+    """What is known of a shot when it is accepted; `accepted_at` is UTC and dates its name."""
+
+    settings: ShotSettings
+    campaign: str | None
+    note: str | None
+    actor: str
+    simulated: bool
+    configuration: str
+    accepted_at: datetime
+
+
+@dataclass(frozen=True, slots=True)
+class ShotRecord:
+    """One shot as the catalogue has it.
+
+    Attributes
+    ----------
+    id, number
+        `YYYYMMDD-NNNNNN` (UTC date and number); the number rises through restarts and is the
+        sequence number that the trigger is given.
+    state, outcome
+        Where the shot stands, and the state in which the rig left it (None: still running).
+        The outcome is the stored answer of its idempotency key and never changes.
+    configuration
+        SHA-256 of the configuration it was fired under.
+    frames, lost
+        Frames stored, and pictures that the source skipped; None before `stored`.
+    failure, failure_code
+        Why it did not come through, in one sentence, with the error's stable code.
+    results
+        How many results its folder holds.
+    """
+
+    id: str
+    number: int
+    state: ShotState
+    outcome: ShotState | None
+    fired: Fired
+    settings: ShotSettings
+    campaign: str | None
+    note: str | None
+    actor: str
+    simulated: bool
+    configuration: str
+    accepted_at: datetime
+    fired_at: datetime | None
+    ended_at: datetime | None
+    frames: int | None
+    lost: int | None
+    failure: str | None
+    failure_code: str | None
+    results: int
+
+
+@dataclass(frozen=True, slots=True)
+class JournalEntry:
+    """One transition of the rig: who moved it from where to where, when (UTC) and why.
+
+    `digest` closes the entry: the SHA-256 of the entry before it and of all its own fields.
+    """
+
+    number: int
+    at: datetime
+    before: str
+    after: str
+    actor: str
+    reason: str
+    shot: str | None
+    digest: str

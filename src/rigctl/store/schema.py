@@ -1,0 +1,82 @@
+"""Tables of the catalogue, and the version that this program can read."""
+
+from __future__ import annotations
+
+from sqlalchemy import REAL, CheckConstraint, Column, ForeignKey, Integer, MetaData, Table, Text
+
+from rigctl.store.states import Fired, ShotState
+
+SCHEMA_VERSION = 1
+
+metadata = MetaData()
+
+
+def _one_of(column: str, words: type[ShotState] | type[Fired]) -> CheckConstraint:
+    listed = ", ".join(f"'{word}'" for word in words)
+    return CheckConstraint(f"{column} IN ({listed})", name=f"{column}_is_known")
+
+
+shots = Table(
+    "shots",
+    metadata,
+    Column("number", Integer, primary_key=True),
+    Column("id", Text, nullable=False, unique=True),
+    Column("state", Text, nullable=False, index=True),
+    Column("outcome", Text),
+    Column("fired", Text, nullable=False),
+    Column("settings", Text, nullable=False),
+    Column("campaign", Text, index=True),
+    Column("note", Text),
+    Column("actor", Text, nullable=False),
+    Column("simulated", Integer, nullable=False),
+    Column("configuration", Text, nullable=False),
+    Column("accepted_at", Text, nullable=False),
+    Column("fired_at", Text),
+    Column("ended_at", Text),
+    Column("frames", Integer),
+    Column("lost", Integer),
+    Column("failure", Text),
+    Column("failure_code", Text),
+    Column("results", Integer, nullable=False, server_default="0"),
+    _one_of("state", ShotState),
+    _one_of("fired", Fired),
+    sqlite_strict=True,
+)
+
+idempotency_keys = Table(
+    "idempotency_keys",
+    metadata,
+    Column("key", Text, primary_key=True),
+    Column("body_hash", Text, nullable=False),
+    Column("shot", Integer, ForeignKey("shots.number"), nullable=False),
+    sqlite_strict=True,
+)
+
+transitions = Table(
+    "transitions",
+    metadata,
+    Column("number", Integer, primary_key=True),
+    Column("at", Text, nullable=False),
+    Column("before", Text, nullable=False),
+    Column("after", Text, nullable=False),
+    Column("actor", Text, nullable=False),
+    Column("reason", Text, nullable=False),
+    Column("shot", Text, ForeignKey("shots.id")),
+    Column("digest", Text, nullable=False),
+    sqlite_strict=True,
+)
+
+probe = Table(
+    "probe",
+    metadata,
+    Column("id", Integer, primary_key=True),
+    Column("monotonic_s", REAL, nullable=False),
+    sqlite_strict=True,
+)
+
+APPEND_ONLY = tuple(
+    f"CREATE TRIGGER transitions_no_{act.lower()} BEFORE {act} ON transitions "
+    "BEGIN SELECT RAISE(ABORT, 'transitions are append-only'); END"
+    for act in ("UPDATE", "DELETE")
+)
+"""Triggers that keep the audit as it was written."""

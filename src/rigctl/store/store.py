@@ -1,0 +1,173 @@
+"""Everything that survives, behind one object that one daemon owns."""
+
+from __future__ import annotations
+
+import errno
+import fcntl
+import os
+import shutil
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+from rigctl.cameras.frames import FrameSequence
+from rigctl.errors import StoreError
+from rigctl.store.catalogue import Catalogue, Change
+from rigctl.store.database import Database
+from rigctl.store.durable import make_folders
+from rigctl.store.folders import ShotFolders
+from rigctl.store.journal import Journal
+from rigctl.store.listeners import Listeners
+from rigctl.store.records import NewShot, ShotRecord
+from rigctl.store.states import ShotState
+
+
+def _free_bytes(folder: Path) -> int:
+    return shutil.disk_usage(folder).free
+
+
+class Store:
+    """Catalogue, audit and shot folders below one folder.
+
+    One process owns it at a time: a second would take the first one's running shots for shots
+    left over from a crash.
+
+    Parameters
+    ----------
+    folder
+        Created if it is absent.
+    busy_timeout_s
+        Longest wait for another program's lock on the catalogue, s.
+    free_bytes
+        How the free space of a folder is measured.
+
+    Raises
+    ------
+    StoreError
+        The folder cannot be written, another process owns it, or a later version wrote it.
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        *,
+        busy_timeout_s: float = 5.0,
+        free_bytes: Callable[[Path], int] = _free_bytes,
+    ) -> None:
+        self.path = folder.absolute()
+        self.listeners: Listeners[ShotRecord] = Listeners()
+        self._free_bytes = free_bytes
+        self._owned = _own(self.path)
+        try:
+            self._database = Database(self.path / "catalogue.db", busy_timeout_s)
+        except BaseException:
+            os.close(self._owned)
+            raise
+        self.catalogue = Catalogue(self._database)
+        self.journal = Journal(self._database)
+        self.folders = ShotFolders(self.path)
+
+    def accept(
+        self, key: str, body_hash: str, describe: Callable[[], NewShot]
+    ) -> tuple[ShotRecord, bool]:
+        """Claim a key and create its shot; as `Catalogue.accept`."""
+        record, known = self.catalogue.accept(key, body_hash, describe)
+        if not known:
+            self.listeners.tell(record)
+        return record, known
+
+    def move(self, shot: str, to: ShotState, change: Change | None = None) -> ShotRecord:
+        """Give a shot its next state, durably; as `Catalogue.move`. Listeners are told."""
+        record = self.catalogue.move(shot, to, change)
+        self.listeners.tell(record)
+        return record
+
+    def keep_frames(
+        self, shot: str, frames: FrameSequence, manifest: Mapping[str, Any], change: Change
+    ) -> ShotRecord:
+        """Write a shot's folder and only then its row; as `ShotFolders.write`."""
+        self.folders.write(shot, frames, manifest)
+        return self.move(shot, ShotState.STORED, change)
+
+    def shot(self, shot: str) -> ShotRecord:
+        """Return one shot; raise `NotFoundError` if there is none of that name."""
+        return self.catalogue.shot(shot)
+
+    def shots(
+        self,
+        *,
+        campaign: str | None = None,
+        state: ShotState | None = None,
+        limit: int = 100,
+        after: str | None = None,
+    ) -> list[ShotRecord]:
+        """Return shots, oldest first; as `Catalogue.shots`."""
+        return self.catalogue.shots(campaign=campaign, state=state, limit=limit, after=after)
+
+    def frames(self, shot: str) -> FrameSequence:
+        """Return a shot's frames; as `ShotFolders.frames`."""
+        return self.folders.frames(shot)
+
+    def result(self, shot: str, number: int | None = None) -> dict[str, Any]:
+        """Return a shot's latest result, or the one of that number; as `ShotFolders.result`."""
+        return self.folders.result(shot, number)
+
+    def free_mb(self) -> float:
+        """Return the free space of the store's file system in 10^6 bytes.
+
+        Raises
+        ------
+        StoreError
+            The folder went away.
+        """
+        try:
+            return self._free_bytes(self.path) / 1e6
+        except OSError as error:
+            raise _refused(self.path, error) from error
+
+    def check(self) -> None:
+        """Write to folder and catalogue to prove that both take it; raise `StoreError` if not."""
+        probe = self.path / ".probe"
+        try:
+            with probe.open("wb") as file:
+                file.write(bytes(4096))
+                file.flush()
+                os.fsync(file.fileno())
+            probe.unlink()
+        except OSError as error:
+            raise _refused(self.path, error) from error
+        self._database.check()
+
+    def close(self) -> None:
+        """Close the catalogue and give up the folder. Safe to call twice."""
+        self._database.close()
+        if self._owned >= 0:
+            os.close(self._owned)
+            self._owned = -1
+
+
+def _own(folder: Path) -> int:
+    descriptor = -1
+    try:
+        make_folders(folder)
+        descriptor = os.open(folder / "store.lock", os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError as error:
+        if descriptor >= 0:
+            os.close(descriptor)
+        raise _refused(folder, error) from error
+    return descriptor
+
+
+def _refused(folder: Path, error: OSError) -> StoreError:
+    if error.errno == errno.EWOULDBLOCK:
+        return StoreError(
+            "another process owns the store",
+            part=str(folder),
+            todo="end the other daemon, or name another store folder",
+        )
+    return StoreError(
+        f"cannot be written: {error.strerror or error}",
+        part=str(folder),
+        todo="free disk space or correct the folder's rights, then arm again",
+    )
