@@ -1,0 +1,234 @@
+"""The laboratory: every simulated device on its port, wired to one another and to the world."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from simulators.ektapro.digitiser import Digitiser
+from simulators.ektapro.faults import FrameFault, FrameFaults
+from simulators.ektapro.link import Link
+from simulators.ektapro.processor import Processor
+from simulators.options import Options, read_options
+from simulators.wire.alicat import PressureRegulator
+from simulators.wire.faults import SerialDevice, SerialFaults
+from simulators.wire.framing import Framing, Lines
+from simulators.wire.hid_relay import HidRelay, HidRelayBackend
+from simulators.wire.lcus import LcusFrames, LcusRelay
+from simulators.wire.pty_port import PtyPort
+from simulators.wire.trigger_box import Pulses, TriggerBox
+from simulators.wire.zaber import ZaberStage
+from simulators.world import Launch, World, WorldDescription
+
+RELAY_CHANNELS = 2
+CUT_OFF_CHANNEL = 1
+REMOTE_TRIGGER_CHANNEL = 1
+STUCK, UNPLUG, PLUG_IN, NEVER_STARTS = "stuck", "unplug", "plug-in", "never-starts"
+
+
+@dataclass(frozen=True, slots=True)
+class _SerialDevice:
+    """What a fault needs of a device on a port."""
+
+    port: PtyPort
+    faults: SerialFaults
+    stick: Callable[[bool], None]
+
+
+class Laboratory:
+    """Five devices on ports, a relay on USB, and the world that they act on.
+
+    Parameters
+    ----------
+    folder
+        Gets the ports' names, `capture` and `truth`.
+    options
+        See `Options`.
+    world
+        What the outputs fire and the recorder sees.
+    clock
+        Laboratory time in seconds, shared by every device and the world.
+
+    Notes
+    -----
+    Power-on state: actuators without power (the cut-off relay is off), regulators at 0 kPa, the
+    slide without reference, an empty tape. Any thread may call.
+    """
+
+    def __init__(
+        self, folder: Path, options: Options, world: World, clock: Callable[[], float]
+    ) -> None:
+        self._folder, self._world, self._clock = folder, world, clock
+        self._regulator = PressureRegulator(clock, lag_s=options.pressure_lag_s)
+        self._stage = ZaberStage(clock, options.slide_speed_mm_per_s)
+        self._box = TriggerBox(clock, self._fire)
+        self._cut_off = LcusRelay(RELAY_CHANNELS, self._switch_power)
+        self._recorder = Processor(clock, options.run_up_s)
+        self._frame_faults = FrameFaults()
+        self._digitiser = Digitiser(folder / "capture", world.picture, self._frame_faults)
+        link = Link(self._recorder, self._digitiser.start)
+        self._relay = HidRelay(RELAY_CHANNELS, self._switch_contact)
+        self._usb = HidRelayBackend(self._relay)
+        self._devices: dict[str, _SerialDevice] = {}
+        self._connect("trigger", Lines(b"\n"), self._box.answer, self._box.stick)
+        self._connect("regulator", Lines(b"\r"), self._regulator.answer, self._regulator.stick)
+        self._connect("slide", Lines(b"\n"), self._stage.answer, self._stage.stick)
+        self._connect("cut-off", LcusFrames(), self._cut_off.answer, self._cut_off.stick)
+        self._connect("recorder", Lines(b"\n"), link.answer, self._recorder.stick)
+
+    @property
+    def fires(self) -> int:
+        """How many fires reached the world: the oracle of every at-most-once test."""
+        return self._world.fires
+
+    @property
+    def truth_folder(self) -> Path:
+        """Where the world writes what really happened; the daemon never reads it."""
+        return self._folder / "truth"
+
+    def port(self, role: str) -> str:
+        """Return what a host opens for a role: a device's path, or the capture folder.
+
+        Raises
+        ------
+        ValueError
+            The laboratory has no such role.
+        """
+        if role == "capture":
+            return str(self._folder / "capture")
+        if role not in self._devices:
+            roles = ", ".join([*self._devices, "capture"])
+            raise ValueError(f"the simulated laboratory has no {role!r}; it has {roles}")
+        return self._devices[role].port.path
+
+    def usb_backend(self) -> HidRelayBackend:
+        """Return the bus with the relay, whose channel 1 is the recorder's remote trigger."""
+        return self._usb
+
+    def fault(
+        self,
+        device: str,
+        kind: str,
+        *,
+        times: int | None = None,
+        delay_s: float = 0.2,
+        command: str = "",
+        frames: int = 1,
+    ) -> None:
+        """Make a device misbehave from now on.
+
+        Parameters
+        ----------
+        device
+            `trigger`, `regulator`, `slide`, `cut-off`, `recorder` or `relay`.
+        kind
+            Of every device: `stuck`. Of those on a port: a `SerialFault`, `unplug`, `plug-in`.
+            Of the recorder: a `FrameFault` or `never-starts`. Of the relay: a `UsbFault`.
+        times
+            How many commands or transfers it strikes; None: until `clear_faults`.
+        delay_s, command
+            See `SerialFaults.set`.
+        frames
+            See `FrameFaults.set`.
+
+        Raises
+        ------
+        ValueError
+            No such device, kind, or number.
+        """
+        if device == "relay":
+            self._fault_relay(kind, times)
+        elif device not in self._devices:
+            names = ", ".join([*self._devices, "relay"])
+            raise ValueError(f"no device {device!r}; there are {names}")
+        elif device == "recorder" and kind in set(FrameFault):
+            self._frame_faults.set(kind, times=times, frames=frames)
+        elif kind == UNPLUG:
+            self._devices[device].port.unplug()
+        elif kind == PLUG_IN:
+            self._devices[device].port.plug_in()
+        elif kind == (NEVER_STARTS if device == "recorder" else STUCK):
+            self._devices[device].stick(True)
+        else:
+            faults = self._devices[device].faults
+            faults.set(kind, times=times, delay_s=delay_s, command=command)
+
+    def clear_faults(self) -> None:
+        """Remove every fault, let go whatever is stuck and plug in whatever is unplugged."""
+        for device in self._devices.values():
+            device.faults.clear()
+            device.stick(False)
+            device.port.plug_in()
+        self._frame_faults.clear()
+        self._relay.stick(False)
+        self._usb.clear()
+
+    def state(self) -> dict[str, object]:
+        """Return how things stand in the laboratory, for people and tests."""
+        now = self._clock()
+        return {
+            "fires": self.fires,
+            "pressure_a_kpa": self._regulator.pressure_kpa("A", now),
+            "pressure_b_kpa": self._regulator.pressure_kpa("B", now),
+            "offset_mm": self._stage.position_mm(now),
+            "powered": self._cut_off.is_on(CUT_OFF_CHANNEL),
+            "recorder": str(self._recorder.status().mode),
+        }
+
+    def close(self) -> None:
+        """Unplug everything and stop every thread. Safe to call twice."""
+        for device in self._devices.values():
+            device.port.close()
+        self._digitiser.close()
+
+    def _connect(
+        self,
+        role: str,
+        framing: Framing,
+        answer: Callable[[bytes], bytes],
+        stick: Callable[[bool], None],
+    ) -> None:
+        faults = SerialFaults()
+        port = PtyPort(SerialDevice(framing, answer, faults).receive, self._folder / role)
+        self._devices[role] = _SerialDevice(port, faults, stick)
+
+    def _fault_relay(self, kind: str, times: int | None) -> None:
+        if kind == STUCK:
+            self._relay.stick(True)
+        else:
+            self._usb.fault(kind, times=times)
+
+    def _fire(self, pulses: Pulses) -> None:
+        self._world.fire(
+            Launch(
+                pressure_a_kpa=self._regulator.pressure_kpa("A", pulses.a_s),
+                pressure_b_kpa=self._regulator.pressure_kpa("B", pulses.b_s),
+                offset_m=self._stage.position_mm(pulses.a_s) * 1e-3,
+                fire_a_s=pulses.a_s,
+                fire_b_s=pulses.b_s,
+            )
+        )
+
+    def _switch_power(self, channel: int, on: bool) -> None:
+        if channel == CUT_OFF_CHANNEL:
+            self._box.power(on)
+
+    def _switch_contact(self, channel: int, closed: bool) -> None:
+        if channel == REMOTE_TRIGGER_CHANNEL:
+            self._recorder.contact(closed)
+
+
+def open_laboratory(folder: Path, options: Mapping[str, object]) -> Laboratory:
+    """Build the laboratory in a folder; the factory that a configuration names.
+
+    Raises
+    ------
+    ValueError
+        An option is unknown or outside its limits.
+    """
+    checked = read_options(options)
+    folder.mkdir(parents=True, exist_ok=True)
+    world = World(WorldDescription(), checked.seed, folder / "truth")
+    return Laboratory(folder, checked, world, time.monotonic)

@@ -1,0 +1,61 @@
+"""What a configuration may choose about the simulated laboratory."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+
+from simulators.ektapro.processor import RUN_UP_S
+from simulators.wire.alicat import LAG_S
+from simulators.wire.zaber import SPEED_MM_PER_S
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """Options of the `[simulation]` table.
+
+    Attributes
+    ----------
+    seed
+        Of every random number in the world.
+    pressure_lag_s
+        Time constant of the regulators in seconds.
+    slide_speed_mm_per_s
+        Speed of the slide.
+    run_up_s
+        Time from RECORD to the recorder's first picture in seconds.
+    """
+
+    seed: int = 1
+    pressure_lag_s: float = LAG_S
+    slide_speed_mm_per_s: float = SPEED_MM_PER_S
+    run_up_s: float = RUN_UP_S
+
+
+_LIMITS: Mapping[str, tuple[float, float]] = {
+    "seed": (0, 2**63 - 1),
+    "pressure_lag_s": (1e-4, 10.0),
+    "slide_speed_mm_per_s": (0.1, 10_000.0),
+    "run_up_s": (0.0, 10.0),
+}
+
+
+def read_options(table: Mapping[str, object]) -> Options:
+    """Check the options of a configuration.
+
+    Raises
+    ------
+    ValueError
+        An unknown option, or a value of the wrong kind or outside its limits; the option is named.
+    """
+    known = {field.name for field in fields(Options)}
+    for name, value in table.items():
+        if name not in known:
+            raise ValueError(
+                f"simulation.{name} is no option; there are {', '.join(sorted(known))}"
+            )
+        low, high = _LIMITS[name]
+        kinds = int if name == "seed" else (int, float)
+        if not isinstance(value, kinds) or isinstance(value, bool) or not low <= value <= high:
+            raise ValueError(f"simulation.{name} is {value!r}; allowed {low} to {high}")
+    return Options(**table)  # type: ignore[arg-type]  # each value was checked above
