@@ -1,0 +1,204 @@
+"""What the simulated world is made of: numbers only, with units, no behaviour beyond formulas."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True, slots=True)
+class Sphere:
+    """A homogeneous marked sphere.
+
+    Parameters
+    ----------
+    diameter_m, density_kg_per_m3
+        Size and material; a one-inch nylon sphere by default.
+    inertia_factor
+        I / (m r^2); 2/5 for a solid sphere.
+    markers
+        Number of round dark markers on the surface.
+    marker_radius_rad
+        Angular radius of a marker, seen from the centre of the sphere.
+    marker_reflectance
+        Brightness of a marker relative to the surface about it.
+    """
+
+    diameter_m: float = 0.0254
+    density_kg_per_m3: float = 1150.0
+    inertia_factor: float = 0.4
+    markers: int = 16
+    marker_radius_rad: float = 0.16
+    marker_reflectance: float = 0.3
+
+    @property
+    def radius_m(self) -> float:
+        """Radius in m."""
+        return self.diameter_m / 2.0
+
+    @property
+    def mass_kg(self) -> float:
+        """Mass in kg."""
+        return self.density_kg_per_m3 * math.pi / 6.0 * self.diameter_m**3
+
+    @property
+    def inertia_kg_m2(self) -> float:
+        """Moment of inertia about any diameter, in kg m^2."""
+        return self.inertia_factor * self.mass_kg * self.radius_m**2
+
+
+@dataclass(frozen=True, slots=True)
+class Tube:
+    """A launching tube with a pneumatic pusher, and its shot-to-shot scatter.
+
+    The sphere rests just inside the mouth, out of the camera's sight. After `valve_delay_s` the
+    pusher drives it with constant force over `stroke_m`; it then coasts, guided, until its centre
+    passes the mouth. The defaults give 1.30 m/s at 25 kPa and 2.79 m/s at 95 kPa.
+
+    Parameters
+    ----------
+    mouth_m
+        Distance of the mouth from the middle of the field, along Y.
+    height_m
+        X of the tube's axis at zero offset; negative is above the origin, so that the mean of
+        the gravity drops brings the spheres together near it.
+    piston_area_m2, stroke_m
+        The pusher's effective area and stroke.
+    friction_n
+        Constant resistance of pusher and sphere. Below `friction_n / piston_area_m2` the sphere
+        stays in the tube.
+    valve_delay_s, valve_jitter_s
+        From the electrical pulse to full pressure: mean and standard deviation.
+    speed_scatter
+        Standard deviation of the speed, relative.
+    direction_scatter_rad
+        Standard deviation of the direction, about X and about Z each.
+    position_scatter_m
+        Standard deviation of the exit point, in X and in Z each.
+    spin_scatter_rad_per_s
+        Standard deviation of each component of the spin the tube gives.
+    """
+
+    mouth_m: float = 0.0763
+    height_m: float = -0.007
+    piston_area_m2: float = 7.22e-5
+    stroke_m: float = 0.006
+    friction_n: float = 0.416
+    valve_delay_s: float = 0.001
+    valve_jitter_s: float = 5.0e-5
+    speed_scatter: float = 0.008
+    direction_scatter_rad: float = 0.004
+    position_scatter_m: float = 1.0e-4
+    spin_scatter_rad_per_s: float = 20.0
+
+
+@dataclass(frozen=True, slots=True)
+class ContactLaw:
+    """Damped Hertz contact with a tangential spring, a dashpot and Coulomb's limit.
+
+    Parameters
+    ----------
+    youngs_modulus_pa, poissons_ratio
+        Of both spheres; 3 GPa lets a contact at 1.3 to 5.6 m/s last 0.18 to 0.13 ms.
+    restitution
+        Normal restitution of a central impact; the damping follows from it (`contact.damping_ratio`)
+        and does not depend on speed.
+    friction
+        Coulomb coefficient.
+    tangential_stiffness_ratio
+        Tangential stiffness over the tangent of the Hertz force. Mindlin's value for an elastic
+        solid is 2 (1 - nu) / (2 - nu), about 0.75; the default is chosen so that rolling impacts
+        reverse the surface velocity as thesis section 7.1 found for nylon (beta0 about 0.7).
+    tangential_damping_ratio
+        Dashpot beside the tangential spring, as a fraction of critical damping.
+    """
+
+    youngs_modulus_pa: float = 3.0e9
+    poissons_ratio: float = 0.4
+    restitution: float = 0.74
+    friction: float = 0.08
+    tangential_stiffness_ratio: float = 0.15
+    tangential_damping_ratio: float = 0.05
+
+
+@dataclass(frozen=True, slots=True)
+class Environment:
+    """Gravity along +X, and still air.
+
+    The drag coefficient is that of a smooth sphere at Reynolds numbers of 2000 to 5000.
+    """
+
+    gravity_m_per_s2: float = 9.80665
+    air_density_kg_per_m3: float = 1.2
+    drag_coefficient: float = 0.4
+
+
+@dataclass(frozen=True, slots=True)
+class Lighting:
+    """How a plain sphere is lit in one view.
+
+    Grey level of the surface, before blur: background-free `brightness` times
+    (1 - `limb_darkening` (1 - cos angle to the viewer)) times (1 + `side_light` s . n), where s is
+    the unit direction `side_row`, `side_column` in the image plane and n the surface normal there.
+    """
+
+    brightness: float
+    limb_darkening: float
+    side_light: float
+    side_row: float
+    side_column: float
+
+
+@dataclass(frozen=True, slots=True)
+class Optics:
+    """Camera, mirror and light.
+
+    Integer pixel coordinates are pixel centres, (row, column) from the upper left. The front view
+    shows a point at row = front_origin[0] + scale X, column = front_origin[1] + scale Y; the
+    mirror at row = top_origin[0] - scale Z, column = top_origin[1] + scale Y.
+
+    Parameters
+    ----------
+    rows, columns
+        Size of a full frame in pixels.
+    scale_px_per_m
+        Magnification of both views (orthographic).
+    front_rows, top_rows
+        Half-open row ranges of the two views.
+    background, background_per_row, background_per_column
+        Grey level at the upper left corner and its slope.
+    blur_px
+        Standard deviation of the lens's Gaussian point spread.
+    exposure_s
+        Shutter time; a picture is the mean over it, centred on the picture's time.
+    noise_grey
+        Standard deviation of the read noise in grey levels.
+    """
+
+    rows: int = 192
+    columns: int = 240
+    scale_px_per_m: float = 1574.8
+    front_origin_px: tuple[float, float] = (132.0, 120.0)
+    top_origin_px: tuple[float, float] = (46.0, 120.0)
+    front_rows: tuple[int, int] = (88, 192)
+    top_rows: tuple[int, int] = (0, 88)
+    background: float = 33.0
+    background_per_row: float = 0.012
+    background_per_column: float = 0.045
+    front_light: Lighting = Lighting(142.0, 0.34, 0.14, -0.8, -0.6)
+    top_light: Lighting = Lighting(134.0, 0.30, 0.20, -0.5, 0.866)
+    blur_px: float = 0.8
+    exposure_s: float = 1.0e-4
+    noise_grey: float = 1.5
+
+
+@dataclass(frozen=True, slots=True)
+class WorldDescription:
+    """Everything the simulated world obeys; the defaults are the thesis's nylon rig."""
+
+    sphere_a: Sphere = field(default_factory=Sphere)
+    sphere_b: Sphere = field(default_factory=Sphere)
+    tube: Tube = field(default_factory=Tube)
+    contact: ContactLaw = field(default_factory=ContactLaw)
+    environment: Environment = field(default_factory=Environment)
+    optics: Optics = field(default_factory=Optics)

@@ -1,0 +1,208 @@
+"""Pictures of marked spheres, front view and mirror view in one frame.
+
+Each sphere is ray-cast on a grid of sub-pixels about its own image; the frame is the box average
+of the sub-pixels, blurred by the lens, averaged over the exposure, with read noise, rounded to
+8 bit. Orthographic, as the thesis assumes.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from simulators.world.description import Lighting, Optics, Sphere
+from simulators.world.disc import SUBPIXELS, Disc
+from simulators.world.rotation import matrix
+from simulators.world.state import Pose
+
+# The lens spreads light from just outside the frame into it.
+_MARGIN = 4
+_SMEAR_PER_POSE_PX = 0.35
+
+
+@dataclass(frozen=True, slots=True)
+class View:
+    """How rig axes appear in one of the two views.
+
+    `axes` (3, 3) takes a rig vector to (row, column, toward the viewer); `origin_px` is where
+    X = Y = Z = 0 appears.
+    """
+
+    axes: NDArray[np.float64]
+    origin_px: tuple[float, float]
+    light: Lighting
+
+    def centre_px(self, point: NDArray[np.float64], scale_px_per_m: float) -> tuple[float, float]:
+        """Return (row, column) of a point (3,) in m; integers are pixel centres."""
+        seen = self.axes @ point * scale_px_per_m
+        return self.origin_px[0] + float(seen[0]), self.origin_px[1] + float(seen[1])
+
+
+def front_view(optics: Optics) -> View:
+    """Return the direct view along -Z: rows down X, columns along Y."""
+    return View(np.eye(3), optics.front_origin_px, optics.front_light)
+
+
+def top_view(optics: Optics) -> View:
+    """Return the view from above in the mirror: rows against Z, columns along Y."""
+    axes = np.array([[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
+    return View(axes, optics.top_origin_px, optics.top_light)
+
+
+Poses = Callable[[float], Sequence[Pose | None]]
+
+
+class Camera:
+    """Takes pictures of spheres whose poses are known at any time.
+
+    Parameters
+    ----------
+    optics
+        Camera, mirror and light.
+    spheres
+        The two spheres.
+    markers
+        Their marker directions, (number, 3) unit vectors in body axes each.
+    """
+
+    def __init__(
+        self,
+        optics: Optics,
+        spheres: Sequence[Sphere],
+        markers: Sequence[NDArray[np.float64]],
+    ) -> None:
+        self.optics = optics
+        self._spheres = tuple(spheres)
+        self.markers = tuple(markers)
+        self._front, self._top = front_view(optics), top_view(optics)
+        self._background = _background(optics)
+
+    def expose(self, poses: Poses, time_s: float, rows: int | None = None) -> NDArray[np.float32]:
+        """Return the light on the sensor as grey levels (rows, columns), without noise.
+
+        The exposure is centred on `time_s`. Fewer rows than a full frame are those about its
+        middle (`picture_rows`).
+        """
+        first, last = picture_rows(self.optics, rows)
+        times = self._instants(poses, time_s)
+        light = np.zeros_like(self._background)
+        for time in times:
+            light += self._instant(poses(time))
+        light /= len(times)
+        blur = self.optics.blur_px
+        seen = cv2.GaussianBlur(light, (0, 0), blur) if blur > 0.0 else light
+        return np.asarray(
+            seen[_MARGIN + first : _MARGIN + last, _MARGIN:-_MARGIN], dtype=np.float32
+        )
+
+    def take(
+        self,
+        poses: Poses,
+        time_s: float,
+        rng: np.random.Generator,
+        rows: int | None = None,
+    ) -> NDArray[np.uint8]:
+        """Return the picture (rows, columns) with read noise, rounded and clipped to 8 bit."""
+        light = self.expose(poses, time_s, rows)
+        noise = rng.standard_normal(light.shape, dtype=np.float32)
+        grey = light + np.float32(self.optics.noise_grey) * noise
+        return np.clip(np.rint(grey), 0, 255).astype(np.uint8)
+
+    def _instants(self, poses: Poses, time_s: float) -> list[float]:
+        """Spread instants over the exposure, so that no image moves far between two."""
+        half = self.optics.exposure_s / 2.0
+        way_m = 0.0
+        ends = zip(poses(time_s - half), poses(time_s + half), self._spheres, strict=True)
+        for before, after, sphere in ends:
+            if before is not None and after is not None:
+                turned = 2.0 * float(np.linalg.norm(after.orientation - before.orientation))
+                moved = float(np.linalg.norm(after.centre - before.centre))
+                way_m = max(way_m, moved + turned * sphere.radius_m)
+        number = max(1, math.ceil(way_m * self.optics.scale_px_per_m / _SMEAR_PER_POSE_PX))
+        # Midpoints of equal parts: in uniform motion their mean is the pose at mid-exposure.
+        return [time_s + half * ((2 * k + 1) / number - 1.0) for k in range(number)]
+
+    def _instant(self, poses: Sequence[Pose | None]) -> NDArray[np.float32]:
+        """Return the scene at one instant, in pixels with a margin, before the lens."""
+        frame = self._background.copy()
+        discs = [disc for disc in self._discs(poses) if disc.meets(frame.shape)]
+        if not discs:
+            return frame
+        rows = slice(
+            max(min(disc.first[0] for disc in discs), 0),
+            min(max(disc.last[0] for disc in discs), frame.shape[0]),
+        )
+        columns = slice(
+            max(min(disc.first[1] for disc in discs), 0),
+            min(max(disc.last[1] for disc in discs), frame.shape[1]),
+        )
+        area = frame[rows, columns]
+        size = (area.shape[1], area.shape[0])
+        canvas = cv2.resize(
+            area, (size[0] * SUBPIXELS, size[1] * SUBPIXELS), interpolation=cv2.INTER_NEAREST
+        )
+        for disc in discs:
+            disc.paint(canvas, (rows.start, columns.start))
+        frame[rows, columns] = cv2.resize(canvas, size, interpolation=cv2.INTER_AREA)
+        return frame
+
+    def _discs(self, poses: Sequence[Pose | None]) -> list[Disc]:
+        """Return the images of the spheres in the order of painting, hidden ones first.
+
+        In the mirror the higher sphere hides the lower one, in the direct view the nearer the
+        farther; and the direct view covers the mirror, which stands behind the spheres.
+        """
+        seen = [
+            (pose, sphere, markers)
+            for pose, sphere, markers in zip(poses, self._spheres, self.markers, strict=True)
+            if pose is not None
+        ]
+        discs = []
+        for view in (self._top, self._front):
+            for pose, sphere, markers in sorted(
+                seen, key=lambda item: float(view.axes[2] @ item[0].centre)
+            ):
+                row, column = view.centre_px(pose.centre, self.optics.scale_px_per_m)
+                discs.append(
+                    Disc(
+                        centre=(row + _MARGIN, column + _MARGIN),
+                        radius=sphere.radius_m * self.optics.scale_px_per_m,
+                        markers=markers @ (view.axes @ matrix(pose.orientation)).T,
+                        marker_radius_rad=sphere.marker_radius_rad,
+                        marker_reflectance=sphere.marker_reflectance,
+                        light=view.light,
+                    )
+                )
+        return discs
+
+
+def picture_rows(optics: Optics, rows: int | None = None) -> tuple[int, int]:
+    """Return the half-open range of the full frame's rows that a picture of `rows` rows shows.
+
+    A frame of the EktaPro 1000 is split into 1, 2, 3, 4 or 6 pictures; each shows the rows about
+    the middle of the frame (thesis appendix A; that they are the middle ones is our choice).
+
+    Raises
+    ------
+    ValueError
+        `rows` is none of 192, 96, 64, 48, 32 (for a frame of 192 rows).
+    """
+    allowed = [optics.rows // number for number in (1, 2, 3, 4, 6)]
+    if rows is None:
+        rows = optics.rows
+    if rows not in allowed:
+        raise ValueError(f"a picture has one of {allowed} rows, asked for {rows}")
+    first = (optics.rows - rows) // 2
+    return first, first + rows
+
+
+def _background(optics: Optics) -> NDArray[np.float32]:
+    rows = np.arange(-_MARGIN, optics.rows + _MARGIN)[:, None]
+    columns = np.arange(-_MARGIN, optics.columns + _MARGIN)[None, :]
+    plane = optics.background + optics.background_per_row * rows
+    return np.asarray(plane + optics.background_per_column * columns, dtype=np.float32)
