@@ -25,6 +25,7 @@ from simulators.world import Launch, World, WorldDescription
 RELAY_CHANNELS = 2
 CUT_OFF_CHANNEL = 1
 REMOTE_TRIGGER_CHANNEL = 1
+ROLES = ("trigger", "regulator", "slide", "cut-off", "recorder", "capture")
 STUCK, UNPLUG, PLUG_IN, NEVER_STARTS = "stuck", "unplug", "plug-in", "never-starts"
 
 
@@ -99,8 +100,7 @@ class Laboratory:
         if role == "capture":
             return str(self._folder / "capture")
         if role not in self._devices:
-            roles = ", ".join([*self._devices, "capture"])
-            raise ValueError(f"the simulated laboratory has no {role!r}; it has {roles}")
+            raise ValueError(f"the simulated laboratory has no {role!r}; it has {', '.join(ROLES)}")
         return self._devices[role].port.path
 
     def usb_backend(self) -> HidRelayBackend:
@@ -164,6 +164,10 @@ class Laboratory:
         self._frame_faults.clear()
         self._relay.stick(False)
         self._usb.clear()
+
+    def move_contact(self, closed: bool) -> None:
+        """Close or open the recorder's remote trigger by hand, without the relay."""
+        self._recorder.contact(closed)
 
     def state(self) -> dict[str, object]:
         """Return how things stand in the laboratory, for people and tests."""

@@ -10,6 +10,8 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
+from simulators.wire.faults import require_count
+
 
 class FrameFault(StrEnum):
     """What can go wrong between tape and capture folder.
@@ -83,10 +85,8 @@ class FrameFaults:
         """
         if kind not in set(FrameFault):
             raise ValueError(f"fault {kind!r} is none of {', '.join(FrameFault)}")
-        if times is not None and times < 1:
-            raise ValueError(f"times is {times}; a fault strikes at least once")
-        if frames < 1:
-            raise ValueError(f"frames is {frames}; a fault concerns at least one")
+        require_count("times", times)
+        require_count("frames", frames)
         with self._lock:
             self._settings.append(_Setting(FrameFault(kind), times, frames))
 

@@ -76,8 +76,7 @@ class SerialFaults:
         """
         if kind not in set(SerialFault):
             raise ValueError(f"fault {kind!r} is none of {', '.join(SerialFault)}")
-        if times is not None and times < 1:
-            raise ValueError(f"times is {times}; a fault strikes at least once")
+        require_count("times", times)
         if not 0 <= delay_s <= 60:
             raise ValueError(f"delay_s is {delay_s} s; allowed 0 to 60 s")
         with self._lock:
@@ -99,6 +98,12 @@ class SerialFaults:
                             self._settings.remove(setting)
                     return setting.kind, setting.delay_s
         return None
+
+
+def require_count(name: str, value: int | None) -> None:
+    """Raise `ValueError` unless the value is None or a whole number from 1 on."""
+    if value is not None and (type(value) is not int or value < 1):
+        raise ValueError(f"{name} is {value!r}; allowed are whole numbers from 1 on")
 
 
 class SerialDevice:

@@ -11,6 +11,8 @@ from types import SimpleNamespace
 import usb.backend
 import usb.core
 
+from simulators.wire.faults import require_count
+
 VENDOR, PRODUCT = 0x16C0, 0x05DF
 SERIAL = "RIG01"
 REPORT_SIZE = 8
@@ -93,8 +95,7 @@ class HidRelayBackend(usb.backend.IBackend):  # type: ignore[misc]  # pyusb has 
         """
         if kind not in set(UsbFault):
             raise ValueError(f"fault {kind!r} is none of {', '.join(UsbFault)}")
-        if times is not None and times < 1:
-            raise ValueError(f"times is {times}; a fault strikes at least once")
+        require_count("times", times)
         if kind == UsbFault.DISCONNECT:
             self._plugged = False
         else:
