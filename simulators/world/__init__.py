@@ -6,8 +6,9 @@ and rotate body axes into rig axes.
 """
 
 from simulators.world.description import WorldDescription
+from simulators.world.exchange import write_campaign
 from simulators.world.launch import Launch
-from simulators.world.shots import RenderedShot, render_shot, write_campaign
+from simulators.world.shots import RenderedShot, render_shot
 from simulators.world.world import World
 
 __all__ = [

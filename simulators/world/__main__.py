@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from simulators.world.shots import write_campaign
+from simulators.world.exchange import write_campaign
 
 
 def main() -> None:

@@ -1,29 +1,16 @@
-"""The contact of two spheres as forces integrated in time.
-
-Normal: Hertz's elastic force with Tsuji's damping, F = k d^(3/2) + c d^(1/4) d', never pulling.
-Tangential: Cundall and Strack's spring and dashpot under Coulomb's limit.
-
-References
-----------
-Tsuji, Tanaka, Ishida, Powder Technology 71 (1992) 239-250, doi:10.1016/0032-5910(92)88030-L.
-Cundall, Strack, Geotechnique 29 (1979) 47-65, doi:10.1680/geot.1979.29.1.47.
-Schwager, Poeschel, Granular Matter 9 (2007) 465-469, doi:10.1007/s10035-007-0065-z.
-"""
+"""The contact of two spheres, integrated in time from first touch to separation."""
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 from simulators.world.description import ContactLaw, Sphere
+from simulators.world.force import PairLaw, Vector
 from simulators.world.rotation import turn
 from simulators.world.state import Motion, Pose
-
-Vector = NDArray[np.float64]
 
 _STEPS_PER_CONTACT = 600
 _LONGEST_CONTACT = 4.0
@@ -53,9 +40,14 @@ class Contact:
     compression_m: float
 
     @property
-    def duration_s(self) -> float:
-        """From first touch to separation."""
-        return float(self.times_s[-1] - self.times_s[0])
+    def start_s(self) -> float:
+        """Time of the first touch."""
+        return float(self.times_s[0])
+
+    @property
+    def end_s(self) -> float:
+        """Time of the separation."""
+        return float(self.times_s[-1])
 
     def pose(self, index: int, time_s: float) -> Pose:
         """Return the pose of a (0) or b (1) during the contact."""
@@ -67,121 +59,47 @@ class Contact:
         )
 
 
-def damping_ratio(restitution: float) -> float:
-    """Return the fraction of critical damping that gives this normal restitution.
+@dataclass(frozen=True, slots=True)
+class Touch:
+    """Two spheres at the instant they first touch.
 
-    In the variable d^(5/4) the damped Hertz contact is a linear damped oscillator that ends when
-    its force vanishes, so that e = exp(-z/s (pi - atan2(2 z s, 1 - 2 z^2))), s = sqrt(1 - z^2)
-    (Schwager and Poeschel 2007), whatever the speed.
-
-    Raises
-    ------
-    ValueError
-        Restitution is not in (0.2, 1]; the law is not meant for softer impacts.
-    """
-    if not 0.2 < restitution <= 1.0:
-        raise ValueError(f"restitution must lie in (0.2, 1], found {restitution}")
-    if restitution == 1.0:
-        return 0.0
-
-    def excess(z: float) -> float:
-        s = math.sqrt(1.0 - z * z)
-        return math.exp(-z / s * (math.pi - math.atan2(2 * z * s, 1 - 2 * z * z))) - restitution
-
-    return float(brentq(excess, 0.0, 0.95, xtol=1e-14))
-
-
-class _Law:
-    """Constants of one pair of spheres, and the rates of its state.
-
-    The state (5, 3) is: position and velocity of b relative to a, spin of a, spin of b, and the
-    elongation of the tangential spring in m.
+    `outer` are the accelerations (3,) in m/s^2 by everything but the contact, which are taken as
+    constant while it lasts.
     """
 
-    def __init__(self, law: ContactLaw, a: Sphere, b: Sphere) -> None:
-        radius = a.radius_m * b.radius_m / (a.radius_m + b.radius_m)
-        modulus = law.youngs_modulus_pa / (2.0 * (1.0 - law.poissons_ratio**2))
-        self.a, self.b, self.friction = a, b, law.friction
-        self.reach = a.radius_m + b.radius_m
-        self.mass = a.mass_kg * b.mass_kg / (a.mass_kg + b.mass_kg)
-        self.stiffness = 4.0 / 3.0 * modulus * math.sqrt(radius)
-        self.damping = damping_ratio(law.restitution) * math.sqrt(5.0 * self.mass * self.stiffness)
-        mobility = 1.0 / self.mass
-        mobility += a.radius_m**2 / a.inertia_kg_m2 + b.radius_m**2 / b.inertia_kg_m2
-        self.tangential = law.tangential_stiffness_ratio * 1.5 * self.stiffness
-        self.tangential_damping = (
-            2.0 * law.tangential_damping_ratio * math.sqrt(self.tangential / mobility)
-        )
+    time_s: float
+    spheres: tuple[Sphere, Sphere]
+    motions: tuple[Motion, Motion]
+    outer: tuple[Vector, Vector]
 
-    def duration(self, speed: float) -> float:
-        """Return Hertz's duration of an undamped central contact, 2.94 x_max / v, in s."""
-        largest = (5.0 * self.mass * speed**2 / (4.0 * self.stiffness)) ** 0.4
-        return 2.94 * float(largest) / speed
+    def apart(self, state: NDArray[np.float64], since: float) -> tuple[Motion, Motion]:
+        """Return both motions from the relative state `since` seconds after the touch.
 
-    def overlap(self, state: NDArray[np.float64]) -> float:
-        """Return by how much the spheres overlap, in m; negative is a gap."""
-        return self.reach - math.sqrt(float(state[0] @ state[0]))
-
-    def rates(self, state: NDArray[np.float64], outer: Vector) -> NDArray[np.float64]:
-        """Return the time derivative of the state, and shorten its spring where it slips.
-
-        `outer` (3,) is the difference of the outer accelerations, b less a.
+        The centre of mass moves as if untouched. Orientations are those at the touch.
         """
-        position, velocity, spin_a, spin_b, _ = state
-        distance = math.sqrt(float(position @ position))
-        normal = position / distance
-        overlap = max(self.reach - distance, 0.0)
-        root = math.sqrt(overlap)
-        speed = float(velocity @ normal)
-        arm_a, arm_b = self.a.radius_m - overlap / 2.0, self.b.radius_m - overlap / 2.0
-        slip = velocity - speed * normal - cross(arm_a * spin_a + arm_b * spin_b, normal)
-        push = self.stiffness * overlap * root - self.damping * math.sqrt(root) * speed
-        push = max(push, 0.0)
-        drag = self._tangential_force(state, normal, slip, root, self.friction * push)
-        torque = cross(drag, normal)
-        return np.array(
-            [
-                velocity,
-                (push * normal + drag) / self.mass + outer,
-                arm_a / self.a.inertia_kg_m2 * torque,
-                arm_b / self.b.inertia_kg_m2 * torque,
-                slip,
-            ]
+        a, b = self.motions
+        mass_a, mass_b = (sphere.mass_kg for sphere in self.spheres)
+        share_a, share_b = mass_a / (mass_a + mass_b), mass_b / (mass_a + mass_b)
+        pull = share_a * self.outer[0] + share_b * self.outer[1]
+        velocity = share_a * a.velocity + share_b * b.velocity
+        centre = share_a * a.centre + share_b * b.centre + velocity * since + 0.5 * pull * since**2
+        velocity = velocity + pull * since
+        between, relative, spin_a, spin_b, _ = state
+        return (
+            Motion(
+                centre - share_b * between, velocity - share_b * relative, a.orientation, spin_a
+            ),
+            Motion(
+                centre + share_a * between, velocity + share_a * relative, b.orientation, spin_b
+            ),
         )
 
-    def _tangential_force(
-        self, state: NDArray[np.float64], normal: Vector, slip: Vector, root: float, limit: float
-    ) -> Vector:
-        if root == 0.0:
-            return np.zeros(3)
-        stiffness = self.tangential * root
-        spring = state[4] - float(state[4] @ normal) * normal
-        spring *= _shrink(spring, limit / stiffness)
-        state[4] = spring
-        force = -stiffness * spring - self.tangential_damping * math.sqrt(root) * slip
-        return force * _shrink(force, limit)
 
-
-def collide(
-    a: Motion,
-    b: Motion,
-    spheres: tuple[Sphere, Sphere],
-    start_s: float,
-    law: ContactLaw,
-    outer: tuple[Vector, Vector],
-    steps: int = _STEPS_PER_CONTACT,
-) -> Contact:
+def collide(touch: Touch, law: ContactLaw, steps: int = _STEPS_PER_CONTACT) -> Contact:
     """Integrate the contact of two touching spheres until they part.
 
-    Midpoint rule with steps of 1/`steps` of Hertz's duration; the spring is cut back to
-    Coulomb's limit at every evaluation, as Cundall and Strack do.
-
-    Parameters
-    ----------
-    a, b
-        Motions at first touch.
-    outer
-        Acceleration of each sphere by everything else, (3,) in m/s^2, constant over the contact.
+    Midpoint rule with steps of 1/`steps` of Hertz's duration; the tangential spring is cut back
+    to Coulomb's limit at every evaluation, as Cundall and Strack do.
 
     Raises
     ------
@@ -190,40 +108,30 @@ def collide(
     RuntimeError
         They have not parted after four times Hertz's duration.
     """
-    pair = _Law(law, *spheres)
-    position = b.centre - a.centre
-    normal = position / np.linalg.norm(position)
-    closing = -float((b.velocity - a.velocity) @ normal)
+    a, b = touch.motions
+    pair = PairLaw(law, *touch.spheres)
+    position, velocity = b.centre - a.centre, b.velocity - a.velocity
+    closing = -float(position @ velocity) / float(np.linalg.norm(position))
     if closing <= 0.0:
-        raise ValueError(f"touching spheres must approach, found {closing} m/s")
+        raise ValueError(f"touching spheres must approach each other, found {closing} m/s")
     step = pair.duration(closing) / steps
-    difference = outer[1] - outer[0]
-    state = np.array([position, b.velocity - a.velocity, a.spin, b.spin, np.zeros(3)])
+    outer = touch.outer[1] - touch.outer[0]
+    state = np.array([position, velocity, a.spin, b.spin, np.zeros(3)])
     history = [state]
     for _ in range(int(_LONGEST_CONTACT * steps)):
-        middle = state + 0.5 * step * pair.rates(state, difference)
-        state = state + step * pair.rates(middle, difference)
+        middle = state + 0.5 * step * pair.rates(state, outer)
+        state = state + step * pair.rates(middle, outer)
         history.append(state)
         if pair.overlap(state) <= 0.0:
-            return _contact(a, b, spheres, start_s, step, history, outer, pair)
+            return _contact(touch, pair, np.array(history), step)
     raise RuntimeError(
         f"spheres at {closing} m/s have not parted after {_LONGEST_CONTACT} Hertz durations"
     )
 
 
-def _contact(
-    a: Motion,
-    b: Motion,
-    spheres: tuple[Sphere, Sphere],
-    start_s: float,
-    step: float,
-    history: list[NDArray[np.float64]],
-    outer: tuple[Vector, Vector],
-    pair: _Law,
-) -> Contact:
-    states = np.array(history)
-    since = step * np.arange(len(states))
-    overlaps = pair.reach - np.linalg.norm(states[:, 0], axis=1)
+def _contact(touch: Touch, pair: PairLaw, states: NDArray[np.float64], step: float) -> Contact:
+    since = np.linspace(0.0, step * (len(states) - 1), len(states))
+    overlaps = np.array([pair.overlap(state) for state in states])
     # The last step overshoots the separation; it is cut where the overlap vanishes.
     part = overlaps[-2] / (overlaps[-2] - overlaps[-1])
     states[-1] = states[-2] + part * (states[-1] - states[-2])
@@ -232,42 +140,19 @@ def _contact(
     kept = [*range(0, len(states) - 1, _KEEP_EVERY), len(states) - 1]
     motions = []
     for index in kept:
-        motion_a, motion_b = _apart(a, b, spheres, states[index], since[index], outer)
+        a, b = touch.apart(states[index], float(since[index]))
         motions.append(
             (
-                replace(motion_a, orientation=turn(turns[index, 0], a.orientation)),
-                replace(motion_b, orientation=turn(turns[index, 1], b.orientation)),
+                replace(a, orientation=turn(turns[index, 0], a.orientation)),
+                replace(b, orientation=turn(turns[index, 1], b.orientation)),
             )
         )
     return Contact(
-        times_s=start_s + since[kept],
+        times_s=touch.time_s + since[kept],
         motions=tuple(motions),
         normal=states[0, 0] / np.linalg.norm(states[0, 0]),
         normal_after=states[-1, 0] / np.linalg.norm(states[-1, 0]),
         compression_m=float(overlaps.max()),
-    )
-
-
-def _apart(
-    a: Motion,
-    b: Motion,
-    spheres: tuple[Sphere, Sphere],
-    state: NDArray[np.float64],
-    since: float,
-    outer: tuple[Vector, Vector],
-) -> tuple[Motion, Motion]:
-    """Return both motions from the relative one: the centre of mass moves as if untouched."""
-    share_a = spheres[0].mass_kg / (spheres[0].mass_kg + spheres[1].mass_kg)
-    share_b = 1.0 - share_a
-    pull = share_a * outer[0] + share_b * outer[1]
-    velocity = share_a * a.velocity + share_b * b.velocity
-    centre = share_a * a.centre + share_b * b.centre
-    centre = centre + velocity * since + 0.5 * pull * since**2
-    velocity = velocity + pull * since
-    position, relative, spin_a, spin_b, _ = state
-    return (
-        Motion(centre - share_b * position, velocity - share_b * relative, a.orientation, spin_a),
-        Motion(centre + share_a * position, velocity + share_a * relative, b.orientation, spin_b),
     )
 
 
@@ -278,16 +163,3 @@ def _integrals(spins: NDArray[np.float64], since: NDArray[np.float64]) -> NDArra
     """
     pieces = 0.5 * (spins[1:] + spins[:-1]) * np.diff(since)[:, None, None]
     return np.concatenate([np.zeros((1, 2, 3)), np.cumsum(pieces, axis=0)])
-
-
-def cross(p: Vector, q: Vector) -> Vector:
-    """Return p x q for two (3,) vectors, far faster than the general routine."""
-    a, b, c = p.tolist()
-    d, e, f = q.tolist()
-    return np.array([b * f - c * e, c * d - a * f, a * e - b * d])
-
-
-def _shrink(vector: Vector, longest: float) -> float:
-    """Return the factor that brings a vector to at most the given length."""
-    length = math.sqrt(float(vector @ vector))
-    return 1.0 if length <= longest else longest / length

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
+from simulators.world.optics import Optics
+
 
 @dataclass(frozen=True, slots=True)
 class Sphere:
@@ -79,7 +81,7 @@ class Tube:
         Standard deviation of each component of the spin the tube gives.
     """
 
-    mouth_m: float = 0.0763
+    mouth_m: float = 0.078
     height_m: float = -0.007
     piston_area_m2: float = 7.22e-5
     stroke_m: float = 0.006
@@ -101,8 +103,8 @@ class ContactLaw:
     youngs_modulus_pa, poissons_ratio
         Of both spheres; 3 GPa lets a contact at 1.3 to 5.6 m/s last 0.18 to 0.13 ms.
     restitution
-        Normal restitution of a central impact; the damping follows from it (`contact.damping_ratio`)
-        and does not depend on speed.
+        Normal restitution of a central impact; the damping follows from it
+        (`force.damping_ratio`) and does not depend on speed.
     friction
         Coulomb coefficient.
     tangential_stiffness_ratio
@@ -131,65 +133,6 @@ class Environment:
     gravity_m_per_s2: float = 9.80665
     air_density_kg_per_m3: float = 1.2
     drag_coefficient: float = 0.4
-
-
-@dataclass(frozen=True, slots=True)
-class Lighting:
-    """How a plain sphere is lit in one view.
-
-    Grey level of the surface, before blur: background-free `brightness` times
-    (1 - `limb_darkening` (1 - cos angle to the viewer)) times (1 + `side_light` s . n), where s is
-    the unit direction `side_row`, `side_column` in the image plane and n the surface normal there.
-    """
-
-    brightness: float
-    limb_darkening: float
-    side_light: float
-    side_row: float
-    side_column: float
-
-
-@dataclass(frozen=True, slots=True)
-class Optics:
-    """Camera, mirror and light.
-
-    Integer pixel coordinates are pixel centres, (row, column) from the upper left. The front view
-    shows a point at row = front_origin[0] + scale X, column = front_origin[1] + scale Y; the
-    mirror at row = top_origin[0] - scale Z, column = top_origin[1] + scale Y.
-
-    Parameters
-    ----------
-    rows, columns
-        Size of a full frame in pixels.
-    scale_px_per_m
-        Magnification of both views (orthographic).
-    front_rows, top_rows
-        Half-open row ranges of the two views.
-    background, background_per_row, background_per_column
-        Grey level at the upper left corner and its slope.
-    blur_px
-        Standard deviation of the lens's Gaussian point spread.
-    exposure_s
-        Shutter time; a picture is the mean over it, centred on the picture's time.
-    noise_grey
-        Standard deviation of the read noise in grey levels.
-    """
-
-    rows: int = 192
-    columns: int = 240
-    scale_px_per_m: float = 1574.8
-    front_origin_px: tuple[float, float] = (132.0, 120.0)
-    top_origin_px: tuple[float, float] = (46.0, 120.0)
-    front_rows: tuple[int, int] = (88, 192)
-    top_rows: tuple[int, int] = (0, 88)
-    background: float = 33.0
-    background_per_row: float = 0.012
-    background_per_column: float = 0.045
-    front_light: Lighting = Lighting(142.0, 0.34, 0.14, -0.8, -0.6)
-    top_light: Lighting = Lighting(134.0, 0.30, 0.20, -0.5, 0.866)
-    blur_px: float = 0.8
-    exposure_s: float = 1.0e-4
-    noise_grey: float = 1.5
 
 
 @dataclass(frozen=True, slots=True)

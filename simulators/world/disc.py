@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from simulators.world.description import Lighting
+from simulators.world.optics import Lighting
 
 SUBPIXELS = 6
 """Sub-pixels along a pixel's side."""
@@ -92,7 +92,8 @@ class Disc:
 
     def _soft(self, margin: NDArray[np.float32]) -> NDArray[np.float32]:
         """Turn a distance inside an edge, in radii, into the part of a sub-pixel inside."""
-        return np.clip(margin * np.float32(self.radius * SUBPIXELS) + np.float32(0.5), 0.0, 1.0)
+        steep = margin * np.float32(self.radius * SUBPIXELS) + np.float32(0.5)
+        return np.asarray(np.clip(steep, 0.0, 1.0), dtype=np.float32)
 
     def _darken(
         self,

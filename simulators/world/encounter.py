@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
 
-from simulators.world.contact import Contact, collide
-from simulators.world.description import Sphere, WorldDescription
+from simulators.world.contact import Contact, Touch, collide
+from simulators.world.description import Environment, Sphere, WorldDescription
 from simulators.world.flight import Flight, acceleration, fly
-from simulators.world.launch import Departure, Launch, depart
-from simulators.world.state import Pose
+from simulators.world.launch import Departure, Launch, Loaded, depart
+from simulators.world.state import Motion, Pose
 
 FLIGHT_LASTS_S = 0.3
 """After this long in the air a sphere has fallen 0.4 m and is out of every view."""
@@ -66,70 +66,63 @@ def simulate(description: WorldDescription, launch: Launch, rng: np.random.Gener
     tube = description.tube
     low, high = tube.height_m + launch.offset_m / 2.0, tube.height_m - launch.offset_m / 2.0
     delay_s = launch.fire_b_s - launch.fire_a_s
-    a = depart(launch.pressure_a_kpa, high, +1.0, 0.0, description.sphere_a, tube, rng)
-    b = depart(launch.pressure_b_kpa, low, -1.0, delay_s, description.sphere_b, tube, rng)
+    tube_a = Loaded(tube, description.sphere_a, high, +1.0)
+    tube_b = Loaded(tube, description.sphere_b, low, -1.0)
+    a = depart(tube_a, launch.pressure_a_kpa, 0.0, rng)
+    b = depart(tube_b, launch.pressure_b_kpa, delay_s, rng)
     if a is not None and b is not None:
-        return _meet(description, a, b)
+        return _meet(description, (a, b))
     return Encounter(
-        _alone(description, a, description.sphere_a),
-        _alone(description, b, description.sphere_b),
+        _alone(description.environment, a, description.sphere_a),
+        _alone(description.environment, b, description.sphere_b),
         None,
     )
 
 
-def _alone(description: WorldDescription, leaving: Departure | None, sphere: Sphere) -> Path:
+def _alone(environment: Environment, leaving: Departure | None, sphere: Sphere) -> Path:
     if leaving is None:
         return Path()
     end_s = leaving.exit_s + FLIGHT_LASTS_S
-    flight = fly([leaving.exit], [sphere], leaving.exit_s, end_s, description.environment)
-    return _path(leaving, [Stretch(flight.start_s, partial(flight.pose, 0))], end_s)
+    _, stretches = _until(environment, leaving, sphere, end_s)
+    return Path(stretches, end_s)
 
 
-def _meet(description: WorldDescription, a: Departure, b: Departure) -> Encounter:
-    spheres = (description.sphere_a, description.sphere_b)
+def _until(
+    environment: Environment, leaving: Departure, sphere: Sphere, end_s: float
+) -> tuple[Motion, tuple[Stretch, ...]]:
+    """Follow one sphere through its tube and on alone to `end_s`, not before it has left."""
+    in_tube = Stretch(leaving.starts_s, leaving.at)
+    if leaving.exit_s == end_s:
+        return leaving.exit, (in_tube,)
+    flight = fly([leaving.exit], [sphere], leaving.exit_s, end_s, environment)
+    return flight.at(end_s)[0], (in_tube, Stretch(leaving.exit_s, partial(flight.pose, 0)))
+
+
+def _meet(description: WorldDescription, leaving: tuple[Departure, Departure]) -> Encounter:
     environment = description.environment
-    leaving = (a, b)
-    start_s = max(a.exit_s, b.exit_s)
+    spheres = (description.sphere_a, description.sphere_b)
+    start_s = max(leaving[0].exit_s, leaving[1].exit_s)
     end_s = start_s + FLIGHT_LASTS_S
-    initial = []
-    stretches: tuple[list[Stretch], list[Stretch]] = ([], [])
-    for one, sphere, its in zip(leaving, spheres, stretches, strict=True):
-        motion = one.exit
-        if one.exit_s < start_s:
-            ahead = fly([motion], [sphere], one.exit_s, start_s, environment)
-            its.append(Stretch(one.exit_s, partial(ahead.pose, 0)))
-            motion = ahead.at(start_s)[0]
-        initial.append(motion)
-    together = fly(initial, spheres, start_s, end_s, environment)
-    _append(stretches, start_s, together)
+    motion_a, path_a = _until(environment, leaving[0], spheres[0], start_s)
+    motion_b, path_b = _until(environment, leaving[1], spheres[1], start_s)
+    flight = fly((motion_a, motion_b), spheres, start_s, end_s, environment)
+    phases: list[Flight | Contact] = [flight]
     contact = None
-    if together.touch_s is not None:
-        touching = together.at(together.touch_s)
-        outer = [
-            acceleration(motion.velocity, sphere, environment)
-            for motion, sphere in zip(touching, spheres, strict=True)
-        ]
-        contact = collide(
-            touching[0],
-            touching[1],
-            spheres,
-            together.touch_s,
-            description.contact,
-            (outer[0], outer[1]),
-        )
-        _append(stretches, together.touch_s, contact)
-        parted_s = float(contact.times_s[-1])
-        after = fly(contact.motions[-1], spheres, parted_s, end_s, environment)
-        _append(stretches, parted_s, after)
-    return Encounter(_path(a, stretches[0], end_s), _path(b, stretches[1], end_s), contact)
+    if flight.touch_s is not None:
+        contact = collide(_touch(flight, flight.touch_s, spheres, environment), description.contact)
+        after = fly(contact.motions[-1], spheres, contact.end_s, end_s, environment)
+        phases += [contact, after]
+    return Encounter(
+        Path((*path_a, *(Stretch(it.start_s, partial(it.pose, 0)) for it in phases)), end_s),
+        Path((*path_b, *(Stretch(it.start_s, partial(it.pose, 1)) for it in phases)), end_s),
+        contact,
+    )
 
 
-def _append(
-    stretches: tuple[list[Stretch], list[Stretch]], start_s: float, phase: Flight | Contact
-) -> None:
-    for index, its in enumerate(stretches):
-        its.append(Stretch(start_s, partial(phase.pose, index)))
-
-
-def _path(leaving: Departure, stretches: Sequence[Stretch], end_s: float) -> Path:
-    return Path((Stretch(leaving.starts_s, leaving.at), *stretches), end_s)
+def _touch(
+    flight: Flight, time_s: float, spheres: tuple[Sphere, Sphere], environment: Environment
+) -> Touch:
+    a, b = flight.at(time_s)
+    pull_a = acceleration(a.velocity, spheres[0], environment)
+    pull_b = acceleration(b.velocity, spheres[1], environment)
+    return Touch(time_s, spheres, (a, b), (pull_a, pull_b))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,8 @@ from scipy.optimize import brentq
 from simulators.world.description import Environment, Sphere
 from simulators.world.rotation import turn
 from simulators.world.state import Motion, Pose
+
+Solution = Callable[[float], NDArray[np.float64]]
 
 _RELATIVE_TOLERANCE = 1e-11
 _ABSOLUTE_TOLERANCE = 1e-13
@@ -30,7 +33,7 @@ class Flight:
     end_s: float
     touch_s: float | None
     initial: tuple[Motion, ...]
-    solution: Callable[[float], NDArray[np.float64]]
+    solution: Solution
 
     def at(self, time_s: float) -> tuple[Motion, ...]:
         """Return the motion of each sphere; the spin is constant, as air takes none of it."""
@@ -93,14 +96,15 @@ def fly(
         dense_output=True,
         events=approach if pair else None,
     )
-    solution: Callable[[float], NDArray[np.float64]] = result.sol
-    closest = result.t_events[0] if pair else np.empty(0)
-    touch_s = _touch(solution, start_s, closest, spheres) if pair else None
+    solution = cast("Solution", result.sol)
+    touch_s = None
+    if pair and result.t_events is not None:
+        touch_s = _touch(solution, start_s, result.t_events[0], spheres)
     return Flight(start_s, end_s, touch_s, tuple(initial), solution)
 
 
 def _touch(
-    solution: Callable[[float], NDArray[np.float64]],
+    solution: Solution,
     start_s: float,
     closest: NDArray[np.float64],
     spheres: Sequence[Sphere],

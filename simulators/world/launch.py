@@ -67,30 +67,30 @@ def muzzle_speed(pressure_kpa: float, sphere: Sphere, tube: Tube) -> float:
     return math.sqrt(2.0 * max(force, 0.0) * tube.stroke_m / sphere.mass_kg)
 
 
+@dataclass(frozen=True, slots=True)
+class Loaded:
+    """A tube with its sphere in it, ready to fire.
+
+    `height_m` is X of the tube's axis; `toward` is +1 for the left tube (sphere a, toward +Y) and
+    -1 for the right one.
+    """
+
+    tube: Tube
+    sphere: Sphere
+    height_m: float
+    toward: float
+
+
 def depart(
-    pressure_kpa: float,
-    height_m: float,
-    toward: float,
-    fire_s: float,
-    sphere: Sphere,
-    tube: Tube,
-    rng: np.random.Generator,
+    loaded: Loaded, pressure_kpa: float, fire_s: float, rng: np.random.Generator
 ) -> Departure | None:
     """Push one sphere out of its tube, with the scatter of a real pusher.
-
-    Parameters
-    ----------
-    height_m
-        X of the tube's axis.
-    toward
-        +1 for the left tube (toward +Y), -1 for the right one.
-    fire_s
-        Time of the pulse.
 
     Returns
     -------
     None if the pressure is too low to move the sphere.
     """
+    tube, sphere = loaded.tube, loaded.sphere
     # Every draw is made for every shot, so that one setting does not shift another's scatter.
     scatter = rng.normal(size=6)
     spin = tube.spin_scatter_rad_per_s * rng.normal(size=3)
@@ -103,8 +103,8 @@ def depart(
     push_s = 2.0 * tube.stroke_m / speed
     coast_s = max(sphere.radius_m - tube.stroke_m, 0.0) / speed
     starts_s = fire_s + tube.valve_delay_s + tube.valve_jitter_s * float(scatter[5])
-    centre = np.array([height_m + shift_x, -toward * tube.mouth_m, shift_z])
-    direction: NDArray[np.float64] = np.array([tilt_x, toward, tilt_z])
+    centre = np.array([loaded.height_m + shift_x, -loaded.toward * tube.mouth_m, shift_z])
+    direction: NDArray[np.float64] = np.array([tilt_x, loaded.toward, tilt_z])
     velocity = speed * direction / np.linalg.norm(direction)
     return Departure(
         starts_s=starts_s,

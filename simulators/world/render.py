@@ -9,49 +9,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from simulators.world.description import Lighting, Optics, Sphere
+from simulators.world.description import Sphere
 from simulators.world.disc import SUBPIXELS, Disc
+from simulators.world.optics import Optics, front_view, picture_rows, top_view
 from simulators.world.rotation import matrix
 from simulators.world.state import Pose
 
 # The lens spreads light from just outside the frame into it.
 _MARGIN = 4
 _SMEAR_PER_POSE_PX = 0.35
-
-
-@dataclass(frozen=True, slots=True)
-class View:
-    """How rig axes appear in one of the two views.
-
-    `axes` (3, 3) takes a rig vector to (row, column, toward the viewer); `origin_px` is where
-    X = Y = Z = 0 appears.
-    """
-
-    axes: NDArray[np.float64]
-    origin_px: tuple[float, float]
-    light: Lighting
-
-    def centre_px(self, point: NDArray[np.float64], scale_px_per_m: float) -> tuple[float, float]:
-        """Return (row, column) of a point (3,) in m; integers are pixel centres."""
-        seen = self.axes @ point * scale_px_per_m
-        return self.origin_px[0] + float(seen[0]), self.origin_px[1] + float(seen[1])
-
-
-def front_view(optics: Optics) -> View:
-    """Return the direct view along -Z: rows down X, columns along Y."""
-    return View(np.eye(3), optics.front_origin_px, optics.front_light)
-
-
-def top_view(optics: Optics) -> View:
-    """Return the view from above in the mirror: rows against Z, columns along Y."""
-    axes = np.array([[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
-    return View(axes, optics.top_origin_px, optics.top_light)
 
 
 Poses = Callable[[float], Sequence[Pose | None]]
@@ -143,8 +114,11 @@ class Camera:
         )
         area = frame[rows, columns]
         size = (area.shape[1], area.shape[0])
-        canvas = cv2.resize(
-            area, (size[0] * SUBPIXELS, size[1] * SUBPIXELS), interpolation=cv2.INTER_NEAREST
+        canvas: NDArray[np.float32] = np.asarray(
+            cv2.resize(
+                area, (size[0] * SUBPIXELS, size[1] * SUBPIXELS), interpolation=cv2.INTER_NEAREST
+            ),
+            dtype=np.float32,
         )
         for disc in discs:
             disc.paint(canvas, (rows.start, columns.start))
@@ -179,26 +153,6 @@ class Camera:
                     )
                 )
         return discs
-
-
-def picture_rows(optics: Optics, rows: int | None = None) -> tuple[int, int]:
-    """Return the half-open range of the full frame's rows that a picture of `rows` rows shows.
-
-    A frame of the EktaPro 1000 is split into 1, 2, 3, 4 or 6 pictures; each shows the rows about
-    the middle of the frame (thesis appendix A; that they are the middle ones is our choice).
-
-    Raises
-    ------
-    ValueError
-        `rows` is none of 192, 96, 64, 48, 32 (for a frame of 192 rows).
-    """
-    allowed = [optics.rows // number for number in (1, 2, 3, 4, 6)]
-    if rows is None:
-        rows = optics.rows
-    if rows not in allowed:
-        raise ValueError(f"a picture has one of {allowed} rows, asked for {rows}")
-    first = (optics.rows - rows) // 2
-    return first, first + rows
 
 
 def _background(optics: Optics) -> NDArray[np.float32]:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TypedDict
 
 import numpy as np
+from numpy.typing import NDArray
 
 from simulators.world.contact import Contact
 from simulators.world.description import Sphere
@@ -60,8 +61,8 @@ def contact_truth(contact: Contact | None, spheres: tuple[Sphere, Sphere]) -> Tr
     v_s = float(np.linalg.norm(surface))
     return Truth(
         missed=False,
-        contact_time_s=float(contact.times_s[0]),
-        contact_duration_s=contact.duration_s,
+        contact_time_s=contact.start_s,
+        contact_duration_s=contact.end_s - contact.start_s,
         compression_m=contact.compression_m,
         v_n=v_n,
         v_s=v_s,
@@ -79,8 +80,8 @@ def contact_truth(contact: Contact | None, spheres: tuple[Sphere, Sphere]) -> Tr
 
 
 def _relative(
-    pair: tuple[Motion, Motion], normal: np.ndarray, spheres: tuple[Sphere, Sphere]
-) -> tuple[float, np.ndarray]:
+    pair: tuple[Motion, Motion], normal: NDArray[np.float64], spheres: tuple[Sphere, Sphere]
+) -> tuple[float, NDArray[np.float64]]:
     """Return normal speed and surface velocity (3,) of b against a at the point of contact."""
     a, b = pair
     relative = b.velocity - a.velocity
