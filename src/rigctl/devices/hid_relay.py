@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import threading
 from collections.abc import Callable
+from contextlib import suppress
 from typing import TypeVar
 
 import usb.backend
@@ -105,7 +106,9 @@ class HidRelay:
         with self._lock:
             device, self._device = self._device, None
             if device is not None:
-                usb.util.dispose_resources(device)
+                # A board that went away cannot give back its interface.
+                with suppress(usb.core.USBError):
+                    usb.util.dispose_resources(device)
 
     def _switch(self, closed: bool) -> None:
         report = bytes((_ON if closed else _OFF, self._channel)).ljust(_REPORT_BYTES, b"\0")

@@ -85,6 +85,14 @@ class OutcomeQuery(Protocol):
         """Ask what became of this fire command; a query, it fires nothing and never raises."""
 
 
+@runtime_checkable
+class PowerQuery(Protocol):
+    """A trigger that can say whether its outputs have power; not every one can."""
+
+    def powered(self) -> bool:
+        """Say whether a fire command could move anything; raise a `DeviceError` if unheard."""
+
+
 class Regulator(Device, Protocol):
     """Sets and reads the pressure of both pushers."""
 
