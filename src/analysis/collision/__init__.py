@@ -1,0 +1,1 @@
+"""From motion before and after to the impact and its coefficients."""

@@ -1,0 +1,212 @@
+"""From motion on both sides to the impact, each number with its standard error."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.collision.impact import ContactState, impact_velocities
+from analysis.collision.instant import touching_time
+from analysis.motion.spin import Spin
+from analysis.motion.velocity import FlightPath
+from analysis.quantity import Quantity
+
+Floats = NDArray[np.float64]
+
+BETA_NEEDS_SIGMAS = 3.0
+"""Below this many standard errors of v_s its ratio has no meaning and is not given."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Motion:
+    """Motion of one sphere on both sides of the contact, paths at one reference time."""
+
+    before: FlightPath
+    after: FlightPath
+    spin_before: Spin
+    spin_after: Spin
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Impact:
+    """A measured collision.
+
+    Attributes
+    ----------
+    contact_time
+        First touch, s from the shot's first frame.
+    normal, normal_sigma
+        Unit vector from a to b at first touch and its standard errors, rig axes, shape (3,).
+    v_n, v_s, v_n_after, v_s_after
+        Section 7.1; v_n negative, v_n_after positive, v_s a length, v_s_after along it.
+    e, beta
+        Restitution; beta is None where v_s is not told from zero.
+    before, after
+        State just before and just after contact.
+    state_sigma
+        Standard errors of velocities (m/s) and spins (rad/s), before and after, shape (2, 4, 3)
+        in the order velocity a, velocity b, spin a, spin b.
+    """
+
+    contact_time: Quantity
+    normal: Floats
+    normal_sigma: Floats
+    v_n: Quantity
+    v_s: Quantity
+    v_n_after: Quantity
+    v_s_after: Quantity
+    e: Quantity
+    beta: Quantity | None
+    before: ContactState
+    after: ContactState
+    state_sigma: Floats
+
+
+class NoTouchError(Exception):
+    """The paths before contact do not come as near as the spheres' radii together.
+
+    Attributes
+    ----------
+    closest_m
+        Least distance between the centres on those paths.
+    """
+
+    def __init__(self, closest_m: float) -> None:
+        self.closest_m = closest_m
+        super().__init__(f"closest approach of the centres {1e3 * closest_m:.2f} mm")
+
+
+def first_touch(a: FlightPath, b: FlightPath, radii: tuple[float, float]) -> float:
+    """Return the time of first touch on the paths before contact, s from the first frame.
+
+    Raises
+    ------
+    NoTouchError
+        The paths do not touch.
+    """
+    separation, relative = b.position - a.position, b.velocity - a.velocity
+    wait = touching_time(separation, relative, sum(radii))
+    if wait is None:
+        square = float(relative @ relative)
+        nearest = separation - relative * float(separation @ relative) / square
+        raise NoTouchError(float(np.linalg.norm(nearest)))
+    return a.reference_s + wait
+
+
+def measure_impact(a: Motion, b: Motion, radii: tuple[float, float], scale_sigma: float) -> Impact:
+    """Combine the motions of both spheres into the impact.
+
+    The normal is taken at first touch on the incoming paths, not where the tracks have their
+    kink: a contact of finite length turns it (P. Mueller and T. Poeschel, Granular Matter 14, 115
+    (2012)). Errors follow from those of the paths, the spins and the scale by the derivative of
+    the whole calculation.
+
+    Parameters
+    ----------
+    a, b
+        All paths with one reference time near the contact.
+    radii
+        Of a and b, m.
+    scale_sigma
+        Relative standard error of the scale, common to all lengths.
+
+    Raises
+    ------
+    NoTouchError
+        The paths before contact do not touch.
+    """
+    parts = (a.before, b.before, a.after, b.after)
+    spins = (a.spin_before, b.spin_before, a.spin_after, b.spin_after)
+    centre = np.concatenate(
+        [np.concatenate([p.position, p.velocity]) for p in parts]
+        + [s.velocity for s in spins]
+        + [np.ones(1)]
+    )
+    covariance = _block_diagonal(
+        [p.covariance for p in parts]
+        + [s.covariance for s in spins]
+        + [np.array([[scale_sigma**2]])]
+    )
+    reference = a.before.reference_s
+    accelerations = tuple(p.acceleration for p in parts)
+
+    def outcome(state: Floats) -> Floats:
+        return _outcome(state, reference, accelerations, radii)
+
+    values = outcome(centre)
+    jacobian = _derivative(outcome, centre, np.sqrt(np.diag(covariance)))
+    sigma = np.sqrt(np.clip(np.diag(jacobian @ covariance @ jacobian.T), 0.0, None))
+    return _named(values, sigma)
+
+
+def _outcome(
+    state: Floats,
+    reference: float,
+    accelerations: tuple[Floats, ...],
+    radii: tuple[float, float],
+) -> Floats:
+    """Return time, normal (3), v_n, v_s, v_n', v_s', e, beta, and both states (24 numbers)."""
+    scale = state[-1]
+    paths = [
+        FlightPath(reference, scale * row[:3], scale * row[3:], acceleration, np.zeros((6, 6)), 1.0)
+        for row, acceleration in zip(state[:24].reshape(4, 6), accelerations, strict=True)
+    ]
+    time = first_touch(paths[0], paths[1], radii)
+    (position_a, velocity_a), (position_b, velocity_b) = paths[0].at(time), paths[1].at(time)
+    normal = (position_b - position_a) / np.linalg.norm(position_b - position_a)
+    spin = state[24:36].reshape(4, 3)
+    before = ContactState(velocity_a, velocity_b, spin[0], spin[1])
+    after = ContactState(paths[2].at(time)[1], paths[3].at(time)[1], spin[2], spin[3])
+    v = impact_velocities(before, after, normal, radii)
+    scalars = [v.v_n, v.v_s, v.v_n_after, v.v_s_after, v.e, v.beta]
+    states = [
+        part for s in (before, after) for part in (s.velocity_a, s.velocity_b, s.spin_a, s.spin_b)
+    ]
+    return np.concatenate([[time], normal, scalars, *states])
+
+
+def _derivative(f: Callable[[Floats], Floats], x: Floats, sigma: Floats) -> Floats:
+    """Return df/dx by central differences over a tenth of each standard error."""
+    columns = []
+    for i, step in enumerate(0.1 * sigma):
+        shift = np.zeros_like(x)
+        shift[i] = step
+        columns.append((f(x + shift) - f(x - shift)) / (2 * step) if step > 0 else 0 * f(x))
+    return np.stack(columns, axis=1)
+
+
+def _block_diagonal(blocks: list[Floats]) -> Floats:
+    size = sum(len(block) for block in blocks)
+    whole = np.zeros((size, size))
+    start = 0
+    for block in blocks:
+        whole[start : start + len(block), start : start + len(block)] = block
+        start += len(block)
+    return whole
+
+
+def _named(values: Floats, sigma: Floats) -> Impact:
+    def quantity(i: int, unit: str) -> Quantity:
+        return Quantity(float(values[i]), float(sigma[i]), unit)
+
+    before, after = (
+        ContactState(*(values[start : start + 12].reshape(4, 3))) for start in (10, 22)
+    )
+    told = values[5] > BETA_NEEDS_SIGMAS * sigma[5]
+    return Impact(
+        contact_time=quantity(0, "s"),
+        normal=values[1:4],
+        normal_sigma=sigma[1:4],
+        v_n=quantity(4, "m/s"),
+        v_s=quantity(5, "m/s"),
+        v_n_after=quantity(6, "m/s"),
+        v_s_after=quantity(7, "m/s"),
+        e=quantity(8, "1"),
+        beta=quantity(9, "1") if told else None,
+        before=before,
+        after=after,
+        state_sigma=sigma[10:34].reshape(2, 4, 3),
+    )

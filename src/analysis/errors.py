@@ -1,0 +1,31 @@
+"""Why a shot, or a folder, cannot be analysed."""
+
+from __future__ import annotations
+
+
+class ShotRefusedError(Exception):
+    """A shot that cannot be analysed: which step failed, in which frame, and why.
+
+    Attributes
+    ----------
+    step
+        The step's name: frames, outlines, assignment, markers, rotation, motion, contact.
+    frame
+        Index of the frame, counted from 0; None where the whole shot is meant.
+    reason
+        What was found and what was needed.
+    """
+
+    def __init__(self, step: str, reason: str, frame: int | None = None) -> None:
+        self.step, self.reason, self.frame = step, reason, frame
+        place = step if frame is None else f"{step}, frame {frame}"
+        super().__init__(f"{place}: {reason}")
+
+
+class InputError(Exception):
+    """A file or folder that cannot be read: which file, where in it, and why."""
+
+    def __init__(self, path: object, reason: str, line: int | None = None) -> None:
+        self.path, self.line, self.reason = str(path), line, reason
+        place = self.path if line is None else f"{self.path}, line {line}"
+        super().__init__(f"{place}: {reason}")

@@ -1,0 +1,1 @@
+"""From outlines and markers to poses, velocities and spins, in SI units and rig axes."""

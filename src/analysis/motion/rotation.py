@@ -1,0 +1,101 @@
+"""Rotation of a sphere from the directions of its markers (thesis, section 5.2)."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+
+def rotation_from_directions(
+    before: Floats, after: Floats, weights: Floats | None = None
+) -> Floats:
+    """Return the rotation R that takes `before` to `after`, by least squares over rotations.
+
+    Minimises sum_i w_i |after_i - R before_i|^2 with R orthogonal (W. Kabsch, Acta Cryst. A 34,
+    827-828 (1978), doi:10.1107/S0567739478001680). Three directions not in one plane, or two not
+    along one line, are needed.
+
+    Parameters
+    ----------
+    before, after
+        Unit vectors, shape (markers, 3).
+    weights
+        Shape (markers,); None: all alike.
+
+    Returns
+    -------
+    Shape (3, 3).
+    """
+    w = np.ones(len(before)) if weights is None else weights
+    u, _, vt = np.linalg.svd((w[:, None] * after).T @ before)
+    proper = np.diag([1.0, 1.0, np.linalg.det(u @ vt)])
+    return np.asarray(u @ proper @ vt)
+
+
+def linear_rotation(before: Floats, after: Floats) -> Floats:
+    """Return the thesis's matrix: nine free elements by least squares, equations (5-27) to (5-31).
+
+    It is not forced to be a rotation; noise leaves it slightly sheared. At least three directions
+    not in one plane.
+    """
+    return np.asarray(np.linalg.lstsq(before, after, rcond=None)[0].T)
+
+
+def axis_angle(rotation: Floats) -> tuple[Floats, float]:
+    """Return axis (unit vector, shape (3,)) and angle (radians, 0 to pi) of a rotation matrix.
+
+    Equations (5-15) to (5-22): below 90 degrees from the differences of the off-diagonal elements,
+    above from the largest diagonal element and the sums. A zero rotation has no axis; X is given.
+    """
+    skew = np.array(
+        [
+            rotation[2, 1] - rotation[1, 2],
+            rotation[0, 2] - rotation[2, 0],
+            rotation[1, 0] - rotation[0, 1],
+        ]
+    )
+    twice_cos = float(np.trace(rotation) - 1.0)
+    angle = float(np.arctan2(np.linalg.norm(skew), twice_cos))
+    if angle < 1e-12:
+        return np.array([1.0, 0.0, 0.0]), 0.0
+    if angle < np.pi / 2:
+        return skew / np.linalg.norm(skew), angle
+    vers = 1.0 - np.cos(angle)
+    squares = np.clip((np.diag(rotation) - np.cos(angle)) / vers, 0.0, None)
+    largest = int(squares.argmax())
+    axis = (rotation[largest] + rotation[:, largest]) / (2.0 * vers * np.sqrt(squares[largest]))
+    axis[largest] = np.sqrt(squares[largest])
+    if skew[largest] < 0:
+        axis = -axis
+    return axis / np.linalg.norm(axis), angle
+
+
+def rotation_vector(rotation: Floats) -> Floats:
+    """Return axis times angle (radians) of rotation matrices, shape (..., 3, 3) to (..., 3)."""
+    flat = rotation.reshape(-1, 3, 3)
+    vectors = np.array([axis * angle for axis, angle in map(axis_angle, flat)])
+    return vectors.reshape(*rotation.shape[:-2], 3)
+
+
+def rotation_matrix(vector: Floats) -> Floats:
+    """Return the rotation by |vector| radians about vector, shape (..., 3) to (..., 3, 3)."""
+    vector = np.asarray(vector, dtype=np.float64)
+    angle = np.linalg.norm(vector, axis=-1)[..., None, None]
+    x, y, z = np.moveaxis(vector, -1, 0)
+    zero = np.zeros_like(x)
+    cross = np.stack(
+        [np.stack([zero, -z, y], -1), np.stack([z, zero, -x], -1), np.stack([-y, x, zero], -1)], -2
+    )
+    sin_ratio = np.sinc(angle / np.pi)
+    vers_ratio = 0.5 * np.sinc(angle / (2 * np.pi)) ** 2
+    return np.asarray(np.eye(3) + sin_ratio * cross + vers_ratio * (cross @ cross))
+
+
+def quaternion(rotation: Floats) -> Floats:
+    """Return unit quaternions, scalar first and not negative, shape (..., 3, 3) to (..., 4)."""
+    vector = rotation_vector(rotation)
+    angle = np.linalg.norm(vector, axis=-1, keepdims=True)
+    half = 0.5 * np.sinc(angle / (2 * np.pi))
+    return np.concatenate([np.cos(angle / 2), half * vector], axis=-1)

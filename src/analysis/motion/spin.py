@@ -1,0 +1,109 @@
+"""Angular velocity of a sphere on one side of the collision (thesis, section 5.2.3)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.motion.drift import Drift
+from analysis.motion.rotation import rotation_matrix, rotation_vector
+
+Floats = NDArray[np.float64]
+
+ITERATIONS = 8
+HUBER_LIMIT = 3.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Spin:
+    """Angular velocity with its covariance.
+
+    Attributes
+    ----------
+    velocity
+        rad/s in rig axes, shape (3,).
+    covariance
+        (rad/s)^2, shape (3, 3).
+    chi2_per_dof
+        Of the fit. Not a number without freedom.
+    """
+
+    velocity: Floats
+    covariance: Floats
+    chi2_per_dof: float
+
+
+def fit_spin(times_s: Floats, rotations: Floats, covariances: Floats, drift: Drift) -> Spin:
+    """Fit a constant angular velocity to the orientations of one side.
+
+    Gauss-Newton for R(t) = exp([w] (t - t0)) exp([d]) R0, residuals being rotation vectors of
+    R_observed R_predicted', whitened, with Huber weights. A free sphere has no torque on it but
+    that of the air, which is negligible here. The covariance is enlarged where the residuals
+    exceed their stated errors.
+
+    Parameters
+    ----------
+    times_s
+        Shape (frames,), at least 2.
+    rotations
+        Body to rig axes, shape (frames, 3, 3).
+    covariances
+        Of small rotation vectors in rig axes, rad^2, shape (frames, 3, 3).
+    drift
+        Slow error of the orientation about each axis, rad.
+    """
+    tau = times_s - times_s.mean()
+    whiten = np.linalg.cholesky(np.linalg.inv(covariances)).transpose(0, 2, 1)
+    middle = int(np.abs(tau).argmin())
+    start = rotations[middle]
+    steps = rotation_vector(rotations[1:] @ rotations[:-1].transpose(0, 2, 1))
+    omega = np.median(steps / np.diff(times_s)[:, None], axis=0)
+    start = rotation_matrix(-omega * tau[middle]) @ start
+    inverse = np.eye(6)
+    squares, weight = np.zeros(len(tau)), np.ones(len(tau))
+    jacobian = np.concatenate([whiten, whiten * tau[:, None, None]], axis=2)
+    for _ in range(ITERATIONS):
+        predicted = rotation_matrix(omega * tau[:, None]) @ start
+        residual = rotation_vector(rotations @ predicted.transpose(0, 2, 1))
+        white = np.einsum("nij,nj->ni", whiten, residual)
+        squares = (white**2).sum(axis=1)
+        weight = np.minimum(1.0, HUBER_LIMIT / np.sqrt(np.maximum(squares, 1e-12)))
+        inverse = np.linalg.inv(np.einsum("n,nij,nik->jk", weight, jacobian, jacobian))
+        step = inverse @ np.einsum("n,nij,ni->j", weight, jacobian, white)
+        start = rotation_matrix(step[:3]) @ start
+        omega = omega + step[3:]
+    freedom = 3 * len(tau) - 6
+    chi2 = float(squares.sum() / freedom) if freedom else float("nan")
+    gain = np.einsum("jk,nik,nil,n->njl", inverse, jacobian, whiten, weight)
+    slow = np.einsum("njl,nm,mkl->jk", gain, drift.covariance(times_s), gain)
+    fresh = inverse * (max(1.0, chi2) if freedom else 1.0)
+    return Spin(omega, (fresh + slow)[3:, 3:], chi2)
+
+
+def three_frame_spin(
+    times_s: Floats, rotations: Floats, covariances: Floats, drift: Drift, nearest: int
+) -> Spin:
+    """Return the angular velocity at the frame nearest the collision, equations (5-32), (5-33).
+
+    Parameters
+    ----------
+    times_s, rotations, covariances
+        Three frames in the order of time, shapes (3,), (3, 3, 3), (3, 3, 3).
+    drift
+        Slow error of the orientation about each axis, rad.
+    nearest
+        Index of the frame nearest the collision, 0 or -1.
+    """
+    first, second = np.diff(times_s)
+    turn_1, turn_2 = rotation_vector(rotations[1:] @ rotations[:-1].transpose(0, 2, 1))
+    total = first * second * (first + second)
+    if nearest == 0:
+        on_1, on_2 = second * (2 * first + second) / total, -(first**2) / total
+    else:
+        on_1, on_2 = -(second**2) / total, first * (2 * second + first) / total
+    shares = np.array([-on_1, on_1 - on_2, on_2])
+    fresh = np.einsum("n,nij->ij", shares**2, covariances)
+    slow = float(shares @ drift.covariance(times_s) @ shares) * np.eye(3)
+    return Spin(on_1 * turn_1 + on_2 * turn_2, fresh + slow, float("nan"))

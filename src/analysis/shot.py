@@ -1,0 +1,152 @@
+"""The whole way of one shot, from frames to coefficients (thesis, appendix C)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.collision.coefficients import Impact
+from analysis.errors import ShotRefusedError
+from analysis.imaging.frame import EdgeSettings
+from analysis.motion.pattern import Orientations
+from analysis.motion.poses import Centres
+from analysis.setup import Setup
+from analysis.tracking import Tracking, track_spheres
+from analysis.two_sides import measure_two_sides
+
+Floats = NDArray[np.float64]
+
+LEAST_FRAMES = 6
+
+
+@dataclass(frozen=True, slots=True)
+class AnalysisOptions:
+    """How a shot is analysed.
+
+    Attributes
+    ----------
+    edges
+        Filter and subpixel method.
+    three_and_three
+        Use the thesis's three frames before and three after contact, 2 ms apart, with its
+        equations (5-1) to (5-4) and (5-32), (5-33); otherwise all frames by least squares.
+    """
+
+    edges: EdgeSettings = EdgeSettings()
+    three_and_three: bool = False
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MeasuredShot:
+    """A shot with its collision.
+
+    Attributes
+    ----------
+    impact
+        Velocities, coefficients and their errors.
+    centres, orientations
+        Poses of a and b.
+    tracking
+        Outlines and markers behind the poses.
+    used_before, used_after
+        Frames on either side of the contact that entered the fit.
+    notes
+        What was left out, and why.
+    """
+
+    impact: Impact
+    centres: tuple[Centres, Centres]
+    orientations: tuple[Orientations, Orientations]
+    tracking: Tracking
+    times_s: Floats
+    used_before: tuple[int, ...]
+    used_after: tuple[int, ...]
+    notes: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class RefusedShot:
+    """A shot that cannot be analysed: false when asked, and able to say why."""
+
+    step: str
+    reason: str
+    frame: int | None
+
+    def __bool__(self) -> bool:
+        return False
+
+
+def analyse_shot(
+    frames: NDArray[np.uint8],
+    times_s: Floats,
+    setup: Setup,
+    options: AnalysisOptions | None = None,
+) -> MeasuredShot | RefusedShot:
+    """Measure the collision in the frames of one shot.
+
+    Parameters
+    ----------
+    frames
+        Grey levels, 8 bit, shape (frames, rows, columns), at least 6.
+    times_s
+        Time of each frame, s, increasing, shape (frames,).
+    setup
+        Camera, spheres and surroundings.
+
+    Returns
+    -------
+    The measured shot, or a refusal with the step that failed, the frame and the reason. Nothing
+    is guessed and nothing is raised for what the frames hold.
+    """
+    chosen = options or AnalysisOptions()
+    try:
+        check_frames(frames, times_s, setup)
+        tracking = track_spheres(frames, times_s, setup, chosen.edges)
+        sides = measure_two_sides(tracking, times_s, setup, chosen.three_and_three)
+    except ShotRefusedError as refusal:
+        return RefusedShot(refusal.step, refusal.reason, refusal.frame)
+    return MeasuredShot(
+        impact=sides.impact,
+        centres=tracking.centres,
+        orientations=tracking.orientations,
+        tracking=tracking,
+        times_s=times_s,
+        used_before=sides.used_before,
+        used_after=sides.used_after,
+        notes=sides.notes,
+    )
+
+
+def check_frames(frames: NDArray[np.uint8], times_s: Floats, setup: Setup) -> None:
+    """Refuse frames of the wrong depth, size or count, or without increasing times.
+
+    Raises
+    ------
+    ShotRefusedError
+        With what was found and what is needed.
+    """
+    expected = (setup.camera.height_px, setup.camera.width_px)
+    if frames.ndim != 3 or frames.dtype != np.uint8:
+        raise ShotRefusedError(
+            "frames",
+            f"a stack of shape {frames.shape} and type {frames.dtype}; 8-bit grey frames "
+            "(frames, rows, columns) are needed",
+        )
+    if frames.shape[1:] != expected:
+        raise ShotRefusedError(
+            "frames",
+            f"frames of {frames.shape[1]} x {frames.shape[2]} pixels (rows x columns); the camera "
+            f"is set up for {expected[0]} x {expected[1]}",
+        )
+    if len(frames) < LEAST_FRAMES:
+        raise ShotRefusedError(
+            "frames", f"{len(frames)} frames; at least {LEAST_FRAMES} are needed"
+        )
+    if times_s.shape != (len(frames),):
+        raise ShotRefusedError("frames", f"{times_s.size} times for {len(frames)} frames")
+    steps = np.diff(times_s)
+    if not (np.isfinite(times_s).all() and (steps > 0).all()):
+        bad = int(np.argmax(~(steps > 0))) + 1
+        raise ShotRefusedError("frames", "the time does not increase from the frame before", bad)

@@ -1,0 +1,169 @@
+"""From frames to the poses of both spheres: outlines, markers, orientation, centres."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.errors import ShotRefusedError
+from analysis.imaging.assignment import follow
+from analysis.imaging.discs import common_radius
+from analysis.imaging.frame import (
+    EdgeSettings,
+    FrameEdges,
+    find_edges,
+    gradient_threshold,
+    noise_sd,
+)
+from analysis.imaging.radii import filter_bias, view_radii
+from analysis.imaging.refinement import Knowledge, MarkersInFrame, refine_outlines
+from analysis.imaging.tracks import Spheres
+from analysis.imaging.views import View, ViewGeometry, view_geometries
+from analysis.motion.pattern import Orientations, orient
+from analysis.motion.poses import Centres, centres
+from analysis.motion.sightings import SeenMarker, marker_angle, seen_markers, sightings
+from analysis.setup import Setup
+
+Floats = NDArray[np.float64]
+
+SMALLEST_RADIUS_PX = 6.0
+FRAMES_FOR_RADIUS = 3
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Tracking:
+    """Both spheres through all frames.
+
+    Attributes
+    ----------
+    spheres
+        Outlines of a and b by view.
+    markers
+        Markers of a and b by frame.
+    marker_angle
+        Angular radius of the markers, radians; 0 where none is seen.
+    filter_sigma_px
+        Width of the edge filter.
+    radii
+        Radius of a and b in each view, pixels, as filtered.
+    scales_px_per_m
+        Scale of each view, the filter's bias taken out or as the set-up gives it.
+    scale_sigma
+        Relative standard error of the scale.
+    centres, orientations
+        Poses of a and b.
+    """
+
+    spheres: Spheres
+    markers: tuple[dict[int, list[SeenMarker]], dict[int, list[SeenMarker]]]
+    marker_angle: float
+    filter_sigma_px: float
+    radii: dict[View, tuple[float, float]]
+    scales_px_per_m: dict[View, float]
+    scale_sigma: float
+    centres: tuple[Centres, Centres]
+    orientations: tuple[Orientations, Orientations]
+
+
+SCALE_SIGMA_FROM_IMAGES = 0.003
+"""A radius from shaded edges is good to about this share of itself; none is without it."""
+
+
+def track_spheres(
+    frames: NDArray[np.uint8], times_s: Floats, setup: Setup, settings: EdgeSettings
+) -> Tracking:
+    """Measure the poses of both spheres in every frame that shows them.
+
+    The outlines are found twice: once plainly, and once the radius is known and the learned
+    marker pattern says which stretches of the limb a marker cuts.
+
+    Raises
+    ------
+    ShotRefusedError
+        With the step, the frame and the reason.
+    """
+    views = view_geometries(setup.camera)
+    noise = noise_sd(frames)
+    threshold = settings.least_strength or gradient_threshold(noise, settings.sigma_px)
+    edges = [find_edges(frame, settings, threshold) for frame in frames]
+    spheres = follow(edges, views, _start_radius(edges, setup), settings.sigma_px)
+    radii = view_radii(spheres)
+    bias = filter_bias(frames, spheres, settings, noise)
+    seen, orientations = _markers(edges, views, spheres, radii, times_s)
+    standing = (_standing(orientations[0]), _standing(orientations[1]))
+    known = Knowledge(radii, standing, marker_angle(seen, radii))
+    spheres = refine_outlines(edges, views, spheres, known, settings.sigma_px)
+    seen, orientations = _markers(edges, views, spheres, radii, times_s)
+    scales, scale_sigma = _scales(radii, bias, setup)
+    placed = [centres(sphere, views, scales, settings.sigma_px) for sphere in spheres]
+    return Tracking(
+        spheres=spheres,
+        markers=seen,
+        marker_angle=marker_angle(seen, radii),
+        filter_sigma_px=settings.sigma_px,
+        radii=radii,
+        scales_px_per_m=scales,
+        scale_sigma=scale_sigma,
+        centres=(placed[0], placed[1]),
+        orientations=orientations,
+    )
+
+
+def _start_radius(edges: list[FrameEdges], setup: Setup) -> float:
+    """Return the discs' radius to about a pixel."""
+    if setup.camera.scale_px_per_m is not None:
+        diameter = sum(s.diameter_m for s in setup.spheres) / 2
+        return setup.camera.scale_px_per_m * diameter / 2
+    busiest = sorted(edges, key=lambda e: -len(e.points))[:FRAMES_FOR_RADIUS]
+    if len(busiest[0].points) < 12:
+        raise ShotRefusedError("outlines", "no edges stand out of the noise in any frame")
+    discs = 2 if setup.camera.top_view_rows is None else 4
+    largest = min(busiest[0].shape) / 2
+    found = [common_radius(e.points, e.shape, SMALLEST_RADIUS_PX, largest, discs) for e in busiest]
+    return float(np.median(found))
+
+
+def _markers(
+    edges: list[FrameEdges],
+    views: tuple[ViewGeometry, ...],
+    spheres: Spheres,
+    radii: dict[View, tuple[float, float]],
+    times_s: Floats,
+) -> tuple[
+    tuple[dict[int, list[SeenMarker]], dict[int, list[SeenMarker]]],
+    tuple[Orientations, Orientations],
+]:
+    first, second = (seen_markers(edges, views, spheres, i, radii) for i in (0, 1))
+    turned = [
+        orient(sightings(seen), times_s, name) for seen, name in ((first, "a"), (second, "b"))
+    ]
+    return (first, second), (turned[0], turned[1])
+
+
+def _standing(orientations: Orientations) -> MarkersInFrame:
+    return {
+        int(k): orientations.pattern @ rotation.T
+        for k, rotation in zip(orientations.frames, orientations.rotation, strict=True)
+    }
+
+
+def _scales(
+    radii: dict[View, tuple[float, float]], bias: dict[View, float], setup: Setup
+) -> tuple[dict[View, float], float]:
+    """Return the scale of each view, px/m, and its relative error.
+
+    A given scale holds for the front view; the top view keeps its ratio to it.
+    """
+    diameters = [sphere.diameter_m for sphere in setup.spheres]
+    measured = {
+        view: float(
+            np.mean([2 * (r - bias[view]) / d for r, d in zip(pair, diameters, strict=True)])
+        )
+        for view, pair in radii.items()
+    }
+    given = setup.camera.scale_px_per_m
+    if given is None:
+        return measured, SCALE_SIGMA_FROM_IMAGES
+    return {view: given * s / measured[View.FRONT] for view, s in measured.items()}, 0.0

@@ -1,0 +1,250 @@
+"""Motion before and after the contact, and the impact between them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.collision.coefficients import (
+    Impact,
+    Motion,
+    NoTouchError,
+    first_touch,
+    measure_impact,
+)
+from analysis.errors import ShotRefusedError
+from analysis.imaging.views import View
+from analysis.motion.drift import Drift, centre_drift, memory, turn_drift
+from analysis.motion.pattern import Orientations
+from analysis.motion.poses import Centres
+from analysis.motion.rotation import rotation_vector
+from analysis.motion.spin import fit_spin, three_frame_spin
+from analysis.motion.split import LEAST_FRAMES, split_at_contact
+from analysis.motion.velocity import FlightPath, fit_flight, three_frame_flight
+from analysis.setup import Setup
+from analysis.tracking import Tracking
+
+Floats = NDArray[np.float64]
+Frames = NDArray[np.intp]
+
+LONGEST_CONTACT_S = 0.25e-3
+"""Nylon spheres of an inch touch for 0.12 to 0.25 ms; frames in that time show neither side."""
+THESIS_INTERVAL_S = 2e-3
+MISMATCH_FRAMES = 1.5
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TwoSides:
+    """The impact, and the frames on either side that it rests on."""
+
+    impact: Impact
+    used_before: tuple[int, ...]
+    used_after: tuple[int, ...]
+    notes: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Sphere:
+    """Poses of one sphere with their slow errors."""
+
+    name: str
+    centres: Centres
+    orientations: Orientations
+    centre_drift: Drift
+    turn_drift: Drift
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Side:
+    """Clear frames on one side of the contact; `nearest` is the thesis's frame next to it."""
+
+    word: str
+    frames: Frames
+    times_s: Floats
+    nearest: int
+
+
+def measure_two_sides(
+    tracking: Tracking, times_s: Floats, setup: Setup, three_and_three: bool
+) -> TwoSides:
+    """Fit both sides of the contact and combine them.
+
+    Raises
+    ------
+    ShotRefusedError
+        No contact in the frames, too few frames on a side, or paths that do not meet.
+    """
+    radii = (setup.spheres[0].diameter_m / 2, setup.spheres[1].diameter_m / 2)
+    spheres = [_sphere(tracking, i, times_s) for i in (0, 1)]
+    split = split_at_contact(*tracking.centres, times_s, setup.gravity_m_per_s2)
+    common = np.intersect1d(tracking.centres[0].frames, tracking.centres[1].frames)
+    before, after = common[common < split], common[common >= split]
+    contact = _contact_time(spheres, before, times_s, setup, radii)
+    _check_between(contact, before, after, times_s)
+    half_open = setup.camera.exposure_s / 2
+    before = before[times_s[before] < contact - half_open]
+    after = after[times_s[after] > contact + LONGEST_CONTACT_S + half_open]
+    notes = _left_out(np.setdiff1d(common, np.concatenate([before, after])), tracking)
+    if three_and_three:
+        before, after = _three(before[::-1], times_s)[::-1], _three(after, times_s)
+    sides = _Side("before", before, times_s, -1), _Side("after", after, times_s, 0)
+    for side in sides:
+        _check_enough(side, split)
+    motions = [
+        _thesis_motion(sphere, sides, contact)
+        if three_and_three
+        else _fitted_motion(sphere, sides, contact, setup.gravity_m_per_s2)
+        for sphere in spheres
+    ]
+    try:
+        impact = measure_impact(motions[0], motions[1], radii, tracking.scale_sigma)
+    except NoTouchError as miss:
+        raise _never_meet(miss, radii) from miss
+    return TwoSides(impact, tuple(map(int, before)), tuple(map(int, after)), notes)
+
+
+def _sphere(tracking: Tracking, i: int, times_s: Floats) -> _Sphere:
+    """Gather a sphere's poses and the slow errors that its spin and markers give them."""
+    orientations = tracking.orientations[i]
+    turns = rotation_vector(
+        orientations.rotation[1:] @ orientations.rotation[:-1].transpose(0, 2, 1)
+    )
+    rates = np.linalg.norm(turns, axis=1) / np.diff(times_s[orientations.frames])
+    lasting = memory(tracking.marker_angle, float(np.median(rates)))
+    sigma_px, view = tracking.filter_sigma_px, View.FRONT
+    return _Sphere(
+        name="ab"[i],
+        centres=tracking.centres[i],
+        orientations=orientations,
+        centre_drift=centre_drift(sigma_px, tracking.scales_px_per_m[view], lasting),
+        turn_drift=turn_drift(sigma_px, tracking.radii[view][i], lasting),
+    )
+
+
+def _contact_time(
+    spheres: list[_Sphere],
+    before: Frames,
+    times_s: Floats,
+    setup: Setup,
+    radii: tuple[float, float],
+) -> float:
+    reference, gravity = float(times_s[before[-1]]), setup.gravity_m_per_s2
+    side = _Side("before", before, times_s, -1)
+    paths = [_flight(sphere, side, reference, gravity) for sphere in spheres]
+    try:
+        return first_touch(paths[0], paths[1], radii)
+    except NoTouchError as miss:
+        raise _never_meet(miss, radii) from miss
+
+
+def _never_meet(miss: NoTouchError, radii: tuple[float, float]) -> ShotRefusedError:
+    return ShotRefusedError(
+        "contact",
+        f"the paths before the kink pass at {1e3 * miss.closest_m:.2f} mm between the centres; "
+        f"the spheres touch at {1e3 * sum(radii):.2f} mm",
+    )
+
+
+def _check_between(contact: float, before: Frames, after: Frames, times_s: Floats) -> None:
+    """Refuse where the touch lies far from the kink: then one of the two is wrong."""
+    step = float(np.median(np.diff(times_s)))
+    early = times_s[before[-1]] - MISMATCH_FRAMES * step
+    late = times_s[after[0]] + MISMATCH_FRAMES * step
+    if not early <= contact <= late:
+        raise ShotRefusedError(
+            "contact",
+            f"the paths touch at {1e3 * contact:.2f} ms but have their kink between "
+            f"{1e3 * times_s[before[-1]]:.2f} and {1e3 * times_s[after[0]]:.2f} ms; check the "
+            "diameters and the scale",
+            int(after[0]),
+        )
+
+
+def _check_enough(side: _Side, split: int) -> None:
+    if side.frames.size < LEAST_FRAMES:
+        raise ShotRefusedError(
+            "contact",
+            f"{side.frames.size} frames clear of the contact {side.word} it; {LEAST_FRAMES} are "
+            "needed",
+            split,
+        )
+
+
+def _left_out(frames: Frames, tracking: Tracking) -> tuple[str, ...]:
+    notes = [f"frame {k} left out: exposed during the contact" for k in frames]
+    for name, orientations in zip("ab", tracking.orientations, strict=True):
+        for k, reason in sorted(orientations.left_out.items()):
+            notes.append(f"frame {k} has no orientation of sphere {name}: {reason}")
+    return tuple(notes)
+
+
+def _three(frames: Frames, times_s: Floats) -> Frames:
+    """Choose three frames 2 ms apart, beginning with the first given."""
+    chosen = list(frames[:1])
+    for k in frames[1:]:
+        gap = abs(times_s[k] - times_s[chosen[-1]])
+        if gap >= THESIS_INTERVAL_S * (1 - 1e-3) and len(chosen) < LEAST_FRAMES:
+            chosen.append(k)
+    return np.array(chosen, dtype=np.intp)
+
+
+def _fitted_motion(
+    sphere: _Sphere, sides: tuple[_Side, _Side], contact: float, gravity: float
+) -> Motion:
+    """Fit all frames of both sides by least squares."""
+    paths = [_flight(sphere, side, contact, gravity) for side in sides]
+    spins = [fit_spin(*_turning(sphere, side, needed=2), sphere.turn_drift) for side in sides]
+    return Motion(paths[0], paths[1], spins[0], spins[1])
+
+
+def _thesis_motion(sphere: _Sphere, sides: tuple[_Side, _Side], contact: float) -> Motion:
+    """Take three frames on each side, with an acceleration of their own instead of gravity."""
+    paths, spins = [], []
+    for side in sides:
+        times = side.times_s[side.frames]
+        position, sigma = _placed(sphere, side)
+        path = three_frame_flight(times, position, sigma, sphere.centre_drift, side.nearest)
+        paths.append(path.moved_to(contact))
+        turning = _turning(sphere, side, needed=LEAST_FRAMES)
+        spins.append(three_frame_spin(*turning, sphere.turn_drift, side.nearest))
+    return Motion(paths[0], paths[1], spins[0], spins[1])
+
+
+def _flight(sphere: _Sphere, side: _Side, reference: float, gravity: float) -> FlightPath:
+    position, sigma = _placed(sphere, side)
+    return fit_flight(
+        side.times_s[side.frames],
+        position,
+        sigma,
+        sphere.centre_drift,
+        gravity=gravity,
+        reference_s=reference,
+    )
+
+
+def _placed(sphere: _Sphere, side: _Side) -> tuple[Floats, Floats]:
+    index = np.searchsorted(sphere.centres.frames, side.frames)
+    return sphere.centres.position[index], sphere.centres.sigma[index]
+
+
+def _turning(sphere: _Sphere, side: _Side, needed: int) -> tuple[Floats, Floats, Floats]:
+    """Return times, orientations and covariances of the frames of a side that have them.
+
+    Raises
+    ------
+    ShotRefusedError
+        Fewer than `needed` do.
+    """
+    orientations = sphere.orientations
+    index = np.flatnonzero(np.isin(orientations.frames, side.frames))
+    if index.size < needed:
+        raise ShotRefusedError(
+            "rotation",
+            f"sphere {sphere.name} has an orientation in {index.size} of the {side.frames.size} "
+            f"frames {side.word} the contact; {needed} are needed",
+            int(side.frames[0]),
+        )
+    times = side.times_s[orientations.frames[index]]
+    return times, orientations.rotation[index], orientations.covariance[index]
