@@ -1,0 +1,146 @@
+"""Pictures from the tape by stepping through it and digitising the still image."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Protocol
+
+import numpy as np
+
+from rigctl.cameras.frames import FrameSequence
+from rigctl.cameras.v4l2 import VideoFrame
+from rigctl.devices.ektapro import EktaproLink, RecorderMode
+from rigctl.errors import DeviceSilentError, FramesError
+
+_POLL_S = 0.02
+
+
+class VideoSource(Protocol):
+    """A device that gives frames one after another."""
+
+    @property
+    def name(self) -> str:
+        """The device."""
+
+    def check(self) -> None:
+        """Raise a `RigError` when the device is not there."""
+
+    def start(self) -> None:
+        """Begin to stream."""
+
+    def read(self, timeout_s: float) -> VideoFrame:
+        """Return the next whole frame, or raise within the time."""
+
+    def stop(self) -> None:
+        """Stop streaming; harmless when nothing streams."""
+
+    def close(self) -> None:
+        """Release the device. Safe to call twice."""
+
+
+class DigitisedPlayback:
+    """A `PictureSource`: the recorder shows one picture after another, a grabber takes each.
+
+    Every picture keeps its number on the tape, and its time is that number divided by the
+    recording rate; the grabber's own numbers and times serve only to tell a frame taken after
+    the tape has stepped from one taken before.
+
+    Parameters
+    ----------
+    recorder, video
+        The recorder, and the grabber on its video output.
+    picture_rate_hz
+        Pictures per second at which the tape was recorded.
+    clock, wait
+        Monotonic seconds, of the same clock as the grabber's time stamps, and a wait in seconds.
+    """
+
+    def __init__(
+        self,
+        recorder: EktaproLink,
+        video: VideoSource,
+        *,
+        picture_rate_hz: float,
+        clock: Callable[[], float] = time.monotonic,
+        wait: Callable[[float], None] = time.sleep,
+    ) -> None:
+        self._recorder, self._video, self._rate = recorder, video, picture_rate_hz
+        self._clock, self._wait = clock, wait
+
+    @property
+    def name(self) -> str:
+        """Grabber, as errors and manifests call it."""
+        return f"playback through {self._video.name}"
+
+    def check(self) -> None:
+        """See that the grabber is there."""
+        self._video.check()
+
+    def fetch(self, first: int, count: int, timeout_s: float) -> FrameSequence:
+        """Show `count` pictures from number `first`, and digitise each.
+
+        Raises
+        ------
+        FramesError
+            The recorder shows another picture than it was told.
+        DeviceSilentError
+            Tape or grabber did not keep up within the time.
+        DeviceError
+            A device refused.
+        """
+        deadline = self._clock() + timeout_s
+        self._video.start()
+        try:
+            self._recorder.search(first)
+            self._await_stop(deadline, timeout_s)
+            pixels = []
+            for number in range(first, first + count):
+                if number > first:
+                    self._recorder.step(+1)
+                self._require(number)
+                pixels.append(self._still(deadline, timeout_s).pixels)
+        finally:
+            self._video.stop()
+        sequence = np.arange(first, first + count, dtype=np.int64)
+        return FrameSequence(np.stack(pixels), sequence / self._rate, sequence, (), self.name)
+
+    def close(self) -> None:
+        """Release the grabber. Safe to call twice."""
+        self._video.close()
+
+    def _await_stop(self, deadline: float, timeout_s: float) -> None:
+        while self._recorder.status().mode is not RecorderMode.STOP:
+            if self._clock() >= deadline:
+                raise self._late("the tape did not reach the picture", timeout_s)
+            self._wait(_POLL_S)
+
+    def _require(self, number: int) -> None:
+        shown = self._recorder.picture()
+        if shown != number:
+            raise FramesError(
+                "the recorder shows another picture than it was told",
+                part=self.name,
+                value=f"picture {shown}",
+                limit=f"picture {number}",
+                todo="check the tape",
+            )
+
+    def _still(self, deadline: float, timeout_s: float) -> VideoFrame:
+        stepped_at = self._clock()
+        fresh = 0
+        while (left_s := deadline - self._clock()) > 0:
+            frame = self._video.read(left_s)
+            fresh += frame.time_s > stepped_at
+            # The first frame after the step may have begun before it; the second has not.
+            if fresh == 2:
+                return frame
+        raise self._late("the grabber did not keep up", timeout_s)
+
+    def _late(self, what: str, timeout_s: float) -> DeviceSilentError:
+        return DeviceSilentError(
+            what,
+            part=self.name,
+            limit=f"{timeout_s:g} s",
+            todo="allow camera.collect_timeout_s at least 0.1 s a picture",
+        )

@@ -1,0 +1,151 @@
+"""One stack of the capture folder: a multi-page TIFF and the JSON that describes it."""
+
+from __future__ import annotations
+
+import struct
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+import tifffile
+from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from rigctl.cameras.frames import FrameSequence
+from rigctl.errors import FramesError
+
+_NOT_A_TIFF = (ValueError, IndexError, KeyError, RuntimeError, struct.error)
+_Number = Annotated[int, Field(ge=0)]
+
+
+class StackNote(BaseModel):
+    """What the JSON beside a stack says (wire-protocol reference, capture folder)."""
+
+    model_config = ConfigDict(strict=True, extra="forbid", frozen=True, allow_inf_nan=False)
+
+    frames: _Number
+    rows: _Number
+    columns: _Number
+    frame_rate_hz: float = Field(gt=0, description="pictures per second")
+    sequence: tuple[_Number, ...]
+    times_s: tuple[float, ...]
+    lost: tuple[_Number, ...]
+
+
+def read_stack(note_path: Path, *, picture_rate_hz: float) -> FrameSequence:
+    """Read one stack whose JSON is in place.
+
+    Parameters
+    ----------
+    note_path
+        The JSON; the TIFF has the same name with the ending ``.tiff``.
+    picture_rate_hz
+        Pictures per second that were configured.
+
+    Returns
+    -------
+    FrameSequence
+        Times from the first picture of the session, as the JSON states them.
+
+    Raises
+    ------
+    FramesError
+        A file is absent, damaged or truncated, or the JSON contradicts itself, the TIFF or the
+        configured rate.
+    """
+    tiff_path = note_path.with_suffix(".tiff")
+    note = _read_note(note_path)
+    pixels = _read_pages(tiff_path, note)
+    _check_rate(note, note_path, picture_rate_hz)
+    return FrameSequence(
+        pixels=pixels,
+        times_s=np.array(note.times_s, dtype=np.float64),
+        sequence=np.array(note.sequence, dtype=np.int64),
+        lost=note.lost,
+        source=str(tiff_path),
+    )
+
+
+def _read_note(path: Path) -> StackNote:
+    try:
+        note = StackNote.model_validate_json(path.read_bytes())
+    except OSError as error:
+        raise FramesError(
+            "the description of the stack cannot be read",
+            part=str(path),
+            value=error.strerror,
+            todo="check the capture folder",
+        ) from error
+    except ValidationError as error:
+        first = error.errors()[0]
+        raise FramesError(
+            "the description of the stack is not as agreed",
+            part=str(path),
+            value=f"{'.'.join(map(str, first['loc'])) or 'the file'}: {first['msg']}",
+            todo="check the digitiser against the wire-protocol reference",
+        ) from error
+    counts = {"sequence": len(note.sequence), "times_s": len(note.times_s)}
+    for field, count in counts.items():
+        if count != note.frames:
+            raise _contradiction(path, f"{count} entries in {field}", f"frames = {note.frames}")
+    return note
+
+
+def _read_pages(path: Path, note: StackNote) -> NDArray[np.uint8]:
+    size = (note.rows, note.columns)
+    try:
+        with tifffile.TiffFile(path) as tiff:
+            if len(tiff.pages) != note.frames:
+                raise _contradiction(path, f"{len(tiff.pages)} pages", f"{note.frames} frames")
+            pixels = np.empty((note.frames, *size), dtype=np.uint8)
+            for place, page in enumerate(tiff.pages):
+                found = page.asarray()
+                if found.dtype != np.uint8 or found.shape != size:
+                    raise _contradiction(
+                        path,
+                        f"page {place} of {found.shape} {found.dtype}",
+                        f"{size} uint8 (rows, columns)",
+                    )
+                pixels[place] = found
+    except OSError as error:
+        raise FramesError(
+            "the stack cannot be read",
+            part=str(path),
+            value=error.strerror,
+            todo="check the capture folder",
+        ) from error
+    except _NOT_A_TIFF as error:
+        raise FramesError(
+            "the stack is damaged or truncated",
+            part=str(path),
+            value=str(error),
+            limit=f"{note.frames} pages of {size} uint8",
+            todo="check the disk space of the digitiser and transfer again",
+        ) from error
+    return pixels
+
+
+def _check_rate(note: StackNote, path: Path, picture_rate_hz: float) -> None:
+    if note.frame_rate_hz != picture_rate_hz:
+        raise _contradiction(
+            path, f"{note.frame_rate_hz:g} pictures/s", f"{picture_rate_hz:g} pictures/s"
+        )
+    pictures = np.diff(np.array(note.times_s)) * picture_rate_hz
+    wrong = np.flatnonzero(np.abs(pictures - np.diff(np.array(note.sequence))) > 0.25)
+    if wrong.size:
+        place = int(wrong[0]) + 1
+        raise _contradiction(
+            path,
+            f"frame {place} {pictures[place - 1] / picture_rate_hz:.6f} s after the one before",
+            f"{note.sequence[place] - note.sequence[place - 1]} pictures apart",
+        )
+
+
+def _contradiction(path: Path, found: str, expected: str) -> FramesError:
+    return FramesError(
+        "the stack is not what it should be",
+        part=str(path),
+        value=found,
+        limit=expected,
+        todo="check the recorder's format and the digitiser",
+    )

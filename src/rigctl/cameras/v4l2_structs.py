@@ -1,0 +1,143 @@
+"""Layouts and request numbers of linux/videodev2.h on 64-bit Linux, as far as a reader needs.
+
+Sizes, offsets and numbers are those that the kernel's header gives a C compiler on x86-64 and
+arm64; the tests hold them.
+"""
+
+from __future__ import annotations
+
+import struct
+from dataclasses import dataclass
+
+CAPTURE = 1
+"""V4L2_BUF_TYPE_VIDEO_CAPTURE."""
+
+GREY = int.from_bytes(b"GREY", "little")
+"""V4L2_PIX_FMT_GREY: one byte a pixel."""
+
+_MMAP = 1
+_FIELD_NONE = 1
+_CAN_CAPTURE, _CAN_STREAM, _HAS_DEVICE_CAPS = 0x1, 0x0400_0000, 0x8000_0000
+_FLAG_ERROR = 0x40
+_CLOCK_MASK, _CLOCK_MONOTONIC = 0xE000, 0x2000
+
+_NONE, _WRITE, _READ = 0, 1, 2
+
+
+def _request(direction: int, number: int, size: int) -> int:
+    return direction << 30 | size << 16 | ord("V") << 8 | number
+
+
+CAPABILITY = struct.Struct("=16s32s32sIII12x")
+"""struct v4l2_capability: driver, card, bus, version, capabilities, device_caps; 104 bytes."""
+
+FORMAT = struct.Struct("=I4xIIIIII176x")
+"""struct v4l2_format: type, width, height, pixelformat, field, bytesperline, sizeimage; 208."""
+
+REQUEST_BUFFERS = struct.Struct("=III8x")
+"""struct v4l2_requestbuffers: count, type, memory; 20 bytes."""
+
+BUFFER = struct.Struct("=IIIII4xqq16sIIQIIi4x")
+"""struct v4l2_buffer: index, type, bytesused, flags, field, seconds, microseconds, timecode,
+sequence, memory, offset, length, reserved, request; 88 bytes."""
+
+INTEGER = struct.Struct("=i")
+
+QUERYCAP = _request(_READ, 0, CAPABILITY.size)
+S_FMT = _request(_READ | _WRITE, 5, FORMAT.size)
+REQBUFS = _request(_READ | _WRITE, 8, REQUEST_BUFFERS.size)
+QUERYBUF = _request(_READ | _WRITE, 9, BUFFER.size)
+QBUF = _request(_READ | _WRITE, 15, BUFFER.size)
+DQBUF = _request(_READ | _WRITE, 17, BUFFER.size)
+STREAMON = _request(_WRITE, 18, INTEGER.size)
+STREAMOFF = _request(_WRITE, 19, INTEGER.size)
+S_INPUT = _request(_READ | _WRITE, 39, INTEGER.size)
+
+
+@dataclass(frozen=True, slots=True)
+class PixelFormat:
+    """What a driver granted: size in pixels, code, bytes of one line and of one image."""
+
+    width: int
+    height: int
+    code: int
+    line_bytes: int
+    image_bytes: int
+
+
+@dataclass(frozen=True, slots=True)
+class Dequeued:
+    """One filled buffer.
+
+    Attributes
+    ----------
+    time_s
+        The kernel's time stamp in seconds.
+    damaged
+        The driver's error flag.
+    monotonic
+        The time stamp is of the monotonic clock.
+    """
+
+    index: int
+    bytes_used: int
+    time_s: float
+    sequence: int
+    damaged: bool
+    monotonic: bool
+
+
+def can_stream(capability: bytes) -> bool:
+    """Say whether the device captures video by streaming (answer to VIDIOC_QUERYCAP)."""
+    *_, whole, device = CAPABILITY.unpack(capability)
+    flags = device if whole & _HAS_DEVICE_CAPS else whole
+    wanted = _CAN_CAPTURE | _CAN_STREAM
+    return bool(flags & wanted == wanted)
+
+
+def ask_format(width: int, height: int) -> bytearray:
+    """Return the argument of VIDIOC_S_FMT for 8-bit grey of this size in pixels."""
+    return bytearray(FORMAT.pack(CAPTURE, width, height, GREY, _FIELD_NONE, 0, 0))
+
+
+def granted_format(answer: bytes) -> PixelFormat:
+    """Return what the driver wrote back into the argument of VIDIOC_S_FMT."""
+    _, width, height, code, _, line_bytes, image_bytes = FORMAT.unpack(answer)
+    return PixelFormat(width, height, code, line_bytes, image_bytes)
+
+
+def ask_buffers(count: int) -> bytearray:
+    """Return the argument of VIDIOC_REQBUFS; a count of 0 frees them."""
+    return bytearray(REQUEST_BUFFERS.pack(count, CAPTURE, _MMAP))
+
+
+def granted_buffers(answer: bytes) -> int:
+    """Return how many buffers the driver gives."""
+    count: int = REQUEST_BUFFERS.unpack(answer)[0]
+    return count
+
+
+def buffer(index: int = 0) -> bytearray:
+    """Return the argument of VIDIOC_QUERYBUF, QBUF and DQBUF for one buffer."""
+    return bytearray(BUFFER.pack(index, CAPTURE, 0, 0, 0, 0, 0, b"", 0, _MMAP, 0, 0, 0, 0))
+
+
+def mapping(answer: bytes) -> tuple[int, int]:
+    """Return length and offset in bytes at which a buffer is mapped (answer to QUERYBUF)."""
+    values = BUFFER.unpack(answer)
+    # The offset is the 32-bit member of a union with a pointer.
+    return values[11], values[10] & 0xFFFF_FFFF
+
+
+def dequeued(answer: bytes) -> Dequeued:
+    """Take apart the answer to VIDIOC_DQBUF."""
+    values = BUFFER.unpack(answer)
+    index, _, used, flags, _, seconds, microseconds, _, sequence, *_ = values
+    return Dequeued(
+        index=index,
+        bytes_used=used,
+        time_s=seconds + microseconds * 1e-6,
+        sequence=sequence,
+        damaged=bool(flags & _FLAG_ERROR),
+        monotonic=flags & _CLOCK_MASK == _CLOCK_MONOTONIC,
+    )
