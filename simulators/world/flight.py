@@ -24,13 +24,12 @@ _ABSOLUTE_TOLERANCE = 1e-13
 
 @dataclass(frozen=True, slots=True)
 class Flight:
-    """Spheres flying together from `start_s` to `end_s`; at any time in between, their motions.
+    """Spheres flying together from `start_s` on; at any time integrated over, their motions.
 
     `touch_s` is the instant at which the first two touch, None if they do not.
     """
 
     start_s: float
-    end_s: float
     touch_s: float | None
     initial: tuple[Motion, ...]
     solution: Solution
@@ -100,7 +99,7 @@ def fly(
     touch_s = None
     if pair and result.t_events is not None:
         touch_s = _touch(solution, start_s, result.t_events[0], spheres)
-    return Flight(start_s, end_s, touch_s, tuple(initial), solution)
+    return Flight(start_s, touch_s, tuple(initial), solution)
 
 
 def _touch(

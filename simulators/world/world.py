@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from simulators.world.chance import marked_camera, noise_chance, shot_chance
 from simulators.world.description import WorldDescription
-from simulators.world.encounter import FLIGHT_LASTS_S, Encounter, simulate
+from simulators.world.encounter import Encounter, simulate
 from simulators.world.launch import Launch
 from simulators.world.state import Pose
 from simulators.world.truth import append_line, contact_truth
@@ -40,9 +40,8 @@ class _Fired:
 
     def shows(self, time_s: float) -> bool:
         """Return whether a sphere of this shot is in the air at a lab time."""
-        first = min(self.launch.fire_a_s, self.launch.fire_b_s)
-        last = max(self.launch.fire_a_s, self.launch.fire_b_s) + 2.0 * FLIGHT_LASTS_S
-        return first <= time_s <= last and any(pose is not None for pose in self.poses(time_s))
+        fired_s = min(self.launch.fire_a_s, self.launch.fire_b_s)
+        return fired_s <= time_s and any(pose is not None for pose in self.poses(time_s))
 
 
 class World:
