@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import asdict
 from typing import NamedTuple
 
 import numpy as np
@@ -14,20 +12,15 @@ from simulators.world.description import WorldDescription
 from simulators.world.encounter import FLIGHT_LASTS_S, Encounter, simulate
 from simulators.world.launch import Launch
 from simulators.world.optics import front_view, top_view
-from simulators.world.truth import contact_truth
+from simulators.world.truth import FilmedTruth, contact_truth
 
 
 class RenderedShot(NamedTuple):
-    """Frames (N, rows, columns), their mid-exposure times (N,) in s from the first, and the truth.
-
-    The truth holds what `truth.Truth` does, with `contact_time_s` from the first frame, and for
-    each frame a pair (a, b) of `centres_front_px`, `centres_top_px` (row, column) and
-    `rotation_quaternion`, None for a sphere in its tube.
-    """
+    """Frames (N, rows, columns), mid-exposure times (N,) in s from the first, and the truth."""
 
     frames: NDArray[np.uint8]
     times_s: NDArray[np.float64]
-    truth: dict[str, object]
+    truth: FilmedTruth
 
 
 def render_shot(
@@ -54,13 +47,9 @@ def render_shot(
         camera.take(encounter.poses, first_s + time, noise_chance(seed, shot + time))
         for time in times.tolist()
     ]
-    spheres = (description.sphere_a, description.sphere_b)
-    truth: dict[str, object] = {"shot": shot, **asdict(launch)}
-    truth.update(contact_truth(encounter.contact, spheres))
-    if encounter.contact is not None:
-        truth["contact_time_s"] = encounter.contact.start_s - first_s
-    truth.update(_seen(description, encounter, (first_s + times).tolist()))
-    return RenderedShot(np.stack(pictures), times, truth)
+    return RenderedShot(
+        np.stack(pictures), times, _truth(description, launch, encounter, shot, first_s + times)
+    )
 
 
 def _middle(encounter: Encounter) -> float:
@@ -76,20 +65,35 @@ def _middle(encounter: Encounter) -> float:
     return min((count * 1e-3 for count in milliseconds), key=distance)
 
 
-def _seen(
-    description: WorldDescription, encounter: Encounter, times_s: Sequence[float]
-) -> dict[str, object]:
-    poses = [encounter.poses(time) for time in times_s]
+def _truth(
+    description: WorldDescription,
+    launch: Launch,
+    encounter: Encounter,
+    shot: int,
+    times_s: NDArray[np.float64],
+) -> FilmedTruth:
+    truth = FilmedTruth(
+        shot=shot,
+        fire_a_s=launch.fire_a_s,
+        fire_b_s=launch.fire_b_s,
+        pressure_a_kpa=launch.pressure_a_kpa,
+        pressure_b_kpa=launch.pressure_b_kpa,
+        offset_m=launch.offset_m,
+    )
+    spheres = (description.sphere_a, description.sphere_b)
+    truth.update(contact_truth(encounter.contact, spheres))
+    if encounter.contact is not None:
+        truth["contact_time_s"] = encounter.contact.start_s - float(times_s[0])
+    poses = [encounter.poses(time) for time in times_s.tolist()]
     scale = description.optics.scale_px_per_m
     front, top = front_view(description.optics), top_view(description.optics)
-    return {
-        "centres_front_px": [
-            [pose and front.centre_px(pose.centre, scale) for pose in pair] for pair in poses
-        ],
-        "centres_top_px": [
-            [pose and top.centre_px(pose.centre, scale) for pose in pair] for pair in poses
-        ],
-        "rotation_quaternion": [
-            [pose and pose.orientation.tolist() for pose in pair] for pair in poses
-        ],
-    }
+    truth["centres_front_px"] = [
+        [pose and front.centre_px(pose.centre, scale) for pose in pair] for pair in poses
+    ]
+    truth["centres_top_px"] = [
+        [pose and top.centre_px(pose.centre, scale) for pose in pair] for pair in poses
+    ]
+    truth["rotation_quaternion"] = [
+        [pose and pose.orientation.tolist() for pose in pair] for pair in poses
+    ]
+    return truth

@@ -24,7 +24,8 @@ class Truth(TypedDict, total=False):
     four scalars are taken along and across `normal`, with the signs of thesis section 7.1:
     v_n = (V_b - V_a) . normal is negative before contact; v_s is the length of the incident
     surface velocity and v_s_after the component along its direction. `missed` shots hold nothing
-    of the contact.
+    of the contact. `contact_time_s` counts from the pulse on pusher a, or from the first frame in
+    a `FilmedTruth`.
     """
 
     shot: int
@@ -49,6 +50,18 @@ class Truth(TypedDict, total=False):
     velocity_after: list[Vector]
     spin_before: list[Vector]
     spin_after: list[Vector]
+
+
+class FilmedTruth(Truth, total=False):
+    """The truth of a shot that was filmed, with what each frame shows.
+
+    For each frame a pair (a, b), None for a sphere in its tube: centres as (row, column) in both
+    views, where integers are pixel centres, and the orientation (4,).
+    """
+
+    centres_front_px: list[list[tuple[float, float] | None]]
+    centres_top_px: list[list[tuple[float, float] | None]]
+    rotation_quaternion: list[list[Vector | None]]
 
 
 def contact_truth(contact: Contact | None, spheres: tuple[Sphere, Sphere]) -> Truth:
