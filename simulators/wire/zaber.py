@@ -73,6 +73,7 @@ class ZaberStage:
     def stick(self, on: bool) -> None:
         """Accept moves and stay where it is; let go again, still at rest."""
         with self._lock:
+            self._at_rest()
             self._stuck = on
             self._go(self._move.at(self._clock()))
 
@@ -96,6 +97,7 @@ class ZaberStage:
         return f"{head}\r\n".encode()
 
     def _at_rest(self) -> bool:
+        """Say whether no move is under way; a search for home that has ended gave a reference."""
         rest = self._move.ended(self._clock())
         if rest and self._homing:
             self._homing, self._referenced = False, not self._stuck
