@@ -21,7 +21,7 @@ class Sphere:
     markers
         Number of round dark markers on the surface.
     marker_radius_rad
-        Angular radius of a marker, seen from the centre of the sphere.
+        Angular radius of a marker, seen from the centre of the sphere; below pi / 2.
     marker_reflectance
         Brightness of a marker relative to the surface about it.
     """

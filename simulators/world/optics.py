@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 class Lighting:
     """How a plain sphere is lit in one view.
 
-    Grey level of the surface, before blur: background-free `brightness` times
-    (1 - `limb_darkening` (1 - cos angle to the viewer)) times (1 + `side_light` s . n), where s is
-    the unit direction `side_row`, `side_column` in the image plane and n the surface normal there.
+    Grey level before the lens: `brightness` (1 - `limb_darkening` (1 - cos t)) (1 + `side_light`
+    s . n), where t is the angle from the viewer, n the surface normal, and s the unit direction
+    (`side_row`, `side_column`) in the image plane.
     """
 
     brightness: float
