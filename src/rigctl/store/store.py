@@ -6,7 +6,7 @@ import errno
 import fcntl
 import os
 import shutil
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -81,13 +81,6 @@ class Store:
         record = self.catalogue.move(shot, to, change)
         self.listeners.tell(record)
         return record
-
-    def keep_frames(
-        self, shot: str, frames: FrameSequence, manifest: Mapping[str, Any], change: Change
-    ) -> ShotRecord:
-        """Write a shot's folder and only then its row; as `ShotFolders.write`."""
-        self.folders.write(shot, frames, manifest)
-        return self.move(shot, ShotState.STORED, change)
 
     def shot(self, shot: str) -> ShotRecord:
         """Return one shot; raise `NotFoundError` if there is none of that name."""

@@ -1,0 +1,40 @@
+"""Sets pressure and offset and waits, within a bound, until both are reached."""
+
+from __future__ import annotations
+
+from rigctl.rig.conditions import Conditions
+from rigctl.rig.estop import EmergencyStop
+from rigctl.rig.parts import Bench
+from rigctl.settings import ShotSettings
+
+POLL_S = 0.02
+"""Pause between two looks at pressure and offset, s."""
+
+LOOKS = 2
+"""Looks in a row that must be good: one alone may catch a value that is only passing."""
+
+
+def adjust(
+    settings: ShotSettings, bench: Bench, conditions: Conditions, stop: EmergencyStop
+) -> None:
+    """Give the set points and return when they are reached, the time is over, or a stop came.
+
+    Whether they were reached is for the interlocks to say, which name what was not.
+
+    Raises
+    ------
+    DeviceError
+        Regulator or slide did not take the command.
+    """
+    devices, clock = bench.devices, bench.clock
+    if devices.regulator is not None:
+        devices.regulator.set_pressure(settings.pressure_a_kpa, settings.pressure_b_kpa)
+    if devices.slide is not None:
+        devices.slide.move_to(settings.offset_mm)
+    deadline = clock.monotonic() + bench.configuration.limits.settle_timeout_s
+    good = 0
+    while good < LOOKS and stop.latch is None and clock.monotonic() < deadline:
+        reached = all(condition.holds for condition in conditions.adjusted(settings))
+        good = good + 1 if reached else 0
+        if good < LOOKS:
+            clock.wait(POLL_S)

@@ -1,0 +1,383 @@
+"""The one object that may fire."""
+
+from __future__ import annotations
+
+import logging
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from datetime import timedelta
+
+from rigctl.cameras.capture import Capture
+from rigctl.config import Configuration
+from rigctl.errors import DeviceError, IdempotencyError, RefusedError, RigError, StoreError
+from rigctl.rig.adjusting import adjust
+from rigctl.rig.arming import Armed, ArmToken
+from rigctl.rig.bounds import require_within
+from rigctl.rig.clock import SYSTEM_CLOCK, Clock
+from rigctl.rig.conditions import Conditions
+from rigctl.rig.estop import EmergencyStop
+from rigctl.rig.firing import ShotRun
+from rigctl.rig.interlocks import require
+from rigctl.rig.parts import Bench, RigDevices
+from rigctl.rig.recovery import Recovery, start
+from rigctl.rig.running import ACTOR, RunningShot
+from rigctl.rig.standing import Standing
+from rigctl.rig.states import LATCHED, RigState, ShotState
+from rigctl.rig.status import RigStatus
+from rigctl.settings import ShotSettings
+from rigctl.store.catalogue import Change
+from rigctl.store.records import NewShot, ShotRecord
+from rigctl.store.store import Store
+
+_log = logging.getLogger(__name__)
+
+_ARMABLE = frozenset({RigState.IDLE, RigState.ARMED})
+_ENDING = frozenset({RigState.STORED, RigState.ABORTED, RigState.MISFIRE})
+_DEVICES_WAIT_S = 10.0
+
+
+def _in_thread(work: Callable[[], None]) -> None:
+    threading.Thread(target=work, name="shot", daemon=True).start()
+
+
+def _leave_unanalysed(_shot: str) -> None:
+    """Without an analyser a stored shot waits for the next start."""
+
+
+class Rig:
+    """The rig's state machine; `states.RigState` holds the diagram, beside its one table.
+
+    Any thread may call any method. One lock guards every transition and is never held while a
+    device is waited for; the emergency stop cuts without it. One shot runs at a time, in a thread
+    of its own. `recover` comes first. `listeners` are told of each `Transition`.
+
+    Parameters
+    ----------
+    configuration
+        What the rig is.
+    devices, capture, store
+        Opened by the caller, who closes them after `close`.
+    clock
+        Time.
+    analyse
+        Told the name of each stored shot; must return at once.
+    spawn
+        Runs a shot's work; by default in a thread of its own.
+    """
+
+    def __init__(
+        self,
+        configuration: Configuration,
+        devices: RigDevices,
+        capture: Capture,
+        store: Store,
+        *,
+        clock: Clock = SYSTEM_CLOCK,
+        analyse: Callable[[str], None] = _leave_unanalysed,
+        spawn: Callable[[Callable[[], None]], None] = _in_thread,
+    ) -> None:
+        self._bench = Bench(configuration, devices, capture, store, clock)
+        self._configuration, self._devices, self._store = configuration, devices, store
+        self._limits, self._clock = configuration.limits, clock
+        self._analyse, self._spawn = analyse, spawn
+        make_safe = devices.trigger.make_safe
+        self._stop = EmergencyStop(devices.cut_off, store.path / "estop.json", make_safe, clock)
+        self._conditions = Conditions(self._bench, self._stop)
+        self._standing = Standing(configuration, store, clock)
+        self._running = RunningShot(self._standing, store, self._stop, clock)
+        self._run = ShotRun(self._bench, self._conditions, self._stop, self._running)
+        self._token = ArmToken(self._limits.arm_lifetime_s, clock.monotonic)
+        self._acting = threading.Lock()
+        self.listeners = self._standing.listeners
+
+    def status(self) -> RigStatus:
+        """Return where the rig stands, at once; a token whose time is over is withdrawn by it."""
+        if self._token.has_expired and self._standing.lock.acquire(blocking=False):
+            try:
+                self._withdraw_expired()
+            finally:
+                self._standing.lock.release()
+        return self._standing.status()
+
+    def arm(self, settings: ShotSettings, actor: str) -> Armed:
+        """Set pressure and offset, wait until they are reached, check everything, give a token.
+
+        A token given before is dead from the first moment. The wait ends after the configured
+        `settle_timeout_s`.
+
+        Raises
+        ------
+        SettingsError
+            A setting lies outside the rig's limits; nothing moved.
+        RefusedError
+            The rig is in a state that does not arm, or somebody else is arming it.
+        InterlockError
+            Conditions refuse; all of them are named.
+        DeviceError
+            Regulator or slide did not take its command; the rig is in FAULT.
+        StoreError
+            The audit cannot be written.
+        """
+        require_within(settings, self._limits)
+        with self._alone():
+            self._await_safe_state()
+            self._begin_arming(settings, actor)
+            try:
+                adjust(settings, self._bench, self._conditions, self._stop)
+            except DeviceError as error:
+                self._fail(error)
+                raise
+            conditions = self._conditions.all(settings)
+            self._standing.found(conditions)
+            require(conditions)
+            return self._give_token(settings, actor)
+
+    def disarm(self, actor: str, reason: str) -> None:
+        """Withdraw the live token, if there is one."""
+        with self._standing.lock:
+            self._token.withdraw(reason)
+            if self._standing.state is RigState.ARMED:
+                self._standing.move(RigState.IDLE, actor, reason)
+                self._standing.armed_for(self._standing.status().settings, None)
+
+    def accept(
+        self,
+        token: str,
+        key: str,
+        body_hash: str,
+        *,
+        campaign: str | None = None,
+        note: str | None = None,
+        actor: str,
+    ) -> ShotRecord:
+        """Claim the key, spend the token, create the shot, start its run; return at once.
+
+        A key that was used with the same body answers with its shot and fires nothing.
+
+        Raises
+        ------
+        IdempotencyError
+            The key is empty; or, as `KeyRunningError`, its shot has not ended; or, as
+            `KeyReusedError`, it was used with another body.
+        ArmTokenError
+            The token does not hold; the key stays free.
+        StoreError
+            The claim is not on disk; nothing was fired, and the rig is disarmed.
+        """
+        if not key.strip():
+            raise IdempotencyError("the idempotency key is empty", todo="send a fresh key")
+
+        def describe() -> NewShot:
+            return NewShot(
+                settings=self._token.take(token),
+                campaign=campaign,
+                note=note,
+                actor=actor,
+                simulated=self._configuration.simulation is not None,
+                configuration=self._configuration.digest,
+                accepted_at=self._clock.wall(),
+            )
+
+        with self._standing.lock:
+            self._withdraw_expired()
+            try:
+                shot, known = self._store.accept(key, body_hash, describe)
+            except StoreError:
+                self.disarm(ACTOR, "the shot could not be stored")
+                raise
+            if known:
+                return shot
+            self._start(shot, actor)
+        self._spawn(lambda: self._work(shot))
+        return shot
+
+    def fire(
+        self,
+        token: str,
+        key: str,
+        body_hash: str,
+        *,
+        campaign: str | None = None,
+        note: str | None = None,
+        actor: str,
+    ) -> ShotRecord:
+        """As `accept`, then wait for the end of the run and return the shot as it stands then.
+
+        The wait is bounded by the camera's time-outs; a record without `outcome` says that the
+        time was over first.
+        """
+        shot = self.accept(token, key, body_hash, campaign=campaign, note=note, actor=actor)
+        return self.wait(shot.id)
+
+    def wait(self, shot: str, timeout_s: float | None = None) -> ShotRecord:
+        """Wait until the rig has done with a shot, or the time is over; return it as it stands."""
+        if self._running.name == shot:
+            self._running.wait(self._longest_run_s if timeout_s is None else timeout_s)
+        return self._store.shot(shot)
+
+    def estop(self, actor: str, reason: str) -> None:
+        """Cut the power of every actuator now; what the rig was doing follows.
+
+        Open to everybody, at any time, from any thread. A shot whose fire command may be under
+        way becomes `unknown_outcome`; one that is being recorded is still stored.
+
+        Raises
+        ------
+        DeviceError
+            The cut-off did not confirm in time; the rig is latched all the same.
+        """
+        try:
+            self._stop.stop(actor, reason)
+        finally:
+            with self._standing.lock:
+                self._token.withdraw("the emergency stop")
+                self._running.overtake(f"emergency stop by {actor}: {reason}")
+                self._standing.armed_for(self._standing.status().settings, None)
+                self._standing.move(RigState.ESTOP, actor, reason, self._running.name)
+
+    def release(self, actor: str, reason: str) -> None:
+        """Let a person end unknown_outcome, fault or estop; power comes back, the rig is idle.
+
+        Raises
+        ------
+        RefusedError
+            No reason is given, nothing is to be released, a shot is still under way, or another
+            stop came in meanwhile.
+        DeviceError
+            Trigger or cut-off did not take its command; the latch stays.
+        """
+        if not reason.strip():
+            raise RefusedError("a release needs a reason", todo="say what was found and done")
+        with self._alone():
+            self._require_releasable()
+            self._devices.trigger.make_safe()
+            self._stop.restore()
+            with self._standing.lock:
+                if self._stop.latch is not None:
+                    raise RefusedError("stopped again meanwhile", todo="release it once more")
+                self._standing.move(RigState.IDLE, actor, reason, released=True)
+
+    def recover(self) -> Recovery:
+        """Close what the last daemon left open and bring the devices to their safe state.
+
+        Called once, before anything else. No shot is fired again. Power is given unless a person
+        has to release the rig first.
+
+        Raises
+        ------
+        StoreError
+            The store cannot be read or written.
+        """
+        with self._alone():
+            now = self._clock.wall()
+            recovery = start(self._store, self._standing, self._stop, self._devices.trigger, now)
+        for shot in recovery.to_analyse:
+            self._analyse(shot)
+        return recovery
+
+    def close(self) -> None:
+        """Disarm, let a shot end within its bounds, make the trigger safe, take the power.
+
+        Power stays where a cut would let the spheres go. Never raises; safe to call twice.
+        """
+        self.disarm(ACTOR, "the daemon ends")
+        self._running.wait(self._longest_run_s)
+        self._stop.close()
+        acts = [self._devices.trigger.make_safe]
+        if self._configuration.trigger.power_cut == "holds":
+            acts.append(self._devices.cut_off.cut)
+        for act in acts:
+            try:
+                act()
+            except RigError:
+                _log.exception("on closing the rig")
+
+    @property
+    def _longest_run_s(self) -> float:
+        camera = self._configuration.camera
+        return camera.start_timeout_s + camera.collect_timeout_s + _DEVICES_WAIT_S
+
+    @contextmanager
+    def _alone(self) -> Iterator[None]:
+        if not self._acting.acquire(blocking=False):
+            raise RefusedError(
+                "the rig is being armed or released by somebody else", todo="try again in a moment"
+            )
+        try:
+            yield
+        finally:
+            self._acting.release()
+
+    def _await_safe_state(self) -> None:
+        # Under the lock, or a row could be seen stored while the rig's state is still to follow.
+        with self._standing.lock:
+            ending = self._standing.state in _ENDING
+        if ending:
+            self._running.wait(_DEVICES_WAIT_S)
+
+    def _begin_arming(self, settings: ShotSettings, actor: str) -> None:
+        with self._standing.lock:
+            self._withdraw_expired()
+            if self._standing.state not in _ARMABLE or self._running.name is not None:
+                latched = self._standing.state in LATCHED
+                raise RefusedError(
+                    f"the rig is {self._standing.state} and cannot be armed",
+                    todo="release the rig with a reason" if latched else "wait for the shot's end",
+                    shot=self._running.name,
+                )
+            self.disarm(actor, "the rig is armed anew")
+            self._standing.armed_for(settings, None)
+
+    def _give_token(self, settings: ShotSettings, actor: str) -> Armed:
+        with self._standing.lock:
+            self._standing.move(RigState.CHECKED, actor, "every interlock holds")
+            try:
+                self._standing.move(RigState.ARMED, actor, "armed")
+            except StoreError:
+                self._standing.move(RigState.IDLE, ACTOR, "the audit cannot be written")
+                raise
+            lifetime_s = self._limits.arm_lifetime_s
+            expires_at = self._clock.wall() + timedelta(seconds=lifetime_s)
+            self._standing.armed_for(settings, expires_at)
+            token = self._token.issue(settings)
+            return Armed(token, expires_at, lifetime_s, self._standing.status().warnings)
+
+    def _start(self, shot: ShotRecord, actor: str) -> None:
+        self._standing.armed_for(shot.settings, None)
+        try:
+            self._standing.move(RigState.FIRING, actor, "fire accepted", shot.id)
+        except RigError as error:
+            self.disarm(ACTOR, "the shot could not be started")
+            change = Change(ended_at=self._clock.wall(), failure=str(error))
+            self._store.move(shot.id, ShotState.ABORTED, change)
+            raise
+        self._running.begin(shot)
+
+    def _work(self, shot: ShotRecord) -> None:
+        failure: RigError | None = RigError("the run of the shot was torn down", shot=shot.id)
+        try:
+            failure = self._run.run(shot)
+        finally:
+            self._conditions.shot_ended()
+            ended = self._running.finish(failure)
+        if ended is not None and ended.state is ShotState.STORED:
+            self._analyse(ended.id)
+
+    def _withdraw_expired(self) -> None:
+        if self._token.has_expired:
+            self.disarm(ACTOR, f"the arm token expired after {self._limits.arm_lifetime_s:g} s")
+
+    def _fail(self, error: RigError) -> None:
+        with self._standing.lock:
+            if self._standing.state not in LATCHED:
+                self._standing.move(RigState.FAULT, ACTOR, str(error))
+
+    def _require_releasable(self) -> None:
+        with self._standing.lock:
+            if self._running.name is not None:
+                raise RefusedError(
+                    "a shot is still under way", todo="wait for its end", shot=self._running.name
+                )
+            if self._standing.state not in LATCHED:
+                raise RefusedError(f"the rig is {self._standing.state}; nothing is to be released")

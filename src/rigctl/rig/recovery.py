@@ -1,0 +1,136 @@
+"""After a restart: what was under way is closed, and nothing is ever fired again."""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import dataclass
+from datetime import datetime
+
+from rigctl.devices.roles import Trigger
+from rigctl.errors import DeviceError
+from rigctl.rig.estop import EmergencyStop
+from rigctl.rig.standing import Standing
+from rigctl.rig.states import LATCHED, Fired, RigState, ShotState
+from rigctl.store.catalogue import Change
+from rigctl.store.records import ShotRecord
+from rigctl.store.states import RUNNING
+from rigctl.store.store import Store
+
+_log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, slots=True)
+class Recovery:
+    """What a start found, by the names of the shots.
+
+    Attributes
+    ----------
+    interrupted
+        Ended by the last daemon's end: not fired, or fired without frames.
+    unknown
+        The fire command may have left; a person looks and releases the rig.
+    completed
+        Their frames were whole on disk, only the row was missing.
+    to_analyse
+        Handed to the analysis again.
+    partial_removed
+        Half-written files and folders that were removed.
+    """
+
+    interrupted: tuple[str, ...]
+    unknown: tuple[str, ...]
+    completed: tuple[str, ...]
+    to_analyse: tuple[str, ...]
+    partial_removed: int
+
+
+def close_open_shots(store: Store, now: datetime) -> Recovery:
+    """Give every shot that was under way its final state.
+
+    Raises
+    ------
+    StoreError
+        The store cannot be read or written.
+    """
+    removed = store.folders.remove_partial()
+    closed = [_close(store, shot, now) for shot in store.catalogue.in_states(RUNNING)]
+    for shot in store.catalogue.in_states(frozenset({ShotState.ANALYSING})):
+        store.move(shot.id, ShotState.STORED)
+    waiting = store.catalogue.in_states(frozenset({ShotState.STORED}))
+
+    def named(state: ShotState) -> tuple[str, ...]:
+        return tuple(shot.id for shot in closed if shot.state is state)
+
+    return Recovery(
+        interrupted=named(ShotState.INTERRUPTED),
+        unknown=named(ShotState.UNKNOWN_OUTCOME),
+        completed=named(ShotState.STORED),
+        to_analyse=tuple(shot.id for shot in waiting),
+        partial_removed=removed,
+    )
+
+
+def start(
+    store: Store, standing: Standing, stop: EmergencyStop, trigger: Trigger, now: datetime
+) -> Recovery:
+    """Close open shots, enter the state the rig starts in, and bring its devices to safety.
+
+    Power is given unless a person has to release the rig first.
+
+    Raises
+    ------
+    StoreError
+        The store cannot be read or written.
+    """
+    recovery = close_open_shots(store, now)
+    entry, latch = store.journal.last(), stop.latch
+    last = RigState.IDLE if entry is None else RigState(entry.after)
+    state = start_state(last, recovery, latched=latch is not None)
+    reason = "the daemon started"
+    if latch is not None:
+        reason = latch.reason
+    elif state is RigState.UNKNOWN_OUTCOME and recovery.unknown:
+        reason = f"whether shot {', '.join(recovery.unknown)} fired is not known"
+    elif state in LATCHED and entry is not None:
+        reason = entry.reason
+    standing.last_shot(store.catalogue.last())
+    standing.start(last, state, reason)
+    acts = [trigger.make_safe]
+    if state is RigState.ESTOP:
+        acts.insert(0, lambda: stop.stop("rig", reason))
+    elif state is RigState.IDLE:
+        acts.append(stop.restore)
+    try:
+        for act in acts:
+            act()
+    except DeviceError as error:
+        _log.exception("the rig starts without one of its devices")
+        if state is RigState.IDLE:
+            standing.move(RigState.FAULT, "rig", str(error))
+    return recovery
+
+
+def start_state(last: RigState, recovery: Recovery, *, latched: bool) -> RigState:
+    """Return the state in which the rig starts: what a person had to end, a restart does not."""
+    if latched or last is RigState.ESTOP:
+        return RigState.ESTOP
+    if recovery.unknown:
+        return RigState.UNKNOWN_OUTCOME
+    return last if last in LATCHED else RigState.IDLE
+
+
+def _close(store: Store, shot: ShotRecord, now: datetime) -> ShotRecord:
+    died = "the daemon ended while the shot was"
+    if shot.state is ShotState.ACCEPTED:
+        change = Change(ended_at=now, failure=f"{died} being prepared; nothing was fired")
+        return store.move(shot.id, ShotState.INTERRUPTED, change)
+    if shot.state is ShotState.FIRING:
+        why = f"{died} being fired; whether it fired is not known"
+        change = Change(fired=Fired.UNKNOWN, ended_at=now, failure=why)
+        return store.move(shot.id, ShotState.UNKNOWN_OUTCOME, change)
+    if store.folders.is_whole(shot.id):
+        frames = store.folders.frames(shot.id)
+        change = Change(ended_at=now, frames=len(frames.pixels), lost=len(frames.lost))
+        return store.move(shot.id, ShotState.STORED, change)
+    change = Change(ended_at=now, failure=f"{died} being recorded; its frames are lost")
+    return store.move(shot.id, ShotState.INTERRUPTED, change)

@@ -1,0 +1,131 @@
+"""Where the rig stands: one lock, one snapshot, and the only place where the state changes."""
+
+from __future__ import annotations
+
+import threading
+from dataclasses import replace
+from datetime import datetime
+
+from rigctl.config import Configuration, SolenoidPair
+from rigctl.rig.clock import Clock
+from rigctl.rig.interlocks import Interlock
+from rigctl.rig.logbook import Logbook
+from rigctl.rig.states import LATCHED, RigState, require_move
+from rigctl.rig.status import RigStatus, Transition
+from rigctl.settings import ShotSettings
+from rigctl.store.listeners import Listeners
+from rigctl.store.records import ShotRecord
+from rigctl.store.store import Store
+
+_RELEASES_ON_CUT = "a power cut or an emergency stop lets the spheres go: keep clear of the tubes"
+
+
+class Standing:
+    """State of the rig. Whoever changes it holds `lock`; whoever reads takes the snapshot.
+
+    Attributes
+    ----------
+    lock
+        Held for a transition and its line in the audit, never while a device is waited for.
+    listeners
+        Told of each transition after it has happened.
+    """
+
+    def __init__(self, configuration: Configuration, store: Store, clock: Clock) -> None:
+        self.lock = threading.RLock()
+        self.listeners: Listeners[Transition] = Listeners()
+        self._logbook, self._clock = Logbook(store.journal), clock
+        trigger = configuration.trigger
+        releases = isinstance(trigger, SolenoidPair) and trigger.power_cut == "fires"
+        self._status = RigStatus(
+            name=configuration.name,
+            apparatus=configuration.apparatus,
+            simulated=configuration.simulation is not None,
+            state=RigState.IDLE,
+            since=clock.wall(),
+            reason="not recovered yet",
+            settings=None,
+            token_expires_at=None,
+            interlocks=(),
+            read_at=clock.monotonic(),
+            running=None,
+            last_shot=None,
+            latch_reason=None,
+            warnings=(_RELEASES_ON_CUT,) if releases else (),
+        )
+        store.listeners.add(self._shot_changed)
+
+    @property
+    def state(self) -> RigState:
+        """The present state; it may change at once unless the caller holds the lock."""
+        return self._status.state
+
+    def status(self) -> RigStatus:
+        """Return the snapshot, without waiting for anybody."""
+        return replace(self._status, read_at=self._clock.monotonic())
+
+    def move(
+        self,
+        to: RigState,
+        actor: str,
+        reason: str,
+        shot: str | None = None,
+        *,
+        released: bool = False,
+    ) -> None:
+        """Make a transition of the table; journal it, then take it, then tell it.
+
+        Raises
+        ------
+        RefusedError
+            The table does not hold it.
+        StoreError
+            It leads toward firing and the audit cannot be written; the state is unchanged.
+        """
+        with self.lock:
+            require_move(self.state, to, released=released)
+            self._take(to, actor, reason, shot)
+
+    def start(self, before: RigState, to: RigState, reason: str) -> None:
+        """Enter the state in which the rig starts, whatever it was when the last daemon ended."""
+        with self.lock:
+            self._status = replace(self._status, state=before)
+            self._take(to, "rig", reason, None)
+
+    def _take(self, to: RigState, actor: str, reason: str, shot: str | None) -> None:
+        step = Transition(self.state, to, self._clock.wall(), actor, reason, shot)
+        self._logbook.write(step)
+        self._status = replace(
+            self._status,
+            state=to,
+            since=step.at,
+            reason=reason,
+            latch_reason=reason if to in LATCHED else None,
+        )
+        self.listeners.tell(step)
+
+    def armed_for(self, settings: ShotSettings | None, expires_at: datetime | None) -> None:
+        """Show the settings last asked for and the life of their token."""
+        with self.lock:
+            self._status = replace(self._status, settings=settings, token_expires_at=expires_at)
+
+    def found(self, conditions: tuple[Interlock, ...]) -> None:
+        """Show the interlocks as last read."""
+        with self.lock:
+            self._status = replace(self._status, interlocks=conditions)
+
+    def runs(self, shot: str | None) -> None:
+        """Show the shot in progress."""
+        with self.lock:
+            self._status = replace(self._status, running=shot)
+
+    def _shot_changed(self, shot: ShotRecord) -> None:
+        with self.lock:
+            last = self._status.last_shot
+            if last is None or shot.number >= last.number:
+                self._status = replace(self._status, last_shot=shot)
+
+    def last_shot(self, shot: ShotRecord | None) -> None:
+        """Show the shot that was last before the daemon started."""
+        if shot is not None:
+            self._shot_changed(shot)
