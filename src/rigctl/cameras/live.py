@@ -182,7 +182,8 @@ class LiveCapture:
         if len(self._kept) < _RATE_FRAMES:
             return None
         first, last = self._kept[-_RATE_FRAMES], self._kept[-1]
-        return (last.number - first.number) / (last.time_s - first.time_s)
+        elapsed_s = last.time_s - first.time_s
+        return (last.number - first.number) / elapsed_s if elapsed_s > 0 else None
 
     def _is_configured(self, rate: float) -> bool:
         wanted = self._settings.frame_rate_hz

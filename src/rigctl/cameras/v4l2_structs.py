@@ -87,7 +87,7 @@ class Dequeued:
     monotonic: bool
 
 
-def can_stream(capability: bytes) -> bool:
+def can_stream(capability: bytes | bytearray) -> bool:
     """Say whether the device captures video by streaming (answer to VIDIOC_QUERYCAP)."""
     *_, whole, device = CAPABILITY.unpack(capability)
     flags = device if whole & _HAS_DEVICE_CAPS else whole
@@ -100,7 +100,7 @@ def ask_format(width: int, height: int) -> bytearray:
     return bytearray(FORMAT.pack(CAPTURE, width, height, GREY, _FIELD_NONE, 0, 0))
 
 
-def granted_format(answer: bytes) -> PixelFormat:
+def granted_format(answer: bytes | bytearray) -> PixelFormat:
     """Return what the driver wrote back into the argument of VIDIOC_S_FMT."""
     _, width, height, code, _, line_bytes, image_bytes = FORMAT.unpack(answer)
     return PixelFormat(width, height, code, line_bytes, image_bytes)
@@ -111,7 +111,7 @@ def ask_buffers(count: int) -> bytearray:
     return bytearray(REQUEST_BUFFERS.pack(count, CAPTURE, _MMAP))
 
 
-def granted_buffers(answer: bytes) -> int:
+def granted_buffers(answer: bytes | bytearray) -> int:
     """Return how many buffers the driver gives."""
     count: int = REQUEST_BUFFERS.unpack(answer)[0]
     return count
@@ -122,14 +122,14 @@ def buffer(index: int = 0) -> bytearray:
     return bytearray(BUFFER.pack(index, CAPTURE, 0, 0, 0, 0, 0, b"", 0, _MMAP, 0, 0, 0, 0))
 
 
-def mapping(answer: bytes) -> tuple[int, int]:
+def mapping(answer: bytes | bytearray) -> tuple[int, int]:
     """Return length and offset in bytes at which a buffer is mapped (answer to QUERYBUF)."""
     values = BUFFER.unpack(answer)
     # The offset is the 32-bit member of a union with a pointer.
     return values[11], values[10] & 0xFFFF_FFFF
 
 
-def dequeued(answer: bytes) -> Dequeued:
+def dequeued(answer: bytes | bytearray) -> Dequeued:
     """Take apart the answer to VIDIOC_DQBUF."""
     values = BUFFER.unpack(answer)
     index, _, used, flags, _, seconds, microseconds, _, sequence, *_ = values

@@ -6,10 +6,10 @@ import time
 from collections.abc import Callable
 from typing import Literal
 
+from rigctl.devices.firing import not_sent, require_line
 from rigctl.devices.roles import FireReceipt
 from rigctl.devices.serial_port import SerialPort
 from rigctl.errors import (
-    DeviceAnswerError,
     DeviceError,
     FireOutcomeUnknownError,
     SettingsError,
@@ -102,7 +102,8 @@ class SolenoidPair:
         self._port, self._clock, self._wait = port, clock, wait
         self._channels = (channel_a, channel_b)
         self._firing_level = energised == "release"
-        self._ready_for: tuple[int, float] | None = None
+        self._ready_for: int | None = None
+        self._delay_us = 0.0
 
     @property
     def name(self) -> str:
@@ -131,7 +132,7 @@ class SolenoidPair:
                 todo="choose another delay",
             )
         self.make_safe()
-        self._ready_for = (sequence, delay_us)
+        self._ready_for, self._delay_us = sequence, delay_us
 
     def fire(self, sequence: int) -> FireReceipt:
         """Switch both solenoids to their releasing level, once.
@@ -139,25 +140,18 @@ class SolenoidPair:
         Raises
         ------
         DeviceAnswerError
-            Not armed under this number: no byte left.
-        DeviceAbsentError
-            The port hung up before a byte left.
+            No byte left: not armed under this number, or the port hung up before.
         FireOutcomeUnknownError
             The port failed while the bytes left; one solenoid, both or none may have released.
         """
         with self._port.held():
-            if self._ready_for is None or self._ready_for[0] != sequence:
-                raise DeviceAnswerError(
-                    f"not armed for shot number {sequence}; no fire command was sent",
-                    part=self.name,
-                    todo="arm again",
-                )
-            delay_us = self._ready_for[1]
+            if self._ready_for != sequence:
+                raise not_sent(self.name, sequence, f"armed for {self._ready_for}")
             self._ready_for = None
-            self._port.discard_stale()
+            require_line(self._port, sequence)
             sent_at = self._clock()
             try:
-                self._release(delay_us)
+                self._release(self._delay_us)
             except DeviceError as error:
                 raise FireOutcomeUnknownError(
                     f"shot number {sequence} may have released none, one or both ({error})",

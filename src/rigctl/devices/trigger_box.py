@@ -7,6 +7,7 @@ import re
 import time
 from collections.abc import Callable
 
+from rigctl.devices.firing import not_sent, require_line
 from rigctl.devices.roles import FireOutcome, FireReceipt
 from rigctl.devices.serial_port import SerialPort
 from rigctl.devices.trigger_box_lines import TriggerBoxStatus, closed, opened, status, unexpected
@@ -74,6 +75,10 @@ class TriggerBox:
         """Return what the box says of itself, power of the outputs included."""
         return status(self._ask("STAT?", kind="STAT "), self.name)
 
+    def powered(self) -> bool:
+        """Say whether the outputs have power."""
+        return self.status().powered
+
     def arm(self, sequence: int, delay_us: float) -> None:
         """Make ready for one fire under this number, b `delay_us` after a.
 
@@ -101,22 +106,16 @@ class TriggerBox:
         Raises
         ------
         DeviceAnswerError
-            The box is not armed under this number, or refused and confirmed that it did not fire.
-        DeviceAbsentError
-            The port hung up before the command left: it did not fire.
+            It did not fire: the box is not armed under this number, the port hung up before the
+            command left, or the box refused and its record confirms that.
         FireOutcomeUnknownError
             The command left and no clear answer came back; `outcome` may settle it.
         """
         with self._port.held():
             if self._ready_for != sequence:
-                raise DeviceAnswerError(
-                    f"not armed for shot number {sequence}; no fire command was sent",
-                    part=self.name,
-                    value=f"armed for {self._ready_for}",
-                    todo="arm again",
-                )
+                raise not_sent(self.name, sequence, f"armed for {self._ready_for}")
             self._ready_for = None
-            self._port.discard_stale()
+            require_line(self._port, sequence)
             sent_at = self._clock()
             try:
                 text = self._ask(f"FIRE {sequence}", kind=f"FIRED {sequence} ")

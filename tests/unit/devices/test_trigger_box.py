@@ -10,12 +10,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rigctl.devices.roles import FireOutcome, OutcomeQuery
+from rigctl.devices.roles import FireOutcome, OutcomeQuery, PowerQuery
 from rigctl.devices.serial_port import SerialPort
 from rigctl.devices.trigger_box import TriggerBox
 from rigctl.devices.trigger_box_lines import TriggerBoxStatus, closed, opened, status
 from rigctl.errors import (
-    DeviceAbsentError,
     DeviceAnswerError,
     DeviceSilentError,
     FireOutcomeUnknownError,
@@ -183,7 +182,7 @@ def test_a_hang_up_before_the_command_left_did_not_fire(build: Build) -> None:
     box, device = build(Box())
     box.arm(7, 0)
     device.hang_up()
-    with pytest.raises(DeviceAbsentError):
+    with pytest.raises(DeviceAnswerError, match=r"no fire command was sent.*hung up"):
         box.fire(7)
 
 
@@ -220,6 +219,14 @@ def test_the_boxs_record_settles_an_open_fire(
 def test_a_silent_box_leaves_an_open_fire_unknown(build: Build) -> None:
     box, _ = build(lambda message: SILENT)
     assert box.outcome(7) is FireOutcome.UNKNOWN
+    box.close()
+
+
+@pytest.mark.parametrize("powered", [True, False])
+def test_the_box_says_whether_the_cut_off_has_taken_its_power(build: Build, powered: bool) -> None:
+    box, _ = build(Box(STAT=sealed(f"STAT SAFE 0 0 {int(powered)}")))
+    assert isinstance(box, PowerQuery)
+    assert box.powered() is powered
     box.close()
 
 
