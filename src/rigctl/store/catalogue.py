@@ -83,9 +83,12 @@ class Catalogue:
                     part=str(self._database.path),
                     shot=shot,
                 )
-            known = {
+            known: dict[str, object] = {
                 name: value for name, value in _columns(change or Change()) if value is not None
             }
+            if to is ShotState.ANALYSING:
+                # What an earlier analysis could not do says nothing of this one.
+                known |= {"failure": None, "failure_code": None}
             if to not in RUNNING and present.outcome is None:
                 known["outcome"] = to
             statement = update(shots).where(shots.c.id == shot).values(state=to, **known)

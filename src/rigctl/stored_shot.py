@@ -1,0 +1,83 @@
+"""From a shot's folder to its result: the one call from the daemon into the analysis."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from analysis.document import overlay_document, shot_document
+from analysis.setup import CameraSetup, Setup, SphereSetup
+from analysis.shot import MeasuredShot, analyse_shot
+
+Json = dict[str, Any]
+
+
+def analyse_stored_shot(folder: Path, method: str) -> Json:
+    """Analyse the frames in a shot's folder; the manifest says all that must be known.
+
+    Times count from the shot's first frame.
+
+    Returns
+    -------
+    The result document (commands.md) with the shot's name, the method, the frames a second and,
+    when it was measured, what to draw over each frame.
+    """
+    manifest = json.loads((folder / "manifest.json").read_bytes())
+    about: Json = {
+        "shot": manifest["shot"],
+        "method": method,
+        "frames_per_second": manifest["picture_rate_hz"],
+    }
+    if method != "thesis":
+        reason = f"the method {method!r} cannot be applied to stored shots"
+        return {**about, "status": "refused", "step": "method", "reason": reason}
+    if any("plate" in body for body in manifest["spheres"]):
+        reason = "one body is a plate; two spheres are needed"
+        return {**about, "status": "refused", "step": "setup", "reason": reason}
+    frames = np.load(folder / "frames.npy", allow_pickle=False)
+    times_s = np.array(manifest["frames"]["times_s"])
+    shot = analyse_shot(frames, times_s - times_s[:1], setup_of(manifest))
+    document = {**about, **shot_document(shot)}
+    if isinstance(shot, MeasuredShot):
+        document["overlay"] = overlay_document(shot)
+    return document
+
+
+def setup_of(manifest: Json) -> Setup:
+    """Return what the analysis must know of camera, spheres and surroundings."""
+    optics, camera = manifest["optics"], manifest["camera"]
+    a, b = (
+        SphereSetup(
+            name=body["name"],
+            diameter_m=body["diameter_m"],
+            density_kg_per_m3=body["density_kg_per_m3"],
+            inertia_factor=body["inertia_factor"],
+        )
+        for body in manifest["spheres"]
+    )
+    return Setup(
+        camera=CameraSetup(
+            frame_rate_hz=manifest["picture_rate_hz"],
+            height_px=camera["rows"],
+            width_px=camera["columns"],
+            front_view_rows=tuple(optics["front_view_rows"]),
+            top_view_rows=_rows(optics["top_view_rows"]),
+            scale_px_per_m=optics["scale_px_per_m"],
+            front_origin_px=_pixel(optics["front_origin_px"]),
+            top_origin_px=_pixel(optics["top_origin_px"]),
+        ),
+        spheres=(a, b),
+        gravity_m_per_s2=manifest["environment"]["gravity_m_per_s2"],
+        air_density_kg_per_m3=manifest["environment"]["air_density_kg_per_m3"],
+    )
+
+
+def _pixel(values: list[float] | None) -> tuple[float, float] | None:
+    return None if values is None else (values[0], values[1])
+
+
+def _rows(values: list[int] | None) -> tuple[int, int] | None:
+    return None if values is None else (values[0], values[1])
