@@ -1,7 +1,7 @@
 """`python -m simulators FOLDER`: a laboratory in a process of its own.
 
 Prints one JSON line with the paths of its ports when it is ready, and ends on SIGTERM or SIGINT.
-The USB relay is reached in the same process only; the control socket moves its contact instead.
+The recorder's contact is reached in the same process only; the control socket moves it instead.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import sys
 from pathlib import Path
 
 from simulators.control import control_socket
-from simulators.laboratory import ROLES, open_laboratory
+from simulators.laboratory import REMOTE_TRIGGER, ROLES, open_laboratory
 
 _ENDS = (signal.SIGTERM, signal.SIGINT)
 
@@ -35,7 +35,7 @@ def main(arguments: list[str] | None = None) -> int:
         return 2
     control = folder / "control.sock"
     with contextlib.closing(laboratory), control_socket(laboratory, control):
-        paths = {role: laboratory.port(role) for role in ROLES}
+        paths = {role: laboratory.port(role) for role in ROLES if role != REMOTE_TRIGGER}
         paths |= {"control": str(control), "truth": str(laboratory.truth_folder)}
         print(json.dumps(paths), flush=True)  # noqa: T201  # the line that callers wait for
         signal.sigwait(_ENDS)

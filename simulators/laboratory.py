@@ -12,6 +12,7 @@ from simulators.ektapro.faults import FrameFault, FrameFaults
 from simulators.ektapro.link import Link
 from simulators.ektapro.processor import Processor
 from simulators.options import Options, read_options
+from simulators.wire import protocol_sim
 from simulators.wire.alicat import PressureRegulator
 from simulators.wire.faults import SerialDevice, SerialFaults
 from simulators.wire.framing import Framing, Lines
@@ -25,7 +26,8 @@ from simulators.world import Launch, World, WorldDescription
 RELAY_CHANNELS = 2
 CUT_OFF_CHANNEL = 1
 REMOTE_TRIGGER_CHANNEL = 1
-ROLES = ("trigger", "regulator", "slide", "cut-off", "recorder", "capture")
+REMOTE_TRIGGER = "remote-trigger"
+ROLES = ("trigger", "regulator", "slide", "cut-off", "recorder", "capture", REMOTE_TRIGGER)
 STUCK, UNPLUG, PLUG_IN, NEVER_STARTS = "stuck", "unplug", "plug-in", "never-starts"
 
 
@@ -72,6 +74,8 @@ class Laboratory:
         link = Link(self._recorder, self._digitiser.start)
         self._relay = HidRelay(RELAY_CHANNELS, self._switch_contact)
         self._usb = HidRelayBackend(self._relay)
+        remote = f"{folder.absolute()}/{REMOTE_TRIGGER}"
+        self._remote_url = protocol_sim.publish(remote, self._recorder.contact)
         self._devices: dict[str, _SerialDevice] = {}
         self._connect("trigger", Lines(b"\n"), self._box.answer, self._box.stick)
         self._connect("regulator", Lines(b"\r"), self._regulator.answer, self._regulator.stick)
@@ -92,6 +96,9 @@ class Laboratory:
     def port(self, role: str) -> str:
         """Return what a host opens for a role: a device's path, or the capture folder.
 
+        `remote-trigger` is a URL for pyserial, valid in this process: a port whose RTS line is
+        the recorder's contact, as an alternative to the relay.
+
         Raises
         ------
         ValueError
@@ -99,6 +106,8 @@ class Laboratory:
         """
         if role == "capture":
             return str(self._folder / "capture")
+        if role == REMOTE_TRIGGER:
+            return self._remote_url
         if role not in self._devices:
             raise ValueError(f"the simulated laboratory has no {role!r}; it has {', '.join(ROLES)}")
         return self._devices[role].port.path
@@ -185,6 +194,7 @@ class Laboratory:
         """Unplug everything and stop every thread. Safe to call twice."""
         for device in self._devices.values():
             device.port.close()
+        protocol_sim.withdraw(self._remote_url)
         self._digitiser.close()
 
     def _connect(
