@@ -1,0 +1,93 @@
+"""From the camera section of the configuration to a capture."""
+
+from __future__ import annotations
+
+from contextlib import ExitStack
+from pathlib import Path
+
+from rigctl.cameras.capture import Capture
+from rigctl.cameras.files import CaptureFolder
+from rigctl.cameras.live import LiveCapture
+from rigctl.cameras.playback import DigitisedPlayback
+from rigctl.cameras.tape import PictureSource, TapeCapture
+from rigctl.cameras.v4l2 import VideoDevice
+from rigctl.config import EktaproCamera, FilesSource, HidRelay, V4l2Camera
+from rigctl.config import RemoteTriggerSection as ContactSection
+from rigctl.devices import hid_relay, serial_line
+from rigctl.devices.build import WRITE_TIMEOUT_S, Laboratory, resolved
+from rigctl.devices.ektapro import EktaproLink
+from rigctl.devices.roles import Closure
+from rigctl.devices.serial_port import SerialPort
+
+RECORDER_BAUD = 115200
+
+
+def build_capture(section: EktaproCamera | V4l2Camera, laboratory: Laboratory | None) -> Capture:
+    """Open the camera of a configuration; nothing stays open when a part fails.
+
+    Nothing records yet. A video device is opened when it is first used.
+
+    Raises
+    ------
+    DeviceError
+        A port is absent, busy or forbidden.
+    ConfigurationError
+        A port is simulated and there is no simulated laboratory.
+    """
+    if isinstance(section, V4l2Camera):
+        camera = VideoDevice(
+            section.device,
+            rows=section.rows,
+            columns=section.columns,
+            input_number=section.input,
+            buffers=section.buffers,
+        )
+        return LiveCapture(section, camera)
+    with ExitStack() as opened:
+        recorder = _recorder(section, laboratory)
+        opened.callback(recorder.close)
+        contact = None
+        if section.remote_trigger is not None:
+            contact = _contact(section.remote_trigger, laboratory)
+        source = _source(section, recorder, laboratory)
+        opened.pop_all()
+    return TapeCapture(section, recorder=recorder, source=source, contact=contact)
+
+
+def _recorder(section: EktaproCamera, laboratory: Laboratory | None) -> EktaproLink:
+    port = SerialPort(
+        resolved(section.recorder.port, laboratory),
+        part="recorder (ektapro-link)",
+        baud=RECORDER_BAUD,
+        answer_timeout_s=section.recorder.answer_timeout_s,
+    )
+    return EktaproLink(port)
+
+
+def _contact(section: ContactSection, laboratory: Laboratory | None) -> Closure:
+    if isinstance(section, HidRelay):
+        backend = None if laboratory is None else laboratory.usb_backend()
+        return hid_relay.HidRelay(channel=section.channel, backend=backend)
+    port = SerialPort(
+        resolved(section.port, laboratory),
+        part="remote trigger (serial-line)",
+        baud=serial_line.BAUD,
+        answer_timeout_s=WRITE_TIMEOUT_S,
+    )
+    return serial_line.SerialLine(port)
+
+
+def _source(
+    section: EktaproCamera, recorder: EktaproLink, laboratory: Laboratory | None
+) -> PictureSource:
+    rate = section.picture_rate_hz
+    if isinstance(section.source, FilesSource):
+        folder = Path(resolved(section.source.folder, laboratory))
+        return CaptureFolder(folder, recorder=recorder, picture_rate_hz=rate)
+    grabber = VideoDevice(
+        section.source.device,
+        rows=section.rows,
+        columns=section.columns,
+        input_number=section.source.input,
+    )
+    return DigitisedPlayback(recorder, grabber, picture_rate_hz=rate)
