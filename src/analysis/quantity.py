@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 
@@ -17,5 +18,13 @@ class Quantity:
         """Return the form of the exchange documents."""
         return {"value": self.value, "sigma": self.sigma, "unit": self.unit}
 
-    def __str__(self) -> str:
-        return f"{self.value:.4g} +- {self.sigma:.2g} {self.unit}".rstrip(" 1").rstrip()
+    def concise(self) -> str:
+        """Return the value with its error in brackets, 0.7384(33): in units of the last digit.
+
+        Two digits of the error are kept (GUM, JCGM 100:2008, section 7.2.2).
+        """
+        if not (math.isfinite(self.sigma) and self.sigma > 0):
+            return f"{self.value:g}"
+        decimals = max(0, 1 - math.floor(math.log10(self.sigma)))
+        digits = round(self.sigma * 10**decimals)
+        return f"{self.value:.{decimals}f}({digits})"

@@ -38,12 +38,16 @@ class CameraSetup:
 
 @dataclass(frozen=True, slots=True)
 class SphereSetup:
-    """One sphere: diameter in m, density in kg/m^3, inertia factor I / (m r^2)."""
+    """One sphere: diameter in m, density in kg/m^3, inertia factor I / (m r^2).
+
+    A plate stands still, has no diameter, and comes only as sphere b.
+    """
 
     name: str
     diameter_m: float
     density_kg_per_m3: float = 1150.0
     inertia_factor: float = 0.4
+    plate: bool = False
 
 
 @dataclass(frozen=True, slots=True)

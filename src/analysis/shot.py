@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,7 @@ from analysis.imaging.frame import EdgeSettings
 from analysis.motion.pattern import Orientations
 from analysis.motion.poses import Centres
 from analysis.setup import Setup
-from analysis.tracking import Tracking, track_spheres
+from analysis.tracking import Matching, Tracking, track_spheres
 from analysis.two_sides import measure_two_sides
 
 Floats = NDArray[np.float64]
@@ -29,12 +29,16 @@ class AnalysisOptions:
     ----------
     edges
         Filter and subpixel method.
+    matching
+        "pattern" matches every frame against one body pattern by rigid rotation, both views
+        together; "proximal" goes from frame to frame in the front view (appendix B).
     three_and_three
         Use the thesis's three frames before and three after contact, 2 ms apart, with its
         equations (5-1) to (5-4) and (5-32), (5-33); otherwise all frames by least squares.
     """
 
-    edges: EdgeSettings = EdgeSettings()
+    edges: EdgeSettings = field(default_factory=EdgeSettings)
+    matching: Matching = "pattern"
     three_and_three: bool = False
 
 
@@ -103,7 +107,7 @@ def analyse_shot(
     chosen = options or AnalysisOptions()
     try:
         check_frames(frames, times_s, setup)
-        tracking = track_spheres(frames, times_s, setup, chosen.edges)
+        tracking = track_spheres(frames, times_s, setup, chosen.edges, chosen.matching)
         sides = measure_two_sides(tracking, times_s, setup, chosen.three_and_three)
     except ShotRefusedError as refusal:
         return RefusedShot(refusal.step, refusal.reason, refusal.frame)

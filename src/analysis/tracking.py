@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,12 +22,15 @@ from analysis.imaging.radii import filter_bias, view_radii
 from analysis.imaging.refinement import Knowledge, MarkersInFrame, refine_outlines
 from analysis.imaging.tracks import Spheres
 from analysis.imaging.views import View, ViewGeometry, view_geometries
+from analysis.motion.chained import orient_by_steps
 from analysis.motion.pattern import Orientations, orient
 from analysis.motion.poses import Centres, centres
 from analysis.motion.sightings import SeenMarker, marker_angle, seen_markers, sightings
 from analysis.setup import Setup
 
 Floats = NDArray[np.float64]
+
+Matching = Literal["pattern", "proximal"]
 
 SMALLEST_RADIUS_PX = 6.0
 FRAMES_FOR_RADIUS = 3
@@ -72,7 +76,11 @@ SCALE_SIGMA_FROM_IMAGES = 0.003
 
 
 def track_spheres(
-    frames: NDArray[np.uint8], times_s: Floats, setup: Setup, settings: EdgeSettings
+    frames: NDArray[np.uint8],
+    times_s: Floats,
+    setup: Setup,
+    settings: EdgeSettings,
+    matching: Matching,
 ) -> Tracking:
     """Measure the poses of both spheres in every frame that shows them.
 
@@ -96,6 +104,12 @@ def track_spheres(
     known = Knowledge(radii, standing, marker_angle(seen, radii))
     spheres = refine_outlines(edges, views, spheres, known, settings.sigma_px)
     seen, orientations = _markers(edges, views, spheres, radii, times_s)
+    if matching == "proximal":
+        front = radii[View.FRONT]
+        orientations = (
+            orient_by_steps(seen[0], front[0], "a"),
+            orient_by_steps(seen[1], front[1], "b"),
+        )
     scales, scale_sigma = _scales(radii, bias, setup)
     placed = [centres(sphere, views, scales, settings.sigma_px) for sphere in spheres]
     return Tracking(

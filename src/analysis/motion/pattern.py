@@ -102,7 +102,7 @@ def orient(sightings: dict[int, Sightings], times_s: Floats, sphere: str) -> Ori
             _match(sightings[k].directions, pattern @ r.T, OUTLIER_ANGLE)
             for k, r in zip(frames, rotation, strict=True)
         ]
-        pattern, index = _average_pattern(sightings, frames, rotation, matches, len(pattern))
+        pattern, index = average_pattern(sightings, frames, rotation, matches, len(pattern))
         matches = [np.where(m >= 0, index[m], -1) for m in matches]
         kept = [i for i, m in enumerate(matches) if _enough(m, frames[i], left_out)]
         frames, rotation = [frames[i] for i in kept], [rotation[i] for i in kept]
@@ -111,7 +111,7 @@ def orient(sightings: dict[int, Sightings], times_s: Floats, sphere: str) -> Ori
     return Orientations(
         frames=np.array(frames, dtype=np.intp),
         rotation=np.array(rotation).reshape(-1, 3, 3),
-        covariance=_covariances(sightings, frames, pattern, rotation, matches),
+        covariance=orientation_covariances(sightings, frames, pattern, rotation, matches),
         pattern=pattern,
         matches=tuple(matches),
         left_out=left_out,
@@ -180,7 +180,7 @@ def _fit(current: Sightings, pattern: Floats, match: NDArray[np.intp]) -> Floats
     return rotation_from_directions(pattern[match[common]], current.directions[common], weights)
 
 
-def _average_pattern(
+def average_pattern(
     sightings: dict[int, Sightings],
     frames: list[int],
     rotation: list[Floats],
@@ -203,7 +203,7 @@ def _average_pattern(
     return pattern / np.linalg.norm(pattern, axis=1, keepdims=True), index
 
 
-def _covariances(
+def orientation_covariances(
     sightings: dict[int, Sightings],
     frames: list[int],
     pattern: Floats,

@@ -1,0 +1,163 @@
+"""Every shot of a campaign, each on its own: one that fails does not stop the rest."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import dataclass, replace
+from multiprocessing import get_context
+from pathlib import Path
+
+import numpy as np
+
+from analysis.errors import InputError
+from analysis.exchange.description import read_description
+from analysis.exchange.shot_list import ShotRow, read_shot_list
+from analysis.imaging.stack import SUFFIXES, read_stack
+from analysis.setup import CameraSetup, Setup, SphereSetup
+from analysis.shot import AnalysisOptions, MeasuredShot, RefusedShot, analyse_shot
+
+DESCRIPTION = "campaign.toml"
+SHOT_LIST = "shots.csv"
+FRAMES = "frames"
+
+
+@dataclass(frozen=True, slots=True)
+class ShotJob:
+    """One shot to be analysed: its number, where its frames lie, its set-up and settings."""
+
+    shot: int
+    frames: Path
+    setup: Setup
+    row: ShotRow | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Campaign:
+    """Shots that share a set-up."""
+
+    name: str
+    jobs: tuple[ShotJob, ...]
+
+
+THESIS_SETUP = Setup(
+    camera=CameraSetup(
+        frame_rate_hz=1000.0,
+        front_view_rows=(88, 192),
+        top_view_rows=(0, 88),
+    ),
+    spheres=(SphereSetup("a", 0.0254), SphereSetup("b", 0.0254)),
+)
+"""The second apparatus of the thesis: the set-up of frames that come without one."""
+
+
+def read_campaign(path: Path, setup: Setup | None = None) -> Campaign:
+    """Find the shots of a campaign folder, or take one file or folder of frames as one shot.
+
+    Parameters
+    ----------
+    path
+        A folder with campaign.toml, or frames. Frames inside a campaign's own `frames` folder take
+        that campaign's set-up.
+    setup
+        For frames that belong to no campaign; None: the thesis's second apparatus.
+
+    Raises
+    ------
+    InputError
+        Nothing is there, or the campaign's files cannot be read.
+    """
+    if (path / DESCRIPTION).exists():
+        return _campaign_folder(path)
+    if not path.exists():
+        raise InputError(path, "no such file or folder")
+    number = int(path.stem) if path.stem.isdecimal() else 1
+    home = path.resolve().parent.parent
+    if path.resolve().parent.name == FRAMES and (home / DESCRIPTION).exists():
+        whole = _campaign_folder(home)
+        mine = [job for job in whole.jobs if job.frames.resolve() == path.resolve()]
+        if mine:
+            return Campaign(whole.name, (replace(mine[0], frames=path),))
+    if path.is_dir() and not any(path.glob("*.png")):
+        raise InputError(path, f"neither {DESCRIPTION} nor PNG frames are in this folder")
+    return Campaign(path.stem, (ShotJob(number, path, setup or THESIS_SETUP),))
+
+
+def _campaign_folder(path: Path) -> Campaign:
+    name, setup = read_description(path / DESCRIPTION)
+    if any(sphere.plate for sphere in setup.spheres):
+        raise InputError(
+            path / DESCRIPTION,
+            "spheres: frames of a sphere on a plate are not analysed; give contacts.csv",
+        )
+    jobs = []
+    for row in read_shot_list(path / SHOT_LIST):
+        camera = setup.camera
+        if (exposure := row.numbers.get("exposure_us")) is not None:
+            camera = replace(camera, exposure_s=exposure * 1e-6)
+        frames = _frames_of(path / FRAMES, row.shot)
+        jobs.append(ShotJob(row.shot, frames, replace(setup, camera=camera), row))
+    return Campaign(name, tuple(jobs))
+
+
+def _frames_of(folder: Path, shot: int) -> Path:
+    """Return where a shot's frames lie; the plain TIFF name where nothing is there."""
+    stem = folder / f"{shot:04d}"
+    candidates = [stem.with_suffix(suffix) for suffix in SUFFIXES]
+    return next((c for c in (*candidates, stem) if c.exists()), stem.with_suffix(".tiff"))
+
+
+def analyse_job(job: ShotJob, options: AnalysisOptions) -> tuple[MeasuredShot | RefusedShot, int]:
+    """Analyse one shot from its files; frames that cannot be read refuse it.
+
+    Returns
+    -------
+    The result, and how many frames were read.
+    """
+    try:
+        stack = read_stack(job.frames)
+    except InputError as error:
+        return RefusedShot("frames", str(error), None), 0
+    times = stack.times_s
+    if times is None:
+        times = np.arange(len(stack.pixels)) / job.setup.camera.frame_rate_hz
+    return analyse_shot(stack.pixels, times, job.setup, options), len(stack.pixels)
+
+
+def analyse_campaign(
+    campaign: Campaign,
+    options: AnalysisOptions,
+    workers: int | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Iterator[tuple[ShotJob, MeasuredShot | RefusedShot, int]]:
+    """Analyse all shots, in their order.
+
+    Parameters
+    ----------
+    workers
+        Processes; None: one for each processor, and none of its own for one or two shots.
+    progress
+        Called with the number of shots done and of all shots.
+
+    Yields
+    ------
+    The job, its result, and the number of its frames.
+    """
+    jobs, total = campaign.jobs, len(campaign.jobs)
+    count = min(workers or os.cpu_count() or 1, total)
+    if count <= 1 or (workers is None and total <= 2):
+        for done, job in enumerate(jobs, start=1):
+            result, frames = analyse_job(job, options)
+            if progress is not None:
+                progress(done, total)
+            yield job, result, frames
+        return
+    with ProcessPoolExecutor(count, mp_context=get_context("spawn")) as pool:
+        futures = [pool.submit(analyse_job, job, options) for job in jobs]
+        for done, _ in enumerate(as_completed(futures), start=1):
+            if progress is not None:
+                progress(done, total)
+        for job, future in zip(jobs, futures, strict=True):
+            result, frames = future.result()
+            yield job, result, frames

@@ -1,0 +1,89 @@
+"""A shot's result as other programs read it (commands.md)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from analysis.motion.sightings import SeenMarker
+from analysis.shot import MeasuredShot, RefusedShot
+
+Json = dict[str, Any]
+
+
+def shot_document(shot: MeasuredShot | RefusedShot) -> Json:
+    """Return the result of a shot without its number: measured, or refused with the reason.
+
+    `contact_time_s` counts from the shot's first frame. Signs as in section 7.1 of the thesis.
+    """
+    if isinstance(shot, RefusedShot):
+        refused: Json = {"status": "refused", "step": shot.step}
+        if shot.frame is not None:
+            refused["frame"] = shot.frame
+        return {**refused, "reason": shot.reason}
+    impact = shot.impact
+    return {
+        "status": "measured",
+        "contact_time_s": impact.contact_time.value,
+        "contact_time_sigma_s": impact.contact_time.sigma,
+        "normal": [float(n) for n in impact.normal],
+        "normal_sigma": [float(n) for n in impact.normal_sigma],
+        "v_n": impact.v_n.to_json(),
+        "v_s": impact.v_s.to_json(),
+        "v_n_after": impact.v_n_after.to_json(),
+        "v_s_after": impact.v_s_after.to_json(),
+        "e": impact.e.to_json(),
+        "beta": None if impact.beta is None else impact.beta.to_json(),
+        "frames_before": list(shot.used_before),
+        "frames_after": list(shot.used_after),
+        "scale_px_per_m": {v.value: s for v, s in shot.tracking.scales_px_per_m.items()},
+        "notes": list(shot.notes),
+    }
+
+
+def overlay_document(shot: MeasuredShot) -> list[Json]:
+    """Return what to draw over each frame: outlines and markers, pixels (row, column)."""
+    tracking = shot.tracking
+    frames: list[Json] = []
+    for k in range(len(shot.times_s)):
+        outlines = [
+            {
+                "sphere": name,
+                "view": view.value,
+                "row": outline.circle.row,
+                "column": outline.circle.column,
+                "radius": outline.circle.radius,
+            }
+            for name, sphere in zip("ab", tracking.spheres, strict=True)
+            for view, track in sphere.items()
+            if (outline := track.outlines.get(k)) is not None
+        ]
+        markers = [
+            marker
+            for i, name in enumerate("ab")
+            for marker in _markers(name, tracking.markers[i].get(k, []), _names(shot, i, k))
+        ]
+        frames.append({"frame": k, "outlines": outlines, "markers": markers})
+    return frames
+
+
+def _names(shot: MeasuredShot, sphere: int, frame: int) -> list[int]:
+    """Return each sighting's marker in the sphere's pattern, -1 where it has none."""
+    turned = shot.orientations[sphere]
+    index = np.flatnonzero(turned.frames == frame)
+    return [] if index.size == 0 else [int(m) for m in turned.matches[int(index[0])]]
+
+
+def _markers(sphere: str, seen: list[SeenMarker], names: list[int]) -> list[Json]:
+    known = names or [-1] * len(seen)
+    return [
+        {
+            "sphere": sphere,
+            "view": m.view.value,
+            "marker": None if name < 0 else name,
+            "row": m.marker.ellipse.row,
+            "column": m.marker.ellipse.column,
+        }
+        for m, name in zip(seen, known, strict=True)
+    ]

@@ -1,0 +1,85 @@
+"""Writing an exchange folder from analysed shots."""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Sequence
+from pathlib import Path
+
+from analysis.campaign import DESCRIPTION, SHOT_LIST, ShotJob
+from analysis.exchange.description import FORMAT
+from analysis.exchange.tables import write_contacts, write_poses
+from analysis.setup import Setup
+from analysis.shot import MeasuredShot, RefusedShot
+
+Result = tuple[ShotJob, MeasuredShot | RefusedShot]
+
+
+def write_folder(folder: Path, name: str, results: Sequence[Result]) -> None:
+    """Write campaign.toml, shots.csv, poses.csv and contacts.csv.
+
+    A refused shot has its row in shots.csv and none in the others.
+
+    Raises
+    ------
+    OSError
+        The folder cannot be written.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / DESCRIPTION).write_text(description(name, results[0][0].setup), encoding="utf-8")
+    _write_shot_list(folder / SHOT_LIST, [job for job, _ in results])
+    measured = [(job.shot, shot) for job, shot in results if isinstance(shot, MeasuredShot)]
+    write_poses(folder / "poses.csv", measured)
+    write_contacts(folder / "contacts.csv", measured)
+
+
+def description(name: str, setup: Setup) -> str:
+    """Return campaign.toml; what the set-up does not know is left out."""
+    camera = setup.camera
+    fields = {
+        "frame_rate_hz": camera.frame_rate_hz,
+        "width_px": camera.width_px,
+        "height_px": camera.height_px,
+        "scale_px_per_m": camera.scale_px_per_m,
+        "front_view_rows": camera.front_view_rows,
+        "top_view_rows": camera.top_view_rows,
+        "front_origin_px": camera.front_origin_px,
+        "top_origin_px": camera.top_origin_px,
+    }
+    # JSON writes these strings, numbers and lists as TOML does.
+    lines = [f"format = {FORMAT}", f"name = {json.dumps(name)}", "[camera]"]
+    lines += [f"{key} = {json.dumps(value)}" for key, value in fields.items() if value is not None]
+    for sphere in setup.spheres:
+        lines += [
+            "[[spheres]]",
+            f"name = {json.dumps(sphere.name)}",
+            f"diameter_m = {sphere.diameter_m}",
+            f"density_kg_per_m3 = {sphere.density_kg_per_m3}",
+            f"inertia_factor = {sphere.inertia_factor}",
+        ]
+    lines += [
+        "[environment]",
+        f"gravity_m_per_s2 = {setup.gravity_m_per_s2}",
+        f"air_density_kg_per_m3 = {setup.air_density_kg_per_m3}",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _write_shot_list(path: Path, jobs: Sequence[ShotJob]) -> None:
+    rows = [job.row for job in jobs if job.row is not None]
+    numbers = sorted({name for row in rows for name in row.numbers})
+    words = sorted({name for row in rows for name in row.words})
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(["shot", "time", *numbers, *words])
+        for job in jobs:
+            row = job.row
+            if row is None:
+                writer.writerow([job.shot, "", *([""] * (len(numbers) + len(words)))])
+                continue
+            time = "" if row.time is None else row.time.isoformat()
+            values = [row.numbers.get(n, "") for n in numbers] + [
+                row.words.get(w, "") for w in words
+            ]
+            writer.writerow([job.shot, time, *values])

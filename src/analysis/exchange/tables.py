@@ -1,0 +1,78 @@
+"""poses.csv and contacts.csv: what the analysis hands on."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+import numpy as np
+
+from analysis.collision.impact import ContactState
+from analysis.motion.rotation import quaternion
+from analysis.shot import MeasuredShot
+
+POSES = [
+    *("shot", "frame", "t_s", "sphere"),
+    *("x_m", "y_m", "z_m", "sigma_x_m", "sigma_y_m", "sigma_z_m"),
+    *("qw", "qx", "qy", "qz", "sigma_rot_rad"),
+]
+_STATE = [f"{kind}{sphere}_{axis}" for kind in "vw" for sphere in "ab" for axis in "xyz"]
+CONTACTS = [
+    "shot",
+    "nx",
+    "ny",
+    "nz",
+    *_STATE,
+    *(f"{name}_after" for name in _STATE),
+    "sigma_v_m_per_s",
+    "sigma_w_rad_per_s",
+]
+
+
+def write_poses(path: Path, shots: Iterable[tuple[int, MeasuredShot]]) -> None:
+    """Write one row for each sphere and frame; a frame without orientation leaves it empty."""
+    _write(path, POSES, (row for number, shot in shots for row in _poses(number, shot)))
+
+
+def write_contacts(path: Path, shots: Iterable[tuple[int, MeasuredShot]]) -> None:
+    """Write one row for each shot; the sigmas are root mean squares over axes and spheres."""
+    _write(path, CONTACTS, (_contact(number, shot) for number, shot in shots))
+
+
+def _write(path: Path, names: list[str], rows: Iterable[list[object]]) -> None:
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(names)
+        writer.writerows(rows)
+
+
+def _poses(number: int, shot: MeasuredShot) -> Iterator[list[object]]:
+    times = shot.times_s - shot.times_s[0]
+    for name, centres, turned in zip("ab", shot.centres, shot.orientations, strict=True):
+        where = {int(k): i for i, k in enumerate(turned.frames)}
+        for k, position, sigma in zip(centres.frames, centres.position, centres.sigma, strict=True):
+            orientation: list[object] = [""] * 5
+            if (i := where.get(int(k))) is not None:
+                spread = float(np.sqrt(np.trace(turned.covariance[i]) / 3))
+                orientation = [*map(float, quaternion(turned.rotation[i])), spread]
+            placed = [*map(float, position), *map(float, sigma)]
+            yield [number, int(k), float(times[k]), name, *placed, *orientation]
+
+
+def _contact(number: int, shot: MeasuredShot) -> list[object]:
+    impact = shot.impact
+    spread = np.sqrt((impact.state_sigma**2).mean(axis=(0, 2)))
+    return [
+        number,
+        *map(float, impact.normal),
+        *_numbers(impact.before),
+        *_numbers(impact.after),
+        float(np.sqrt((spread[:2] ** 2).mean())),
+        float(np.sqrt((spread[2:] ** 2).mean())),
+    ]
+
+
+def _numbers(state: ContactState) -> list[float]:
+    parts = (state.velocity_a, state.velocity_b, state.spin_a, state.spin_b)
+    return [float(value) for part in parts for value in part]

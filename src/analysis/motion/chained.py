@@ -1,0 +1,92 @@
+"""Orientation from frame to frame, as the thesis has it: match the markers, turn by turn.
+
+Every step adds its error to all that follow, and only the front view takes part. It stands beside
+`pattern` for comparison.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.errors import ShotRefusedError
+from analysis.imaging.views import View
+from analysis.motion.pattern import (
+    LEAST_COMMON,
+    Orientations,
+    Sightings,
+    average_pattern,
+    orientation_covariances,
+)
+from analysis.motion.proximal import match_markers
+from analysis.motion.rotation import rotation_from_directions
+from analysis.motion.sightings import SeenMarker, sightings
+
+Floats = NDArray[np.float64]
+
+REACH = 0.4
+"""Markers move by less than this share of the radius in one frame."""
+
+
+def orient_by_steps(
+    seen: dict[int, list[SeenMarker]], radius_px: float, sphere: str
+) -> Orientations:
+    """Turn the sphere from frame to frame by the markers that two frames share.
+
+    Parameters
+    ----------
+    seen
+        Markers of one sphere by frame; those of the front view are used.
+    radius_px
+        Radius of the sphere in the front view.
+    sphere
+        Its name, for the reason of a refusal.
+
+    Raises
+    ------
+    ShotRefusedError
+        Two neighbouring frames share fewer than three markers.
+    """
+    front = {k: [m for m in markers if m.view is View.FRONT] for k, markers in sorted(seen.items())}
+    points = [np.array([_offset(m, radius_px) for m in ms]).reshape(-1, 2) for ms in front.values()]
+    names = match_markers(points, REACH * radius_px)
+    frames = list(front)
+    found = sightings(front)
+    rotation = [np.eye(3)]
+    for i in range(1, len(frames)):
+        step = _step(found[frames[i - 1]], names[i - 1], found[frames[i]], names[i])
+        if step is None:
+            common = np.intersect1d(names[i - 1], names[i]).size
+            raise ShotRefusedError(
+                "markers",
+                f"only {common} markers of sphere {sphere} in common with frame {frames[i - 1]}, "
+                f"{LEAST_COMMON} are needed",
+                frames[i],
+            )
+        rotation.append(step @ rotation[-1])
+    size = 1 + max((int(n.max()) for n in names if n.size), default=-1)
+    pattern, index = average_pattern(found, frames, rotation, names, size)
+    matches = [index[n] for n in names]
+    return Orientations(
+        frames=np.array(frames, dtype=np.intp),
+        rotation=np.array(rotation),
+        covariance=orientation_covariances(found, frames, pattern, rotation, matches),
+        pattern=pattern,
+        matches=tuple(matches),
+        left_out={},
+    )
+
+
+def _offset(seen: SeenMarker, radius_px: float) -> Floats:
+    """Return where a marker of the front view stands against the centre, pixels (row, column)."""
+    return np.asarray(seen.marker.direction[:2] * radius_px)
+
+
+def _step(
+    before: Sightings, names_before: NDArray[np.intp], now: Sightings, names: NDArray[np.intp]
+) -> Floats | None:
+    common, first, second = np.intersect1d(names_before, names, return_indices=True)
+    if common.size < LEAST_COMMON:
+        return None
+    weights = now.facing[second] ** 2
+    return rotation_from_directions(before.directions[first], now.directions[second], weights)
