@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from rich import box
 from rich.console import Console
 from rich.progress import Progress
 from rich.table import Table
@@ -24,13 +25,13 @@ from analysis.imaging.stack import read_stack
 from analysis.quantity import Quantity
 from analysis.shot import AnalysisOptions, MeasuredShot, RefusedShot
 from analysis.tracking import Matching
-from rigctl.errors import RigError
+from rigctl.errors import AnalysisInputError
 
 
-class AnalysisInputError(RigError):
-    """The files handed to the analysis cannot be used."""
-
-    code = "analysis-input"
+HEADINGS = (
+    *("shot", "contact\nms", "v_n\nm/s", "v_s\nm/s", "v_n'\nm/s", "v_s'\nm/s"),
+    *("e", "beta"),
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +69,7 @@ class Request:
     workers: int | None = None
 
 
-def analyse(request: Request, *, as_json: bool) -> None:
+def analyse(request: Request, *, method: str, as_json: bool) -> None:
     """Analyse, write what is asked for, and print a table or one JSON document.
 
     Raises
@@ -90,7 +91,7 @@ def analyse(request: Request, *, as_json: bool) -> None:
     if as_json:
         document = {
             "campaign": campaign.name,
-            "method": "thesis",
+            "method": method,
             "frames_per_second": round(frames / elapsed, 1),
             "shots": [{"shot": job.shot, **shot_document(shot)} for job, shot in results],
         }
@@ -150,18 +151,9 @@ def _draw(
 
 
 def _print_table(name: str, results: Sequence[tuple[ShotJob, MeasuredShot | RefusedShot]]) -> None:
-    table = Table(title=name, title_justify="left")
-    for heading in (
-        "shot",
-        "contact ms",
-        "v_n m/s",
-        "v_s m/s",
-        "v_n' m/s",
-        "v_s' m/s",
-        "e",
-        "beta",
-    ):
-        table.add_column(heading, justify="right")
+    table = Table(title=name, title_justify="left", box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0))
+    for heading in HEADINGS:
+        table.add_column(heading, justify="right", no_wrap=True)
     refused = []
     for job, shot in results:
         if isinstance(shot, RefusedShot):

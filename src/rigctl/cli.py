@@ -1,0 +1,218 @@
+"""The commands; each loads what it needs when it runs, so that --help answers at once."""
+
+from __future__ import annotations
+
+import sys
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from typer.exceptions import TyperException
+
+from rigctl.errors import (
+    AnalysisInputError,
+    ConfigurationError,
+    DeviceError,
+    NotFoundError,
+    RecordingNotConfirmedError,
+    RefusedError,
+    RigError,
+    SettingsError,
+    StoreError,
+)
+
+BAD_INPUT, REFUSED, NOT_FOUND = 2, 3, 4
+
+_EXIT_CODES: tuple[tuple[type[RigError], int], ...] = (
+    (NotFoundError, NOT_FOUND),
+    (RefusedError, REFUSED),
+    (DeviceError, REFUSED),
+    (RecordingNotConfirmedError, REFUSED),
+    (StoreError, REFUSED),
+    (AnalysisInputError, BAD_INPUT),
+    (ConfigurationError, BAD_INPUT),
+    (SettingsError, BAD_INPUT),
+)
+
+app = typer.Typer(
+    name="rigctl",
+    help="A collision laboratory: fire the rig, film two spheres, measure the impact.",
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+)
+
+Config = Annotated[
+    Path | None,
+    typer.Option("--config", help="Configuration of the rig (TOML); without it all is simulated."),
+]
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON document on standard output.")]
+
+
+class Method(StrEnum):
+    """How images are measured."""
+
+    THESIS = "thesis"
+
+
+class MarkerMatching(StrEnum):
+    """How markers are matched from frame to frame."""
+
+    PATTERN = "pattern"
+    PROXIMAL = "proximal"
+
+
+@app.callback()
+def rigctl() -> None:
+    """Keep the commands a group, however many there are."""
+
+
+@app.command()
+def serve(
+    *,
+    config: Config = None,
+    port: Annotated[
+        int | None,
+        typer.Option(min=0, max=65535, help="Listen here instead; 0 takes any free port."),
+    ] = None,
+    key: Annotated[
+        str | None,
+        typer.Option(envvar="RIGCTL_KEY", help="Key of the service; without it a fresh one."),
+    ] = None,
+) -> None:
+    """Run the daemon: REST on 127.0.0.1:8486, the simulated rig by default."""
+    from rigctl.commands.serve import serve as run_daemon
+
+    run_daemon(config, port, key)
+
+
+@app.command()
+def shot(
+    *,
+    pressure_kpa: Annotated[float, typer.Option(help="Gauge pressure of pusher a in kPa.")],
+    offset_mm: Annotated[float, typer.Option(help="Vertical offset of tube b below a in mm.")],
+    pressure_b_kpa: Annotated[
+        float | None, typer.Option(help="Gauge pressure of pusher b in kPa; as a without it.")
+    ] = None,
+    delay_us: Annotated[
+        float, typer.Option(help="Pusher b fires this much later, microseconds.")
+    ] = 0.0,
+    angle_a_deg: Annotated[
+        float | None, typer.Option(help="Tilt of tube a in degrees; release apparatus only.")
+    ] = None,
+    angle_b_deg: Annotated[
+        float | None, typer.Option(help="Tilt of tube b in degrees; release apparatus only.")
+    ] = None,
+    campaign: Annotated[str | None, typer.Option(help="Campaign the shot belongs to.")] = None,
+    local: Annotated[bool, typer.Option("--local", help="Fire without a daemon.")] = False,
+    wait_s: Annotated[
+        float, typer.Option(min=0.0, max=3600.0, help="Longest wait for the measurement, s.")
+    ] = 120.0,
+    config: Config = None,
+    key: Annotated[
+        str | None,
+        typer.Option(
+            envvar="RIGCTL_KEY", help="Key of the daemon; without it from the store's key file."
+        ),
+    ] = None,
+    json: Json = False,
+) -> None:
+    """Fire one shot and print its coefficients."""
+    from rigctl.commands.shot import Order, settings_of
+    from rigctl.commands.shot import shot as fire
+
+    settings = settings_of(
+        pressure_a_kpa=pressure_kpa,
+        pressure_b_kpa=pressure_kpa if pressure_b_kpa is None else pressure_b_kpa,
+        offset_mm=offset_mm,
+        delay_us=delay_us,
+        angle_a_deg=angle_a_deg,
+        angle_b_deg=angle_b_deg,
+    )
+    order = Order(settings, campaign, wait_s)
+    if local:
+        from rigctl.commands.local import opened
+
+        fire(order, opened(config), as_json=json)
+    else:
+        from rigctl.commands.client import connected
+
+        fire(order, connected(config, key), as_json=json)
+
+
+@app.command()
+def analyse(
+    paths: Annotated[
+        list[Path], typer.Argument(help="Campaign folders, or frames: TIFF, NPY, AVI, PNG folder.")
+    ],
+    *,
+    method: Annotated[Method, typer.Option(help="How images are measured.")] = Method.THESIS,
+    setup: Annotated[
+        Path | None,
+        typer.Option(help="A campaign.toml for frames that belong to no campaign folder."),
+    ] = None,
+    sigma_px: Annotated[
+        float | None,
+        typer.Option(min=0.5, max=8.0, help="Width of the edge filter in pixels; thesis: 2."),
+    ] = None,
+    samples: Annotated[
+        int | None,
+        typer.Option(min=1, max=16, help="Facet samples a pixel; thesis: 3 or 4. Default: exact."),
+    ] = None,
+    matching: Annotated[
+        MarkerMatching, typer.Option(help="Markers by rigid pattern, or frame to frame.")
+    ] = MarkerMatching.PATTERN,
+    three: Annotated[
+        bool, typer.Option("--three", help="Three frames before and three after, 2 ms apart.")
+    ] = False,
+    out: Annotated[
+        Path | None, typer.Option(help="Write an exchange folder with poses and contacts here.")
+    ] = None,
+    figures: Annotated[
+        Path | None, typer.Option(help="Write one picture a shot into this folder.")
+    ] = None,
+    workers: Annotated[
+        int | None, typer.Option(min=1, max=256, help="Processes; default: one a processor.")
+    ] = None,
+    json: Json = False,
+) -> None:
+    """Measure the collisions in frames."""
+    from rigctl.commands.analyse import Request
+    from rigctl.commands.analyse import analyse as measure
+
+    request = Request(
+        paths=paths,
+        setup=setup,
+        sigma_px=sigma_px,
+        samples_per_pixel=samples,
+        matching=matching.value,
+        three_and_three=three,
+        out=out,
+        figures=figures,
+        workers=workers,
+    )
+    measure(request, method=method.value, as_json=json)
+
+
+def run(arguments: list[str]) -> int:
+    """Run one command and return its exit code; what failed stands on standard error.
+
+    0 is success, 2 bad input, 3 a rig that refuses or cannot, 4 "not found", 130 an interruption
+    by Ctrl-C, 1 anything else.
+    """
+    try:
+        code = app(arguments, prog_name="rigctl", standalone_mode=False)
+    except RigError as error:
+        typer.echo(f"rigctl: {error.sentence()}", err=True)
+        return next((code for kind, code in _EXIT_CODES if isinstance(error, kind)), 1)
+    except TyperException as error:
+        typer.echo(f"rigctl: {error.format_message()}", err=True)
+        return BAD_INPUT
+    return code if isinstance(code, int) else 0
+
+
+def main() -> None:
+    """Entry point of the `rigctl` script."""
+    sys.exit(run(sys.argv[1:]))

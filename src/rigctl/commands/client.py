@@ -1,0 +1,144 @@
+"""The REST service as the commands call it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+import httpx
+
+from rigctl.config import load
+from rigctl.errors import ConfigurationError, RefusedError, RigError, SettingsError
+from rigctl.service import keyfile
+from rigctl.service.keyfile import ServiceAddress
+from rigctl.settings import ShotSettings
+
+_ANSWER_TIMEOUT_S = 10.0
+# Arming waits for pressure and slide; the configuration bounds their settling to an hour at most.
+_ARM_TIMEOUT_S = 120.0
+
+
+@contextmanager
+def connected(path: Path | None, key: str | None) -> Iterator[ServiceClient]:
+    """Give a client of the daemon that runs on a configuration's store.
+
+    Its address and key are those that the daemon wrote beside its store; a key given here is used
+    in the place of the written one.
+
+    Raises
+    ------
+    ConfigurationError
+        The configuration cannot be, or no daemon wrote its key and none is given.
+    """
+    configuration = load(path)
+    try:
+        address = keyfile.read(Path(configuration.store.folder))
+    except ConfigurationError:
+        if key is None:
+            raise
+        service = configuration.service
+        address = ServiceAddress(f"http://{service.host}:{service.port}", key)
+    with ServiceClient(address if key is None else replace(address, key=key)) as client:
+        yield client
+
+
+class ServiceClient:
+    """Speaks to a running daemon; a problem document comes back as the error it was made from.
+
+    Nothing is ever sent twice: a lost answer to a fire is reported, and the shot's fate is read
+    from the list of shots.
+    """
+
+    def __init__(
+        self, address: ServiceAddress, transport: httpx.BaseTransport | None = None
+    ) -> None:
+        self._url = address.url
+        self._http = httpx.Client(
+            base_url=f"{address.url}/api/v1",
+            headers={"Authorization": f"Bearer {address.key}"},
+            transport=transport,
+            trust_env=False,
+        )
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._http.close()
+
+    def arm(self, settings: ShotSettings) -> str:
+        """Set the rig, wait until it has settled, and return the arm token."""
+        body = settings.model_dump(exclude_none=True)
+        return str(self._ask("POST", "/rig/arm", body, timeout_s=_ARM_TIMEOUT_S)["arm_token"])
+
+    def fire(self, token: str, key: str, campaign: str | None) -> str:
+        """Fire once under this idempotency key and return the shot's id."""
+        body = {"arm_token": token} | ({"campaign": campaign} if campaign else {})
+        answer = self._ask("POST", "/shots", body, headers={"Idempotency-Key": key})
+        return str(answer["shot"])
+
+    def shot(self, shot: str) -> dict[str, Any]:
+        """Return one shot as the service lists it."""
+        return self._ask("GET", f"/shots/{shot}")
+
+    def result(self, shot: str) -> dict[str, Any]:
+        """Return the measurement of one shot."""
+        return self._ask("GET", f"/shots/{shot}/result")
+
+    def _ask(
+        self,
+        method: str,
+        path: str,
+        body: Mapping[str, Any] | None = None,
+        headers: Mapping[str, str] | None = None,
+        timeout_s: float = _ANSWER_TIMEOUT_S,
+    ) -> dict[str, Any]:
+        try:
+            answer = self._http.request(method, path, json=body, headers=headers, timeout=timeout_s)
+        except httpx.ConnectError as error:
+            raise ConfigurationError(
+                "no daemon answers there",
+                part=self._url,
+                todo="start one with `rigctl serve`, or fire with --local",
+            ) from error
+        except httpx.TransportError as error:
+            raise RigError(
+                f"the daemon's answer to {method} {path} was lost ({type(error).__name__})",
+                part=self._url,
+                todo="look at GET /api/v1/shots before anything is fired again",
+            ) from error
+        if answer.is_success:
+            return dict(answer.json())
+        raise _error_of(answer)
+
+
+def _error_of(answer: httpx.Response) -> RigError:
+    try:
+        document = dict(answer.json())
+    except ValueError:
+        document = {}
+    detail = str(document.get("detail", f"HTTP {answer.status_code}"))
+    kinds = {kind.code: kind for kind in _tree(RigError)}
+    kind = kinds.get(str(document.get("code")), _by_status(answer.status_code))
+    # The detail is already a whole sentence with part, value, limit and what to do.
+    return kind(detail)
+
+
+def _tree(kind: type[RigError]) -> Iterator[type[RigError]]:
+    yield kind
+    for below in kind.__subclasses__():
+        yield from _tree(below)
+
+
+def _by_status(status: int) -> type[RigError]:
+    kinds = {401: ConfigurationError, 409: RefusedError, 422: SettingsError, 503: RefusedError}
+    return kinds.get(status, RigError)

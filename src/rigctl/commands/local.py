@@ -1,0 +1,61 @@
+"""A rig inside this process, for one shot without a daemon."""
+
+from __future__ import annotations
+
+import getpass
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from rigctl.config import load
+from rigctl.daemon import Daemon, open_daemon
+from rigctl.service.models import ShotOrder, ShotView
+from rigctl.settings import ShotSettings
+
+
+class LocalRig:
+    """The rig of a daemon that lives in this process, called without REST."""
+
+    def __init__(self, daemon: Daemon, actor: str) -> None:
+        self._daemon, self._actor = daemon, actor
+
+    def arm(self, settings: ShotSettings) -> str:
+        """Set the rig, wait until it has settled, and return the arm token."""
+        return self._daemon.rig.arm(settings, self._actor).token
+
+    def fire(self, token: str, key: str, campaign: str | None) -> str:
+        """Fire once under this idempotency key and return the shot's id."""
+        order = ShotOrder(arm_token=token, campaign=campaign)
+        record = self._daemon.rig.accept(
+            token=token,
+            key=key,
+            body_hash=order.digest(),
+            campaign=order.campaign,
+            note=None,
+            actor=self._actor,
+        )
+        return record.id
+
+    def shot(self, shot: str) -> Mapping[str, Any]:
+        """Return one shot as the service would list it."""
+        return ShotView.of(self._daemon.store.shot(shot)).model_dump(mode="json")
+
+    def result(self, shot: str) -> Mapping[str, Any]:
+        """Return the measurement of one shot."""
+        return self._daemon.store.result(shot)
+
+
+@contextmanager
+def opened(path: Path | None) -> Iterator[LocalRig]:
+    """Open the rig of a configuration; leave it safe and closed whatever happens.
+
+    Raises
+    ------
+    ConfigurationError
+        The configuration cannot be.
+    StoreError
+        A daemon already runs on its store.
+    """
+    with open_daemon(load(path)) as daemon:
+        yield LocalRig(daemon, f"{getpass.getuser()} on the command line")

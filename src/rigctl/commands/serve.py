@@ -1,0 +1,123 @@
+"""`rigctl serve`: the daemon in one process, from opened devices to a rig left safe."""
+
+from __future__ import annotations
+
+import ipaddress
+import signal
+import socket
+from pathlib import Path
+
+import typer
+import uvicorn
+
+from rigctl.config import Configuration, load
+from rigctl.daemon import open_daemon
+from rigctl.errors import ConfigurationError
+from rigctl.service import keyfile
+from rigctl.service.app import create_app
+from rigctl.service.auth import new_key
+from rigctl.service.events import EventHub
+from rigctl.service.keyfile import ServiceAddress
+
+END_WITHIN_S = 5
+"""Longest wait for answers under way when the service ends; they are cut off after it."""
+
+
+class _Server(uvicorn.Server):
+    """Lets listening clients go before it waits for connections to end."""
+
+    def __init__(self, config: uvicorn.Config, hub: EventHub) -> None:
+        super().__init__(config)
+        self._hub = hub
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        self._hub.close()
+        await super().shutdown(sockets)
+
+
+def serve(path: Path | None, port: int | None, key: str | None) -> None:
+    """Run the daemon until SIGINT or SIGTERM; the rig is left safe, within a bound.
+
+    Raises
+    ------
+    ConfigurationError
+        The configuration cannot be, the port is taken, or it would open the rig to the network
+        without a key that somebody chose.
+    RigError
+        A device or the store cannot be opened.
+    """
+    # SIGTERM unwinds like Ctrl-C, also while devices are being opened and after the server ended.
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    configuration = load(path)
+    listening = _listen(configuration, port, key)
+    address = ServiceAddress(_url(listening), key or new_key())
+    try:
+        with listening, open_daemon(configuration) as daemon:
+            written = keyfile.write(daemon.store.path, address)
+            try:
+                hub = EventHub()
+                server = _server(create_app(daemon, address.key, hub), hub)
+                typer.echo(_greeting(address, configuration))
+                server.run(sockets=[listening])
+            finally:
+                _finish_undisturbed()
+                written.unlink(missing_ok=True)
+    except KeyboardInterrupt:
+        typer.echo("rigctl: ended, the rig is safe", err=True)
+
+
+def _server(app: object, hub: EventHub) -> _Server:
+    settings = uvicorn.Config(
+        app,  # type: ignore[arg-type]
+        log_level="warning",
+        access_log=False,
+        server_header=False,
+        timeout_graceful_shutdown=END_WITHIN_S,
+    )
+    return _Server(settings, hub)
+
+
+def _listen(configuration: Configuration, port: int | None, key: str | None) -> socket.socket:
+    host = configuration.service.host
+    if not _is_loopback(host) and not key:
+        raise ConfigurationError(
+            "the rig would be open to the network without a key that somebody chose",
+            part="service.host",
+            value=repr(host),
+            limit="a loopback address",
+            todo="set RIGCTL_KEY or --key, or listen on 127.0.0.1",
+        )
+    chosen = configuration.service.port if port is None else port
+    try:
+        family = socket.AF_INET6 if ":" in host else socket.AF_INET
+        return socket.create_server((host, chosen), family=family)
+    except OSError as error:
+        raise ConfigurationError(
+            f"cannot listen there: {error.strerror or error}",
+            part="service.port",
+            value=f"{host}:{chosen}",
+            todo="choose another with --port, 0 for any free one",
+        ) from error
+
+
+def _is_loopback(host: str) -> bool:
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return host == "localhost"
+
+
+def _url(listening: socket.socket) -> str:
+    host, port = listening.getsockname()[:2]
+    return f"http://[{host}]:{port}" if ":" in host else f"http://{host}:{port}"
+
+
+def _greeting(address: ServiceAddress, configuration: Configuration) -> str:
+    kind = "simulated rig" if configuration.simulation else "REAL RIG"
+    return f"rigctl: {kind} {configuration.name!r} at {address.url}/?key={address.key}"
+
+
+def _finish_undisturbed() -> None:
+    """Let no second signal interrupt what leaves the rig safe; every step of it has a bound."""
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, signal.SIG_IGN)

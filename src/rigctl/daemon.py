@@ -1,0 +1,116 @@
+"""Everything that runs: opened in order, closed in the reverse, with the rig left safe."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Protocol, cast
+
+from rigctl.analysing import Analyser
+from rigctl.cameras.build import build_capture
+from rigctl.config import Configuration, Simulation
+from rigctl.devices import build
+from rigctl.errors import ConfigurationError
+from rigctl.rig.machine import Rig
+from rigctl.rig.parts import RigDevices
+from rigctl.rig.recovery import Recovery
+from rigctl.store import Store
+
+LABORATORY_FOLDER = "laboratory"
+"""Folder of the simulated laboratory, inside the store's."""
+
+
+class Laboratory(build.Laboratory, Protocol):
+    """A simulated laboratory as its factory returns it."""
+
+    def close(self) -> None:
+        """Unplug everything and stop every thread."""
+
+
+@dataclass(frozen=True, slots=True)
+class Daemon:
+    """A running rig: what it is, what acts, what survives, and what the start had to clear up.
+
+    `laboratory` is what stands behind a simulated rig, None on a real one.
+    """
+
+    configuration: Configuration
+    rig: Rig
+    store: Store
+    recovery: Recovery
+    laboratory: Laboratory | None
+
+
+@contextmanager
+def open_daemon(configuration: Configuration) -> Iterator[Daemon]:
+    """Open the store, the devices and the rig; close them all when the block ends, however it does.
+
+    On the way out a shot under way ends within its bounds, the trigger is made safe and the power
+    is cut (where a cut lets no sphere go), before anything is closed.
+
+    Raises
+    ------
+    StoreError
+        The store cannot be used, or another process owns it.
+    ConfigurationError
+        The factory of the simulated laboratory does not do.
+    DeviceError
+        A device is absent, busy or forbidden.
+    """
+    with ExitStack() as opened:
+        store = Store(Path(configuration.store.folder))
+        opened.callback(store.close)
+        laboratory = _open_laboratory(configuration.simulation, store.path / LABORATORY_FOLDER)
+        if laboratory is not None:
+            opened.callback(laboratory.close)
+        devices = _open_devices(configuration, laboratory, opened)
+        capture = build_capture(configuration.camera, laboratory)
+        opened.callback(capture.close)
+        section = configuration.analysis
+        analyser = Analyser(
+            store, workers=section.workers, method=section.method, timeout_s=section.timeout_s
+        )
+        opened.callback(analyser.close)
+        rig = Rig(configuration, devices, capture, store, analyse=analyser.submit)
+        opened.callback(rig.close)
+        yield Daemon(configuration, rig, store, rig.recover(), laboratory)
+
+
+def _open_devices(
+    configuration: Configuration, laboratory: Laboratory | None, opened: ExitStack
+) -> RigDevices:
+    actuators = build.build_actuators(configuration, laboratory)
+    for device in (actuators.cut_off, actuators.trigger, actuators.regulator, actuators.slide):
+        if device is not None:
+            opened.callback(device.close)
+    return RigDevices(
+        trigger=actuators.trigger,
+        regulator=actuators.regulator,
+        slide=actuators.slide,
+        cut_off=actuators.cut_off,
+    )
+
+
+def _open_laboratory(simulation: Simulation | None, folder: Path) -> Laboratory | None:
+    if simulation is None:
+        return None
+    module, _, name = simulation.factory.partition(":")
+    try:
+        factory = getattr(importlib.import_module(module), name)
+    except (ImportError, AttributeError) as error:
+        raise ConfigurationError(
+            f"cannot be loaded: {error}",
+            part="simulation.factory",
+            value=repr(simulation.factory),
+            todo="name an installed module and a function in it",
+        ) from error
+    try:
+        # What a configuration names has no type before it runs.
+        return cast("Laboratory", factory(folder, simulation.options))
+    except ValueError as error:
+        raise ConfigurationError(
+            str(error), part="simulation", todo="correct the table [simulation]"
+        ) from error

@@ -1,0 +1,125 @@
+"""The REST application: routes, problems, key and events around one daemon."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from importlib.metadata import version
+
+from fastapi import FastAPI, Request
+from fastapi.exceptions import RequestValidationError
+from starlette.exceptions import HTTPException
+from starlette.responses import Response
+
+from rigctl.daemon import Daemon
+from rigctl.errors import RigError
+from rigctl.service.auth import PREFIX, KeyGuard
+from rigctl.service.body_limit import BodyLimit
+from rigctl.service.events import EventHub
+from rigctl.service.lanes import Lanes
+from rigctl.service.models import RigEvent, ShotView
+from rigctl.service.openapi import describe
+from rigctl.service.problems import Problem, answer, from_error, from_validation
+from rigctl.service.routes_events import event_routes
+from rigctl.service.routes_health import health_routes
+from rigctl.service.routes_rig import rig_routes
+from rigctl.service.routes_shots import shot_routes
+
+_FRAMEWORK = {
+    404: ("no-such-route", "There is no such path", "look at /openapi.json"),
+    405: ("method-not-allowed", "The path knows no such method", "use a method named in Allow"),
+}
+
+
+def create_app(daemon: Daemon, key: str, hub: EventHub) -> FastAPI:
+    """Return the application that answers for a daemon to holders of `key`.
+
+    What the rig and the store report goes to `hub` for as long as the application runs; whoever
+    ends the server closes the hub first, so that listening clients let go.
+    """
+
+    @asynccontextmanager
+    async def lifespan(_: FastAPI) -> AsyncIterator[None]:
+        deaf = [
+            daemon.rig.listeners.add(lambda step: hub.publish("rig", RigEvent.of(step))),
+            daemon.store.listeners.add(lambda record: hub.publish("shot", ShotView.of(record))),
+        ]
+        try:
+            yield
+        finally:
+            for stop_listening in deaf:
+                stop_listening()
+            hub.close()
+
+    app = FastAPI(
+        title="rigctl",
+        version=version("rigctl"),
+        description="Fires the rig, films two spheres, measures the impact.",
+        docs_url=None,
+        redoc_url=None,
+        redirect_slashes=False,
+        lifespan=lifespan,
+    )
+    lanes = Lanes()
+    app.include_router(rig_routes(daemon, lanes), prefix=PREFIX)
+    app.include_router(shot_routes(daemon, lanes), prefix=PREFIX)
+    app.include_router(event_routes(daemon, hub), prefix=PREFIX)
+    app.include_router(health_routes(daemon))
+    _answer_errors_as_problems(app)
+    app.openapi = describe(app, daemon.configuration.limits)  # type: ignore[method-assign]
+    app.add_middleware(BodyLimit)
+    app.add_middleware(KeyGuard, key=key)
+    return app
+
+
+def _answer_errors_as_problems(app: FastAPI) -> None:
+    @app.exception_handler(RigError)
+    async def rig_error(_: Request, error: RigError) -> Response:
+        return answer(from_error(error))
+
+    @app.exception_handler(RequestValidationError)
+    async def bad_request(_: Request, error: RequestValidationError) -> Response:
+        return answer(from_validation(error))
+
+    @app.exception_handler(HTTPException)
+    async def framework_error(request: Request, error: HTTPException) -> Response:
+        headers = dict(error.headers or {})
+        if error.status_code == 405:
+            headers["Allow"] = ", ".join(_allowed(app, request.url.path))
+        return answer(_of_framework(request, error), headers)
+
+    @app.exception_handler(Exception)
+    async def failure(_: Request, error: Exception) -> Response:
+        return answer(
+            Problem(
+                status=500,
+                code="internal",
+                title="The daemon failed",
+                detail=f"an error that nobody foresaw: {type(error).__name__}",
+                todo="look at the daemon's log and report it",
+            )
+        )
+
+
+def _of_framework(request: Request, error: HTTPException) -> Problem:
+    code, title, todo = _FRAMEWORK.get(
+        error.status_code, ("bad-request", "The request cannot be read", "correct the request")
+    )
+    return Problem(
+        status=error.status_code,
+        code=code,
+        title=title,
+        detail=f"{request.method} {request.url.path}: {title[0].lower()}{title[1:]}",
+        todo=todo,
+    )
+
+
+def _allowed(app: FastAPI, path: str) -> list[str]:
+    """Return every method that a path knows; the framework names those of one route only."""
+    methods: set[str] = set()
+    for template, operations in app.openapi()["paths"].items():
+        pattern = "[^/]+".join(map(re.escape, re.split(r"\{[^}]*\}", template)))
+        if re.fullmatch(pattern, path):
+            methods |= {method.upper() for method in operations}
+    return sorted(methods)

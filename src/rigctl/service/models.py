@@ -1,0 +1,237 @@
+"""What goes in and out over REST: strict requests, complete answers."""
+
+from __future__ import annotations
+
+import hashlib
+from datetime import datetime
+from typing import Annotated, Literal, Self
+
+from pydantic import BaseModel, ConfigDict, Field, StringConstraints
+
+from rigctl.rig.interlocks import Interlock
+from rigctl.rig.states import RigState
+from rigctl.rig.status import RigStatus, Transition
+from rigctl.settings import ShotSettings
+from rigctl.store import Fired, ShotRecord, ShotState
+
+_STRICT = ConfigDict(strict=True, extra="forbid", frozen=True, allow_inf_nan=False)
+
+CampaignName = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,63}$")]
+"""A campaign's name, which is also a folder's name."""
+
+Line = Annotated[str, StringConstraints(min_length=1, max_length=500, pattern=r"^[^\x00-\x1f]*$")]
+"""One line of text for the journal."""
+
+
+class ShotOrder(BaseModel):
+    """Fire once with the settings that the token was given for."""
+
+    model_config = _STRICT
+
+    arm_token: str = Field(min_length=1, max_length=200)
+    campaign: CampaignName | None = None
+    note: Line | None = None
+
+    def digest(self) -> str:
+        """Return the fingerprint by which an idempotency key with another body is told."""
+        return hashlib.sha256(self.model_dump_json().encode()).hexdigest()
+
+
+class ReleaseOrder(BaseModel):
+    """Why a person says that the rig may leave its latch."""
+
+    model_config = _STRICT
+
+    reason: Line
+
+
+class ShotQuery(BaseModel):
+    """Which shots to list; `after` is the id of the last shot of the page before."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    campaign: CampaignName | None = None
+    state: ShotState | None = None
+    limit: int = Field(default=100, ge=1, le=500)
+    after: str | None = Field(default=None, pattern=r"^\d{8}-\d{6,12}$")
+
+
+class FrameQuery(BaseModel):
+    """How to draw a frame: as it is, or with what the analysis found drawn over it."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    overlay: Literal["none", "outlines"] = "none"
+
+
+class InterlockView(BaseModel):
+    """One named condition that must hold before anything fires, as it was last read."""
+
+    name: str
+    holds: bool
+    value: float | str
+    limit: str
+    unit: str
+    age_s: float = Field(description="how old the reading is, in seconds")
+    source: str
+    todo: str = Field(description="what the operator does when it refuses")
+
+    @classmethod
+    def of(cls, interlock: Interlock, now: float) -> Self:
+        """Return a condition as REST shows it; `now` is the monotonic time its age counts to."""
+        return cls(
+            name=interlock.name,
+            holds=interlock.holds,
+            value=interlock.value,
+            limit=interlock.limit,
+            unit=interlock.unit,
+            age_s=interlock.age_s(now),
+            source=interlock.source,
+            todo=interlock.todo,
+        )
+
+
+class RigView(BaseModel):
+    """The rig at one moment. Times are UTC; whoever reads it sees whether it is simulated."""
+
+    name: str
+    apparatus: str
+    simulated: bool
+    state: RigState
+    since: datetime
+    reason: str
+    settings: ShotSettings | None = Field(description="those of the last arm request")
+    expires_at: datetime | None = Field(description="when the live arm token expires")
+    interlocks: list[InterlockView]
+    running: str | None = Field(description="the shot in progress")
+    last_shot: str | None
+    latch_reason: str | None = Field(description="why a person has to release the rig")
+    warnings: list[str]
+
+    @classmethod
+    def of(cls, status: RigStatus) -> Self:
+        """Return a snapshot as REST shows it."""
+        return cls(
+            name=status.name,
+            apparatus=status.apparatus,
+            simulated=status.simulated,
+            state=status.state,
+            since=status.since,
+            reason=status.reason,
+            settings=status.settings,
+            expires_at=status.token_expires_at,
+            interlocks=[InterlockView.of(each, status.read_at) for each in status.interlocks],
+            running=status.running,
+            last_shot=status.last_shot.id if status.last_shot else None,
+            latch_reason=status.latch_reason,
+            warnings=list(status.warnings),
+        )
+
+
+class RigEvent(BaseModel):
+    """The rig went into a state; `before` and `actor` are null in the first event, the present."""
+
+    state: RigState
+    before: RigState | None
+    at: datetime
+    actor: str | None
+    reason: str
+    shot: str | None
+
+    @classmethod
+    def of(cls, step: Transition) -> Self:
+        """Return a transition as an event."""
+        return cls(
+            state=step.after,
+            before=step.before,
+            at=step.at,
+            actor=step.actor,
+            reason=step.reason,
+            shot=step.shot,
+        )
+
+    @classmethod
+    def present(cls, status: RigStatus) -> Self:
+        """Return the present state as an event."""
+        return cls(
+            state=status.state,
+            before=None,
+            at=status.since,
+            actor=None,
+            reason=status.reason,
+            shot=status.running,
+        )
+
+
+class ArmView(BaseModel):
+    """The token that fires once, when it expires (UTC), and what to know before firing."""
+
+    arm_token: str
+    expires_at: datetime
+    expires_in_s: float
+    warnings: list[str]
+
+
+class ShotAccepted(BaseModel):
+    """The stored answer of an idempotency key: the shot it made and where that stands."""
+
+    shot: str
+    state: ShotState
+
+
+class ShotView(BaseModel):
+    """One shot. Times are UTC; a field that is not known is null.
+
+    `outcome` is the state in which the rig left the shot, null while it runs; `fired` says whether
+    the spheres flew, as far as anybody can know; `lost` counts pictures the camera skipped.
+    """
+
+    shot: str
+    state: ShotState
+    outcome: ShotState | None
+    fired: Fired
+    settings: ShotSettings
+    campaign: str | None
+    note: str | None
+    actor: str
+    simulated: bool
+    configuration: str = Field(description="SHA-256 of the configuration it was fired under")
+    accepted_at: datetime
+    fired_at: datetime | None
+    ended_at: datetime | None
+    frames: int | None
+    lost: int | None
+    failure: str | None
+    failure_code: str | None
+    results: int = Field(description="how many measurements of it are stored")
+
+    @classmethod
+    def of(cls, record: ShotRecord) -> Self:
+        """Return a record as REST shows it."""
+        return cls(
+            shot=record.id,
+            state=record.state,
+            outcome=record.outcome,
+            fired=record.fired,
+            settings=record.settings,
+            campaign=record.campaign,
+            note=record.note,
+            actor=record.actor,
+            simulated=record.simulated,
+            configuration=record.configuration,
+            accepted_at=record.accepted_at,
+            fired_at=record.fired_at,
+            ended_at=record.ended_at,
+            frames=record.frames,
+            lost=record.lost,
+            failure=record.failure,
+            failure_code=record.failure_code,
+            results=record.results,
+        )
+
+
+class ShotList(BaseModel):
+    """Shots, oldest first; `next` is the `after` of the page that follows, null at the end."""
+
+    shots: list[ShotView]
+    next: str | None

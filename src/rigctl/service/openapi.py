@@ -1,0 +1,62 @@
+"""The OpenAPI document: complete, and with this rig's own limits."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from fastapi import FastAPI
+from fastapi.openapi.utils import get_openapi
+
+from rigctl.config import Limits
+from rigctl.service.auth import ESTOP_PATH, PREFIX
+from rigctl.service.problems import Problem
+
+
+def describe(app: FastAPI, limits: Limits) -> Callable[[], dict[str, Any]]:
+    """Return the function that gives the document; it is built once, when first asked for."""
+
+    def openapi() -> dict[str, Any]:
+        if app.openapi_schema is None:
+            app.openapi_schema = _document(app, limits)
+        return app.openapi_schema
+
+    return openapi
+
+
+def _document(app: FastAPI, limits: Limits) -> dict[str, Any]:
+    document = get_openapi(
+        title=app.title, version=app.version, description=app.description, routes=app.routes
+    )
+    components = document.setdefault("components", {})
+    schemas = components.setdefault("schemas", {})
+    problem = Problem.model_json_schema(
+        mode="serialization", ref_template="#/components/schemas/{model}"
+    )
+    schemas.update(problem.pop("$defs", {}))
+    schemas["Problem"] = problem
+    components["securitySchemes"] = {"key": {"type": "http", "scheme": "bearer"}}
+    for path, operations in document["paths"].items():
+        locked = path.startswith(f"{PREFIX}/") and path != ESTOP_PATH
+        for operation in operations.values():
+            operation["security"] = [{"key": []}] if locked else []
+    _narrow(schemas["ShotSettings"]["properties"], limits)
+    return document
+
+
+def _narrow(settings: dict[str, Any], limits: Limits) -> None:
+    """Put the configured limits of this rig in the place of those of physics."""
+    ranges = {
+        "pressure_a_kpa": limits.pressure_kpa,
+        "pressure_b_kpa": limits.pressure_kpa,
+        "offset_mm": limits.offset_mm,
+        "delay_us": limits.delay_us,
+    }
+    for field, (lowest, highest) in ranges.items():
+        settings[field] |= {"minimum": lowest, "maximum": highest}
+    for field in ("angle_a_deg", "angle_b_deg"):
+        if limits.angle_deg is None:
+            del settings[field]
+        else:
+            lowest, highest = limits.angle_deg
+            settings[field] = {"type": "number", "minimum": lowest, "maximum": highest}

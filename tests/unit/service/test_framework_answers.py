@@ -1,0 +1,89 @@
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+PATHS = [
+    ("/api/v1/rig", "GET"),
+    ("/api/v1/rig/arm", "POST"),
+    ("/api/v1/rig/estop", "POST"),
+    ("/api/v1/rig/release", "POST"),
+    ("/api/v1/shots", "GET, POST"),
+    ("/api/v1/shots/20260131-000001", "GET"),
+    ("/api/v1/shots/20260131-000001/result", "GET"),
+    ("/api/v1/shots/20260131-000001/frames/3.png", "GET"),
+    ("/api/v1/events", "GET"),
+    ("/health/live", "GET"),
+    ("/health/ready", "GET"),
+]
+
+
+@pytest.mark.parametrize(("path", "allowed"), PATHS)
+def test_a_method_that_a_path_does_not_know_is_answered_with_those_it_knows(
+    ask: Any, path: str, allowed: str
+) -> None:
+    for method in ("PUT", "DELETE", "PATCH"):
+        answer = ask(method, path)
+        assert answer.status_code == 405
+        assert answer.headers["allow"] == allowed
+        assert answer.json()["code"] == "method-not-allowed"
+
+
+@pytest.mark.parametrize("path", ["/", "/api/v1/", "/api/v1/sweeps", "/api/v1/shots/", "/docs"])
+def test_a_path_that_is_not_there_is_a_problem_document(ask: Any, path: str) -> None:
+    answer = ask("GET", path)
+    assert answer.status_code == 404
+    assert answer.headers["content-type"] == "application/problem+json"
+    assert answer.json()["code"] == "no-such-route"
+
+
+def test_too_long_a_body_is_refused_unread(ask: Any, rig: Any) -> None:
+    answer = ask("POST", "/api/v1/rig/arm", content=b" " * 20_000)
+    assert (answer.status_code, answer.json()["code"]) == (413, "body-too-large")
+    assert not rig.armed
+
+
+def test_a_body_that_does_not_say_how_long_it_is_is_refused_unread(ask: Any) -> None:
+    headers = {"Transfer-Encoding": "chunked"}
+    answer = ask("POST", "/api/v1/rig/arm", content=b"{}", headers=headers)
+    assert (answer.status_code, answer.json()["code"]) == (411, "length-required")
+
+
+def test_every_route_documents_its_refusals_as_problem_documents(app: Any) -> None:
+    document = app.openapi()
+    for path, operations in document["paths"].items():
+        for method, operation in operations.items():
+            answers = operation["responses"]
+            assert "405" in answers, (method, path)
+            locked = path.startswith("/api/v1/") and path != "/api/v1/rig/estop"
+            assert ("401" in answers) == locked, (method, path)
+            assert operation["security"] == ([{"key": []}] if locked else [])
+            for status, answer in answers.items():
+                if int(status) >= 400:
+                    assert list(answer["content"]) == ["application/problem+json"]
+    assert "HTTPValidationError" not in document["components"]["schemas"]
+
+
+def test_the_document_carries_the_limits_of_this_rig(app: Any) -> None:
+    settings = app.openapi()["components"]["schemas"]["ShotSettings"]
+    assert settings["additionalProperties"] is False
+    pressure = settings["properties"]["pressure_a_kpa"]
+    assert (pressure["minimum"], pressure["maximum"]) == (5.0, 120.0)
+    assert "angle_a_deg" not in settings["properties"]
+
+
+def test_the_routes_are_those_of_the_contract(app: Any) -> None:
+    assert set(app.openapi()["paths"]) == {
+        "/api/v1/rig",
+        "/api/v1/rig/arm",
+        "/api/v1/rig/estop",
+        "/api/v1/rig/release",
+        "/api/v1/shots",
+        "/api/v1/shots/{shot}",
+        "/api/v1/shots/{shot}/frames/{number}.png",
+        "/api/v1/shots/{shot}/result",
+        "/api/v1/events",
+        "/health/live",
+        "/health/ready",
+    }
