@@ -172,3 +172,9 @@ class StoreError(RigError):
     """The store could not write or read what it must."""
 
     code = "store"
+
+
+class AnalysisInputError(RigError):
+    """Files handed to the analysis are absent, damaged or of another form."""
+
+    code = "analysis-input"

@@ -9,7 +9,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from rich import box
 from rich.console import Console
 from rich.progress import Progress
 from rich.table import Table
@@ -26,7 +25,6 @@ from analysis.quantity import Quantity
 from analysis.shot import AnalysisOptions, MeasuredShot, RefusedShot
 from analysis.tracking import Matching
 from rigctl.errors import AnalysisInputError
-
 
 HEADINGS = (
     *("shot", "contact\nms", "v_n\nm/s", "v_s\nm/s", "v_n'\nm/s", "v_s'\nm/s"),
@@ -151,7 +149,7 @@ def _draw(
 
 
 def _print_table(name: str, results: Sequence[tuple[ShotJob, MeasuredShot | RefusedShot]]) -> None:
-    table = Table(title=name, title_justify="left", box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0))
+    table = Table(title=name, title_justify="left", box=None, padding=(0, 1, 0, 0))
     for heading in HEADINGS:
         table.add_column(heading, justify="right", no_wrap=True)
     refused = []
