@@ -133,8 +133,9 @@ class Laboratory:
         device
             `trigger`, `regulator`, `slide`, `cut-off`, `recorder` or `relay`.
         kind
-            Of every device: `stuck`. Of those on a port: a `SerialFault`, `unplug`, `plug-in`.
-            Of the recorder: a `FrameFault` or `never-starts`. Of the relay: a `UsbFault`.
+            Of every device but the recorder: `stuck`. Of those on a port: a `SerialFault`,
+            `unplug`, `plug-in`. Of the recorder: a `FrameFault` or `never-starts`. Of the relay:
+            a `UsbFault`.
         times
             How many commands or transfers it strikes; None: until `clear_faults`.
         delay_s, command

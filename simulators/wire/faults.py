@@ -67,7 +67,7 @@ class SerialFaults:
         delay_s
             How late a late answer is, in seconds.
         command
-            Strike only commands that begin with this text.
+            Strike only commands that contain this text.
 
         Raises
         ------
@@ -91,7 +91,7 @@ class SerialFaults:
         """Return the fault that strikes this command with its delay in seconds, and count it."""
         with self._lock:
             for setting in self._settings:
-                if command.startswith(setting.command):
+                if setting.command in command:
                     if setting.times is not None:
                         setting.times -= 1
                         if setting.times == 0:

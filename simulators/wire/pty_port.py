@@ -84,7 +84,8 @@ class _Line:
         self._wake_read, self._wake_write = os.pipe()
         if link.is_symlink():
             link.unlink()
-        link.symlink_to(os.ttyname(self._slave))
+        self._terminal = os.ttyname(self._slave)
+        link.symlink_to(self._terminal)
         self._thread = threading.Thread(target=self._serve, name=f"port {link.name}", daemon=True)
         self._thread.start()
 
@@ -107,9 +108,15 @@ class _Line:
             while self._turn():
                 pass
         finally:
-            self._link.unlink(missing_ok=True)
+            self._take_name_away()
             for descriptor in (self._master, self._slave, self._wake_read):
                 os.close(descriptor)
+
+    def _take_name_away(self) -> None:
+        # Another laboratory in the same folder may have taken the name over.
+        with contextlib.suppress(OSError):
+            if os.readlink(self._link) == self._terminal:
+                self._link.unlink()
 
     def _turn(self) -> bool:
         """Wait for bytes, for a late answer's time or for the end; False ends the line."""
