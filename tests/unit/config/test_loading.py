@@ -1,0 +1,207 @@
+"""Every mistake in a configuration is named: file, field, value, limit."""
+
+from __future__ import annotations
+
+import copy
+import datetime
+import math
+import tomllib
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rigctl.config import default_path, load, parse
+from rigctl.errors import ConfigurationError
+
+ROOT = Path(__file__).parents[3]
+EXAMPLES = sorted((ROOT / "config").glob("*.toml"))
+SIMULATED = tomllib.loads((ROOT / "config" / "simulated.toml").read_text())
+RELEASE = tomllib.loads((ROOT / "config" / "release.toml").read_text())
+
+
+def changed(base: dict, path: str, value: object) -> dict:
+    """Return a copy with one field set, or removed where the value is Ellipsis."""
+    document = copy.deepcopy(base)
+    *sections, field = path.split(".")
+    here = document
+    for section in sections:
+        here = here[int(section)] if section.isdigit() else here[section]
+    if value is ...:
+        del here[field]
+    else:
+        here[int(field) if field.isdigit() else field] = value
+    return document
+
+
+def refusal(document: dict) -> ConfigurationError:
+    with pytest.raises(ConfigurationError) as caught:
+        parse(document, "rig.toml")
+    return caught.value
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_each_example_is_a_valid_configuration_under_its_own_name(path):
+    assert load(path).name == path.stem
+
+
+def test_without_a_path_the_simulated_rig_is_loaded():
+    assert load().simulation is not None
+    assert default_path().name == "simulated.toml"
+
+
+def test_only_the_simulated_example_is_simulated():
+    assert [p.stem for p in EXAMPLES if load(p).simulation is not None] == ["simulated"]
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "words"),
+    [
+        ("limits.cool_down_s", "3", ["limits.cool_down_s", "'3'", "number"]),
+        ("limits.cool_down_s", True, ["limits.cool_down_s", "True"]),
+        ("limits.cool_down_s", -1.0, ["limits.cool_down_s", "-1.0", "at least 0"]),
+        ("limits.free_disk_mb", math.nan, ["limits.free_disk_mb", "finite"]),
+        ("limits.settle_timeout_s", math.inf, ["limits.settle_timeout_s", "finite"]),
+        ("limits.settle_timeout_s", 0.0, ["limits.settle_timeout_s", "more than 0"]),
+        ("limits.pressure_kpa", [9.0, 1.0], ["limits.pressure_kpa", "[9.0, 1.0]", "lower"]),
+        ("limits.pressure_kpa", [9.0], ["limits.pressure_kpa[1]", "missing"]),
+        ("limits.pressure", 3.0, ["limits.pressure", "not a field"]),
+        ("limits.offset_mm", ..., ["limits.offset_mm", "missing", "add it"]),
+        ("trigger.driver", "gun", ["trigger.driver", "'gun'", "trigger-box"]),
+        ("trigger.driver", ..., ["trigger.driver", "missing"]),
+        ("trigger.pulse_us", 1.5, ["trigger.pulse_us", "1.5", "integer"]),
+        ("trigger.pulse_us", ..., ["trigger.pulse_us", "missing"]),
+        ("trigger.power_cut", "fires", ["trigger.power_cut", "'fires'", "'holds'"]),
+        ("camera.frame_rate_hz", 100, ["camera.frame_rate_hz", "100", "1000"]),
+        ("camera.pictures_per_frame", 5, ["camera.pictures_per_frame", "5", "6"]),
+        ("camera.pictures_per_frame", 2, ["camera", "96 rows", "192"]),
+        ("camera.recorder.answer_timeout_s", 0, ["camera.recorder.answer_timeout_s", "more"]),
+        ("camera.source.folder", "", ["camera.source.folder", "at least 1"]),
+        ("regulator.unit_a", "B", ["regulator", "unit_a and unit_b"]),
+        ("regulator", ..., ["pusher apparatus needs regulator and slide"]),
+        ("service.port", 70000, ["service.port", "70000", "at most 65535"]),
+        ("analysis.method", "guess", ["analysis.method", "'guess'", "thesis"]),
+        ("optics.top_view_rows", [0, 100], ["optics", "overlap"]),
+        ("optics.front_view_rows", [88, 300], ["front_view_rows", "300", "192"]),
+        ("spheres.1.density_kg_per_m3", True, ["spheres[1].density_kg_per_m3", "True"]),
+        ("spheres.1.inertia_factor", 0.7, ["spheres[1].inertia_factor", "0.7", "at most 0.66"]),
+        ("spheres.1.name", "a", ["spheres", "['a', 'a']"]),
+        ("spheres.1", 3, ["spheres[1]", "3"]),
+        ("simulation.factory", "os.system", ["simulation.factory", "os.system"]),
+        ("name", datetime.date(2020, 1, 1), ["2020-01-01"]),
+        ("apparatus", "release", ["release apparatus"]),
+    ],
+)
+def test_a_mistake_is_one_sentence_with_file_field_value_and_limit(path, value, words):
+    sentence = str(refusal(changed(SIMULATED, path, value)))
+    assert "\n" not in sentence
+    assert all(word in sentence for word in words), sentence
+
+
+def test_the_file_is_named():
+    assert refusal(changed(SIMULATED, "name", 3)).part == "rig.toml: name"
+
+
+def test_further_mistakes_are_named_too():
+    twice = changed(changed(SIMULATED, "service.port", -1), "camera.rows", "many")
+    assert "service.port" in str(refusal(twice))
+    assert "camera.rows" in str(refusal(twice))
+
+
+@pytest.mark.parametrize("section", ["trigger", "regulator", "slide", "cut_off"])
+def test_a_simulated_rig_holds_no_real_port(section):
+    sentence = str(refusal(changed(SIMULATED, f"{section}.port", "/dev/ttyUSB0")))
+    assert f"{section}.port" in sentence
+    assert "must begin with 'sim:'" in sentence
+
+
+def test_without_the_simulation_table_no_port_is_simulated():
+    assert "must not begin with 'sim:'" in str(refusal(changed(SIMULATED, "simulation", ...)))
+
+
+def test_the_emergency_stop_has_a_line_of_its_own():
+    shared = changed(RELEASE, "cut_off.port", RELEASE["trigger"]["port"])
+    assert "cut_off.port and trigger.port share" in str(refusal(shared))
+
+
+@pytest.mark.parametrize(
+    ("energised", "power_cut", "valid"),
+    [
+        ("hold", "fires", True),
+        ("hold", "holds", False),
+        ("release", "holds", True),
+        ("release", "fires", False),
+    ],
+)
+def test_what_a_power_cut_does_must_agree_with_what_the_solenoid_does(energised, power_cut, valid):
+    document = changed(RELEASE, "trigger.energised", energised)
+    document = changed(document, "trigger.power_cut", power_cut)
+    if valid:
+        assert parse(document, "rig.toml").trigger.power_cut == power_cut
+    else:
+        assert "power_cut" in str(refusal(document))
+
+
+@pytest.mark.parametrize("field", ["energised", "power_cut"])
+def test_the_polarity_of_a_solenoid_is_never_assumed(field):
+    assert f"trigger.{field}" in str(refusal(changed(RELEASE, f"trigger.{field}", ...)))
+
+
+def test_a_plate_may_take_the_place_of_sphere_b():
+    document = changed(SIMULATED, "spheres.1", {"name": "b", "plate": True})
+    assert parse(document, "rig.toml").spheres[1].plate is True
+
+
+def test_options_of_the_simulation_are_handed_on_as_they_are():
+    document = changed(SIMULATED, "simulation.weather", "fine")
+    assert parse(document, "rig.toml").simulation.options == {"seed": 1, "weather": "fine"}
+
+
+def test_the_digest_changes_with_any_field_and_with_nothing_else():
+    first = parse(SIMULATED, "a.toml").digest
+    assert first == parse(copy.deepcopy(SIMULATED), "b.toml").digest
+    assert first != parse(changed(SIMULATED, "limits.cool_down_s", 0.3), "a.toml").digest
+
+
+def test_a_file_that_is_not_there_is_named(tmp_path):
+    with pytest.raises(ConfigurationError, match=r"absent\.toml"):
+        load(tmp_path / "absent.toml")
+
+
+@pytest.mark.parametrize("content", [b"name = ", b"\xff\xfe", b"[a]\n[a]\n"])
+def test_a_file_that_is_not_toml_is_named(tmp_path, content):
+    path = tmp_path / "broken.toml"
+    path.write_bytes(content)
+    with pytest.raises(ConfigurationError, match=r"broken\.toml.*is not TOML"):
+        load(path)
+
+
+def leaves(value: object, path: str = "") -> list[str]:
+    if isinstance(value, dict):
+        return [leaf for key, item in value.items() for leaf in leaves(item, f"{path}.{key}")]
+    if isinstance(value, list) and value and isinstance(value[0], dict):
+        return [leaf for i, item in enumerate(value) for leaf in leaves(item, f"{path}.{i}")]
+    return [path.lstrip(".")]
+
+
+JSON = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=3), inner),
+    max_leaves=4,
+)
+
+
+@given(path=st.sampled_from(leaves(SIMULATED)), value=JSON)
+def test_whatever_stands_in_a_field_it_is_either_valid_or_a_configuration_error(path, value):
+    document = changed(SIMULATED, path, value)
+    try:
+        parse(document, "rig.toml")
+    except ConfigurationError as error:
+        assert "rig.toml" in str(error)
+
+
+@given(path=st.sampled_from([leaf for leaf in leaves(SIMULATED) if "simulation" not in leaf]))
+def test_a_misspelt_field_is_refused_by_its_name(path):
+    document = changed(SIMULATED, f"{path}x", 1)
+    assert f"{path.split('.')[-1]}x" in str(refusal(document))

@@ -1,0 +1,99 @@
+"""The audit: appended, chained, and every alteration found."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import sqlite3
+from datetime import UTC, datetime
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from rigctl.errors import StoreError
+from rigctl.store import Store
+
+AT = datetime(2026, 1, 31, 12, 0, tzinfo=UTC)
+
+
+def written(store, entries=4):
+    for n in range(entries):
+        store.journal.append(at=AT, before="idle", after="estop", actor="anna", reason=f"no. {n}")
+
+
+def tampered(folder, statement):
+    with sqlite3.connect(folder / "catalogue.db") as file:
+        for name in ("update", "delete"):
+            file.execute(f"DROP TRIGGER transitions_no_{name}")
+        file.execute(statement)
+    file.close()
+
+
+def test_entries_come_back_in_order_with_what_was_given(store):
+    written(store)
+    assert [entry.reason for entry in store.journal.entries(after=1, limit=2)] == ["no. 1", "no. 2"]
+    last = store.journal.last()
+    assert (last.number, last.at, last.before, last.after) == (4, AT, "idle", "estop")
+
+
+def test_an_untouched_chain_verifies(store):
+    assert store.journal.verify() == 0
+    written(store)
+    assert store.journal.verify() == 4
+
+
+def test_the_digest_is_that_of_the_entry_before_and_of_all_fields(store):
+    written(store, 1)
+    fields = ["0" * 64, 1, AT.isoformat(), "idle", "estop", "anna", "no. 0", None]
+    text = json.dumps(fields, separators=(",", ":"))
+    assert store.journal.last().digest == hashlib.sha256(text.encode()).hexdigest()
+
+
+@pytest.mark.parametrize("act", ["UPDATE transitions SET actor = 'x'", "DELETE FROM transitions"])
+def test_the_database_itself_refuses_to_change_an_entry(store, tmp_path, act):
+    written(store)
+    with sqlite3.connect(tmp_path / "data" / "catalogue.db") as file:
+        with pytest.raises(sqlite3.IntegrityError, match="append-only"):
+            file.execute(act)
+    file.close()
+
+
+@pytest.mark.parametrize(
+    "statement",
+    [
+        "UPDATE transitions SET actor = 'berta' WHERE number = 2",
+        "UPDATE transitions SET reason = 'other' WHERE number = 4",
+        "UPDATE transitions SET shot = NULL, at = '2026-01-31T12:00:01+00:00' WHERE number = 1",
+        "DELETE FROM transitions WHERE number = 2",
+        "DELETE FROM transitions WHERE number = 1",
+    ],
+)
+def test_an_alteration_behind_the_programs_back_breaks_the_chain(store, tmp_path, statement):
+    written(store)
+    tampered(tmp_path / "data", statement)
+    with pytest.raises(StoreError, match="altered"):
+        store.journal.verify()
+
+
+def test_the_chain_goes_on_after_a_restart(store, tmp_path):
+    written(store)
+    store.close()
+    again = Store(tmp_path / "data")
+    written(again)
+    assert again.journal.verify() == 8
+    again.close()
+
+
+@given(actor=st.text(), reason=st.text())
+@settings(max_examples=40, suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_any_text_comes_back_as_it_was_and_keeps_the_chain(store, actor, reason):
+    try:
+        reason.encode()
+        actor.encode()
+    except UnicodeEncodeError:
+        return
+    store.journal.append(at=AT, before="a", after="b", actor=actor, reason=reason)
+    last = store.journal.last()
+    assert (last.actor, last.reason) == (actor, reason)
+    assert store.journal.verify() == last.number
