@@ -78,6 +78,7 @@ class _Line:
         self._receive, self._link = receive, link
         self._late: list[tuple[float, int, bytes]] = []
         self._sent = 0
+        self._ended = threading.Event()
         self._master, self._slave = os.openpty()
         tty.setraw(self._slave)
         os.set_blocking(self._master, False)
@@ -91,7 +92,7 @@ class _Line:
 
     @property
     def alive(self) -> bool:
-        return self._thread.is_alive()
+        return not self._ended.is_set()
 
     def close(self) -> None:
         with contextlib.suppress(BrokenPipeError):
@@ -108,6 +109,8 @@ class _Line:
             while self._turn():
                 pass
         finally:
+            # Before the host can notice: who plugs in again then must not find the line alive.
+            self._ended.set()
             self._take_name_away()
             for descriptor in (self._master, self._slave, self._wake_read):
                 os.close(descriptor)
