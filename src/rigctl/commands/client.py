@@ -129,8 +129,9 @@ def _error_of(answer: httpx.Response) -> RigError:
     detail = str(document.get("detail", f"HTTP {answer.status_code}"))
     kinds = {kind.code: kind for kind in _tree(RigError)}
     kind = kinds.get(str(document.get("code")), _by_status(answer.status_code))
-    # The detail is already a whole sentence with part, value, limit and what to do.
-    return kind(detail)
+    # The detail of an error of ours is a whole sentence, with what to do at its end.
+    todo = document.get("todo")
+    return kind(detail, todo=None if todo is None or todo in detail else str(todo))
 
 
 def _tree(kind: type[RigError]) -> Iterator[type[RigError]]:

@@ -30,6 +30,7 @@ _FRAMEWORK = {
     404: ("no-such-route", "There is no such path", "look at /openapi.json"),
     405: ("method-not-allowed", "The path knows no such method", "use a method named in Allow"),
 }
+_OTHERWISE = ("bad-request", "The request cannot be answered", "correct the request")
 
 
 def create_app(daemon: Daemon, key: str, hub: EventHub) -> FastAPI:
@@ -103,9 +104,17 @@ def _answer_errors_as_problems(app: FastAPI) -> None:
 
 
 def _of_framework(request: Request, error: HTTPException) -> Problem:
-    code, title, todo = _FRAMEWORK.get(
-        error.status_code, ("bad-request", "The request cannot be read", "correct the request")
-    )
+    if error.status_code == 400:
+        # The framework's one 400: a body that is no text. One that is no JSON gives 422 as well.
+        return Problem(
+            status=422,
+            code="invalid-request",
+            title="The request cannot be understood",
+            detail="body: is not JSON in UTF-8",
+            field="body",
+            todo="correct the body and send the request again",
+        )
+    code, title, todo = _FRAMEWORK.get(error.status_code, _OTHERWISE)
     return Problem(
         status=error.status_code,
         code=code,

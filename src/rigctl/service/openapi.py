@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Callable
 from typing import Any
 
@@ -40,12 +41,19 @@ def _document(app: FastAPI, limits: Limits) -> dict[str, Any]:
         locked = path.startswith(f"{PREFIX}/") and path != ESTOP_PATH
         for operation in operations.values():
             operation["security"] = [{"key": []}] if locked else []
-    _narrow(schemas["ShotSettings"]["properties"], limits)
+    schemas["ArmOrder"] = _narrowed(schemas["ShotSettings"], limits)
+    body = document["paths"][f"{PREFIX}/rig/arm"]["post"]["requestBody"]
+    body["content"]["application/json"]["schema"] = {"$ref": "#/components/schemas/ArmOrder"}
     return document
 
 
-def _narrow(settings: dict[str, Any], limits: Limits) -> None:
-    """Put the configured limits of this rig in the place of those of physics."""
+def _narrowed(settings: dict[str, Any], limits: Limits) -> dict[str, Any]:
+    """Return the schema of settings with this rig's limits in the place of those of physics.
+
+    Only orders are narrowed: shots may have been fired under other limits.
+    """
+    order = copy.deepcopy(settings) | {"title": "ArmOrder"}
+    fields = order["properties"]
     ranges = {
         "pressure_a_kpa": limits.pressure_kpa,
         "pressure_b_kpa": limits.pressure_kpa,
@@ -53,10 +61,12 @@ def _narrow(settings: dict[str, Any], limits: Limits) -> None:
         "delay_us": limits.delay_us,
     }
     for field, (lowest, highest) in ranges.items():
-        settings[field] |= {"minimum": lowest, "maximum": highest}
+        fields[field] |= {"minimum": lowest, "maximum": highest}
     for field in ("angle_a_deg", "angle_b_deg"):
         if limits.angle_deg is None:
-            del settings[field]
+            del fields[field]
         else:
             lowest, highest = limits.angle_deg
-            settings[field] = {"type": "number", "minimum": lowest, "maximum": highest}
+            fields[field] = {"type": "number", "minimum": lowest, "maximum": highest}
+            order["required"] = [*order["required"], field]
+    return order

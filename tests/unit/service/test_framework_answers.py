@@ -65,12 +65,21 @@ def test_every_route_documents_its_refusals_as_problem_documents(app: Any) -> No
     assert "HTTPValidationError" not in document["components"]["schemas"]
 
 
-def test_the_document_carries_the_limits_of_this_rig(app: Any) -> None:
-    settings = app.openapi()["components"]["schemas"]["ShotSettings"]
-    assert settings["additionalProperties"] is False
-    pressure = settings["properties"]["pressure_a_kpa"]
+def test_the_document_asks_for_settings_within_the_limits_of_this_rig(app: Any) -> None:
+    document = app.openapi()
+    body = document["paths"]["/api/v1/rig/arm"]["post"]["requestBody"]["content"]
+    name = body["application/json"]["schema"]["$ref"].rpartition("/")[2]
+    order = document["components"]["schemas"][name]
+    assert order["additionalProperties"] is False
+    pressure = order["properties"]["pressure_a_kpa"]
     assert (pressure["minimum"], pressure["maximum"]) == (5.0, 120.0)
-    assert "angle_a_deg" not in settings["properties"]
+    assert "angle_a_deg" not in order["properties"]
+
+
+def test_the_document_lets_stored_shots_have_been_fired_under_other_limits(app: Any) -> None:
+    settings = app.openapi()["components"]["schemas"]["ShotSettings"]["properties"]
+    assert settings["pressure_a_kpa"]["maximum"] == 1000
+    assert "angle_a_deg" in settings
 
 
 def test_the_routes_are_those_of_the_contract(app: Any) -> None:

@@ -80,9 +80,10 @@ def test_a_quiet_stream_shows_that_it_lives(
         assert any(line.startswith(":") for line in lines)
 
 
-def test_a_client_that_goes_away_is_forgotten(http: httpx.Client, hub: EventHub, rig: Any) -> None:
+def test_a_client_that_goes_away_is_forgotten(http: httpx.Client, hub: EventHub) -> None:
     with http.stream("GET", "/api/v1/events") as answer:
-        next(events_of(answer.iter_lines()))
+        events = events_of(answer.iter_lines())
+        next(events)
         assert hub.clients == 1
     gone = threading.Event()
     with ThreadPoolExecutor(1) as pool:

@@ -1,0 +1,276 @@
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import httpx
+import pytest
+
+from rigctl import cli
+from rigctl.commands import client as client_module
+from rigctl.commands import shot as shot_module
+from rigctl.commands.client import ServiceClient
+from rigctl.commands.report import rounded
+from rigctl.commands.shot import Order, fire_and_wait, settings_of
+from rigctl.errors import (
+    ConfigurationError,
+    DeviceError,
+    IdempotencyError,
+    InterlockError,
+    KeyRunningError,
+    NotFoundError,
+    RefusedError,
+    RigError,
+    SettingsError,
+    StoreError,
+)
+from rigctl.service import keyfile
+from rigctl.service.keyfile import ServiceAddress
+from rigctl.service.problems import answer, from_error
+
+HEAVY = ("numpy", "cv2", "fastapi", "pydantic", "sqlalchemy", "httpx", "rich", "uvicorn", "scipy")
+
+
+def test_help_loads_nothing_heavy() -> None:
+    program = (
+        "import sys\nfrom rigctl.cli import run\nassert run(['--help']) == 0\n"
+        f"print(sorted(set({HEAVY}) & set(sys.modules)))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, timeout=30, check=True
+    )
+    assert done.stdout.splitlines()[-1] == "[]"
+
+
+def test_help_names_every_command(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.run([]) == 0
+    shown = capsys.readouterr().out
+    for command in ("serve", "shot"):
+        assert f"\n  {command} " in shown
+
+
+BAD_INPUT = [
+    (["frobnicate"], "frobnicate"),
+    (["shot", "--offset-mm", "6"], "--pressure-kpa"),
+    (["shot", "--pressure-kpa", "much", "--offset-mm", "6"], "--pressure-kpa"),
+    (["shot", "--pressure-kpa", "nan", "--offset-mm", "6"], "pressure_a_kpa"),
+    (["shot", "--pressure-kpa", "-1", "--offset-mm", "6"], "pressure_a_kpa"),
+    (["shot", "--pressure-kpa", "40", "--offset-mm", "inf"], "offset_mm"),
+    (["shot", "--pressure-kpa", "40", "--offset-mm", "6", "--wait-s", "-1"], "--wait-s"),
+    (["serve", "--port", "70000"], "--port"),
+    (["serve", "--config", "/nowhere/rig.toml"], "/nowhere/rig.toml"),
+]
+
+
+@pytest.mark.parametrize(("arguments", "named"), BAD_INPUT)
+def test_bad_input_is_one_sentence_and_code_2(
+    arguments: list[str], named: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.run(arguments) == 2
+    shown = capsys.readouterr()
+    assert shown.out == ""
+    assert shown.err.count("\n") == 1
+    assert named in shown.err
+
+
+CODES = [
+    (RefusedError("no"), 3),
+    (InterlockError("no"), 3),
+    (DeviceError("broken"), 3),
+    (StoreError("full"), 3),
+    (NotFoundError("none"), 4),
+    (ConfigurationError("wrong"), 2),
+    (SettingsError("too much"), 2),
+    (RigError("what"), 1),
+]
+
+
+@pytest.mark.parametrize(("error", "code"), CODES)
+def test_each_kind_of_failure_has_its_exit_code(
+    error: RigError, code: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def fail(*_: object, **__: object) -> None:
+        raise error
+
+    monkeypatch.setattr(shot_module, "shot", fail)
+    assert cli.run(["shot", "--pressure-kpa", "40", "--offset-mm", "6"]) == code
+    assert str(error) in capsys.readouterr().err
+
+
+def test_without_a_daemon_the_command_says_how_to_start_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.delenv("RIGCTL_KEY", raising=False)
+    assert cli.run(["shot", "--pressure-kpa", "40", "--offset-mm", "6"]) == 2
+    assert "rigctl serve" in capsys.readouterr().err
+
+
+class Bench:
+    """A rig whose shot goes through the given states, one for each time it is asked."""
+
+    def __init__(self, states: list[str]) -> None:
+        self._states = states
+        self.fired: list[tuple[str, str, str | None]] = []
+
+    def arm(self, settings: object) -> str:
+        return "token"
+
+    def fire(self, token: str, key: str, campaign: str | None) -> str:
+        self.fired.append((token, key, campaign))
+        return "20260131-000001"
+
+    def shot(self, shot: str) -> Mapping[str, Any]:
+        state = self._states.pop(0) if len(self._states) > 1 else self._states[0]
+        return {"shot": shot, "state": state, "failure": None}
+
+    def result(self, shot: str) -> Mapping[str, Any]:
+        return {"e": {"value": 0.74, "sigma": 0.01, "unit": "1"}}
+
+
+def settings() -> Any:
+    return settings_of(pressure_a_kpa=40, pressure_b_kpa=40, offset_mm=6, angle_a_deg=None)
+
+
+def test_a_shot_is_fired_once_and_its_measurement_awaited() -> None:
+    bench = Bench(["accepted", "capturing", "stored", "analysing", "analysed"])
+    waited: list[float] = []
+    order = Order(settings(), "nylon-1", 60.0)
+    document = fire_and_wait(
+        bench, order, lambda _: None, clock=lambda: sum(waited), pause=waited.append
+    )
+    assert document["state"] == "analysed"
+    assert document["result"]["e"]["value"] == 0.74
+    ((token, key, campaign),) = bench.fired
+    assert (token, campaign, len(key)) == ("token", "nylon-1", 36)
+    assert len(waited) == 4
+
+
+def test_the_wait_for_a_measurement_has_an_end() -> None:
+    bench = Bench(["stored"])
+    waited: list[float] = []
+    document = fire_and_wait(
+        bench,
+        Order(settings(), None, 2.0),
+        lambda _: None,
+        clock=lambda: sum(waited),
+        pause=waited.append,
+    )
+    assert (document["state"], document["result"]) == ("stored", None)
+    assert 2.0 <= sum(waited) < 2.2
+    assert len(bench.fired) == 1
+
+
+def test_two_shots_never_share_a_key() -> None:
+    bench = Bench(["misfire"])
+    for _ in range(2):
+        fire_and_wait(bench, Order(settings(), None, 1.0), lambda _: None)
+    assert bench.fired[0][1] != bench.fired[1][1]
+
+
+ROUNDED = [
+    ((-3.11237, 0.00213), ("-3.1124", "0.0021")),
+    ((0.73942, 0.0131), ("0.739", "0.013")),
+    ((412.3, 25.0), ("412", "25")),
+    ((1.0, 0.0), ("1", "0")),
+    ((1.5, float("inf")), ("1.5", "inf")),
+]
+
+
+@pytest.mark.parametrize(("given", "text"), ROUNDED)
+def test_numbers_are_shown_to_the_second_digit_of_their_error(
+    given: tuple[float, float], text: tuple[str, str]
+) -> None:
+    assert rounded(*given) == text
+
+
+def client(answerer: Any) -> ServiceClient:
+    return ServiceClient(ServiceAddress("http://rig", "k"), httpx.MockTransport(answerer))
+
+
+ERRORS = [
+    RefusedError("the rig is firing", todo="wait"),
+    SettingsError("too high", part="pressure_a_kpa", value="400 kPa", limit="5 to 120 kPa"),
+    KeyRunningError("still under way", shot="20260131-000001"),
+    NotFoundError("no such shot"),
+    IdempotencyError("the key is empty"),
+]
+
+
+@pytest.mark.parametrize("error", ERRORS)
+def test_a_problem_document_comes_back_as_the_error_it_was_made_from(error: RigError) -> None:
+    def answerer(_: httpx.Request) -> httpx.Response:
+        made = answer(from_error(error))
+        return httpx.Response(made.status_code, content=made.body, headers=dict(made.headers))
+
+    with client(answerer) as service, pytest.raises(type(error)) as raised:
+        service.arm(settings())
+    assert type(raised.value) is type(error)
+    assert str(raised.value) == str(error)
+
+
+@pytest.mark.parametrize(("status", "kind"), [(500, RigError), (409, RefusedError)])
+def test_an_answer_that_is_no_problem_document_is_told_by_its_status(
+    status: int, kind: type[RigError]
+) -> None:
+    service = client(lambda _: httpx.Response(status, text="<html>"))
+    with service, pytest.raises(kind, match=str(status)):
+        service.shot("x")
+
+
+def test_a_lost_answer_to_a_fire_is_never_sent_again() -> None:
+    calls = []
+
+    def lose(request: httpx.Request) -> httpx.Response:
+        calls.append(request)
+        raise httpx.ReadTimeout("lost", request=request)
+
+    with client(lose) as service, pytest.raises(RigError, match="before anything is fired again"):
+        service.fire("token", "key", None)
+    assert len(calls) == 1
+
+
+def test_the_key_file_is_its_owners_alone_and_holds_what_was_written(tmp_path: Path) -> None:
+    address = ServiceAddress("http://127.0.0.1:8486", "secret")
+    path = keyfile.write(tmp_path / "data", address)
+    assert path.stat().st_mode & 0o777 == 0o600
+    assert keyfile.read(tmp_path / "data") == address
+    path.chmod(0o644)
+    keyfile.write(tmp_path / "data", address)
+    assert path.stat().st_mode & 0o777 == 0o600
+
+
+@pytest.mark.parametrize("content", ["", "{", "[]", "3", json.dumps({"url": "x"})])
+def test_a_key_file_that_cannot_be_understood_says_so(tmp_path: Path, content: str) -> None:
+    (tmp_path / keyfile.FILE_NAME).write_text(content)
+    with pytest.raises(ConfigurationError, match="key file cannot be used"):
+        keyfile.read(tmp_path)
+
+
+def test_a_key_that_is_given_goes_before_the_written_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    keyfile.write(tmp_path / "data", ServiceAddress("http://127.0.0.1:1", "written"))
+    seen: list[ServiceAddress] = []
+    monkeypatch.setattr(client_module, "ServiceClient", opened_as(seen))
+    for key in ("given", None):
+        with client_module.connected(None, key):
+            pass
+    assert [(address.url, address.key) for address in seen] == [
+        ("http://127.0.0.1:1", "given"),
+        ("http://127.0.0.1:1", "written"),
+    ]
+
+
+def opened_as(seen: list[ServiceAddress]) -> Any:
+    class Noted(ServiceClient):
+        def __init__(self, address: ServiceAddress) -> None:
+            seen.append(address)
+            super().__init__(address)
+
+    return Noted
