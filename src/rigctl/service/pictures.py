@@ -16,25 +16,35 @@ from rigctl.errors import FramesError, NotFoundError
 _COLOURS = {"a": (233, 180, 86), "b": (0, 159, 230)}
 _ENLARGED = 3
 _FRACTION_BITS = 4
+_MARKER_RADIUS_PX = 1.0
 
 
-class SphereDrawing(BaseModel):
-    """What the analysis found of one sphere in one frame, as a result carries it.
+class Marker(BaseModel):
+    """A marker seen on a sphere; (row, column) in pixels, an integer is the centre of a pixel."""
 
-    Coordinates are (row, column) in pixels of the frame; an integer is the centre of a pixel.
-    A circle adds its radius in pixels: one for each view that shows the sphere.
-    """
+    sphere: Literal["a", "b"]
+    row: float
+    column: float
+
+
+class Outline(Marker):
+    """A sphere's outline in one view; `radius` in pixels."""
+
+    radius: float
+
+
+class FrameOverlay(BaseModel):
+    """What the analysis found in one frame."""
 
     frame: int
-    sphere: Literal["a", "b"]
-    circles: list[tuple[float, float, float]]
-    markers: list[tuple[float, float]]
+    outlines: list[Outline]
+    markers: list[Marker]
 
 
-class Drawn(BaseModel):
+class Drawable(BaseModel):
     """The part of a result that can be drawn; a result without it leaves frames plain."""
 
-    drawing: list[SphereDrawing] = Field(default_factory=list)
+    overlay: list[FrameOverlay] = Field(default_factory=list)
 
 
 def frame_of(pixels: NDArray[np.uint8], number: int, shot: str) -> NDArray[np.uint8]:
@@ -69,33 +79,30 @@ def png(picture: NDArray[np.uint8]) -> bytes:
 def overlaid(frame: NDArray[np.uint8], result: Mapping[str, Any], number: int) -> NDArray[np.uint8]:
     """Return frame `number` with the outlines and markers that a result holds for it.
 
-    A frame for which it holds none comes back as it is. Otherwise the picture is in colour, shape
+    Without an entry for the frame it comes back as it is. Otherwise the picture is in colour, shape
     (3 rows, 3 columns, 3): sphere a sky blue, sphere b orange, markers as small rings.
     """
-    spheres = [each for each in Drawn.model_validate(result).drawing if each.frame == number]
-    if not spheres:
+    found = [each for each in Drawable.model_validate(result).overlay if each.frame == number]
+    if not found:
         return frame
     grey = frame.repeat(_ENLARGED, axis=0).repeat(_ENLARGED, axis=1)
     picture = np.stack([grey, grey, grey], axis=2)
-    for sphere in spheres:
-        colour = _COLOURS[sphere.sphere]
-        for row, column, radius in sphere.circles:
-            _ring(picture, row, column, radius, colour)
-        for row, column in sphere.markers:
-            _ring(picture, row, column, 1.0, colour)
+    for overlay in found:
+        for outline in overlay.outlines:
+            _ring(picture, outline, outline.radius)
+        for marker in overlay.markers:
+            _ring(picture, marker, _MARKER_RADIUS_PX)
     return picture
 
 
-def _ring(
-    picture: NDArray[np.uint8],
-    row: float,
-    column: float,
-    radius: float,
-    colour: tuple[int, int, int],
-) -> None:
+def _ring(picture: NDArray[np.uint8], centre: Marker, radius: float) -> None:
     """Draw a circle given in pixels of the frame, to a sixteenth of a pixel."""
     scale = _ENLARGED * 2**_FRACTION_BITS
     # The centre of a pixel lies half a pixel from its corner, in the frame and enlarged alike.
     half = 2**_FRACTION_BITS / 2
-    centre = (round((column + 0.5) * scale - half), round((row + 0.5) * scale - half))
-    cv2.circle(picture, centre, round(radius * scale), colour, 1, cv2.LINE_AA, shift=_FRACTION_BITS)
+    row = round((centre.row + 0.5) * scale - half)
+    column = round((centre.column + 0.5) * scale - half)
+    colour = _COLOURS[centre.sphere]
+    cv2.circle(
+        picture, (column, row), round(radius * scale), colour, 1, cv2.LINE_AA, _FRACTION_BITS
+    )

@@ -154,8 +154,9 @@ def test_a_faulty_frame_request_is_refused(ask: Any, shoot: Shoot, path: str) ->
 
 def test_outlines_are_drawn_where_the_result_says(ask: Any, shoot: Shoot, store: Store) -> None:
     shot = shoot()
-    circle = {"frame": 3, "sphere": "a", "circles": [[100.0, 80.0, 20.0]], "markers": []}
-    store.folders.add_result(shot, {"drawing": [circle]})
+    outline = {"sphere": "a", "view": "front", "row": 100.0, "column": 80.0, "radius": 20.0}
+    overlay = {"frame": 3, "outlines": [outline], "markers": []}
+    store.folders.add_result(shot, {"overlay": [overlay]})
     answer = ask("GET", f"{SHOTS}/{shot}/frames/3.png", params={"overlay": "outlines"})
     picture = cv2.imdecode(np.frombuffer(answer.content, np.uint8), cv2.IMREAD_COLOR)
     assert picture is not None
