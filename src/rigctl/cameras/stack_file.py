@@ -99,14 +99,15 @@ def _read_pages(path: Path, note: StackNote) -> NDArray[np.uint8]:
                 raise _contradiction(path, f"{len(tiff.pages)} pages", f"{note.frames} frames")
             pixels = np.empty((note.frames, *size), dtype=np.uint8)
             for place, page in enumerate(tiff.pages):
-                found = page.asarray()
-                if found.dtype != np.uint8 or found.shape != size:
+                # A damaged size could claim memory and time without bound: look before decoding.
+                plain = isinstance(page, tifffile.TiffPage) and not page.is_tiled
+                if not plain or page.dtype != np.uint8 or page.shape != size:
                     raise _contradiction(
                         path,
-                        f"page {place} of {found.shape} {found.dtype}",
-                        f"{size} uint8 (rows, columns)",
+                        f"page {place} of {page.shape} {page.dtype}",
+                        f"{size} uint8 in strips (rows, columns)",
                     )
-                pixels[place] = found
+                pixels[place] = page.asarray()
     except OSError as error:
         raise FramesError(
             "the stack cannot be read",

@@ -150,6 +150,17 @@ def test_no_damage_inside_the_stack_raises_anything_but_a_frames_error(
     assert frames.pixels.shape == NOISE.shape
 
 
+@pytest.mark.parametrize("tag", [256, 257, 277])
+def test_a_page_whose_size_was_damaged_is_refused_before_it_claims_memory(
+    tmp_path: Path, tag: int
+) -> None:
+    path = write(tmp_path)
+    with tifffile.TiffFile(path.with_suffix(".tiff"), mode="r+") as tiff:
+        tiff.pages.first.tags[tag].overwrite(60_000)
+    with pytest.raises(FramesError, match=r"page 0|damaged"):
+        read_stack(path, picture_rate_hz=RATE)
+
+
 def test_the_example_of_the_reference_page_is_a_valid_description() -> None:
     page = Path(__file__).parents[3] / "docs" / "reference" / "wire-protocols.md"
     example = page.read_text().split("```json\n")[1].split("```")[0]
