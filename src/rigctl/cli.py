@@ -38,7 +38,6 @@ _EXIT_CODES: tuple[tuple[type[RigError], int], ...] = (
 app = typer.Typer(
     name="rigctl",
     help="A collision laboratory: fire the rig, film two spheres, measure the impact.",
-    no_args_is_help=True,
     add_completion=False,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
@@ -203,7 +202,7 @@ def run(arguments: list[str]) -> int:
     by Ctrl-C, 1 anything else.
     """
     try:
-        code = app(arguments, prog_name="rigctl", standalone_mode=False)
+        code = app(arguments or ["--help"], prog_name="rigctl", standalone_mode=False)
     except RigError as error:
         typer.echo(f"rigctl: {error.sentence()}", err=True)
         return next((code for kind, code in _EXIT_CODES if isinstance(error, kind)), 1)
