@@ -142,6 +142,18 @@ def shot(
 
 
 @app.command()
+def demo(
+    out: Annotated[
+        Path, typer.Option(help="Folder for the frames, results and the picture.")
+    ] = Path("out"),
+) -> None:
+    """Fire a small sweep on a simulated rig and set measured beside true; no daemon needed."""
+    from rigctl.commands.demo import demo as run_demo
+
+    run_demo(out)
+
+
+@app.command()
 def analyse(
     paths: Annotated[
         list[Path], typer.Argument(help="Campaign folders, or frames: TIFF, NPY, AVI, PNG folder.")

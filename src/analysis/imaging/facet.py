@@ -18,6 +18,8 @@ _T = np.array([[1.0, 1.0, 1.0], [-1.0, 0.0, 1.0], [1 / 3, -2 / 3, 1 / 3]])
 _NORM = (_T**2).sum(axis=1)
 NEWTON_STEPS = 4
 REACH_PX = 1.0
+LEAST_SLOPE = 0.25
+BORDER_SIGMAS = 2.5
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -71,9 +73,11 @@ def zero_crossing_pixels(edges: EdgeImage, least_strength: float) -> NDArray[np.
         marked[second] |= crosses & ~nearer
     strength = np.hypot(edges.gradient_row, edges.gradient_column)
     marked &= strength >= least_strength
-    marked[[0, -1], :] = False
-    marked[:, [0, -1]] = False
-    return marked
+    # Nearer to the border the filter sees the frame's made-up continuation.
+    border = max(1, round(BORDER_SIGMAS * edges.sigma_px))
+    inside = np.zeros_like(marked)
+    inside[border:-border, border:-border] = True
+    return marked & inside
 
 
 def facet_coefficients(values: NDArray[np.floating]) -> NDArray[np.float64]:
@@ -105,12 +109,33 @@ def facet_value(
     return value, by_r, by_c
 
 
+def _patches(
+    edges: EdgeImage, rows: NDArray[np.intp], columns: NDArray[np.intp]
+) -> NDArray[np.float64]:
+    """Return the filtered frame over its gradient about each pixel, shape (points, 3, 3), pixels.
+
+    Beside a small marker's edge the gradient may vanish; there it counts as `LEAST_SLOPE` of the
+    middle pixel's.
+    """
+    offsets = np.arange(-1, 2)
+    around = (
+        rows[:, None, None] + offsets[None, :, None],
+        columns[:, None, None] + offsets[None, None, :],
+    )
+    slope = np.hypot(edges.gradient_row[around], edges.gradient_column[around])
+    slope = np.maximum(slope, LEAST_SLOPE * slope[:, 1:2, 1:2])
+    return np.asarray(edges.log[around].astype(np.float64) / slope)
+
+
 def edge_points(
     edges: EdgeImage, least_strength: float, samples_per_pixel: int | None = None
 ) -> EdgePoints:
     """Find the edge points of a frame.
 
-    From each marked pixel the point goes along the gradient to the zero of the facet.
+    From each marked pixel the point goes along the gradient to the zero of the facet. The facet is
+    that of the filtered frame over its gradient: it has the zeros of the filtered frame, and on a
+    straight edge blurred by a Gaussian it is a plane, so its root is exact there. The facet of the
+    filtered frame alone errs by up to 0.07 px at a width of 1.2 and 0.04 px at 2.
 
     Parameters
     ----------
@@ -120,11 +145,7 @@ def edge_points(
         The thesis's 3 or 4: the root is rounded to that grid. None keeps it exact.
     """
     rows, columns = np.nonzero(zero_crossing_pixels(edges, least_strength))
-    offsets = np.arange(-1, 2)
-    patches = edges.log[
-        rows[:, None, None] + offsets[None, :, None],
-        columns[:, None, None] + offsets[None, None, :],
-    ].astype(np.float64)
+    patches = _patches(edges, rows, columns)
     coefficients = facet_coefficients(patches)
     g_r = edges.gradient_row[rows, columns].astype(np.float64)
     g_c = edges.gradient_column[rows, columns].astype(np.float64)

@@ -39,8 +39,8 @@ class Capture(Protocol):
             No confirmation came within the configured time.
         """
 
-    def mark(self) -> None:
-        """Note the moment of firing in the recording (an event marker, or the host's clock)."""
+    def mark(self, late_s: float = 0.0) -> None:
+        """Note the moment of firing in the recording, `late_s` seconds after it has passed."""
 
     def collect(self) -> FrameSequence:
         """Stop recording and bring the frames about the mark.

@@ -20,15 +20,17 @@ from rigctl.errors import DeviceSilentError, FramesError, RecordingNotConfirmedE
 _READ_S = 0.1
 _RATE_FRAMES = 10
 _RATE_TOLERANCE = 0.1
+_LATEST_MARK_S = 0.25
+"""A mark may come this long after the fire; frames are kept for it."""
 
 
 class LiveCapture:
     """A `Capture` on a streaming camera.
 
     A thread of its own reads every frame while a recording runs and keeps the last
-    `frames_before_mark`, and after the mark all those of the shot: the memory has a bound. The
+    `frames_before_mark` and some for a late mark, and after the mark all those of the shot: the memory has a bound. The
     frames of a shot are numbers `mark` - `frames_before_mark` to `mark` + `frames_after_mark` - 1,
-    where the mark is the first frame to arrive after the rig has fired.
+    where the mark is the first frame to arrive after the rig fired.
 
     Parameters
     ----------
@@ -90,11 +92,12 @@ class LiveCapture:
             raise self._not_confirmed(rate, count) from failure
         return RecordingConfirmation(self.name, self._clock(), f"{count} frames at {rate:.1f} /s")
 
-    def mark(self) -> None:
-        """Note that the rig has fired: the next frame to arrive is the mark."""
+    def mark(self, late_s: float = 0.0) -> None:
+        """Note that the rig fired `late_s` ago: the mark is the frame that was next then."""
+        late = round(late_s * self._settings.picture_rate_hz)
         with self._changed:
             if self._kept:
-                self._mark = self._kept[-1].number + 1
+                self._mark = self._kept[-1].number + 1 - late
 
     def collect(self) -> FrameSequence:
         """Wait for the frames after the mark, stop, and return those about it.
@@ -159,7 +162,9 @@ class LiveCapture:
     def _keep(self, frame: VideoFrame) -> None:
         if self._mark is None:
             self._kept.append(frame)
-            while len(self._kept) > max(self._settings.frames_before_mark, _RATE_FRAMES):
+            late = round(_LATEST_MARK_S * self._settings.picture_rate_hz)
+            kept = max(self._settings.frames_before_mark, _RATE_FRAMES) + late
+            while len(self._kept) > kept:
                 self._kept.popleft()
         elif not self._is_complete():
             self._kept.append(frame)

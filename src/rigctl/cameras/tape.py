@@ -45,7 +45,8 @@ class TapeCapture:
     """A `Capture` on the EktaPro 1000: the tape holds nothing from before it was told to record.
 
     The picture numbers of a shot are `mark` - `frames_before_mark` to `mark` +
-    `frames_after_mark` - 1, where the mark is the picture under way when the rig has fired.
+    `frames_after_mark` - 1, where the mark is the picture under way when the rig fired: the event
+    marker on the tape less the pictures by which it came late.
 
     A tape without room for another shot is erased when the next recording starts. The frames of
     its sessions were collected, or their shots have failed with an error; the log names them.
@@ -77,6 +78,7 @@ class TapeCapture:
         self._settings, self._recorder, self._source = settings, recorder, source
         self._contact, self._clock, self._wait = contact, clock, wait
         self._session: int | None = None
+        self._late = 0
 
     @property
     def name(self) -> str:
@@ -114,12 +116,13 @@ class TapeCapture:
             self._stop_quietly()
             raise
 
-    def mark(self) -> None:
-        """Put an event marker on the picture being recorded.
+    def mark(self, late_s: float = 0.0) -> None:
+        """Put an event marker on the picture being recorded, `late_s` after the fire.
 
         A marker without an answer is logged, not raised: the shot has been fired, and `collect`
         asks the recorder for its markers.
         """
+        self._late = round(late_s * self._settings.picture_rate_hz)
         try:
             self._recorder.mark()
         except DeviceError as error:
@@ -236,12 +239,12 @@ class TapeCapture:
                 part=self.name,
                 todo="look for the shot on the tape by hand; the marker's answer is in the log",
             )
-        first = marks[0] - self._settings.frames_before_mark
+        first = marks[0] - self._late - self._settings.frames_before_mark
         if first < 0:
             raise FramesError(
                 "the tape holds too few pictures before the mark",
                 part=self.name,
-                value=f"{marks[0]} pictures",
+                value=f"{marks[0] - self._late} pictures",
                 limit=f"{self._settings.frames_before_mark} pictures",
                 todo="ask for fewer frames before the mark",
             )

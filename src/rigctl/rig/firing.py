@@ -3,7 +3,7 @@
 ::
 
     recording confirmed -> interlocks re-read -> trigger armed -> intent on disk
-        -> fire command, once -> outcome on disk -> mark -> frames -> folder, then row
+        -> fire command, once -> mark -> outcome on disk -> frames -> folder, then row
         -> safe state, whatever happened
 """
 
@@ -78,6 +78,7 @@ class ShotRun:
         except Exception as error:  # noqa: BLE001 - no driver's fault may leave a shot open
             return self._end(shot, ShotState.ABORTED, error, Fired.NO)
         receipt: FireReceipt | None = None
+        sent_at = self._clock.monotonic()
         try:
             receipt = self._trigger.fire(shot.number)
         except DeviceAnswerError as error:
@@ -90,7 +91,17 @@ class ShotRun:
                 return None
             if outcome is FireOutcome.UNKNOWN:
                 return self._end(shot, ShotState.UNKNOWN_OUTCOME, error, Fired.UNKNOWN)
-        return self._record(shot, ready, receipt)
+        unmarked = self._mark(shot, sent_at if receipt is None else receipt.sent_at)
+        return self._record(shot, ready, receipt, unmarked)
+
+    def _mark(self, shot: ShotRecord, sent_at: float) -> Exception | None:
+        """Mark the recording at once: what is written to disk first would make the mark late."""
+        try:
+            self._capture.mark(self._clock.monotonic() - sent_at)
+        except Exception as error:  # noqa: BLE001 - that the rig fired must be written first
+            _log.exception("shot %s: the recording could not be marked", shot.id)
+            return error
+        return None
 
     def _prepare(self, shot: ShotRecord) -> _Ready:
         recording = self._capture.start()
@@ -109,7 +120,11 @@ class ShotRun:
             return FireOutcome.UNKNOWN
 
     def _record(
-        self, shot: ShotRecord, ready: _Ready, receipt: FireReceipt | None
+        self,
+        shot: ShotRecord,
+        ready: _Ready,
+        receipt: FireReceipt | None,
+        unmarked: Exception | None,
     ) -> RigError | None:
         fired = Change(fired=Fired.YES, fired_at=self._clock.wall())
         try:
@@ -118,8 +133,9 @@ class ShotRun:
             return self._end(shot, ShotState.UNKNOWN_OUTCOME, error, Fired.UNKNOWN)
         if confirmed is None:
             return None
+        if unmarked is not None:
+            return self._end(shot, ShotState.ABORTED, unmarked, Fired.YES)
         try:
-            self._capture.mark()
             frames = self._capture.collect()
             document = manifest(
                 confirmed, self._configuration, ready.recording, receipt, ready.conditions
