@@ -234,6 +234,14 @@ def test_a_lost_answer_to_a_fire_is_never_sent_again() -> None:
     assert len(calls) == 1
 
 
+def test_a_daemon_that_is_gone_is_told_from_one_that_fell_silent() -> None:
+    def refuse(request: httpx.Request) -> httpx.Response:
+        raise httpx.ConnectError("refused", request=request)
+
+    with client(refuse) as service, pytest.raises(ConfigurationError, match="rigctl serve"):
+        service.arm(settings())
+
+
 def test_the_key_file_is_its_owners_alone_and_holds_what_was_written(tmp_path: Path) -> None:
     address = ServiceAddress("http://127.0.0.1:8486", "secret")
     path = keyfile.write(tmp_path / "data", address)
