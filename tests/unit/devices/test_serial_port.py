@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import select
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -115,6 +116,7 @@ def test_what_lay_in_the_input_is_no_answer_and_is_logged(
     port = opened(device.path)
     assert port.ask("first") == "fresh"
     device.write(b"stale\n")
+    assert select.select([port._serial.fileno()], [], [], 2.0)[0]
     with caplog.at_level(logging.WARNING):
         assert port.ask("second") == "fresh"
     assert "stale" in caplog.text
