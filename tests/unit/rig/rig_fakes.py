@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from datetime import UTC, datetime, timedelta
@@ -18,7 +19,7 @@ from rigctl.rig.clock import Clock
 from rigctl.rig.machine import Rig
 from rigctl.rig.parts import RigDevices
 from rigctl.settings import ShotSettings
-from rigctl.store import Store
+from rigctl.store import ShotRecord, Store
 
 SETTINGS = ShotSettings(pressure_a_kpa=40.0, pressure_b_kpa=40.0, offset_mm=6.0)
 BOUND_S = 10.0
@@ -73,6 +74,7 @@ class Part:
 class FakeTrigger(Part):
     """Counts fires by sequence number, and fires only what was armed."""
 
+    clock: HandClock = field(default_factory=HandClock)
     fired: list[int] = field(default_factory=list)
     armed: int | None = None
     has_power: bool = True
@@ -83,8 +85,9 @@ class FakeTrigger(Part):
 
     def fire(self, sequence: int) -> FireReceipt:
         self.fired.append(sequence)
+        sent_at = self.clock.now
         self.called("fire")
-        return FireReceipt(sequence, 1.0, 1.001, 123)
+        return FireReceipt(sequence, sent_at, self.clock.now, 123)
 
     def make_safe(self) -> None:
         self.called("make_safe")
@@ -162,12 +165,14 @@ class FakeCapture(Part):
 
     clock: HandClock = field(default_factory=HandClock)
     lost: tuple[int, ...] = ()
+    marked_late_s: float | None = None
 
     def start(self) -> RecordingConfirmation:
         self.called("start")
         return RecordingConfirmation("stand-in", self.clock.now, "picture count rises")
 
-    def mark(self) -> None:
+    def mark(self, late_s: float = 0.0) -> None:
+        self.marked_late_s = late_s
         self.called("mark")
 
     def collect(self) -> FrameSequence:
@@ -176,6 +181,13 @@ class FakeCapture(Part):
 
     def stop(self) -> None:
         self.called("stop")
+
+
+def until(condition: Callable[[], bool]) -> None:
+    """Return once the condition holds; fail when the bound is over."""
+    deadline = time.monotonic() + BOUND_S
+    while not condition():
+        assert time.monotonic() < deadline, "waited in vain"
 
 
 def stack(frames: int = 4, lost: tuple[int, ...] = ()) -> FrameSequence:
@@ -204,7 +216,7 @@ class Laboratory:
         self.configuration = load() if configuration is None else configuration
         self.log: list[str] = []
         self.time = HandClock()
-        self.trigger = FakeTrigger(self.log, "trigger")
+        self.trigger = FakeTrigger(self.log, "trigger", clock=self.time)
         self.regulator = FakeRegulator(self.log, "regulator", clock=self.time)
         self.slide = FakeSlide(self.log, "slide", clock=self.time)
         self.cut_off = FakeCutOff(self.log, "cut_off")
@@ -252,13 +264,13 @@ class Laboratory:
     def arm(self, **changes: float) -> str:
         return self.rig.arm(SETTINGS.model_copy(update=changes), "anna").token
 
-    def fire(self, token: str, key: str | None = None, body: str = "body"):
+    def fire(self, token: str, key: str | None = None, body: str = "body") -> ShotRecord:
         if key is None:
             self._keys += 1
             key = f"key-{self._keys}"
         return self.rig.fire(token, key, body, actor="anna")
 
-    def shoot(self):
+    def shoot(self) -> ShotRecord:
         self.time.pass_time(1.0)
         return self.fire(self.arm())
 

@@ -39,7 +39,7 @@ def new_shot() -> Callable[..., NewShot]:
 
 
 @pytest.fixture
-def accepted(store: Store, new_shot) -> Callable[..., ShotRecord]:
+def accepted(store: Store, new_shot: Callable[..., NewShot]) -> Callable[..., ShotRecord]:
     def accept(key: str = "key", **changes: object) -> ShotRecord:
         return store.accept(key, "body", lambda: new_shot(**changes))[0]
 

@@ -5,12 +5,15 @@ from __future__ import annotations
 import itertools
 import sqlite3
 import threading
+from collections.abc import Callable
 from datetime import UTC, datetime
+from pathlib import Path
+from typing import Never
 
 import pytest
 
 from rigctl.errors import KeyReusedError, KeyRunningError, NotFoundError, StoreError
-from rigctl.store import Change, Fired, ShotState, Store
+from rigctl.store import Change, Fired, NewShot, ShotRecord, ShotState, Store
 
 WAYS = {
     ShotState.ACCEPTED: [],
@@ -46,16 +49,21 @@ ALLOWED = {
 }
 
 
-def led_to(store, shot, state):
+def led_to(store: Store, shot: ShotRecord, state: ShotState) -> None:
     for step in WAYS[state]:
         store.move(shot.id, ShotState(step))
 
 
-def test_a_shot_is_named_by_date_and_number(accepted):
+def test_a_shot_is_named_by_date_and_number(accepted: Callable[..., ShotRecord]) -> None:
     assert accepted().id == "20260131-000001"
 
 
-def test_numbers_rise_through_restarts(store, accepted, new_shot, tmp_path):
+def test_numbers_rise_through_restarts(
+    store: Store,
+    accepted: Callable[..., ShotRecord],
+    new_shot: Callable[..., NewShot],
+    tmp_path: Path,
+) -> None:
     first = accepted("one")
     store.close()
     again = Store(tmp_path / "data")
@@ -64,7 +72,9 @@ def test_numbers_rise_through_restarts(store, accepted, new_shot, tmp_path):
     assert second.number == first.number + 1
 
 
-def test_a_record_holds_what_was_given(accepted, new_shot, store):
+def test_a_record_holds_what_was_given(
+    accepted: Callable[..., ShotRecord], new_shot: Callable[..., NewShot], store: Store
+) -> None:
     record = store.shot(accepted(note="seven words").id)
     given = new_shot()
     assert record.settings == given.settings
@@ -73,12 +83,14 @@ def test_a_record_holds_what_was_given(accepted, new_shot, store):
     assert (record.campaign, record.note, record.actor) == ("nylon", "seven words", "anna")
 
 
-def test_fifty_threads_with_one_key_make_one_shot(tmp_path, new_shot):
+def test_fifty_threads_with_one_key_make_one_shot(
+    tmp_path: Path, new_shot: Callable[..., NewShot]
+) -> None:
     store = Store(tmp_path / "many", busy_timeout_s=30.0)
     start = threading.Barrier(50, timeout=30)
     outcomes = []
 
-    def claim():
+    def claim() -> None:
         start.wait()
         try:
             outcomes.append(store.accept("same", "body", new_shot)[1])
@@ -96,7 +108,9 @@ def test_fifty_threads_with_one_key_make_one_shot(tmp_path, new_shot):
     store.close()
 
 
-def test_a_key_answers_with_its_shot_once_that_has_ended(store, accepted, new_shot):
+def test_a_key_answers_with_its_shot_once_that_has_ended(
+    store: Store, accepted: Callable[..., ShotRecord], new_shot: Callable[..., NewShot]
+) -> None:
     shot = accepted("key")
     with pytest.raises(KeyRunningError, match=shot.id):
         store.accept("key", "body", new_shot)
@@ -105,7 +119,9 @@ def test_a_key_answers_with_its_shot_once_that_has_ended(store, accepted, new_sh
     assert (record.id, known, record.outcome) == (shot.id, True, ShotState.ABORTED)
 
 
-def test_a_key_with_another_body_is_refused_at_any_time(store, accepted, new_shot):
+def test_a_key_with_another_body_is_refused_at_any_time(
+    store: Store, accepted: Callable[..., ShotRecord], new_shot: Callable[..., NewShot]
+) -> None:
     shot = accepted("key")
     for end in (None, ShotState.ABORTED):
         if end:
@@ -114,8 +130,10 @@ def test_a_key_with_another_body_is_refused_at_any_time(store, accepted, new_sho
             store.accept("key", "other", new_shot)
 
 
-def test_a_request_that_cannot_be_described_leaves_the_key_free(store, new_shot):
-    def refuse():
+def test_a_request_that_cannot_be_described_leaves_the_key_free(
+    store: Store, new_shot: Callable[..., NewShot]
+) -> None:
+    def refuse() -> Never:
         raise ValueError("no token")
 
     with pytest.raises(ValueError, match="no token"):
@@ -125,7 +143,9 @@ def test_a_request_that_cannot_be_described_leaves_the_key_free(store, new_shot)
 
 
 @pytest.mark.parametrize(("before", "after"), list(itertools.product(ShotState, ShotState)))
-def test_a_shot_moves_along_the_table_and_not_otherwise(store, accepted, before, after):
+def test_a_shot_moves_along_the_table_and_not_otherwise(
+    store: Store, accepted: Callable[..., ShotRecord], before: ShotState, after: ShotState
+) -> None:
     shot = accepted()
     led_to(store, shot, before)
     if (before, after) in ALLOWED:
@@ -136,13 +156,17 @@ def test_a_shot_moves_along_the_table_and_not_otherwise(store, accepted, before,
         assert store.shot(shot.id).state is before
 
 
-def test_the_outcome_is_the_first_state_in_which_the_rig_is_done(store, accepted):
+def test_the_outcome_is_the_first_state_in_which_the_rig_is_done(
+    store: Store, accepted: Callable[..., ShotRecord]
+) -> None:
     shot = accepted()
     led_to(store, shot, ShotState.ANALYSED)
     assert store.shot(shot.id).outcome is ShotState.STORED
 
 
-def test_another_analysis_forgets_the_failure_of_the_one_before(store, accepted):
+def test_another_analysis_forgets_the_failure_of_the_one_before(
+    store: Store, accepted: Callable[..., ShotRecord]
+) -> None:
     shot = accepted()
     led_to(store, shot, ShotState.ANALYSING)
     failed = store.move(shot.id, ShotState.REFUSED, Change(failure="blurred", failure_code="x"))
@@ -151,7 +175,9 @@ def test_another_analysis_forgets_the_failure_of_the_one_before(store, accepted)
     assert (again.failure, again.failure_code) == (None, None)
 
 
-def test_what_becomes_known_is_kept_and_nothing_else_changes(store, accepted):
+def test_what_becomes_known_is_kept_and_nothing_else_changes(
+    store: Store, accepted: Callable[..., ShotRecord]
+) -> None:
     shot = accepted()
     at = datetime(2026, 2, 1, tzinfo=UTC)
     store.move(shot.id, ShotState.FIRING, Change(fired=Fired.UNKNOWN))
@@ -159,7 +185,9 @@ def test_what_becomes_known_is_kept_and_nothing_else_changes(store, accepted):
     assert (record.fired, record.fired_at, record.note) == (Fired.YES, at, shot.note)
 
 
-def test_shots_are_listed_by_campaign_and_state_page_by_page(store, accepted):
+def test_shots_are_listed_by_campaign_and_state_page_by_page(
+    store: Store, accepted: Callable[..., ShotRecord]
+) -> None:
     names = [accepted(str(i), campaign="ab"[i % 2]).id for i in range(6)]
     store.move(names[2], ShotState.ABORTED)
     assert [s.id for s in store.shots(campaign="a")] == names[::2]
@@ -169,7 +197,7 @@ def test_shots_are_listed_by_campaign_and_state_page_by_page(store, accepted):
 
 
 @pytest.mark.parametrize("name", ["20260131-000009", "x", "", "../../etc"])
-def test_a_shot_that_is_not_there_is_not_found(store, name):
+def test_a_shot_that_is_not_there_is_not_found(store: Store, name: str) -> None:
     with pytest.raises(NotFoundError):
         store.shot(name)
     with pytest.raises(NotFoundError):
@@ -178,10 +206,12 @@ def test_a_shot_that_is_not_there_is_not_found(store, name):
         store.move(name, ShotState.FIRING)
 
 
-def test_listeners_hear_of_each_step_after_it_is_on_disk(store, accepted, tmp_path):
+def test_listeners_hear_of_each_step_after_it_is_on_disk(
+    store: Store, accepted: Callable[..., ShotRecord], tmp_path: Path
+) -> None:
     heard = []
 
-    def listen(record):
+    def listen(record: ShotRecord) -> None:
         with sqlite3.connect(tmp_path / "data" / "catalogue.db") as file:
             on_disk = file.execute("SELECT state FROM shots").fetchone()[0]
         file.close()
@@ -195,10 +225,12 @@ def test_listeners_hear_of_each_step_after_it_is_on_disk(store, accepted, tmp_pa
     assert heard == [("accepted", "accepted"), ("firing", "firing")]
 
 
-def test_a_listener_that_fails_harms_nobody(store, accepted):
+def test_a_listener_that_fails_harms_nobody(
+    store: Store, accepted: Callable[..., ShotRecord]
+) -> None:
     heard = []
 
-    def fail(record):
+    def fail(record: ShotRecord) -> Never:
         raise RuntimeError("listener")
 
     store.listeners.add(fail)

@@ -5,21 +5,25 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+from pathlib import Path
+from typing import Never
 
 import numpy as np
 import pytest
 
+from rigctl.cameras.frames import FrameSequence
 from rigctl.errors import NotFoundError, StoreError
+from rigctl.store import Store
 
 SHOT = "20260131-000042"
 
 
 @pytest.fixture
-def folder(tmp_path):
+def folder(tmp_path: Path) -> Path:
     return tmp_path / "data" / "shots" / "20260131" / SHOT
 
 
-def test_frames_come_back_as_they_went(store, frames, folder):
+def test_frames_come_back_as_they_went(store: Store, frames: FrameSequence, folder: Path) -> None:
     assert store.folders.write(SHOT, frames, {}) == folder
     back = store.frames(SHOT)
     np.testing.assert_array_equal(back.pixels, frames.pixels)
@@ -29,7 +33,9 @@ def test_frames_come_back_as_they_went(store, frames, folder):
     assert back.pixels.dtype == np.uint8
 
 
-def test_the_manifest_says_what_a_stranger_needs_to_check_the_frames(store, frames, folder):
+def test_the_manifest_says_what_a_stranger_needs_to_check_the_frames(
+    store: Store, frames: FrameSequence, folder: Path
+) -> None:
     store.folders.write(SHOT, frames, {"note": "first"})
     manifest = json.loads((folder / "manifest.json").read_text())
     about = manifest["frames"]
@@ -41,16 +47,16 @@ def test_the_manifest_says_what_a_stranger_needs_to_check_the_frames(store, fram
 
 
 def test_files_and_folder_are_forced_to_disk_before_and_after_the_rename(
-    store, frames, folder, monkeypatch
-):
+    store: Store, frames: FrameSequence, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     steps = []
     sync, rename = os.fsync, type(folder).rename
 
-    def watched_sync(descriptor):
+    def watched_sync(descriptor: int) -> None:
         steps.append(os.path.basename(os.readlink(f"/proc/self/fd/{descriptor}")))
         sync(descriptor)
 
-    def watched_rename(path, target):
+    def watched_rename(path: Path, target: Path) -> Path:
         steps.append("rename")
         return rename(path, target)
 
@@ -62,8 +68,10 @@ def test_files_and_folder_are_forced_to_disk_before_and_after_the_rename(
 
 
 @pytest.mark.parametrize("point", ["fsync", "rename"])
-def test_a_disk_that_refuses_leaves_nothing_behind(store, frames, folder, monkeypatch, point):
-    def refuse(*_):
+def test_a_disk_that_refuses_leaves_nothing_behind(
+    store: Store, frames: FrameSequence, folder: Path, monkeypatch: pytest.MonkeyPatch, point: str
+) -> None:
+    def refuse(*_: object) -> Never:
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(*((os, "fsync") if point == "fsync" else (type(folder), "rename")), refuse)
@@ -76,14 +84,18 @@ def test_a_disk_that_refuses_leaves_nothing_behind(store, frames, folder, monkey
     assert store.folders.is_whole(SHOT)
 
 
-def test_a_shots_folder_is_never_written_twice(store, frames, folder):
+def test_a_shots_folder_is_never_written_twice(
+    store: Store, frames: FrameSequence, folder: Path
+) -> None:
     store.folders.write(SHOT, frames, {"note": "first"})
     with pytest.raises(StoreError, match="exists already"):
         store.folders.write(SHOT, frames, {"note": "second"})
     assert store.folders.manifest(SHOT)["note"] == "first"
 
 
-def test_altered_frames_are_not_handed_out(store, frames, folder):
+def test_altered_frames_are_not_handed_out(
+    store: Store, frames: FrameSequence, folder: Path
+) -> None:
     store.folders.write(SHOT, frames, {})
     path = folder / "frames.npy"
     content = bytearray(path.read_bytes())
@@ -94,7 +106,9 @@ def test_altered_frames_are_not_handed_out(store, frames, folder):
     assert not store.folders.is_whole(SHOT)
 
 
-def test_results_are_added_and_the_raw_frames_stay(store, frames, folder):
+def test_results_are_added_and_the_raw_frames_stay(
+    store: Store, frames: FrameSequence, folder: Path
+) -> None:
     store.folders.write(SHOT, frames, {})
     before = (folder / "frames.npy").read_bytes(), (folder / "manifest.json").read_bytes()
     assert [store.folders.add_result(SHOT, {"e": n}) for n in range(3)] == [1, 2, 3]
@@ -105,7 +119,9 @@ def test_results_are_added_and_the_raw_frames_stay(store, frames, folder):
     assert {path.name for path in folder.iterdir()} == names
 
 
-def test_a_lost_result_does_not_make_room_for_another(store, frames, folder):
+def test_a_lost_result_does_not_make_room_for_another(
+    store: Store, frames: FrameSequence, folder: Path
+) -> None:
     store.folders.write(SHOT, frames, {})
     for n in range(3):
         store.folders.add_result(SHOT, {"e": n})
@@ -114,7 +130,7 @@ def test_a_lost_result_does_not_make_room_for_another(store, frames, folder):
     assert store.result(SHOT, 3) == {"e": 2}
 
 
-def test_a_result_that_is_not_a_number_is_refused(store, frames):
+def test_a_result_that_is_not_a_number_is_refused(store: Store, frames: FrameSequence) -> None:
     store.folders.write(SHOT, frames, {})
     with pytest.raises(StoreError):
         store.folders.add_result(SHOT, {"e": float("nan")})
@@ -122,7 +138,7 @@ def test_a_result_that_is_not_a_number_is_refused(store, frames):
         store.result(SHOT)
 
 
-def test_what_is_not_there_is_not_found(store, frames):
+def test_what_is_not_there_is_not_found(store: Store, frames: FrameSequence) -> None:
     for ask in (store.frames, store.result, store.folders.manifest):
         with pytest.raises(NotFoundError):
             ask(SHOT)
@@ -134,14 +150,16 @@ def test_what_is_not_there_is_not_found(store, frames):
 
 
 @pytest.mark.parametrize("name", ["", "..", "../20260131-000042", "20260131-000042/..", "a-b"])
-def test_no_name_leads_out_of_the_store(store, frames, name):
+def test_no_name_leads_out_of_the_store(store: Store, frames: FrameSequence, name: str) -> None:
     with pytest.raises(NotFoundError):
         store.folders.write(name, frames, {})
     with pytest.raises(NotFoundError):
         store.frames(name)
 
 
-def test_leftovers_of_a_killed_writer_are_removed_and_nothing_else(store, frames, folder):
+def test_leftovers_of_a_killed_writer_are_removed_and_nothing_else(
+    store: Store, frames: FrameSequence, folder: Path
+) -> None:
     store.folders.write(SHOT, frames, {})
     leftover = folder.with_name(".20260131-000043.partial")
     leftover.mkdir()

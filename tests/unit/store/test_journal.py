@@ -6,6 +6,7 @@ import hashlib
 import json
 import sqlite3
 from datetime import UTC, datetime
+from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -17,12 +18,12 @@ from rigctl.store import Store
 AT = datetime(2026, 1, 31, 12, 0, tzinfo=UTC)
 
 
-def written(store, entries=4):
+def written(store: Store, entries: int = 4) -> None:
     for n in range(entries):
         store.journal.append(at=AT, before="idle", after="estop", actor="anna", reason=f"no. {n}")
 
 
-def tampered(folder, statement):
+def tampered(folder: Path, statement: str) -> None:
     with sqlite3.connect(folder / "catalogue.db") as file:
         for name in ("update", "delete"):
             file.execute(f"DROP TRIGGER transitions_no_{name}")
@@ -30,20 +31,20 @@ def tampered(folder, statement):
     file.close()
 
 
-def test_entries_come_back_in_order_with_what_was_given(store):
+def test_entries_come_back_in_order_with_what_was_given(store: Store) -> None:
     written(store)
     assert [entry.reason for entry in store.journal.entries(after=1, limit=2)] == ["no. 1", "no. 2"]
     last = store.journal.last()
     assert (last.number, last.at, last.before, last.after) == (4, AT, "idle", "estop")
 
 
-def test_an_untouched_chain_verifies(store):
+def test_an_untouched_chain_verifies(store: Store) -> None:
     assert store.journal.verify() == 0
     written(store)
     assert store.journal.verify() == 4
 
 
-def test_the_digest_is_that_of_the_entry_before_and_of_all_fields(store):
+def test_the_digest_is_that_of_the_entry_before_and_of_all_fields(store: Store) -> None:
     written(store, 1)
     fields = ["0" * 64, 1, AT.isoformat(), "idle", "estop", "anna", "no. 0", None]
     text = json.dumps(fields, separators=(",", ":"))
@@ -51,11 +52,13 @@ def test_the_digest_is_that_of_the_entry_before_and_of_all_fields(store):
 
 
 @pytest.mark.parametrize("act", ["UPDATE transitions SET actor = 'x'", "DELETE FROM transitions"])
-def test_the_database_itself_refuses_to_change_an_entry(store, tmp_path, act):
+def test_the_database_itself_refuses_to_change_an_entry(
+    store: Store, tmp_path: Path, act: str
+) -> None:
     written(store)
-    with sqlite3.connect(tmp_path / "data" / "catalogue.db") as file:
-        with pytest.raises(sqlite3.IntegrityError, match="append-only"):
-            file.execute(act)
+    file = sqlite3.connect(tmp_path / "data" / "catalogue.db")
+    with pytest.raises(sqlite3.IntegrityError, match="append-only"):
+        file.execute(act)
     file.close()
 
 
@@ -69,14 +72,16 @@ def test_the_database_itself_refuses_to_change_an_entry(store, tmp_path, act):
         "DELETE FROM transitions WHERE number = 1",
     ],
 )
-def test_an_alteration_behind_the_programs_back_breaks_the_chain(store, tmp_path, statement):
+def test_an_alteration_behind_the_programs_back_breaks_the_chain(
+    store: Store, tmp_path: Path, statement: str
+) -> None:
     written(store)
     tampered(tmp_path / "data", statement)
     with pytest.raises(StoreError, match="altered"):
         store.journal.verify()
 
 
-def test_the_chain_goes_on_after_a_restart(store, tmp_path):
+def test_the_chain_goes_on_after_a_restart(store: Store, tmp_path: Path) -> None:
     written(store)
     store.close()
     again = Store(tmp_path / "data")
@@ -87,7 +92,9 @@ def test_the_chain_goes_on_after_a_restart(store, tmp_path):
 
 @given(actor=st.text(), reason=st.text())
 @settings(max_examples=40, suppress_health_check=[HealthCheck.function_scoped_fixture])
-def test_any_text_comes_back_as_it_was_and_keeps_the_chain(store, actor, reason):
+def test_any_text_comes_back_as_it_was_and_keeps_the_chain(
+    store: Store, actor: str, reason: str
+) -> None:
     try:
         reason.encode()
         actor.encode()

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import sqlite3
+from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 
 from rigctl.errors import StoreError
-from rigctl.store import ShotState, Store
+from rigctl.store import NewShot, ShotRecord, ShotState, Store
 
 
-def pragma(folder, name):
+def pragma(folder: Path, name: str) -> object:
     file = sqlite3.connect(folder / "catalogue.db")
     try:
         return file.execute(f"PRAGMA {name}").fetchone()[0]
@@ -18,14 +20,16 @@ def pragma(folder, name):
         file.close()
 
 
-def test_a_second_owner_is_refused_until_the_first_has_closed(store, tmp_path):
+def test_a_second_owner_is_refused_until_the_first_has_closed(store: Store, tmp_path: Path) -> None:
     with pytest.raises(StoreError, match="another process owns the store"):
         Store(tmp_path / "data")
     store.close()
     Store(tmp_path / "data").close()
 
 
-def test_the_catalogue_is_written_ahead_and_its_tables_are_strict(store, tmp_path):
+def test_the_catalogue_is_written_ahead_and_its_tables_are_strict(
+    store: Store, tmp_path: Path
+) -> None:
     assert pragma(tmp_path / "data", "journal_mode") == "wal"
     file = sqlite3.connect(tmp_path / "data" / "catalogue.db")
     tables = file.execute("PRAGMA table_list").fetchall()
@@ -35,13 +39,15 @@ def test_the_catalogue_is_written_ahead_and_its_tables_are_strict(store, tmp_pat
     assert set(ours.values()) == {1}
 
 
-def test_every_commit_is_forced_to_disk_and_keys_refer_to_shots(store):
+def test_every_commit_is_forced_to_disk_and_keys_refer_to_shots(store: Store) -> None:
     with store._database.writing() as connection:
         assert connection.exec_driver_sql("PRAGMA synchronous").scalar_one() == 2
         assert connection.exec_driver_sql("PRAGMA foreign_keys").scalar_one() == 1
 
 
-def test_a_catalogue_of_a_later_version_is_refused_with_both_versions(store, tmp_path):
+def test_a_catalogue_of_a_later_version_is_refused_with_both_versions(
+    store: Store, tmp_path: Path
+) -> None:
     store.close()
     file = sqlite3.connect(tmp_path / "data" / "catalogue.db")
     file.execute("PRAGMA user_version = 7")
@@ -51,20 +57,22 @@ def test_a_catalogue_of_a_later_version_is_refused_with_both_versions(store, tmp
     assert pragma(tmp_path / "data", "user_version") == 7
 
 
-def test_a_file_that_is_no_catalogue_is_refused(tmp_path):
+def test_a_file_that_is_no_catalogue_is_refused(tmp_path: Path) -> None:
     (tmp_path / "data").mkdir()
     (tmp_path / "data" / "catalogue.db").write_bytes(b"these are not the tables" * 100)
     with pytest.raises(StoreError, match=r"not a database.*another store folder"):
         Store(tmp_path / "data")
 
 
-def test_a_folder_that_is_a_file_is_refused(tmp_path):
+def test_a_folder_that_is_a_file_is_refused(tmp_path: Path) -> None:
     (tmp_path / "data").write_text("in the way")
     with pytest.raises(StoreError, match="cannot be written"):
         Store(tmp_path / "data")
 
 
-def test_a_locked_catalogue_is_an_error_in_bounded_time(store, accepted, tmp_path):
+def test_a_locked_catalogue_is_an_error_in_bounded_time(
+    store: Store, accepted: Callable[..., ShotRecord], tmp_path: Path
+) -> None:
     shot = accepted()
     holder = sqlite3.connect(tmp_path / "data" / "catalogue.db", isolation_level=None)
     holder.execute("BEGIN IMMEDIATE")
@@ -79,16 +87,22 @@ def test_a_locked_catalogue_is_an_error_in_bounded_time(store, accepted, tmp_pat
     assert store.move(shot.id, ShotState.FIRING).state is ShotState.FIRING
 
 
-def test_a_full_catalogue_is_an_error_that_says_what_to_free(store, new_shot):
+def test_a_full_catalogue_is_an_error_that_says_what_to_free(
+    store: Store, new_shot: Callable[..., NewShot]
+) -> None:
     with store._database.reading() as connection:
         pages = connection.exec_driver_sql("PRAGMA page_count").scalar_one()
         connection.exec_driver_sql(f"PRAGMA max_page_count = {pages}")
-    with pytest.raises(StoreError, match=r"full.*free disk space"):
+
+    def fill() -> None:
         for n in range(1000):
             store.accept(f"key {n}", "body", lambda: new_shot(note="x" * 500))
 
+    with pytest.raises(StoreError, match=r"full.*free disk space"):
+        fill()
 
-def test_a_folder_that_went_away_fails_the_check(store, tmp_path):
+
+def test_a_folder_that_went_away_fails_the_check(store: Store, tmp_path: Path) -> None:
     store.check()
     (tmp_path / "data").rename(tmp_path / "elsewhere")
     with pytest.raises(StoreError, match="cannot be written"):
@@ -97,7 +111,7 @@ def test_a_folder_that_went_away_fails_the_check(store, tmp_path):
         store.free_mb()
 
 
-def test_free_space_is_given_in_millions_of_bytes(tmp_path):
+def test_free_space_is_given_in_millions_of_bytes(tmp_path: Path) -> None:
     store = Store(tmp_path / "data", free_bytes=lambda folder: 123_000_000)
     assert store.free_mb() == 123.0
     store.close()

@@ -1,0 +1,166 @@
+"""Analysis in processes of their own: results beside the frames, crashes that harm nobody."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+from rig_fakes import BOUND_S, Laboratory
+
+from rigctl.analysing import Analyser
+from rigctl.store import ShotRecord, Store
+from rigctl.stored_shot import analyse_stored_shot, setup_of
+
+DONE = {"analysed", "refused"}
+
+
+class Outcomes:
+    """Collects how analyses end, and lets a test wait for so many of them."""
+
+    def __init__(self, store: Store) -> None:
+        self.records = {}
+        self._changed = threading.Condition()
+        store.listeners.add(self._hear)
+
+    def _hear(self, record: ShotRecord) -> None:
+        if record.state in DONE:
+            with self._changed:
+                self.records[record.id] = record
+                self._changed.notify_all()
+
+    def wait(self, shots: int) -> list[ShotRecord]:
+        with self._changed:
+            assert self._changed.wait_for(lambda: len(self.records) >= shots, 60.0)
+        return [self.records[name] for name in sorted(self.records)]
+
+
+@pytest.fixture
+def lab(tmp_path: Path) -> Iterator[Laboratory]:
+    laboratory = Laboratory(tmp_path / "data")
+    yield laboratory
+    laboratory.close()
+
+
+@pytest.fixture
+def analysed(
+    lab: Laboratory, monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest
+) -> Iterator[Callable[..., list[ShotRecord]]]:
+    """Return what becomes of so many shots under a stand-in analysis."""
+    monkeypatch.setenv("PYTHONPATH", str(request.path.parent))
+    outcomes, opened = Outcomes(lab.store), []
+
+    def run(
+        function: str, *, shots: int = 1, workers: int = 1, timeout_s: float = 60.0
+    ) -> list[ShotRecord]:
+        analyser = Analyser(
+            lab.store,
+            workers=workers,
+            method="thesis",
+            timeout_s=timeout_s,
+            function=f"stand_in_analysis:{function}",
+        )
+        opened.append(analyser)
+        for _ in range(shots):
+            analyser.submit(lab.shoot().id)
+        return outcomes.wait(shots)
+
+    yield run
+    for analyser in opened:
+        analyser.close()
+
+
+def test_a_result_is_written_beside_the_frames_and_the_row_follows(
+    lab: Laboratory, analysed: Callable[..., list[ShotRecord]]
+) -> None:
+    (shot,) = analysed("measured")
+    assert (shot.state, shot.outcome, shot.results) == ("analysed", "stored", 1)
+    assert lab.store.result(shot.id) == {
+        "status": "measured",
+        "shot": shot.id,
+        "method": "thesis",
+    }
+
+
+def test_a_refusal_is_a_result_with_its_reason_in_the_row(
+    lab: Laboratory, analysed: Callable[..., list[ShotRecord]]
+) -> None:
+    (shot,) = analysed("refused")
+    assert (shot.state, shot.failure, shot.results) == ("refused", "only 2 markers", 1)
+    assert lab.store.result(shot.id)["step"] == "markers"
+
+
+@pytest.mark.parametrize(
+    ("function", "words"),
+    [("broken", "ValueError: a bug"), ("not_finite", "ValueError"), ("absent", "ended with")],
+)
+def test_an_analysis_that_breaks_is_told_and_leaves_no_result(
+    lab: Laboratory, analysed: Callable[..., list[ShotRecord]], function: str, words: list[str]
+) -> None:
+    (shot,) = analysed(function)
+    assert (shot.state, shot.failure_code, shot.results) == ("refused", "analysis-failed", 0)
+    assert words in shot.failure
+
+
+def test_a_crash_is_that_of_its_shot_alone_and_the_worker_is_replaced(
+    lab: Laboratory, analysed: Callable[..., list[ShotRecord]]
+) -> None:
+    crashed, *others = analysed("crashes_at_the_first", shots=3)
+    assert crashed.state == "refused"
+    assert "killed by SIGSEGV" in crashed.failure
+    assert [shot.state for shot in others] == ["analysed", "analysed"]
+
+
+def test_an_analysis_without_end_is_ended(analysed: Callable[..., list[ShotRecord]]) -> None:
+    (shot,) = analysed("never_ends", timeout_s=0.05)
+    assert (shot.state, shot.failure_code) == ("refused", "analysis-failed")
+    assert "took too long (limit 0.05 s)" in shot.failure
+
+
+def test_several_workers_share_the_shots(analysed: Callable[..., list[ShotRecord]]) -> None:
+    assert [s.state for s in analysed("measured", shots=4, workers=2)] == ["analysed"] * 4
+
+
+def test_closing_leaves_a_shot_under_way_to_the_next_start(
+    lab: Laboratory, request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PYTHONPATH", str(request.path.parent))
+    under_way = threading.Event()
+    lab.store.listeners.add(lambda shot: shot.state == "analysing" and under_way.set())
+    analyser = Analyser(
+        lab.store,
+        workers=1,
+        method="thesis",
+        timeout_s=60.0,
+        function="stand_in_analysis:never_ends",
+    )
+    shot = lab.shoot()
+    analyser.submit(shot.id)
+    assert under_way.wait(BOUND_S)
+    analyser.close()
+    lab.to_analyse.clear()
+    lab.restart()
+    assert lab.to_analyse == [shot.id]
+
+
+def test_the_manifest_alone_describes_the_setup(lab: Laboratory) -> None:
+    setup = setup_of(lab.store.folders.manifest(lab.shoot().id))
+    assert (setup.camera.frame_rate_hz, setup.camera.height_px) == (1000.0, 192)
+    assert setup.camera.front_view_rows == (88, 192)
+    assert setup.camera.top_origin_px == (46.0, 120.0)
+    assert [sphere.diameter_m for sphere in setup.spheres] == [0.0254, 0.0254]
+    assert setup.gravity_m_per_s2 == 9.80665
+
+
+def test_frames_that_cannot_be_measured_are_refused_with_step_and_reason(lab: Laboratory) -> None:
+    shot = lab.shoot()
+    result = analyse_stored_shot(lab.store.folders.folder(shot.id), "thesis")
+    assert (result["status"], result["step"], result["shot"]) == ("refused", "frames", shot.id)
+
+
+def test_a_method_that_is_not_there_is_refused_and_not_replaced_by_another(lab: Laboratory) -> None:
+    shot = lab.shoot()
+    result = analyse_stored_shot(lab.store.folders.folder(shot.id), "guess")
+    assert (result["status"], result["step"]) == ("refused", "method")
+    assert "guess" in result["reason"]

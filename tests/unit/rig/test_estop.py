@@ -1,0 +1,280 @@
+"""The emergency stop cuts first, on a line of its own, and stays until a person ends it."""
+
+from __future__ import annotations
+
+import json
+import threading
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Never
+
+import pytest
+from rig_fakes import BOUND_S, Laboratory, Part, until
+
+from rigctl.errors import (
+    ArmTokenError,
+    DeviceError,
+    DeviceSilentError,
+    InterlockError,
+    RefusedError,
+)
+from rigctl.rig import estop
+from rigctl.store import ShotRecord
+
+
+@pytest.fixture
+def lab(tmp_path: Path) -> Iterator[Laboratory]:
+    laboratory = Laboratory(tmp_path / "data", threads=True)
+    yield laboratory
+    laboratory.close()
+
+
+class Blocked:
+    """A call that waits until the test lets it go on, within a bound."""
+
+    def __init__(self, part: Part, call: str) -> None:
+        self.reached, self.go_on = threading.Event(), threading.Event()
+        part.hooks[call] = self
+
+    def __call__(self) -> None:
+        self.reached.set()
+        self.go_on.wait(BOUND_S)
+
+
+def in_thread(work: Callable[[], None]) -> threading.Thread:
+    thread = threading.Thread(target=work, daemon=True)
+    thread.start()
+    return thread
+
+
+def fire_in_background(lab: Laboratory) -> ShotRecord:
+    return lab.rig.accept(lab.arm(), "mine", "body", actor="anna")
+
+
+def test_a_stop_cuts_latches_and_disarms(lab: Laboratory) -> None:
+    token = lab.arm()
+    lab.rig.estop("berta", "smoke")
+    assert lab.cut_off.power is False
+    assert lab.state == "estop"
+    assert lab.rig.status().latch_reason == "smoke"
+    with pytest.raises(ArmTokenError, match="emergency stop"):
+        lab.fire(token)
+    with pytest.raises(RefusedError, match="estop"):
+        lab.arm()
+
+
+def test_the_cut_does_not_wait_for_a_fire_command_that_blocks(lab: Laboratory) -> None:
+    blocked = Blocked(lab.trigger, "fire")
+    shot = fire_in_background(lab)
+    assert blocked.reached.wait(BOUND_S)
+    lab.cut_off.was_cut.clear()
+    lab.rig.estop("berta", "a hand in the tube")
+    assert lab.cut_off.was_cut.is_set()
+    assert not blocked.go_on.is_set()
+    assert lab.state == "estop"
+    assert lab.store.shot(shot.id).state == "unknown_outcome"
+    blocked.go_on.set()
+    ended = lab.rig.wait(shot.id, BOUND_S)
+    assert (ended.outcome, ended.fired) == ("unknown_outcome", "unknown")
+    assert "capture.collect" not in lab.log
+    assert lab.state == "estop"
+
+
+def test_the_cut_does_not_wait_for_the_rigs_lock(lab: Laboratory) -> None:
+    lab.cut_off.was_cut.clear()
+    with lab.rig._standing.lock:
+        thread = in_thread(lambda: lab.rig.estop("berta", "smoke"))
+        assert lab.cut_off.was_cut.wait(BOUND_S)
+        assert thread.is_alive()
+    thread.join(BOUND_S)
+    assert lab.state == "estop"
+
+
+def test_a_stop_while_the_frames_come_still_stores_the_shot(lab: Laboratory) -> None:
+    blocked = Blocked(lab.capture, "collect")
+    shot = fire_in_background(lab)
+    assert blocked.reached.wait(BOUND_S)
+    lab.rig.estop("berta", "smoke")
+    with pytest.raises(RefusedError, match="under way"):
+        lab.rig.release("berta", "too early")
+    blocked.go_on.set()
+    assert lab.rig.wait(shot.id, BOUND_S).outcome == "stored"
+    assert lab.state == "estop"
+
+
+def test_a_stop_before_the_fire_command_leaves_it_unsent(lab: Laboratory) -> None:
+    blocked = Blocked(lab.trigger, "arm")
+    shot = fire_in_background(lab)
+    assert blocked.reached.wait(BOUND_S)
+    lab.rig.estop("berta", "smoke")
+    blocked.go_on.set()
+    ended = lab.rig.wait(shot.id, BOUND_S)
+    assert (ended.outcome, ended.fired) == ("aborted", "no")
+    assert lab.trigger.fired == []
+
+
+def test_a_stop_between_intent_and_fire_command_leaves_it_unsent(lab: Laboratory) -> None:
+    done = []
+
+    def stop_once(shot: ShotRecord) -> None:
+        if shot.state == "firing" and not done:
+            done.append(in_thread(lambda: lab.rig.estop("berta", "smoke")))
+            assert lab.cut_off.was_cut.wait(BOUND_S)
+            until(lambda: lab.rig._stop.latch is not None)
+
+    lab.cut_off.was_cut.clear()
+    lab.store.listeners.add(stop_once)
+    shot = fire_in_background(lab)
+    ended = lab.rig.wait(shot.id, BOUND_S)
+    done[0].join(BOUND_S)
+    assert lab.trigger.fired == []
+    assert ended.outcome in {"aborted", "unknown_outcome"}
+    assert lab.state == "estop"
+
+
+def test_a_stop_ends_the_wait_for_pressure(lab: Laboratory) -> None:
+    lab.regulator.lag_s = 1e9
+    stopped = []
+
+    def stop_once() -> None:
+        if not stopped:
+            stopped.append(True)
+            lab.rig.estop("berta", "smoke")
+
+    lab.regulator.hooks["pressure"] = stop_once
+    began = lab.time.now
+    with pytest.raises(InterlockError, match="latch: stopped by berta: smoke"):
+        lab.arm()
+    assert lab.time.now - began < 1.0
+    assert lab.state == "estop"
+
+
+def test_the_trigger_is_made_safe_afterwards_by_somebody_who_is_not_waited_for(
+    lab: Laboratory,
+) -> None:
+    lab.log.clear()
+    blocked = Blocked(lab.trigger, "make_safe")
+    lab.rig.estop("berta", "smoke")
+    assert lab.log[0] == "cut_off.cut"
+    assert blocked.reached.wait(BOUND_S)
+    blocked.go_on.set()
+
+
+def test_a_cut_that_fails_is_tried_again(lab: Laboratory) -> None:
+    lab.cut_off.errors["cut"] = DeviceSilentError("no line")
+    with pytest.raises(DeviceError, match=r"could not be cut: no line; switch .* off by hand"):
+        lab.rig.estop("berta", "smoke")
+    assert lab.log.count("cut_off.cut") == estop.CUT_ATTEMPTS
+    assert lab.state == "estop"
+    assert lab.rig.status().latch_reason == "smoke"
+
+
+def test_a_cut_off_that_hangs_lets_the_caller_go_and_latches(
+    lab: Laboratory, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(estop, "LINE_WAIT_S", 0.05)
+    blocked = Blocked(lab.cut_off, "cut")
+    with pytest.raises(DeviceSilentError, match="could not be cut"):
+        lab.rig.estop("berta", "smoke")
+    assert lab.state == "estop"
+    blocked.go_on.set()
+    assert lab.cut_off.was_cut.wait(BOUND_S)
+
+
+def test_the_latch_outlives_the_daemon(lab: Laboratory) -> None:
+    lab.rig.estop("berta", "smoke")
+    for _ in range(2):
+        lab.restart()
+        assert lab.state == "estop"
+        assert lab.rig.status().latch_reason == "smoke"
+        assert lab.cut_off.power is False
+
+
+def test_the_latch_outlives_the_loss_of_its_file_and_the_file_that_of_the_audit(
+    lab: Laboratory,
+) -> None:
+    lab.rig.estop("berta", "smoke")
+    lab.abandon()
+    (lab.folder / "estop.json").unlink()
+    lab.open()
+    assert lab.state == "estop"
+    lab.abandon()
+    (lab.folder / "catalogue.db").unlink()
+    lab.open()
+    assert (lab.state, lab.rig.status().latch_reason) == ("estop", "smoke")
+
+
+@pytest.mark.parametrize("content", ["", "{", "[]", '{"actor": "x"}', "\x00"])
+def test_a_latch_file_that_cannot_be_read_counts_as_latched(lab: Laboratory, content: str) -> None:
+    lab.abandon()
+    (lab.folder / "estop.json").write_text(content)
+    lab.open()
+    assert lab.state == "estop"
+
+
+def test_the_first_of_several_stops_is_kept_and_each_is_journalled(lab: Laboratory) -> None:
+    lab.rig.estop("berta", "smoke")
+    lab.rig.estop("carl", "fire")
+    assert json.loads((lab.folder / "estop.json").read_text())["reason"] == "smoke"
+    actors = [(e.actor, e.after) for e in lab.store.journal.entries(limit=100)]
+    assert actors[-2:] == [("berta", "estop"), ("carl", "estop")]
+
+
+def test_a_person_with_a_reason_ends_the_stop(lab: Laboratory) -> None:
+    lab.rig.estop("berta", "smoke")
+    lab.rig.release("berta", "only steam")
+    assert (lab.state, lab.cut_off.power) == ("idle", True)
+    assert not (lab.folder / "estop.json").exists()
+    assert lab.rig.status().latch_reason is None
+    lab.restart()
+    assert lab.state == "idle"
+
+
+def test_nothing_is_released_where_nothing_is_latched(lab: Laboratory) -> None:
+    with pytest.raises(RefusedError, match="nothing is to be released"):
+        lab.rig.release("berta", "no need")
+
+
+def test_a_stop_during_a_release_wins(lab: Laboratory) -> None:
+    lab.rig.estop("berta", "smoke")
+    blocked = Blocked(lab.cut_off, "restore")
+    refused = []
+
+    def release() -> None:
+        with pytest.raises(RefusedError, match="stopped again"):
+            lab.rig.release("berta", "only steam")
+        refused.append(True)
+
+    releasing = in_thread(release)
+    assert blocked.reached.wait(BOUND_S)
+    stopping = in_thread(lambda: lab.rig.estop("carl", "flames"))
+    until(lambda: lab.rig._stop._stops == 2)
+    blocked.go_on.set()
+    releasing.join(BOUND_S)
+    stopping.join(BOUND_S)
+    assert refused == [True]
+    assert (lab.state, lab.cut_off.power) == ("estop", False)
+    assert lab.rig._stop.powered is False
+
+
+@pytest.mark.parametrize("part", ["trigger", "cut_off"])
+def test_a_release_that_a_device_does_not_take_leaves_the_latch(lab: Laboratory, part: str) -> None:
+    lab.rig.estop("berta", "smoke")
+    call = "make_safe" if part == "trigger" else "restore"
+    getattr(lab, part).errors[call] = DeviceSilentError("no line")
+    with pytest.raises(DeviceError):
+        lab.rig.release("berta", "only steam")
+    assert lab.state == "estop"
+    assert (lab.folder / "estop.json").exists()
+    getattr(lab, part).errors.clear()
+
+
+def test_a_full_disk_does_not_hinder_the_stop(
+    lab: Laboratory, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(*_: object) -> Never:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(estop, "write_synced", full)
+    lab.rig.estop("berta", "smoke")
+    assert (lab.state, lab.cut_off.power) == ("estop", False)

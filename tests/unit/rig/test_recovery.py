@@ -1,0 +1,177 @@
+"""A killed daemon fires nothing again, loses nothing acknowledged, and says what is open."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from rig_fakes import BOUND_S, Laboratory
+
+from rigctl.errors import DeviceSilentError, RefusedError
+
+DAEMON = Path(__file__).with_name("killed_daemon.py")
+
+# Where the kill falls; fires before it; the shot and the rig after the restart.
+POINTS = [
+    ("row accepted", 0, "interrupted", "no", "idle"),
+    ("start", 0, "interrupted", "no", "idle"),
+    ("trigger armed", 0, "interrupted", "no", "idle"),
+    ("row firing", 0, "unknown_outcome", "unknown", "unknown_outcome"),
+    ("before the byte", 0, "unknown_outcome", "unknown", "unknown_outcome"),
+    ("after the byte", 1, "unknown_outcome", "unknown", "unknown_outcome"),
+    ("row capturing", 1, "interrupted", "yes", "idle"),
+    ("mark", 1, "unknown_outcome", "unknown", "unknown_outcome"),
+    ("collect", 1, "interrupted", "yes", "idle"),
+    ("folder whole, row to come", 1, "stored", "yes", "idle"),
+    ("row stored", 1, "stored", "yes", "idle"),
+    ("stop", 1, "stored", "yes", "idle"),
+]
+
+
+def fires(folder: Path) -> int:
+    counter = folder / "fires"
+    return len(counter.read_text().splitlines()) if counter.exists() else 0
+
+
+@pytest.mark.parametrize("case", POINTS, ids=lambda case: case[0])
+def test_after_a_kill_the_shot_is_closed_and_never_fired_again(
+    tmp_path: Path, case: tuple[str, int, str, str, str]
+) -> None:
+    point, fired, shot_state, flown, rig_state = case
+    killed = subprocess.run(
+        [sys.executable, str(DAEMON), str(tmp_path), point], timeout=60, check=False
+    )
+    assert killed.returncode == -signal.SIGKILL
+    assert fires(tmp_path) == fired
+
+    lab = Laboratory(tmp_path / "data")
+    shot = lab.store.shot("20260131-000001")
+    assert (shot.state, shot.outcome, shot.fired) == (shot_state, shot_state, flown)
+    assert lab.state == rig_state
+    assert lab.rig.fire("any token", "the key", "body", actor="anna").outcome == shot_state
+    assert lab.trigger.fired == []
+    assert lab.store.folders.is_whole(shot.id) == (shot_state == "stored")
+    assert lab.to_analyse == ([shot.id] if shot_state == "stored" else [])
+    if rig_state == "unknown_outcome":
+        with pytest.raises(RefusedError, match="unknown_outcome"):
+            lab.arm()
+        lab.rig.release("anna", "looked into the tray")
+    assert lab.shoot().number == 2
+    lab.store.journal.verify()
+    lab.close()
+
+
+@pytest.fixture
+def lab(tmp_path: Path) -> Iterator[Laboratory]:
+    laboratory = Laboratory(tmp_path / "data")
+    yield laboratory
+    laboratory.close()
+
+
+def test_a_first_start_makes_the_trigger_safe_before_it_gives_power(lab: Laboratory) -> None:
+    assert lab.log == ["trigger.make_safe", "cut_off.restore"]
+    assert lab.state == "idle"
+
+
+def test_a_fault_outlives_the_daemon(lab: Laboratory) -> None:
+    lab.regulator.errors["set_pressure"] = DeviceSilentError("gave no answer")
+    with pytest.raises(DeviceSilentError):
+        lab.arm()
+    lab.regulator.errors.clear()
+    lab.cut_off.power = False
+    lab.restart()
+    assert lab.state == "fault"
+    assert lab.cut_off.power is False
+    lab.rig.release("anna", "plugged it in")
+    assert lab.cut_off.power is True
+    assert lab.shoot().state == "stored"
+
+
+def test_an_armed_rig_starts_idle_and_its_token_is_dead(lab: Laboratory) -> None:
+    token = lab.arm()
+    lab.restart()
+    assert lab.state == "idle"
+    with pytest.raises(RefusedError, match="not armed"):
+        lab.fire(token)
+
+
+@pytest.mark.parametrize(("part", "call"), [("trigger", "make_safe"), ("cut_off", "restore")])
+def test_a_device_that_is_missing_at_the_start_is_a_fault_and_leaves_no_power(
+    lab: Laboratory, part: str, call: str
+) -> None:
+    lab.abandon()
+    lab.cut_off.power = False
+    getattr(lab, part).errors[call] = DeviceSilentError("gave no answer")
+    lab.open()
+    assert lab.state == "fault"
+    assert lab.cut_off.power is False
+    getattr(lab, part).errors.clear()
+    lab.rig.release("anna", "plugged it in")
+    assert lab.state == "idle"
+
+
+def test_a_stop_at_the_start_cuts_even_when_the_trigger_is_missing(lab: Laboratory) -> None:
+    lab.rig.estop("berta", "smoke")
+    lab.abandon()
+    lab.cut_off.power = True
+    lab.trigger.errors["make_safe"] = DeviceSilentError("gave no answer")
+    lab.open()
+    assert (lab.state, lab.cut_off.power) == ("estop", False)
+    lab.trigger.errors.clear()
+
+
+def test_what_was_half_written_is_removed_and_counted(lab: Laboratory) -> None:
+    lab.shoot()
+    leftover = lab.folder / "shots" / "20260131" / ".20260131-000002.partial"
+    leftover.mkdir()
+    lab.restart()
+    assert lab.recovery.partial_removed == 1
+    assert not leftover.exists()
+
+
+def test_shots_whose_analysis_was_under_way_are_handed_over_again(lab: Laboratory) -> None:
+    shot = lab.shoot()
+    lab.store.move(shot.id, "analysing")
+    lab.to_analyse.clear()
+    lab.restart()
+    assert lab.to_analyse == [shot.id]
+    assert lab.store.shot(shot.id).state == "stored"
+
+
+def test_the_state_report_knows_the_last_shot_of_the_daemon_before(lab: Laboratory) -> None:
+    shot = lab.shoot()
+    lab.restart()
+    assert lab.rig.status().last_shot == shot
+
+
+def test_closing_takes_the_power_and_may_be_done_twice(lab: Laboratory) -> None:
+    lab.arm()
+    lab.rig.close()
+    assert lab.state == "idle"
+    assert lab.cut_off.power is False
+    lab.rig.close()
+
+
+def test_closing_waits_for_the_shot_under_way(tmp_path: Path) -> None:
+    lab = Laboratory(tmp_path / "data", threads=True)
+    recording, go_on = threading.Event(), threading.Event()
+
+    def collect() -> None:
+        recording.set()
+        go_on.wait(BOUND_S)
+
+    lab.capture.hooks["collect"] = collect
+    shot = lab.rig.accept(lab.arm(), "mine", "body", actor="anna")
+    assert recording.wait(BOUND_S)
+    closing = threading.Thread(target=lab.rig.close)
+    closing.start()
+    go_on.set()
+    closing.join(BOUND_S)
+    assert lab.store.shot(shot.id).outcome == "stored"
+    assert lab.log.index("capture.stop") < lab.log.index("cut_off.cut")
+    lab.store.close()
