@@ -11,7 +11,8 @@ from simulators.world.chance import marked_camera, noise_chance, shot_chance
 from simulators.world.description import WorldDescription
 from simulators.world.encounter import FLIGHT_LASTS_S, Encounter, simulate
 from simulators.world.launch import Launch
-from simulators.world.optics import front_view, top_view
+from simulators.world.optics import View, front_view, top_view
+from simulators.world.state import Pose
 from simulators.world.truth import FilmedTruth, contact_truth
 
 
@@ -72,28 +73,28 @@ def _truth(
     shot: int,
     times_s: NDArray[np.float64],
 ) -> FilmedTruth:
-    truth = FilmedTruth(
+    spheres = (description.sphere_a, description.sphere_b)
+    contact = contact_truth(encounter.contact, spheres)
+    if encounter.contact is not None:
+        contact["contact_time_s"] = encounter.contact.start_s - float(times_s[0])
+    poses = [encounter.poses(time) for time in times_s.tolist()]
+    scale = description.optics.scale_px_per_m
+    front, top = front_view(description.optics), top_view(description.optics)
+
+    def seen(view: View, pose: Pose | None) -> tuple[float, float] | None:
+        return None if pose is None else view.centre_px(pose.centre, scale)
+
+    return FilmedTruth(
+        **contact,
         shot=shot,
         fire_a_s=launch.fire_a_s,
         fire_b_s=launch.fire_b_s,
         pressure_a_kpa=launch.pressure_a_kpa,
         pressure_b_kpa=launch.pressure_b_kpa,
         offset_m=launch.offset_m,
+        centres_front_px=[[seen(front, pose) for pose in pair] for pair in poses],
+        centres_top_px=[[seen(top, pose) for pose in pair] for pair in poses],
+        rotation_quaternion=[
+            [None if pose is None else pose.orientation.tolist() for pose in pair] for pair in poses
+        ],
     )
-    spheres = (description.sphere_a, description.sphere_b)
-    truth.update(contact_truth(encounter.contact, spheres))
-    if encounter.contact is not None:
-        truth["contact_time_s"] = encounter.contact.start_s - float(times_s[0])
-    poses = [encounter.poses(time) for time in times_s.tolist()]
-    scale = description.optics.scale_px_per_m
-    front, top = front_view(description.optics), top_view(description.optics)
-    truth["centres_front_px"] = [
-        [pose and front.centre_px(pose.centre, scale) for pose in pair] for pair in poses
-    ]
-    truth["centres_top_px"] = [
-        [pose and top.centre_px(pose.centre, scale) for pose in pair] for pair in poses
-    ]
-    truth["rotation_quaternion"] = [
-        [pose and pose.orientation.tolist() for pose in pair] for pair in poses
-    ]
-    return truth

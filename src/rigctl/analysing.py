@@ -181,6 +181,7 @@ def _work(connection: Connection, function: str) -> None:
             folder, method = connection.recv()
         except EOFError:
             return
+        answer: tuple[str | None, str | None]
         try:
             answer = (json.dumps(analyse(Path(folder), method), allow_nan=False), None)
         except Exception as error:  # noqa: BLE001 - whatever breaks is told, not lost

@@ -11,6 +11,8 @@ from analysis.imaging.edges import laplacian_of_gaussian
 from analysis.imaging.facet import EdgePoints, edge_points, zero_crossing_pixels
 from analysis.imaging.labels import label_connected
 
+NOISE_BLOCK_PX = 8
+
 
 @dataclass(frozen=True, slots=True)
 class EdgeSettings:
@@ -47,14 +49,16 @@ def noise_sd(frames: NDArray[np.uint8]) -> float:
     """Estimate the read noise in grey levels from the pixels' differences across a diagonal.
 
     The mixed second difference of four neighbouring pixels vanishes on any linear shading and has
-    twice the noise of one pixel; edges are cut off at 4 times its robust width. Never below the
-    rounding of 8 bits, 1/sqrt(12).
+    twice the noise of one pixel. The median over small blocks leaves out those that an edge
+    crosses. Never below the rounding of 8 bits, 1/sqrt(12).
     """
     sample = frames[:: max(1, len(frames) // 8)].astype(np.float32)
     mixed = sample[:, 1:, 1:] - sample[:, 1:, :-1] - sample[:, :-1, 1:] + sample[:, :-1, :-1]
-    limit = 4.0 * (1.4826 * float(np.median(np.abs(mixed))) + 0.5)
-    kept = mixed[np.abs(mixed) <= limit]
-    return float(max(np.sqrt((kept**2).mean()) / 2.0, 12**-0.5))
+    rows, columns = (n // NOISE_BLOCK_PX for n in mixed.shape[1:])
+    whole = mixed[:, : rows * NOISE_BLOCK_PX, : columns * NOISE_BLOCK_PX]
+    blocks = whole.reshape(len(mixed), rows, NOISE_BLOCK_PX, columns, NOISE_BLOCK_PX)
+    variance = np.median((blocks**2).mean(axis=(2, 4)))
+    return float(max(np.sqrt(variance) / 2.0, 12**-0.5))
 
 
 def gradient_threshold(noise: float, sigma_px: float) -> float:

@@ -27,10 +27,10 @@ _LATEST_MARK_S = 0.25
 class LiveCapture:
     """A `Capture` on a streaming camera.
 
-    A thread of its own reads every frame while a recording runs and keeps the last
-    `frames_before_mark` and some for a late mark, and after the mark all those of the shot: the memory has a bound. The
-    frames of a shot are numbers `mark` - `frames_before_mark` to `mark` + `frames_after_mark` - 1,
-    where the mark is the first frame to arrive after the rig fired.
+    A thread of its own reads every frame while a recording runs. It keeps the last
+    `frames_before_mark` and some for a late mark, and after the mark all those of the shot: the
+    memory has a bound. The frames of a shot are numbers `mark` - `frames_before_mark` to `mark` +
+    `frames_after_mark` - 1, where the mark is the first frame to arrive after the rig fired.
 
     Parameters
     ----------
