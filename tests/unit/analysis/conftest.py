@@ -1,0 +1,8 @@
+"""Makes the drawings and shots beside this file importable by name."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent))

@@ -1,0 +1,66 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from analysis.imaging.edges import gaussian_kernels, laplacian_of_gaussian
+
+INNER = slice(20, -20)
+slope = st.floats(-2.0, 2.0)
+bend = st.floats(-0.05, 0.05)
+
+
+def test_a_width_of_two_takes_the_seventeen_taps_of_the_thesis() -> None:
+    for kernel in gaussian_kernels(2.0):
+        assert kernel.shape == (17,)
+
+
+@pytest.mark.parametrize("sigma", [0.8, 1.2, 2.0, 3.0])
+def test_the_kernels_have_the_moments_of_a_gaussian_and_its_derivatives(sigma: float) -> None:
+    smooth, first, second = gaussian_kernels(sigma)
+    x = np.arange(len(smooth)) - len(smooth) // 2
+    moments = [[float((x**power * k).sum()) for power in range(3)] for k in (smooth, first, second)]
+    # What four standard deviations on each side cut off is a few thousandths of the variance.
+    np.testing.assert_allclose(moments[0], [1.0, 0.0, sigma**2], rtol=6e-3, atol=1e-12)
+    np.testing.assert_allclose(moments[1], [0.0, 1.0, 0.0], atol=1e-12)
+    np.testing.assert_allclose(moments[2], [0.0, 0.0, 2.0], atol=1e-12)
+
+
+@pytest.mark.parametrize("level", [0, 7, 255])
+def test_a_flat_frame_gives_zero(level: int) -> None:
+    edges = laplacian_of_gaussian(np.full((40, 50), level, dtype=np.uint8))
+    for image in (edges.log, edges.gradient_row, edges.gradient_column):
+        # 255 levels in single precision.
+        assert np.abs(image).max() < 1e-4
+
+
+@settings(max_examples=30, deadline=None)
+@given(a=bend, b=bend, ab=bend, by_row=slope, by_column=slope)
+def test_a_quadratic_surface_gives_its_laplacian_and_its_gradient(
+    a: float, b: float, ab: float, by_row: float, by_column: float
+) -> None:
+    r, c = np.mgrid[-32:33, -40:41].astype(np.float64)
+    frame = a * r**2 + b * c**2 + ab * r * c + by_row * r + by_column * c + 100.0
+    edges = laplacian_of_gaussian(frame, 2.0)
+    inner = (INNER, INNER)
+    np.testing.assert_allclose(edges.log[inner], 2 * a + 2 * b, atol=1e-3)
+    along_row, along_column = 2 * a * r + ab * c + by_row, 2 * b * c + ab * r + by_column
+    np.testing.assert_allclose(edges.gradient_row[inner], along_row[inner], atol=1e-3)
+    np.testing.assert_allclose(edges.gradient_column[inner], along_column[inner], atol=1e-3)
+
+
+def test_the_dark_side_of_an_edge_is_positive_and_the_gradient_points_to_the_bright_side() -> None:
+    frame = np.zeros((40, 60), dtype=np.uint8)
+    frame[:, 30:] = 200
+    edges = laplacian_of_gaussian(frame)
+    assert (edges.log[:, 28] > 0).all()
+    assert (edges.log[:, 31] < 0).all()
+    assert (edges.gradient_column[:, 29] > 10).all()
+    assert np.abs(edges.gradient_row).max() < 1e-3
+
+
+def test_a_transposed_frame_gives_the_transposed_edges() -> None:
+    frame = np.random.default_rng(1).integers(0, 256, (40, 56), dtype=np.uint8)
+    one, other = laplacian_of_gaussian(frame, 1.2), laplacian_of_gaussian(frame.T, 1.2)
+    np.testing.assert_allclose(one.log, other.log.T, atol=1e-3)
+    np.testing.assert_allclose(one.gradient_row, other.gradient_column.T, atol=1e-3)
