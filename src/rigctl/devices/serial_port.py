@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import logging
+import termios
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -25,6 +26,8 @@ _SLICE_S = 0.02
 _LONGEST_LINE = 1024
 _LONGEST_DRAIN = 65536
 _BUSY = {errno.EAGAIN, errno.EBUSY}
+# pyserial passes some of the terminal's own errors on as they are; they are no OSError.
+_LINE_FAILED = (OSError, termios.error)
 _FORBIDDEN = {errno.EPERM, errno.EACCES}
 
 
@@ -209,19 +212,20 @@ class SerialPort:
     def _open(self) -> None:
         try:
             self._serial.open()
-        except OSError as error:
+        except _LINE_FAILED as error:
             raise self._refused_open(error) from error
         self._lost = False
         self._unread.clear()
 
-    def _refused_open(self, error: OSError) -> DeviceError:
-        if error.errno in _BUSY:
+    def _refused_open(self, error: OSError | termios.error) -> DeviceError:
+        number = error.errno if isinstance(error, OSError) else None
+        if number in _BUSY:
             return DeviceBusyError(
                 f"{self._url} is held by another program",
                 part=self.part,
                 todo="end the other program, or a second daemon, and try again",
             )
-        if error.errno in _FORBIDDEN:
+        if number in _FORBIDDEN:
             return DeviceError(
                 f"this user may not open {self._url}",
                 part=self.part,
@@ -263,20 +267,20 @@ class SerialPort:
                 limit=f"{self._timeout_s:g} s",
                 todo="check the cable and the power",
             ) from error
-        except OSError as error:
+        except _LINE_FAILED as error:
             raise self._hung_up() from error
 
     def _read_waiting(self) -> bytes:
         self._require_open()
         try:
             return self._serial.read(waiting) if (waiting := self._serial.in_waiting) else b""
-        except OSError as error:
+        except _LINE_FAILED as error:
             raise self._hung_up() from error
 
     def _read_slice(self) -> bytes:
         try:
             return self._serial.read(max(1, self._serial.in_waiting))
-        except OSError as error:
+        except _LINE_FAILED as error:
             raise self._hung_up() from error
 
     def _line_before(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import select
+import termios
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -76,6 +77,20 @@ class TestFaults:
         device = pty_device()
         port = opened(device.path)
         device.hang_up()
+        with pytest.raises(DeviceAbsentError, match="hung up"):
+            port.ask("HELLO")
+        with pytest.raises(DeviceAbsentError, match="closed since it hung up"):
+            port.ask("HELLO")
+
+    @pytest.mark.parametrize("error", [termios.error(5, "I/O error"), OSError(5, "I/O error")])
+    def test_a_hang_up_while_the_question_leaves_is_an_absent_device(
+        self, pty_device: MakeDevice, monkeypatch: pytest.MonkeyPatch, error: Exception
+    ) -> None:
+        def fail() -> None:
+            raise error
+
+        port = opened(pty_device().path)
+        monkeypatch.setattr(port._serial, "flush", fail)
         with pytest.raises(DeviceAbsentError, match="hung up"):
             port.ask("HELLO")
         with pytest.raises(DeviceAbsentError, match="closed since it hung up"):
