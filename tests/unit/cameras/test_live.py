@@ -128,6 +128,13 @@ def test_the_shot_is_the_frames_about_the_mark(build: Build) -> None:
     assert not camera.streams
 
 
+def test_a_mark_that_came_late_is_counted_back_to_the_fire(build: Build) -> None:
+    capture, camera = started(build)
+    capture.mark(late_s=10 / 500)
+    camera.put(*map(frame, range(20, 40)))
+    assert capture.collect().sequence.tolist() == [8, 9, 10, 11, 12, 13, 14]
+
+
 def test_frames_that_the_camera_lost_about_the_mark_are_named_and_others_are_not(
     build: Build,
 ) -> None:

@@ -129,6 +129,14 @@ def test_frames_before_the_mark_are_recorded_before_the_start_is_confirmed(
     assert bench.capture.collect().sequence.tolist() == list(range(mark - 100, mark + 60))
 
 
+def test_a_marker_that_came_late_is_counted_back_to_the_fire(bench: Bench) -> None:
+    bench.capture.start()
+    bench.time.now += 0.5
+    bench.capture.mark(late_s=0.040)
+    fired = bench.recorder.marked[0] - 40
+    assert bench.capture.collect().sequence.tolist() == list(range(fired, fired + 60))
+
+
 def test_without_a_contact_the_link_starts_the_tape(recorder: Recorder, time: Clock) -> None:
     bench = Bench(recorder, time, with_contact=False)
     bench.capture.start()
