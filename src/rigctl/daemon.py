@@ -13,9 +13,9 @@ from rigctl.analysing import Analyser
 from rigctl.cameras.build import build_capture
 from rigctl.config import Configuration, Simulation
 from rigctl.devices import build
+from rigctl.devices.roles import Actuators
 from rigctl.errors import ConfigurationError
 from rigctl.rig.machine import Rig
-from rigctl.rig.parts import RigDevices
 from rigctl.rig.recovery import Recovery
 from rigctl.store import Store
 
@@ -81,17 +81,12 @@ def open_daemon(configuration: Configuration) -> Iterator[Daemon]:
 
 def _open_devices(
     configuration: Configuration, laboratory: Laboratory | None, opened: ExitStack
-) -> RigDevices:
+) -> Actuators:
     actuators = build.build_actuators(configuration, laboratory)
     for device in (actuators.cut_off, actuators.trigger, actuators.regulator, actuators.slide):
         if device is not None:
             opened.callback(device.close)
-    return RigDevices(
-        trigger=actuators.trigger,
-        regulator=actuators.regulator,
-        slide=actuators.slide,
-        cut_off=actuators.cut_off,
-    )
+    return actuators
 
 
 def _open_laboratory(simulation: Simulation | None, folder: Path) -> Laboratory | None:

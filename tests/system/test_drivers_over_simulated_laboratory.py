@@ -11,8 +11,8 @@ import pytest
 from rigctl.cameras.build import build_capture
 from rigctl.cameras.capture import Capture
 from rigctl.config import Configuration, default_path, load
-from rigctl.devices.build import Actuators, build_actuators
-from rigctl.devices.roles import FireOutcome, OutcomeQuery, PowerQuery, Regulator, Slide
+from rigctl.devices.build import build_actuators
+from rigctl.devices.roles import Actuators, FireOutcome, OutcomeQuery, PowerQuery, Regulator, Slide
 from rigctl.errors import (
     DeviceAbsentError,
     DeviceAnswerError,

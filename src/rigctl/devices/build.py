@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from contextlib import ExitStack
-from dataclasses import dataclass
 from typing import Protocol
 
 import usb.backend
@@ -14,7 +13,7 @@ from rigctl.config import Zaber as ZaberSection
 from rigctl.devices import alicat, lcus
 from rigctl.devices.alicat import AlicatPair
 from rigctl.devices.lcus import LcusRelay
-from rigctl.devices.roles import CutOff, Regulator, Slide, Trigger
+from rigctl.devices.roles import Actuators, Trigger
 from rigctl.devices.serial_port import SerialPort
 from rigctl.devices.trigger_box import TriggerBox
 from rigctl.devices.zaber import ZaberSlide
@@ -33,16 +32,6 @@ class Laboratory(Protocol):
 
     def usb_backend(self) -> usb.backend.IBackend:
         """Return the simulated bus."""
-
-
-@dataclass(frozen=True, slots=True)
-class Actuators:
-    """The opened devices of one rig; the release apparatus has neither regulator nor slide."""
-
-    trigger: Trigger
-    regulator: Regulator | None
-    slide: Slide | None
-    cut_off: CutOff
 
 
 def build_actuators(configuration: Configuration, laboratory: Laboratory | None) -> Actuators:

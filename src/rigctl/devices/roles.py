@@ -134,3 +134,13 @@ class CutOff(Device, Protocol):
 
     def restore(self) -> None:
         """Give power back, after a person released the latch."""
+
+
+@dataclass(frozen=True, slots=True)
+class Actuators:
+    """The opened devices of one rig; the release apparatus has neither regulator nor slide."""
+
+    trigger: Trigger
+    regulator: Regulator | None
+    slide: Slide | None
+    cut_off: CutOff

@@ -10,6 +10,7 @@ from datetime import timedelta
 
 from rigctl.cameras.capture import Capture
 from rigctl.config import Configuration
+from rigctl.devices.roles import Actuators
 from rigctl.errors import DeviceError, IdempotencyError, RefusedError, RigError, StoreError
 from rigctl.rig.adjusting import adjust
 from rigctl.rig.arming import Armed, ArmToken
@@ -19,7 +20,7 @@ from rigctl.rig.conditions import Conditions
 from rigctl.rig.estop import EmergencyStop
 from rigctl.rig.firing import ShotRun
 from rigctl.rig.interlocks import require
-from rigctl.rig.parts import Bench, RigDevices
+from rigctl.rig.parts import Bench
 from rigctl.rig.recovery import Recovery, start
 from rigctl.rig.running import ACTOR, RunningShot
 from rigctl.rig.standing import Standing
@@ -69,7 +70,7 @@ class Rig:
     def __init__(
         self,
         configuration: Configuration,
-        devices: RigDevices,
+        devices: Actuators,
         capture: Capture,
         store: Store,
         *,

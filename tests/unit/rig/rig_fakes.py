@@ -14,10 +14,9 @@ import numpy as np
 from rigctl.cameras.capture import RecordingConfirmation
 from rigctl.cameras.frames import FrameSequence
 from rigctl.config import Configuration, load
-from rigctl.devices.roles import FireReceipt, Reading
+from rigctl.devices.roles import Actuators, FireReceipt, Reading
 from rigctl.rig.clock import Clock
 from rigctl.rig.machine import Rig
-from rigctl.rig.parts import RigDevices
 from rigctl.settings import ShotSettings
 from rigctl.store import ShotRecord, Store
 
@@ -230,7 +229,7 @@ class Laboratory:
             self.folder, busy_timeout_s=0.05, free_bytes=lambda _: int(self.free_mb * 1e6)
         )
         pusher = self.configuration.apparatus == "pusher"
-        devices = RigDevices(
+        devices = Actuators(
             self.trigger,
             self.regulator if pusher else None,
             self.slide if pusher else None,
