@@ -1,0 +1,69 @@
+import numpy as np
+import pytest
+from drawings import Place, draw, edges_of
+
+from analysis.imaging.discs import (
+    PADDING_PX,
+    common_radius,
+    discs,
+    nearest_peak,
+    vote,
+)
+
+TWO = [(40.3, 30.7, 18.0), (52.6, 88.2, 18.0)]
+
+
+def found_in(places: list[Place], radius: float) -> list[tuple[float, float, float]]:
+    edges = edges_of(draw(places), noise=1.5)
+    peaks = discs(vote(edges.points, radius, edges.shape), 0.2, radius)
+    return [(disc.row, disc.column, disc.rim_share) for disc in peaks]
+
+
+def test_each_disc_is_found_to_a_pixel_with_nearly_its_whole_rim() -> None:
+    found = sorted(found_in(TWO, 18.0), key=lambda disc: disc[1])
+    assert len(found) == 2
+    for (row, column, share), expected in zip(found, TWO, strict=True):
+        assert (row, column) == pytest.approx(expected[:2], abs=1.0)
+        assert share == pytest.approx(1.0, abs=0.35)
+
+
+def test_touching_discs_are_two() -> None:
+    touching = [(40.0, 40.0, 18.0), (52.0, 73.9, 18.0)]
+    found = sorted(found_in(touching, 18.0)[:2], key=lambda disc: disc[1])
+    for (row, column, _), expected in zip(found, touching, strict=True):
+        assert (row, column) == pytest.approx(expected[:2], abs=1.0)
+
+
+@pytest.mark.parametrize("centre", [(45.0, 1.0), (-4.0, 60.0), (97.0, 60.0)])
+def test_a_disc_half_out_of_view_has_its_centre_beyond_the_frame(
+    centre: tuple[float, float],
+) -> None:
+    row, column, share = found_in([(*centre, 18.0)], 18.0)[0]
+    assert (row, column) == pytest.approx(centre, abs=1.5)
+    assert share < 0.75
+
+
+def test_an_empty_frame_has_no_disc() -> None:
+    assert found_in([], 18.0) == []
+
+
+def test_the_peak_near_a_prediction_is_its_own_disc() -> None:
+    edges = edges_of(draw(TWO))
+    votes = vote(edges.points, 18.0, edges.shape)
+    peak = nearest_peak(votes, 55.0, 85.0, 6.0)
+    assert peak is not None
+    assert (peak.row, peak.column) == pytest.approx(TWO[1][:2], abs=1.0)
+
+
+@pytest.mark.parametrize("place", [(-80.0, 20.0), (20.0, 400.0), (300.0, 20.0)])
+def test_a_prediction_out_of_the_image_has_no_peak(place: tuple[float, float]) -> None:
+    votes = np.zeros((96 + 2 * PADDING_PX, 120 + 2 * PADDING_PX), dtype=np.float32)
+    assert nearest_peak(votes, *place, 6.0) is None
+
+
+@pytest.mark.parametrize("radius", [11.0, 14.5, 18.0])
+def test_the_common_radius_of_two_discs_is_known_to_a_pixel(radius: float) -> None:
+    places = [(row, column, radius) for row, column, _ in TWO]
+    edges = edges_of(draw(places), noise=1.5)
+    found = common_radius(edges.points, edges.shape, 6.0, 40.0, 2)
+    assert found == pytest.approx(radius, abs=1.0)

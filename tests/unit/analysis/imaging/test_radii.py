@@ -1,0 +1,72 @@
+import numpy as np
+import pytest
+from drawings import BACKGROUND, SETTINGS, SURFACE, draw, edges_of, grey
+
+from analysis.errors import ShotRefusedError
+from analysis.imaging.frame import EdgeSettings, find_edges
+from analysis.imaging.outlines import Outline, fit_outline
+from analysis.imaging.radii import filter_bias, view_radii
+from analysis.imaging.shells import Circle
+from analysis.imaging.tracks import Spheres, Track
+from analysis.imaging.views import View
+
+LEFT, RIGHT = (48.3, 34.6), (47.1, 86.2)
+
+
+def fitted(frames: np.ndarray, radius: float, settings: EdgeSettings) -> Spheres:
+    spheres: Spheres = ({View.FRONT: Track(View.FRONT)}, {View.FRONT: Track(View.FRONT)})
+    for k, frame in enumerate(frames):
+        points = find_edges(frame, settings, 4.0).points
+        for sphere, place in zip(spheres, (LEFT, RIGHT), strict=True):
+            outline = fit_outline(points, (*place, radius), (), 3.0)
+            assert outline is not None
+            sphere[View.FRONT].outlines[k] = outline
+    return spheres
+
+
+@pytest.mark.parametrize("sigma", [1.2, 2.0])
+@pytest.mark.parametrize("radius", [10.0, 14.0, 18.0])
+def test_the_filter_enlarges_a_flat_disc_by_half_its_variance_over_the_radius(
+    sigma: float, radius: float
+) -> None:
+    settings = EdgeSettings(sigma)
+    picture = draw([(*LEFT, radius), (*RIGHT, radius)])
+    frames = np.stack([grey(picture, 1.0, seed) for seed in range(4)])
+    spheres = fitted(frames, radius, settings)
+    bias = filter_bias(frames, spheres, settings, 1.0)
+    assert bias[View.FRONT] == pytest.approx(sigma**2 / (2 * radius), abs=0.02)
+    # What is left is the lens's share of the same kind, 0.8^2 / (2 R).
+    measured = np.mean(view_radii(spheres)[View.FRONT])
+    assert measured - bias[View.FRONT] == pytest.approx(radius + 0.32 / radius, abs=0.03)
+
+
+def outlines(radii: list[float], coverages: list[float]) -> dict[View, Track]:
+    circles = [Circle(0.0, 0.0, radius, np.zeros((3, 3))) for radius in radii]
+    pairs = zip(circles, coverages, strict=True)
+    kept = {k: Outline(c, share, np.zeros((0, 2))) for k, (c, share) in enumerate(pairs)}
+    return {View.FRONT: Track(View.FRONT, kept)}
+
+
+def test_the_radius_is_the_median_of_well_seen_outlines() -> None:
+    a = outlines([19.9, 20.1, 20.3, 25.0, 15.0], [1.0, 0.8, 0.7, 0.5, 0.4])
+    b = outlines([21.0], [0.9])
+    assert view_radii((a, b)) == {View.FRONT: (pytest.approx(20.1), 21.0)}
+
+
+def test_a_sphere_that_is_never_well_seen_is_refused_by_name_and_view() -> None:
+    with pytest.raises(ShotRefusedError, match=r"outlines: sphere b .* 60% .* front view"):
+        view_radii((outlines([20.0], [1.0]), outlines([20.0, 20.0], [0.5, 0.55])))
+
+
+def test_without_a_frame_that_shows_all_outlines_no_bias_is_known() -> None:
+    radius = 14.0
+    frames = grey(draw([(*LEFT, radius), (*RIGHT, radius)]))[None]
+    spheres = fitted(frames, radius, SETTINGS)
+    del spheres[1][View.FRONT].outlines[0]
+    assert filter_bias(frames, spheres, SETTINGS, 1.0) == {View.FRONT: 0.0}
+
+
+def test_the_drawing_has_the_contrast_that_these_tests_assume() -> None:
+    strength = edges_of(draw([(*LEFT, 14.0)])).points.strength
+    steepest = (SURFACE - BACKGROUND) / np.sqrt(2 * np.pi * (SETTINGS.sigma_px**2 + 0.8**2))
+    assert np.median(strength) == pytest.approx(steepest, rel=0.05)
