@@ -128,8 +128,9 @@ def _first_pass(
     rate = np.zeros(3)
     for k, current in sorted(sightings.items()):
         if not frames:
-            if _enough(np.arange(len(current.directions)), k, left_out):
-                frames, pattern, rotation = [k], current.directions, [np.eye(3)]
+            pattern = _distinct(current.directions)
+            if _enough(np.arange(len(pattern)), k, left_out):
+                frames, rotation = [k], [np.eye(3)]
             continue
         step = times_s[k] - times_s[frames[-1]]
         predicted = rotation_matrix(rate * step) @ rotation[-1]
@@ -146,8 +147,14 @@ def _first_pass(
         rotation.append(predicted)
         separation = _angles(current.directions, pattern @ predicted.T)
         strangers = current.directions[separation.min(axis=1) > NEW_MARKER_ANGLE]
-        pattern = np.concatenate([pattern, strangers @ predicted])
+        pattern = np.concatenate([pattern, _distinct(strangers) @ predicted])
     return frames, pattern, rotation
+
+
+def _distinct(directions: Floats) -> Floats:
+    """Return each marker once: both views may show it."""
+    again = np.tril(_angles(directions, directions) < NEW_MARKER_ANGLE, k=-1)
+    return np.asarray(directions[~again.any(axis=1)])
 
 
 def _enough(match: NDArray[np.intp], frame: int, left_out: dict[int, str]) -> bool:

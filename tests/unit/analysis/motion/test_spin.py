@@ -1,0 +1,97 @@
+import math
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from analysis.motion.drift import Drift
+from analysis.motion.spin import fit_spin, three_frame_spin
+
+NO_DRIFT = Drift(0.0, 1.0)
+TIMES = np.array([0.0, 1.0, 2.0, 4.0, 5.0, 6.0, 7.0]) * 1e-3
+OMEGA = np.array([40.0, -25.0, 60.0])
+START = Rotation.from_rotvec([0.7, -2.0, 1.0])
+SIGMA = np.array([0.01, 0.015, 0.02])
+COVARIANCE = np.tile(np.diag(SIGMA**2), (7, 1, 1))
+
+
+def turned(omega: np.ndarray = OMEGA, times: np.ndarray = TIMES) -> np.ndarray:
+    return np.array([(Rotation.from_rotvec(omega * t) * START).as_matrix() for t in times])
+
+
+def shaken(rng: np.random.Generator, rotations: np.ndarray, errors: np.ndarray) -> np.ndarray:
+    shakes = Rotation.from_rotvec(errors * rng.standard_normal((len(rotations), 3)))
+    return shakes.as_matrix() @ rotations
+
+
+@pytest.mark.parametrize("omega", [OMEGA, np.array([0.0, 0.0, 0.0]), np.array([300.0, 0.0, 50.0])])
+def test_exact_orientations_give_their_spin(omega: np.ndarray) -> None:
+    spin = fit_spin(TIMES, turned(omega), COVARIANCE, NO_DRIFT)
+    np.testing.assert_allclose(spin.velocity, omega, atol=1e-8)
+    assert spin.chi2_per_dof == pytest.approx(0.0, abs=1e-9)
+
+
+def test_the_covariance_is_the_scatter_under_white_noise() -> None:
+    rng, true = np.random.default_rng(3), turned()
+    spins = [fit_spin(TIMES, shaken(rng, true, SIGMA), COVARIANCE, NO_DRIFT) for _ in range(250)]
+    scatter = np.std([spin.velocity for spin in spins], axis=0)
+    stated = np.sqrt(np.diag(fit_spin(TIMES, true, COVARIANCE, NO_DRIFT).covariance))
+    np.testing.assert_allclose(stated, scatter, rtol=0.15)
+    assert np.mean([spin.chi2_per_dof for spin in spins]) == pytest.approx(1.0, abs=0.1)
+    mean = np.mean([spin.velocity for spin in spins], axis=0)
+    assert (np.abs(mean - OMEGA) < 4 * scatter / math.sqrt(250)).all()
+
+
+def test_a_slow_error_is_in_the_covariance() -> None:
+    drift = Drift(0.02, 5e-3)
+    rng, true = np.random.default_rng(4), turned()
+    root = np.linalg.cholesky(drift.covariance(TIMES))
+    found = []
+    for _ in range(250):
+        slow = Rotation.from_rotvec(root @ rng.standard_normal((7, 3))).as_matrix()
+        found.append(fit_spin(TIMES, slow @ shaken(rng, true, SIGMA), COVARIANCE, drift).velocity)
+    stated = np.sqrt(np.diag(fit_spin(TIMES, true, COVARIANCE, drift).covariance))
+    np.testing.assert_allclose(stated, np.std(found, axis=0), rtol=0.2)
+
+
+def test_one_wrong_orientation_does_not_turn_the_spin() -> None:
+    rng = np.random.default_rng(6)
+    rotations = shaken(rng, turned(), SIGMA)
+    rotations[-1] = Rotation.from_rotvec([0.0, 0.5, 0.0]).as_matrix() @ rotations[-1]
+    spin = fit_spin(TIMES, rotations, COVARIANCE, NO_DRIFT)
+    # Without Huber's weights the outlier would pull by some 0.5 rad * 0.13 / ms = 40 rad/s.
+    assert np.linalg.norm(spin.velocity - OMEGA) < 12.0
+    assert spin.chi2_per_dof > 3.0
+
+
+def test_two_orientations_give_a_spin_without_freedom() -> None:
+    spin = fit_spin(TIMES[:2], turned()[:2], COVARIANCE[:2], NO_DRIFT)
+    np.testing.assert_allclose(spin.velocity, OMEGA, atol=1e-8)
+    assert math.isnan(spin.chi2_per_dof)
+    np.testing.assert_allclose(np.sqrt(np.diag(spin.covariance)), math.sqrt(2) * SIGMA / 1e-3)
+
+
+@pytest.mark.parametrize(("nearest", "expected"), [(0, 7 / 3), (-1, 49 / 3)])
+def test_equations_5_32_and_5_33_worked_by_hand(nearest: int, expected: float) -> None:
+    # Turns of 0.014 rad in 2 ms and 0.014 rad in 1 ms: mean rates 7 and 14 rad/s at 1 and 2.5 ms.
+    # A straight line through them, 7 + 14/3 (t - 1), is 7/3 at 0 and 49/3 at 3 ms.
+    times = np.array([0.0, 2e-3, 3e-3])
+    angles = np.array([0.0, 0.014, 0.028])
+    rotations = Rotation.from_rotvec(angles[:, None] * [0.0, 0.0, 1.0]).as_matrix()
+    spin = three_frame_spin(times, rotations, COVARIANCE[:3], NO_DRIFT, nearest)
+    np.testing.assert_allclose(spin.velocity, (0.0, 0.0, expected), atol=1e-9)
+
+
+@pytest.mark.parametrize("nearest", [0, -1])
+def test_the_covariance_of_three_frames_is_their_scatter(nearest: int) -> None:
+    times, rng = TIMES[[0, 2, 3]], np.random.default_rng(7)
+    true, covariances = turned(times=times), COVARIANCE[:3]
+    spins = [
+        three_frame_spin(times, shaken(rng, true, SIGMA), covariances, NO_DRIFT, nearest).velocity
+        for _ in range(400)
+    ]
+    stated = three_frame_spin(times, true, covariances, NO_DRIFT, nearest)
+    np.testing.assert_allclose(stated.velocity, OMEGA, atol=1e-8)
+    np.testing.assert_allclose(
+        np.sqrt(np.diag(stated.covariance)), np.std(spins, axis=0), rtol=0.12
+    )

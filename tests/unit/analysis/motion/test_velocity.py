@@ -1,0 +1,138 @@
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from analysis.motion.drift import Drift
+from analysis.motion.velocity import FlightPath, fit_flight, three_frame_flight
+
+G = 9.80665
+DOWN = np.array([1.0, 0.0, 0.0])
+NO_DRIFT = Drift(0.0, 1.0)
+TIMES = np.array([0.0, 1.0, 2.0, 3.0, 5.0, 6.0, 7.0, 9.0]) * 1e-3
+POSITION, VELOCITY = np.array([0.01, -0.03, 0.002]), np.array([-0.2, 2.1, 0.05])
+SIGMAS = np.tile([2e-5, 3e-5, 5e-5], (8, 1))
+
+
+def flown(times_s: np.ndarray, reference_s: float) -> np.ndarray:
+    tau = (times_s - reference_s)[:, None]
+    return POSITION + VELOCITY * tau + 0.5 * G * DOWN * tau**2
+
+
+def fit(
+    positions: np.ndarray, sigmas: np.ndarray = SIGMAS, reference_s: float = 4e-3
+) -> FlightPath:
+    return fit_flight(TIMES, positions, sigmas, NO_DRIFT, gravity=G, reference_s=reference_s)
+
+
+@pytest.mark.parametrize("reference_s", [0.0, 4e-3, 12e-3])
+def test_an_exact_parabola_gives_its_position_and_velocity(reference_s: float) -> None:
+    path = fit(flown(TIMES, reference_s), reference_s=reference_s)
+    np.testing.assert_allclose(path.position, POSITION, atol=1e-12)
+    np.testing.assert_allclose(path.velocity, VELOCITY, atol=1e-10)
+    np.testing.assert_array_equal(path.acceleration, G * DOWN)
+    assert path.chi2_per_dof == pytest.approx(0.0, abs=1e-9)
+
+
+def test_the_covariance_is_the_scatter_under_white_noise() -> None:
+    rng, true = np.random.default_rng(1), flown(TIMES, 4e-3)
+    states, stated, chi2 = [], [], []
+    for _ in range(600):
+        path = fit(true + SIGMAS * rng.standard_normal(true.shape))
+        states.append(np.concatenate([path.position, path.velocity]))
+        chi2.append(path.chi2_per_dof)
+    stated = fit(true).covariance
+    scatter = np.cov(np.array(states).T)
+    np.testing.assert_allclose(np.sqrt(np.diag(stated)), np.sqrt(np.diag(scatter)), rtol=0.1)
+    scale = np.sqrt(np.outer(np.diag(scatter), np.diag(scatter)))
+    np.testing.assert_allclose(stated / scale, scatter / scale, atol=0.15)
+    assert np.mean(chi2) == pytest.approx(1.0, abs=0.05)
+
+
+def test_the_error_of_the_velocity_is_that_of_a_straight_line() -> None:
+    path = fit(flown(TIMES, 4e-3))
+    spread = ((TIMES - TIMES.mean()) ** 2).sum()
+    expected = SIGMAS[0] / math.sqrt(spread)
+    np.testing.assert_allclose(np.sqrt(np.diag(path.covariance))[3:], expected)
+
+
+def test_residuals_beyond_their_errors_enlarge_the_covariance_of_their_coordinate_alone() -> None:
+    rng, true = np.random.default_rng(2), flown(TIMES, 4e-3)
+    noisy = true + SIGMAS * rng.standard_normal(true.shape) * np.array([0.1, 5.0, 0.1])
+    plain, enlarged = fit(true).covariance, fit(noisy).covariance
+    ratio = np.diag(enlarged) / np.diag(plain)
+    np.testing.assert_allclose(ratio[[0, 2, 3, 5]], 1.0)
+    assert ratio[1] == pytest.approx(ratio[4])
+    assert 8.0 < ratio[1] < 70.0
+
+
+def test_a_slow_error_is_followed_and_not_averaged_away() -> None:
+    drift = Drift(3e-5, 4e-3)
+    sigmas = np.full((8, 3), 1e-5)
+    rng, true = np.random.default_rng(5), flown(TIMES, 4e-3)
+    root = np.linalg.cholesky(drift.covariance(TIMES))
+    velocities = []
+    for _ in range(600):
+        noise = root @ rng.standard_normal(true.shape) + sigmas * rng.standard_normal(true.shape)
+        path = fit_flight(TIMES, true + noise, sigmas, drift, gravity=G, reference_s=4e-3)
+        velocities.append(path.velocity)
+    exact = fit_flight(TIMES, true, sigmas, drift, gravity=G, reference_s=4e-3)
+    stated = np.sqrt(np.diag(exact.covariance))[3:]
+    np.testing.assert_allclose(stated, np.std(velocities, axis=0), rtol=0.1)
+    assert (stated > 2 * np.sqrt(np.diag(fit(true, sigmas).covariance))[3:]).all()
+
+
+def test_two_frames_give_a_line_without_freedom() -> None:
+    path = fit_flight(
+        TIMES[:2], flown(TIMES, 0.0)[:2], SIGMAS[:2], NO_DRIFT, gravity=G, reference_s=0.0
+    )
+    np.testing.assert_allclose(path.velocity, VELOCITY, atol=1e-9)
+    assert math.isnan(path.chi2_per_dof)
+    assert np.isfinite(path.covariance).all()
+
+
+@pytest.mark.parametrize(
+    ("nearest", "velocity"),
+    # X = 0, 2, 8 mm and Y = 0, 4, 8 mm at 0, 2 and 4 ms: X'' = 4 mm / (2 ms)^2 = 1000 m/s^2,
+    # X' = 0, 2 and 4 m/s at the three frames, Y' = 2 m/s throughout.
+    [(0, (0.0, 2.0, 0.0)), (-1, (4.0, 2.0, 0.0))],
+)
+def test_three_frames_worked_by_hand(nearest: int, velocity: tuple[float, ...]) -> None:
+    times = np.array([0.0, 2e-3, 4e-3])
+    positions = 1e-3 * np.array([[0.0, 0.0, 5.0], [2.0, 4.0, 5.0], [8.0, 8.0, 5.0]])
+    path = three_frame_flight(times, positions, np.full((3, 3), 1e-5), NO_DRIFT, nearest)
+    np.testing.assert_allclose(path.velocity, velocity, atol=1e-9)
+    np.testing.assert_allclose(path.acceleration, (1000.0, 0.0, 0.0), atol=1e-6)
+    np.testing.assert_allclose(path.position, positions[nearest])
+    assert path.reference_s == times[nearest]
+    # Velocity (-3 x1 + 4 x2 - x3) / (2 dt) at an end: sqrt(26) sigma / (2 dt).
+    sigma = math.sqrt(26) * 1e-5 / 4e-3
+    np.testing.assert_allclose(np.sqrt(np.diag(path.covariance))[3:], sigma)
+
+
+def test_three_frames_with_a_lost_one_between_keep_their_own_times() -> None:
+    times = np.array([0.0, 1e-3, 4e-3])
+    positions = np.stack([VELOCITY * t + 0.5 * np.array([300.0, -50.0, 0.0]) * t**2 for t in times])
+    path = three_frame_flight(times, positions, np.full((3, 3), 1e-5), NO_DRIFT, 0)
+    np.testing.assert_allclose(path.velocity, VELOCITY, atol=1e-9)
+    np.testing.assert_allclose(path.acceleration, (300.0, -50.0, 0.0), atol=1e-5)
+
+
+@given(first=st.floats(-0.02, 0.02), second=st.floats(-0.02, 0.02))
+def test_a_path_moved_to_another_time_is_the_same_path(first: float, second: float) -> None:
+    path = fit(flown(TIMES, 4e-3))
+    moved = path.moved_to(first)
+    for one, other in zip(moved.at(second), path.at(second), strict=True):
+        np.testing.assert_allclose(one, other, atol=1e-12)
+    np.testing.assert_allclose(moved.position, path.at(first)[0])
+    direct = fit(flown(TIMES, 4e-3), reference_s=first)
+    np.testing.assert_allclose(moved.covariance, direct.covariance, rtol=1e-6, atol=1e-18)
+
+
+def test_a_path_falls_as_a_stone_does() -> None:
+    path = FlightPath(1.0, np.zeros(3), np.zeros(3), G * DOWN, np.eye(6), 1.0)
+    position, velocity = path.at(1.5)
+    np.testing.assert_allclose(position, (0.5 * G * 0.25, 0.0, 0.0))
+    np.testing.assert_allclose(velocity, (0.5 * G, 0.0, 0.0))
