@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from rig_fakes import SETTINGS, Laboratory
+from rig_fakes import SETTINGS, HandClock, Laboratory
 
 from rigctl.errors import (
     ArmTokenError,
@@ -15,6 +15,7 @@ from rigctl.errors import (
     RefusedError,
     SettingsError,
 )
+from rigctl.rig.arming import ArmToken
 
 
 @pytest.fixture
@@ -61,6 +62,15 @@ def test_a_token_holds_until_just_before_it_expires(lab: Laboratory) -> None:
     token = lab.arm()
     lab.time.pass_time(29.9)
     assert lab.fire(token).state == "stored"
+
+
+def test_an_expired_token_cannot_be_taken_even_where_nobody_has_looked() -> None:
+    time = HandClock()
+    token = ArmToken(30.0, lambda: time.now)
+    issued = token.issue(SETTINGS)
+    time.pass_time(30.0)
+    with pytest.raises(ArmTokenError, match="expired"):
+        token.take(issued)
 
 
 def test_an_expired_token_is_withdrawn_by_looking(lab: Laboratory) -> None:

@@ -104,13 +104,32 @@ def test_a_stop_while_the_frames_come_still_stores_the_shot(lab: Laboratory) -> 
 
 def test_a_stop_before_the_fire_command_leaves_it_unsent(lab: Laboratory) -> None:
     blocked = Blocked(lab.trigger, "arm")
+    states: list[str] = []
+    lab.store.listeners.add(lambda record: states.append(str(record.state)))
     shot = fire_in_background(lab)
     assert blocked.reached.wait(BOUND_S)
     lab.rig.estop("berta", "smoke")
     blocked.go_on.set()
     ended = lab.rig.wait(shot.id, BOUND_S)
-    assert (ended.outcome, ended.fired) == ("aborted", "no")
+    assert (states, ended.fired) == (["accepted", "aborted"], "no")
     assert lab.trigger.fired == []
+
+
+def test_a_fire_confirmed_after_the_stop_but_before_the_rig_followed_is_unknown(
+    lab: Laboratory,
+) -> None:
+    firing, cutting = Blocked(lab.trigger, "fire"), Blocked(lab.cut_off, "cut")
+    shot = fire_in_background(lab)
+    assert firing.reached.wait(BOUND_S)
+    stopping = in_thread(lambda: lab.rig.estop("berta", "smoke"))
+    assert cutting.reached.wait(BOUND_S)
+    until(lambda: lab.rig._stop.latch is not None)
+    firing.go_on.set()
+    ended = lab.rig.wait(shot.id, BOUND_S)
+    assert (ended.outcome, ended.fired) == ("unknown_outcome", "unknown")
+    cutting.go_on.set()
+    stopping.join(BOUND_S)
+    assert lab.state == "estop"
 
 
 def test_a_stop_between_intent_and_fire_command_leaves_it_unsent(lab: Laboratory) -> None:
@@ -255,6 +274,22 @@ def test_a_stop_during_a_release_wins(lab: Laboratory) -> None:
     assert refused == [True]
     assert (lab.state, lab.cut_off.power) == ("estop", False)
     assert lab.rig._stop.powered is False
+
+
+def test_a_stop_between_the_return_of_power_and_the_end_of_the_release_wins(
+    lab: Laboratory, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    lab.rig.estop("berta", "smoke")
+    restore = lab.rig._stop.restore
+
+    def restore_and_stop() -> None:
+        restore()
+        lab.rig.estop("carl", "flames")
+
+    monkeypatch.setattr(lab.rig._stop, "restore", restore_and_stop)
+    with pytest.raises(RefusedError, match="stopped again"):
+        lab.rig.release("berta", "only steam")
+    assert (lab.state, lab.cut_off.power) == ("estop", False)
 
 
 @pytest.mark.parametrize("part", ["trigger", "cut_off"])

@@ -13,6 +13,8 @@ import pytest
 from rig_fakes import BOUND_S, Laboratory
 
 from rigctl.errors import DeviceSilentError, RefusedError
+from rigctl.rig.recovery import Recovery, start_state
+from rigctl.rig.states import RigState
 
 DAEMON = Path(__file__).with_name("killed_daemon.py")
 
@@ -64,6 +66,28 @@ def test_after_a_kill_the_shot_is_closed_and_never_fired_again(
     assert lab.shoot().number == 2
     lab.store.journal.verify()
     lab.close()
+
+
+@pytest.mark.parametrize(
+    ("last", "unknown", "latched", "state"),
+    [
+        ("idle", (), False, "idle"),
+        ("armed", (), False, "idle"),
+        ("capturing", (), False, "idle"),
+        ("fault", (), False, "fault"),
+        ("unknown_outcome", (), False, "unknown_outcome"),
+        ("firing", ("20260131-000001",), False, "unknown_outcome"),
+        ("fault", ("20260131-000001",), False, "unknown_outcome"),
+        ("estop", ("20260131-000001",), False, "estop"),
+        ("firing", ("20260131-000001",), True, "estop"),
+        ("idle", (), True, "estop"),
+    ],
+)
+def test_a_restart_ends_nothing_that_a_person_has_to_end(
+    last: str, unknown: tuple[str, ...], latched: bool, state: str
+) -> None:
+    recovery = Recovery((), unknown, (), (), 0)
+    assert start_state(RigState(last), recovery, latched=latched) == state
 
 
 @pytest.fixture
