@@ -1,0 +1,392 @@
+"""The documentation against the program: commands are run as written, tables are compared."""
+
+from __future__ import annotations
+
+import ast
+import json
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import cv2
+import pytest
+
+import rigctl.config as sections
+import rigctl.service
+from analysis.exchange.tables import CONTACTS, POSES
+from rigctl.analysing import AnalysisFailedError
+from rigctl.config.configuration import AnalysisSection, ServiceSection, Simulation
+from rigctl.config.model import StrictModel
+from rigctl.errors import AnalysisInputError, ConfigurationError, IdempotencyError, RigError
+from rigctl.rig.states import TRANSITIONS
+from rigctl.service.app import create_app
+from rigctl.service.events import EventHub
+from rigctl.service.models import InterlockView, RigEvent, RigView, ShotView
+from rigctl.service.problems import Problem, from_error
+from rigctl.settings import ShotSettings
+from rigctl.store.states import SHOT_TRANSITIONS
+
+ROOT = Path(__file__).parents[2]
+DOCS = ROOT / "docs"
+TUTORIAL = DOCS / "tutorials" / "first-shot.md"
+ANALYSE = DOCS / "how-to" / "analyse-frames.md"
+REAL_RIG = DOCS / "how-to" / "real-rig.md"
+LESSONS = sorted([*DOCS.glob("tutorials/*.md"), *DOCS.glob("how-to/*.md")])
+PAGES = sorted([*ROOT.glob("*.md"), *DOCS.rglob("*.md")])
+
+RUN, BESIDE, BY_HAND = "run", "beside", "by-hand"
+"""Run in order; run in a terminal of its own until the end; needs a clone or a real rig."""
+
+FENCE = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+PORT_AS_WRITTEN = "8486"
+ENDS_WITHIN_S = 30.0
+LASTS_AT_MOST_S = 240.0
+
+needs_shell = pytest.mark.skipif(
+    any(shutil.which(tool) is None for tool in ("bash", "curl")),
+    reason="the commands of the documentation need bash and curl",
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Block:
+    """A fenced block of shell commands: how it is marked, its line in the page, its text."""
+
+    kind: str
+    line: int
+    text: str
+
+
+def blocks(page: Path) -> list[Block]:
+    text = page.read_text(encoding="utf-8")
+    return [
+        Block(match[1].removeprefix("sh").strip(), text.count("\n", 0, match.start()) + 1, match[2])
+        for match in FENCE.finditer(text)
+        if match[1].split()[:1] == ["sh"]
+    ]
+
+
+def perform(page: Path, folder: Path) -> str:
+    """Run a page in `folder` as its reader would, on any free port; return what it printed.
+
+    A block that is marked `beside` keeps its terminal to the end; the blocks after it are run in
+    a fresh one.
+    """
+    (folder / "config").symlink_to(ROOT / "config")
+    environment = {**os.environ, "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}"}
+    environment.pop("RIGCTL_KEY", None)
+    port, script, said = PORT_AS_WRITTEN, "", ""
+    with ExitStack() as terminals:
+        for block in blocks(page):
+            text = block.text.replace(PORT_AS_WRITTEN, port)
+            if block.kind == RUN:
+                script += f"block={block.line}\n{text}"
+            elif block.kind == BESIDE:
+                said += run(script, page, folder, environment)
+                script = ""
+                text = text.replace("rigctl serve", "rigctl serve --port 0")
+                first = terminals.enter_context(terminal(text, folder, environment))
+                if told := re.search(r"http://127\.0\.0\.1:(\d+)", first):
+                    port = told[1]
+        return said + run(script, page, folder, environment)
+
+
+def run(script: str, page: Path, folder: Path, environment: dict[str, str]) -> str:
+    """Run commands until one fails; return what they printed."""
+    stop = "set -Eeuo pipefail\ntrap 'echo \"the block at line $block fails\" >&2' ERR\n"
+    done = subprocess.run(
+        ["bash", "-c", stop + script],
+        cwd=folder,
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=LASTS_AT_MOST_S,
+        check=False,
+    )
+    assert done.returncode == 0, f"{page.name}: {done.stdout}{done.stderr}"
+    return done.stdout
+
+
+@contextmanager
+def terminal(text: str, folder: Path, environment: dict[str, str]) -> Iterator[str]:
+    """Run commands beside the others for the length of a `with` block; give their first line."""
+    process = subprocess.Popen(
+        ["bash", "-euc", text],
+        cwd=folder,
+        env=environment,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        start_new_session=True,
+    )
+    assert process.stdout is not None
+    try:
+        first = process.stdout.readline()
+        assert first, f"nothing came of {text!r}"
+        yield first
+    finally:
+        os.killpg(process.pid, signal.SIGTERM)
+        try:
+            process.communicate(timeout=ENDS_WITHIN_S)
+        except subprocess.TimeoutExpired:
+            os.killpg(process.pid, signal.SIGKILL)
+            process.communicate(timeout=ENDS_WITHIN_S)
+            raise
+
+
+def fires(folder: Path) -> int:
+    """Return how often the simulated laboratory fired, by its own count."""
+    return len((folder / "data/laboratory/truth/fires.jsonl").read_text().splitlines())
+
+
+@needs_shell
+@pytest.mark.timeout(300)
+def test_the_tutorial_fires_two_shots_and_shows_a_frame_with_its_outlines(tmp_path: Path) -> None:
+    said = perform(TUTORIAL, tmp_path)
+    assert fires(tmp_path) == 2
+    answers = [json.loads(line) for line in said.splitlines() if line.startswith('{"shot":')]
+    first = next(line for line in said.splitlines() if re.fullmatch(r"\d{8}-\d{6}", line))
+    assert answers == [{"shot": first, "state": "stored"}]
+    assert "restitution e" in said
+    assert said.rstrip().endswith("idle")
+    picture = cv2.imread(str(tmp_path / "contact.png"), cv2.IMREAD_UNCHANGED)
+    assert picture is not None
+    assert picture.shape == (3 * 192, 3 * 240, 3)
+    assert (picture[..., 0] != picture[..., 2]).any()
+
+
+@needs_shell
+@pytest.mark.timeout(300)
+def test_the_guide_to_analysis_measures_a_campaign_and_reads_a_refusal(tmp_path: Path) -> None:
+    said = perform(ANALYSE, tmp_path)
+    assert "not a whole NPY file" in said.splitlines()[-1]
+    shots = json.loads((tmp_path / "results.json").read_text())["shots"]
+    assert [shot["status"] for shot in shots] == ["measured", "refused"]
+    assert len((tmp_path / "measured" / "contacts.csv").read_text().splitlines()) == 2
+    assert cv2.imread(str(tmp_path / "pictures" / "0001.png")) is not None
+
+
+@needs_shell
+@pytest.mark.timeout(300)
+def test_the_commissioning_of_a_real_rig_can_be_rehearsed(tmp_path: Path) -> None:
+    said = perform(REAL_RIG, tmp_path)
+    assert json.loads((tmp_path / "stopped.json").read_text())["state"] == "estop"
+    assert said.count('"state":"idle"') == 2
+    assert json.loads((tmp_path / "shot.json").read_text())["settings"]["delay_us"] == 5000
+    assert fires(tmp_path) == 1
+
+
+@pytest.mark.parametrize("page", LESSONS, ids=lambda page: page.stem)
+def test_every_shell_block_of_a_lesson_says_whether_it_is_run(page: Path) -> None:
+    found = blocks(page)
+    assert RUN in {block.kind for block in found} <= {RUN, BESIDE, BY_HAND}
+    for block in found:
+        subprocess.run(["bash", "-n", "-c", block.text], check=True, timeout=ENDS_WITHIN_S)
+
+
+def test_every_target_of_make_that_a_page_names_is_there() -> None:
+    there = set(re.findall(r"^([a-z]+):", (ROOT / "Makefile").read_text(), re.MULTILINE))
+    for page in PAGES:
+        assert set(re.findall(r"`?make ([a-z]+)\b", page_commands(page))) <= there, page
+
+
+def page_commands(page: Path) -> str:
+    """Return the fenced blocks and the code within the lines of a page."""
+    text = page.read_text(encoding="utf-8")
+    return "\n".join([match[0] for match in FENCE.finditer(text)] + re.findall(r"`[^`\n]+`", text))
+
+
+def test_every_option_of_the_analysis_is_explained() -> None:
+    command = [sys.executable, "-c", "from rigctl.cli import main; main()", "analyse", "--help"]
+    done = subprocess.run(
+        command, capture_output=True, text=True, timeout=ENDS_WITHIN_S, check=True
+    )
+    options = set(re.findall(r"^ +(--[a-z-]+)", done.stdout, re.MULTILINE)) - {"--help"}
+    assert options
+    assert options <= set(re.findall(r"--[a-z-]+", page_commands(ANALYSE)))
+
+
+def anchor(heading: str) -> str:
+    words = re.sub(r"[^\w\- ]", "", heading.strip().lower())
+    return words.replace(" ", "-")
+
+
+def anchors(page: Path) -> set[str]:
+    text = FENCE.sub("", page.read_text(encoding="utf-8"))
+    return {anchor(line) for line in re.findall(r"^#+ (.*)$", text, re.MULTILINE)}
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_every_link_leads_somewhere(page: Path) -> None:
+    text = FENCE.sub("", page.read_text(encoding="utf-8"))
+    for target in re.findall(r"\]\(([^)\s]+)\)", text):
+        if "://" in target:
+            continue
+        path, _, place = target.partition("#")
+        there = (page.parent / path).resolve() if path else page
+        assert there.exists(), f"{target} is not there"
+        assert not place or place in anchors(there), f"{target} has no such heading"
+
+
+def rows(page: Path, heading: str) -> list[list[str]]:
+    """Return the cells of the tables below a heading, without their first two lines."""
+    text = page.read_text(encoding="utf-8")
+    part = text.partition(f"## {heading}\n")[2].partition("\n## ")[0]
+    tables = re.findall(r"(?:^\|.*\n?)+", part, re.MULTILINE)
+    lines = [line for table in tables for line in table.strip().splitlines()[2:]]
+    return [[cell.strip() for cell in line.strip("|").split(" | ")] for line in lines]
+
+
+def named(text: str) -> set[str]:
+    return set(re.findall(r"`([^`]+)`", text))
+
+
+def test_the_table_of_routes_is_that_of_the_openapi_document() -> None:
+    daemon: Any = SimpleNamespace(configuration=sections.load(), rig=None, store=None)
+    document = create_app(daemon, "key", EventHub()).openapi()
+    wanted = {
+        (method.upper(), f"`{path}`"): sorted(operation["responses"])
+        for path, operations in document["paths"].items()
+        for method, operation in operations.items()
+    }
+    written = {
+        (method, path): sorted([success, *problems.split()])
+        for method, path, success, problems in rows(DOCS / "reference/rest.md", "Routes")
+    }
+    assert written == wanted
+
+
+def test_every_field_of_a_request_and_of_an_answer_is_named() -> None:
+    text = (DOCS / "reference" / "rest.md").read_text(encoding="utf-8")
+    for model in (ShotSettings, RigView, InterlockView, ShotView, RigEvent, Problem):
+        assert set(model.model_fields) <= named(text), model.__name__
+
+
+def errors(kind: type[RigError]) -> Iterator[type[RigError]]:
+    yield kind
+    for below in kind.__subclasses__():
+        yield from errors(below)
+
+
+def codes_of_the_service() -> set[str]:
+    """Return the codes that the service writes itself, read from its source."""
+    folder = Path(next(iter(rigctl.service.__path__)))
+    return {
+        node.value.value
+        for file in folder.glob("*.py")
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8")))
+        if isinstance(node, ast.keyword) and node.arg == "code"
+        if isinstance(node.value, ast.Constant)
+    }
+
+
+def test_every_problem_code_is_listed_with_its_status() -> None:
+    listed = {
+        code.strip("`"): status
+        for code, status, _ in rows(DOCS / "reference" / "rest.md", "Problems")
+    }
+    elsewhere = {ConfigurationError, AnalysisInputError, AnalysisFailedError}
+    for kind in set(errors(RigError)) - elsewhere:
+        # A missing key is found before the rig is asked, by the form of the request.
+        status = 400 if kind is IdempotencyError else from_error(kind("it failed")).status
+        assert listed.pop(kind.code) == str(status), kind.code
+    framework = {"no-such-route", "method-not-allowed", "bad-request"}
+    assert set(listed) == codes_of_the_service() | framework
+
+
+def literal(value: object) -> str:
+    return f"`{json.dumps(value)}`"
+
+
+def allowed(schema: dict[str, Any]) -> str:
+    """Return in the words of the page what a field's JSON schema allows."""
+    schema = next((s for s in schema.get("anyOf", []) if s.get("type") != "null"), schema)
+    if "const" in schema or "enum" in schema:
+        return ", ".join(map(literal, schema.get("enum", [schema.get("const")])))
+    if schema.get("type") == "array":
+        items = [allowed(item) for item in schema["prefixItems"]]
+        return "two sections" if items == ["section"] * 2 else f"[{', '.join(items)}]"
+    kinds = {"integer": "whole number", "number": "number", "string": "text"}
+    text = kinds.get(schema.get("type", ""), "section")
+    for key, sign in (("exclusiveMinimum", ">"), ("minimum", "≥"), ("maximum", "≤")):
+        if key in schema:
+            text += f", {sign} {Fraction(schema[key]).limit_denominator(1000)}"
+    return text + (f" like `{schema['pattern']}`" if "pattern" in schema else "")
+
+
+def described(model: type[StrictModel]) -> list[list[str]]:
+    schemas = model.model_json_schema()["properties"]
+    wanted = []
+    for name, field in model.model_fields.items():
+        state = "absent" if field.default is None else "needed"
+        if field.default is not None and not field.is_required():
+            state = literal(field.default)
+        wanted.append([f"`{name}`", allowed(schemas[name]), state])
+    return sorted(wanted)
+
+
+SECTIONS: dict[str, list[type[StrictModel]]] = {
+    "Top level": [sections.Configuration],
+    "[simulation]": [Simulation],
+    "[limits]": [sections.Limits],
+    "[trigger]": [sections.TriggerBox, sections.SolenoidPair],
+    "[regulator]": [sections.Alicat],
+    "[slide]": [sections.Zaber],
+    "[cut_off]": [sections.Lcus],
+    "[camera]": [sections.EktaproCamera, sections.V4l2Camera],
+    "[camera.remote_trigger]": [sections.HidRelay, sections.SerialLine],
+    "[camera.recorder]": [sections.EktaproLink],
+    "[camera.source]": [sections.FilesSource, sections.V4l2Source],
+    "[store]": [sections.StoreSection],
+    "[service]": [ServiceSection],
+    "[analysis]": [AnalysisSection],
+    "[optics]": [sections.Optics],
+    "[[spheres]]": [sections.Sphere, sections.Plate],
+    "[environment]": [sections.Environment],
+}
+
+
+@pytest.mark.parametrize("heading", SECTIONS)
+def test_every_field_of_the_configuration_stands_with_its_bounds_and_default(heading: str) -> None:
+    written = [row[:3] for row in rows(DOCS / "reference" / "configuration.md", heading)]
+    wanted = [row for model in SECTIONS[heading] for row in described(model)]
+    assert sorted(written) == sorted(wanted)
+
+
+def test_every_section_of_the_configuration_has_a_heading() -> None:
+    known = {model for models in SECTIONS.values() for model in models}
+    exported = {getattr(sections, name) for name in sections.__all__}
+    models = {m for m in exported if isinstance(m, type) and issubclass(m, StrictModel)}
+    assert models <= known
+
+
+def test_the_columns_of_the_exchange_tables_are_those_that_are_written() -> None:
+    text = (DOCS / "reference" / "exchange-folder.md").read_text(encoding="utf-8")
+    for columns in (POSES, CONTACTS):
+        assert f"\n{','.join(columns)}\n" in text
+
+
+@pytest.mark.parametrize(
+    ("heading", "table"),
+    [
+        ("States of the rig", TRANSITIONS),
+        ("The order of a shot, and what is on disk", SHOT_TRANSITIONS),
+    ],
+)
+def test_the_tables_of_states_are_those_of_the_program(heading: str, table: Any) -> None:
+    pairs = [row for row in rows(DOCS / "explanation" / "firing.md", heading) if len(row) == 2]
+    written = {
+        before: set(after.split(", ")) for states, after in pairs for before in states.split(", ")
+    }
+    wanted = {str(before): set(map(str, after)) for before, after in table.items() if after}
+    assert written == wanted
