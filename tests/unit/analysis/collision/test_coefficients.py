@@ -1,0 +1,174 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from analysis.collision.coefficients import (
+    Impact,
+    Motion,
+    NoTouchError,
+    first_touch,
+    measure_impact,
+)
+from analysis.motion.spin import Spin
+from analysis.motion.velocity import FlightPath
+
+R = 0.0127
+RADII = (R, R)
+GRAVITY = np.array([9.80665, 0.0, 0.0])
+TOUCH_S = 8.3e-3
+REFERENCE_S = 8.0e-3
+NORMAL = np.array([0.4, np.sqrt(1 - 0.16 - 0.0025), 0.05])
+VELOCITIES = {
+    "a before": np.array([-0.1, 2.0, 0.02]),
+    "b before": np.array([0.15, -1.9, -0.01]),
+    "a after": np.array([-0.9, -1.0, -0.05]),
+    "b after": np.array([0.95, 1.1, 0.06]),
+}
+SPINS = {
+    "a before": np.array([10.0, -5.0, 30.0]),
+    "b before": np.array([-4.0, 8.0, -20.0]),
+    "a after": np.array([12.0, -5.0, 60.0]),
+    "b after": np.array([-2.0, 8.0, 12.0]),
+}
+NAMES = tuple(VELOCITIES)
+TRUE_V_N = float((VELOCITIES["b before"] - VELOCITIES["a before"]) @ NORMAL)
+TRUE_V_N_AFTER = float((VELOCITIES["b after"] - VELOCITIES["a after"]) @ NORMAL)
+
+
+def covariance(sigma_x: float = 2e-5, sigma_v: float = 8e-3, tied: float = 0.4) -> np.ndarray:
+    whole = np.diag([sigma_x**2] * 3 + [sigma_v**2] * 3)
+    for axis in range(3):
+        whole[axis, axis + 3] = whole[axis + 3, axis] = tied * sigma_x * sigma_v
+    return whole
+
+
+def path(name: str) -> FlightPath:
+    """Return a path that stands where its sphere is at first touch, carried to the reference."""
+    place = (NORMAL if name[0] == "b" else -NORMAL) * R
+    wait = REFERENCE_S - TOUCH_S
+    # The velocities above hold at the touch.
+    velocity = VELOCITIES[name] + GRAVITY * wait
+    position = place + VELOCITIES[name] * wait + 0.5 * GRAVITY * wait**2
+    return FlightPath(REFERENCE_S, position, velocity, GRAVITY, covariance(), 1.0)
+
+
+def spin(name: str) -> Spin:
+    return Spin(SPINS[name], np.diag([2.0, 3.0, 2.5]) ** 2, 1.0)
+
+
+def motion(sphere: str) -> Motion:
+    before, after = f"{sphere} before", f"{sphere} after"
+    return Motion(path(before), path(after), spin(before), spin(after))
+
+
+def drawn(sphere: Motion, rng: np.random.Generator) -> Motion:
+    """Return a motion as another measurement of the same shot would have given it."""
+
+    def other_path(p: FlightPath) -> FlightPath:
+        state = rng.multivariate_normal(np.concatenate([p.position, p.velocity]), p.covariance)
+        return replace(p, position=state[:3], velocity=state[3:])
+
+    def other_spin(s: Spin) -> Spin:
+        return replace(s, velocity=rng.multivariate_normal(s.velocity, s.covariance))
+
+    return Motion(
+        other_path(sphere.before),
+        other_path(sphere.after),
+        other_spin(sphere.spin_before),
+        other_spin(sphere.spin_after),
+    )
+
+
+def rescaled(sphere: Motion, factor: float) -> Motion:
+    def longer(p: FlightPath) -> FlightPath:
+        return replace(p, position=factor * p.position, velocity=factor * p.velocity)
+
+    return replace(sphere, before=longer(sphere.before), after=longer(sphere.after))
+
+
+def numbers(impact: Impact) -> np.ndarray:
+    beta = impact.beta.value if impact.beta else np.nan
+    parts = (impact.v_n, impact.v_s, impact.v_n_after, impact.v_s_after, impact.e)
+    return np.array([impact.contact_time.value, *(q.value for q in parts), beta, *impact.normal])
+
+
+def stated(impact: Impact) -> np.ndarray:
+    beta = impact.beta.sigma if impact.beta else np.nan
+    parts = (impact.v_n, impact.v_s, impact.v_n_after, impact.v_s_after, impact.e)
+    times = impact.contact_time.sigma
+    return np.array([times, *(q.sigma for q in parts), beta, *impact.normal_sigma])
+
+
+def test_exact_motion_gives_the_impact_it_was_made_of() -> None:
+    impact = measure_impact(motion("a"), motion("b"), RADII, 0.0)
+    # The touch is sought on straight paths; gravity is common to both spheres.
+    assert impact.contact_time.value == pytest.approx(TOUCH_S, abs=1e-9)
+    np.testing.assert_allclose(impact.normal, NORMAL, atol=1e-9)
+    assert impact.v_n.value == pytest.approx(TRUE_V_N)
+    assert impact.v_n_after.value == pytest.approx(TRUE_V_N_AFTER)
+    assert impact.e.value == pytest.approx(-TRUE_V_N_AFTER / TRUE_V_N)
+    relative = VELOCITIES["b before"] - VELOCITIES["a before"]
+    turning = R * (SPINS["a before"] + SPINS["b before"])
+    surface = relative - TRUE_V_N * NORMAL + np.cross(NORMAL, turning)
+    assert impact.v_s.value == pytest.approx(np.linalg.norm(surface))
+    np.testing.assert_allclose(impact.after.velocity_b, VELOCITIES["b after"])
+    np.testing.assert_allclose(impact.before.spin_a, SPINS["a before"])
+    units = [q.unit for q in (impact.contact_time, impact.v_n, impact.e)]
+    assert units == ["s", "m/s", "1"]
+
+
+def test_stated_errors_are_the_scatter_of_four_hundred_measurements() -> None:
+    # The scale's share of the error of v_n is as large as that of the paths.
+    rng, scale_sigma = np.random.default_rng(9), 0.003
+    a, b = motion("a"), motion("b")
+    draws = []
+    for _ in range(400):
+        factor = 1.0 + scale_sigma * rng.standard_normal()
+        one, other = (rescaled(drawn(sphere, rng), factor) for sphere in (a, b))
+        draws.append(numbers(measure_impact(one, other, RADII, 0.0)))
+    errors = stated(measure_impact(a, b, RADII, scale_sigma))
+    np.testing.assert_allclose(errors, np.std(draws, axis=0), rtol=0.15)
+
+
+def test_the_error_of_each_state_stands_in_its_place() -> None:
+    impact = measure_impact(motion("a"), motion("b"), RADII, 0.0)
+    assert impact.state_sigma.shape == (2, 4, 3)
+    np.testing.assert_allclose(impact.state_sigma[:, :2], 8e-3, rtol=0.05)
+    np.testing.assert_allclose(impact.state_sigma[:, 2:], np.tile([2.0, 3.0, 2.5], (2, 2, 1)))
+
+
+def test_without_surface_velocity_there_is_no_beta() -> None:
+    head_on = {
+        "a before": TRUE_V_N * NORMAL / -2,
+        "b before": TRUE_V_N * NORMAL / 2,
+        "a after": TRUE_V_N_AFTER * NORMAL / -2,
+        "b after": TRUE_V_N_AFTER * NORMAL / 2,
+    }
+
+    def aimed(sphere: str) -> Motion:
+        whole = motion(sphere)
+        place = (NORMAL if sphere == "b" else -NORMAL) * R * 1.1
+        before, after = (
+            replace(p, position=place, velocity=head_on[f"{sphere} {side}"])
+            for p, side in ((whole.before, "before"), (whole.after, "after"))
+        )
+        still = Spin(np.zeros(3), np.eye(3), 1.0)
+        return Motion(before, after, still, still)
+
+    impact = measure_impact(aimed("a"), aimed("b"), RADII, 0.0)
+    assert impact.beta is None
+    assert impact.e.value == pytest.approx(-TRUE_V_N_AFTER / TRUE_V_N)
+
+
+def test_paths_that_do_not_meet_say_how_near_they_come() -> None:
+    a = FlightPath(
+        0.0, np.array([0.0, -0.05, 0.0]), np.array([0.0, 2.0, 0.0]), GRAVITY, np.eye(6), 1.0
+    )
+    b = FlightPath(
+        0.0, np.array([0.03, 0.05, 0.0]), np.array([0.0, -2.0, 0.0]), GRAVITY, np.eye(6), 1.0
+    )
+    with pytest.raises(NoTouchError) as miss:
+        first_touch(a, b, RADII)
+    assert miss.value.closest_m == pytest.approx(0.03)
+    assert "30.00 mm" in str(miss.value)
