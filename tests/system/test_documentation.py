@@ -286,7 +286,7 @@ def codes_of_the_service() -> set[str]:
         for file in folder.glob("*.py")
         for node in ast.walk(ast.parse(file.read_text(encoding="utf-8")))
         if isinstance(node, ast.keyword) and node.arg == "code"
-        if isinstance(node.value, ast.Constant)
+        if isinstance(node.value, ast.Constant) and isinstance(node.value.value, str)
     }
 
 
