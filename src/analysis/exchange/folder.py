@@ -47,8 +47,8 @@ def description(name: str, setup: Setup) -> str:
         "front_origin_px": camera.front_origin_px,
         "top_origin_px": camera.top_origin_px,
     }
-    # JSON writes these strings, numbers and lists as TOML does.
-    lines = [f"format = {FORMAT}", f"name = {json.dumps(name)}", "[camera]"]
+    # JSON writes these numbers and lists as TOML does.
+    lines = [f"format = {FORMAT}", f"name = {_quoted(name)}", "[camera]"]
     lines += [f"{key} = {json.dumps(value)}" for key, value in fields.items() if value is not None]
     for sphere in setup.spheres:
         lines += [
@@ -64,6 +64,11 @@ def description(name: str, setup: Setup) -> str:
         f"air_density_kg_per_m3 = {setup.air_density_kg_per_m3}",
     ]
     return "\n".join(lines) + "\n"
+
+
+def _quoted(text: str) -> str:
+    """Return a TOML string: as in JSON, but TOML takes no surrogate pairs and no bare delete."""
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
 def _write_shot_list(path: Path, jobs: Sequence[ShotJob]) -> None:

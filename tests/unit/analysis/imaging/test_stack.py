@@ -1,0 +1,206 @@
+import json
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+import tifffile
+
+from analysis.errors import InputError
+from analysis.imaging.stack import read_stack
+
+FRAMES = np.random.default_rng(3).integers(0, 256, (5, 48, 64), dtype=np.uint8)
+
+
+def tiff(path: Path, frames: np.ndarray = FRAMES) -> Path:
+    tifffile.imwrite(path, frames, photometric="minisblack", metadata=None)
+    return path
+
+
+def npy(path: Path, frames: np.ndarray = FRAMES) -> Path:
+    np.save(path, frames)
+    return path
+
+
+def pngs(folder: Path, frames: np.ndarray = FRAMES) -> Path:
+    folder.mkdir()
+    for k, frame in enumerate(frames):
+        assert cv2.imwrite(str(folder / f"{k:03d}.png"), frame)
+    return folder
+
+
+def avi(path: Path, frames: np.ndarray = FRAMES, *, colour: bool = False) -> Path:
+    size = (frames.shape[2], frames.shape[1])
+    video = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*"FFV1"), 30.0, size, colour)
+    assert video.isOpened()
+    for frame in frames:
+        video.write(frame)
+    video.release()
+    return path
+
+
+@pytest.mark.parametrize(
+    ("name", "write"),
+    [("0001.tiff", tiff), ("0001.TIF", tiff), ("0001.npy", npy), ("0001", pngs)],
+)
+def test_frames_come_back_to_the_last_bit(tmp_path: Path, name: str, write: object) -> None:
+    stack = read_stack(write(tmp_path / name))  # type: ignore[operator]
+    np.testing.assert_array_equal(stack.pixels, FRAMES)
+    assert stack.pixels.dtype == np.uint8
+    assert stack.times_s is None
+
+
+@pytest.mark.parametrize("colour", [False, True])
+def test_a_lossless_video_comes_back_within_a_level(tmp_path: Path, colour: bool) -> None:
+    frames = np.repeat(FRAMES[..., None], 3, axis=3) if colour else FRAMES
+    stack = read_stack(avi(tmp_path / "0001.avi", frames, colour=colour))
+    assert stack.pixels.shape == FRAMES.shape
+    assert np.abs(stack.pixels.astype(int) - FRAMES).max() <= 1
+
+
+def test_a_compressed_tiff_is_read_too(tmp_path: Path) -> None:
+    path = tmp_path / "0001.tiff"
+    tifffile.imwrite(path, FRAMES, photometric="minisblack", compression="zlib", metadata=None)
+    np.testing.assert_array_equal(read_stack(path).pixels, FRAMES)
+
+
+def test_a_tiff_of_one_page_is_one_frame(tmp_path: Path) -> None:
+    assert read_stack(tiff(tmp_path / "0001.tiff", FRAMES[0])).pixels.shape == (1, 48, 64)
+
+
+def test_pngs_are_read_in_the_order_of_their_names(tmp_path: Path) -> None:
+    folder = pngs(tmp_path / "frames", FRAMES[::-1])
+    for k in range(5):
+        (folder / f"{k:03d}.png").rename(folder / f"x{4 - k:03d}.png")
+    np.testing.assert_array_equal(read_stack(folder).pixels, FRAMES)
+
+
+@pytest.mark.parametrize("kept", [1, 3])
+def test_a_truncated_tiff_names_its_first_broken_frame(tmp_path: Path, kept: int) -> None:
+    path = tmp_path / "0001.tiff"
+    with tifffile.TiffWriter(path) as writer:
+        for frame in FRAMES:
+            writer.write(frame, photometric="minisblack", metadata=None, contiguous=False)
+    with tifffile.TiffFile(path) as whole:
+        end = whole.pages[kept].dataoffsets[0] + 100  # type: ignore[union-attr]
+    path.write_bytes(path.read_bytes()[:end])
+    with pytest.raises(InputError, match=rf"frame {kept}|after {kept} whole frames") as fault:
+        read_stack(path)
+    assert fault.value.path == str(path)
+
+
+@pytest.mark.parametrize("name", ["0001.tiff", "0001.npy", "0001.avi"])
+def test_a_file_of_another_kind_is_refused_by_name(tmp_path: Path, name: str) -> None:
+    path = tmp_path / name
+    path.write_bytes(b"these are no frames at all")
+    with pytest.raises(InputError) as fault:
+        read_stack(path)
+    assert fault.value.path == str(path)
+
+
+@pytest.mark.parametrize("share", [0.3, 0.9])
+def test_a_truncated_npy_is_refused(tmp_path: Path, share: float) -> None:
+    path = npy(tmp_path / "0001.npy")
+    whole = path.read_bytes()
+    path.write_bytes(whole[: int(share * len(whole))])
+    with pytest.raises(InputError, match="not a whole NPY file"):
+        read_stack(path)
+
+
+def test_objects_in_an_npy_are_never_unpacked(tmp_path: Path) -> None:
+    path = tmp_path / "0001.npy"
+    np.save(path, np.array([{"harm": 1}], dtype=object), allow_pickle=True)
+    with pytest.raises(InputError, match="not a whole NPY file"):
+        read_stack(path)
+
+
+@pytest.mark.parametrize(
+    ("frames", "found"),
+    [
+        (FRAMES.astype(np.uint16), "uint16"),
+        (FRAMES[0], r"\(48, 64\)"),
+        (np.repeat(FRAMES[..., None], 3, axis=3), r"\(5, 48, 64, 3\)"),
+        (FRAMES.astype(np.float64), "float64"),
+    ],
+)
+def test_frames_that_are_not_8_bit_grey_are_refused_with_what_they_are(
+    tmp_path: Path, frames: np.ndarray, found: str
+) -> None:
+    with pytest.raises(InputError, match=rf"{found}.*8-bit grey frames"):
+        read_stack(npy(tmp_path / "0001.npy", frames))
+
+
+def test_a_16_bit_tiff_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"uint16.*8-bit grey"):
+        read_stack(tiff(tmp_path / "0001.tiff", FRAMES.astype(np.uint16)))
+
+
+def test_a_colour_tiff_and_colour_pngs_are_refused(tmp_path: Path) -> None:
+    colour = np.repeat(FRAMES[..., None], 3, axis=3)
+    path = tmp_path / "0001.tiff"
+    tifffile.imwrite(path, colour, photometric="rgb", metadata=None)
+    for place in (path, pngs(tmp_path / "frames", colour)):
+        with pytest.raises(InputError, match="8-bit grey"):
+            read_stack(place)
+
+
+def test_a_video_in_colour_names_the_frame(tmp_path: Path) -> None:
+    frames = np.repeat(FRAMES[..., None], 3, axis=3)
+    frames[2, :, :, 0] = 255 - frames[2, :, :, 0]
+    with pytest.raises(InputError, match="frame 2 is in colour"):
+        read_stack(avi(tmp_path / "0001.avi", frames, colour=True))
+
+
+def test_frames_of_different_sizes_name_the_first_that_differs(tmp_path: Path) -> None:
+    folder = pngs(tmp_path / "frames")
+    assert cv2.imwrite(str(folder / "003.png"), FRAMES[3, :40])
+    with pytest.raises(InputError, match=r"frame 3 is uint8 of shape \(40, 64\)"):
+        read_stack(folder)
+
+
+def test_a_broken_png_is_named(tmp_path: Path) -> None:
+    folder = pngs(tmp_path / "frames")
+    (folder / "002.png").write_bytes(b"\x89PNG broken")
+    with pytest.raises(InputError, match=r"002\.png: not a whole PNG"):
+        read_stack(folder)
+
+
+def test_nothing_an_empty_folder_and_an_unknown_kind_are_refused(tmp_path: Path) -> None:
+    (tmp_path / "empty").mkdir()
+    (tmp_path / "0001.txt").write_text("frames")
+    for name, reason in (
+        ("absent.tiff", "no such file"),
+        ("empty", "without PNG"),
+        ("0001.txt", "frames are read from"),
+    ):
+        with pytest.raises(InputError, match=reason) as fault:
+            read_stack(tmp_path / name)
+        assert fault.value.path == str(tmp_path / name)
+
+
+def test_recorded_times_beside_the_frames_are_counted_from_the_first(tmp_path: Path) -> None:
+    path = tiff(tmp_path / "0001.tiff")
+    times = [0.812, 0.813, 0.815, 0.816, 0.817]
+    document = {"sequence": [812, 813, 815, 816, 817], "times_s": times, "lost": [814]}
+    path.with_suffix(".json").write_text(json.dumps(document))
+    stack = read_stack(path)
+    assert stack.times_s == pytest.approx([0.0, 0.001, 0.003, 0.004, 0.005])
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ('{"times_s": [0.0, 0.001]}', "2 times for 5 frames"),
+        ('{"times_s": ["soon", 1, 2, 3, 4]}', "does not hold times_s"),
+        ('{"time": []}', "does not hold times_s"),
+        ("[1, 2", "does not hold times_s"),
+    ],
+)
+def test_recorded_times_that_cannot_be_used_are_refused_and_not_passed_over(
+    tmp_path: Path, text: str, reason: str
+) -> None:
+    path = tiff(tmp_path / "0001.tiff")
+    path.with_suffix(".json").write_text(text)
+    with pytest.raises(InputError, match=reason) as fault:
+        read_stack(path)
+    assert fault.value.path == str(path.with_suffix(".json"))
