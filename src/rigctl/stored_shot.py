@@ -31,9 +31,6 @@ def analyse_stored_shot(folder: Path, method: str) -> Json:
         "method": method,
         "frames_per_second": manifest["picture_rate_hz"],
     }
-    if method != "thesis":
-        reason = f"the method {method!r} cannot be applied to stored shots"
-        return {**about, "status": "refused", "step": "method", "reason": reason}
     if any("plate" in body for body in manifest["spheres"]):
         reason = "one body is a plate; two spheres are needed"
         return {**about, "status": "refused", "step": "setup", "reason": reason}

@@ -157,10 +157,3 @@ def test_frames_that_cannot_be_measured_are_refused_with_step_and_reason(lab: La
     shot = lab.shoot()
     result = analyse_stored_shot(lab.store.folders.folder(shot.id), "thesis")
     assert (result["status"], result["step"], result["shot"]) == ("refused", "frames", shot.id)
-
-
-def test_a_method_that_is_not_there_is_refused_and_not_replaced_by_another(lab: Laboratory) -> None:
-    shot = lab.shoot()
-    result = analyse_stored_shot(lab.store.folders.folder(shot.id), "guess")
-    assert (result["status"], result["step"]) == ("refused", "method")
-    assert "guess" in result["reason"]
