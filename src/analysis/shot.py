@@ -54,6 +54,8 @@ class MeasuredShot:
         Poses of a and b.
     tracking
         Outlines and markers behind the poses.
+    times_s
+        Time of each frame, s from the first, shape (frames,).
     used_before, used_after
         Frames on either side of the contact that entered the fit.
     notes
@@ -95,7 +97,7 @@ def analyse_shot(
     frames
         Grey levels, 8 bit, shape (frames, rows, columns), at least 6.
     times_s
-        Time of each frame, s, increasing, shape (frames,).
+        Time of each frame, s, increasing from any start, shape (frames,).
     setup
         Camera, spheres and surroundings.
 
@@ -107,8 +109,9 @@ def analyse_shot(
     chosen = options or AnalysisOptions()
     try:
         check_frames(frames, times_s, setup)
-        tracking = track_spheres(frames, times_s, setup, chosen.edges, chosen.matching)
-        sides = measure_two_sides(tracking, times_s, setup, chosen.three_and_three)
+        elapsed_s = times_s - times_s[0]
+        tracking = track_spheres(frames, elapsed_s, setup, chosen.edges, chosen.matching)
+        sides = measure_two_sides(tracking, elapsed_s, setup, chosen.three_and_three)
     except ShotRefusedError as refusal:
         return RefusedShot(refusal.step, refusal.reason, refusal.frame)
     return MeasuredShot(
@@ -116,7 +119,7 @@ def analyse_shot(
         centres=tracking.centres,
         orientations=tracking.orientations,
         tracking=tracking,
-        times_s=times_s,
+        times_s=elapsed_s,
         used_before=sides.used_before,
         used_after=sides.used_after,
         notes=sides.notes,

@@ -88,12 +88,28 @@ def _read_tiff(path: Path) -> NDArray[np.uint8]:
                         f"{size}",
                     )
                 pages.append(page.asarray())
+            if pages and not _ends_with_last_page(tiff):
+                raise InputError(
+                    path,
+                    f"truncated after frame {len(pages) - 1}: the next frame lies beyond the "
+                    f"file's end at byte {size}",
+                )
     except InputError:
         raise
     # A damaged TIFF makes the library raise whatever its parser stumbles over.
     except Exception as error:
         raise InputError(path, f"damaged after {len(pages)} whole frames: {error}") from error
     return _stacked(path, pages)
+
+
+def _ends_with_last_page(tiff: tifffile.TiffFile) -> bool:
+    """Return whether the last page found says that no other follows.
+
+    The library passes over a following page that lies beyond the end of the file.
+    """
+    tiff.filehandle.seek(tiff.pages.next_page_offset or 0)
+    following = tiff.filehandle.read(tiff.tiff.offsetsize)
+    return len(following) == tiff.tiff.offsetsize and not any(following)
 
 
 def _read_npy(path: Path) -> NDArray[np.uint8]:

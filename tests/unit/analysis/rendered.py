@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.setup import CameraSetup, Setup, SphereSetup
-from simulators.world import WorldDescription
+from simulators.world import Launch, RenderedShot, WorldDescription, render_shot
 from simulators.world.description import Sphere
 from simulators.world.optics import Optics
 from simulators.world.render import Camera
@@ -57,3 +57,9 @@ def picture(
     b = None if centre_b is None else Pose(np.array(centre_b), UPRIGHT)
     poses = (Pose(np.array(centre_a), UPRIGHT), b)
     return camera.take(lambda _: poses, 0.0, np.random.default_rng(seed))
+
+
+def shot(pressure_kpa: float, offset_mm: float, *, seed: int = 3, frames: int = 20) -> RenderedShot:
+    """Render one shot of the thesis's nylon rig."""
+    launch = Launch(pressure_kpa, pressure_kpa, offset_mm * 1e-3)
+    return render_shot(WorldDescription(), launch, seed, frames=frames)

@@ -89,6 +89,29 @@ def test_a_truncated_tiff_names_its_first_broken_frame(tmp_path: Path, kept: int
     assert fault.value.path == str(path)
 
 
+@pytest.mark.parametrize("share", [0.2, 0.5, 0.7, 0.9, 0.99])
+def test_a_tiff_cut_anywhere_is_never_taken_for_a_shorter_one(tmp_path: Path, share: float) -> None:
+    path = tiff(tmp_path / "0001.tiff", np.repeat(FRAMES, 4, axis=0))
+    whole = path.read_bytes()
+    path.write_bytes(whole[: int(share * len(whole))])
+    with pytest.raises(InputError, match=r"frame|damaged") as fault:
+        read_stack(path)
+    assert fault.value.path == str(path)
+
+
+@pytest.mark.parametrize("kept", range(1, 5))
+def test_a_tiff_that_ends_between_two_frames_is_truncated(tmp_path: Path, kept: int) -> None:
+    path = tmp_path / "0001.tiff"
+    with tifffile.TiffWriter(path) as writer:
+        for frame in FRAMES:
+            writer.write(frame, photometric="minisblack", metadata=None, contiguous=False)
+    with tifffile.TiffFile(path) as whole:
+        following = whole.pages[kept].offset
+    path.write_bytes(path.read_bytes()[:following])
+    with pytest.raises(InputError, match=f"truncated after frame {kept - 1}"):
+        read_stack(path)
+
+
 @pytest.mark.parametrize("name", ["0001.tiff", "0001.npy", "0001.avi"])
 def test_a_file_of_another_kind_is_refused_by_name(tmp_path: Path, name: str) -> None:
     path = tmp_path / name

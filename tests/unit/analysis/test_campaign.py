@@ -1,0 +1,203 @@
+import csv
+import json
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+import tifffile
+from rendered import setup_of
+from scipy.spatial.transform import Rotation
+
+from analysis.campaign import (
+    THESIS_SETUP,
+    analyse_campaign,
+    analyse_job,
+    read_campaign,
+)
+from analysis.errors import InputError
+from analysis.exchange.description import read_description
+from analysis.exchange.folder import Result, write_folder
+from analysis.exchange.shot_list import read_shot_list
+from analysis.shot import AnalysisOptions, MeasuredShot, RefusedShot
+from simulators.world import WorldDescription, write_campaign
+
+CORRUPT = 2
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Three rendered shots, the second with a truncated file."""
+    home = tmp_path_factory.mktemp("data") / "nylon"
+    write_campaign(home, [40.0, 50.0, 60.0], [6.0, 8.0, 10.0], 3, frames=16)
+    broken = home / "frames" / f"{CORRUPT:04d}.tiff"
+    broken.write_bytes(broken.read_bytes()[:90_000])
+    return home
+
+
+@pytest.fixture(scope="module")
+def results(folder: Path) -> list[Result]:
+    done = analyse_campaign(read_campaign(folder), AnalysisOptions(), workers=1)
+    return [(job, shot) for job, shot, _ in done]
+
+
+@pytest.fixture(scope="module")
+def written(results: list[Result], tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("out") / "exchange"
+    write_folder(out, "nylon", results)
+    return out
+
+
+def table(path: Path) -> list[dict[str, str]]:
+    with path.open(newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def test_one_corrupt_shot_does_not_stop_the_others(results: list[Result]) -> None:
+    assert [job.shot for job, _ in results] == [1, 2, 3]
+    refused = results[1][1]
+    assert isinstance(refused, RefusedShot)
+    assert refused.step == "frames"
+    assert "0002.tiff" in refused.reason
+    assert all(isinstance(shot, MeasuredShot) for i, (_, shot) in enumerate(results) if i != 1)
+
+
+def test_several_processes_give_the_same_results_in_the_same_order(
+    folder: Path, results: list[Result]
+) -> None:
+    counts: list[tuple[int, int]] = []
+    done = list(
+        analyse_campaign(
+            read_campaign(folder),
+            AnalysisOptions(),
+            workers=2,
+            progress=lambda count, total: counts.append((count, total)),
+        )
+    )
+    assert [job.shot for job, _, _ in done] == [1, 2, 3]
+    assert [frames for _, _, frames in done] == [16, 0, 16]
+    assert counts == [(1, 3), (2, 3), (3, 3)]
+    for (_, here), (_, there, _) in zip(results, done, strict=True):
+        if isinstance(here, MeasuredShot):
+            assert isinstance(there, MeasuredShot)
+            assert there.impact.v_n == here.impact.v_n
+
+
+def test_a_campaign_takes_set_up_and_settings_from_its_files(folder: Path) -> None:
+    campaign = read_campaign(folder)
+    assert campaign.name == "nylon"
+    job = campaign.jobs[1]
+    assert job.row is not None
+    assert job.row.numbers["offset_mm"] == 8.0
+    assert job.frames == folder / "frames" / "0002.tiff"
+    expected = setup_of(WorldDescription())
+    assert job.setup.camera.scale_px_per_m == expected.camera.scale_px_per_m
+    assert job.setup.spheres == expected.spheres
+
+
+def test_the_exposure_of_a_shot_stands_in_its_row(folder: Path, tmp_path: Path) -> None:
+    home = tmp_path / "other"
+    home.mkdir()
+    shutil.copy(folder / "campaign.toml", home)
+    (home / "shots.csv").write_text("shot,exposure_us\n1,200\n2,\n")
+    exposures = [job.setup.camera.exposure_s for job in read_campaign(home).jobs]
+    assert exposures == pytest.approx([2e-4, 0.0])
+
+
+def test_one_frame_file_of_a_campaign_keeps_its_number_and_set_up(folder: Path) -> None:
+    campaign = read_campaign(folder / "frames" / "0003.tiff")
+    (job,) = campaign.jobs
+    assert (campaign.name, job.shot) == ("nylon", 3)
+    assert job.setup == read_campaign(folder).jobs[2].setup
+
+
+def test_a_loose_file_takes_the_thesis_s_set_up_or_the_given_one(tmp_path: Path) -> None:
+    path = tmp_path / "0042.tiff"
+    tifffile.imwrite(path, np.zeros((8, 192, 240), np.uint8), photometric="minisblack")
+    assert read_campaign(path).jobs[0].setup == THESIS_SETUP
+    given = setup_of(WorldDescription())
+    campaign = read_campaign(path, given)
+    assert (campaign.name, campaign.jobs[0].shot) == ("0042", 42)
+    assert campaign.jobs[0].setup == given
+
+
+def test_recorded_times_go_before_the_frame_rate(folder: Path, tmp_path: Path) -> None:
+    (job, *_) = read_campaign(folder).jobs
+    path = tmp_path / "0001.tiff"
+    shutil.copy(job.frames, path)
+    (moved,) = read_campaign(path, job.setup).jobs
+    plain, _ = analyse_job(moved, AnalysisOptions())
+    times = (5.0 + np.arange(16) / 500.0).tolist()
+    path.with_suffix(".json").write_text(json.dumps({"times_s": times}))
+    slow, _ = analyse_job(moved, AnalysisOptions())
+    assert isinstance(plain, MeasuredShot)
+    assert isinstance(slow, MeasuredShot)
+    assert slow.times_s[-1] == pytest.approx(15 / 500.0)
+    # Gravity is known and stays; all else goes at half the speed.
+    assert slow.impact.v_n.value == pytest.approx(plain.impact.v_n.value / 2, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("name", "reason"),
+    [("absent", "no such file or folder"), ("empty", "neither campaign.toml nor PNG")],
+)
+def test_what_is_no_campaign_is_refused_by_name(tmp_path: Path, name: str, reason: str) -> None:
+    (tmp_path / "empty").mkdir()
+    with pytest.raises(InputError, match=reason) as fault:
+        read_campaign(tmp_path / name)
+    assert fault.value.path == str(tmp_path / name)
+
+
+def test_a_sphere_on_a_plate_is_not_measured_from_frames(tmp_path: Path) -> None:
+    (tmp_path / "campaign.toml").write_text(
+        'format = 1\nname = "drop"\n'
+        "camera = { frame_rate_hz = 250, width_px = 240, height_px = 192 }\n"
+        'spheres = [{ name = "a", diameter_m = 0.0254 }, { name = "b", plate = true }]\n'
+    )
+    with pytest.raises(InputError, match=r"plate .* contacts\.csv"):
+        read_campaign(tmp_path)
+
+
+def test_a_written_folder_reads_back_equal(folder: Path, written: Path) -> None:
+    assert read_description(written / "campaign.toml") == read_description(folder / "campaign.toml")
+    assert read_shot_list(written / "shots.csv") == read_shot_list(folder / "shots.csv")
+
+
+def test_poses_hold_positions_and_quaternions_of_every_frame(
+    written: Path, results: list[Result]
+) -> None:
+    rows = table(written / "poses.csv")
+    assert {row["shot"] for row in rows} == {"1", "3"}
+    shot = results[0][1]
+    assert isinstance(shot, MeasuredShot)
+    for name, centres, turned in zip("ab", shot.centres, shot.orientations, strict=True):
+        mine = [row for row in rows if row["shot"] == "1" and row["sphere"] == name]
+        assert [int(row["frame"]) for row in mine] == centres.frames.tolist()
+        placed = np.array([[float(row[f"{axis}_m"]) for axis in "xyz"] for row in mine])
+        np.testing.assert_array_equal(placed, centres.position)
+        oriented = [row for row in mine if row["qw"]]
+        assert [int(row["frame"]) for row in oriented] == turned.frames.tolist()
+        quaternions = np.array([[float(row[f"q{c}"]) for c in "wxyz"] for row in oriented])
+        matrices = Rotation.from_quat(quaternions, scalar_first=True).as_matrix()
+        np.testing.assert_allclose(matrices, turned.rotation, atol=1e-7)
+        assert all(float(row["sigma_rot_rad"]) > 0 for row in oriented)
+        assert float(mine[-1]["t_s"]) == pytest.approx(int(mine[-1]["frame"]) * 1e-3)
+
+
+def test_contacts_hold_the_states_on_both_sides(written: Path, results: list[Result]) -> None:
+    rows = table(written / "contacts.csv")
+    assert [row["shot"] for row in rows] == ["1", "3"]
+    shot = results[2][1]
+    assert isinstance(shot, MeasuredShot)
+    for column, expected in (
+        ("n", shot.impact.normal),
+        ("va_", shot.impact.before.velocity_a),
+        ("wb_", shot.impact.before.spin_b),
+    ):
+        np.testing.assert_array_equal(
+            [float(rows[1][f"{column}{axis}"]) for axis in "xyz"], expected
+        )
+    after = [float(rows[1][f"vb_{axis}_after"]) for axis in "xyz"]
+    np.testing.assert_array_equal(after, shot.impact.after.velocity_b)
+    assert 1e-4 < float(rows[1]["sigma_v_m_per_s"]) < 0.1
+    assert 0.1 < float(rows[1]["sigma_w_rad_per_s"]) < 30.0
