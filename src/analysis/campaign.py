@@ -98,6 +98,8 @@ def _campaign_folder(path: Path) -> Campaign:
             camera = replace(camera, exposure_s=exposure * 1e-6)
         frames = _frames_of(path / FRAMES, row.shot)
         jobs.append(ShotJob(row.shot, frames, replace(setup, camera=camera), row))
+    if not jobs:
+        raise InputError(path / SHOT_LIST, "names no shots")
     return Campaign(name, tuple(jobs))
 
 

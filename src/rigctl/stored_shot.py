@@ -22,14 +22,14 @@ def analyse_stored_shot(folder: Path, method: str) -> Json:
 
     Returns
     -------
-    The result document (commands.md) with the shot's name, the method, the frames a second and,
+    The result document (commands.md) with the shot's name, the method, the frame rate and,
     when it was measured, what to draw over each frame.
     """
     manifest = json.loads((folder / "manifest.json").read_bytes())
     about: Json = {
         "shot": manifest["shot"],
         "method": method,
-        "frames_per_second": manifest["picture_rate_hz"],
+        "frame_rate_hz": manifest["picture_rate_hz"],
     }
     if any("plate" in body for body in manifest["spheres"]):
         reason = "one body is a plate; two spheres are needed"

@@ -74,9 +74,24 @@ def axis_angle(rotation: Floats) -> tuple[Floats, float]:
 
 def rotation_vector(rotation: Floats) -> Floats:
     """Return axis times angle (radians) of rotation matrices, shape (..., 3, 3) to (..., 3)."""
-    flat = rotation.reshape(-1, 3, 3)
-    vectors = np.array([axis * angle for axis, angle in map(axis_angle, flat)])
-    return vectors.reshape(*rotation.shape[:-2], 3)
+    skew = np.stack(
+        [
+            rotation[..., 2, 1] - rotation[..., 1, 2],
+            rotation[..., 0, 2] - rotation[..., 2, 0],
+            rotation[..., 1, 0] - rotation[..., 0, 1],
+        ],
+        axis=-1,
+    )
+    twice_sin = np.linalg.norm(skew, axis=-1)
+    twice_cos = np.trace(rotation, axis1=-2, axis2=-1) - 1.0
+    angle = np.arctan2(twice_sin, twice_cos)
+    small = twice_sin < 1e-9
+    vector = skew * np.where(small, 0.5, angle / np.where(small, 1.0, twice_sin))[..., None]
+    # Beyond a quarter turn the differences vanish with the sine; the sums tell the axis.
+    for index in map(tuple, np.argwhere(angle > np.pi / 2)):
+        axis, exact = axis_angle(rotation[index])
+        vector[index] = axis * exact
+    return np.asarray(vector)
 
 
 def rotation_matrix(vector: Floats) -> Floats:

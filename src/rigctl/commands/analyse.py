@@ -26,6 +26,8 @@ from analysis.shot import AnalysisOptions, MeasuredShot, RefusedShot
 from analysis.tracking import Matching
 from rigctl.errors import AnalysisInputError
 
+TABLE_WIDTH = 100
+"""A narrower terminal wraps the rows; cut digits would be wrong numbers."""
 HEADINGS = (
     *("shot", "contact\nms", "v_n\nm/s", "v_s\nm/s", "v_n'\nm/s", "v_s'\nm/s"),
     *("e", "beta"),
@@ -75,6 +77,7 @@ def analyse(request: Request, *, method: str, as_json: bool) -> None:
     AnalysisInputError
         A path, a set-up or a campaign file cannot be read.
     """
+    _keep_sources(request)
     try:
         campaign = _gather(request)
         started = time.perf_counter()
@@ -96,6 +99,17 @@ def analyse(request: Request, *, method: str, as_json: bool) -> None:
         print(json.dumps(document, allow_nan=False))  # noqa: T201
     else:
         _print_table(campaign.name, results)
+
+
+def _keep_sources(request: Request) -> None:
+    """Refuse to write an exchange folder over a campaign that is read."""
+    read = {place.resolve() for path in request.paths for place in (path, path.parent.parent)}
+    if request.out is not None and request.out.resolve() in read:
+        raise AnalysisInputError(
+            "is the campaign that is read; its files would be replaced",
+            part=str(request.out),
+            todo="choose another folder for --out",
+        )
 
 
 def _place(error: InputError) -> str:
@@ -164,6 +178,7 @@ def _print_table(name: str, results: Sequence[tuple[ShotJob, MeasuredShot | Refu
         table.add_row(str(job.shot), *(cell.concise() for cell in cells), beta)
     table.caption = "in brackets: standard error in units of the last digit"
     console = Console()
+    console.width = max(console.width, TABLE_WIDTH)
     console.print(table)
     for number, shot in refused:
         place = "" if shot.frame is None else f", frame {shot.frame}"

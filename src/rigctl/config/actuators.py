@@ -22,7 +22,7 @@ class TriggerBox(StrictModel):
 
     driver: Literal["trigger-box"]
     port: Port
-    pulse_us: int = Field(ge=100, le=1_000_000, description="width of each pulse, microseconds")
+    pulse_us: int = Field(ge=100, le=100_000, description="width of each pulse, microseconds")
     answer_timeout_s: Seconds
     power_cut: Literal["holds"] = "holds"
 

@@ -22,6 +22,7 @@ from rigctl.service.models import RigEvent, ShotView
 from rigctl.service.openapi import describe
 from rigctl.service.problems import Problem, answer, from_error, from_validation
 from rigctl.service.routes_events import event_routes
+from rigctl.service.routes_front import front_route
 from rigctl.service.routes_health import health_routes
 from rigctl.service.routes_rig import rig_routes
 from rigctl.service.routes_shots import shot_routes
@@ -67,6 +68,7 @@ def create_app(daemon: Daemon, key: str, hub: EventHub) -> FastAPI:
     app.include_router(shot_routes(daemon, lanes), prefix=PREFIX)
     app.include_router(event_routes(daemon, hub), prefix=PREFIX)
     app.include_router(health_routes(daemon))
+    app.include_router(front_route(daemon))
     _answer_errors_as_problems(app)
     app.openapi = describe(app, daemon.configuration.limits)  # type: ignore[method-assign]
     app.add_middleware(BodyLimit)

@@ -30,7 +30,7 @@ def test_a_method_that_a_path_does_not_know_is_answered_with_those_it_knows(
         assert answer.json()["code"] == "method-not-allowed"
 
 
-@pytest.mark.parametrize("path", ["/", "/api/v1/", "/api/v1/sweeps", "/api/v1/shots/", "/docs"])
+@pytest.mark.parametrize("path", ["/api/v1/", "/api/v1/sweeps", "/api/v1/shots/", "/docs"])
 def test_a_path_that_is_not_there_is_a_problem_document(ask: Any, path: str) -> None:
     answer = ask("GET", path)
     assert answer.status_code == 404
@@ -96,3 +96,10 @@ def test_the_routes_are_those_of_the_contract(app: Any) -> None:
         "/health/live",
         "/health/ready",
     }
+
+
+def test_the_printed_address_says_which_rig_answers_and_how_to_speak_to_it(ask: Any) -> None:
+    answer = ask("GET", "/?key=whatever")
+    assert answer.status_code == 200
+    assert "simulated" in answer.text
+    assert "Authorization: Bearer" in answer.text
