@@ -63,14 +63,15 @@ def motion(sphere: str) -> Motion:
 
 
 def drawn(sphere: Motion, rng: np.random.Generator) -> Motion:
-    """Return a motion as another measurement of the same shot would have given it."""
+    """Return the motion that another measurement would have given, taken as exact."""
 
     def other_path(p: FlightPath) -> FlightPath:
         state = rng.multivariate_normal(np.concatenate([p.position, p.velocity]), p.covariance)
-        return replace(p, position=state[:3], velocity=state[3:])
+        return replace(p, position=state[:3], velocity=state[3:], covariance=np.zeros((6, 6)))
 
     def other_spin(s: Spin) -> Spin:
-        return replace(s, velocity=rng.multivariate_normal(s.velocity, s.covariance))
+        velocity = rng.multivariate_normal(s.velocity, s.covariance)
+        return replace(s, velocity=velocity, covariance=np.zeros((3, 3)))
 
     return Motion(
         other_path(sphere.before),

@@ -24,7 +24,7 @@ def picture(*rows: str) -> np.ndarray:
     return np.array([[c == "#" for c in row] for row in rows])
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=150, deadline=None)
 @given(mask=masks)
 def test_components_are_those_of_scipy_with_eight_neighbours(mask: np.ndarray) -> None:
     expected, _ = ndimage.label(mask, EIGHT)

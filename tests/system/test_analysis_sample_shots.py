@@ -1,0 +1,149 @@
+"""The sample shots beside a development checkout, made by a renderer that is not the project's."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from analysis.campaign import analyse_campaign, read_campaign
+from analysis.shot import AnalysisOptions, MeasuredShot
+
+SAMPLES = Path(__file__).resolve().parents[3] / "shared" / "data" / "sample-shots"
+LONGEST_RUN_S = 110.0
+
+pytestmark = [
+    pytest.mark.shared_data,
+    pytest.mark.skipif(not SAMPLES.is_dir(), reason="the sample shots are not beside this tree"),
+]
+
+Truth = dict[str, Any]
+
+
+@pytest.fixture(scope="module")
+def truths() -> dict[int, Truth]:
+    shots = json.loads((SAMPLES / "truth.json").read_text(encoding="utf-8"))["shots"]
+    return {shot["shot"]: shot for shot in shots}
+
+
+@pytest.fixture(scope="module")
+def measured() -> dict[int, MeasuredShot]:
+    done = analyse_campaign(read_campaign(SAMPLES), AnalysisOptions(), workers=1)
+    return {job.shot: shot for job, shot, _ in done if isinstance(shot, MeasuredShot)}
+
+
+def rms(values: list[float]) -> float:
+    return float(np.sqrt(np.mean(np.square(values))))
+
+
+def test_at_least_seven_of_eight_are_measured(measured: dict[int, MeasuredShot]) -> None:
+    assert len(measured) >= 7
+
+
+def test_normal_velocity_and_restitution_are_right_within_a_per_cent(
+    measured: dict[int, MeasuredShot], truths: dict[int, Truth]
+) -> None:
+    shares, restitutions = [], []
+    for number, shot in measured.items():
+        truth = truths[number]
+        shares.append(shot.impact.v_n.value / truth["v_n"] - 1.0)
+        restitutions.append(shot.impact.e.value + truth["v_n_after"] / truth["v_n"])
+    assert rms(shares) < 0.01
+    assert rms(restitutions) < 0.01
+
+
+@pytest.mark.parametrize(
+    ("name", "key", "limit"),
+    [
+        ("v_s", "v_s", 0.08),
+        ("v_s_after", "v_s_after", 0.08),
+        ("contact_time", "contact_time_s", 1e-4),
+    ],
+)
+def test_surface_velocities_and_contact_times_are_right_within_their_bounds(
+    measured: dict[int, MeasuredShot], truths: dict[int, Truth], name: str, key: str, limit: float
+) -> None:
+    errors = [getattr(s.impact, name).value - truths[n][key] for n, s in measured.items()]
+    assert rms(errors) < limit
+
+
+def test_no_marker_is_mixed_up_with_another(
+    measured: dict[int, MeasuredShot], truths: dict[int, Truth]
+) -> None:
+    for number, shot in measured.items():
+        for i, turned in enumerate(shot.orientations):
+            true = [truths[number]["rotation_quaternion"][int(k)][i] for k in turned.frames]
+            world = Rotation.from_quat(np.array(true), scalar_first=True)
+            found = Rotation.from_matrix(turned.rotation)
+            aligned = (world.inv() * found).mean()
+            degrees = np.degrees((world * aligned * found.inv()).magnitude())
+            assert degrees.max() < 3.0, (number, "ab"[i])
+
+
+def rigctl(*arguments: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-c", "from rigctl.cli import main; main()", *arguments]
+    return subprocess.run(
+        command, capture_output=True, text=True, timeout=LONGEST_RUN_S, check=False
+    )
+
+
+NUMBERS = {"v_n": "m/s", "v_s": "m/s", "v_n_after": "m/s", "v_s_after": "m/s", "e": "1"}
+
+
+def test_the_command_prints_one_document_of_the_promised_form(
+    measured: dict[int, MeasuredShot],
+) -> None:
+    done = rigctl("analyse", str(SAMPLES), "--json")
+    assert done.returncode == 0, done.stderr
+    document = json.loads(done.stdout)
+    assert document["campaign"] == "sample-shots"
+    assert isinstance(document["method"], str)
+    assert document["frames_per_second"] > 0
+    assert [shot["shot"] for shot in document["shots"]] == list(range(1, 9))
+    for shot in document["shots"]:
+        if shot["status"] == "refused":
+            assert set(shot) >= {"step", "reason"}
+            continue
+        impact = measured[shot["shot"]].impact
+        assert shot["contact_time_s"] == pytest.approx(impact.contact_time.value, abs=1e-9)
+        assert shot["normal"] == pytest.approx(impact.normal.tolist(), abs=1e-9)
+        for name, unit in NUMBERS.items():
+            quantity = getattr(impact, name)
+            assert set(shot[name]) == {"value", "sigma", "unit"}
+            assert shot[name]["unit"] == unit
+            assert shot[name]["value"] == pytest.approx(quantity.value, rel=1e-6)
+        assert shot["beta"] is None or shot["beta"]["unit"] == "1"
+
+
+def test_a_refused_shot_is_an_answer_and_ends_with_success(tmp_path: Path) -> None:
+    np.save(tmp_path / "0003.npy", np.full((8, 192, 240), 40, dtype=np.uint8))
+    done = rigctl("analyse", str(tmp_path / "0003.npy"), "--json")
+    assert done.returncode == 0, done.stderr
+    (shot,) = json.loads(done.stdout)["shots"]
+    assert (shot["shot"], shot["status"]) == (3, "refused")
+    assert shot["step"] in {"outlines", "assignment"}
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "said"),
+    [
+        ("absent", None, "absent"),
+        ("campaign.toml", "format = 1\nname = 3\n", "name"),
+    ],
+)
+def test_bad_input_ends_with_two_and_one_sentence_that_names_it(
+    tmp_path: Path, name: str, text: str | None, said: str
+) -> None:
+    if text is not None:
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    done = rigctl("analyse", str(tmp_path if text else tmp_path / name), "--json")
+    assert done.returncode == 2
+    assert done.stdout == ""
+    assert said in done.stderr
+    assert len(done.stderr.strip().splitlines()) == 1
