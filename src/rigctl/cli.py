@@ -207,6 +207,32 @@ def analyse(
     measure(request, method=method.value, as_json=json)
 
 
+model = typer.Typer(help="Compare a campaign with the model; find the effect it lacks.")
+app.add_typer(model, name="model", no_args_is_help=True)
+
+Campaign = Annotated[Path, typer.Argument(help="Campaign folder.")]
+With = Annotated[
+    list[str] | None,
+    typer.Option("--with", help="Add this effect of the catalogue; may be given several times."),
+]
+
+
+@model.command("fit")
+def model_fit(campaign: Campaign, *, effects: With = None, json: Json = False) -> None:
+    """Fit e, mu, beta0 and the effects added to all poses of a campaign."""
+    from rigctl.commands.model import fit
+
+    fit(campaign, effects or [], as_json=json)
+
+
+@model.command("rank")
+def model_rank(campaign: Campaign, *, effects: With = None, json: Json = False) -> None:
+    """Rank the effects of the catalogue by what they promise."""
+    from rigctl.commands.model import ranking
+
+    ranking(campaign, effects or [], as_json=json)
+
+
 def run(arguments: list[str]) -> int:
     """Run one command and return its exit code; what failed stands on standard error.
 

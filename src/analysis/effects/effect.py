@@ -1,0 +1,144 @@
+"""What an effect is: one physical cause that the base model leaves out, in a form to fit and rank.
+
+An effect says in which stage of the way from settings to image it acts, gives a function that
+changes that stage, and describes itself in words. It is off at the stated values of its
+parameters; there the function changes nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.collision.operator import Body, Operator
+from analysis.setup import CameraSetup
+
+Floats = NDArray[np.float64]
+Values = NDArray[np.float64]
+"""Values of an effect's parameters in their units, shape (parameters,)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """One number of an effect.
+
+    Attributes
+    ----------
+    symbol, unit, meaning
+        As a table shows it.
+    plausible
+        Range that is believed on this rig; outside it the effect is doubted, never hidden.
+    off
+        Value at which the effect changes nothing.
+    step
+        A small change of it, for differences: far below what data can see, far above rounding.
+    one_sided
+        It cannot be less than `off`.
+    """
+
+    symbol: str
+    unit: str
+    meaning: str
+    plausible: tuple[float, float]
+    off: float = 0.0
+    step: float = 1e-5
+    one_sided: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Effect:
+    """What all effects say of themselves.
+
+    Attributes
+    ----------
+    name
+        Id in commands, files and the API.
+    title
+        The field's standard term.
+    parameters
+        What is fitted.
+    formula, source
+        The physics and where it comes from.
+    gives_away
+        What betrays it in the residuals.
+    confused_with
+        Names of effects that look alike, and how to tell them apart.
+    """
+
+    stage: ClassVar[str]
+    name: str
+    title: str
+    parameters: tuple[Parameter, ...]
+    formula: str
+    source: str
+    gives_away: str
+    confused_with: tuple[str, ...] = ()
+
+    @property
+    def off(self) -> Values:
+        """Values at which the effect changes nothing."""
+        return np.array([parameter.off for parameter in self.parameters])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ContactEffect(Effect):
+    """Changes what a contact leaves behind: `wrap` turns an operator into the changed one."""
+
+    stage: ClassVar[str] = "contact"
+    wrap: Callable[[Operator, Values], Operator]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Flying:
+    """A sphere in free flight: centre (m), velocity (m/s), spin (rad/s), each of shape (..., 3)."""
+
+    position: Floats
+    velocity: Floats
+    spin: Floats
+    body: Body
+    gravity: float
+    air_density: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FlightEffect(Effect):
+    """Adds an acceleration (m/s^2) and an angular acceleration (rad/s^2), shapes (..., 3)."""
+
+    stage: ClassVar[str] = "flight"
+    accelerate: Callable[[Flying, Values], tuple[Floats, Floats]]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CameraEffect(Effect):
+    """Changes where the images show a centre: positions in rig axes, m, shape (..., 3)."""
+
+    stage: ClassVar[str] = "camera"
+    appear: Callable[[Floats, CameraSetup, Values], Floats]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Exposure:
+    """When and where a frame shows a sphere.
+
+    Attributes
+    ----------
+    times_s
+        Stated time of each frame, shape (S, F).
+    position
+        Centres as predicted at the stated times, m, shape (S, F, 2, 3).
+    """
+
+    times_s: Floats
+    position: Floats
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ClockEffect(Effect):
+    """Changes when a frame was exposed: true times of positions and of orientations, (S, F, 2)."""
+
+    stage: ClassVar[str] = "clock"
+    expose: Callable[[Exposure, CameraSetup, Values], tuple[Floats, Floats]]

@@ -1,0 +1,140 @@
+"""From a campaign folder, or from shots measured here, to the arrays that are fitted."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.campaign import DESCRIPTION, SHOT_LIST, analyse_campaign, read_campaign
+from analysis.collision.operator import Body
+from analysis.errors import InputError
+from analysis.exchange.description import read_description
+from analysis.exchange.pose_table import PoseRow, read_poses
+from analysis.exchange.shot_list import ShotRow, read_shot_list
+from analysis.model.poses import PoseData
+from analysis.motion.rotation import quaternion
+from analysis.setup import Setup, SphereSetup
+from analysis.shot import AnalysisOptions, MeasuredShot
+
+Floats = NDArray[np.float64]
+
+POSES = "poses.csv"
+ORDER = "order"
+
+Shots = Mapping[int, Mapping[str, Sequence[PoseRow]]]
+
+
+def gather(folder: Path) -> tuple[str, PoseData]:
+    """Read a campaign: poses.csv where it is there, else its frames, measured now.
+
+    Returns
+    -------
+    The campaign's name and its poses.
+
+    Raises
+    ------
+    InputError
+        A file cannot be read, or no shot has poses.
+    """
+    name, setup = read_description(folder / DESCRIPTION)
+    rows = read_shot_list(folder / SHOT_LIST)
+    if (folder / POSES).exists():
+        shots: Shots = read_poses(folder / POSES)
+    else:
+        results = analyse_campaign(read_campaign(folder), AnalysisOptions())
+        shots = {
+            job.shot: measured_poses(shot)
+            for job, shot, _ in results
+            if isinstance(shot, MeasuredShot)
+        }
+    if not shots:
+        raise InputError(folder, "no shot of this campaign has poses")
+    return name, pose_data(shots, rows, setup)
+
+
+def measured_poses(shot: MeasuredShot) -> dict[str, list[PoseRow]]:
+    """Return the poses of a measured shot in the form of poses.csv."""
+    times = shot.times_s - shot.times_s[0]
+    spheres: dict[str, list[PoseRow]] = {}
+    for name, centres, turned in zip("ab", shot.centres, shot.orientations, strict=True):
+        where = {int(k): i for i, k in enumerate(turned.frames)}
+        spheres[name] = []
+        for k, place, sigma in zip(centres.frames, centres.position, centres.sigma, strict=True):
+            at, spread = None, np.inf
+            if (i := where.get(int(k))) is not None:
+                w, x, y, z = map(float, quaternion(turned.rotation[i]))
+                at, spread = (w, x, y, z), float(np.sqrt(np.trace(turned.covariance[i]) / 3))
+            px, py, pz = map(float, place)
+            sx, sy, sz = map(float, sigma)
+            row = PoseRow(int(k), float(times[k]), (px, py, pz), (sx, sy, sz), at, spread)
+            spheres[name].append(row)
+    return spheres
+
+
+def pose_data(shots: Shots, rows: Sequence[ShotRow], setup: Setup) -> PoseData:
+    """Put poses into arrays, frames of both spheres side by side, shots padded to the longest."""
+    numbers = sorted(shots)
+    frames = {s: sorted({r.frame for rows_ in shots[s].values() for r in rows_}) for s in numbers}
+    longest = max(len(own) for own in frames.values())
+    shape = (len(numbers), longest)
+    times = np.zeros(shape)
+    position, position_sigma = np.zeros((*shape, 2, 3)), np.full((*shape, 2, 3), np.inf)
+    quaternions, turn_sigma = np.zeros((*shape, 2, 4)), np.full((*shape, 2), np.inf)
+    quaternions[..., 0] = 1.0
+    for s, number in enumerate(numbers):
+        place = {frame: k for k, frame in enumerate(frames[number])}
+        for i, name in enumerate("ab"):
+            for row in shots[number].get(name, ()):
+                k = place[row.frame]
+                times[s, k] = row.t_s
+                position[s, k, i] = np.nan_to_num(row.position)
+                position_sigma[s, k, i] = row.position_sigma
+                if row.quaternion is not None:
+                    quaternions[s, k, i] = row.quaternion
+                    turn_sigma[s, k, i] = row.rotation_sigma
+        times[s, len(place) :] = times[s, len(place) - 1]
+    return PoseData(
+        shots=np.array(numbers, dtype=np.intp),
+        times_s=times,
+        position=position,
+        position_sigma=position_sigma,
+        rotation=_matrices(quaternions),
+        rotation_sigma=turn_sigma,
+        bodies=(_body(setup.spheres[0]), _body(setup.spheres[1])),
+        gravity=setup.gravity_m_per_s2,
+        air_density=setup.air_density_kg_per_m3,
+        covariates=_covariates(numbers, rows),
+        camera=setup.camera,
+    )
+
+
+def _body(sphere: SphereSetup) -> Body:
+    return Body.sphere(sphere.diameter_m, sphere.density_kg_per_m3, sphere.inertia_factor)
+
+
+def _matrices(quaternions: Floats) -> Floats:
+    """Return rotation matrices of unit quaternions, scalar first, (..., 4) to (..., 3, 3)."""
+    w, x, y, z = np.moveaxis(quaternions, -1, 0)
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+
+
+def _covariates(numbers: Sequence[int], rows: Sequence[ShotRow]) -> dict[str, Floats]:
+    """Return the order of firing and every numeric column that all shots have."""
+    by_number = {row.shot: row for row in rows}
+    known = [by_number[number] for number in numbers if number in by_number]
+    covariates: dict[str, Floats] = {}
+    if len(known) == len(numbers):
+        shared = set.intersection(*(set(row.numbers) for row in known))
+        covariates = {name: np.array([row.numbers[name] for row in known]) for name in shared}
+    timed = [row.time.timestamp() for row in known if row.time is not None]
+    rank = np.argsort(np.argsort(timed)) if len(timed) == len(numbers) else np.arange(len(numbers))
+    covariates[ORDER] = rank / max(len(numbers) - 1, 1) - 0.5
+    return covariates

@@ -1,0 +1,91 @@
+"""Normal equations of a campaign, shot by shot, and the elimination of the shots' own numbers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.model.state import SIZE
+from analysis.model.theory import Theory
+
+Floats = NDArray[np.float64]
+
+LAW_PRIOR = (0.74, 0.08, 0.6)
+"""Where a fit starts: the thesis's nylon, with a beta0 that an elastic sphere could have."""
+BETA0_PRIOR_SIGMA = 0.7
+"""beta0 has no information without a shot that sticks; a prior about the start holds it."""
+RIDGE = 1e-10
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class NormalEquations:
+    """Sums of one linearisation by shot: S shots, P shared parameters.
+
+    Attributes
+    ----------
+    chi2
+        Shape (S,).
+    states, coupling, shared
+        Shapes (S, 24, 24), (S, 24, P), (S, P, P).
+    state_gradient, shared_gradient
+        Shapes (S, 24), (S, P): downhill.
+    """
+
+    chi2: Floats
+    states: Floats
+    coupling: Floats
+    shared: Floats
+    state_gradient: Floats
+    shared_gradient: Floats
+
+    def reduced(self, theory: Theory) -> tuple[Floats, Floats]:
+        """Return M (P, P) and g (P,) with every shot's own numbers eliminated, and the prior in."""
+        matrix, gradient = (part.sum(axis=0) for part in self.reduced_by_shot())
+        matrix[2, 2] += BETA0_PRIOR_SIGMA**-2
+        gradient[2] -= (theory.law.beta0 - LAW_PRIOR[2]) / BETA0_PRIOR_SIGMA**2
+        return matrix, gradient
+
+    def reduced_by_shot(self) -> tuple[Floats, Floats]:
+        """Return what each shot adds to M and g, shapes (S, P, P) and (S, P)."""
+        eliminated = solve_blocks(self.states, self.coupling)
+        matrix = self.shared - np.swapaxes(self.coupling, 1, 2) @ eliminated
+        own = (np.swapaxes(eliminated, 1, 2) @ self.state_gradient[..., None])[..., 0]
+        return matrix, self.shared_gradient - own
+
+    def chosen(self, new: NormalEquations, take: NDArray[np.bool_]) -> NormalEquations:
+        """Return the new sums where `take` (S,) is true and the present ones elsewhere."""
+
+        def pick(old: Floats, other: Floats) -> Floats:
+            return np.where(take.reshape(-1, *([1] * (old.ndim - 1))), other, old)
+
+        return NormalEquations(
+            *(pick(getattr(self, name), getattr(new, name)) for name in self.__slots__)
+        )
+
+
+def prior_cost(theory: Theory) -> float:
+    """Return what the prior adds to chi-squared."""
+    return ((theory.law.beta0 - LAW_PRIOR[2]) / BETA0_PRIOR_SIGMA) ** 2
+
+
+def solve_blocks(matrices: Floats, right: Floats) -> Floats:
+    """Solve each shot's block, scaled to a unit diagonal; numbers without information stay put."""
+    scale = np.sqrt(np.maximum(np.diagonal(matrices, axis1=1, axis2=2), 1e-300))
+    scaled = matrices / scale[:, :, None] / scale[:, None, :]
+    index = np.arange(SIZE)
+    scaled[:, index, index] = np.maximum(scaled[:, index, index], 1.0) + RIDGE
+    return np.asarray(np.linalg.solve(scaled, right / scale[..., None]) / scale[..., None])
+
+
+def shot_steps(sums: NormalEquations, damping: Floats) -> Floats:
+    """Return each shot's own damped step, shape (S, 24); damping of shape (S,)."""
+    damped = sums.states.copy()
+    index = np.arange(SIZE)
+    damped[:, index, index] *= 1.0 + damping[:, None]
+    scale = np.sqrt(np.maximum(np.diagonal(sums.states, axis1=1, axis2=2), 1e-300))
+    scaled = damped / scale[:, :, None] / scale[:, None, :]
+    scaled[:, index, index] = np.maximum(scaled[:, index, index], 1.0) + RIDGE
+    right = (sums.state_gradient / scale)[..., None]
+    return np.asarray(np.linalg.solve(scaled, right)[..., 0] / scale)

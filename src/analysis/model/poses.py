@@ -1,0 +1,71 @@
+"""Measured poses of a campaign, all shots in arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.collision.operator import Body
+from analysis.setup import CameraSetup
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PoseData:
+    """Poses of both spheres in every frame of every shot, padded to the longest shot.
+
+    S shots, F frames, spheres in the order a, b; rig axes, SI units.
+
+    Attributes
+    ----------
+    shots
+        Numbers of the shots, shape (S,).
+    times_s
+        Time of each frame from the shot's first, shape (S, F).
+    position, position_sigma
+        Centres and standard errors, m, shape (S, F, 2, 3). An infinite sigma: not measured.
+    rotation
+        Orientations, body to rig axes, shape (S, F, 2, 3, 3).
+    rotation_sigma
+        Standard error about each axis, rad, shape (S, F, 2). Infinite: not measured.
+    bodies
+        Spheres a and b.
+    gravity
+        m/s^2 along +X.
+    air_density
+        kg/m^3.
+    covariates
+        What else is known of each shot, by name, each of shape (S,): `order` from -0.5 to 0.5 in
+        the order of firing, and every numeric column of the shot list.
+    camera
+        Rates, views and origins: what a camera effect needs to know.
+    """
+
+    shots: NDArray[np.intp]
+    times_s: Floats
+    position: Floats
+    position_sigma: Floats
+    rotation: Floats
+    rotation_sigma: Floats
+    bodies: tuple[Body, Body]
+    gravity: float
+    air_density: float
+    covariates: Mapping[str, Floats]
+    camera: CameraSetup
+
+    def without(self, frames: NDArray[np.bool_]) -> PoseData:
+        """Return the data with some frames taken out, mask of shape (S, F)."""
+        position_sigma, rotation_sigma = self.position_sigma.copy(), self.rotation_sigma.copy()
+        position_sigma[frames] = np.inf
+        rotation_sigma[frames] = np.inf
+        return replace(self, position_sigma=position_sigma, rotation_sigma=rotation_sigma)
+
+    @property
+    def measured(self) -> NDArray[np.bool_]:
+        """Return which of the 12 numbers of each frame are measured, shape (S, F, 2, 6)."""
+        turns = np.repeat(np.isfinite(self.rotation_sigma)[..., None], 3, axis=-1)
+        return np.concatenate([np.isfinite(self.position_sigma), turns], axis=-1)

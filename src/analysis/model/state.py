@@ -1,0 +1,95 @@
+"""What each shot happened to be: the 24 numbers that the campaign's model does not predict."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.collision.operator import States
+from analysis.motion.rotation import rotation_matrix
+
+Floats = NDArray[np.float64]
+
+SIZE = 24
+TIME, POINT, TILT, MOTION, TURN_A, TURN_B = (
+    slice(0, 1),
+    slice(1, 4),
+    slice(4, 6),
+    slice(6, 18),
+    slice(18, 21),
+    slice(21, 24),
+)
+"""Where the numbers stand in a step: contact time (s), point of contact (m), tilt of the normal
+(rad, along its two tangents), velocities of a and b and spins of a and b just before contact
+(m/s, rad/s), rotations of both orientations at contact (rad, rig axes)."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ShotStates:
+    """State of every shot at first touch, S shots.
+
+    Attributes
+    ----------
+    time_s
+        First touch, s from the shot's first frame, shape (S,).
+    point
+        Point of contact, m, shape (S, 3).
+    normal
+        Unit vector from a to b, shape (S, 3).
+    before
+        Velocities and spins just before contact.
+    rotation
+        Orientations at contact, body to rig axes, shape (S, 2, 3, 3).
+    """
+
+    time_s: Floats
+    point: Floats
+    normal: Floats
+    before: States
+    rotation: Floats
+
+    def tangents(self) -> tuple[Floats, Floats]:
+        """Return two unit vectors across each normal and each other, shape (S, 3)."""
+        rows = np.arange(len(self.normal))
+        axis = np.zeros_like(self.normal)
+        axis[rows, np.abs(self.normal).argmin(axis=1)] = 1.0
+        first = np.cross(self.normal, axis)
+        first /= np.linalg.norm(first, axis=1, keepdims=True)
+        return first, np.cross(self.normal, first)
+
+    def moved(self, step: Floats) -> ShotStates:
+        """Return the states a step further, shape (S, 24)."""
+        first, second = self.tangents()
+        normal = self.normal + step[:, 4:5] * first + step[:, 5:6] * second
+        motion = step[:, MOTION].reshape(-1, 4, 3)
+        turns = np.stack([step[:, TURN_A], step[:, TURN_B]], axis=1)
+        return ShotStates(
+            time_s=self.time_s + step[:, 0],
+            point=self.point + step[:, POINT],
+            normal=normal / np.linalg.norm(normal, axis=1, keepdims=True),
+            before=States(
+                velocity_a=self.before.velocity_a + motion[:, 0],
+                velocity_b=self.before.velocity_b + motion[:, 1],
+                spin_a=self.before.spin_a + motion[:, 2],
+                spin_b=self.before.spin_b + motion[:, 3],
+            ),
+            rotation=rotation_matrix(turns) @ self.rotation,
+        )
+
+    def chosen(self, new: ShotStates, take: NDArray[np.bool_]) -> ShotStates:
+        """Return the new state where `take` (S,) is true and the present one elsewhere."""
+
+        def pick(old: Floats, other: Floats) -> Floats:
+            mask = take.reshape(-1, *([1] * (old.ndim - 1)))
+            return np.where(mask, other, old)
+
+        names = ("velocity_a", "velocity_b", "spin_a", "spin_b")
+        return ShotStates(
+            time_s=pick(self.time_s, new.time_s),
+            point=pick(self.point, new.point),
+            normal=pick(self.normal, new.normal),
+            before=States(*(pick(getattr(self.before, n), getattr(new.before, n)) for n in names)),
+            rotation=pick(self.rotation, new.rotation),
+        )

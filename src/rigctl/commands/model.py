@@ -1,0 +1,179 @@
+"""`rigctl model`: a campaign's poses against the model, and the effects it would rather have."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+
+from analysis.effects.catalogue import CATALOGUE
+from analysis.effects.effect import Effect
+from analysis.errors import InputError
+from analysis.model.fit import Fit, fit_campaign
+from analysis.model.gather import gather
+from analysis.model.poses import PoseData
+from analysis.model.ranking import Candidate, Ranking, rank
+from analysis.quantity import Quantity
+from rigctl.errors import AnalysisInputError, NotFoundError
+
+SHOWN_ALIAS = 0.9
+TABLE_WIDTH = 110
+
+
+def fit(campaign: Path, names: Sequence[str], *, as_json: bool) -> None:
+    """Fit the base model and the named effects; print parameters with standard errors.
+
+    Raises
+    ------
+    AnalysisInputError
+        The campaign cannot be read.
+    NotFoundError
+        No effect has that name.
+    """
+    title, _, fitted = _fitted(campaign, names)
+    if as_json:
+        _print_json({"campaign": title, **_fit_document(fitted, names)})
+        return
+    table = Table(title=_headline(title, fitted), title_justify="left", box=None)
+    for heading in ("parameter", "value", "unit"):
+        table.add_column(heading, justify="left" if heading != "value" else "right")
+    for name, quantity in fitted.parameters().items():
+        table.add_row(name, quantity.concise(), "" if quantity.unit == "1" else quantity.unit)
+    Console(width=TABLE_WIDTH).print(table)
+
+
+def ranking(campaign: Path, names: Sequence[str], *, as_json: bool) -> None:
+    """Fit the base model and the named effects, and rank what else the data ask for.
+
+    Raises
+    ------
+    AnalysisInputError
+        The campaign cannot be read.
+    NotFoundError
+        No effect has that name.
+    """
+    title, data, fitted = _fitted(campaign, names)
+    ranked = rank(data, fitted, CATALOGUE)
+    if as_json:
+        document = {"campaign": title, **_fit_document(fitted, names)}
+        _print_json({**document, "candidates": _candidates_document(ranked)})
+        return
+    table = Table(title=_headline(title, fitted), title_justify="left", box=None)
+    for heading in ("effect", "score", "promised fall", "p", "amplitude", "unit", "", "like"):
+        left = heading in {"effect", "unit", "", "like"}
+        table.add_column(heading, justify="left" if left else "right")
+    for k, candidate in enumerate(ranked.candidates):
+        _add_candidate(table, candidate, _likes(ranked, k))
+    table.caption = (
+        "p: chance that something in the catalogue looks as good when nothing is missing; like: "
+        f"not told from this one by these shots (correlation above {SHOWN_ALIAS:g})"
+    )
+    Console(width=TABLE_WIDTH).print(table)
+
+
+def _fitted(campaign: Path, names: Sequence[str]) -> tuple[str, PoseData, Fit]:
+    added = [_effect(name) for name in names]
+    try:
+        title, data = gather(campaign)
+    except InputError as error:
+        place = error.path if error.line is None else f"{error.path}, line {error.line}"
+        raise AnalysisInputError(error.reason, part=place) from error
+    fitted = fit_campaign(data)
+    for effect in added:
+        fitted = fit_campaign(data, fitted.theory.with_effect(effect), fitted)
+    return title, data, fitted
+
+
+def _effect(name: str) -> Effect:
+    known = {effect.name: effect for effect in CATALOGUE}
+    if name not in known:
+        raise NotFoundError(
+            "no effect of the catalogue has this name",
+            part="--with",
+            value=repr(name),
+            todo=f"choose one of {', '.join(sorted(known))}",
+        )
+    return known[name]
+
+
+def _headline(title: str, fitted: Fit) -> str:
+    shots = len(fitted.shot_chi2)
+    return (
+        f"{title}: {shots} shots, chi-squared per degree of freedom {fitted.chi2_per_dof:.4f} "
+        f"(sampling error {math.sqrt(2 / max(fitted.freedom, 1)):.4f})"
+    )
+
+
+def _fit_document(fitted: Fit, names: Sequence[str]) -> dict[str, Any]:
+    return {
+        "shots": len(fitted.shot_chi2),
+        "with": list(names),
+        "chi2_per_dof": fitted.chi2_per_dof,
+        "degrees_of_freedom": fitted.freedom,
+        "converged": fitted.converged,
+        "parameters": {name: q.to_json() for name, q in fitted.parameters().items()},
+    }
+
+
+def _candidates_document(ranked: Ranking) -> list[dict[str, Any]]:
+    return [
+        {
+            "effect": candidate.effect.name,
+            "seen": candidate.seen,
+            "score": candidate.score if candidate.seen else None,
+            "promised_fall": candidate.fall,
+            "p_value": candidate.p_value,
+            "p_familywise": candidate.p_familywise,
+            "plausible": candidate.plausible if candidate.seen else None,
+            "amplitude": float(candidate.amplitudes[0]) if candidate.seen else None,
+            "unit": candidate.effect.parameters[0].unit,
+            "amplitudes": {
+                parameter.symbol: Quantity(float(a), float(s), parameter.unit).to_json()
+                for parameter, a, s in zip(
+                    candidate.effect.parameters,
+                    candidate.amplitudes,
+                    candidate.sigmas,
+                    strict=True,
+                )
+            }
+            if candidate.seen
+            else {},
+            "like": _likes(ranked, k),
+        }
+        for k, candidate in enumerate(ranked.candidates)
+    ]
+
+
+def _likes(ranked: Ranking, k: int) -> list[str]:
+    return [
+        other.effect.name
+        for j, other in enumerate(ranked.candidates)
+        if j != k and ranked.aliases[k, j] > SHOWN_ALIAS
+    ]
+
+
+def _add_candidate(table: Table, candidate: Candidate, likes: list[str]) -> None:
+    if not candidate.seen:
+        table.add_row(candidate.effect.name, "", "", "", "cannot be seen with these shots")
+        return
+    parameter = candidate.effect.parameters[0]
+    amplitude = Quantity(float(candidate.amplitudes[0]), float(candidate.sigmas[0]), parameter.unit)
+    table.add_row(
+        candidate.effect.name,
+        f"{candidate.score:.1f}",
+        f"{candidate.fall:.1f}",
+        f"{candidate.p_familywise:.4f}",
+        f"{parameter.symbol} = {amplitude.concise()}",
+        "" if parameter.unit == "1" else parameter.unit,
+        "" if candidate.plausible else "not plausible",
+        ", ".join(likes),
+    )
+
+
+def _print_json(document: dict[str, Any]) -> None:
+    print(json.dumps(document, allow_nan=False))  # noqa: T201

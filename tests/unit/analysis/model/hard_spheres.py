@@ -1,0 +1,86 @@
+"""Campaigns of hard spheres with known law and noise, made without any of the code under test.
+
+The collision is worked out in scalars about the normal (Walton's two lines), orientations with
+SciPy's rotations.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from analysis.collision.operator import Body
+from analysis.model.poses import PoseData
+from analysis.setup import CameraSetup
+
+RADIUS, FRAMES = 0.0127, 24
+POSITION_SIGMA, ROTATION_SIGMA = 2e-5, 8e-3
+GRAVITY = np.array([9.80665, 0.0, 0.0])
+CAMERA = CameraSetup(1000.0, 192, 240, (88, 192), (0, 88), 1574.8, (132.0, 120.0), (46.0, 120.0))
+
+
+def campaign(
+    shots: int, seed: int, law: tuple[float, float, float] = (0.74, 0.08, 0.5)
+) -> PoseData:
+    """Return poses of `shots` collisions under (e, mu, beta0) with Gaussian noise as stated."""
+    rng = np.random.default_rng(seed)
+    normal = np.stack(
+        [rng.uniform(0, 0.9, shots), np.zeros(shots), rng.normal(0, 0.02, shots)], axis=1
+    )
+    normal[:, 1] = np.sqrt(1 - (normal**2).sum(axis=1))
+    speed = rng.uniform(1.2, 2.8, shots)
+    velocity = rng.normal(0, 0.02, (shots, 2, 3))
+    velocity[:, 0, 1] += speed
+    velocity[:, 1, 1] -= speed
+    spin = rng.normal(0, 40, (shots, 2, 3))
+    after_velocity, after_spin = collided(velocity, spin, normal, law)
+    times = np.tile(np.arange(FRAMES) * 1e-3, (shots, 1))
+    contact = (FRAMES / 2 - 0.5 + rng.uniform(-0.4, 0.4, shots)) * 1e-3
+    tau = (times - contact[:, None])[..., None]
+    start = Rotation.random(2 * shots, random_state=seed).as_matrix().reshape(shots, 2, 3, 3)
+    position = np.zeros((shots, FRAMES, 2, 3))
+    rotation = np.zeros((shots, FRAMES, 2, 3, 3))
+    for i, side in enumerate((-RADIUS, RADIUS)):
+        v = np.where(tau > 0, after_velocity[:, None, i], velocity[:, None, i])
+        w = np.where(tau > 0, after_spin[:, None, i], spin[:, None, i])
+        position[:, :, i] = side * normal[:, None] + v * tau + GRAVITY * tau**2 / 2
+        turned = Rotation.from_rotvec((w * tau).reshape(-1, 3)).as_matrix()
+        rotation[:, :, i] = turned.reshape(shots, FRAMES, 3, 3) @ start[:, None, i]
+    position += rng.normal(0, POSITION_SIGMA, position.shape)
+    noise = Rotation.from_rotvec(rng.normal(0, ROTATION_SIGMA, (rotation.size // 9, 3)))
+    rotation = noise.as_matrix().reshape(rotation.shape) @ rotation
+    sphere = Body.sphere(2 * RADIUS, 1150.0, 0.4)
+    return PoseData(
+        shots=np.arange(1, shots + 1),
+        times_s=times,
+        position=position,
+        position_sigma=np.full(position.shape, POSITION_SIGMA),
+        rotation=rotation,
+        rotation_sigma=np.full(rotation.shape[:3], ROTATION_SIGMA),
+        bodies=(sphere, sphere),
+        gravity=9.80665,
+        air_density=1.2,
+        covariates={"order": np.linspace(-0.5, 0.5, shots)},
+        camera=CAMERA,
+    )
+
+
+def collided(
+    velocity: np.ndarray, spin: np.ndarray, normal: np.ndarray, law: tuple[float, float, float]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return velocities and spins after contact, shape (shots, 2, 3), shot by shot in scalars."""
+    e, mu, beta0 = law
+    velocity, spin = velocity.copy(), spin.copy()
+    for s, n in enumerate(normal):
+        relative = velocity[s, 1] - velocity[s, 0]
+        v_n = -float(relative @ n)
+        surface = relative + v_n * n + RADIUS * np.cross(n, spin[s].sum(axis=0))
+        v_s = float(np.linalg.norm(surface))
+        along = surface / v_s
+        v_s_after = max(-beta0 * v_s, v_s - mu * (1 + e) * 3.5 * v_n)
+        # Of a change of surface velocity 2/7 is translation, 5/7 is spin, for solid spheres.
+        change = (e + 1) * v_n * n + (v_s_after - v_s) * 2 / 7 * along
+        velocity[s, 1] += change / 2
+        velocity[s, 0] -= change / 2
+        spin[s] += np.cross((v_s_after - v_s) * 5 / 7 * along, n) / (2 * RADIUS)
+    return velocity, spin
