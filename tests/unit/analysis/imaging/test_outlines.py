@@ -1,4 +1,5 @@
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -61,12 +62,30 @@ def test_a_disc_half_out_of_view_is_found_by_the_half_that_shows(column: float) 
     assert 0.4 < outline.coverage < 0.65
 
 
-def test_touching_discs_do_not_pull_each_other() -> None:
-    first, second = (40.0, 40.0, RADIUS), (52.0, 40.0 + math.sqrt(36**2 - 12**2), RADIUS)
+@pytest.mark.parametrize("gap", [0.0, 2.0])
+def test_discs_that_touch_or_nearly_do_not_pull_each_other(gap: float) -> None:
+    apart = 2 * RADIUS + gap
+    first, second = (40.0, 40.0, RADIUS), (52.0, 40.0 + math.sqrt(apart**2 - 12**2), RADIUS)
     for place, other in ((first, second), (second, first)):
         outline = outline_of(place, (other,))
         assert miss(outline, place) < 0.05
         assert outline.coverage < 1.0
+        from_other = np.hypot(outline.points[:, 0] - other[0], outline.points[:, 1] - other[1])
+        assert from_other.min() > RADIUS + KEEP_OFF
+
+
+def test_an_edge_across_the_limb_is_not_the_limb_s() -> None:
+    points = edges_of(draw([(48.0, 60.0, RADIUS)])).points
+    crossing = points.column > 60.0
+    turned = replace(
+        points,
+        normal_row=np.where(crossing, -points.normal_column, points.normal_row),
+        normal_column=np.where(crossing, points.normal_row, points.normal_column),
+    )
+    outline = fit_outline(turned, (48.0, 60.0, RADIUS), (), KEEP_OFF)
+    assert outline is not None
+    assert outline.points[:, 1].max() < 60.5
+    assert outline.coverage == pytest.approx(0.5, abs=0.06)
 
 
 def test_edge_points_that_are_blocked_or_too_few_give_no_outline() -> None:

@@ -91,20 +91,30 @@ def test_the_noise_cluster_takes_forty_per_cent_of_outliers(seed: int) -> None:
     assert math.hypot(loose.row - 40, loose.column - 50) > 0.1
 
 
+def test_a_point_belongs_to_each_shell_by_the_inverse_square_of_its_distance() -> None:
+    u = memberships(np.array([[1.0, 4.0, 1.0], [1.0, 1.0, 9.0]]), None)
+    np.testing.assert_allclose(u, [[0.5, 0.2, 0.9], [0.5, 0.8, 0.1]], rtol=1e-6)
+
+
 def test_the_noise_cluster_is_as_near_as_a_shell_at_its_distance() -> None:
     u = memberships(np.array([[0.0, 0.25, 1.0, 4.0]]), 0.5)
     np.testing.assert_allclose(u[0], [1.0, 0.5, 0.2, 1 / 17], rtol=1e-6)
 
 
-@pytest.mark.parametrize("length", [2.5, 2 * math.pi])
-def test_the_covariance_is_that_of_three_hundred_noisy_fits(length: float) -> None:
+@pytest.mark.parametrize(
+    ("length", "noise", "noise_distance"),
+    [(2.5, 0.1, None), (2 * math.pi, 0.1, None), (2 * math.pi, 0.04, 0.3)],
+)
+def test_the_covariance_is_that_of_three_hundred_noisy_fits(
+    length: float, noise: float, noise_distance: float | None
+) -> None:
     rng = np.random.default_rng(8)
-    angles = np.linspace(0, length, 90)
+    points = np.array(arc(40.0, 50.0, 20.0, np.linspace(0, length, 90)))
+    guess = start(40.5, 49.5, 20.0)
     fits, stated = [], []
     for _ in range(300):
-        row, column = arc(40.0, 50.0, 20.0, angles)
-        row, column = row + rng.normal(0, 0.1, 90), column + rng.normal(0, 0.1, 90)
-        (circle,), _ = fit_circles(row, column, [start(40.5, 49.5, 20.0)])
+        row, column = points + rng.normal(0, noise, points.shape)
+        (circle,), _ = fit_circles(row, column, [guess], noise_distance=noise_distance)
         fits.append((circle.row, circle.column, circle.radius))
         stated.append(circle.covariance)
     scatter, mean = np.cov(np.array(fits).T), np.mean(stated, axis=0)

@@ -84,7 +84,9 @@ def test_a_truncated_tiff_names_its_first_broken_frame(tmp_path: Path, kept: int
     with tifffile.TiffFile(path) as whole:
         end = whole.pages[kept].dataoffsets[0] + 100  # type: ignore[union-attr]
     path.write_bytes(path.read_bytes()[:end])
-    with pytest.raises(InputError, match=rf"frame {kept}|after {kept} whole frames") as fault:
+    with pytest.raises(
+        InputError, match=rf"truncated in frame {kept}: its data end at byte"
+    ) as fault:
         read_stack(path)
     assert fault.value.path == str(path)
 

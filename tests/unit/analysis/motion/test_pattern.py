@@ -143,6 +143,38 @@ def test_a_sphere_that_is_never_seen_is_refused() -> None:
         orient({}, np.arange(8) * 1e-3, "b")
 
 
+def without(truth: Turning, k: int, marker: int) -> Sightings:
+    kept = truth.names[k] != marker
+    seen = truth.sightings[k]
+    truth.names[k] = truth.names[k][kept]
+    return Sightings(seen.directions[kept], seen.facing[kept])
+
+
+def test_a_marker_that_both_views_show_for_the_first_time_at_once_is_one() -> None:
+    truth = turning(noise=0.01)
+    names, counts = np.unique(truth.names[10], return_counts=True)
+    late = int(names[counts == 2][0])
+    for k in range(10):
+        truth.sightings[k] = without(truth, k, late)
+    found = orient(truth.sightings, truth.times_s, "a")
+    given = names_given(truth, found)
+    assert len(given[late]) == 1
+    others = [name for marker, called in given.items() if marker != late for name in called]
+    assert next(iter(given[late])) not in others
+    assert len(found.pattern) == len(given)
+
+
+def test_the_spin_bridges_frames_that_are_lost() -> None:
+    truth = turning()
+    # Three steps of 7 degrees are further than a marker is looked for around its last place.
+    for k in (7, 8, 15, 16):
+        del truth.sightings[k]
+    found = orient(truth.sightings, truth.times_s, "a")
+    assert len(found.frames) == 20
+    assert errors(truth, found).max() < 1e-6
+    assert all(len(names) == 1 for names in names_given(truth, found).values())
+
+
 @pytest.mark.parametrize("seed", range(4))
 def test_a_marker_that_both_views_show_stands_in_the_pattern_once(seed: int) -> None:
     truth = turning(noise=0.015, seed=seed)
