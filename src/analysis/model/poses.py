@@ -64,6 +64,13 @@ class PoseData:
         rotation_sigma[frames] = np.inf
         return replace(self, position_sigma=position_sigma, rotation_sigma=rotation_sigma)
 
+    def of_shots(self, chosen: NDArray[np.bool_]) -> PoseData:
+        """Return the data of some shots, mask of shape (S,)."""
+        names = ("shots", "times_s", "position", "position_sigma", "rotation", "rotation_sigma")
+        parts = {name: getattr(self, name)[chosen] for name in names}
+        covariates = {name: values[chosen] for name, values in self.covariates.items()}
+        return replace(self, **parts, covariates=covariates)
+
     @property
     def measured(self) -> NDArray[np.bool_]:
         """Return which of the 12 numbers of each frame are measured, shape (S, F, 2, 6)."""

@@ -93,3 +93,19 @@ class ShotStates:
             before=States(*(pick(getattr(self.before, n), getattr(new.before, n)) for n in names)),
             rotation=pick(self.rotation, new.rotation),
         )
+
+    def of_shots(self, chosen: NDArray[np.bool_]) -> ShotStates:
+        """Return the states of some shots, mask of shape (S,)."""
+        before = self.before
+        return ShotStates(
+            time_s=self.time_s[chosen],
+            point=self.point[chosen],
+            normal=self.normal[chosen],
+            before=States(
+                before.velocity_a[chosen],
+                before.velocity_b[chosen],
+                before.spin_a[chosen],
+                before.spin_b[chosen],
+            ),
+            rotation=self.rotation[chosen],
+        )

@@ -1,0 +1,76 @@
+"""Prediction error on shots left out, poses after contact from the poses before alone.
+
+Whitened with everything the state before contact does not know, its floor is 1. By Woodbury
+r' S^-1 r = chi2(all frames) - chi2(frames before), each minimised over the shot's own numbers, so
+no shot is fitted again.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.model.fit import Fit, normal_equations
+from analysis.model.normal import NormalEquations, solve_blocks
+from analysis.model.poses import PoseData
+
+Floats = NDArray[np.float64]
+
+FOLDS = 5
+
+
+@dataclass(frozen=True, slots=True)
+class PredictionError:
+    """Whitened error on shots left out.
+
+    Attributes
+    ----------
+    value
+        Root of the mean squared whitened error; 1 is the floor set by the measurement's noise.
+    sampling
+        Its standard deviation when nothing is missing.
+    """
+
+    value: float
+    sampling: float
+
+
+def prediction_error(data: PoseData, fit: Fit, seed: int = 0) -> PredictionError:
+    """Predict each fifth of the shots with the parameters of the other four.
+
+    The parameters without a fold are one Newton step from those of all shots.
+    """
+    after = data.times_s > fit.states.time_s[:, None]
+    whole = normal_equations(data, fit.states, fit.theory)
+    early = normal_equations(data.without(after), fit.states, fit.theory)
+    matrix, gradient = whole.reduced_by_shot()
+    early_matrix, early_gradient = early.reduced_by_shot()
+    least, early_least = _least(whole), _least(early)
+    folds = np.random.default_rng(seed).permutation(len(least)) % min(FOLDS, len(least))
+    total = 0.0
+    for fold in np.unique(folds):
+        own, others = folds == fold, folds != fold
+        information = matrix[others].sum(axis=0)
+        step = np.linalg.lstsq(information, gradient[others].sum(axis=0), rcond=1e-12)[0]
+        total += float(_moved(least, gradient, matrix, own, step))
+        total -= float(_moved(early_least, early_gradient, early_matrix, own, step))
+    count = int((data.measured & after[:, :, None, None]).sum())
+    value = np.sqrt(max(total, 0.0) / max(count, 1))
+    return PredictionError(float(value), float(np.sqrt(0.5 / max(count, 1))))
+
+
+def _least(sums: NormalEquations) -> Floats:
+    """Return chi-squared of each shot minimised over its own numbers, shape (S,)."""
+    step = solve_blocks(sums.states, sums.state_gradient[..., None])[..., 0]
+    return np.asarray(sums.chi2 - (sums.state_gradient * step).sum(axis=1))
+
+
+def _moved(
+    least: Floats, gradient: Floats, matrix: Floats, own: NDArray[np.bool_], step: Floats
+) -> Floats:
+    """Return chi-squared of some shots at parameters a step away."""
+    linear = gradient[own] @ step
+    square = np.einsum("i,sij,j->s", step, matrix[own], step)
+    return np.asarray((least[own] - 2 * linear + square).sum())

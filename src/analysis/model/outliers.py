@@ -1,0 +1,136 @@
+"""Bad frames and bad shots: a mis-tracked marker must not become physics.
+
+Frames first: a wild frame makes its whole shot look bad. Whatever is taken out is listed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import norm
+
+from analysis.model.fit import Fit, fit_campaign
+from analysis.model.linear import whitened_residual
+from analysis.model.poses import PoseData
+from analysis.model.prediction import predict
+from analysis.model.state import SIZE
+from analysis.model.theory import Theory
+
+Floats = NDArray[np.float64]
+
+ROUNDS = 4
+ALARM_SHARE = 0.005
+"""Of a campaign without bad shots this share has one called bad."""
+WILD_FRAME, WILD_AGAINST_MEDIAN, WILD_AGAINST_NEXT = 45.0, 6.0, 2.5
+"""Chi-squared of a frame's 12 numbers: at least this, and against the shot's other frames."""
+PHYSICS_SHARE = 0.15
+"""If more shots than this look bad, it is the model that is."""
+FAR_OUT = 6.0
+"""Then only shots beyond the upper quartile by this many interquartile ranges are dropped."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Cleaned:
+    """A campaign without its bad frames and shots, and the fit of what is left.
+
+    Attributes
+    ----------
+    data, fit
+        What is left.
+    kept
+        Mask of the shots that were kept, shape (S,) of the data handed in.
+    frames
+        (shot number, frame index) of frames that were taken out of shots that were kept.
+    """
+
+    data: PoseData
+    fit: Fit
+    kept: NDArray[np.bool_]
+    frames: tuple[tuple[int, int], ...]
+
+
+def clean(data: PoseData, theory: Theory | None = None) -> Cleaned:
+    """Fit robustly, take out wild frames, then shots that still do not fit, and fit again."""
+    fit = _robust(data, theory)
+    frames: list[tuple[int, int]] = []
+    for _ in range(ROUNDS):
+        wild = _wild_frames(data, fit)
+        if not wild.any():
+            break
+        frames += [(int(data.shots[s]), int(k)) for s, k in np.argwhere(wild)]
+        data = data.without(wild)
+        fit = _robust(data, fit.theory)
+    kept = np.ones(len(data.shots), dtype=np.bool_)
+    for _ in range(ROUNDS):
+        bad = bad_shots(fit)
+        if not bad.any():
+            break
+        kept[np.flatnonzero(kept)[bad]] = False
+        rest = data.of_shots(kept)
+        fit = fit_campaign(rest, fit.theory)
+    rest = data.of_shots(kept)
+    names = {int(n) for n in rest.shots}
+    fit = fit_campaign(rest, fit.theory)
+    return Cleaned(rest, fit, kept, tuple(f for f in frames if f[0] in names))
+
+
+def bad_shots(fit: Fit) -> NDArray[np.bool_]:
+    """Return which shots lie too far from the model, by chi-squared against their own, shape (S,).
+
+    Wilson-Hilferty normal deviate of chi-squared per degree of freedom, in units of the campaign's
+    median.
+    """
+    quality, freedom = _quality(fit)
+    if len(quality) < 4:
+        return np.zeros(len(quality), dtype=np.bool_)
+    ratio = quality / np.median(quality)
+    spread = 2 / (9 * freedom)
+    deviate = (np.cbrt(ratio) - (1 - spread)) / np.sqrt(spread)
+    bad = deviate > norm.isf(ALARM_SHARE / len(quality))
+    if bad.mean() > PHYSICS_SHARE:
+        low, high = np.quantile(quality, [0.25, 0.75])
+        bad = quality > high + FAR_OUT * (high - low)
+    return np.asarray(bad)
+
+
+def _quality(fit: Fit) -> tuple[Floats, Floats]:
+    freedom = np.maximum(fit.shot_residuals - SIZE, 1.0)
+    return fit.shot_chi2 / freedom, freedom
+
+
+def _robust(data: PoseData, theory: Theory | None) -> Fit:
+    """Fit with bad shots held down, then each shot's own numbers and quality as stated.
+
+    Weights min(1, 1.5 median / quality)^2 on the squares: otherwise one bad shot moves the law,
+    and every good one looks bad.
+    """
+    first = fit_campaign(data, theory)
+    quality, _ = _quality(first)
+    weight = np.minimum(1.0, 1.5 * np.median(quality) / quality)
+    if (weight == 1.0).all():
+        return first
+    held = replace(
+        data,
+        position_sigma=data.position_sigma / weight[:, None, None, None],
+        rotation_sigma=data.rotation_sigma / weight[:, None, None],
+    )
+    fit = fit_campaign(held, first.theory)
+    return replace(fit, shot_chi2=fit.shot_chi2 / weight**2)
+
+
+def _wild_frames(data: PoseData, fit: Fit) -> NDArray[np.bool_]:
+    """Return the worst frame of each suspicious shot, where it stands out, shape (S, F)."""
+    residual = whitened_residual(data, predict(data, fit.states, fit.theory))
+    squares = (residual.reshape(*data.times_s.shape, 12) ** 2).sum(axis=2)
+    used = np.asarray(data.measured.any(axis=(2, 3)))
+    wild = np.zeros(used.shape, dtype=np.bool_)
+    for s in np.flatnonzero(bad_shots(fit)):
+        frames = np.flatnonzero(used[s])
+        order = frames[np.argsort(squares[s, frames])]
+        worst, following = squares[s, order[-1]], squares[s, order[-2]]
+        stands_out = worst > WILD_AGAINST_MEDIAN * np.median(squares[s, frames])
+        if worst > WILD_FRAME and stands_out and worst > WILD_AGAINST_NEXT * following:
+            wild[s, order[-1]] = True
+    return wild
