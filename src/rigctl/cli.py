@@ -233,6 +233,14 @@ def model_rank(campaign: Campaign, *, effects: With = None, json: Json = False) 
     ranking(campaign, effects or [], as_json=json)
 
 
+@model.command("explain")
+def model_explain(campaign: Campaign, *, json: Json = False) -> None:
+    """Find what is missing, add it, and say how much of the error it removes."""
+    from rigctl.commands.model import explaining
+
+    explaining(campaign, as_json=json)
+
+
 def run(arguments: list[str]) -> int:
     """Run one command and return its exit code; what failed stands on standard error.
 

@@ -16,8 +16,9 @@ from scipy.stats import chi2 as chi2_distribution
 
 from analysis.model.channels import camera_columns, contact_columns, flight_columns
 from analysis.model.covariates import shot_covariates
-from analysis.model.fit import Fit
+from analysis.model.fit import Fit, fit_campaign
 from analysis.model.linear import linearise
+from analysis.model.noise import rescaled
 from analysis.model.normal import BETA0_PRIOR_SIGMA, solve_blocks
 from analysis.model.poses import PoseData
 
@@ -51,7 +52,13 @@ class Cell:
 
 
 def lack_of_fit(data: PoseData, fit: Fit) -> tuple[Cell, ...]:
-    """Test every cell; the most striking first."""
+    """Test every cell; the most striking first.
+
+    The noise of positions and that of orientations are taken as large as the residuals say, each
+    by itself: one scale for both, where the stated ones are wrong in different ways, alarms.
+    """
+    data = rescaled(data, fit)
+    fit = fit_campaign(data, fit.theory, fit)
     sums = _Projector(data, fit)
     found: list[tuple[str, str, float, int]] = []
     for name, columns in contact_columns(data, fit).items():

@@ -62,6 +62,10 @@ class PoseData:
         position_sigma, rotation_sigma = self.position_sigma.copy(), self.rotation_sigma.copy()
         position_sigma[frames] = np.inf
         rotation_sigma[frames] = np.inf
+        return self.with_sigmas(position_sigma, rotation_sigma)
+
+    def with_sigmas(self, position_sigma: Floats, rotation_sigma: Floats) -> PoseData:
+        """Return the data with other standard errors."""
         return replace(self, position_sigma=position_sigma, rotation_sigma=rotation_sigma)
 
     def of_shots(self, chosen: NDArray[np.bool_]) -> PoseData:

@@ -18,7 +18,10 @@ from analysis.model.fit import Fit, fit_campaign
 from analysis.model.gather import gather
 from analysis.model.poses import PoseData
 from analysis.model.ranking import Candidate, Ranking, rank
+from analysis.model.report import verdict_document, verdict_sentence
+from analysis.model.selection import explain
 from analysis.quantity import Quantity
+from rigctl.commands import report
 from rigctl.errors import AnalysisInputError, NotFoundError
 
 SHOWN_ALIAS = 0.9
@@ -76,13 +79,49 @@ def ranking(campaign: Path, names: Sequence[str], *, as_json: bool) -> None:
     Console(width=TABLE_WIDTH).print(table)
 
 
-def _fitted(campaign: Path, names: Sequence[str]) -> tuple[str, PoseData, Fit]:
-    added = [_effect(name) for name in names]
+def explaining(campaign: Path, *, as_json: bool) -> None:
+    """Go the whole way by itself: which effect is missing, none, or none that is known.
+
+    Raises
+    ------
+    AnalysisInputError
+        The campaign cannot be read.
+    """
+    title, data = _gathered(campaign)
+    with report.progress() as say:
+        verdict = explain(data, CATALOGUE, say)
+    document = verdict_document(title, data, verdict)
+    if as_json:
+        _print_json(document)
+        return
+    console = Console(width=TABLE_WIDTH)
+    console.print(verdict_sentence(document), highlight=False)
+    table = Table(title="error path", title_justify="left", box=None)
+    for heading in ("with", "chi-squared per dof", "prediction error"):
+        table.add_column(heading, justify="left" if heading == "with" else "right")
+    for stage in document["path"]:
+        name = ", ".join(stage["with"]) or "the base model"
+        table.add_row(name, f"{stage['chi2_per_dof']:.4f}", f"{stage['prediction_error']:.4f}")
+    table.caption = "prediction error: on shots left out, in units of the noise; 1 is the floor"
+    console.print(table)
+    for name, quantity in verdict.fit.parameters().items():
+        unit = "" if quantity.unit == "1" else f" {quantity.unit}"
+        console.print(f"{name} = {quantity.concise()}{unit}", highlight=False)
+    if document["rejected"]:
+        console.print(f"shots rejected: {document['rejected']}", highlight=False)
+
+
+def _gathered(campaign: Path) -> tuple[str, PoseData]:
     try:
-        title, data = gather(campaign)
+        return gather(campaign)
     except InputError as error:
         place = error.path if error.line is None else f"{error.path}, line {error.line}"
         raise AnalysisInputError(error.reason, part=place) from error
+
+
+def _fitted(campaign: Path, names: Sequence[str]) -> tuple[str, PoseData, Fit]:
+    added = [_effect(name) for name in names]
+    title, data = _gathered(campaign)
     fitted = fit_campaign(data)
     for effect in added:
         fitted = fit_campaign(data, fitted.theory.with_effect(effect), fitted)

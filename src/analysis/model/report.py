@@ -1,0 +1,97 @@
+"""A verdict as other programs read it (commands.md), and in words."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from analysis.model.lackoffit import Cell
+from analysis.model.poses import PoseData
+from analysis.model.ranking import Candidate, Ranking
+from analysis.model.selection import UNEXPLAINED_LEVEL, Verdict
+
+Json = dict[str, Any]
+
+SMALLEST_P = 1e-300
+
+
+def verdict_document(campaign: str, data: PoseData, verdict: Verdict) -> Json:
+    """Return the document of `rigctl model explain --json`."""
+    kept = verdict.cleaned.kept
+    return {
+        "campaign": campaign,
+        "shots": len(data.shots),
+        "used": int(kept.sum()),
+        "rejected": [int(number) for number in data.shots[~kept]],
+        "rejected_frames": [list(frame) for frame in verdict.cleaned.frames],
+        "verdict": verdict.verdict,
+        "effects": list(verdict.effects),
+        "alias_set": list(verdict.alias_set),
+        "unexplained": verdict.verdict == "unexplained",
+        "chi2_per_dof": verdict.fit.chi2_per_dof,
+        "path": [
+            {
+                "with": list(stage.effects),
+                "chi2_per_dof": stage.fit.chi2_per_dof,
+                "prediction_error": stage.error.value,
+            }
+            for stage in verdict.path
+        ],
+        "parameters": {name: q.to_json() for name, q in verdict.fit.parameters().items()},
+        "candidates": candidates_document(verdict.first_ranking),
+        "structure": [_cell(cell) for cell in verdict.cells if cell.p_holm < UNEXPLAINED_LEVEL],
+        "next_shots": [],
+    }
+
+
+def candidates_document(ranking: Ranking) -> list[Json]:
+    """Return what can be seen of the candidates, the most promising first."""
+    return [_candidate(candidate) for candidate in ranking.candidates if candidate.seen]
+
+
+def verdict_sentence(document: Json) -> str:
+    """Say the verdict in words that a student understands."""
+    name, used = document["campaign"], document["used"]
+    names = " and ".join(document["effects"])
+    first, last = document["path"][0], document["path"][-1]
+    fall = (
+        f"with it the error on shots left out falls from {first['prediction_error']:.3f} to "
+        f"{last['prediction_error']:.3f} of the noise"
+    )
+    if document["verdict"] == "none":
+        return f"{name}: nothing is missing, as far as {used} shots can tell."
+    if document["verdict"] == "effect":
+        return f"{name}: the missing effect is {names}; {fall}."
+    if document["verdict"] == "alias":
+        alike = " or ".join(document["alias_set"])
+        return f"{name}: the missing effect is one of {alike}: these shots cannot tell; {fall}."
+    verb = "explain" if len(document["effects"]) > 1 else "explains"
+    part = f" {names} {verb} part of it." if names else ""
+    where = document["structure"][0]
+    return (
+        f"{name}: something is missing that the catalogue does not hold.{part} What is left shows "
+        f"most in {where['channel']} against {where['covariate']}."
+    )
+
+
+def _candidate(candidate: Candidate) -> Json:
+    return {
+        "effect": candidate.effect.name,
+        "score": candidate.score,
+        "p_value": max(candidate.p_value, SMALLEST_P),
+        "p_familywise": candidate.p_familywise,
+        "promised_fall": candidate.fall,
+        "amplitude": float(candidate.amplitudes[0]),
+        "sigma": float(candidate.sigmas[0]),
+        "unit": candidate.effect.parameters[0].unit,
+        "plausible": candidate.plausible,
+    }
+
+
+def _cell(cell: Cell) -> Json:
+    return {
+        "channel": cell.channel,
+        "covariate": cell.covariate,
+        "chi2": cell.chi2,
+        "degrees_of_freedom": cell.freedom,
+        "p_value": max(cell.p_holm, SMALLEST_P),
+    }
