@@ -60,21 +60,21 @@ def read_poses(path: Path) -> dict[int, dict[str, list[PoseRow]]]:
     if not rows or sorted(rows[0]) != sorted(POSES):
         raise InputError(path, f"the columns must be {','.join(POSES)}", 1)
     shots: dict[int, dict[str, list[PoseRow]]] = defaultdict(lambda: {"a": [], "b": []})
-    seen: set[tuple[str, ...]] = set()
+    seen: set[tuple[int, int, str]] = set()
     for line, fields in enumerate(rows[1:], start=2):
         if not fields:
             continue
         if len(fields) != len(rows[0]):
             raise InputError(path, f"{len(fields)} fields for {len(rows[0])} columns", line)
         row = dict(zip(rows[0], fields, strict=True))
-        key = (row["shot"], row["frame"], row["sphere"])
-        if key in seen:
-            raise InputError(path, f"shot {key[0]}, frame {key[1]}, sphere {key[2]} twice", line)
-        seen.add(key)
-        if row["sphere"] not in {"a", "b"}:
-            raise InputError(path, f"sphere: {row['sphere']!r} is neither a nor b", line)
-        shot = _whole(path, line, row, "shot")
-        shots[shot][row["sphere"]].append(_pose(path, line, row))
+        sphere = row["sphere"]
+        if sphere not in {"a", "b"}:
+            raise InputError(path, f"sphere: {sphere!r} is neither a nor b", line)
+        shot, pose = _whole(path, line, row, "shot"), _pose(path, line, row)
+        if (shot, pose.frame, sphere) in seen:
+            raise InputError(path, f"shot {shot}, frame {pose.frame}, sphere {sphere} twice", line)
+        seen.add((shot, pose.frame, sphere))
+        shots[shot][sphere].append(pose)
     for spheres in shots.values():
         for poses in spheres.values():
             poses.sort(key=lambda pose: pose.frame)
