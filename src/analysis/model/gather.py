@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +17,7 @@ from analysis.exchange.pose_table import PoseRow, read_poses
 from analysis.exchange.shot_list import ShotRow, read_shot_list
 from analysis.model.poses import PoseData
 from analysis.motion.rotation import quaternion
-from analysis.setup import Setup, SphereSetup
+from analysis.setup import CameraSetup, Setup, SphereSetup
 from analysis.shot import AnalysisOptions, MeasuredShot
 
 Floats = NDArray[np.float64]
@@ -37,9 +38,11 @@ def gather(folder: Path) -> tuple[str, PoseData]:
     Raises
     ------
     InputError
-        A file cannot be read, or no shot has poses.
+        A file cannot be read, a sphere is a plate, or no shot has poses.
     """
     name, setup = read_description(folder / DESCRIPTION)
+    if any(sphere.plate for sphere in setup.spheres):
+        raise InputError(folder / DESCRIPTION, "spheres: the model is of two spheres, not a plate")
     rows = read_shot_list(folder / SHOT_LIST)
     if (folder / POSES).exists():
         shots: Shots = read_poses(folder / POSES)
@@ -107,12 +110,18 @@ def pose_data(shots: Shots, rows: Sequence[ShotRow], setup: Setup) -> PoseData:
         gravity=setup.gravity_m_per_s2,
         air_density=setup.air_density_kg_per_m3,
         covariates=_covariates(numbers, rows),
-        camera=setup.camera,
+        camera=_camera(setup.camera, numbers, rows),
     )
 
 
 def _body(sphere: SphereSetup) -> Body:
     return Body.sphere(sphere.diameter_m, sphere.density_kg_per_m3, sphere.inertia_factor)
+
+
+def _camera(camera: CameraSetup, numbers: Sequence[int], rows: Sequence[ShotRow]) -> CameraSetup:
+    """Return the camera with the longest exposure of these shots."""
+    exposures = [row.numbers.get("exposure_us", 0.0) for row in rows if row.shot in numbers]
+    return replace(camera, exposure_s=max(exposures, default=0.0) * 1e-6)
 
 
 def _matrices(quaternions: Floats) -> Floats:
