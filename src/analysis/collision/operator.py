@@ -61,6 +61,18 @@ class States:
     spin_b: Floats
 
 
+def sticking_or_sliding(encounter: Encounter) -> Floats:
+    """Return Walton's impulse across the normal, kg m/s, against the surface velocity, shape (S,).
+
+    A contact that sticks changes the surface velocity v_s by -(1 + beta0) v_s; friction can change
+    it by mu times the impulse along the normal at most.
+    """
+    give_n, give_t = gives(encounter.bodies)
+    impulse_n = (1 + encounter.e) * encounter.approach / give_n
+    sticking = (1 + encounter.beta0) * encounter.sliding_speed / give_t
+    return np.minimum(sticking, encounter.mu * np.abs(impulse_n))
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Encounter:
     """Two spheres at first touch, in each of S shots, and the law that holds there.
@@ -78,6 +90,8 @@ class Encounter:
     covariates
         What else is known of each shot, by name, each of shape (S,): `order` from -0.5 to 0.5, and
         every numeric column of the shot list.
+    across
+        The law across the normal: impulse against the surface velocity, kg m/s, shape (S,).
     """
 
     before: States
@@ -87,6 +101,7 @@ class Encounter:
     mu: Floats
     beta0: Floats
     covariates: Mapping[str, Floats]
+    across: Callable[[Encounter], Floats] = sticking_or_sliding
 
     @property
     def approach(self) -> Floats:
@@ -98,6 +113,11 @@ class Encounter:
     def sliding(self) -> Floats:
         """Relative surface velocity across the normal, m/s, shape (S, 3)."""
         return surface_velocity(self.before, self.normal, self.bodies)
+
+    @property
+    def sliding_speed(self) -> Floats:
+        """Its amount, m/s, never quite zero so that it has a direction, shape (S,)."""
+        return np.asarray(np.sqrt(np.maximum((self.sliding**2).sum(axis=1), 1e-30)))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -143,13 +163,10 @@ def walton(encounter: Encounter) -> Outcome:
     surface velocity V_s by -(1 + beta0) V_s, or by what friction can do, mu times the normal
     impulse, whichever is less: v_s' = max(-beta0 v_s, v_s - mu (1 + e) (1 + 1/K) |v_n|).
     """
-    give_n, give_t = gives(encounter.bodies)
+    give_n, _ = gives(encounter.bodies)
     impulse_n = (1 + encounter.e) * encounter.approach / give_n
-    surface = encounter.sliding
-    speed = np.sqrt(np.maximum((surface**2).sum(axis=1), 1e-30))
-    sticking = (1 + encounter.beta0) * speed / give_t
-    impulse_t = np.minimum(sticking, encounter.mu * np.abs(impulse_n))
-    along = surface / speed[:, None]
+    impulse_t = encounter.across(encounter)
+    along = encounter.sliding / encounter.sliding_speed[:, None]
     return struck(encounter, impulse_n[:, None] * encounter.normal - impulse_t[:, None] * along)
 
 

@@ -67,6 +67,9 @@ class Effect:
         What betrays it in the residuals.
     confused_with
         Names of effects that look alike, and how to tell them apart.
+    variants
+        The same effect with other values of what it holds fixed, which a fit cannot find from
+        where the effect is off; the likeliest of all speaks for the effect.
     """
 
     stage: ClassVar[str]
@@ -77,6 +80,7 @@ class Effect:
     source: str
     gives_away: str
     confused_with: tuple[str, ...] = ()
+    variants: tuple[Effect, ...] = ()
 
     @property
     def off(self) -> Values:

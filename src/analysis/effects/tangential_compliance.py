@@ -1,0 +1,70 @@
+"""Tangential compliance: parts of the contact stick and store energy while others slip."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from analysis.collision.operator import Encounter, Floats, Operator, Outcome, gives
+from analysis.effects.effect import ContactEffect, Parameter, Values
+from analysis.effects.spring_slider import rebound
+
+STIFFNESS_RATIO = 6 / 7
+"""2 (1 - nu) / (2 - nu) for like spheres of Poisson's ratio 1/4, as in thesis, section 7.1."""
+OTHER_STIFFNESS_RATIOS = (0.7, 1.0)
+LEAST_FRICTION, LEAST_SPEED = 1e-6, 1e-6
+"""Below these nothing sticks anyway; the ratios stay finite."""
+
+
+def compliant(encounter: Encounter, stiffness_ratio: float) -> Floats:
+    """Return the impulse across the normal, kg m/s, of the springs and sliders, shape (S,)."""
+    give_n, give_t = gives(encounter.bodies)
+    unit = encounter.mu.clip(min=LEAST_FRICTION) * encounter.approach.clip(min=LEAST_SPEED)
+    unit = unit / stiffness_ratio
+    speed = encounter.sliding_speed
+    after = unit * rebound(speed / unit, stiffness_ratio * give_t / give_n / 2, encounter.e)
+    return np.asarray((speed - after) / give_t)
+
+
+def effect_at(stiffness_ratio: float, variants: tuple[ContactEffect, ...] = ()) -> ContactEffect:
+    """Return the effect for one ratio of tangential to normal stiffness."""
+
+    def wrap(operator: Operator, values: Values) -> Operator:
+        def changed(encounter: Encounter) -> Outcome:
+            def across(met: Encounter) -> Floats:
+                stiff, soft = encounter.across(met), compliant(met, stiffness_ratio)
+                return np.asarray((1.0 - values[0]) * stiff + values[0] * soft)
+
+            return operator(replace(encounter, across=across))
+
+        return changed
+
+    return ContactEffect(
+        name="tangential-compliance",
+        title=f"Tangential compliance, stiffness ratio {stiffness_ratio:.3g}",
+        parameters=(
+            Parameter(
+                symbol="a",
+                unit="1",
+                meaning="share of the compliant law: 0 is Walton's, 1 is the full theory",
+                plausible=(0.0, 1.3),
+                one_sided=True,
+            ),
+        ),
+        formula=(
+            "v_s' = (1 - a) Walton + a (mu v_n / kappa) f(kappa v_s / (mu v_n)), "
+            f"kappa = {stiffness_ratio:.3g}"
+        ),
+        source=(
+            "N. Maw, J. R. Barber and J. N. Fawcett, Wear 38, 101 (1976) and J. Lubr. Technol. "
+            "103, 74 (1981), as springs and sliders on a line with a dashpot along the normal"
+        ),
+        gives_away="v_s' bends round the corner of stick and slip, and is positive at small v_s",
+        confused_with=("friction-speed", "rolling-restitution-speed", "inertia-factor"),
+        variants=variants,
+        wrap=wrap,
+    )
+
+
+EFFECT = effect_at(STIFFNESS_RATIO, tuple(effect_at(ratio) for ratio in OTHER_STIFFNESS_RATIOS))
