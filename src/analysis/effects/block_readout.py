@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from analysis.effects.effect import ClockEffect, Exposure, Floats, Parameter, Values
@@ -9,43 +11,76 @@ from analysis.effects.frame_place import frame_places
 from analysis.imaging.views import View
 from analysis.setup import CameraSetup
 
+BLOCKS = 12
 
-def expose(exposure: Exposure, camera: CameraSetup, values: Values) -> tuple[Floats, Floats]:
-    """Return t + b T (row / height), rows counted from the frame's centre, T the frame time.
+Rows = Callable[[Floats, CameraSetup], Floats]
+"""Rows from the frame's centre, to the rows whose time the pose of a sphere there has."""
 
-    The staircase of blocks is taken as its mean slope: the outline of a sphere spans two or three
-    blocks, and the fit of a circle averages over them. Without a stated scale the rows are not
-    known, and nothing is delayed.
+
+def mean_slope(row: Floats, camera: CameraSetup) -> Floats:
+    """Return the rows themselves.
+
+    The outline of a sphere spans two or three blocks, and the fit of a circle averages over them.
+    """
+    del camera
+    return row
+
+
+def block_of_centre(row: Floats, camera: CameraSetup) -> Floats:
+    """Return the middle of the block that holds the centre, for poses that are dated by it."""
+    height = camera.height_px / BLOCKS
+    from_top = row + camera.height_px / 2
+    return np.asarray((np.floor(from_top / height) + 0.5) * height - camera.height_px / 2)
+
+
+def exposed(exposure: Exposure, camera: CameraSetup, values: Values, rows: Rows) -> Floats:
+    """Return t + b T row / height, T the frame time, shape (S, F, 2).
+
+    Without a stated scale the rows are not known, and nothing is delayed.
     """
     stated = np.repeat(exposure.times_s[..., None], 2, axis=2)
     scale = camera.scale_px_per_m
     if scale is None:
-        return stated, stated
-    row = frame_places(exposure.position, camera, scale)[View.FRONT][..., 0]
-    late = values[0] / camera.frame_rate_hz * row / camera.height_px
-    true = np.asarray(stated + late)
-    return true, true
+        return stated
+    front = frame_places(exposure.position, camera, scale)[View.FRONT][..., 0]
+    slope = values[0] / camera.frame_rate_hz / camera.height_px
+    return np.asarray(stated + slope * rows(front, camera))
 
 
-EFFECT = ClockEffect(
-    name="block-readout",
-    title="Block-wise readout of the sensor",
-    parameters=(
-        Parameter(
-            symbol="b",
-            unit="1",
-            meaning="share of the frame time that reading from the top row to the bottom row takes",
-            plausible=(0.0, 1.0),
-            step=1e-4,
-            one_sided=True,
+def effect_with(title: str, rows: Rows, variants: tuple[ClockEffect, ...] = ()) -> ClockEffect:
+    """Return the effect with one way to date a sphere that spans several blocks."""
+
+    def expose(exposure: Exposure, camera: CameraSetup, values: Values) -> tuple[Floats, Floats]:
+        true = exposed(exposure, camera, values, rows)
+        return true, true
+
+    return ClockEffect(
+        name="block-readout",
+        title=title,
+        parameters=(
+            Parameter(
+                symbol="b",
+                unit="1",
+                meaning="share of the frame time that reading from top to bottom takes",
+                plausible=(0.0, 1.0),
+                step=1e-4,
+                one_sided=True,
+            ),
         ),
-    ),
-    formula="t_true = t + b T row / rows, row from the frame's centre",
-    source=(
-        "Kodak EktaPro 1012 at 1000 frames/s: 12 blocks of 16 rows, from the top downward, each "
-        "83 microseconds after the one above it"
-    ),
-    gives_away="the lower sphere is ahead of its track in proportion to its speed and its row",
-    confused_with=("exposure-offset", "camera-roll", "finite-contact"),
-    expose=expose,
+        formula="t_true = t + b T row / rows, row from the frame's centre",
+        source=(
+            "Kodak EktaPro 1012 at 1000 frames/s: 12 blocks of 16 rows, from the top downward, "
+            "each 83 microseconds after the one above it"
+        ),
+        gives_away="the lower sphere is ahead of its track in proportion to its speed and its row",
+        confused_with=("exposure-offset", "camera-roll", "finite-contact"),
+        expose=expose,
+        variants=variants,
+    )
+
+
+EFFECT = effect_with(
+    "Block-wise readout of the sensor",
+    mean_slope,
+    (effect_with("Block-wise readout, dated by the block of the centre", block_of_centre),),
 )

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from analysis.effects import block_readout, exposure_offset, frame_rate
-from analysis.effects.effect import Exposure
+from analysis.effects.effect import ClockEffect, Exposure
 from analysis.setup import CameraSetup
 
 SCALE = 1574.8
@@ -69,3 +69,15 @@ def test_without_a_scale_no_row_is_known_and_none_is_delayed() -> None:
     unscaled = replace(CAMERA, scale_px_per_m=None)
     for part in block_readout.EFFECT.expose(exposure((0, 192)), unscaled, np.array([1.0])):
         np.testing.assert_array_equal(part, TIMES[..., None].repeat(2, axis=2))
+
+
+@pytest.mark.parametrize(
+    ("row", "block"), [(0.0, 0), (15.4, 0), (15.6, 1), (95.4, 5), (95.6, 6), (191.0, 11)]
+)
+def test_a_pose_dated_by_its_block_has_the_time_of_the_blocks_middle(
+    row: float, block: int
+) -> None:
+    (variant,) = block_readout.EFFECT.variants
+    assert isinstance(variant, ClockEffect)
+    place, _ = variant.expose(exposure((row, 7.5)), CAMERA, np.array([1.0]))
+    np.testing.assert_allclose(place[..., 0] - place[..., 1], block * 1e-3 / 12, atol=1e-12)
