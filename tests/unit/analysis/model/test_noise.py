@@ -1,0 +1,37 @@
+"""How large the noise really is comes out of the residuals, positions and orientations apart."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from analysis.model.fit import fit_campaign
+from analysis.model.noise import noise_scales, rescaled
+from tests.unit.analysis.model.hard_spheres import POSITION_SIGMA, ROTATION_SIGMA, campaign
+
+SHOTS = 60
+SAMPLING = np.sqrt(0.5 / (SHOTS * (24 * 6 - 12)))
+"""Of the root of chi-squared over 12 of each shot's 24 numbers for each kind."""
+
+
+@pytest.mark.parametrize(("position", "rotation"), [(1.0, 1.0), (1.3, 0.8), (0.5, 3.0)])
+def test_misstated_sigmas_are_found_and_put_right(position: float, rotation: float) -> None:
+    true = campaign(SHOTS, 41)
+    stated = true.with_sigmas(position * true.position_sigma, rotation * true.rotation_sigma)
+    fit = fit_campaign(stated)
+    of_position, of_rotation = noise_scales(stated, fit)
+    assert of_position == pytest.approx(1 / position, rel=4 * SAMPLING)
+    assert of_rotation == pytest.approx(1 / rotation, rel=4 * SAMPLING)
+    righted = rescaled(stated, fit)
+    assert righted.position_sigma == pytest.approx(POSITION_SIGMA, rel=4 * SAMPLING)
+    assert righted.rotation_sigma == pytest.approx(ROTATION_SIGMA, rel=4 * SAMPLING)
+
+
+def test_without_orientations_their_scale_is_left_as_stated() -> None:
+    data = campaign(20, 42)
+    blind = replace(data, rotation_sigma=np.full_like(data.rotation_sigma, np.inf))
+    position, rotation = noise_scales(blind, fit_campaign(blind))
+    assert rotation == 1.0
+    assert position == pytest.approx(1.0, rel=0.06)
