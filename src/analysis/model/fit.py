@@ -14,7 +14,14 @@ from numpy.typing import NDArray
 
 from analysis.collision.operator import WaltonLaw
 from analysis.model.linear import linearise
-from analysis.model.normal import LAW_PRIOR, NormalEquations, prior_cost, shot_steps, solve_blocks
+from analysis.model.normal import (
+    LAW_PRIOR,
+    NormalEquations,
+    inverse,
+    prior_cost,
+    shot_steps,
+    solve_blocks,
+)
 from analysis.model.poses import PoseData
 from analysis.model.start import first_states
 from analysis.model.state import SIZE, ShotStates
@@ -109,7 +116,7 @@ def fit_campaign(data: PoseData, theory: Theory | None = None, start: Fit | None
     return Fit(
         theory=present,
         states=states,
-        covariance=np.asarray(np.linalg.inv(matrix)),
+        covariance=inverse(matrix),
         chi2=float(sums.chi2.sum()),
         residuals=int(measured.sum()),
         shot_chi2=sums.chi2,
@@ -138,7 +145,7 @@ def _search(
 ) -> tuple[Theory, ShotStates, NormalEquations]:
     """Take the longest share of the joint step that lowers chi-squared; none: stay."""
     matrix, gradient = sums.reduced(theory)
-    step = np.linalg.solve(matrix, gradient)
+    step = inverse(matrix) @ gradient
     step = step / max(1.0, float(np.abs(step[:3] / LARGEST_LAW_STEP).max()))
     right = sums.state_gradient - sums.coupling @ step
     own = solve_blocks(sums.states, right[..., None])[..., 0]

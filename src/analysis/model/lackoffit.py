@@ -19,7 +19,7 @@ from analysis.model.covariates import shot_covariates
 from analysis.model.fit import Fit, fit_campaign
 from analysis.model.linear import linearise
 from analysis.model.noise import rescaled
-from analysis.model.normal import BETA0_PRIOR_SIGMA, solve_blocks
+from analysis.model.normal import BETA0_PRIOR_SIGMA, inverse, solve_blocks
 from analysis.model.poses import PoseData
 
 Floats = NDArray[np.float64]
@@ -144,7 +144,7 @@ class _Projector:
         against = np.einsum("sk,sip->kip", basis, channel.against).reshape(count, -1)
         gradient = np.einsum("sk,si->ki", basis, channel.gradient).ravel()
         raw = np.maximum(np.diag(own), 1e-300)
-        own = own - against @ np.linalg.solve(self._fitted, against.T)
+        own = own - against @ inverse(self._fitted) @ against.T
         scaled = own / np.sqrt(raw[:, None] * raw[None, :])
         values, vectors = np.linalg.eigh(scaled)
         seen = values > LEAST_EIGENVALUE

@@ -17,6 +17,8 @@ LAW_PRIOR = (0.74, 0.08, 0.6)
 BETA0_PRIOR_SIGMA = 0.7
 """beta0 has no information without a shot that sticks; a prior about the start holds it."""
 RIDGE = 1e-10
+LEAST_INFORMATION = 1e-18
+"""Of a parameter that no residual depends on: its variance is then 1e18."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -77,6 +79,19 @@ def solve_blocks(matrices: Floats, right: Floats) -> Floats:
     index = np.arange(SIZE)
     scaled[:, index, index] = np.maximum(scaled[:, index, index], 1.0) + RIDGE
     return np.asarray(np.linalg.solve(scaled, right / scale[..., None]) / scale[..., None])
+
+
+def inverse(matrix: Floats) -> Floats:
+    """Invert an information matrix (P, P), scaled to a unit diagonal.
+
+    A parameter without information gets a huge variance instead of an error.
+    """
+    information = np.diag(matrix)
+    scale = np.sqrt(np.where(information > LEAST_INFORMATION, information, LEAST_INFORMATION))
+    scaled = matrix / scale[:, None] / scale[None, :]
+    index = np.arange(len(matrix))
+    scaled[index, index] = 1.0 + RIDGE
+    return np.asarray(np.linalg.inv(scaled) / scale[:, None] / scale[None, :])
 
 
 def shot_steps(sums: NormalEquations, damping: Floats) -> Floats:

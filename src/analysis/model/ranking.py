@@ -17,7 +17,7 @@ from scipy.stats import chi2 as chi2_distribution
 from analysis.effects.effect import Effect
 from analysis.model.fit import Fit
 from analysis.model.linear import difference, linearise
-from analysis.model.normal import BETA0_PRIOR_SIGMA, solve_blocks
+from analysis.model.normal import BETA0_PRIOR_SIGMA, inverse, solve_blocks
 from analysis.model.poses import PoseData
 from analysis.model.prediction import predict
 
@@ -163,7 +163,7 @@ def _projected(data: PoseData, fit: Fit, columns: Floats) -> tuple[Floats, Float
     gradient = gradient.sum(axis=0)[:, 0]
     matrix[2, 2] += BETA0_PRIOR_SIGMA**-2
     fitted = len(fit.theory.names)
-    inner = np.linalg.solve(matrix[:fitted, :fitted], matrix[:fitted, fitted:])
+    inner = inverse(matrix[:fitted, :fitted]) @ matrix[:fitted, fitted:]
     reduced = matrix[fitted:, fitted:] - matrix[fitted:, :fitted] @ inner
     return (
         np.asarray(reduced),
@@ -175,30 +175,29 @@ def _projected(data: PoseData, fit: Fit, columns: Floats) -> tuple[Floats, Float
 def _fall(matrix: Floats, gradient: Floats, block: NDArray[np.intp]) -> float:
     if block.size == 0:
         return 0.0
-    step = np.linalg.solve(matrix[np.ix_(block, block)], gradient[block])
-    return float(gradient[block] @ step)
+    return float(gradient[block] @ inverse(matrix[np.ix_(block, block)]) @ gradient[block])
 
 
 def _amplitudes(matrix: Floats, gradient: Floats, block: NDArray[np.intp], count: int) -> Floats:
     if block.size < count:
         return np.full(count, np.nan)
-    return np.asarray(np.linalg.solve(matrix[np.ix_(block, block)], gradient[block]))
+    return np.asarray(inverse(matrix[np.ix_(block, block)]) @ gradient[block])
 
 
 def _sigmas(matrix: Floats, block: NDArray[np.intp], count: int) -> Floats:
     if block.size < count:
         return np.full(count, np.nan)
-    return np.asarray(np.sqrt(np.diag(np.linalg.inv(matrix[np.ix_(block, block)]))))
+    return np.asarray(np.sqrt(np.diag(inverse(matrix[np.ix_(block, block)]))))
 
 
 def _alias(matrix: Floats, first: NDArray[np.intp], second: NDArray[np.intp]) -> float:
     """Return the largest canonical correlation between two blocks of columns."""
     if first.size == 0 or second.size == 0:
         return 0.0
-    halves = [np.linalg.cholesky(matrix[np.ix_(b, b)]) for b in (first, second)]
-    inner = np.linalg.solve(halves[0], matrix[np.ix_(first, second)])
-    inner = np.linalg.solve(halves[1], inner.T)
-    return float(np.linalg.svd(inner, compute_uv=False)[0])
+    cross = matrix[np.ix_(first, second)]
+    between = inverse(matrix[np.ix_(first, first)]) @ cross
+    between = between @ inverse(matrix[np.ix_(second, second)]) @ cross.T
+    return float(np.sqrt(np.clip(np.linalg.eigvals(between).real.max(), 0.0, 1.0)))
 
 
 def _familywise(
@@ -224,7 +223,7 @@ def _familywise(
             continue
         own = draws[:, start : start + block.size]
         start += block.size
-        solved = np.linalg.solve(matrix[np.ix_(block, block)], own.T).T
+        solved = own @ inverse(matrix[np.ix_(block, block)])
         smallest = np.minimum(smallest, chi2_distribution.sf((own * solved).sum(1), block.size))
     # The chance counts itself, so that a share of zero is never claimed.
     return np.asarray([(1 + (smallest <= p).sum()) / (1 + DRAWS) for p in p_values])
