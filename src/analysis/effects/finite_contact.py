@@ -131,6 +131,6 @@ EFFECT = ContactEffect(
         "Powder Technol. 71, 239 (1992)"
     ),
     gives_away="oblique shots: e too small by (1 + e) v_t^2 t_c / (2 D v_n), centres leave late",
-    confused_with=("image-scale", "restitution-obliquity", "tangential-compliance", "pixel-aspect"),
+    confused_with=("image-scale", "radius-mismatch", "restitution-obliquity", "pixel-aspect"),
     wrap=wrap,
 )

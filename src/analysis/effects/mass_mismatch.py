@@ -32,7 +32,7 @@ EFFECT = ContactEffect(
             plausible=(-0.02, 0.02),
         ),
     ),
-    formula="change of (v_a + v_b) / 2 = -(d / 2) times change of v_b - v_a, when stated equal",
+    formula="change of (v_a + v_b) / 2 = (d / 2) times change of v_b - v_a, when stated equal",
     source="conservation of momentum; moulded nylon balls of one inch weigh alike to 1 or 2 %",
     gives_away="the mean velocity of both spheres jumps along the normal at contact",
     confused_with=("radius-mismatch", "mirror-angle"),

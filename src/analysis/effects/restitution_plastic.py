@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
+
 from analysis.collision.operator import Encounter, Operator, Outcome
 from analysis.effects.effect import ContactEffect, Parameter, Values
 
@@ -14,12 +16,13 @@ LEAST_SPEED = 1e-3
 
 
 def wrap(operator: Operator, values: Values) -> Operator:
-    """Scale e by (v / v0)^-p."""
+    """Scale e by (v / v0)^-p; never to more than 1, where the contact no longer yields."""
 
     def changed(encounter: Encounter) -> Outcome:
         speed = encounter.approach.clip(min=LEAST_SPEED)
         factor = (speed / REFERENCE_SPEED) ** -values[0]
-        return operator(replace(encounter, e=encounter.e * factor))
+        e = np.minimum(encounter.e * factor, np.maximum(encounter.e, 1.0))
+        return operator(replace(encounter, e=e))
 
     return changed
 
@@ -35,7 +38,7 @@ EFFECT = ContactEffect(
             plausible=(0.0, 0.25),
         ),
     ),
-    formula="e = e0 (v_n / v0)^-p, v0 = 2 m/s",
+    formula="e = min[1, e0 (v_n / v0)^-p], v0 = 2 m/s",
     source=(
         "K. L. Johnson, Contact Mechanics (1985), section 11.5: e ~ v^(-1/4) well above yield, and "
         "C. Thornton, J. Appl. Mech. 64, 383 (1997); nylon yields from about 1 m/s on"
