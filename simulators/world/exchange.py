@@ -55,7 +55,7 @@ def write_campaign(
         writer.writerow(["shot", "time", "pressure_a_kpa", "pressure_b_kpa", "offset_mm"])
         writer.writerows(rows)
     (folder / "campaign.toml").write_text(
-        _campaign_toml(folder.name, description, frame_rate_hz), encoding="utf-8"
+        campaign_toml(folder.name, description, frame_rate_hz), encoding="utf-8"
     )
     truth = {"spheres": _marks(description, seed), "shots": truths}
     (folder / "truth.json").write_text(json.dumps(truth), encoding="utf-8")
@@ -70,7 +70,8 @@ def _marks(description: WorldDescription, seed: int) -> list[dict[str, object]]:
     ]
 
 
-def _campaign_toml(name: str, description: WorldDescription, frame_rate_hz: float) -> str:
+def campaign_toml(name: str, description: WorldDescription, frame_rate_hz: float) -> str:
+    """Return the text of campaign.toml: camera, spheres and surroundings as stated."""
     optics, environment = description.optics, description.environment
     lines = [
         "format = 1",

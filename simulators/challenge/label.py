@@ -1,0 +1,69 @@
+"""What a campaign hides: drawn by chance, and written as its label."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from simulators.challenge.effects import HIDDEN, STRENGTHS, Hidden
+
+_NOTHING, _OUTSIDE, _TWO, _ONE = 0.1, 0.15, 0.2, 0.55
+"""How often nothing is hidden, something outside every catalogue, two effects, one."""
+
+Amplitudes = Mapping[str, float]
+"""Amplitude of each hidden effect by name, in the effect's own unit."""
+
+
+def draw_label(rng: np.random.Generator, strength: str) -> Amplitudes:
+    """Draw what to hide; effects that this strength makes invisible are left out.
+
+    Raises
+    ------
+    KeyError
+        No strength has this name.
+    """
+    factor = STRENGTHS[strength]
+    able = [effect for effect in HIDDEN.values() if factor == 1.0 or not effect.faint]
+    known = [effect for effect in able if effect.known]
+    kind = rng.choice(4, p=(_NOTHING, _OUTSIDE, _TWO, _ONE))
+    if kind == 0:
+        chosen = []
+    elif kind == 1:
+        chosen = [_one(rng, [effect for effect in able if not effect.known])]
+    else:
+        chosen = [_one(rng, known)]
+        if kind == 2:
+            others = [effect for effect in known if effect.acts_on != chosen[0].acts_on]
+            chosen.append(_one(rng, others))
+    return {effect.name: factor * _signed(rng, effect) for effect in chosen}
+
+
+def label_document(amplitudes: Amplitudes) -> dict[str, Any]:
+    """Return the label: effects, the right answer, and what else an answer may say."""
+    hidden = [HIDDEN[name] for name in amplitudes]
+    answer = [effect.name if effect.known else "unexplained" for effect in hidden]
+    return {
+        "answer": answer or ["none"],
+        "effects": [
+            {
+                "effect": effect.name,
+                "amplitude": amplitudes[effect.name],
+                "unit": effect.unit,
+                "meaning": effect.meaning,
+            }
+            for effect in hidden
+        ],
+        "like": {effect.name: list(effect.like) for effect in hidden if effect.like},
+        "beside": [name for effect in hidden for name in effect.beside],
+    }
+
+
+def _one(rng: np.random.Generator, effects: list[Hidden]) -> Hidden:
+    return effects[int(rng.integers(len(effects)))]
+
+
+def _signed(rng: np.random.Generator, effect: Hidden) -> float:
+    negative = effect.either_sign and bool(rng.integers(2))
+    return -effect.amplitude if negative else effect.amplitude

@@ -1,0 +1,67 @@
+"""A challenge: a campaign folder that hides something, and the sealed label that says what."""
+
+from __future__ import annotations
+
+import secrets
+from pathlib import Path
+
+import numpy as np
+
+from simulators.challenge.campaign import run_campaign
+from simulators.challenge.effects import STRENGTHS, switched
+from simulators.challenge.folder import write_folder
+from simulators.challenge.label import Amplitudes, draw_label, label_document
+from simulators.challenge.seal import write_seal
+
+FEWEST_SHOTS, MOST_SHOTS = 3, 10_000
+_LABEL, _SALT, _CAMPAIGN = range(3)
+
+
+def new_challenge(
+    folder: Path, *, seed: int | None = None, strength: str = "full", shots: int = 120
+) -> None:
+    """Draw what to hide and write the campaign with its seal.
+
+    A seed gives the same folder to the last byte, but for the campaign's name, which is the
+    folder's; without one the system's entropy is drawn.
+
+    Raises
+    ------
+    ValueError
+        The folder holds something, the strength is unknown, the seed negative or the number of
+        shots out of range.
+    OSError
+        The folder cannot be written.
+    """
+    seed = secrets.randbits(63) if seed is None else seed
+    if seed < 0:
+        raise ValueError(f"the seed must not be negative, found {seed}")
+    if strength not in STRENGTHS:
+        raise ValueError(f"strength must be one of {', '.join(STRENGTHS)}, found {strength!r}")
+    write_challenge(
+        folder, draw_label(np.random.default_rng([seed, _LABEL]), strength), seed, shots
+    )
+
+
+def write_challenge(folder: Path, amplitudes: Amplitudes, seed: int, shots: int = 120) -> None:
+    """Write a campaign that hides the named effects, at these amplitudes, with its seal.
+
+    Raises
+    ------
+    ValueError
+        The folder holds something, or the number of shots is out of range.
+    OSError
+        The folder cannot be written.
+    """
+    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+        raise ValueError(f"{folder} holds something already; name a folder that is not there")
+    if not FEWEST_SHOTS <= shots <= MOST_SHOTS:
+        raise ValueError(f"shots must be {FEWEST_SHOTS} to {MOST_SHOTS}, found {shots}")
+    campaign = run_campaign(switched(amplitudes), _derived(seed, _CAMPAIGN), shots=shots)
+    write_folder(folder, campaign)
+    write_seal(folder, label_document(amplitudes), np.random.default_rng([seed, _SALT]))
+
+
+def _derived(seed: int, purpose: int) -> int:
+    """Return a seed whose streams overlap with none of another purpose."""
+    return int(np.random.default_rng([seed, purpose]).integers(2**62))
