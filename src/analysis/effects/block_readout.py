@@ -33,26 +33,31 @@ def block_of_centre(row: Floats, camera: CameraSetup) -> Floats:
     return np.asarray((np.floor(from_top / height) + 0.5) * height - camera.height_px / 2)
 
 
-def exposed(exposure: Exposure, camera: CameraSetup, values: Values, rows: Rows) -> Floats:
-    """Return t + b T row / height, T the frame time, shape (S, F, 2).
+def exposed(
+    exposure: Exposure, camera: CameraSetup, values: Values, rows: Rows
+) -> tuple[Floats, Floats]:
+    """Return t + b T row / height, T the frame time, shapes (S, F, 2, 3) and (S, F, 2).
 
-    Without a stated scale the rows are not known, and nothing is delayed.
+    X and Y are shown by the front view, Z by the top view, the orientation by both. Without a
+    stated scale the rows are not known, and nothing is delayed.
     """
-    stated = np.repeat(exposure.times_s[..., None], 2, axis=2)
+    stated = exposure.times_s[..., None]
     scale = camera.scale_px_per_m
     if scale is None:
-        return stated
-    front = frame_places(exposure.position, camera, scale)[View.FRONT][..., 0]
+        return stated[..., None], stated
+    places = frame_places(exposure.position, camera, scale)
+    front = rows(places[View.FRONT][..., 0], camera)
+    top = rows(places.get(View.TOP, places[View.FRONT])[..., 0], camera)
     slope = values[0] / camera.frame_rate_hz / camera.height_px
-    return np.asarray(stated + slope * rows(front, camera))
+    late = slope * np.stack([front, front, top], axis=-1)
+    return stated[..., None] + late, stated + slope * (front + top) / 2
 
 
 def effect_with(title: str, rows: Rows, variants: tuple[ClockEffect, ...] = ()) -> ClockEffect:
     """Return the effect with one way to date a sphere that spans several blocks."""
 
     def expose(exposure: Exposure, camera: CameraSetup, values: Values) -> tuple[Floats, Floats]:
-        true = exposed(exposure, camera, values, rows)
-        return true, true
+        return exposed(exposure, camera, values, rows)
 
     return ClockEffect(
         name="block-readout",

@@ -133,7 +133,7 @@ class Exposure:
     times_s
         Stated time of each frame, shape (S, F).
     position
-        Centres as predicted at the stated times, m, shape (S, F, 2, 3).
+        Centres as predicted at the true times, m, shape (S, F, 2, 3).
     """
 
     times_s: Floats
@@ -142,7 +142,11 @@ class Exposure:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ClockEffect(Effect):
-    """Changes when a frame was exposed: true times of positions and of orientations, (S, F, 2)."""
+    """Changes when a frame was exposed.
+
+    `expose` returns true times by sphere: of each coordinate of the position, and of the
+    orientation, in shapes that broadcast to (S, F, 2, 3) and (S, F, 2).
+    """
 
     stage: ClassVar[str] = "clock"
     expose: Callable[[Exposure, CameraSetup, Values], tuple[Floats, Floats]]

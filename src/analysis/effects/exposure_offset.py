@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from analysis.effects.effect import ClockEffect, Exposure, Floats, Parameter, Values
 from analysis.setup import CameraSetup
 
@@ -11,8 +9,8 @@ from analysis.setup import CameraSetup
 def expose(exposure: Exposure, camera: CameraSetup, values: Values) -> tuple[Floats, Floats]:
     """Return t + d for positions, t for orientations; a shift of both only moves the contact."""
     del camera
-    stated = np.repeat(exposure.times_s[..., None], 2, axis=2)
-    return stated + values[0], stated
+    stated = exposure.times_s[..., None]
+    return stated[..., None] + values[0], stated
 
 
 EFFECT = ClockEffect(

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from analysis.effects.effect import ClockEffect, Exposure, Floats, Parameter, Values
 from analysis.setup import CameraSetup
 
@@ -11,8 +9,8 @@ from analysis.setup import CameraSetup
 def expose(exposure: Exposure, camera: CameraSetup, values: Values) -> tuple[Floats, Floats]:
     """Return true times (1 + r) t, for positions and orientations alike."""
     del camera
-    true = np.repeat((1.0 + values[0]) * exposure.times_s[..., None], 2, axis=2)
-    return true, true
+    true = (1.0 + values[0]) * exposure.times_s[..., None]
+    return true[..., None], true
 
 
 EFFECT = ClockEffect(

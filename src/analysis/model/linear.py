@@ -134,18 +134,19 @@ def _place_derivatives(
 ) -> Floats:
     """Differentiate the centre of one sphere, shape (S, F, 3, 24)."""
     outcome, by_state = contact
-    velocity, _, since = linear_flight(data, states, outcome, timing.position, i)
-    flown = timing.position > 0
+    tau = timing.position[:, :, i]
+    velocity, _, since = linear_flight(data, states, outcome, tau, i)
+    flown = (tau > 0)[..., None]
     own = slice(3 * i, 3 * i + 3)
-    derivative = _outcome_derivatives(by_state[:, AFTER][:, own], i, flown) * since[..., None, None]
+    derivative = _outcome_derivatives(by_state[:, AFTER][:, own], i, flown) * since[..., None]
     leave = np.zeros((len(outcome), 3, SIZE))
     leave[:, :, TILT.start : MOTION.stop] = by_state[:, SHIFT][:, own]
     late = np.zeros((len(outcome), 1, SIZE))
     late[:, :, TILT.start : MOTION.stop] = by_state[:, DURATION]
-    derivative += np.where(flown[..., None, None], leave[:, None], 0.0)
-    derivative -= np.where(flown[..., None, None], late[:, None], 0.0) * velocity[..., None]
+    derivative += np.where(flown, leave[:, None], 0.0)
+    derivative -= np.where(flown, late[:, None], 0.0) * velocity[..., None]
     gravity = np.array([data.gravity, 0.0, 0.0])
-    derivative[..., TIME] = -(velocity + gravity * timing.position[..., None])[..., None]
+    derivative[..., TIME] = -(velocity + gravity * tau)[..., None]
     derivative[..., POINT] += np.eye(3)
     reach = SIDES[i] * data.bodies[i].radius
     derivative[..., TILT] += reach * np.stack(states.tangents(), axis=-1)[:, None]
@@ -157,8 +158,9 @@ def _turn_derivatives(
 ) -> Floats:
     """Differentiate the orientation of one sphere as a rotation vector, shape (S, F, 3, 24)."""
     outcome, by_state = contact
-    spin, _, since = linear_turning(states, outcome, timing.rotation, i)
-    flown = timing.rotation > 0
+    tau = timing.rotation[:, :, i]
+    spin, _, since = linear_turning(states, outcome, tau, i)
+    flown = (tau > 0)[..., None, None]
     own = slice(3 * i, 3 * i + 3)
     angle = spin * since[..., None]
     response = since[..., None, None] * left_jacobian(angle)
@@ -169,11 +171,11 @@ def _turn_derivatives(
     leave[:, :, TILT.start : MOTION.stop] = by_state[:, TURN][:, own]
     late = np.zeros((len(outcome), 1, SIZE))
     late[:, :, TILT.start : MOTION.stop] = by_state[:, DURATION]
-    derivative += np.where(flown[..., None, None], turned @ leave[:, None], 0.0)
-    derivative -= np.where(flown[..., None, None], late[:, None], 0.0) * spin[..., None]
+    derivative += np.where(flown, turned @ leave[:, None], 0.0)
+    derivative -= np.where(flown, late[:, None], 0.0) * spin[..., None]
     derivative[..., TIME] = -spin[..., None]
     meanwhile = rotation_matrix(outcome[:, TURN][:, own])
-    start = np.where(flown[..., None, None], meanwhile[:, None], np.eye(3))
+    start = np.where(flown, meanwhile[:, None], np.eye(3))
     derivative[..., _OWN_TURN[i]] = turned @ start
     return derivative
 
@@ -186,7 +188,7 @@ def _outcome_derivatives(after: Floats, row: int, flown: NDArray[np.bool_]) -> F
     before, beyond = np.zeros((len(after), 3, SIZE)), np.zeros((len(after), 3, SIZE))
     before[:, :, MOTION.start + 3 * row : MOTION.start + 3 * row + 3] = np.eye(3)
     beyond[:, :, TILT.start : MOTION.stop] = after
-    return np.where(flown[..., None, None], beyond[:, None], before[:, None])
+    return np.where(flown, beyond[:, None], before[:, None])
 
 
 def left_jacobian(vector: Floats) -> Floats:

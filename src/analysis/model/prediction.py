@@ -38,7 +38,15 @@ class Poses:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Timing:
-    """True times since first touch of positions and of orientations, s, shape (S, F)."""
+    """True times since first touch, s, by sphere.
+
+    Attributes
+    ----------
+    position
+        Of each coordinate, as the two views may show a sphere at two times, shape (S, F, 2, 3).
+    rotation
+        Of the orientation, shape (S, F, 2).
+    """
 
     position: Floats
     rotation: Floats
@@ -58,18 +66,19 @@ def predict(data: PoseData, states: ShotStates, theory: Theory) -> Poses:
 def true_timing(data: PoseData, states: ShotStates, theory: Theory, outcome: Floats) -> Timing:
     """Return when the frames were really exposed, counted from first touch."""
     stated = data.times_s - states.time_s[:, None]
-    timing = Timing(stated, stated)
-    if not theory.clock:
-        return timing
-    bare = Theory(theory.law)
-    places = [fly(data, states, outcome, timing, theory=bare, sphere=i)[0] for i in (0, 1)]
-    exposure = Exposure(data.times_s, np.stack(places, axis=2))
-    position, rotation = stated.copy(), stated.copy()
-    for effect, values in theory.clock:
-        seen, turned = effect.expose(exposure, data.camera, values)
-        position += (seen - data.times_s[..., None]).mean(axis=2)
-        rotation += (turned - data.times_s[..., None]).mean(axis=2)
-    return Timing(position, rotation)
+    start = Timing(np.tile(stated[..., None, None], (2, 3)), np.tile(stated[..., None], 2))
+    timing, bare = start, Theory(theory.law)
+    # A time that hangs on the place hangs on it at that time: the second pass knows where.
+    for _ in range(2 if theory.clock else 0):
+        places = [fly(data, states, outcome, timing, theory=bare, sphere=i)[0] for i in (0, 1)]
+        exposure = Exposure(data.times_s, np.stack(places, axis=2))
+        position, rotation = start.position, start.rotation
+        for effect, values in theory.clock:
+            seen, turned = effect.expose(exposure, data.camera, values)
+            position = position + (seen - data.times_s[..., None, None])
+            rotation = rotation + (turned - data.times_s[..., None])
+        timing = Timing(position, rotation)
+    return timing
 
 
 def fly(
@@ -82,14 +91,17 @@ def fly(
     sphere: int,
 ) -> tuple[Floats, Floats]:
     """Return positions (S, F, 3) and orientations (S, F, 3, 3) of a sphere before the camera."""
-    velocity, start, since = linear_flight(data, states, outcome, timing.position, sphere)
+    tau = timing.position[:, :, sphere]
+    velocity, start, since = linear_flight(data, states, outcome, tau, sphere)
     gravity = np.array([data.gravity, 0.0, 0.0])
-    tau = timing.position[..., None]
-    position = start + velocity * since[..., None] + 0.5 * gravity * tau**2
-    spin, turned, since_turn = linear_turning(states, outcome, timing.rotation, sphere)
+    position = start + velocity * since + 0.5 * gravity * tau**2
+    tau_turn = timing.rotation[:, :, sphere]
+    spin, turned, since_turn = linear_turning(states, outcome, tau_turn, sphere)
     rotation = rotation_matrix(spin * since_turn[..., None]) @ turned
     if theory.flight:
-        push, twist = _perturbation(data, theory, (position, velocity, spin), since, sphere)
+        push, twist = _perturbation(
+            data, theory, (position, velocity, spin), (since, since_turn), sphere
+        )
         position = position + push
         rotation = rotation_matrix(twist) @ rotation
     return position, rotation
@@ -98,13 +110,16 @@ def fly(
 def linear_flight(
     data: PoseData, states: ShotStates, outcome: Floats, tau: Floats, i: int
 ) -> tuple[Floats, Floats, Floats]:
-    """Return velocity and starting point (S, F, 3) of a frame's side, and the time from there."""
+    """Return velocity and starting point of a frame's side, and the time from there, (S, F, 3).
+
+    `tau` is the time from first touch of each coordinate, shape (S, F, 3).
+    """
     flown = tau > 0
     before = (states.before.velocity_a, states.before.velocity_b)[i]
     after = outcome[:, AFTER][:, 3 * i : 3 * i + 3]
     touch = states.point + SIDES[i] * data.bodies[i].radius * states.normal
     leave = touch + outcome[:, SHIFT][:, 3 * i : 3 * i + 3]
-    since = tau - np.where(flown, outcome[:, DURATION], 0.0)
+    since = tau - np.where(flown, outcome[:, DURATION, None], 0.0)
     return _sides(before, after, flown), _sides(touch, leave, flown), since
 
 
@@ -119,18 +134,18 @@ def linear_turning(
     leave = rotation_matrix(outcome[:, TURN][:, 3 * i : 3 * i + 3]) @ touch
     since = tau - np.where(flown, outcome[:, DURATION], 0.0)
     start = np.where(flown[..., None, None], leave[:, None], touch[:, None])
-    return _sides(before, after, flown), start, since
+    return _sides(before, after, flown[..., None]), start, since
 
 
 def _sides(before: Floats, after: Floats, flown: NDArray[np.bool_]) -> Floats:
-    return np.where(flown[..., None], after[:, None], before[:, None])
+    return np.where(flown, after[:, None], before[:, None])
 
 
 def _perturbation(
     data: PoseData,
     theory: Theory,
     motion: tuple[Floats, Floats, Floats],
-    since: Floats,
+    since: tuple[Floats, Floats],
     i: int,
 ) -> tuple[Floats, Floats]:
     """Return what small forces add: displacement and rotation vector, shape (S, F, 3).
@@ -138,13 +153,14 @@ def _perturbation(
     Double integrals of the acceleration along the unperturbed path, int_0^t (t - s) a(s) ds.
     """
     position, velocity, spin = motion
+    flown, turned = since[0], since[1][..., None]
     gravity = np.array([data.gravity, 0.0, 0.0])
     push, twist = np.zeros_like(position), np.zeros_like(position)
     for node in _NODES:
-        back = ((1.0 - node) * since)[..., None]
+        back = (1.0 - node) * flown
         flying = Flying(
             position=position - velocity * back,
-            velocity=velocity + gravity * (node * since)[..., None],
+            velocity=velocity + gravity * node * flown,
             spin=spin,
             body=data.bodies[i],
             gravity=data.gravity,
@@ -152,7 +168,6 @@ def _perturbation(
         )
         for effect, values in theory.flight:
             linear, angular = effect.accelerate(flying, values)
-            share = 0.5 * since[..., None] * back
-            push += share * linear
-            twist += share * angular
+            push += 0.5 * flown * back * linear
+            twist += 0.5 * (1.0 - node) * turned**2 * angular
     return push, twist
