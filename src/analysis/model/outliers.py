@@ -64,7 +64,7 @@ def clean(data: PoseData, theory: Theory | None = None) -> Cleaned:
         fit = _robust(data, fit.theory)
     kept = np.ones(len(data.shots), dtype=np.bool_)
     for _ in range(ROUNDS):
-        bad = bad_shots(fit)
+        bad = bad_shots(fit, int((~kept).sum()))
         if not bad.any():
             break
         kept[np.flatnonzero(kept)[bad]] = False
@@ -76,11 +76,17 @@ def clean(data: PoseData, theory: Theory | None = None) -> Cleaned:
     return Cleaned(rest, fit, kept, tuple(f for f in frames if f[0] in names))
 
 
-def bad_shots(fit: Fit) -> NDArray[np.bool_]:
+def bad_shots(fit: Fit, gone: int = 0) -> NDArray[np.bool_]:
     """Return which shots lie too far from the model, by chi-squared against their own, shape (S,).
 
     Wilson-Hilferty normal deviate of chi-squared per degree of freedom, in units of the campaign's
     median.
+
+    Parameters
+    ----------
+    gone
+        Shots dropped before: they count in the share that makes it physics, which would otherwise
+        be taken out a few at a time.
     """
     quality, freedom = _quality(fit)
     if len(quality) < 4:
@@ -89,7 +95,7 @@ def bad_shots(fit: Fit) -> NDArray[np.bool_]:
     spread = 2 / (9 * freedom)
     deviate = (np.cbrt(ratio) - (1 - spread)) / np.sqrt(spread)
     bad = deviate > norm.isf(ALARM_SHARE / len(quality))
-    if bad.mean() > PHYSICS_SHARE:
+    if bad.sum() + gone > PHYSICS_SHARE * (len(bad) + gone):
         low, high = np.quantile(quality, [0.25, 0.75])
         bad = quality > high + FAR_OUT * (high - low)
     return np.asarray(bad)

@@ -107,9 +107,11 @@ def rank(data: PoseData, fit: Fit, effects: Sequence[Effect], seed: int = 0) -> 
     """
     present = {active.effect.name for active in fit.theory.active}
     candidates = [effect for effect in effects if effect.name not in present]
+    scale = float(np.sqrt(max(fit.chi2_per_dof, 1e-12)))
+    if not candidates:
+        return Ranking((), np.zeros((0, 0)), scale)
     columns, owners = _columns(data, fit, candidates)
     matrix, gradient, raw = _projected(data, fit, columns)
-    scale = float(np.sqrt(max(fit.chi2_per_dof, 1e-12)))
     visible = np.diag(matrix) > LEAST_INFORMATION * raw
     blocks = [np.flatnonzero((owners == k) & visible) for k in range(len(candidates))]
     falls = np.array([_fall(matrix, gradient, block) for block in blocks]) / scale**2

@@ -63,7 +63,9 @@ def verdict_sentence(document: Json) -> str:
         return f"{name}: the missing effect is {names}; {fall}."
     if document["verdict"] == "alias":
         alike = " or ".join(document["alias_set"])
-        return f"{name}: the missing effect is one of {alike}: these shots cannot tell; {fall}."
+        others = [effect for effect in document["effects"] if effect not in document["alias_set"]]
+        sure = f"{' and '.join(others)} is missing, and" if others else "the missing effect is"
+        return f"{name}: {sure} one of {alike}: these shots cannot tell; {fall}."
     verb = "explain" if len(document["effects"]) > 1 else "explains"
     part = f" {names} {verb} part of it." if names else ""
     where = document["structure"][0]

@@ -67,7 +67,8 @@ class Verdict:
     effects
         Names of the accepted effects; when unexplained, what explains part.
     alias_set
-        For the first accepted effect, all that these shots cannot tell from it, itself included.
+        All that these shots cannot tell from an accepted effect, itself first: of the first that
+        has company, else of the first.
     path
         From the base model on.
     ranking
@@ -123,7 +124,8 @@ def explain(
     accepted = path[-1].effects
     progress("testing what is left")
     cells = lack_of_fit(used, path[-1].fit)
-    alias_set = alias_sets[accepted[0]] if accepted else ()
+    ambiguous = [name for name in accepted if len(alias_sets[name]) > 1]
+    alias_set = next((alias_sets[name] for name in (*ambiguous, *accepted)), ())
     return Verdict(
         verdict=_word(accepted, alias_sets, cells),
         effects=accepted,

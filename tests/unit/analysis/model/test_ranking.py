@@ -9,7 +9,7 @@ import pytest
 
 from analysis.model.fit import fit_campaign
 from analysis.model.ranking import rank
-from tests.unit.analysis.model.chosen import EFFECTS
+from tests.unit.analysis.model.chosen import EFFECTS, chosen
 from tests.unit.analysis.model.hard_spheres import Hidden, campaign
 
 
@@ -57,3 +57,12 @@ def test_without_orientations_what_only_spin_can_show_is_not_scored() -> None:
     blind = replace(data, rotation_sigma=np.full_like(data.rotation_sigma, np.inf))
     ranking = rank(blind, fit_campaign(blind), EFFECTS)
     assert all(np.isfinite(c.fall) for c in ranking.candidates)
+
+
+def test_when_every_effect_is_in_the_fit_there_is_nothing_to_rank() -> None:
+    data = campaign(6, 9)
+    [scale] = chosen("image-scale")
+    fit = fit_campaign(data)
+    ranking = rank(data, fit_campaign(data, fit.theory.with_effect(scale), fit), [scale])
+    assert ranking.candidates == ()
+    assert ranking.aliases.shape == (0, 0)

@@ -1,0 +1,91 @@
+"""What is left has uniform p-values when nothing is missing, and shows in the right cell if not."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from analysis.model.fit import fit_campaign
+from analysis.model.lackoffit import Cell, lack_of_fit
+from analysis.model.poses import PoseData
+from tests.unit.analysis.model.hard_spheres import Hidden, campaign
+
+CAMPAIGNS = 8
+ALARM = 0.01
+
+
+def cells_of(data: PoseData) -> tuple[Cell, ...]:
+    return lack_of_fit(data, fit_campaign(data))
+
+
+@pytest.fixture(scope="module")
+def quiet() -> list[tuple[Cell, ...]]:
+    return [cells_of(campaign(30, 600 + seed)) for seed in range(CAMPAIGNS)]
+
+
+def test_every_channel_is_held_against_everything_it_may_depend_on(
+    quiet: list[tuple[Cell, ...]],
+) -> None:
+    # 12 jumps against 8 covariates, 12 displacements against time, 3 x 3 against the field.
+    assert len({(cell.channel, cell.covariate) for cell in quiet[0]}) == 12 * 8 + 12 + 9
+    assert all(1 <= cell.freedom <= 5 for cell in quiet[0] if cell.p_value < 1)
+
+
+def test_p_values_are_uniform_when_nothing_is_missing(quiet: list[tuple[Cell, ...]]) -> None:
+    p_values = np.array([cell.p_value for cells in quiet for cell in cells])
+    # Cells of a campaign share their residuals: bounds of three times a binomial's.
+    for level in (0.05, 0.25, 0.5, 0.75):
+        spread = np.sqrt(level * (1 - level) / len(p_values))
+        assert (p_values < level).mean() == pytest.approx(level, abs=9 * spread)
+    assert sum(cells[0].p_holm < ALARM for cells in quiet) <= 1
+
+
+def test_holm_multiplies_the_smallest_p_by_the_number_of_cells(
+    quiet: list[tuple[Cell, ...]],
+) -> None:
+    cells = quiet[0]
+    assert cells[0].p_holm == pytest.approx(min(1.0, len(cells) * cells[0].p_value))
+    assert [c.p_value for c in cells] == sorted(c.p_value for c in cells)
+    assert [c.p_holm for c in cells] == sorted(c.p_holm for c in cells)
+
+
+def test_a_force_between_the_spheres_shows_in_their_distance_against_time() -> None:
+    first = cells_of(campaign(40, 61, hidden=Hidden(pull=30.0)))[0]
+    assert (first.channel, first.covariate) == ("relative position n", "time")
+    assert first.p_holm < ALARM
+
+
+def test_a_distorted_field_shows_in_the_image() -> None:
+    data = campaign(40, 62)
+    position = data.position.copy()
+    # A tenth of a millimetre at the edge of the field, in Y alone.
+    position[..., 1] += 1e-4 * (position[..., 1] / 0.05) ** 3
+    first = cells_of(replace(data, position=position))[0]
+    assert (first.channel, first.covariate) == ("image Y", "field Y")
+    assert first.p_holm < ALARM
+
+
+def test_restitution_that_depends_on_speed_shows_in_the_normal_jump_against_it() -> None:
+    first = cells_of(campaign(40, 63, hidden=Hidden(slope=0.05)))[0]
+    assert first.channel == "relative velocity n"
+    assert first.covariate in {"ln v_n", "ln v_s/v_n"}
+    assert first.p_holm < ALARM
+
+
+@pytest.mark.parametrize(("position", "rotation"), [(1.3, 0.8), (0.6, 1.5)])
+def test_misstated_sigmas_do_not_alarm(position: float, rotation: float) -> None:
+    smallest = []
+    for seed in range(4):
+        data = campaign(30, 640 + seed)
+        data = data.with_sigmas(position * data.position_sigma, rotation * data.rotation_sigma)
+        smallest.append(cells_of(data)[0].p_holm)
+    assert min(smallest) > ALARM
+
+
+def test_a_covariate_that_never_changes_is_one_number_and_no_fault() -> None:
+    data = replace(campaign(20, 65), covariates={"order": np.zeros(20)})
+    cells = [cell for cell in cells_of(data) if cell.covariate == "order"]
+    assert len(cells) == 12
+    assert all(cell.freedom <= 1 for cell in cells)

@@ -1,0 +1,106 @@
+"""The verdict's document is plain JSON with the keys that other programs rely on."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from analysis.model.report import verdict_document, verdict_sentence
+from analysis.model.selection import explain
+from tests.unit.analysis.model.chosen import EFFECTS
+from tests.unit.analysis.model.hard_spheres import Hidden, campaign
+
+KEYS = {
+    *("campaign", "shots", "used", "rejected", "rejected_frames", "verdict", "effects"),
+    *("alias_set", "unexplained", "chi2_per_dof", "path", "parameters", "candidates"),
+    *("structure", "next_shots"),
+}
+CANDIDATE = {
+    *("effect", "score", "p_value", "p_familywise", "promised_fall"),
+    *("amplitude", "sigma", "unit", "plausible"),
+}
+CELL = {"channel", "covariate", "chi2", "degrees_of_freedom", "p_value"}
+
+
+def document(data: Any) -> dict[str, Any]:
+    made = verdict_document("nylon", data, explain(data, EFFECTS))
+    # Out and in again: what is not JSON, or is not a number, cannot pass.
+    return json.loads(json.dumps(made, allow_nan=False))
+
+
+@pytest.fixture(scope="module")
+def documents() -> dict[str, dict[str, Any]]:
+    scaled = campaign(30, 81)
+    spoilt = scaled.position * 1.003
+    spoilt[4, :, 0, 1] += 4e-4 * np.sin(np.arange(24) / 2)
+    spoilt[9, 2, 1, 1] += 2e-3
+    slow = campaign(30, 82)
+    return {
+        "none": document(campaign(30, 80)),
+        "effect": document(replace(scaled, position=spoilt)),
+        "alias": document(replace(slow, times_s=slow.times_s / 1.01)),
+        "unexplained": document(campaign(30, 83, hidden=Hidden(pull=60.0))),
+    }
+
+
+@pytest.mark.parametrize("word", ["none", "effect", "alias", "unexplained"])
+def test_every_verdict_has_the_keys_of_the_contract(
+    documents: dict[str, dict[str, Any]], word: str
+) -> None:
+    found = documents[word]
+    assert set(found) == KEYS
+    assert found["verdict"] == word
+    assert found["unexplained"] is (word == "unexplained")
+    assert {*map(frozenset, found["candidates"])} == {frozenset(CANDIDATE)}
+    assert {*map(frozenset, found["structure"])} <= {frozenset(CELL)}
+    assert all(set(s) == {"with", "chi2_per_dof", "prediction_error"} for s in found["path"])
+    assert {"e", "mu", "beta0"} <= set(found["parameters"])
+    assert all(set(q) == {"value", "sigma", "unit"} for q in found["parameters"].values())
+    assert found["path"][-1]["chi2_per_dof"] == found["chi2_per_dof"]
+    assert all(0 < c["p_value"] <= 1 for c in found["candidates"])
+
+
+def test_what_was_taken_out_is_listed_by_the_numbers_of_the_shots(
+    documents: dict[str, dict[str, Any]],
+) -> None:
+    found = documents["effect"]
+    assert found["rejected"] == [5]
+    assert found["rejected_frames"] == [[10, 2]]
+    assert (found["shots"], found["used"]) == (30, 29)
+
+
+def test_only_what_alarms_is_structure(documents: dict[str, dict[str, Any]]) -> None:
+    assert documents["none"]["structure"] == []
+    assert documents["effect"]["structure"] == []
+    assert all(cell["p_value"] < 0.01 for cell in documents["unexplained"]["structure"])
+
+
+def test_the_candidates_stand_in_the_order_of_what_they_promise(
+    documents: dict[str, dict[str, Any]],
+) -> None:
+    falls = [c["promised_fall"] for c in documents["effect"]["candidates"]]
+    assert falls == sorted(falls, reverse=True)
+    assert documents["effect"]["candidates"][0]["effect"] == "image-scale"
+
+
+def test_a_sentence_says_the_verdict(documents: dict[str, dict[str, Any]]) -> None:
+    said = {word: verdict_sentence(found) for word, found in documents.items()}
+    assert said["none"] == "nylon: nothing is missing, as far as 30 shots can tell."
+    assert "the missing effect is image-scale; with it the error" in said["effect"]
+    assert "frame-rate" in said["alias"]
+    assert " or " in said["alias"]
+    assert "these shots cannot tell" in said["alias"]
+    assert "something is missing that the catalogue does not hold." in said["unexplained"]
+    assert f"most in {documents['unexplained']['structure'][0]['channel']}" in said["unexplained"]
+
+
+def test_an_effect_that_is_sure_is_said_beside_those_that_are_not(
+    documents: dict[str, dict[str, Any]],
+) -> None:
+    found = documents["alias"]
+    said = verdict_sentence({**found, "effects": ["drag", *found["effects"]]})
+    assert said.startswith("nylon: drag is missing, and one of ")
