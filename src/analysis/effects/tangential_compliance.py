@@ -8,32 +8,48 @@ import numpy as np
 
 from analysis.collision.operator import Encounter, Floats, Operator, Outcome, gives
 from analysis.effects.effect import ContactEffect, Parameter, Values
-from analysis.effects.spring_slider import rebound
+from analysis.effects.spring_slider import Pressing, line_of_springs, rebound, single_spring
 
 STIFFNESS_RATIO = 6 / 7
 """2 (1 - nu) / (2 - nu) for like spheres of Poisson's ratio 1/4, as in thesis, section 7.1."""
-OTHER_STIFFNESS_RATIOS = (0.7, 1.0)
+OTHER_LAWS: tuple[tuple[float, Pressing], ...] = (
+    (0.7, line_of_springs),
+    (1.0, line_of_springs),
+    (6 / 7, single_spring),
+    (0.15, single_spring),
+)
+"""Harder and softer solids, and the single spring of contact codes: as stiff as a solid of
+Poisson's ratio 1/4, and so soft that beta0 comes out as thesis, section 7.1, found it for nylon."""
+_NAMES: dict[Pressing, str] = {
+    line_of_springs: "springs on a line",
+    single_spring: "a single spring",
+}
 LEAST_FRICTION, LEAST_SPEED = 1e-6, 1e-6
 """Below these nothing sticks anyway; the ratios stay finite."""
 
 
-def compliant(encounter: Encounter, stiffness_ratio: float) -> Floats:
+def compliant(encounter: Encounter, stiffness_ratio: float, pressing: Pressing) -> Floats:
     """Return the impulse across the normal, kg m/s, of the springs and sliders, shape (S,)."""
     give_n, give_t = gives(encounter.bodies)
     unit = encounter.mu.clip(min=LEAST_FRICTION) * encounter.approach.clip(min=LEAST_SPEED)
     unit = unit / stiffness_ratio
     speed = encounter.sliding_speed
-    after = unit * rebound(speed / unit, stiffness_ratio * give_t / give_n / 2, encounter.e)
+    chi = stiffness_ratio * give_t / give_n / 2
+    after = unit * rebound(speed / unit, chi, encounter.e, pressing)
     return np.asarray((speed - after) / give_t)
 
 
-def effect_at(stiffness_ratio: float, variants: tuple[ContactEffect, ...] = ()) -> ContactEffect:
-    """Return the effect for one ratio of tangential to normal stiffness."""
+def effect_at(
+    stiffness_ratio: float,
+    pressing: Pressing = line_of_springs,
+    variants: tuple[ContactEffect, ...] = (),
+) -> ContactEffect:
+    """Return the effect for one ratio of tangential to normal stiffness and one law of contact."""
 
     def wrap(operator: Operator, values: Values) -> Operator:
         def changed(encounter: Encounter) -> Outcome:
             def across(met: Encounter) -> Floats:
-                stiff, soft = encounter.across(met), compliant(met, stiffness_ratio)
+                stiff, soft = encounter.across(met), compliant(met, stiffness_ratio, pressing)
                 return np.asarray((1.0 - values[0]) * stiff + values[0] * soft)
 
             return operator(replace(encounter, across=across))
@@ -42,7 +58,7 @@ def effect_at(stiffness_ratio: float, variants: tuple[ContactEffect, ...] = ()) 
 
     return ContactEffect(
         name="tangential-compliance",
-        title=f"Tangential compliance, stiffness ratio {stiffness_ratio:.3g}",
+        title=f"Tangential compliance, {_NAMES[pressing]}, stiffness ratio {stiffness_ratio:.3g}",
         parameters=(
             Parameter(
                 symbol="a",
@@ -58,7 +74,8 @@ def effect_at(stiffness_ratio: float, variants: tuple[ContactEffect, ...] = ()) 
         ),
         source=(
             "N. Maw, J. R. Barber and J. N. Fawcett, Wear 38, 101 (1976) and J. Lubr. Technol. "
-            "103, 74 (1981), as springs and sliders on a line with a dashpot along the normal"
+            "103, 74 (1981), as springs and sliders on a line; P. A. Cundall and O. D. L. Strack, "
+            "Geotechnique 29, 47 (1979), as a single one; each with a dashpot along the normal"
         ),
         gives_away="v_s' bends round the corner of stick and slip, and is positive at small v_s",
         confused_with=("friction-speed", "rolling-restitution-speed", "inertia-factor"),
@@ -67,4 +84,6 @@ def effect_at(stiffness_ratio: float, variants: tuple[ContactEffect, ...] = ()) 
     )
 
 
-EFFECT = effect_at(STIFFNESS_RATIO, tuple(effect_at(ratio) for ratio in OTHER_STIFFNESS_RATIOS))
+EFFECT = effect_at(
+    STIFFNESS_RATIO, variants=tuple(effect_at(ratio, law) for ratio, law in OTHER_LAWS)
+)
