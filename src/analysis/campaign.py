@@ -14,7 +14,7 @@ import numpy as np
 from analysis.errors import InputError
 from analysis.exchange.description import read_description
 from analysis.exchange.shot_list import ShotRow, read_shot_list
-from analysis.imaging.stack import SUFFIXES, read_stack
+from analysis.imaging.stack import SUFFIXES, png_files, read_stack
 from analysis.setup import CameraSetup, Setup, SphereSetup
 from analysis.shot import AnalysisOptions, MeasuredShot, RefusedShot, analyse_shot
 
@@ -79,7 +79,7 @@ def read_campaign(path: Path, setup: Setup | None = None) -> Campaign:
         mine = [job for job in whole.jobs if job.frames.resolve() == path.resolve()]
         if mine:
             return Campaign(whole.name, (replace(mine[0], frames=path),))
-    if path.is_dir() and not any(path.glob("*.png")):
+    if path.is_dir() and not png_files(path):
         raise InputError(path, f"neither {DESCRIPTION} nor PNG frames are in this folder")
     return Campaign(path.stem, (ShotJob(number, path, setup or THESIS_SETUP),))
 
@@ -124,7 +124,10 @@ def analyse_job(job: ShotJob, options: AnalysisOptions) -> tuple[MeasuredShot | 
     times = stack.times_s
     if times is None:
         times = np.arange(len(stack.pixels)) / job.setup.camera.frame_rate_hz
-    return analyse_shot(stack.pixels, times, job.setup, options), len(stack.pixels)
+    result = analyse_shot(stack.pixels, times, job.setup, options)
+    if isinstance(result, MeasuredShot):
+        result = replace(result, notes=(*stack.notes, *result.notes))
+    return result, len(stack.pixels)
 
 
 def analyse_campaign(

@@ -29,3 +29,8 @@ class InputError(Exception):
         self.path, self.line, self.reason = str(path), line, reason
         place = self.path if line is None else f"{self.path}, line {line}"
         super().__init__(f"{place}: {reason}")
+
+
+def counted(number: int, noun: str) -> str:
+    """Return a number and what it counts, as a refusal says it: `1 frame`, `5 frames`."""
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"

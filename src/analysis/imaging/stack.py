@@ -3,22 +3,25 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 import cv2
 import numpy as np
-import tifffile
 from numpy.typing import NDArray
 
-from analysis.errors import InputError
+from analysis.errors import InputError, counted
+from analysis.imaging.tiff_file import read_tiff
+from analysis.imaging.video_file import read_video
 
 TIFF_SUFFIXES = (".tif", ".tiff")
 VIDEO_SUFFIXES = (".avi", ".mkv", ".mp4")
 SUFFIXES = (*TIFF_SUFFIXES, ".npy", *VIDEO_SUFFIXES)
-GREY_TOLERANCE = 2
-"""Codecs that store colour bring grey back to within this many levels between channels."""
+
+_NUMBER = re.compile("[0-9]+")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -32,10 +35,13 @@ class FrameStack:
     times_s
         Recorded time of each frame counted from the first, where a file beside the frames holds
         it, else None.
+    notes
+        What about the file could not be checked.
     """
 
     pixels: NDArray[np.uint8]
     times_s: NDArray[np.float64] | None
+    notes: tuple[str, ...] = ()
 
 
 def read_stack(path: Path) -> FrameStack:
@@ -47,19 +53,22 @@ def read_stack(path: Path) -> FrameStack:
     Raises
     ------
     InputError
-        The file is absent, of another kind, damaged, or does not hold 8-bit grey frames; with the
-        frame where one is at fault.
+        The file is absent, of another kind, damaged, shorter than it says, or does not hold 8-bit
+        grey frames; with the frame where one is at fault. The PNG of a folder whose names give no
+        order.
     """
     if not path.exists():
         raise InputError(path, "no such file or folder")
+    notes: tuple[str, ...] = ()
     if path.is_dir():
         pixels = _read_folder(path)
     elif path.suffix.lower() in TIFF_SUFFIXES:
-        pixels = _read_tiff(path)
+        pixels = _stacked(path, read_tiff(path))
     elif path.suffix.lower() == ".npy":
         pixels = _read_npy(path)
     elif path.suffix.lower() in VIDEO_SUFFIXES:
-        pixels = _read_video(path)
+        pages, notes = read_video(path)
+        pixels = _stacked(path, pages)
     else:
         raise InputError(path, f"frames are read from {', '.join(SUFFIXES)} or a folder of PNG")
     if pixels.ndim != 3 or pixels.dtype != np.uint8:
@@ -68,48 +77,7 @@ def read_stack(path: Path) -> FrameStack:
             f"holds {pixels.dtype} values of shape {pixels.shape}; 8-bit grey frames (frames, "
             "rows, columns) are needed",
         )
-    return FrameStack(np.ascontiguousarray(pixels), _recorded_times(path, len(pixels)))
-
-
-def _read_tiff(path: Path) -> NDArray[np.uint8]:
-    pages = []
-    try:
-        with tifffile.TiffFile(path) as tiff:
-            size = path.stat().st_size
-            for index, page in enumerate(tiff.pages):
-                end = max(
-                    (o + n for o, n in zip(page.dataoffsets, page.databytecounts, strict=True)),
-                    default=0,
-                )
-                if end > size:
-                    raise InputError(
-                        path,
-                        f"truncated in frame {index}: its data end at byte {end}, the file at "
-                        f"{size}",
-                    )
-                pages.append(page.asarray())
-            if pages and not _ends_with_last_page(tiff):
-                raise InputError(
-                    path,
-                    f"truncated after frame {len(pages) - 1}: the next frame lies beyond the "
-                    f"file's end at byte {size}",
-                )
-    except InputError:
-        raise
-    # A damaged TIFF makes the library raise whatever its parser stumbles over.
-    except Exception as error:
-        raise InputError(path, f"damaged after {len(pages)} whole frames: {error}") from error
-    return _stacked(path, pages)
-
-
-def _ends_with_last_page(tiff: tifffile.TiffFile) -> bool:
-    """Return whether the last page found says that no other follows.
-
-    The library passes over a following page that lies beyond the end of the file.
-    """
-    tiff.filehandle.seek(tiff.pages.next_page_offset or 0)
-    following = tiff.filehandle.read(tiff.tiff.offsetsize)
-    return len(following) == tiff.tiff.offsetsize and not any(following)
+    return FrameStack(np.ascontiguousarray(pixels), _recorded_times(path, len(pixels)), notes)
 
 
 def _read_npy(path: Path) -> NDArray[np.uint8]:
@@ -119,8 +87,37 @@ def _read_npy(path: Path) -> NDArray[np.uint8]:
         raise InputError(path, f"not a whole NPY file: {error}") from error
 
 
+def png_files(folder: Path) -> list[Path]:
+    """Return the PNG files of a folder in the order of the numbers in their names.
+
+    Raises
+    ------
+    InputError
+        Two names differ in more than their numbers, or have the same numbers.
+    """
+    names = [path for path in folder.iterdir() if path.suffix.lower() == ".png"]
+    names.sort(key=lambda path: (_numbers(path), path.name))
+    for first, second in pairwise(names):
+        if _NUMBER.sub("#", first.stem) != _NUMBER.sub("#", second.stem):
+            why = "differ in more than their numbers"
+        elif _numbers(first) == _numbers(second):
+            why = "have the same numbers"
+        else:
+            continue
+        raise InputError(
+            folder,
+            f"{first.name} and {second.name} {why}, which gives no order; name the frames "
+            "0000.png, 0001.png and so on",
+        )
+    return names
+
+
+def _numbers(path: Path) -> list[int]:
+    return [int(digits) for digits in _NUMBER.findall(path.stem)]
+
+
 def _read_folder(path: Path) -> NDArray[np.uint8]:
-    names = sorted(path.glob("*.png"))
+    names = png_files(path)
     if not names:
         raise InputError(path, "a folder without PNG files")
     pages = []
@@ -130,34 +127,6 @@ def _read_folder(path: Path) -> NDArray[np.uint8]:
             raise InputError(name, "not a whole PNG file")
         pages.append(np.asarray(page))
     return _stacked(path, pages)
-
-
-def _read_video(path: Path) -> NDArray[np.uint8]:
-    video = cv2.VideoCapture(str(path))
-    pages: list[NDArray[np.generic]] = []
-    try:
-        if not video.isOpened():
-            raise InputError(path, "no decoder here opens this video")
-        while True:
-            whole, page = video.read()
-            if not whole:
-                break
-            pages.append(_grey(path, len(pages), np.asarray(page)))
-    finally:
-        video.release()
-    return _stacked(path, pages)
-
-
-def _grey(path: Path, index: int, page: NDArray[np.generic]) -> NDArray[np.generic]:
-    if page.ndim == 2:
-        return page
-    channels = page.astype(np.int16)
-    spread = int(np.ptp(channels, axis=2).max())
-    if spread > GREY_TOLERANCE:
-        raise InputError(
-            path, f"frame {index} is in colour: its channels differ by up to {spread} levels"
-        )
-    return page[:, :, 1]
 
 
 def _stacked(path: Path, pages: Sequence[NDArray[np.generic]]) -> NDArray[np.uint8]:
@@ -182,5 +151,7 @@ def _recorded_times(path: Path, frames: int) -> NDArray[np.float64] | None:
     except (ValueError, KeyError, TypeError) as error:
         raise InputError(beside, f"does not hold times_s as a list of seconds: {error}") from error
     if times.shape != (frames,):
-        raise InputError(beside, f"times_s has {times.size} times for {frames} frames")
+        raise InputError(
+            beside, f"times_s has {counted(times.size, 'time')} for {counted(frames, 'frame')}"
+        )
     return np.asarray(times - times[0])

@@ -3,6 +3,7 @@ import json
 import shutil
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 import tifffile
@@ -135,6 +136,24 @@ def test_recorded_times_go_before_the_frame_rate(folder: Path, tmp_path: Path) -
     assert slow.times_s[-1] == pytest.approx(15 / 500.0)
     # Gravity is known and stays; all else goes at half the speed.
     assert slow.impact.v_n.value == pytest.approx(plain.impact.v_n.value / 2, rel=0.01)
+
+
+def test_what_could_not_be_checked_about_a_file_stands_in_the_notes(
+    folder: Path, tmp_path: Path
+) -> None:
+    path = tmp_path / "0001.mkv"
+    frames = tifffile.imread(folder / "frames" / "0001.tiff")
+    size = (frames.shape[2], frames.shape[1])
+    video = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*"FFV1"), 25.0, size, False)
+    for frame in frames:
+        video.write(frame)
+    video.release()
+    # Matroska: Duration, by which frames are counted, becomes Void of the same length.
+    path.write_bytes(path.read_bytes().replace(b"\x44\x89\x88", b"\xec\x89\x00"))
+    (job,) = read_campaign(path, read_campaign(folder).jobs[0].setup).jobs
+    shot, _ = analyse_job(job, AnalysisOptions())
+    assert isinstance(shot, MeasuredShot)
+    assert "does not say how many frames" in shot.notes[0]
 
 
 @pytest.mark.parametrize(

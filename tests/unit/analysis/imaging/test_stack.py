@@ -1,4 +1,6 @@
 import json
+import subprocess
+import sys
 from pathlib import Path
 
 import cv2
@@ -68,11 +70,44 @@ def test_a_tiff_of_one_page_is_one_frame(tmp_path: Path) -> None:
     assert read_stack(tiff(tmp_path / "0001.tiff", FRAMES[0])).pixels.shape == (1, 48, 64)
 
 
-def test_pngs_are_read_in_the_order_of_their_names(tmp_path: Path) -> None:
-    folder = pngs(tmp_path / "frames", FRAMES[::-1])
-    for k in range(5):
-        (folder / f"{k:03d}.png").rename(folder / f"x{4 - k:03d}.png")
+@pytest.mark.parametrize(
+    "names",
+    [
+        ["0", "1", "2", "10", "11"],
+        ["x4", "x5", "x06", "x70", "x800"],
+        ["run2_9", "run2_10", "run2_11", "run10_1", "run10_2"],
+    ],
+)
+def test_pngs_are_read_in_the_order_of_the_numbers_in_their_names(
+    tmp_path: Path, names: list[str]
+) -> None:
+    folder = pngs(tmp_path / "frames")
+    for k in range(len(names)):
+        (folder / f"{k:03d}.png").rename(folder / f"_{k}")
+    for k, name in enumerate(names):
+        (folder / f"_{k}").rename(folder / f"{name}.{'PNG' if k == 3 else 'png'}")
     np.testing.assert_array_equal(read_stack(folder).pixels, FRAMES)
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "why"),
+    [
+        ("1", "01", "have the same numbers"),
+        ("left_1", "right_2", "differ in more than their numbers"),
+        ("before", "after", "differ in more than their numbers"),
+        ("1", "1_2", "differ in more than their numbers"),
+    ],
+)
+def test_pngs_whose_names_give_no_order_are_refused(
+    tmp_path: Path, first: str, second: str, why: str
+) -> None:
+    folder = pngs(tmp_path / "frames", FRAMES[:2])
+    (folder / "000.png").rename(folder / f"{first}.png")
+    (folder / "001.png").rename(folder / f"{second}.png")
+    with pytest.raises(InputError, match=why) as fault:
+        read_stack(folder)
+    assert f"{first}.png" in fault.value.reason
+    assert f"{second}.png" in fault.value.reason
 
 
 @pytest.mark.parametrize("kept", [1, 3])
@@ -112,6 +147,126 @@ def test_a_tiff_that_ends_between_two_frames_is_truncated(tmp_path: Path, kept: 
     path.write_bytes(path.read_bytes()[:following])
     with pytest.raises(InputError, match=f"truncated after frame {kept - 1}"):
         read_stack(path)
+
+
+def behind_one_page(path: Path, frames: np.ndarray, **form: object) -> Path:
+    """Write frames one after another behind a single page, as ImageJ does beyond 4 GB."""
+    tifffile.imwrite(path, frames, photometric="minisblack", **form)
+    with tifffile.TiffFile(path) as whole:
+        page = whole.pages.first
+        pointer, end = page.offset + 2 + 12 * len(page.tags), page.dataoffsets[0] + frames.nbytes
+    content = bytearray(path.read_bytes()[:end])
+    content[pointer : pointer + 4] = bytes(4)
+    path.write_bytes(content)
+    return path
+
+
+@pytest.mark.parametrize("form", [{"imagej": True}, {"metadata": {}}])
+def test_frames_behind_a_single_page_are_all_read(tmp_path: Path, form: dict[str, object]) -> None:
+    path = behind_one_page(tmp_path / "0001.tiff", FRAMES, **form)
+    np.testing.assert_array_equal(read_stack(path).pixels, FRAMES)
+
+
+@pytest.mark.parametrize("form", [{"imagej": True}, {"metadata": {}}])
+@pytest.mark.parametrize("lost", [1, FRAMES[0].size, 2 * FRAMES[0].size + 10])
+def test_a_cut_among_frames_behind_a_single_page_names_the_frame(
+    tmp_path: Path, form: dict[str, object], lost: int
+) -> None:
+    path = behind_one_page(tmp_path / "0001.tiff", FRAMES, **form)
+    path.write_bytes(path.read_bytes()[:-lost])
+    first_cut = len(FRAMES) - 1 - (lost - 1) // FRAMES[0].size
+    with pytest.raises(InputError, match=f"truncated in frame {first_cut}"):
+        read_stack(path)
+
+
+@pytest.mark.parametrize("form", [{}, {"imagej": True}, {"ome": True}, {"bigtiff": True}])
+def test_a_described_tiff_cut_anywhere_is_never_taken_for_a_shorter_one(
+    tmp_path: Path, form: dict[str, object]
+) -> None:
+    path = tmp_path / "0001.tiff"
+    tifffile.imwrite(path, FRAMES, photometric="minisblack", **form)
+    whole = path.read_bytes()
+    assert read_stack(path).pixels.shape == FRAMES.shape
+    for cut in range(1, len(whole) - 8, 97):
+        path.write_bytes(whole[:cut])
+        with pytest.raises(InputError, match=r"truncated|damaged"):
+            read_stack(path)
+
+
+def test_a_tiff_with_fewer_pages_than_its_description_counts_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "0001.tiff"
+    tifffile.imwrite(path, FRAMES, photometric="minisblack", compression="zlib")
+    with tifffile.TiffFile(path) as whole:
+        page = whole.pages[2]
+        pointer = page.offset + 2 + 12 * len(page.tags)  # type: ignore[union-attr]
+    content = bytearray(path.read_bytes())
+    content[pointer : pointer + 4] = bytes(4)
+    path.write_bytes(content)
+    with pytest.raises(InputError, match="after frame 2: its description counts 5 frames"):
+        read_stack(path)
+
+
+@pytest.mark.parametrize("name", ["0001.avi", "0001.mkv", "0001.mp4"])
+def test_a_video_cut_anywhere_is_never_taken_for_a_shorter_one(tmp_path: Path, name: str) -> None:
+    path = avi(tmp_path / name)
+    assert read_stack(path).pixels.shape == FRAMES.shape
+    whole = path.read_bytes()
+    for share in (0.1, 0.3, 0.5, 0.7, 0.9, 0.95, 0.99, 1.0):
+        path.write_bytes(whole[: min(int(share * len(whole)), len(whole) - 1)])
+        with pytest.raises(InputError, match=r"truncated|no decoder"):
+            read_stack(path)
+
+
+def test_a_video_with_fewer_frames_than_its_container_counts_is_refused(tmp_path: Path) -> None:
+    path = avi(tmp_path / "0001.avi")
+    content = bytearray(path.read_bytes())
+    # dwTotalFrames of the main header, dwLength of the stream's (AVI RIFF file reference).
+    for name, offset in ((b"avih", 24), (b"strh", 40)):
+        place = content.index(name) + offset
+        assert int.from_bytes(content[place : place + 4], "little") == len(FRAMES)
+        content[place : place + 4] = (9).to_bytes(4, "little")
+    path.write_bytes(content)
+    with pytest.raises(InputError, match="5 frames can be read, the container counts 9"):
+        read_stack(path)
+
+
+def test_a_video_that_counts_no_frames_is_read_with_a_note(tmp_path: Path) -> None:
+    path = avi(tmp_path / "0001.mkv")
+    content = path.read_bytes()
+    # Matroska: Duration becomes Void of the same length.
+    duration = b"\x44\x89\x88"
+    assert content.count(duration) == 1
+    path.write_bytes(content.replace(duration, b"\xec\x89\x00"))
+    stack = read_stack(path)
+    assert stack.pixels.shape == FRAMES.shape
+    assert "does not say how many frames" in stack.notes[0]
+    assert read_stack(avi(tmp_path / "0002.mkv")).notes == ()
+
+
+def test_libraries_write_no_lines_of_their_own_about_broken_files(tmp_path: Path) -> None:
+    for path in (avi(tmp_path / "a.avi"), avi(tmp_path / "b.mkv"), tiff(tmp_path / "c.tiff")):
+        whole = path.read_bytes()
+        middle = len(whole) // 2
+        path.write_bytes(whole[:middle] + bytes(500) + whole[middle + 500 :])
+        path.with_stem("short").write_bytes(whole[: int(0.7 * len(whole))])
+    (tmp_path / "none.avi").write_bytes(b"these are no frames at all")
+    program = (
+        "import sys\nfrom pathlib import Path\nfrom analysis.errors import InputError\n"
+        "from analysis.imaging.stack import read_stack\n"
+        "for path in sorted(Path(sys.argv[1]).iterdir()):\n"
+        "    try:\n        read_stack(path)\n"
+        "    except InputError as error:\n        print(error.path)\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program, str(tmp_path)],
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=True,
+    )
+    assert done.stderr == ""
+    for name in ("short.avi", "short.mkv", "short.tiff", "none.avi"):
+        assert str(tmp_path / name) in done.stdout.splitlines()
 
 
 @pytest.mark.parametrize("name", ["0001.tiff", "0001.npy", "0001.avi"])

@@ -1,0 +1,125 @@
+"""Frames from a video file, every one that its container counts or none."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.errors import InputError, counted
+
+# Quiet (ffmpeg's -8), read at the decoder's first use: what it finds wrong comes back as a refusal.
+os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
+
+GREY_TOLERANCE = 2
+"""Codecs that store colour bring grey back to within this many levels between channels."""
+UNCOUNTED = "the video does not say how many frames it holds; that all are there is not checked"
+
+
+def read_video(path: Path) -> tuple[list[NDArray[np.generic]], tuple[str, ...]]:
+    """Return the frames of a video, and what about them could not be checked.
+
+    Raises
+    ------
+    InputError
+        No decoder opens it, it ends before its container says, fewer frames can be read than the
+        container counts, or a frame is in colour; with the frame.
+    """
+    _require_whole(path)
+    video = cv2.VideoCapture(str(path))
+    try:
+        if not video.isOpened():
+            raise InputError(path, "no decoder here opens this video")
+        count = video.get(cv2.CAP_PROP_FRAME_COUNT)
+        pages = [_grey(path, index, page) for index, page in enumerate(_pictures(video))]
+    finally:
+        video.release()
+    # A container without a count answers zero, or a negative number beyond all bounds.
+    if not count > 0:
+        return pages, (UNCOUNTED,)
+    if len(pages) < round(count):
+        raise InputError(
+            path,
+            f"truncated or damaged: {counted(len(pages), 'frame')} can be read, the container "
+            f"counts {round(count)}",
+        )
+    return pages, ()
+
+
+def _pictures(video: cv2.VideoCapture) -> Iterator[NDArray[np.generic]]:
+    while True:
+        whole, page = video.read()
+        if not whole:
+            return
+        yield np.asarray(page)
+
+
+def _grey(path: Path, index: int, page: NDArray[np.generic]) -> NDArray[np.generic]:
+    if page.ndim == 2:
+        return page
+    channels = page.astype(np.int16)
+    spread = int(np.ptp(channels, axis=2).max())
+    if spread > GREY_TOLERANCE:
+        raise InputError(
+            path, f"frame {index} is in colour: its channels differ by up to {spread} levels"
+        )
+    return page[:, :, 1]
+
+
+def _require_whole(path: Path) -> None:
+    """Refuse a file that ends before its outermost chunks do.
+
+    The last frame of such a file may decode, partly grey, and be counted as whole.
+    """
+    size = path.stat().st_size
+    end = _stated_end(path, size)
+    if end > size:
+        raise InputError(path, f"truncated: its container ends at byte {end}, the file at {size}")
+
+
+def _stated_end(path: Path, size: int) -> int:
+    """Return the byte where the outermost chunks end; 0 where they do not say.
+
+    RIFF chunks of AVI, boxes of MP4 (ISO/IEC 14496-12, 4.2), elements of Matroska (RFC 8794, 4-6).
+    """
+    end = 0
+    with path.open("rb") as file:
+        while end < size:
+            file.seek(end)
+            head = file.read(16)
+            if head[:4] == b"RIFF":
+                length = 8 + int.from_bytes(head[4:8], "little")
+            elif path.suffix.lower() == ".mp4":
+                length = _box_length(head)
+            elif path.suffix.lower() == ".mkv":
+                length = _element_length(head)
+            else:
+                return end
+            if length == 0:
+                return 0
+            end += length
+    return end
+
+
+def _box_length(head: bytes) -> int:
+    length = int.from_bytes(head[:4])
+    return int.from_bytes(head[8:16]) if length == 1 else length
+
+
+def _element_length(head: bytes) -> int:
+    """Return the length of an element with its head; 0 where it is unknown or none."""
+    name = _vint_width(head)
+    width = _vint_width(head[name:])
+    if name == 0 or width == 0:
+        return 0
+    value = int.from_bytes(head[name : name + width]) & ((1 << 7 * width) - 1)
+    return 0 if value == (1 << 7 * width) - 1 else name + width + value
+
+
+def _vint_width(head: bytes) -> int:
+    """Return how many bytes a variable-size integer takes: one more than its leading zeros."""
+    return 9 - head[0].bit_length() if head and head[0] else 0
