@@ -39,8 +39,8 @@ class Analyser:
     """Analyses shots one after another in each of its workers.
 
     A result is written beside the frames before the shot's row says `analysed`, or `refused`
-    where the frames cannot be measured. A worker that crashes or takes too long is replaced, and
-    the shot is `refused` with that reason.
+    where the frames cannot be measured. A worker that cannot be started, crashes or takes too long
+    is replaced, and the shot is `refused` with that reason; the next shot gets a fresh attempt.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ class Analyser:
         while not worker.ended and (shot := self._waiting.get()) is not None:
             try:
                 self._analyse(worker, shot)
-            except RigError:
+            except Exception:  # noqa: BLE001 - the shots behind this one must still be analysed
                 _log.exception("shot %s: its analysis could not be stored", shot)
 
     def _analyse(self, worker: _Worker, shot: str) -> None:
@@ -95,11 +95,15 @@ class Analyser:
         folder = self._store.folders.folder(shot)
         try:
             result = worker.ask(folder, self._method, self._timeout_s)
-        except AnalysisFailedError as error:
+        except Exception as error:  # noqa: BLE001 - whatever breaks is this shot's failure alone
             if not worker.ended:
-                _log.warning("shot %s: %s", shot, error)
-                change = Change(failure=str(error), failure_code=error.code)
-                self._store.move(shot, ShotState.REFUSED, change)
+                _log.warning("shot %s: %s", shot, error, exc_info=error)
+                known = isinstance(error, AnalysisFailedError)
+                why = Change(
+                    failure=str(error) if known else repr(error),
+                    failure_code=AnalysisFailedError.code,
+                )
+                self._store.move(shot, ShotState.REFUSED, why)
             return
         number = self._store.folders.add_result(shot, result)
         if result.get("status") == "refused":
@@ -115,8 +119,7 @@ class _Worker:
     def __init__(self, function: str) -> None:
         self._function = function
         self._lock = threading.Lock()
-        self._process: BaseProcess | None = None
-        self._connection: Connection | None = None
+        self._started: tuple[BaseProcess, Connection] | None = None
         self.ended = False
 
     def ask(self, folder: Path, method: str, timeout_s: float) -> Json:
@@ -144,31 +147,47 @@ class _Worker:
         """Kill the process; whoever waits for it is told at once."""
         with self._lock:
             self.ended = True
-            if self._process is not None:
-                self._process.kill()
-                self._process.join(CLOSE_WAIT_S)
+            if self._started is not None:
+                process, _ = self._started
+                process.kill()
+                process.join(CLOSE_WAIT_S)
 
     def _running(self) -> tuple[BaseProcess, Connection]:
         with self._lock:
             if self.ended:
                 raise AnalysisFailedError("the daemon ends")
-            if self._process is None or self._connection is None or not self._process.is_alive():
-                self._start()
-            if self._process is None or self._connection is None:
-                raise AnalysisFailedError("no process could be started")
-            return self._process, self._connection
+            if self._started is None or not self._started[0].is_alive():
+                self._discard()
+                self._started = _start(self._function)
+            return self._started
 
-    def _start(self) -> None:
-        if self._connection is not None:
-            self._connection.close()
-        context = multiprocessing.get_context("spawn")
-        self._connection, theirs = context.Pipe()
-        self._process = context.Process(
-            target=_work, args=(theirs, self._function), name="analysis", daemon=True
-        )
-        self._process.start()
+    def _discard(self) -> None:
+        if self._started is not None:
+            self._started[1].close()
+            self._started = None
+
+
+def _start(function: str) -> tuple[BaseProcess, Connection]:
+    """Start a worker and return it with this end of its pipe; on failure nothing stays open."""
+    context = multiprocessing.get_context("spawn")
+    try:
+        ours, theirs = context.Pipe()
         # Only the worker may hold its end, or its death would not be seen.
-        theirs.close()
+        with theirs:
+            try:
+                process = context.Process(
+                    target=_work, args=(theirs, function), name="analysis", daemon=True
+                )
+                process.start()
+            except BaseException:
+                ours.close()
+                raise
+    except Exception as error:
+        raise AnalysisFailedError(
+            f"the analysis process could not be started: {error}",
+            todo="free memory or processes on the host, then analyse it again",
+        ) from error
+    return process, ours
 
 
 def _work(connection: Connection, function: str) -> None:

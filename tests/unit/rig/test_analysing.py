@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Iterator
+from multiprocessing.context import SpawnProcess
 from pathlib import Path
 
 import pytest
@@ -52,7 +53,12 @@ def analysed(
     outcomes, opened = Outcomes(lab.store), []
 
     def run(
-        function: str, *, shots: int = 1, workers: int = 1, timeout_s: float = 60.0
+        function: str,
+        *,
+        shots: int = 1,
+        ends: int | None = None,
+        workers: int = 1,
+        timeout_s: float = 60.0,
     ) -> list[ShotRecord]:
         analyser = Analyser(
             lab.store,
@@ -64,7 +70,7 @@ def analysed(
         opened.append(analyser)
         for _ in range(shots):
             analyser.submit(lab.shoot().id)
-        return outcomes.wait(shots)
+        return outcomes.wait(shots if ends is None else ends)
 
     yield run
     for analyser in opened:
@@ -116,6 +122,64 @@ def test_an_analysis_without_end_is_ended(analysed: Callable[..., list[ShotRecor
     (shot,) = analysed("never_ends", timeout_s=0.05)
     assert (shot.state, shot.failure_code) == ("refused", "analysis-failed")
     assert "took too long (limit 0.05 s)" in shot.failure
+
+
+def test_a_worker_that_cannot_be_started_costs_its_shot_alone_and_closing_still_works(
+    lab: Laboratory, monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest
+) -> None:
+    monkeypatch.setenv("PYTHONPATH", str(request.path.parent))
+    attempts: list[str] = []
+    start = SpawnProcess.start
+
+    def fail_at_first(process: SpawnProcess) -> None:
+        attempts.append(process.name)
+        if len(attempts) == 1:
+            raise OSError(11, "Resource temporarily unavailable")
+        start(process)
+
+    monkeypatch.setattr(SpawnProcess, "start", fail_at_first)
+    outcomes, function = Outcomes(lab.store), "stand_in_analysis:measured"
+    analyser = Analyser(lab.store, workers=1, method="thesis", timeout_s=60.0, function=function)
+    analyser.submit(lab.shoot().id)
+    outcomes.wait(1)
+    analyser.submit(lab.shoot().id)
+    failed, analysed_after = outcomes.wait(2)
+    analyser.close()
+    assert (failed.state, failed.failure_code) == ("refused", "analysis-failed")
+    assert "could not be started: [Errno 11]" in failed.failure
+    assert analysed_after.state == "analysed"
+
+
+def test_an_analyser_whose_worker_never_started_closes_at_once(
+    lab: Laboratory, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(_process: SpawnProcess) -> None:
+        raise OSError(12, "Cannot allocate memory")
+
+    monkeypatch.setattr(SpawnProcess, "start", fail)
+    outcomes = Outcomes(lab.store)
+    analyser = Analyser(lab.store, workers=1, method="thesis", timeout_s=60.0)
+    analyser.submit(lab.shoot().id)
+    assert [shot.state for shot in outcomes.wait(1)] == ["refused"]
+    analyser.close()
+    assert not [thread for thread in threading.enumerate() if thread.name == "analysis"]
+
+
+def test_a_result_that_cannot_be_written_does_not_end_the_thread(
+    lab: Laboratory, analysed: Callable[..., list[ShotRecord]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write, failed = lab.store.folders.add_result, []
+
+    def fail_at_first(shot: str, result: dict[str, object]) -> int:
+        if not failed:
+            failed.append(shot)
+            raise OSError(28, "No space left on device")
+        return write(shot, result)
+
+    monkeypatch.setattr(lab.store.folders, "add_result", fail_at_first)
+    (ended,) = analysed("measured", shots=2, ends=1)
+    assert ended.state == "analysed"
+    assert lab.store.shot(failed[0]).state == "analysing"
 
 
 def test_several_workers_share_the_shots(analysed: Callable[..., list[ShotRecord]]) -> None:
