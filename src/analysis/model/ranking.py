@@ -126,7 +126,7 @@ def rank(data: PoseData, fit: Fit, effects: Sequence[Effect], seed: int = 0) -> 
             sigmas=scale * _sigmas(matrix, blocks[k], len(effect.parameters)),
             p_value=float(p_values[k]),
             p_familywise=float(familywise[k]),
-            seen=sizes[k] == len(effect.parameters),
+            seen=bool(sizes[k] == len(effect.parameters)),
         )
         for k, effect in enumerate(candidates)
     ]

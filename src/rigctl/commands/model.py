@@ -16,6 +16,7 @@ from analysis.effects.effect import Effect
 from analysis.errors import InputError
 from analysis.model.fit import Fit, fit_campaign
 from analysis.model.gather import gather
+from analysis.model.inside import without_contact_frames
 from analysis.model.poses import PoseData
 from analysis.model.ranking import Candidate, Ranking, rank
 from analysis.model.report import verdict_document, verdict_sentence
@@ -42,12 +43,14 @@ def fit(campaign: Path, names: Sequence[str], *, as_json: bool) -> None:
     if as_json:
         _print_json({"campaign": title, **_fit_document(fitted, names)})
         return
-    table = Table(title=_headline(title, fitted), title_justify="left", box=None)
+    console = Console(width=TABLE_WIDTH)
+    console.print(_headline(title, fitted), highlight=False)
+    table = Table(box=None)
     for heading in ("parameter", "value", "unit"):
         table.add_column(heading, justify="left" if heading != "value" else "right")
     for name, quantity in fitted.parameters().items():
         table.add_row(name, quantity.concise(), "" if quantity.unit == "1" else quantity.unit)
-    Console(width=TABLE_WIDTH).print(table)
+    console.print(table)
 
 
 def ranking(campaign: Path, names: Sequence[str], *, as_json: bool) -> None:
@@ -66,9 +69,13 @@ def ranking(campaign: Path, names: Sequence[str], *, as_json: bool) -> None:
         document = {"campaign": title, **_fit_document(fitted, names)}
         _print_json({**document, "candidates": _candidates_document(ranked)})
         return
-    table = Table(title=_headline(title, fitted), title_justify="left", box=None)
-    for heading in ("effect", "score", "promised fall", "p", "amplitude", "unit", "", "like"):
-        left = heading in {"effect", "unit", "", "like"}
+    console = Console(width=TABLE_WIDTH)
+    console.print(_headline(title, fitted), highlight=False)
+    table = Table(box=None)
+    longest = max((len(candidate.effect.name) for candidate in ranked.candidates), default=0)
+    table.add_column("effect", min_width=longest)
+    for heading in ("score", "promised fall", "p", "amplitude", "unit", "", "like"):
+        left = heading in {"unit", "", "like"}
         table.add_column(heading, justify="left" if left else "right")
     for k, candidate in enumerate(ranked.candidates):
         _add_candidate(table, candidate, _likes(ranked, k))
@@ -76,7 +83,7 @@ def ranking(campaign: Path, names: Sequence[str], *, as_json: bool) -> None:
         "p: chance that something in the catalogue looks as good when nothing is missing; like: "
         f"not told from this one by these shots (correlation above {SHOWN_ALIAS:g})"
     )
-    Console(width=TABLE_WIDTH).print(table)
+    console.print(table)
 
 
 def explaining(campaign: Path, *, as_json: bool) -> None:
@@ -121,7 +128,8 @@ def _gathered(campaign: Path) -> tuple[str, PoseData]:
 
 def _fitted(campaign: Path, names: Sequence[str]) -> tuple[str, PoseData, Fit]:
     added = [_effect(name) for name in names]
-    title, data = _gathered(campaign)
+    title, poses = _gathered(campaign)
+    data = without_contact_frames(poses)
     fitted = fit_campaign(data)
     for effect in added:
         fitted = fit_campaign(data, fitted.theory.with_effect(effect), fitted)

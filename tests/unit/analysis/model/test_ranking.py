@@ -41,6 +41,16 @@ def test_restitution_that_falls_with_speed_is_named_and_measured() -> None:
     assert first.plausible
 
 
+def test_drag_is_measured() -> None:
+    mass, area = 1150 * np.pi / 6 * 0.0254**3, np.pi * 0.0127**2
+    data = campaign(40, 8, hidden=Hidden(drag=8.0 * 1.2 * area / (2 * mass)))
+    ranking = rank(data, fit_campaign(data), EFFECTS)
+    drag = next(c for c in ranking.candidates if c.effect.name == "drag")
+    assert drag.amplitudes[0] == pytest.approx(8.0, abs=4 * drag.sigmas[0])
+    assert drag.p_familywise < 0.01
+    assert not drag.plausible
+
+
 def test_nothing_missing_is_rarely_called_something() -> None:
     smallest = []
     for seed in range(20):
@@ -57,6 +67,7 @@ def test_without_orientations_what_only_spin_can_show_is_not_scored() -> None:
     blind = replace(data, rotation_sigma=np.full_like(data.rotation_sigma, np.inf))
     ranking = rank(blind, fit_campaign(blind), EFFECTS)
     assert all(np.isfinite(c.fall) for c in ranking.candidates)
+    assert {type(c.seen) for c in ranking.candidates} == {bool}
 
 
 def test_when_every_effect_is_in_the_fit_there_is_nothing_to_rank() -> None:
