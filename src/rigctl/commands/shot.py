@@ -9,24 +9,46 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from pydantic import ValidationError
+from pydantic import TypeAdapter, ValidationError
 
 from rigctl.commands import report
 from rigctl.errors import NotFoundError, RefusedError, SettingsError
+from rigctl.service.models import CampaignName
 from rigctl.settings import ShotSettings
 
 _ON_THE_WAY = frozenset({"accepted", "firing", "capturing", "stored", "analysing"})
 _WITHOUT_FRAMES = frozenset({"misfire", "aborted", "unknown_outcome", "interrupted"})
 _POLL_S = 0.1
+_CAMPAIGN: TypeAdapter[str | None] = TypeAdapter(CampaignName | None)
 
 
 @dataclass(frozen=True, slots=True)
 class Order:
-    """One shot as the command line asks for it; `wait_s` bounds the wait for its measurement."""
+    """One shot as the command line asks for it; `wait_s` bounds the wait for its measurement.
+
+    Raises
+    ------
+    SettingsError
+        The campaign's name could not be a folder's: found before any rig is armed.
+    """
 
     settings: ShotSettings
     campaign: str | None
     wait_s: float
+
+    def __post_init__(self) -> None:
+        """Refuse a name that the service would refuse."""
+        try:
+            _CAMPAIGN.validate_python(self.campaign)
+        except ValidationError as error:
+            raise SettingsError(
+                "is not a campaign's name",
+                part="campaign",
+                value=repr(self.campaign),
+                limit="1 to 64 letters, digits, dots, hyphens or underscores, first a letter or "
+                "digit",
+                todo="choose another name",
+            ) from error
 
 
 class Operable(Protocol):

@@ -12,6 +12,7 @@ import pytest
 
 from rigctl import cli
 from rigctl.commands import client as client_module
+from rigctl.commands import local as local_module
 from rigctl.commands import shot as shot_module
 from rigctl.commands.client import ServiceClient
 from rigctl.commands.report import rounded
@@ -75,6 +76,23 @@ def test_bad_input_is_one_sentence_and_code_2(
     assert shown.out == ""
     assert shown.err.count("\n") == 1
     assert named in shown.err
+
+
+@pytest.mark.parametrize("local", [True, False])
+@pytest.mark.parametrize("name", ["../x", "", ".hidden", "x" * 65, "two words", "x\n"])
+def test_a_campaign_that_cannot_be_a_folder_is_refused_before_anything_is_armed(
+    name: str, local: bool, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def never(*_: object, **__: object) -> None:
+        raise AssertionError("a rig was opened")
+
+    monkeypatch.setattr(local_module, "opened", never)
+    monkeypatch.setattr(client_module, "connected", never)
+    arguments = ["shot", "--pressure-kpa", "40", "--offset-mm", "6", "--campaign", name]
+    assert cli.run([*arguments, "--local"] if local else arguments) == 2
+    shown = capsys.readouterr()
+    assert (shown.out, shown.err.count("\n")) == ("", 1)
+    assert shown.err.startswith(f"rigctl: campaign: is not a campaign's name (found {name!r}")
 
 
 CODES = [
