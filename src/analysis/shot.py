@@ -19,6 +19,7 @@ from analysis.two_sides import measure_two_sides
 Floats = NDArray[np.float64]
 
 LEAST_FRAMES = 6
+RATE_TOLERANCE = 0.01
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,7 +123,18 @@ def analyse_shot(
         times_s=elapsed_s,
         used_before=sides.used_before,
         used_after=sides.used_after,
-        notes=sides.notes,
+        notes=(*sides.notes, *_odd_times(elapsed_s, setup)),
+    )
+
+
+def _odd_times(times_s: Floats, setup: Setup) -> tuple[str, ...]:
+    """Say when recorded times and the stated frame rate disagree; the times are believed."""
+    step = float(np.median(np.diff(times_s)))
+    if abs(step * setup.camera.frame_rate_hz - 1.0) < RATE_TOLERANCE:
+        return ()
+    return (
+        f"frames are {1e3 * step:.4g} ms apart by their recorded times, "
+        f"{1e3 / setup.camera.frame_rate_hz:.4g} ms by the stated frame rate; the times are used",
     )
 
 

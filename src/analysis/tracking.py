@@ -71,6 +71,8 @@ class Tracking:
     orientations: tuple[Orientations, Orientations]
 
 
+MOST_SCALE_CONFLICT = 0.02
+"""A stated scale and the radius in the images differ by more than any shading: one is wrong."""
 SCALE_SIGMA_FROM_IMAGES = 0.003
 """A radius from shaded edges is good to about this share of itself; none is without it."""
 
@@ -97,6 +99,7 @@ def track_spheres(
     threshold = settings.least_strength or gradient_threshold(noise, settings.sigma_px)
     edges = [find_edges(frame, settings, threshold) for frame in frames]
     spheres = follow(edges, views, _start_radius(edges, setup), settings.sigma_px)
+    refuse_repeats(frames, spheres)
     radii = view_radii(spheres)
     bias = filter_bias(frames, spheres, settings, noise)
     seen, orientations = _markers(edges, views, spheres, radii, times_s)
@@ -123,6 +126,20 @@ def track_spheres(
         centres=(placed[0], placed[1]),
         orientations=orientations,
     )
+
+
+def refuse_repeats(frames: NDArray[np.uint8], spheres: Spheres) -> None:
+    """Refuse frames that repeat the one before while a sphere flies: their times cannot be true.
+
+    Raises
+    ------
+    ShotRefusedError
+        With the first frame that does.
+    """
+    tracked = {k for sphere in spheres for track in sphere.values() for k in track.outlines}
+    for k in sorted(tracked):
+        if k - 1 in tracked and np.array_equal(frames[k], frames[k - 1]):
+            raise ShotRefusedError("frames", "the same as the frame before, bit for bit", k)
 
 
 def _start_radius(edges: list[FrameEdges], setup: Setup) -> float:
@@ -169,6 +186,11 @@ def _scales(
     """Return the scale of each view, px/m, and its relative error.
 
     A given scale holds for the front view; the top view keeps its ratio to it.
+
+    Raises
+    ------
+    ShotRefusedError
+        The images contradict the given scale.
     """
     diameters = [sphere.diameter_m for sphere in setup.spheres]
     measured = {
@@ -180,4 +202,12 @@ def _scales(
     given = setup.camera.scale_px_per_m
     if given is None:
         return measured, SCALE_SIGMA_FROM_IMAGES
+    off = measured[View.FRONT] / given - 1.0
+    if abs(off) > MOST_SCALE_CONFLICT:
+        raise ShotRefusedError(
+            "outlines",
+            f"the spheres' outlines give {measured[View.FRONT]:.1f} px/m with the stated "
+            f"diameters, the set-up says {given:.1f}: {100 * off:+.1f} % apart, "
+            f"{100 * MOST_SCALE_CONFLICT:g} % are allowed; check scale_px_per_m and diameter_m",
+        )
     return {view: given * s / measured[View.FRONT] for view, s in measured.items()}, 0.0

@@ -33,6 +33,10 @@ LONGEST_CONTACT_S = 0.25e-3
 """Nylon spheres of an inch touch for 0.12 to 0.25 ms; frames in that time show neither side."""
 THESIS_INTERVAL_S = 2e-3
 MISMATCH_FRAMES = 1.5
+LEAST_FROM_ABOVE = 2
+MOST_FLIGHT_CHI2 = 8.0
+"""Of a track's fit, slow errors allowed for; sound shots stay below 1.5."""
+IMPOSSIBLE_SIGMAS, LEAST_BEYOND = 5.0, 0.02
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -92,16 +96,22 @@ def measure_two_sides(
     sides = _Side("before", before, times_s, -1), _Side("after", after, times_s, 0)
     for side in sides:
         _check_enough(side, split)
+        for sphere in spheres:
+            _check_seen_from_above(sphere, side)
     motions = [
         _thesis_motion(sphere, sides, contact)
         if three_and_three
         else _fitted_motion(sphere, sides, contact, setup.gravity_m_per_s2)
         for sphere in spheres
     ]
+    for sphere, motion in zip(spheres, motions, strict=True):
+        for side, path in zip(sides, (motion.before, motion.after), strict=True):
+            _check_free_flight(sphere, side, path)
     try:
         impact = measure_impact(motions[0], motions[1], radii, tracking.scale_sigma)
     except NoTouchError as miss:
         raise _never_meet(miss, radii) from miss
+    _check_possible(impact)
     return TwoSides(impact, tuple(map(int, before)), tuple(map(int, after)), notes)
 
 
@@ -172,8 +182,61 @@ def _check_enough(side: _Side, split: int) -> None:
         )
 
 
+def _check_seen_from_above(sphere: _Sphere, side: _Side) -> None:
+    _, sigma = _placed(sphere, side)
+    seen = int(np.isfinite(sigma[:, 2]).sum())
+    if seen < LEAST_FROM_ABOVE:
+        raise ShotRefusedError(
+            "outlines",
+            f"the top view shows sphere {sphere.name} in {seen} of the {side.frames.size} frames "
+            f"{side.word} the contact; {LEAST_FROM_ABOVE} are needed for its depth",
+            int(side.frames[0]),
+        )
+
+
+def _check_free_flight(sphere: _Sphere, side: _Side, path: FlightPath) -> None:
+    """Refuse a track that jumps: a frame is lost, repeated or out of order, or the disc was."""
+    if not path.chi2_per_dof > MOST_FLIGHT_CHI2:
+        return
+    times = side.times_s[side.frames]
+    position, sigma = _placed(sphere, side)
+    fitted = np.array([path.at(float(t))[0] for t in times])
+    off = np.where(np.isfinite(sigma), np.abs(position - fitted) / sigma, 0.0).max(axis=1)
+    worst = int(off.argmax())
+    raise ShotRefusedError(
+        "motion",
+        f"the track of sphere {sphere.name} {side.word} the contact is no free flight: "
+        f"chi-squared {path.chi2_per_dof:.0f} per degree of freedom, {MOST_FLIGHT_CHI2:g} allowed; "
+        "look for lost, repeated or exchanged frames",
+        int(side.frames[worst]),
+    )
+
+
+def _check_possible(impact: Impact) -> None:
+    """Refuse what no passive contact can do: gain energy along or across the normal."""
+    ratios = [("e", impact.e, 0.0), ("beta", impact.beta, -1.0)]
+    for name, ratio, least in ratios:
+        if ratio is None:
+            continue
+        beyond = max(ratio.value - 1.0, least - ratio.value)
+        if beyond > max(IMPOSSIBLE_SIGMAS * ratio.sigma, LEAST_BEYOND):
+            raise ShotRefusedError(
+                "contact",
+                f"{name} = {ratio.concise()} lies outside {least:g} to 1, which no contact can; "
+                "check the order of the frames and the orientation of the images",
+            )
+
+
 def _left_out(frames: Frames, tracking: Tracking) -> tuple[str, ...]:
     notes = [f"frame {k} left out: exposed during the contact" for k in frames]
+    for name, sphere in zip("ab", tracking.spheres, strict=True):
+        for view, track in sphere.items():
+            followed = range(min(track.outlines), max(track.outlines) + 1)
+            gaps = [k for k in followed if k not in track.outlines]
+            notes += [
+                f"frame {k} shows no outline of sphere {name} in the {view.value} view"
+                for k in gaps
+            ]
     for name, orientations in zip("ab", tracking.orientations, strict=True):
         for k, reason in sorted(orientations.left_out.items()):
             notes.append(f"frame {k} has no orientation of sphere {name}: {reason}")

@@ -31,7 +31,7 @@ CONTACTS = [
 
 
 def write_poses(path: Path, shots: Iterable[tuple[int, MeasuredShot]]) -> None:
-    """Write one row for each sphere and frame; a frame without orientation leaves it empty."""
+    """Write one row for each sphere and frame; what was not measured stays empty."""
     _write(path, POSES, (row for number, shot in shots for row in _poses(number, shot)))
 
 
@@ -52,11 +52,14 @@ def _poses(number: int, shot: MeasuredShot) -> Iterator[list[object]]:
     for name, centres, turned in zip("ab", shot.centres, shot.orientations, strict=True):
         where = {int(k): i for i, k in enumerate(turned.frames)}
         for k, position, sigma in zip(centres.frames, centres.position, centres.sigma, strict=True):
+            placed: list[object]
             orientation: list[object] = [""] * 5
             if (i := where.get(int(k))) is not None:
                 spread = float(np.sqrt(np.trace(turned.covariance[i]) / 3))
                 orientation = [*map(float, quaternion(turned.rotation[i])), spread]
-            placed = [*map(float, position), *map(float, sigma)]
+            seen = np.isfinite(sigma)
+            placed = [float(p) if ok else "" for p, ok in zip(position, seen, strict=True)]
+            placed += [float(s) if ok else "" for s, ok in zip(sigma, seen, strict=True)]
             yield [number, int(k), float(times[k]), name, *placed, *orientation]
 
 

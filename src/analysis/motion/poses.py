@@ -26,7 +26,8 @@ class Centres:
     frames
         Indices of the frames, shape (n,).
     position, sigma
-        m in rig axes, shape (n, 3). Without a top view Z is constant, 0.
+        m in rig axes, shape (n, 3). Z is NaN with an infinite sigma in a frame whose top view
+        lacks the sphere; without any top view it is constant, 0.
     """
 
     frames: NDArray[np.intp]
@@ -42,7 +43,7 @@ def centres(
 ) -> Centres:
     """Place one sphere in rig axes: X and Y from the front view, Z from the top view.
 
-    Frames in which one of the views lacks the outline are left out.
+    Frames whose front view lacks the outline are left out.
 
     Parameters
     ----------
@@ -52,7 +53,7 @@ def centres(
         Width of the edge filter: it ties neighbouring edge points together.
     """
     geometry = {g.view: g for g in views}
-    frames = sorted(set.intersection(*(set(track.outlines) for track in tracks.values())))
+    frames = sorted(tracks[View.FRONT].outlines)
     position, sigma = np.zeros((len(frames), 3)), np.full((len(frames), 3), 1e-6)
     for i, k in enumerate(frames):
         front, scale = tracks[View.FRONT].outlines[k], scales_px_per_m[View.FRONT]
@@ -60,8 +61,11 @@ def centres(
         position[i, 0] = (front.circle.row - origin[0]) / scale
         position[i, 1] = (front.circle.column - origin[1]) / scale
         sigma[i, :2] = centre_sigma(front, sigma_px) / scale
-        if View.TOP in tracks:
-            top, scale = tracks[View.TOP].outlines[k], scales_px_per_m[View.TOP]
+        if View.TOP not in tracks:
+            continue
+        position[i, 2], sigma[i, 2] = np.nan, np.inf
+        if (top := tracks[View.TOP].outlines.get(k)) is not None:
+            scale = scales_px_per_m[View.TOP]
             position[i, 2] = -(top.circle.row - geometry[View.TOP].origin[0]) / scale
             sigma[i, 2] = centre_sigma(top, sigma_px)[0] / scale
     return Centres(np.array(frames, dtype=np.intp), position, sigma)

@@ -64,8 +64,10 @@ def _cost(times: Floats, position: Floats, sigma: Floats) -> float:
     design = np.stack([np.ones_like(times), times - times.mean()], 1)
     cost = 0.0
     for axis in range(3):
-        weight = 1.0 / sigma[:, axis]
-        white = weight * position[:, axis]
-        fit, *_ = np.linalg.lstsq(weight[:, None] * design, white, rcond=None)
-        cost += float(((white - weight * (design @ fit)) ** 2).sum())
+        seen = np.isfinite(sigma[:, axis])
+        weight = 1.0 / sigma[seen, axis]
+        white = weight * position[seen, axis]
+        own = weight[:, None] * design[seen]
+        fit, *_ = np.linalg.lstsq(own, white, rcond=None)
+        cost += float(((white - own @ fit) ** 2).sum())
     return cost

@@ -80,9 +80,10 @@ def fit_flight(
     Parameters
     ----------
     times_s
-        Shape (frames,), at least 2.
+        Shape (frames,).
     positions, sigmas
-        Centres and their standard errors, m, shape (frames, 3).
+        Centres and their standard errors, m, shape (frames, 3); a coordinate with an infinite
+        sigma was not measured. At least 2 frames must hold each coordinate.
     drift
         Slow error of each coordinate, m.
     gravity
@@ -94,17 +95,19 @@ def fit_flight(
     acceleration = gravity * DOWN
     straight = positions - 0.5 * acceleration * tau[:, None] ** 2
     design = np.stack([np.ones_like(tau), tau], 1)
-    state, covariance, chi2 = np.zeros((2, 3)), np.zeros((6, 6)), 0.0
-    freedom = len(tau) - 2
+    state, covariance = np.zeros((2, 3)), np.zeros((6, 6))
+    chi2, freedom = 0.0, 0
     slow = drift.covariance(times_s)
     for axis in range(3):
-        weight = np.linalg.inv(np.diag(sigmas[:, axis] ** 2) + slow)
-        inverse = np.linalg.inv(design.T @ weight @ design)
-        state[:, axis] = inverse @ design.T @ weight @ straight[:, axis]
-        residual = straight[:, axis] - design @ state[:, axis]
-        axis_chi2 = float(residual @ weight @ residual)
-        chi2 += axis_chi2
-        enlarged = inverse * (max(1.0, axis_chi2 / freedom) if freedom else 1.0)
+        seen = np.isfinite(sigmas[:, axis])
+        own, values = design[seen], straight[seen, axis]
+        weight = np.linalg.inv(np.diag(sigmas[seen, axis] ** 2) + slow[np.ix_(seen, seen)])
+        inverse = np.linalg.inv(own.T @ weight @ own)
+        state[:, axis] = inverse @ own.T @ weight @ values
+        residual = values - own @ state[:, axis]
+        axis_chi2, axis_freedom = float(residual @ weight @ residual), int(seen.sum()) - 2
+        chi2, freedom = chi2 + axis_chi2, freedom + axis_freedom
+        enlarged = inverse * (max(1.0, axis_chi2 / axis_freedom) if axis_freedom else 1.0)
         covariance[np.ix_([axis, axis + 3], [axis, axis + 3])] = enlarged
     return FlightPath(
         reference_s=reference_s,
@@ -112,7 +115,7 @@ def fit_flight(
         velocity=state[1],
         acceleration=acceleration,
         covariance=covariance,
-        chi2_per_dof=chi2 / (3 * freedom) if freedom else float("nan"),
+        chi2_per_dof=chi2 / freedom if freedom else float("nan"),
     )
 
 

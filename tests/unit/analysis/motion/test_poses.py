@@ -34,10 +34,14 @@ def test_x_and_y_come_from_the_front_view_and_z_from_the_top_view() -> None:
     np.testing.assert_allclose(found.sigma[0] * [1574.8, 1574.8, 1500.0], LEAST_SIGMA_PX)
 
 
-def test_frames_that_lack_a_view_are_left_out() -> None:
+def test_a_frame_without_the_front_view_is_left_out_and_one_without_the_top_view_lacks_z() -> None:
     front = {k: outline(130.0, 100.0) for k in (0, 1, 2, 4)}
     top = {k: outline(45.0, 100.0) for k in (1, 2, 3, 4)}
-    assert centres(tracks(front, top), (FRONT, TOP), SCALES, 1.2).frames.tolist() == [1, 2, 4]
+    found = centres(tracks(front, top), (FRONT, TOP), SCALES, 1.2)
+    assert found.frames.tolist() == [0, 1, 2, 4]
+    assert np.isinf(found.sigma[:, 2]).tolist() == [True, False, False, False]
+    assert np.isnan(found.position[:, 2]).tolist() == [True, False, False, False]
+    assert np.isfinite(found.position[:, :2]).all()
 
 
 def test_without_a_top_view_z_is_constant() -> None:
