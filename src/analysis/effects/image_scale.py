@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from analysis.effects.effect import CameraEffect, Floats, Parameter, Values
 from analysis.setup import CameraSetup
 
@@ -9,7 +11,7 @@ from analysis.setup import CameraSetup
 def appear(position: Floats, camera: CameraSetup, values: Values) -> Floats:
     """Return all lengths (1 + s) times as long, about the rig's origin."""
     del camera
-    return position * (1.0 + values[0])
+    return np.asarray(position * (1.0 + values[0]))
 
 
 EFFECT = CameraEffect(
