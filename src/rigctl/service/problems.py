@@ -47,8 +47,8 @@ _BOUNDS = {
     "gt": "more than {}",
     "le": "at most {}",
     "lt": "less than {}",
-    "min_length": "at least {} characters",
-    "max_length": "at most {} characters",
+    "min_length": "a length of at least {}",
+    "max_length": "a length of at most {}",
     "pattern": "text like {}",
     "expected": "{}",
 }
@@ -112,14 +112,15 @@ def from_error(error: RigError) -> Problem:
 
 
 def from_validation(error: RequestValidationError) -> Problem:
-    """Return the document of a request whose fields cannot be: 422, or 400 for a missing key."""
+    """Return the document of a request that cannot be: 422, or 400 for its idempotency key."""
     fields = [_field_problem(found) for found in error.errors()]
     first = fields[0]
     if first.field == "Idempotency-Key":
+        fault = "cannot be used" if first.value else "is missing"
         return Problem(
             status=400,
             code=IdempotencyError.code,
-            title="The idempotency key is missing",
+            title=f"The idempotency key {fault}",
             detail=f"{first.field}: {first.detail}",
             field=first.field,
             value=first.value,
@@ -174,8 +175,12 @@ _MEANINGS = {
 
 def _field_problem(found: Mapping[str, Any]) -> FieldProblem:
     place: Sequence[str | int] = found["loc"]
-    inside = place[1:] if len(place) > 1 and found["type"] != "json_invalid" else place[:1]
     context = found.get("ctx", {})
+    if found["type"] == "json_invalid":
+        fault, position = str(context["error"]), int(place[1]) + 1
+        detail = f"is not JSON: {fault[0].lower()}{fault[1:]} at character {position}"
+        return FieldProblem(field=str(place[0]), detail=detail)
+    inside = place[1:] if len(place) > 1 else place[:1]
     limits = [text.format(context[name]) for name, text in _BOUNDS.items() if name in context]
     missing = found["type"] == "missing"
     return FieldProblem(

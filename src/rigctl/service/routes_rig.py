@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import json
 from contextlib import suppress
-from typing import Any
 
 import anyio
 from fastapi import APIRouter, Request
 from starlette.requests import ClientDisconnect
 
 from rigctl.daemon import Daemon
+from rigctl.service.bodies import StrictRoute, loads
 from rigctl.service.body_limit import LONGEST_BODY
 from rigctl.service.lanes import Lanes
 from rigctl.service.models import ArmView, ReleaseOrder, RigView
@@ -31,7 +30,7 @@ _REASON_BODY = {
 
 def rig_routes(daemon: Daemon, lanes: Lanes) -> APIRouter:
     """Return the routes below `/rig`."""
-    router = APIRouter(prefix="/rig", tags=["rig"])
+    router = APIRouter(prefix="/rig", tags=["rig"], route_class=StrictRoute)
     rig = daemon.rig
 
     @router.get("", responses=documented(401, 405, 503))
@@ -81,7 +80,6 @@ async def _reason(request: Request) -> str:
             if len(body) > LONGEST_BODY:
                 break
     try:
-        content: Any = json.loads(body)
-        return ReleaseOrder.model_validate(content).reason
+        return ReleaseOrder.model_validate(loads(body)).reason
     except (ValueError, RecursionError):
         return NO_REASON

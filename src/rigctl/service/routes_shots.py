@@ -9,6 +9,7 @@ from starlette.responses import Response
 
 from rigctl.daemon import Daemon
 from rigctl.errors import NotFoundError
+from rigctl.service.bodies import StrictRoute
 from rigctl.service.lanes import Lanes
 from rigctl.service.models import (
     FrameQuery,
@@ -34,7 +35,7 @@ FrameNumber = Annotated[int, Path(ge=0, le=1_000_000, description="counted from 
 
 def shot_routes(daemon: Daemon, lanes: Lanes) -> APIRouter:
     """Return the routes below `/shots`."""
-    router = APIRouter(prefix="/shots", tags=["shots"])
+    router = APIRouter(prefix="/shots", tags=["shots"], route_class=StrictRoute)
     store = daemon.store
 
     @router.post("", status_code=202, responses=documented(400, 401, 405, 409, 411, 413, 422, 503))

@@ -87,6 +87,62 @@ def test_a_body_that_is_no_object_is_a_problem_document(ask: Any, body: bytes) -
     assert answer.headers["content-type"] == "application/problem+json"
 
 
+JSON = {"Content-Type": "application/json"}
+TWICE = b'{"pressure_a_kpa": 40, "pressure_b_kpa": 41, "offset_mm": 6, "pressure_a_kpa": 90}'
+
+
+def test_a_key_that_stands_twice_is_refused_by_name_and_arms_nothing(ask: Any, rig: Any) -> None:
+    answer = ask("POST", ARM, content=TWICE, headers=JSON)
+    problem = answer.json()
+    assert (answer.status_code, problem["code"]) == (422, "invalid-request")
+    assert (problem["field"], problem["value"]) == ("pressure_a_kpa", "[40, 90]")
+    assert problem["detail"] == "pressure_a_kpa: stands 2 times"
+    assert not rig.armed
+
+
+def test_every_key_that_stands_twice_is_named_even_with_one_value(ask: Any, rig: Any) -> None:
+    body = b'{"offset_mm": 6, "delay_us": 0, "offset_mm": 6, "delay_us": 0, "delay_us": 0}'
+    problem = ask("POST", ARM, content=body, headers=JSON).json()
+    assert [each["field"] for each in problem["errors"]] == ["offset_mm", "delay_us"]
+    assert problem["errors"][1]["detail"] == "stands 3 times"
+    assert not rig.armed
+
+
+@pytest.mark.parametrize(
+    ("path", "body"),
+    [
+        ("/api/v1/shots", b'{"arm_token": "t", "arm_token": "u"}'),
+        ("/api/v1/rig/release", b'{"reason": "looked", "reason": "not"}'),
+        (ARM, b'{"offset_mm": {"a": 1, "a": 2}}'),
+    ],
+)
+def test_no_route_takes_one_of_two_values(ask: Any, rig: Any, path: str, body: bytes) -> None:
+    answer = ask("POST", path, content=body, headers={**JSON, "Idempotency-Key": "k"})
+    assert answer.status_code == 422
+    assert "stands 2 times" in answer.json()["detail"]
+    assert (rig.armed, rig.fires, rig.releases) == ([], [], [])
+
+
+def test_a_stop_whose_reason_stands_twice_stops_without_one(ask: Any, rig: Any) -> None:
+    answer = ask("POST", "/api/v1/rig/estop", content=b'{"reason": "a", "reason": "b"}')
+    assert answer.status_code == 200
+    assert [reason for _, reason in rig.stops] == ["emergency stop by REST"]
+
+
+def test_a_body_that_is_no_json_says_where_it_ends_to_be(ask: Any) -> None:
+    problem = ask("POST", ARM, content=b'{"offset_mm": 6,, }', headers=JSON).json()
+    assert problem["field"] == "body"
+    assert problem["detail"].startswith("body: is not JSON: ")
+    assert problem["detail"].endswith(" at character 17")
+    assert "value" not in problem
+
+
+@pytest.mark.parametrize("body", [b'{"\\ud800": 1}', b'{"\\ud800": 1, "\\ud800": 1}', b"[" * 9000])
+def test_a_body_that_no_text_can_repeat_is_refused_all_the_same(ask: Any, body: bytes) -> None:
+    answer = ask("POST", ARM, content=body, headers=JSON)
+    assert (answer.status_code, answer.json()["code"]) == (422, "invalid-request")
+
+
 REFUSALS = [
     (SettingsError("too high", part="pressure_a_kpa"), 422, "settings-out-of-range"),
     (RefusedError("the rig is firing"), 409, "refused"),

@@ -32,6 +32,8 @@ def test_without_a_usable_key_nothing_fires(
     answer = ask("POST", SHOTS, json={"arm_token": token}, headers=headers)
     assert (answer.status_code, answer.json()["code"]) == (400, "idempotency")
     assert answer.json()["field"] == "Idempotency-Key"
+    fault = "is missing" if key is None else "cannot be used"
+    assert answer.json()["title"] == f"The idempotency key {fault}"
     assert not rig.fires
 
 
