@@ -142,6 +142,7 @@ _ALL = (
         "bodies",
         _field("mass_difference"),
         either_sign=True,
+        like=("radius-mismatch",),
     ),
     Hidden(
         "torsional-friction",
@@ -179,7 +180,7 @@ _ALL = (
     ),
     Hidden(
         "wind",
-        2.0,
+        1.2,
         "m/s",
         "speed of the air, 0.8 of it toward +Y and 0.6 toward +Z",
         "air",
@@ -214,6 +215,7 @@ _ALL = (
         "scale",
         _field("image_scale"),
         either_sign=True,
+        like=("radius-mismatch",),
     ),
     Hidden(
         "frame-rate",

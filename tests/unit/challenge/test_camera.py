@@ -15,9 +15,8 @@ MIDDLE = np.array([(159.5 - 224.0) / SCALE, (199.5 - 200.0) / SCALE])
 
 
 def seen(centre: tuple[float, float, float], nature: Nature, time_s: float = 0.0) -> Floats:
-    return apparent(np.array(centre).reshape(1, 1, 1, 3), np.array([[time_s]]), nature, OPTICS)[
-        0, 0, 0
-    ]
+    place = np.array(centre).reshape(1, 1, 1, 3)
+    return apparent(place, np.array([[time_s]]), nature, OPTICS).reshape(3)
 
 
 def test_an_honest_camera_shows_things_where_they_are() -> None:

@@ -32,7 +32,7 @@ def flown(
     times: Floats = TIMES,
 ) -> Floats:
     accelerate = acceleration(nature, Bodies.of(NYLON, nature), environment)
-    return fly((place, speed, spin), times, accelerate)[0]
+    return np.asarray(fly((place, speed, spin), times, accelerate)[0])
 
 
 def test_a_plain_flight_is_galileo_s_parabola_both_ways() -> None:
