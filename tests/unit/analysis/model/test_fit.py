@@ -15,7 +15,7 @@ LAW = {"e": 0.74, "mu": 0.08, "beta0": 0.5}
 
 @pytest.fixture(scope="module")
 def fits() -> list[Fit]:
-    return [fit_campaign(campaign(40, seed)) for seed in range(12)]
+    return [fit_campaign(campaign(40, seed)) for seed in range(8)]
 
 
 def test_chi_squared_per_degree_of_freedom_is_one_when_nothing_is_missing(fits: list[Fit]) -> None:
