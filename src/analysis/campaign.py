@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Set
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass, replace
 from multiprocessing import get_context
@@ -13,14 +13,15 @@ import numpy as np
 
 from analysis.errors import InputError
 from analysis.exchange.description import read_description
-from analysis.exchange.shot_list import ShotRow, read_shot_list
-from analysis.imaging.stack import SUFFIXES, png_files, read_stack
+from analysis.exchange.shot_list import EXPOSURE, ShotRow, read_shot_list
+from analysis.imaging.stack import SUFFIXES, holds_png, read_stack
 from analysis.setup import CameraSetup, Setup, SphereSetup
 from analysis.shot import AnalysisOptions, MeasuredShot, RefusedShot, analyse_shot
 
 DESCRIPTION = "campaign.toml"
 SHOT_LIST = "shots.csv"
 FRAMES = "frames"
+POSES = "poses.csv"
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,10 +36,19 @@ class ShotJob:
 
 @dataclass(frozen=True, slots=True)
 class Campaign:
-    """Shots that share a set-up."""
+    """Shots that share a set-up.
+
+    Attributes
+    ----------
+    name, jobs
+        As the campaign's files have them.
+    unlisted
+        Frames that lie in the campaign's folder and have no row in shots.csv.
+    """
 
     name: str
     jobs: tuple[ShotJob, ...]
+    unlisted: tuple[Path, ...] = ()
 
 
 THESIS_SETUP = Setup(
@@ -66,7 +76,8 @@ def read_campaign(path: Path, setup: Setup | None = None) -> Campaign:
     Raises
     ------
     InputError
-        Nothing is there, or the campaign's files cannot be read.
+        Nothing is there, the campaign's files cannot be read, or it holds poses in the place of
+        frames.
     """
     if (path / DESCRIPTION).exists():
         return _campaign_folder(path)
@@ -79,7 +90,7 @@ def read_campaign(path: Path, setup: Setup | None = None) -> Campaign:
         mine = [job for job in whole.jobs if job.frames.resolve() == path.resolve()]
         if mine:
             return Campaign(whole.name, (replace(mine[0], frames=path),))
-    if path.is_dir() and not png_files(path):
+    if path.is_dir() and not holds_png(path):
         raise InputError(path, f"neither {DESCRIPTION} nor PNG frames are in this folder")
     return Campaign(path.stem, (ShotJob(number, path, setup or THESIS_SETUP),))
 
@@ -91,16 +102,30 @@ def _campaign_folder(path: Path) -> Campaign:
             path / DESCRIPTION,
             "spheres: frames of a sphere on a plate are not analysed; give contacts.csv",
         )
+    if (path / POSES).exists() and not (path / FRAMES).exists():
+        raise InputError(path, "the folder holds poses and no frames; `rigctl model` reads it")
     jobs = []
     for row in read_shot_list(path / SHOT_LIST):
         camera = setup.camera
-        if (exposure := row.numbers.get("exposure_us")) is not None:
+        if (exposure := row.numbers.get(EXPOSURE)) is not None:
             camera = replace(camera, exposure_s=exposure * 1e-6)
         frames = _frames_of(path / FRAMES, row.shot)
         jobs.append(ShotJob(row.shot, frames, replace(setup, camera=camera), row))
     if not jobs:
         raise InputError(path / SHOT_LIST, "names no shots")
-    return Campaign(name, tuple(jobs))
+    return Campaign(name, tuple(jobs), _unlisted(path / FRAMES, {job.shot for job in jobs}))
+
+
+def _unlisted(folder: Path, shots: Set[int]) -> tuple[Path, ...]:
+    """Return what lies in a folder of frames and belongs to none of these shots."""
+    names = {f"{shot:04d}" for shot in shots}
+    entries = sorted(folder.iterdir()) if folder.is_dir() else []
+    return tuple(
+        entry
+        for entry in entries
+        if entry.stem not in names
+        and (holds_png(entry) if entry.is_dir() else entry.suffix.lower() in SUFFIXES)
+    )
 
 
 def _frames_of(folder: Path, shot: int) -> Path:

@@ -8,7 +8,7 @@ from collections import defaultdict
 from dataclasses import dataclass
 from pathlib import Path
 
-from analysis.errors import InputError
+from analysis.errors import InputError, counted
 from analysis.exchange.tables import POSES
 
 _POSITION = ("x_m", "y_m", "z_m")
@@ -51,7 +51,7 @@ def read_poses(path: Path) -> dict[int, dict[str, list[PoseRow]]]:
         positive, a quaternion that is not of length 1, a frame that stands twice; with the line.
     """
     try:
-        with path.open(newline="", encoding="utf-8") as file:
+        with path.open(newline="", encoding="utf-8-sig") as file:
             rows = list(csv.reader(file))
     except FileNotFoundError as error:
         raise InputError(path, "no such file") from error
@@ -65,7 +65,8 @@ def read_poses(path: Path) -> dict[int, dict[str, list[PoseRow]]]:
         if not fields:
             continue
         if len(fields) != len(rows[0]):
-            raise InputError(path, f"{len(fields)} fields for {len(rows[0])} columns", line)
+            found = counted(len(fields), "field")
+            raise InputError(path, f"{found} for {len(rows[0])} columns", line)
         row = dict(zip(rows[0], fields, strict=True))
         sphere = row["sphere"]
         if sphere not in {"a", "b"}:

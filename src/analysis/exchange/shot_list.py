@@ -4,11 +4,17 @@ from __future__ import annotations
 
 import csv
 import math
+import re
+from collections import Counter
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
 
-from analysis.errors import InputError
+from analysis.errors import InputError, counted
+
+EXPOSURE = "exposure_us"
+_DEFINED = re.compile(rf"pressure_\w+_kpa|offset_mm|{EXPOSURE}")
+"""Columns that the format defines as numbers."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,34 +40,28 @@ class ShotRow:
 
 
 def read_shot_list(path: Path) -> list[ShotRow]:
-    """Read shots.csv.
+    """Read shots.csv, with or without the byte order mark that spreadsheets write.
 
-    A column is numeric when every field of it that is not empty is a finite number.
+    Pressures, the offset and the exposure are numbers; any other column is numeric when every
+    field of it that is not empty is a finite number.
 
     Raises
     ------
     InputError
-        Absent, without the column `shot`, a row of another length, a shot that is no whole number
-        or stands twice, or a time that is not ISO 8601; with the line.
+        Absent, without the column `shot`, a column that stands twice, a row of another length, a
+        shot that is no whole number or stands twice, a time that is not ISO 8601, or no number
+        where the format has one; with the line.
     """
-    try:
-        with path.open(newline="", encoding="utf-8") as file:
-            rows = list(csv.reader(file))
-    except FileNotFoundError as error:
-        raise InputError(path, "no such file") from error
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise InputError(path, f"not CSV in UTF-8: {error}") from error
-    if not rows or "shot" not in rows[0]:
-        raise InputError(path, "the first line must name the columns, 'shot' among them", 1)
-    names = rows[0]
-    body = [(number, row) for number, row in enumerate(rows[1:], start=2) if row]
+    (_, names), *body = _lines(path)
     for number, row in body:
         if len(row) != len(names):
-            raise InputError(path, f"{len(row)} fields for {len(names)} columns", number)
+            reason = f"{counted(len(row), 'field')} for {counted(len(names), 'column')}"
+            raise InputError(path, reason, number)
     numeric = {
         name
         for i, name in enumerate(names)
-        if name not in {"shot", "time"} and all(_number(row[i]) is not None for _, row in body)
+        if name not in {"shot", "time"}
+        and (_DEFINED.fullmatch(name) or all(_number(row[i]) is not None for _, row in body))
     }
     shots = [
         _shot(path, number, dict(zip(names, row, strict=True)), numeric) for number, row in body
@@ -74,31 +74,62 @@ def read_shot_list(path: Path) -> list[ShotRow]:
     return shots
 
 
+def _lines(path: Path) -> list[tuple[int, list[str]]]:
+    """Return the number and the fields of each line that is not blank, names of columns first."""
+    try:
+        with path.open(newline="", encoding="utf-8-sig") as file:
+            reader = csv.reader(file, strict=True)
+            lines = [(reader.line_num, row) for row in reader]
+    except FileNotFoundError as error:
+        raise InputError(path, "no such file") from error
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise InputError(path, f"not CSV in UTF-8: {error}") from error
+    names = [name.strip() for name in lines[0][1]] if lines else []
+    if "shot" not in names:
+        raise InputError(
+            path, "the first line must name the columns with commas between, 'shot' among them", 1
+        )
+    if twice := [name for name, count in Counter(names).items() if count > 1]:
+        listed = ", ".join(map(repr, twice))
+        raise InputError(path, f"columns that stand more than once: {listed}", 1)
+    return [(1, names), *((number, row) for number, row in lines[1:] if row)]
+
+
 def _number(field: str) -> float | None:
     """Return a number, NaN for an empty field, None for a word."""
     if field.strip() == "":
         return math.nan
     try:
-        value = float(field)
+        # Python reads 1_2 as twelve; in a table it is a word.
+        value = math.inf if "_" in field else float(field)
     except ValueError:
         return None
     return value if math.isfinite(value) else None
 
 
 def _shot(path: Path, line: int, row: dict[str, str], numeric: set[str]) -> ShotRow:
-    try:
-        shot = int(row.pop("shot"))
-    except ValueError as error:
-        raise InputError(path, f"shot: {error}", line) from error
+    number = row.pop("shot").strip()
+    if not (number.isascii() and number.isdecimal()):
+        raise InputError(path, f"shot: {number!r} is not a whole number, 0 at least", line)
     text = row.pop("time", "").strip()
     try:
         time = datetime.fromisoformat(text) if text else None
     except ValueError as error:
         raise InputError(path, f"time: {text!r} is not ISO 8601", line) from error
-    values = {name: _number(row[name]) for name in numeric if name in row}
+    numbers = {}
+    for name, field in row.items():
+        if name not in numeric:
+            continue
+        value = _number(field)
+        if value is None:
+            raise InputError(path, f"{name}: {field!r} is not a finite number", line)
+        if name == EXPOSURE and value < 0:
+            raise InputError(path, f"{name}: {field!r} is no exposure, 0 at least", line)
+        if not math.isnan(value):
+            numbers[name] = value
     return ShotRow(
-        shot=shot,
+        shot=int(number),
         time=time,
-        numbers={n: v for n, v in values.items() if v is not None and not math.isnan(v)},
+        numbers=numbers,
         words={name: word for name, word in row.items() if name not in numeric and word},
     )

@@ -87,7 +87,12 @@ def _read_npy(path: Path) -> NDArray[np.uint8]:
         raise InputError(path, f"not a whole NPY file: {error}") from error
 
 
-def png_files(folder: Path) -> list[Path]:
+def holds_png(folder: Path) -> bool:
+    """Return whether a folder could be a shot's frames."""
+    return any(path.suffix.lower() == ".png" for path in folder.iterdir())
+
+
+def _png_files(folder: Path) -> list[Path]:
     """Return the PNG files of a folder in the order of the numbers in their names.
 
     Raises
@@ -117,7 +122,7 @@ def _numbers(path: Path) -> list[int]:
 
 
 def _read_folder(path: Path) -> NDArray[np.uint8]:
-    names = png_files(path)
+    names = _png_files(path)
     if not names:
         raise InputError(path, "a folder without PNG files")
     pages = []

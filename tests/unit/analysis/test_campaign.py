@@ -105,6 +105,26 @@ def test_the_exposure_of_a_shot_stands_in_its_row(folder: Path, tmp_path: Path) 
     assert exposures == pytest.approx([2e-4, 0.0])
 
 
+def test_frames_without_a_row_are_named_and_other_files_are_not(
+    folder: Path, tmp_path: Path
+) -> None:
+    home = tmp_path / "other"
+    frames = home / "frames"
+    for name in ("0001", "0007", ".thumbnails"):
+        (frames / name).mkdir(parents=True)
+    for name in ("0001/0.png", "0007/0.png", "0002.tiff", "0002.json", "3.NPY", "notes.txt"):
+        (frames / name).touch()
+    shutil.copy(folder / "campaign.toml", home)
+    (home / "shots.csv").write_text("shot\n1\n2\n")
+    assert read_campaign(home).unlisted == (frames / "0007", frames / "3.NPY")
+    assert read_campaign(folder).unlisted == ()
+
+
+def test_a_folder_of_poses_is_told_from_one_of_frames(written: Path) -> None:
+    with pytest.raises(InputError, match="holds poses and no frames; `rigctl model` reads it"):
+        read_campaign(written)
+
+
 def test_one_frame_file_of_a_campaign_keeps_its_number_and_set_up(folder: Path) -> None:
     campaign = read_campaign(folder / "frames" / "0003.tiff")
     (job,) = campaign.jobs
