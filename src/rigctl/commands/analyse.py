@@ -13,7 +13,7 @@ from rich.console import Console
 from rich.progress import Progress
 from rich.table import Table
 
-from analysis.campaign import Campaign, ShotJob, analyse_campaign, read_campaign
+from analysis.campaign import SHOT_LIST, Campaign, ShotJob, analyse_campaign, read_campaign
 from analysis.document import shot_document
 from analysis.errors import InputError
 from analysis.exchange.description import read_description
@@ -75,7 +75,8 @@ def analyse(request: Request, *, method: str, as_json: bool) -> None:
     Raises
     ------
     AnalysisInputError
-        A path, a set-up or a campaign file cannot be read.
+        A path, a set-up or a campaign file cannot be read, or no shot's frames can; the refusal
+        of each shot is printed first.
     """
     _keep_sources(request)
     try:
@@ -83,7 +84,7 @@ def analyse(request: Request, *, method: str, as_json: bool) -> None:
         started = time.perf_counter()
         results, frames = _run(campaign, request)
         elapsed = time.perf_counter() - started
-        if request.out is not None:
+        if request.out is not None and frames > 0:
             write_folder(request.out, campaign.name, results)
         if request.figures is not None:
             _draw(request.figures, campaign.name, results)
@@ -94,11 +95,26 @@ def analyse(request: Request, *, method: str, as_json: bool) -> None:
             "campaign": campaign.name,
             "method": method,
             "frames_per_second": round(frames / elapsed, 1),
+            "unlisted": [str(path) for path in campaign.unlisted],
             "shots": [{"shot": job.shot, **shot_document(shot)} for job, shot in results],
         }
         print(json.dumps(document, allow_nan=False))  # noqa: T201
     else:
         _print_table(campaign.name, results)
+    _name_unlisted(campaign)
+    if frames == 0:
+        raise AnalysisInputError(
+            "no frames of any shot can be read",
+            part=campaign.name,
+            todo="the reason stands beside each shot",
+        )
+
+
+def _name_unlisted(campaign: Campaign) -> None:
+    if campaign.unlisted:
+        names = ", ".join(map(str, campaign.unlisted))
+        note = f"rigctl: frames without a row in {SHOT_LIST}, left out: {names}"
+        print(note, file=sys.stderr)  # noqa: T201
 
 
 def _keep_sources(request: Request) -> None:
@@ -126,7 +142,8 @@ def _gather(request: Request) -> Campaign:
     if len({job.shot for job in jobs}) < len(jobs):
         jobs = [replace(job, shot=number) for number, job in enumerate(jobs, start=1)]
     names = list(dict.fromkeys(campaign.name for campaign in campaigns))
-    return Campaign("+".join(names), tuple(jobs))
+    unlisted = tuple(path for campaign in campaigns for path in campaign.unlisted)
+    return Campaign("+".join(names), tuple(jobs), unlisted)
 
 
 def _run(

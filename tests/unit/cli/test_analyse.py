@@ -1,0 +1,76 @@
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from rigctl import cli
+from simulators.world import write_campaign
+
+
+@pytest.fixture(scope="module")
+def campaign(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """One rendered shot, and the frames of another that no row names."""
+    home = tmp_path_factory.mktemp("data") / "nylon"
+    write_campaign(home, [40.0], [6.0], 3, frames=16)
+    (home / "frames" / "0009.tiff").write_bytes(b"never listed")
+    return home
+
+
+@pytest.fixture
+def broken(tmp_path: Path) -> Path:
+    path = tmp_path / "0002.npy"
+    path.write_bytes(b"no frames")
+    return path
+
+
+def test_frames_without_a_row_are_named_beside_the_results_and_in_them(
+    campaign: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.run(["analyse", str(campaign), "--json"]) == 0
+    shown = capsys.readouterr()
+    document = json.loads(shown.out)
+    unlisted = str(campaign / "frames" / "0009.tiff")
+    assert document["unlisted"] == [unlisted]
+    assert [shot["status"] for shot in document["shots"]] == ["measured"]
+    assert shown.err == f"rigctl: frames without a row in shots.csv, left out: {unlisted}\n"
+
+
+def test_a_folder_that_was_written_is_not_analysed_again(
+    campaign: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "measured"
+    assert cli.run(["analyse", str(campaign), "--out", str(out)]) == 0
+    capsys.readouterr()
+    assert cli.run(["analyse", str(out)]) == 2
+    shown = capsys.readouterr()
+    assert shown.out == ""
+    assert shown.err == (
+        f"rigctl: {out}: the folder holds poses and no frames; `rigctl model` reads it\n"
+    )
+
+
+def test_a_request_of_which_no_frames_can_be_read_says_why_and_ends_with_2(
+    broken: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "measured"
+    arguments = ["analyse", str(broken), str(broken), "--json", "--out", str(out)]
+    assert cli.run(arguments) == 2
+    shown = capsys.readouterr()
+    reasons = [shot["reason"] for shot in json.loads(shown.out)["shots"]]
+    assert all("0002.npy: not a whole NPY file" in reason for reason in reasons)
+    assert len(reasons) == 2
+    assert shown.err == (
+        "rigctl: 0002: no frames of any shot can be read; the reason stands beside each shot\n"
+    )
+    assert not out.exists()
+
+
+def test_one_shot_that_can_be_read_is_enough(
+    campaign: Path, broken: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    shot = campaign / "frames" / "0001.tiff"
+    assert cli.run(["analyse", str(shot), str(broken), "--json"]) == 0
+    shots = json.loads(capsys.readouterr().out)["shots"]
+    assert [each["status"] for each in shots] == ["measured", "refused"]
