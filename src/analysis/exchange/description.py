@@ -4,14 +4,27 @@ from __future__ import annotations
 
 import tomllib
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal, TypeVar
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    ValidationError,
+    ValidationInfo,
+    field_validator,
+)
 
 from analysis.errors import InputError
+from analysis.exchange.faults import fault
 from analysis.setup import CameraSetup, Setup, SphereSetup
 
 FORMAT = 1
+N = TypeVar("N", int, float)
+
+LARGEST_DIAMETER_M = 0.5
+HOLLOW_SHELL = 0.667
+"""I / (m r^2) with all mass at the surface, 2/3 as it is written down; no sphere has more."""
 
 Positive = Annotated[float, Field(gt=0)]
 Rows = Annotated[list[int], Field(min_length=2, max_length=2)]
@@ -32,13 +45,50 @@ class _Camera(_Strict):
     front_origin_px: Pixel | None = None
     top_origin_px: Pixel | None = None
 
+    @field_validator("front_view_rows", "top_view_rows")
+    @classmethod
+    def _within_the_frame(cls, rows: list[int] | None, info: ValidationInfo) -> list[int] | None:
+        height = info.data.get("height_px")
+        if rows is not None and height is not None and not 0 <= rows[0] < rows[1] <= height:
+            raise ValueError(f"{rows} is not a half-open range of rows within 0 to {height}")
+        return rows
+
+    @field_validator("top_view_rows")
+    @classmethod
+    def _beside_the_front_view(
+        cls, rows: list[int] | None, info: ValidationInfo
+    ) -> list[int] | None:
+        # Where one of the two is at fault itself, that is said already.
+        if rows is None or not {"height_px", "front_view_rows"} <= info.data.keys():
+            return rows
+        front = info.data["front_view_rows"] or [0, info.data["height_px"]]
+        if rows[0] < front[1] and front[0] < rows[1]:
+            raise ValueError(f"{rows} overlaps front_view_rows {front}")
+        return rows
+
 
 class _Sphere(_Strict):
     name: Literal["a", "b"]
-    diameter_m: Positive | None = None
-    density_kg_per_m3: Positive = 1150.0
-    inertia_factor: Positive = 0.4
     plate: bool = False
+    diameter_m: Annotated[float | None, Field(validate_default=True)] = None
+    density_kg_per_m3: Positive = 1150.0
+    inertia_factor: Annotated[float, Field(gt=0, le=HOLLOW_SHELL)] = 0.4
+
+    @field_validator("diameter_m")
+    @classmethod
+    def _of_a_sphere(cls, diameter: float | None, info: ValidationInfo) -> float | None:
+        if diameter is None:
+            if info.data.get("plate"):
+                return None
+            raise ValueError(f"is missing for sphere {info.data.get('name')!r}")
+        if diameter <= 0:
+            raise ValueError(f"is out of range (found {diameter}, allowed more than 0)")
+        if diameter > LARGEST_DIAMETER_M:
+            raise ValueError(
+                f"is out of range (found {diameter}, allowed at most {LARGEST_DIAMETER_M}); the "
+                f"unit is the metre, {diameter:g} mm are {diameter / 1000:g}"
+            )
+        return diameter
 
 
 class _Environment(_Strict):
@@ -53,6 +103,13 @@ class _Description(_Strict):
     spheres: Annotated[list[_Sphere], Field(min_length=2, max_length=2)]
     environment: _Environment = Field(default_factory=_Environment)
 
+    @field_validator("spheres")
+    @classmethod
+    def _one_of_each_name(cls, spheres: list[_Sphere]) -> list[_Sphere]:
+        if spheres[0].name == spheres[1].name:
+            raise ValueError(f"both are named {spheres[0].name!r}; name them 'a' and 'b'")
+        return spheres
+
 
 def read_description(path: Path) -> tuple[str, Setup]:
     """Read campaign.toml.
@@ -64,76 +121,56 @@ def read_description(path: Path) -> tuple[str, Setup]:
     Raises
     ------
     InputError
-        Absent, not TOML, an unknown or missing key, a value out of its range, or written in a
-        newer format; with the key.
+        Absent, empty, not TOML, or written in a newer format; or every key that is unknown,
+        missing, or out of its range.
     """
     try:
-        table = tomllib.loads(path.read_text(encoding="utf-8"))
+        table = tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except FileNotFoundError as error:
         raise InputError(path, "no such file") from error
+    except OSError as error:
+        raise InputError(path, f"cannot be read: {error.strerror}") from error
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise InputError(path, f"not TOML: {error}") from error
-    found = table.get("format")
+    if not table:
+        raise InputError(path, "is empty; it must describe camera and spheres")
+    found = table.get("format", FORMAT)
     if found != FORMAT:
         raise InputError(path, f"format {found!r}; this program reads format {FORMAT}")
     try:
         description = _Description.model_validate(table)
     except ValidationError as error:
-        raise InputError(path, _first_fault(error)) from error
-    return description.name, _setup(path, description)
+        raise InputError(path, "; ".join(map(fault, error.errors()))) from error
+    return description.name, _setup(description)
 
 
-def _first_fault(error: ValidationError) -> str:
-    fault = error.errors()[0]
-    key = ".".join(str(part) for part in fault["loc"])
-    value: Any = fault["input"]
-    shown = "" if isinstance(value, dict) else f" (found {value!r})"
-    return f"{key}: {fault['msg']}{shown}"
-
-
-def _setup(path: Path, description: _Description) -> Setup:
+def _setup(description: _Description) -> Setup:
     camera = description.camera
     first, second = sorted(description.spheres, key=lambda sphere: sphere.name)
-    if first.name == second.name:
-        raise InputError(path, f"spheres: both are named {first.name!r}; name them 'a' and 'b'")
     return Setup(
         camera=CameraSetup(
             frame_rate_hz=camera.frame_rate_hz,
             height_px=camera.height_px,
             width_px=camera.width_px,
-            front_view_rows=_rows(path, "front_view_rows", camera.front_view_rows, camera)
-            or (0, camera.height_px),
-            top_view_rows=_rows(path, "top_view_rows", camera.top_view_rows, camera),
+            front_view_rows=_pair(camera.front_view_rows) or (0, camera.height_px),
+            top_view_rows=_pair(camera.top_view_rows),
             scale_px_per_m=camera.scale_px_per_m,
-            front_origin_px=_pixel(camera.front_origin_px),
-            top_origin_px=_pixel(camera.top_origin_px),
+            front_origin_px=_pair(camera.front_origin_px),
+            top_origin_px=_pair(camera.top_origin_px),
         ),
-        spheres=(_sphere(path, first), _sphere(path, second)),
+        spheres=(_sphere(first), _sphere(second)),
         gravity_m_per_s2=description.environment.gravity_m_per_s2,
         air_density_kg_per_m3=description.environment.air_density_kg_per_m3,
     )
 
 
-def _sphere(path: Path, sphere: _Sphere) -> SphereSetup:
-    if sphere.plate:
+def _sphere(sphere: _Sphere) -> SphereSetup:
+    if sphere.plate or sphere.diameter_m is None:
         return SphereSetup(sphere.name, 0.0, sphere.density_kg_per_m3, 0.0, plate=True)
-    if sphere.diameter_m is None:
-        raise InputError(path, f"spheres: sphere {sphere.name!r} has no diameter_m")
     return SphereSetup(
         sphere.name, sphere.diameter_m, sphere.density_kg_per_m3, sphere.inertia_factor
     )
 
 
-def _rows(path: Path, key: str, rows: list[int] | None, camera: _Camera) -> tuple[int, int] | None:
-    if rows is None:
-        return None
-    if not 0 <= rows[0] < rows[1] <= camera.height_px:
-        raise InputError(
-            path,
-            f"camera.{key}: {rows} is not a half-open range of rows within 0 to {camera.height_px}",
-        )
-    return rows[0], rows[1]
-
-
-def _pixel(pixel: list[float] | None) -> tuple[float, float] | None:
-    return None if pixel is None else (pixel[0], pixel[1])
+def _pair(values: list[N] | None) -> tuple[N, N] | None:
+    return None if values is None else (values[0], values[1])

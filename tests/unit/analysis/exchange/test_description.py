@@ -75,9 +75,23 @@ def test_what_is_left_out_has_the_format_s_defaults(tmp_path: Path) -> None:
         (("frame_rate_hz = 1000.0", 'frame_rate_hz = "fast"'), "camera.frame_rate_hz", "fast"),
         (("frame_rate_hz = 1000.0", "frame_rate_hz = 0.0"), "camera.frame_rate_hz", "0.0"),
         (("frame_rate_hz = 1000.0", "frame_rate_hz = inf"), "camera.frame_rate_hz", "inf"),
-        (("frame_rate_hz = 1000.0\n", ""), "camera.frame_rate_hz", "required"),
+        (("frame_rate_hz = 1000.0\n", ""), "camera.frame_rate_hz", "is missing"),
         (("width_px = 240", "width_px = true"), "camera.width_px", "True"),
-        (("width_px = 240", "width_px = 4"), "camera.width_px", "4"),
+        (("width_px = 240", "width_px = 4"), "camera.width_px", "found 4, allowed at least 16"),
+        (("width_px = 240", "width_px = 240.0"), "camera.width_px", "not a whole number"),
+        (("[0, 88]", "[0, 88, 192]"), "camera.top_view_rows", "allowed 2 entries"),
+        (("[0, 88]", "[0, 89]"), "camera.top_view_rows: [0, 89] overlaps", "[88, 192]"),
+        (
+            ("front_view_rows = [88, 192]\n", ""),
+            "camera.top_view_rows",
+            "overlaps",
+        ),
+        (("inertia_factor = 0.4", "inertia_factor = 0.7"), "inertia_factor", "at most 0.667"),
+        (("inertia_factor = 0.4", "inertia_factor = 0.0"), "inertia_factor", "more than 0"),
+        (("diameter_m = 0.02\n", "diameter_m = 25.4\n"), "diameter_m", "25.4 mm are 0.0254"),
+        (("diameter_m = 0.02\n", "diameter_m = 0.6\n"), "diameter_m", "at most 0.5"),
+        (("diameter_m = 0.02\n", 'diameter_m = "1 in"\n'), "diameter_m", "not a number"),
+        (("[environment]", "[surroundings]"), "surroundings", "is not a key"),
         (("[132.0, 120.0]", "[132.0]"), "camera.front_origin_px", "132.0"),
         (('name = "nylon-2"', 'name = ""'), "name", "''"),
         (("diameter_m = 0.02\n", "diameter_m = -0.02\n"), "spheres.1.diameter_m", "-0.02"),
@@ -88,7 +102,7 @@ def test_what_is_left_out_has_the_format_s_defaults(tmp_path: Path) -> None:
         (("[88, 192]", "[100, 88]"), "camera.front_view_rows", "[100, 88]"),
         (("air_density_kg_per_m3 = 1.1", "air_density_kg_per_m3 = -1"), "air_density", "-1"),
         (("format = 1", "format = 2"), "format", "2"),
-        (("format = 1\n", ""), "format", "None"),
+        (("format = 1\n", ""), "format: is missing", ""),
         (("[camera]", "[camera"), "not TOML", "line 3"),
     ],
 )
@@ -104,6 +118,43 @@ def test_a_mistake_is_named_with_file_key_and_value(
     assert value in fault.value.reason
 
 
+def test_all_faults_of_a_file_are_named_at_once_with_unknown_keys(tmp_path: Path) -> None:
+    text = WHOLE.replace("frame_rate_hz", "framerate_hz").replace("width_px = 240", "width_px = 4")
+    path = written(tmp_path, text.replace("= 1140.0", "= -1.0"))
+    with pytest.raises(InputError) as fault:
+        read_description(path)
+    assert set(fault.value.reason.split("; ")) == {
+        "camera.frame_rate_hz: is missing",
+        "camera.framerate_hz: is not a key of this table (found 1000.0)",
+        "camera.width_px: is out of range (found 4, allowed at least 16)",
+        "spheres.0.density_kg_per_m3: is out of range (found -1.0, allowed more than 0)",
+    }
+
+
+@pytest.mark.parametrize("text", ["", "\n", "# nothing yet\n", "\ufeff"])
+def test_an_empty_file_is_called_empty(tmp_path: Path, text: str) -> None:
+    with pytest.raises(InputError, match="is empty"):
+        read_description(written(tmp_path, text))
+
+
+def test_a_byte_order_mark_is_passed_over(tmp_path: Path) -> None:
+    plain = read_description(written(tmp_path, WHOLE))
+    assert read_description(written(tmp_path, "\ufeff" + WHOLE)) == plain
+
+
+def test_a_folder_in_the_place_of_the_file_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="cannot be read"):
+        read_description(tmp_path)
+
+
+def test_rows_at_fault_themselves_are_not_said_to_overlap(tmp_path: Path) -> None:
+    path = written(tmp_path, WHOLE.replace("[88, 192]", "[88, 193]"))
+    with pytest.raises(InputError) as fault:
+        read_description(path)
+    assert "front_view_rows: [88, 193]" in fault.value.reason
+    assert "overlaps" not in fault.value.reason
+
+
 def test_a_newer_format_says_both_versions(tmp_path: Path) -> None:
     path = written(tmp_path, WHOLE.replace("format = 1", "format = 7"))
     with pytest.raises(InputError, match=r"format 7; this program reads format 1"):
@@ -116,7 +167,8 @@ def test_an_absent_file_is_named(tmp_path: Path) -> None:
 
 
 PAIR = (SphereSetup("a", 0.0254), SphereSetup("b", 0.0254))
-rows = st.tuples(st.integers(0, 90), st.integers(91, 192))
+front_rows = st.tuples(st.integers(90, 140), st.integers(141, 192))
+top_rows = st.tuples(st.integers(0, 40), st.integers(41, 90))
 pixels = st.tuples(st.floats(-500, 500), st.floats(-500, 500))
 positive = st.floats(1e-6, 1e6)
 setups = st.builds(
@@ -126,8 +178,8 @@ setups = st.builds(
         frame_rate_hz=positive,
         height_px=st.just(192),
         width_px=st.integers(16, 4096),
-        front_view_rows=rows,
-        top_view_rows=st.none() | rows,
+        front_view_rows=front_rows,
+        top_view_rows=st.none() | top_rows,
         scale_px_per_m=st.none() | positive,
         front_origin_px=st.none() | pixels,
         top_origin_px=st.none() | pixels,
@@ -137,9 +189,9 @@ setups = st.builds(
             st.builds(
                 SphereSetup,
                 name=st.just(name),
-                diameter_m=positive,
+                diameter_m=st.floats(1e-6, 0.5),
                 density_kg_per_m3=positive,
-                inertia_factor=positive,
+                inertia_factor=st.floats(1e-6, 2 / 3),
             )
             for name in "ab"
         )
