@@ -12,7 +12,15 @@ from rigctl.cameras.build import build_capture
 from rigctl.cameras.capture import Capture
 from rigctl.config import Configuration, default_path, load
 from rigctl.devices.build import build_actuators
-from rigctl.devices.roles import Actuators, FireOutcome, OutcomeQuery, PowerQuery, Regulator, Slide
+from rigctl.devices.roles import (
+    Actuator,
+    Actuators,
+    FireOutcome,
+    OutcomeQuery,
+    PowerQuery,
+    Regulator,
+    Slide,
+)
 from rigctl.errors import (
     DeviceAbsentError,
     DeviceAnswerError,
@@ -45,6 +53,14 @@ class Bench:
     def slide(self) -> Slide:
         assert self.actuators.slide is not None
         return self.actuators.slide
+
+    def part(self, role: str) -> Actuator:
+        return {
+            "trigger": self.actuators.trigger,
+            "regulator": self.regulator,
+            "slide": self.slide,
+            "cut-off": self.actuators.cut_off,
+        }[role]
 
     def is_powered(self) -> bool:
         assert isinstance(self.actuators.trigger, PowerQuery)
@@ -162,24 +178,67 @@ def test_without_power_nothing_fires_and_the_box_says_why(bench: Bench) -> None:
 def test_each_fault_of_a_line_has_its_name_and_passes_when_it_is_cleared(
     bench: Bench, role: str, kind: str, named: type[RigError]
 ) -> None:
-    parts = {
-        "trigger": bench.actuators.trigger,
-        "regulator": bench.regulator,
-        "recorder": bench.capture,
-    }
+    part = bench.capture if role == "recorder" else bench.part(role)
     bench.laboratory.fault(role, kind, times=1)
     with pytest.raises(named):
-        parts[role].check()
+        part.check()
     bench.laboratory.clear_faults()
-    parts[role].check()
+    if role != "recorder":
+        bench.part(role).reopen()
+    part.check()
 
 
-def test_a_slide_that_was_unplugged_answers_again_when_it_is_back(bench: Bench) -> None:
-    bench.laboratory.fault("slide", "unplug")
+@pytest.mark.parametrize("role", ["trigger", "regulator", "slide", "cut-off"])
+def test_an_actuator_that_was_unplugged_comes_back_when_it_is_reopened_and_not_before(
+    bench: Bench, role: str
+) -> None:
+    part = bench.part(role)
+    bench.laboratory.fault(role, "unplug")
     with pytest.raises((DeviceAbsentError, DeviceSilentError)):
-        bench.slide.check()
-    bench.laboratory.clear_faults()
-    bench.slide.check()
+        part.reopen()
+    bench.laboratory.fault(role, "plug-in")
+    with pytest.raises((DeviceAbsentError, DeviceSilentError)):
+        part.check()
+    part.reopen()
+    part.check()
+
+
+@pytest.mark.parametrize("role", ["trigger", "regulator", "slide", "cut-off"])
+def test_a_loss_that_nobody_noticed_is_found_by_reopening(bench: Bench, role: str) -> None:
+    bench.laboratory.fault(role, "unplug")
+    bench.laboratory.fault(role, "plug-in")
+    bench.part(role).reopen()
+    bench.part(role).check()
+
+
+def test_a_trigger_that_was_armed_and_came_back_fires_nothing(bench: Bench) -> None:
+    trigger = bench.actuators.trigger
+    trigger.arm(1, 0.0)
+    bench.laboratory.fault("trigger", "unplug")
+    bench.laboratory.fault("trigger", "plug-in")
+    trigger.reopen()
+    with pytest.raises(DeviceAnswerError, match="no fire command was sent"):
+        trigger.fire(1)
+    assert bench.laboratory.fires == 0
+
+
+def test_a_cut_reaches_a_board_that_was_unplugged_and_is_back(bench: Bench) -> None:
+    bench.laboratory.fault("cut-off", "unplug")
+    with pytest.raises(DeviceAbsentError):
+        bench.actuators.cut_off.cut()
+    bench.laboratory.fault("cut-off", "plug-in")
+    bench.actuators.cut_off.cut()
+    bench.wait_until(lambda: not bench.is_powered())
+
+
+def test_a_slide_is_stopped_on_its_way_and_the_regulators_are_vented(bench: Bench) -> None:
+    bench.regulator.set_pressure(40.0, 35.0)
+    bench.slide.move_to(20.0)
+    bench.slide.stop()
+    bench.wait_until(lambda: not bench.slide.is_moving())
+    assert 0.0 <= bench.slide.position().value < 20.0
+    bench.regulator.vent()
+    bench.wait_until(lambda: max(p.value for p in bench.regulator.pressure()) < 0.1)
 
 
 @pytest.mark.parametrize("kind", ["stuck", "timeout", "disconnect"])

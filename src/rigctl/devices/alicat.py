@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import time
 from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import dataclass
 
 from rigctl.devices.roles import Reading
@@ -80,8 +81,11 @@ class AlicatPair:
 
     def check(self) -> None:
         """Read both units once."""
-        self._port.reopen_if_lost()
         self.pressure()
+
+    def reopen(self) -> None:
+        """See whether the port is there, and open it again if it was lost."""
+        self._port.reopen_if_lost()
 
     def set_pressure(self, a_kpa: float, b_kpa: float) -> None:
         """Give both set points in kPa gauge; returns before the pressure has settled.
@@ -92,15 +96,19 @@ class AlicatPair:
             A unit gave no answer, or echoed another set point; the other may be set already.
         """
         for unit, wanted in zip(self._units, (a_kpa, b_kpa), strict=True):
-            echoed = self._ask(unit, f"{unit}S{wanted:.2f}").set_point_kpa
-            if abs(echoed - wanted) > RESOLUTION_KPA:
-                raise DeviceAnswerError(
-                    f"unit {unit} did not take the set point",
-                    part=self.name,
-                    value=f"{echoed:g} kPa",
-                    limit=f"{wanted:.2f} kPa",
-                    todo="check the unit's range and whether its front panel is locked",
-                )
+            self._set(unit, wanted)
+
+    def vent(self) -> None:
+        """Give both set points of 0 kPa; the second is given even when the first is not taken.
+
+        Raises
+        ------
+        DeviceError
+            A unit gave no answer, or echoed another set point.
+        """
+        with ExitStack() as both:
+            for unit in self._units:
+                both.callback(self._set, unit, 0.0)
 
     def pressure(self) -> tuple[Reading, Reading]:
         """Return the measured pressures of a and b in kPa gauge."""
@@ -110,6 +118,17 @@ class AlicatPair:
     def close(self) -> None:
         """Release the port; the set points stay. Safe to call twice."""
         self._port.close()
+
+    def _set(self, unit: str, wanted_kpa: float) -> None:
+        echoed = self._ask(unit, f"{unit}S{wanted_kpa:.2f}").set_point_kpa
+        if abs(echoed - wanted_kpa) > RESOLUTION_KPA:
+            raise DeviceAnswerError(
+                f"unit {unit} did not take the set point",
+                part=self.name,
+                value=f"{echoed:g} kPa",
+                limit=f"{wanted_kpa:.2f} kPa",
+                todo="check the unit's range and whether its front panel is locked",
+            )
 
     def _read(self, unit: str) -> Reading:
         # The earliest moment the pressure can have been measured, so that no reading looks young.

@@ -55,11 +55,15 @@ class LcusRelay:
 
     def check(self) -> None:
         """See that the port is there; more the board does not tell."""
-        self._port.reopen_if_lost()
         self._port.discard_stale()
 
+    def reopen(self) -> None:
+        """See whether the port is there, and open it again if it was lost."""
+        self._port.reopen_if_lost()
+
     def cut(self) -> None:
-        """Open the contact at once; harmless when already open."""
+        """Open the contact at once, on a port opened again if it was lost."""
+        self._port.reopen_if_lost()
         self._port.send(command(self._channel, False))
 
     def restore(self) -> None:
@@ -112,8 +116,12 @@ class SolenoidPair:
 
     def check(self) -> None:
         """See that the port is there; more the board does not tell."""
-        self._port.reopen_if_lost()
         self._port.discard_stale()
+
+    def reopen(self) -> None:
+        """Open the port again if it was lost; the pair is then ready for no fire."""
+        if self._port.reopen_if_lost():
+            self._ready_for = None
 
     def arm(self, sequence: int, delay_us: float) -> None:
         """Hold both spheres and make ready for one fire, b `delay_us` after a.

@@ -34,6 +34,23 @@ class Device(Protocol):
         """Release the port. Safe to call twice."""
 
 
+class Actuator(Device, Protocol):
+    """What can move something. Its `check` never opens a line that was lost; `reopen` does.
+
+    A command that acts must not go out on a line that came back unnoticed. Lines come back when
+    the rig is armed or released, and on the way to a safe level: never between arm and fire.
+    """
+
+    def reopen(self) -> None:
+        """See whether the line is there, and open it again if it was lost.
+
+        Raises
+        ------
+        DeviceError
+            It cannot be opened.
+        """
+
+
 @dataclass(frozen=True, slots=True)
 class FireReceipt:
     """The trigger's own word that it fired.
@@ -48,7 +65,7 @@ class FireReceipt:
     device_time_us: int | None
 
 
-class Trigger(Device, Protocol):
+class Trigger(Actuator, Protocol):
     """Fires both pushers (or solenoids) from one command."""
 
     def arm(self, sequence: int, delay_us: float) -> None:
@@ -93,21 +110,27 @@ class PowerQuery(Protocol):
         """Say whether a fire command could move anything; raise a `DeviceError` if unheard."""
 
 
-class Regulator(Device, Protocol):
+class Regulator(Actuator, Protocol):
     """Sets and reads the pressure of both pushers."""
 
     def set_pressure(self, a_kpa: float, b_kpa: float) -> None:
         """Give both set points in kPa gauge; returns before the pressure has settled."""
 
+    def vent(self) -> None:
+        """Give both set points of 0 kPa; the second is given even when the first is not taken."""
+
     def pressure(self) -> tuple[Reading, Reading]:
         """Return the measured pressures of a and b in kPa gauge."""
 
 
-class Slide(Device, Protocol):
+class Slide(Actuator, Protocol):
     """Moves tube b vertically against tube a."""
 
     def move_to(self, offset_mm: float) -> None:
         """Start a move; returns before it has ended."""
+
+    def stop(self) -> None:
+        """End a move where it is; harmless at rest."""
 
     def position(self) -> Reading:
         """Return the measured offset in mm."""
@@ -126,14 +149,14 @@ class Closure(Device, Protocol):
         """Open the contact."""
 
 
-class CutOff(Device, Protocol):
+class CutOff(Actuator, Protocol):
     """Cuts the power of every actuator, on a line of its own."""
 
     def cut(self) -> None:
-        """Cut at once; harmless when already cut."""
+        """Cut at once, on a line opened again if it was lost; harmless when already cut."""
 
     def restore(self) -> None:
-        """Give power back, after a person released the latch."""
+        """Give power back, after a person released the latch; opens no line."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -36,8 +36,7 @@ class SerialPort:
 
     The port is opened in the constructor, for this process alone, with DTR and RTS preset low,
     and stays open: on many adapters the kernel raises both lines for a moment at every open.
-    A port that hung up stays shut until `reopen_if_lost`, which only signs of life call; no act
-    opens a port.
+    A port that hung up stays shut until `reopen_if_lost`; no question and no command opens it.
 
     Every method may be called from any thread. One lock makes a question and its answer one
     step; it is held for at most the write and answer times together.
@@ -191,8 +190,8 @@ class SerialPort:
                     ) from error
                 raise self._hung_up() from error
 
-    def reopen_if_lost(self) -> None:
-        """Open the port again after a hang-up; nothing happens while it is open.
+    def reopen_if_lost(self) -> bool:
+        """Look whether the port hung up, and open it again if so; return whether it was opened.
 
         Raises
         ------
@@ -200,8 +199,15 @@ class SerialPort:
             As when the port was first opened.
         """
         with self._lock:
-            if self._lost:
-                self._open()
+            if self._serial.is_open:
+                try:
+                    _ = self._serial.in_waiting
+                except _LINE_FAILED as error:
+                    _log.warning("%s", self._hung_up(), exc_info=error)
+            if not self._lost:
+                return False
+            self._open()
+            return True
 
     def close(self) -> None:
         """Release the port. Safe to call twice."""
@@ -242,7 +248,7 @@ class SerialPort:
             raise DeviceAbsentError(
                 f"{self._url} is closed since it hung up" if self._lost else "the port is closed",
                 part=self.part,
-                todo="check the cable and the power, then ask for a sign of life",
+                todo="check the cable and the power, then arm or release the rig",
             )
 
     def _hung_up(self) -> DeviceAbsentError:

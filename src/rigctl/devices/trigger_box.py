@@ -66,10 +66,15 @@ class TriggerBox:
         DeviceError
             Nothing answers, or it is no trigger box of version 1 with two channels.
         """
-        self._port.reopen_if_lost()
         text = self._ask("ID?", kind="RIGTRIG ")
         if text != _IDENTITY:
             raise unexpected(text, "ID?", self.name)
+
+    def reopen(self) -> None:
+        """Open the port again if it was lost; the box is then ready for no fire."""
+        with self._port.held():
+            if self._port.reopen_if_lost():
+                self._ready_for = None
 
     def status(self) -> TriggerBoxStatus:
         """Return what the box says of itself, power of the outputs included."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -71,6 +72,7 @@ class ZaberSlide:
         self._path, self._part, self._steps = port, part, microsteps_per_mm
         self._answer_timeout_s, self._home_timeout_s = answer_timeout_s, home_timeout_s
         self._clock, self._wait = clock, wait
+        self._reopening = threading.Lock()
         self._connection, self._axis = self._connected()
 
     @property
@@ -79,19 +81,29 @@ class ZaberSlide:
         return self._part
 
     def check(self) -> None:
-        """Ask the stage for its state; a connection that was lost is opened again.
+        """Ask the stage for its state.
 
         Raises
         ------
         DeviceError
             The stage gives no sign of life.
         """
-        try:
-            self.is_moving()
-        except DeviceAbsentError:
-            self.close()
-            self._connection, self._axis = self._connected()
-            self.is_moving()
+        self.is_moving()
+
+    def reopen(self) -> None:
+        """Ask the stage for its state, and open the connection again if it was lost.
+
+        Raises
+        ------
+        DeviceError
+            The stage gives no sign of life.
+        """
+        with self._reopening:
+            try:
+                self.is_moving()
+            except DeviceAbsentError:
+                self.close()
+                self._connection, self._axis = self._connected()
 
     def move_to(self, offset_mm: float) -> None:
         """Start a move to an offset in mm; a stage without reference is homed first.
@@ -105,6 +117,17 @@ class ZaberSlide:
             if not self._axis.is_homed():
                 self._home()
             self._axis.move_absolute(round(offset_mm * self._steps), wait_until_idle=False)
+
+    def stop(self) -> None:
+        """End a move, or a search for the home sensor, where it is; does not wait for the rest.
+
+        Raises
+        ------
+        DeviceError
+            The stage gives no answer.
+        """
+        with self._errors_named("stop"):
+            self._axis.stop(wait_until_idle=False)
 
     def position(self) -> Reading:
         """Return the measured offset in mm.

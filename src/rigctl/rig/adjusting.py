@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from rigctl.rig.conditions import Conditions
 from rigctl.rig.estop import EmergencyStop
+from rigctl.rig.halting import halt
 from rigctl.rig.parts import Bench
 from rigctl.settings import ShotSettings
 
@@ -19,22 +20,39 @@ def adjust(
 ) -> None:
     """Give the set points and return when they are reached, the time is over, or a stop came.
 
-    Whether they were reached is for the interlocks to say, which name what was not.
+    Whether they were reached is for the interlocks to say, which name what was not. When a stop
+    came, slide and regulators are halted before it returns or raises.
 
     Raises
     ------
     DeviceError
         Regulator or slide did not take the command.
     """
-    devices, clock = bench.devices, bench.clock
-    if devices.regulator is not None:
-        devices.regulator.set_pressure(settings.pressure_a_kpa, settings.pressure_b_kpa)
-    if devices.slide is not None:
-        devices.slide.move_to(settings.offset_mm)
+    try:
+        _give_set_points(settings, bench, stop)
+        _await_set_points(settings, bench, conditions, stop)
+    finally:
+        # The stop halts them too, but a set point may have left here after it had done so.
+        if stop.latch is not None:
+            halt(bench.devices)
+
+
+def _give_set_points(settings: ShotSettings, bench: Bench, stop: EmergencyStop) -> None:
+    regulator, slide = bench.devices.regulator, bench.devices.slide
+    if regulator is not None and stop.latch is None:
+        regulator.set_pressure(settings.pressure_a_kpa, settings.pressure_b_kpa)
+    if slide is not None and stop.latch is None:
+        slide.move_to(settings.offset_mm)
+
+
+def _await_set_points(
+    settings: ShotSettings, bench: Bench, conditions: Conditions, stop: EmergencyStop
+) -> None:
+    clock = bench.clock
     deadline = clock.monotonic() + bench.configuration.limits.settle_timeout_s
     good = 0
     while good < LOOKS and stop.latch is None and clock.monotonic() < deadline:
         reached = all(condition.holds for condition in conditions.adjusted(settings))
         good = good + 1 if reached else 0
-        if good < LOOKS:
+        if good < LOOKS and stop.latch is None:
             clock.wait(POLL_S)

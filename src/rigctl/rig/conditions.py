@@ -49,7 +49,7 @@ class Conditions:
             *self._offset(settings),
             self._camera(recording),
             self._trigger(),
-            self._power(),
+            self.cut_off(),
             self._latch(),
             self._cool_down(),
             self._disk(),
@@ -57,6 +57,18 @@ class Conditions:
             self._wall_clock(),
         ]
         return fresh(found, self._clock.monotonic(), self._limits.reading_max_age_s)
+
+    def cut_off(self) -> Interlock:
+        """Read the cut-off: its sign of life, and whether it was told to give power."""
+        source = self._devices.cut_off.name
+        try:
+            self._stop.check()
+        except RigError as error:
+            return self._silent("cut_off", source, error)
+        powered = self._stop.powered
+        value = "restored" if powered else "cut"
+        todo = "release the rig"
+        return self._word("cut_off", powered, value, limit="restored", source=source, todo=todo)
 
     def _pressure(self, settings: ShotSettings) -> Iterator[Interlock]:
         regulator = self._devices.regulator
@@ -131,13 +143,6 @@ class Conditions:
             source=trigger.name,
             todo="release the emergency stop, or check the supply of the actuators",
         )
-
-    def _power(self) -> Interlock:
-        powered = self._stop.powered
-        source = self._devices.cut_off.name
-        value = "restored" if powered else "cut"
-        todo = "release the rig"
-        return self._word("cut_off", powered, value, limit="restored", source=source, todo=todo)
 
     def _latch(self) -> Interlock:
         latch = self._stop.latch

@@ -2,70 +2,88 @@
 
 from __future__ import annotations
 
-import json
 import logging
 import threading
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from pathlib import Path
 from queue import SimpleQueue
 
 from rigctl.devices.roles import CutOff
 from rigctl.errors import DeviceError, DeviceSilentError, RefusedError, RigError
 from rigctl.rig.clock import Clock
-from rigctl.store.durable import sync_folder, write_synced
+from rigctl.rig.latch import Latch, LatchFile
+from rigctl.rig.witness import Sight, Witness, look
 
 _log = logging.getLogger(__name__)
 
 CUT_ATTEMPTS = 3
 """A cut is harmless when repeated, so it is the one act that may be."""
 
+RETRY_S = 0.2
+"""Pause before a cut is tried again: a board that was plugged in needs a moment, s."""
+
 LINE_WAIT_S = 2.0
 """Longest wait for the cut-off's line. The cut goes on after it; only the caller is let go."""
 
+WITNESS_WAIT_S = 1.0
+"""Longest wait of a caller for the trigger's word that the power is off, s."""
 
-@dataclass(frozen=True, slots=True)
-class Latch:
-    """Why the rig is stopped: who stopped it, why, and when (UTC, ISO 8601)."""
-
-    actor: str
-    reason: str
-    at: str
+_UNDER_WAY = "the cut is under way"
+_BY_HAND = "switch the actuators off by hand"
 
 
 @dataclass(slots=True)
 class _Request:
-    act: Callable[[], None]
+    """One act for the cut-off's thread: what became of it, and what was seen of it."""
+
+    act: Callable[[_Request], None]
+    latched: threading.Event = field(default_factory=threading.Event)
     done: threading.Event = field(default_factory=threading.Event)
     error: RigError | None = None
+    looked: threading.Event = field(default_factory=threading.Event)
+    sight: Sight | None = None
 
 
 class EmergencyStop:
     """Owner of the cut-off device, with a thread for its line alone.
 
-    `stop` takes no lock of the rig and waits for no other device. The latch outlives the process:
-    it is a file beside the catalogue, so a full or locked catalogue cannot lose it.
+    `stop` takes no lock of the rig and waits for no other device before the cut. Each cut opens
+    the line again if it was lost.
 
     Parameters
     ----------
     cut_off
         The device that takes the actuators' power.
     latch_file
-        Where the latch is kept. A file that cannot be read counts as latched.
+        Where the latch is kept; see `LatchFile`.
+    clock
+        Time.
     afterwards
         What is tried once the power is cut, in a thread that nobody waits for.
+    witness
+        Another device's word on whether the actuators have power; None where none can tell, and
+        a cut that left the host is then all that is known.
     """
 
     def __init__(
-        self, cut_off: CutOff, latch_file: Path, afterwards: Callable[[], None], clock: Clock
+        self,
+        cut_off: CutOff,
+        latch_file: Path,
+        clock: Clock,
+        *,
+        afterwards: Callable[[], None],
+        witness: Witness | None,
     ) -> None:
-        self._cut_off, self._file, self._clock = cut_off, latch_file, clock
-        self._afterwards = afterwards
+        self._cut_off, self._file, self._clock = cut_off, LatchFile(latch_file), clock
+        self._afterwards, self._witness = afterwards, witness
         self._lock = threading.Lock()
-        self._stops = 0
+        self._stops = self._orders = 0
         self._powered = False
-        self._latch = _read(latch_file)
+        self._doubt: str | None = None
+        self._latch = self._file.read()
         self._requests: SimpleQueue[_Request | None] = SimpleQueue()
+        self._followers: list[threading.Thread] = []
         self._thread = threading.Thread(target=self._serve, name="cut-off", daemon=True)
         self._thread.start()
 
@@ -79,6 +97,34 @@ class EmergencyStop:
         """Whether the cut-off was told to give power, and has not been told to cut since."""
         return self._powered
 
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Say so while the power is not known to be off after a cut."""
+        doubt = self._doubt
+        if doubt is None:
+            return ()
+        return (f"the power is NOT confirmed off: {doubt}; {_BY_HAND}",)
+
+    def check(self) -> None:
+        """Ask the cut-off for its sign of life; opens nothing.
+
+        Raises
+        ------
+        DeviceError
+            There is none, or none within `LINE_WAIT_S`.
+        """
+        self._in_turn(self._cut_off.check)
+
+    def reopen(self) -> None:
+        """See whether the cut-off's line is there, and open it again if it was lost.
+
+        Raises
+        ------
+        DeviceError
+            It cannot be opened.
+        """
+        self._in_turn(self._cut_off.reopen)
+
     def stop(self, actor: str, reason: str) -> None:
         """Cut the power, then latch; callable from any thread, any number of times.
 
@@ -87,53 +133,95 @@ class EmergencyStop:
         Raises
         ------
         DeviceError
-            The cut was not confirmed by its driver in time. The rig is latched all the same.
+            The cut was not confirmed by its driver in time, or the witness still sees power. The
+            rig is latched all the same, and `warnings` says what is known.
         """
-        request = _Request(self._cut)
-        self._requests.put(request)
+        request = self._order_cut(self._stop_all)
         with self._lock:
             self._stops += 1
             self._powered = False
             latch = self._latch or Latch(actor, reason, self._clock.wall().isoformat())
             self._latch = latch
-            self._keep(latch)
-        self._await(request, "could not be cut", "switch the actuators off by hand")
+            request.latched.set()
+            self._file.keep(latch)
+        self._await_cut(request)
 
     def restore(self) -> None:
-        """Give power back and leave the latch.
+        """Give power back and leave the latch; wait a moment until the witness sees it.
+
+        Power that does not come is for the interlocks to name.
 
         Raises
         ------
         RefusedError
             Another stop came in meanwhile: it holds.
         DeviceError
-            The device did not take the command; the latch stays.
+            The device did not take the command; the latch stays, and the power is cut again.
         """
         seen = self._stops
-        request = _Request(lambda: self._restore(seen))
+        request = _Request(lambda _: self._restore(seen))
         self._requests.put(request)
         self._await(request, "could not be restored", "check the cut-off, then release again")
+        if self._witness is not None:
+            doubt = look(self._witness, self._clock, wanted=True).doubt
+            if doubt is not None:
+                _log.warning("after the power was given: %s", doubt)
 
-    def close(self) -> None:
-        """End the thread; the cut-off stays as it is. Safe to call twice."""
+    def close(self, *, cut: bool = False) -> None:
+        """End the threads, after a last cut without a latch where one is wanted.
+
+        Never raises a `RigError`; safe to call twice.
+        """
+        if cut and self._thread.is_alive():
+            try:
+                self._await_cut(self._order_cut(self._take_power))
+            except RigError:
+                _log.exception("on closing the cut-off")
         self._requests.put(None)
         self._thread.join(LINE_WAIT_S)
+        for thread in self._followers:
+            thread.join(LINE_WAIT_S)
 
     def _serve(self) -> None:
         while (request := self._requests.get()) is not None:
             try:
-                request.act()
+                request.act(request)
             except RigError as error:
                 request.error = error
             except Exception as error:  # noqa: BLE001 - this thread must outlive any driver
                 request.error = DeviceError(repr(error), part=self._cut_off.name)
             request.done.set()
 
-    def _cut(self) -> None:
+    def _order_cut(self, act: Callable[[_Request], None]) -> _Request:
+        request = _Request(act)
+        # Before the cut, or a cut that is quick to be confirmed would be doubted for ever.
+        self._powered, self._doubt = False, _UNDER_WAY
+        self._requests.put(request)
+        return request
+
+    def _stop_all(self, request: _Request) -> None:
+        try:
+            self._take_power(request)
+        finally:
+            self._follow("after-stop", lambda: self._follow_up(request))
+
+    def _take_power(self, request: _Request) -> None:
+        self._orders += 1
+        order = self._orders
+        failure: str | None = None
+        self._powered, self._doubt = False, _UNDER_WAY
         try:
             self._cut_repeatedly()
+        except Exception as error:
+            failure = f"the cut failed ({error})"
+            raise
         finally:
-            threading.Thread(target=self._follow_up, name="after-stop", daemon=True).start()
+            witness = self._witness
+            if witness is None:
+                self._saw(order, request, Sight(None, failure))
+            else:
+                self._doubt = failure or "the trigger has not yet said that its outputs are off"
+                self._follow("cut-witness", lambda: self._look(witness, order, request, failure))
 
     def _cut_repeatedly(self) -> None:
         for attempt in range(1, CUT_ATTEMPTS + 1):
@@ -143,9 +231,31 @@ class EmergencyStop:
                 _log.exception("cut-off, attempt %d of %d", attempt, CUT_ATTEMPTS)
                 if attempt == CUT_ATTEMPTS:
                     raise
+            self._clock.wait(RETRY_S)
         return None
 
-    def _follow_up(self) -> None:
+    def _look(self, witness: Witness, order: int, request: _Request, failure: str | None) -> None:
+        sight = look(witness, self._clock, wanted=False)
+        if sight.doubt is not None and failure is not None:
+            sight = Sight(sight.powered, f"{failure}; {sight.doubt}")
+        self._saw(order, request, sight)
+
+    def _saw(self, order: int, request: _Request, sight: Sight) -> None:
+        with self._lock:
+            if order == self._orders:
+                self._doubt = sight.doubt
+        request.sight = sight
+        request.looked.set()
+
+    def _follow(self, name: str, work: Callable[[], None]) -> None:
+        self._followers = [thread for thread in self._followers if thread.is_alive()]
+        thread = threading.Thread(target=work, name=name, daemon=True)
+        self._followers.append(thread)
+        thread.start()
+
+    def _follow_up(self, request: _Request) -> None:
+        # Whoever moves something looks at the latch afterwards; so it must be set before this.
+        request.latched.wait(LINE_WAIT_S)
         try:
             self._afterwards()
         except Exception:  # noqa: BLE001 - nobody waits for this, and the cut has been made
@@ -154,15 +264,51 @@ class EmergencyStop:
     def _restore(self, seen: int) -> None:
         if self._stops != seen:
             raise self._stopped_again()
-        self._cut_off.restore()
-        with self._lock:
-            if self._stops != seen:
-                raise self._stopped_again()
-            self._forget()
-            self._latch, self._powered = None, True
+        self._cut_off.reopen()
+        try:
+            self._orders += 1
+            self._cut_off.restore()
+            with self._lock:
+                if self._stops != seen:
+                    raise self._stopped_again()
+                self._file.forget()
+                self._latch, self._powered, self._doubt = None, True, None
+        except Exception:
+            self._cut_after_failed_restore()
+            raise
+
+    def _cut_after_failed_restore(self) -> None:
+        try:
+            self._take_power(_Request(self._take_power))
+        except Exception:  # noqa: BLE001 - the failure of the restore is what the caller is told
+            _log.exception("the power was not cut again after a restore that failed")
 
     def _stopped_again(self) -> RefusedError:
         return RefusedError("the rig was stopped again meanwhile", todo="release it once more")
+
+    def _in_turn(self, act: Callable[[], None]) -> None:
+        request = _Request(lambda _: act())
+        self._requests.put(request)
+        if not request.done.wait(LINE_WAIT_S):
+            raise DeviceSilentError(
+                "its line is not free",
+                part=self._cut_off.name,
+                limit=f"{LINE_WAIT_S:g} s",
+                todo="check the cut-off's cable and power",
+            )
+        if request.error is not None:
+            raise request.error
+
+    def _await_cut(self, request: _Request) -> None:
+        self._await(request, "could not be cut", _BY_HAND)
+        if not request.looked.wait(WITNESS_WAIT_S):
+            _log.warning("the trigger has not said in time whether its outputs have power")
+        elif request.sight is not None and request.sight.powered:
+            raise DeviceError(
+                f"the power is NOT off after the cut: {request.sight.doubt}",
+                part=self._cut_off.name,
+                todo=_BY_HAND,
+            )
 
     def _await(self, request: _Request, what: str, todo: str) -> None:
         if not request.done.wait(LINE_WAIT_S):
@@ -175,33 +321,3 @@ class EmergencyStop:
             raise DeviceError(
                 f"{what}: {request.error}", part=self._cut_off.name, todo=todo
             ) from request.error
-
-    def _keep(self, latch: Latch) -> None:
-        partial = self._file.with_suffix(".partial")
-        try:
-            partial.unlink(missing_ok=True)
-            write_synced(partial, lambda file: file.write(json.dumps(asdict(latch)).encode()))
-            partial.replace(self._file)
-            sync_folder(self._file.parent)
-        except OSError:
-            _log.exception("the latch holds in memory only")
-
-    def _forget(self) -> None:
-        try:
-            self._file.unlink(missing_ok=True)
-            sync_folder(self._file.parent)
-        except OSError as error:
-            raise RefusedError(
-                f"the latch file cannot be removed: {error.strerror}",
-                part=str(self._file),
-                todo="correct the folder's rights, then release again",
-            ) from error
-
-
-def _read(file: Path) -> Latch | None:
-    try:
-        return Latch(**json.loads(file.read_text(encoding="utf-8")))
-    except FileNotFoundError:
-        return None
-    except (OSError, ValueError, TypeError) as error:
-        return Latch("rig", f"the latch file cannot be read: {error}", "")

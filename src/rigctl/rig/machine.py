@@ -6,11 +6,12 @@ import logging
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from datetime import timedelta
 
 from rigctl.cameras.capture import Capture
 from rigctl.config import Configuration
-from rigctl.devices.roles import Actuators
+from rigctl.devices.roles import Actuators, PowerQuery
 from rigctl.errors import DeviceError, IdempotencyError, RefusedError, RigError, StoreError
 from rigctl.rig.adjusting import adjust
 from rigctl.rig.arming import Armed, ArmToken
@@ -19,7 +20,9 @@ from rigctl.rig.clock import SYSTEM_CLOCK, Clock
 from rigctl.rig.conditions import Conditions
 from rigctl.rig.estop import EmergencyStop
 from rigctl.rig.firing import ShotRun
+from rigctl.rig.halting import halt, make_safe
 from rigctl.rig.interlocks import require
+from rigctl.rig.lines import reopen
 from rigctl.rig.parts import Bench
 from rigctl.rig.recovery import Recovery, start
 from rigctl.rig.running import ACTOR, RunningShot
@@ -82,8 +85,13 @@ class Rig:
         self._configuration, self._devices, self._store = configuration, devices, store
         self._limits, self._clock = configuration.limits, clock
         self._analyse, self._spawn = analyse, spawn
-        make_safe = devices.trigger.make_safe
-        self._stop = EmergencyStop(devices.cut_off, store.path / "estop.json", make_safe, clock)
+        self._stop = EmergencyStop(
+            devices.cut_off,
+            store.path / "estop.json",
+            clock,
+            afterwards=self._after_stop,
+            witness=devices.trigger.powered if isinstance(devices.trigger, PowerQuery) else None,
+        )
         self._conditions = Conditions(self._bench, self._stop)
         self._standing = Standing(configuration, store, clock)
         self._running = RunningShot(self._standing, store, self._stop, clock)
@@ -99,13 +107,14 @@ class Rig:
                 self._withdraw_expired()
             finally:
                 self._standing.lock.release()
-        return self._standing.status()
+        status = self._standing.status()
+        return replace(status, warnings=status.warnings + self._stop.warnings)
 
     def arm(self, settings: ShotSettings, actor: str) -> Armed:
         """Set pressure and offset, wait until they are reached, check everything, give a token.
 
-        A token given before is dead from the first moment. The wait ends after the configured
-        `settle_timeout_s`.
+        A token given before is dead from the first moment. Lost lines are opened again. Nothing
+        moves unless the cut-off answers. The wait ends after the configured `settle_timeout_s`.
 
         Raises
         ------
@@ -124,11 +133,13 @@ class Rig:
         with self._alone():
             self._await_safe_state()
             self._begin_arming(settings, actor)
-            try:
-                adjust(settings, self._bench, self._conditions, self._stop)
-            except DeviceError as error:
-                self._fail(error)
-                raise
+            reopen(self._devices, self._stop)
+            if self._conditions.cut_off().holds:
+                try:
+                    adjust(settings, self._bench, self._conditions, self._stop)
+                except DeviceError as error:
+                    self._fail(error)
+                    raise
             conditions = self._conditions.all(settings)
             self._standing.found(conditions)
             require(conditions)
@@ -203,10 +214,9 @@ class Rig:
         note: str | None = None,
         actor: str,
     ) -> ShotRecord:
-        """As `accept`, then wait for the end of the run and return the shot as it stands then.
+        """As `accept`, then wait for the run's end; return the shot as it stands then.
 
-        The wait is bounded by the camera's time-outs; a record without `outcome` says that the
-        time was over first.
+        The camera's time-outs bound the wait; a record without `outcome` says that it was over.
         """
         shot = self.accept(token, key, body_hash, campaign=campaign, note=note, actor=actor)
         return self.wait(shot.id)
@@ -221,12 +231,14 @@ class Rig:
         """Cut the power of every actuator now; what the rig was doing follows.
 
         Open to everybody, at any time, from any thread. A shot whose fire command may be under
-        way becomes `unknown_outcome`; one that is being recorded is still stored.
+        way becomes `unknown_outcome`; one that is being recorded is still stored. After the cut
+        slide, regulators and trigger are brought to rest, in a thread that nobody waits for.
 
         Raises
         ------
         DeviceError
-            The cut-off did not confirm in time; the rig is latched all the same.
+            The cut-off did not confirm, or the trigger still reports power. The rig is latched all
+            the same, and the status warns until a cut is confirmed.
         """
         try:
             self._stop.stop(actor, reason)
@@ -236,9 +248,13 @@ class Rig:
                 self._running.overtake(f"emergency stop by {actor}: {reason}")
                 self._standing.armed_for(self._standing.status().settings, None)
                 self._standing.move(RigState.ESTOP, actor, reason, self._running.name)
+                for warning in self._stop.warnings:
+                    self._standing.note_of_stop(warning)
 
     def release(self, actor: str, reason: str) -> None:
         """Let a person end unknown_outcome, fault or estop; power comes back, the rig is idle.
+
+        Lines that were lost are opened again first.
 
         Raises
         ------
@@ -252,6 +268,7 @@ class Rig:
             raise RefusedError("a release needs a reason", todo="say what was found and done")
         with self._alone():
             self._require_releasable()
+            reopen(self._devices, self._stop)
             self._devices.trigger.make_safe()
             self._stop.restore()
             with self._standing.lock:
@@ -284,15 +301,11 @@ class Rig:
         """
         self.disarm(ACTOR, "the daemon ends")
         self._running.wait(self._longest_run_s)
-        self._stop.close()
-        acts = [self._devices.trigger.make_safe]
-        if self._configuration.trigger.power_cut == "holds":
-            acts.append(self._devices.cut_off.cut)
-        for act in acts:
-            try:
-                act()
-            except RigError:
-                _log.exception("on closing the rig")
+        try:
+            self._devices.trigger.make_safe()
+        except RigError:
+            _log.exception("on closing the rig")
+        self._stop.close(cut=self._configuration.trigger.power_cut == "holds")
 
     @property
     def _longest_run_s(self) -> float:
@@ -329,6 +342,9 @@ class Rig:
                 )
             self.disarm(actor, "the rig is armed anew")
             self._standing.armed_for(settings, None)
+
+    def _after_stop(self) -> None:
+        self._standing.note_of_stop("; ".join((*halt(self._devices), make_safe(self._devices))))
 
     def _give_token(self, settings: ShotSettings, actor: str) -> Armed:
         with self._standing.lock:

@@ -9,14 +9,17 @@ from datetime import datetime
 from rigctl.devices.roles import Trigger
 from rigctl.errors import DeviceError
 from rigctl.rig.estop import EmergencyStop
-from rigctl.rig.standing import Standing
+from rigctl.rig.standing import AFTER_STOP, Standing
 from rigctl.rig.states import LATCHED, Fired, RigState, ShotState
 from rigctl.store.catalogue import Change
-from rigctl.store.records import ShotRecord
+from rigctl.store.records import JournalEntry, ShotRecord
 from rigctl.store.states import RUNNING
 from rigctl.store.store import Store
 
 _log = logging.getLogger(__name__)
+
+NOTES = 1000
+"""So far back the audit is searched for a transition before the notes on a stop."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +86,7 @@ def start(
         The store cannot be read or written.
     """
     recovery = close_open_shots(store, now)
-    entry, latch = store.journal.last(), stop.latch
+    entry, latch = _last_step(store), stop.latch
     last = RigState.IDLE if entry is None else RigState(entry.after)
     state = start_state(last, recovery, latched=latch is not None)
     reason = "the daemon started"
@@ -108,6 +111,16 @@ def start(
         if state is RigState.IDLE:
             standing.move(RigState.FAULT, "rig", str(error))
     return recovery
+
+
+def _last_step(store: Store) -> JournalEntry | None:
+    """Return the rig's last transition, past the notes that follow a stop."""
+    last = store.journal.last()
+    if last is None or last.actor != AFTER_STOP:
+        return last
+    recent = store.journal.entries(after=max(0, last.number - NOTES), limit=NOTES)
+    steps = [entry for entry in recent if entry.actor != AFTER_STOP]
+    return steps[-1] if steps else last
 
 
 def start_state(last: RigState, recovery: Recovery, *, latched: bool) -> RigState:

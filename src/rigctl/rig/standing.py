@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import threading
 from dataclasses import replace
 from datetime import datetime
@@ -16,6 +17,14 @@ from rigctl.settings import ShotSettings
 from rigctl.store.listeners import Listeners
 from rigctl.store.records import ShotRecord
 from rigctl.store.store import Store
+
+_log = logging.getLogger(__name__)
+
+AFTER_STOP = "rig, after the stop"
+"""Actor of the audit's notes on what became of a stop; they are no steps of the rig."""
+
+NOTE_WAIT_S = 5.0
+"""Longest wait of a note for the state that it belongs to, s."""
 
 _RELEASES_ON_CUT = "a power cut or an emergency stop lets the spheres go: keep clear of the tubes"
 
@@ -33,6 +42,7 @@ class Standing:
 
     def __init__(self, configuration: Configuration, store: Store, clock: Clock) -> None:
         self.lock = threading.RLock()
+        self._moved = threading.Condition(self.lock)
         self.listeners: Listeners[Transition] = Listeners()
         self._logbook, self._clock = Logbook(store.journal), clock
         trigger = configuration.trigger
@@ -102,7 +112,23 @@ class Standing:
             reason=reason,
             latch_reason=reason if to in LATCHED else None,
         )
+        self._moved.notify_all()
         self.listeners.tell(step)
+
+    def note_of_stop(self, text: str) -> None:
+        """Journal what became of an emergency stop, without changing the state or its reason.
+
+        Waits up to `NOTE_WAIT_S` for the rig to be stopped, so that the entry follows its cause; a
+        rig that is not, or is no longer, leaves the text to the log.
+        """
+        stopped = RigState.ESTOP
+        with self._moved:
+            if not self._moved.wait_for(lambda: self.state is stopped, NOTE_WAIT_S):
+                _log.warning("not journalled, the rig is %s: %s", self.state, text)
+                return
+            step = Transition(stopped, stopped, self._clock.wall(), AFTER_STOP, text, None)
+            self._logbook.write(step)
+            self.listeners.tell(step)
 
     def armed_for(self, settings: ShotSettings | None, expires_at: datetime | None) -> None:
         """Show the settings last asked for and the life of their token."""

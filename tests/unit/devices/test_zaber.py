@@ -134,14 +134,16 @@ def test_a_port_that_does_not_exist_is_absent(tmp_path: Path) -> None:
         slide(str(tmp_path / "nothing"))
 
 
-def test_a_connection_that_was_closed_is_absent_and_a_sign_of_life_opens_it_again(
+def test_a_connection_that_was_closed_is_absent_and_reopening_brings_it_back(
     pty_device: MakeDevice,
 ) -> None:
     moved = slide(pty_device(Stage()).path)
     moved.close()
     with pytest.raises(DeviceAbsentError):
         moved.position()
-    moved.check()
+    with pytest.raises(DeviceAbsentError):
+        moved.check()
+    moved.reopen()
     assert moved.position().value == 0.0
     moved.close()
     moved.close()

@@ -65,6 +65,9 @@ class Part:
     def check(self) -> None:
         self.called("check")
 
+    def reopen(self) -> None:
+        self.called("reopen")
+
     def close(self) -> None:
         self.called("close")
 
@@ -77,6 +80,7 @@ class FakeTrigger(Part):
     fired: list[int] = field(default_factory=list)
     armed: int | None = None
     has_power: bool = True
+    supply: Callable[[], bool] = lambda: True
 
     def arm(self, sequence: int, delay_us: float) -> None:
         self.called("arm")
@@ -93,7 +97,8 @@ class FakeTrigger(Part):
         self.armed = None
 
     def powered(self) -> bool:
-        return self.has_power
+        self.called("powered")
+        return self.has_power and self.supply()
 
 
 @dataclass
@@ -110,6 +115,10 @@ class FakeRegulator(Part):
     def set_pressure(self, a_kpa: float, b_kpa: float) -> None:
         self.called("set_pressure")
         self._set, self._since = (a_kpa, b_kpa), self.clock.now
+
+    def vent(self) -> None:
+        self.called("vent")
+        self._set, self._since = (0.0, 0.0), self.clock.now
 
     def pressure(self) -> tuple[Reading, Reading]:
         self.called("pressure")
@@ -132,6 +141,10 @@ class FakeSlide(Part):
         self.called("move_to")
         if not self.stuck:
             self._at = offset_mm
+
+    def stop(self) -> None:
+        self.called("stop")
+        self.moving = False
 
     def position(self) -> Reading:
         self.called("position")
@@ -219,6 +232,7 @@ class Laboratory:
         self.regulator = FakeRegulator(self.log, "regulator", clock=self.time)
         self.slide = FakeSlide(self.log, "slide", clock=self.time)
         self.cut_off = FakeCutOff(self.log, "cut_off")
+        self.trigger.supply = lambda: self.cut_off.power
         self.capture = FakeCapture(self.log, "capture", clock=self.time)
         self.to_analyse: list[str] = []
         self._keys = 0

@@ -28,7 +28,9 @@ def lab(tmp_path: Path) -> Iterator[Laboratory]:
 def test_arming_sets_pressure_and_offset_before_anything_is_checked(lab: Laboratory) -> None:
     lab.log.clear()
     lab.arm()
-    assert lab.log[:2] == ["regulator.set_pressure", "slide.move_to"]
+    opened = {f"{part}.reopen" for part in ("cut_off", "trigger", "regulator", "slide")}
+    assert set(lab.log[:4]) == opened
+    assert lab.log[4:7] == ["cut_off.check", "regulator.set_pressure", "slide.move_to"]
     assert lab.state == "armed"
 
 

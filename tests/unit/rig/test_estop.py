@@ -18,7 +18,8 @@ from rigctl.errors import (
     InterlockError,
     RefusedError,
 )
-from rigctl.rig import estop
+from rigctl.rig import estop, latch
+from rigctl.rig.standing import AFTER_STOP
 from rigctl.store import ShotRecord
 
 
@@ -45,6 +46,11 @@ def in_thread(work: Callable[[], None]) -> threading.Thread:
     thread = threading.Thread(target=work, daemon=True)
     thread.start()
     return thread
+
+
+def notes(lab: Laboratory) -> str:
+    entries = lab.store.journal.entries(limit=1000)
+    return "\n".join(entry.reason for entry in entries if entry.actor == AFTER_STOP)
 
 
 def fire_in_background(lab: Laboratory) -> ShotRecord:
@@ -188,6 +194,104 @@ def test_a_cut_that_fails_is_tried_again(lab: Laboratory) -> None:
     assert lab.rig.status().latch_reason == "smoke"
 
 
+def test_a_cut_that_succeeds_at_last_is_a_stop_like_any_other(lab: Laboratory) -> None:
+    failing = iter([DeviceSilentError("no line"), DeviceSilentError("no line")])
+
+    def fail_twice() -> None:
+        for error in failing:
+            raise error
+
+    lab.cut_off.hooks["cut"] = fail_twice
+    lab.rig.estop("berta", "smoke")
+    assert (lab.cut_off.power, lab.rig.status().warnings) == (False, ())
+
+
+def test_a_cut_that_failed_is_warned_of_and_journalled_until_one_is_confirmed(
+    lab: Laboratory,
+) -> None:
+    lab.cut_off.errors["cut"] = DeviceSilentError("no line")
+    with pytest.raises(DeviceError):
+        lab.rig.estop("berta", "smoke")
+    until(lambda: "still reports power" in lab.rig.status().warnings[0])
+    (warning,) = lab.rig.status().warnings
+    assert "NOT confirmed off: the cut failed (no line)" in warning
+    assert "off by hand" in warning
+    assert "NOT confirmed off" in notes(lab)
+    lab.cut_off.errors.clear()
+    lab.rig.estop("berta", "again")
+    assert lab.rig.status().warnings == ()
+
+
+def test_power_that_is_gone_without_the_cut_needs_no_warning(lab: Laboratory) -> None:
+    lab.cut_off.errors["cut"] = DeviceSilentError("no line")
+    lab.trigger.has_power = False
+    with pytest.raises(DeviceError):
+        lab.rig.estop("berta", "the plug was pulled")
+    until(lambda: lab.rig.status().warnings == ())
+
+
+def test_a_trigger_that_cannot_say_leaves_a_warning_and_no_failure(lab: Laboratory) -> None:
+    lab.trigger.errors["powered"] = DeviceSilentError("no answer")
+    lab.rig.estop("berta", "smoke")
+    assert "cannot say whether its outputs have power" in lab.rig.status().warnings[0]
+
+
+def test_a_trigger_that_hangs_holds_the_stop_no_longer_than_its_bound(
+    lab: Laboratory, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(estop, "WITNESS_WAIT_S", 0.05)
+    blocked = Blocked(lab.trigger, "powered")
+    lab.rig.estop("berta", "smoke")
+    assert (lab.state, lab.cut_off.power) == ("estop", False)
+    assert "not yet said" in lab.rig.status().warnings[0]
+    blocked.go_on.set()
+    until(lambda: lab.rig.status().warnings == ())
+
+
+def test_after_the_cut_slide_regulators_and_trigger_are_brought_to_rest_and_journalled(
+    lab: Laboratory,
+) -> None:
+    lab.arm()
+    lab.log.clear()
+    lab.slide.errors["stop"] = DeviceSilentError("no line")
+    lab.rig.estop("berta", "smoke")
+    until(lambda: "trigger (stand-in): safe" in notes(lab))
+    assert lab.log.index("cut_off.cut") < lab.log.index("slide.stop")
+    assert "slide (stand-in): NOT stopped (no line)" in notes(lab)
+    assert "regulator (stand-in): set to 0 kPa" in notes(lab)
+    assert lab.rig.status().latch_reason == "smoke"
+
+
+def test_a_set_point_that_leaves_after_the_stop_has_halted_is_taken_back(lab: Laboratory) -> None:
+    def stop_and_halt() -> None:
+        lab.slide.hooks.clear()
+        lab.rig.estop("berta", "smoke")
+        until(lambda: "trigger (stand-in): safe" in notes(lab))
+        lab.log.clear()
+
+    lab.slide.hooks["move_to"] = stop_and_halt
+    with pytest.raises(InterlockError, match="latch"):
+        lab.arm()
+    assert [call for call in lab.log if call in {"slide.stop", "regulator.vent"}] == [
+        "slide.stop",
+        "regulator.vent",
+    ]
+
+
+def test_a_restore_that_fails_takes_the_power_again(
+    lab: Laboratory, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    lab.rig.estop("berta", "smoke")
+
+    def cannot_forget(_file: latch.LatchFile) -> Never:
+        raise RefusedError("the latch file cannot be removed")
+
+    monkeypatch.setattr(latch.LatchFile, "forget", cannot_forget)
+    with pytest.raises(RefusedError, match="cannot be removed"):
+        lab.rig.release("berta", "only steam")
+    assert (lab.state, lab.cut_off.power) == ("estop", False)
+
+
 def test_a_cut_off_that_hangs_lets_the_caller_go_and_latches(
     lab: Laboratory, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -235,7 +339,8 @@ def test_the_first_of_several_stops_is_kept_and_each_is_journalled(lab: Laborato
     lab.rig.estop("berta", "smoke")
     lab.rig.estop("carl", "fire")
     assert json.loads((lab.folder / "estop.json").read_text())["reason"] == "smoke"
-    actors = [(e.actor, e.after) for e in lab.store.journal.entries(limit=100)]
+    entries = lab.store.journal.entries(limit=100)
+    actors = [(e.actor, e.after) for e in entries if e.actor != AFTER_STOP]
     assert actors[-2:] == [("berta", "estop"), ("carl", "estop")]
 
 
@@ -310,6 +415,6 @@ def test_a_full_disk_does_not_hinder_the_stop(
     def full(*_: object) -> Never:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(estop, "write_synced", full)
+    monkeypatch.setattr(latch, "write_synced", full)
     lab.rig.estop("berta", "smoke")
     assert (lab.state, lab.cut_off.power) == ("estop", False)

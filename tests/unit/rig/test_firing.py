@@ -52,6 +52,8 @@ def test_everything_happens_in_the_one_safe_order(lab: Laboratory) -> None:
         "regulator.pressure",
         "slide.position",
         "trigger.check",
+        "trigger.powered",
+        "cut_off.check",
         "trigger.arm",
         "trigger.fire",
         "capture.mark",

@@ -31,6 +31,7 @@ TRIPS = {
     "offset": lambda lab: setattr(lab.slide, "_at", 6.021),
     "slide": lambda lab: setattr(lab.slide, "moving", True),
     "trigger": lambda lab: lab.trigger.errors.update(check=silent(lab.trigger)),
+    "cut_off": lambda lab: lab.cut_off.errors.update(check=silent(lab.cut_off)),
     "disk": lambda lab: setattr(lab, "free_mb", 199.9),
     "clock": lambda lab: setattr(lab.time, "step_s", -1.1),
     "store": lambda lab: setattr(lab, "holder", held(lab)),
@@ -87,6 +88,14 @@ def test_a_camera_that_gives_no_sign_of_life_refuses(lab: Laboratory) -> None:
     lab.capture.errors["check"] = FramesError("no camera", todo="plug it in")
     with pytest.raises(InterlockError, match=r"camera: no camera.*plug it in"):
         lab.arm()
+
+
+def test_nothing_moves_unless_the_cut_off_answers(lab: Laboratory) -> None:
+    lab.cut_off.errors["check"] = silent(lab.cut_off)
+    lab.log.clear()
+    with pytest.raises(InterlockError, match=r"cut_off: gave no answer.*look at it"):
+        lab.arm()
+    assert not {"regulator.set_pressure", "slide.move_to"} & set(lab.log)
 
 
 def test_actuators_without_power_refuse(lab: Laboratory) -> None:
