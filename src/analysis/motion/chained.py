@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.errors import ShotRefusedError
+from analysis.errors import ShotRefusedError, counted
 from analysis.imaging.views import View
 from analysis.motion.pattern import (
     LEAST_COMMON,
@@ -59,8 +59,8 @@ def orient_by_steps(
             common = np.intersect1d(names[i - 1], names[i]).size
             raise ShotRefusedError(
                 "markers",
-                f"only {common} markers of sphere {sphere} in common with frame {frames[i - 1]}, "
-                f"{LEAST_COMMON} are needed",
+                f"only {counted(common, 'marker')} of sphere {sphere} in common with "
+                f"frame {frames[i - 1]}, {LEAST_COMMON} are needed",
                 frames[i],
             )
         rotation.append(step @ rotation[-1])

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.errors import ShotRefusedError
+from analysis.errors import ShotRefusedError, counted
 from analysis.motion.rotation import rotation_from_directions, rotation_matrix, rotation_vector
 
 Floats = NDArray[np.float64]
@@ -161,7 +161,8 @@ def _enough(match: NDArray[np.intp], frame: int, left_out: dict[int, str]) -> bo
     common = np.unique(match[match >= 0]).size
     if common < LEAST_COMMON:
         left_out[frame] = (
-            f"only {common} markers in common with the frames before, {LEAST_COMMON} are needed"
+            f"only {counted(common, 'marker')} in common with the frames before, "
+            f"{LEAST_COMMON} are needed"
         )
     return common >= LEAST_COMMON
 
