@@ -42,6 +42,11 @@ def read_tiff(path: Path) -> list[NDArray[np.generic]]:
                     raise _truncated(path, index, end, size)
                 if (end := _end_of_values(tiff, page.offset)) > size:
                     raise _truncated(path, index, end, size, "its tags")
+                if page.compression not in tifffile.TIFF.DECOMPRESSORS:
+                    name = tifffile.COMPRESSION(page.compression).name
+                    raise InputError(
+                        path, f"compressed as {name}; save it uncompressed or compressed as zlib"
+                    )
                 pages.append(page.asarray())
             if pages and not _ends_with_last_page(tiff):
                 raise InputError(

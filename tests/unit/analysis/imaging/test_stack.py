@@ -66,6 +66,13 @@ def test_a_compressed_tiff_is_read_too(tmp_path: Path) -> None:
     np.testing.assert_array_equal(read_stack(path).pixels, FRAMES)
 
 
+def test_a_tiff_in_a_compression_that_is_not_read_is_not_called_damaged(tmp_path: Path) -> None:
+    path = tmp_path / "0001.tiff"
+    assert cv2.imwritemulti(str(path), list(FRAMES), [cv2.IMWRITE_TIFF_COMPRESSION, 5])
+    with pytest.raises(InputError, match=r"compressed as LZW; save it uncompressed"):
+        read_stack(path)
+
+
 def test_a_tiff_of_one_page_is_one_frame(tmp_path: Path) -> None:
     assert read_stack(tiff(tmp_path / "0001.tiff", FRAMES[0])).pixels.shape == (1, 48, 64)
 
