@@ -78,6 +78,8 @@ class EmergencyStop:
         self._cut_off, self._file, self._clock = cut_off, LatchFile(latch_file), clock
         self._afterwards, self._witness = afterwards, witness
         self._lock = threading.Lock()
+        # Guards what is known of the power; never held while a disk or a device is waited for.
+        self._known = threading.Lock()
         self._stops = self._orders = 0
         self._powered = False
         self._doubt: str | None = None
@@ -154,11 +156,13 @@ class EmergencyStop:
         Raises
         ------
         RefusedError
-            Another stop came in meanwhile: it holds.
+            Another stop came in meanwhile: it holds. Or the last one has not done yet: what it
+            brings to rest must not be moved meanwhile.
         DeviceError
             The device did not take the command; the latch stays, and the power is cut again.
         """
         seen = self._stops
+        self._await_followers()
         request = _Request(lambda _: self._restore(seen))
         self._requests.put(request)
         self._await(request, "could not be restored", "check the cut-off, then release again")
@@ -179,8 +183,7 @@ class EmergencyStop:
                 _log.exception("on closing the cut-off")
         self._requests.put(None)
         self._thread.join(LINE_WAIT_S)
-        for thread in self._followers:
-            thread.join(LINE_WAIT_S)
+        self._await_followers()
 
     def _serve(self) -> None:
         while (request := self._requests.get()) is not None:
@@ -195,7 +198,8 @@ class EmergencyStop:
     def _order_cut(self, act: Callable[[_Request], None]) -> _Request:
         request = _Request(act)
         # Before the cut, or a cut that is quick to be confirmed would be doubted for ever.
-        self._powered, self._doubt = False, _UNDER_WAY
+        with self._known:
+            self._powered, self._doubt = False, _UNDER_WAY
         self._requests.put(request)
         return request
 
@@ -206,10 +210,11 @@ class EmergencyStop:
             self._follow("after-stop", lambda: self._follow_up(request))
 
     def _take_power(self, request: _Request) -> None:
-        self._orders += 1
-        order = self._orders
         failure: str | None = None
-        self._powered, self._doubt = False, _UNDER_WAY
+        with self._known:
+            self._orders += 1
+            order = self._orders
+            self._powered, self._doubt = False, _UNDER_WAY
         try:
             self._cut_repeatedly()
         except Exception as error:
@@ -220,7 +225,7 @@ class EmergencyStop:
             if witness is None:
                 self._saw(order, request, Sight(None, failure))
             else:
-                self._doubt = failure or "the trigger has not yet said that its outputs are off"
+                self._learn(order, failure or "the trigger has not yet said that its power is off")
                 self._follow("cut-witness", lambda: self._look(witness, order, request, failure))
 
     def _cut_repeatedly(self) -> None:
@@ -241,17 +246,24 @@ class EmergencyStop:
         self._saw(order, request, sight)
 
     def _saw(self, order: int, request: _Request, sight: Sight) -> None:
-        with self._lock:
-            if order == self._orders:
-                self._doubt = sight.doubt
+        self._learn(order, sight.doubt)
         request.sight = sight
         request.looked.set()
+
+    def _learn(self, order: int, doubt: str | None) -> None:
+        with self._known:
+            if order == self._orders:
+                self._doubt = doubt
 
     def _follow(self, name: str, work: Callable[[], None]) -> None:
         self._followers = [thread for thread in self._followers if thread.is_alive()]
         thread = threading.Thread(target=work, name=name, daemon=True)
         self._followers.append(thread)
         thread.start()
+
+    def _await_followers(self) -> None:
+        for thread in self._followers:
+            thread.join(LINE_WAIT_S)
 
     def _follow_up(self, request: _Request) -> None:
         # Whoever moves something looks at the latch afterwards; so it must be set before this.
@@ -264,15 +276,22 @@ class EmergencyStop:
     def _restore(self, seen: int) -> None:
         if self._stops != seen:
             raise self._stopped_again()
+        if any(thread.is_alive() for thread in self._followers):
+            raise RefusedError(
+                "the last stop is still bringing the devices to rest",
+                todo="release it again in a moment",
+            )
         self._cut_off.reopen()
         try:
-            self._orders += 1
+            with self._known:
+                self._orders += 1
             self._cut_off.restore()
             with self._lock:
                 if self._stops != seen:
                     raise self._stopped_again()
                 self._file.forget()
-                self._latch, self._powered, self._doubt = None, True, None
+                with self._known:
+                    self._latch, self._powered, self._doubt = None, True, None
         except Exception:
             self._cut_after_failed_restore()
             raise

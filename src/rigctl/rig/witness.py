@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from rigctl.errors import RigError
 from rigctl.rig.clock import Clock
 
 SETTLES_S = 0.5
@@ -14,7 +13,7 @@ SETTLES_S = 0.5
 _POLL_S = 0.005
 
 Witness = Callable[[], bool]
-"""Says whether the actuators have power, or raises a `RigError`; a query, it moves nothing."""
+"""Says whether the actuators have power, or raises; a query, it moves nothing."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,6 +41,6 @@ def look(witness: Witness, clock: Clock, *, wanted: bool) -> Sight:
                 found = "no power" if wanted else "power"
                 return Sight(not wanted, f"the trigger still reports {found} at its outputs")
             clock.wait(_POLL_S)
-    except RigError as error:
+    except Exception as error:  # noqa: BLE001 - whatever breaks, the power has not been seen
         return Sight(None, f"the trigger cannot say whether its outputs have power ({error})")
     return Sight(wanted, None)
