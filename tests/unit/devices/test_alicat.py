@@ -57,6 +57,23 @@ def test_a_set_point_that_a_unit_does_not_take_is_an_error_with_both_values(buil
     pair.close()
 
 
+def test_venting_sets_both_units_to_zero_even_when_the_first_does_not_take_it(
+    build: Build,
+) -> None:
+    seen: list[bytes] = []
+
+    def answer(message: bytes) -> bytes:
+        seen.append(message)
+        stays = b"030.00" if message[:1] == b"A" else b"000.00"
+        return message[:1] + b" +030.00 +" + stays + b"\r"
+
+    pair = build(answer)
+    with pytest.raises(DeviceAnswerError, match="unit A did not take"):
+        pair.vent()
+    assert sorted(seen) == [b"AS0.00\r", b"BS0.00\r"]
+    pair.close()
+
+
 def test_a_unit_that_does_not_understand_is_named_with_its_answer(build: Build) -> None:
     pair = build(lambda message: b"A ?\r")
     with pytest.raises(DeviceAnswerError, match=r"A \?"):

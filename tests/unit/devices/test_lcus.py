@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import nullcontext
+from pathlib import Path
 from typing import Any, Literal
 
 import pytest
@@ -95,6 +96,42 @@ def test_cutting_switches_off_and_restoring_switches_on(pty_device: MakeDevice) 
     relay.cut()
     assert device.wait_for(3) == [ON_1, OFF_1, OFF_1]
     relay.close()
+
+
+def test_only_cutting_opens_a_lost_port_by_itself(pty_device: MakeDevice, tmp_path: Path) -> None:
+    first, second = pty_device(length=4), pty_device(length=4)
+    link = tmp_path / "board"
+    link.symlink_to(first.path)
+    relay = LcusRelay(opened(str(link)), channel=1)
+    first.hang_up()
+    link.unlink()
+    link.symlink_to(second.path)
+    for act in (relay.check, relay.restore):
+        with pytest.raises(DeviceAbsentError):
+            act()
+    relay.cut()
+    assert second.wait_for(1) == [OFF_1]
+    relay.restore()
+    assert second.wait_for(2) == [OFF_1, ON_1]
+    relay.close()
+
+
+def test_a_solenoid_pair_that_came_back_is_ready_for_no_fire(
+    pty_device: MakeDevice, tmp_path: Path
+) -> None:
+    first, second = pty_device(length=8), pty_device(length=8)
+    link = tmp_path / "board"
+    link.symlink_to(first.path)
+    solenoids = pair(opened(str(link)), "release")
+    solenoids.arm(3, 0.0)
+    first.hang_up()
+    link.unlink()
+    link.symlink_to(second.path)
+    solenoids.reopen()
+    with pytest.raises(DeviceAnswerError, match="no fire command was sent"):
+        solenoids.fire(3)
+    assert second.messages == []
+    solenoids.close()
 
 
 def test_a_board_that_was_unplugged_is_absent(pty_device: MakeDevice) -> None:

@@ -183,7 +183,7 @@ def test_rts_follows_and_is_seen_on_the_other_side_of_a_loop() -> None:
     port.close()
 
 
-def test_a_lost_port_opens_again_only_when_asked_for_a_sign_of_life(
+def test_a_lost_port_opens_again_only_when_it_is_told_to(
     pty_device: MakeDevice, tmp_path: Path
 ) -> None:
     first, second = pty_device(), pty_device(lambda message: b"back\n")
@@ -197,7 +197,25 @@ def test_a_lost_port_opens_again_only_when_asked_for_a_sign_of_life(
     link.symlink_to(second.path)
     with pytest.raises(DeviceAbsentError):
         port.ask("HELLO")
-    port.reopen_if_lost()
+    assert port.reopen_if_lost() is True
+    assert port.reopen_if_lost() is False
+    assert port.ask("HELLO") == "back"
+    port.close()
+
+
+def test_a_loss_that_no_question_has_met_is_found_by_looking(
+    pty_device: MakeDevice, tmp_path: Path
+) -> None:
+    first, second = pty_device(), pty_device(lambda message: b"back\n")
+    link = tmp_path / "port"
+    link.symlink_to(first.path)
+    port = opened(str(link))
+    first.hang_up()
+    link.unlink()
+    with pytest.raises(DeviceAbsentError, match="cannot be opened"):
+        port.reopen_if_lost()
+    link.symlink_to(second.path)
+    assert port.reopen_if_lost() is True
     assert port.ask("HELLO") == "back"
     port.close()
 

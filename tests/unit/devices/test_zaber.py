@@ -103,6 +103,16 @@ def test_a_home_sensor_that_is_never_found_stops_the_stage_within_the_bound(
     moved.close()
 
 
+def test_a_move_is_stopped_without_waiting_for_the_rest(pty_device: MakeDevice) -> None:
+    stage = Stage()
+    moved = slide(pty_device(stage).path)
+    stage.busy_polls = 10**6
+    moved.move_to(6.0)
+    moved.stop()
+    assert stage.commands[-1] == "stop"
+    moved.close()
+
+
 def test_a_refused_move_is_an_answer_error(pty_device: MakeDevice) -> None:
     stage = Stage()
     stage.rejects = True
