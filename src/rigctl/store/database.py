@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sqlite3
+import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -25,6 +26,9 @@ _TODO = {
 }
 
 
+WRITER_WAIT_S = 20.0
+
+
 class Database:
     """One SQLite file in write-ahead mode, every commit forced to disk (synchronous FULL).
 
@@ -38,6 +42,7 @@ class Database:
 
     def __init__(self, path: Path, busy_timeout_s: float = 5.0) -> None:
         self.path = path
+        self._writer = threading.Lock()
         self._engine = _engine(path, busy_timeout_s)
         try:
             self._create_or_refuse()
@@ -54,8 +59,26 @@ class Database:
         StoreError
             The lock was not had within the busy time-out, or the disk refused.
         """
-        with self._in_words(), self._engine.begin() as connection:
+        with self._alone(), self._in_words(), self._engine.begin() as connection:
             yield connection
+
+    @contextmanager
+    def _alone(self) -> Iterator[None]:
+        """Let one thread write at a time.
+
+        SQLite's own wait polls and is not fair: under load a thread could starve beyond it.
+        """
+        if not self._writer.acquire(timeout=WRITER_WAIT_S):
+            raise StoreError(
+                "another thread of this program has been writing for too long",
+                part=str(self.path),
+                limit=f"{WRITER_WAIT_S:g} s",
+                todo="look at the disk",
+            )
+        try:
+            yield
+        finally:
+            self._writer.release()
 
     @contextmanager
     def reading(self) -> Iterator[Connection]:
