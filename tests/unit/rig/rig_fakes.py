@@ -293,3 +293,21 @@ class Laboratory:
 
     def journalled(self) -> list[tuple[str, str]]:
         return [(e.before, e.after) for e in self.store.journal.entries(limit=1000)]
+
+
+class Blocked:
+    """A call that waits until the test lets it go on, within a bound."""
+
+    def __init__(self, part: Part, call: str) -> None:
+        self.reached, self.go_on = threading.Event(), threading.Event()
+        part.hooks[call] = self
+
+    def __call__(self) -> None:
+        self.reached.set()
+        self.go_on.wait(BOUND_S)
+
+
+def in_thread(work: Callable[[], None]) -> threading.Thread:
+    thread = threading.Thread(target=work, daemon=True)
+    thread.start()
+    return thread

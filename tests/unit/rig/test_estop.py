@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import json
-import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Never
 
 import pytest
-from rig_fakes import BOUND_S, Laboratory, Part, until
+from rig_fakes import BOUND_S, Blocked, Laboratory, in_thread, until
 
 from rigctl.errors import (
     ArmTokenError,
@@ -28,24 +26,6 @@ def lab(tmp_path: Path) -> Iterator[Laboratory]:
     laboratory = Laboratory(tmp_path / "data", threads=True)
     yield laboratory
     laboratory.close()
-
-
-class Blocked:
-    """A call that waits until the test lets it go on, within a bound."""
-
-    def __init__(self, part: Part, call: str) -> None:
-        self.reached, self.go_on = threading.Event(), threading.Event()
-        part.hooks[call] = self
-
-    def __call__(self) -> None:
-        self.reached.set()
-        self.go_on.wait(BOUND_S)
-
-
-def in_thread(work: Callable[[], None]) -> threading.Thread:
-    thread = threading.Thread(target=work, daemon=True)
-    thread.start()
-    return thread
 
 
 def notes(lab: Laboratory) -> str:
@@ -318,119 +298,3 @@ def test_a_cut_off_that_hangs_lets_the_caller_go_and_latches(
     assert lab.state == "estop"
     blocked.go_on.set()
     assert lab.cut_off.was_cut.wait(BOUND_S)
-
-
-def test_the_latch_outlives_the_daemon(lab: Laboratory) -> None:
-    lab.rig.estop("berta", "smoke")
-    for _ in range(2):
-        lab.restart()
-        assert lab.state == "estop"
-        assert lab.rig.status().latch_reason == "smoke"
-        assert lab.cut_off.power is False
-
-
-def test_the_latch_outlives_the_loss_of_its_file_and_the_file_that_of_the_audit(
-    lab: Laboratory,
-) -> None:
-    lab.rig.estop("berta", "smoke")
-    lab.abandon()
-    (lab.folder / "estop.json").unlink()
-    lab.open()
-    assert lab.state == "estop"
-    lab.abandon()
-    (lab.folder / "catalogue.db").unlink()
-    lab.open()
-    assert (lab.state, lab.rig.status().latch_reason) == ("estop", "smoke")
-
-
-@pytest.mark.parametrize("content", ["", "{", "[]", '{"actor": "x"}', "\x00"])
-def test_a_latch_file_that_cannot_be_read_counts_as_latched(lab: Laboratory, content: str) -> None:
-    lab.abandon()
-    (lab.folder / "estop.json").write_text(content)
-    lab.open()
-    assert lab.state == "estop"
-
-
-def test_the_first_of_several_stops_is_kept_and_each_is_journalled(lab: Laboratory) -> None:
-    lab.rig.estop("berta", "smoke")
-    lab.rig.estop("carl", "fire")
-    assert json.loads((lab.folder / "estop.json").read_text())["reason"] == "smoke"
-    entries = lab.store.journal.entries(limit=100)
-    actors = [(e.actor, e.after) for e in entries if e.actor != AFTER_STOP]
-    assert actors[-2:] == [("berta", "estop"), ("carl", "estop")]
-
-
-def test_a_person_with_a_reason_ends_the_stop(lab: Laboratory) -> None:
-    lab.rig.estop("berta", "smoke")
-    lab.rig.release("berta", "only steam")
-    assert (lab.state, lab.cut_off.power) == ("idle", True)
-    assert not (lab.folder / "estop.json").exists()
-    assert lab.rig.status().latch_reason is None
-    lab.restart()
-    assert lab.state == "idle"
-
-
-def test_nothing_is_released_where_nothing_is_latched(lab: Laboratory) -> None:
-    with pytest.raises(RefusedError, match="nothing is to be released"):
-        lab.rig.release("berta", "no need")
-
-
-def test_a_stop_during_a_release_wins(lab: Laboratory) -> None:
-    lab.rig.estop("berta", "smoke")
-    blocked = Blocked(lab.cut_off, "restore")
-    refused = []
-
-    def release() -> None:
-        with pytest.raises(RefusedError, match="stopped again"):
-            lab.rig.release("berta", "only steam")
-        refused.append(True)
-
-    releasing = in_thread(release)
-    assert blocked.reached.wait(BOUND_S)
-    stopping = in_thread(lambda: lab.rig.estop("carl", "flames"))
-    until(lambda: lab.rig._stop._stops == 2)
-    blocked.go_on.set()
-    releasing.join(BOUND_S)
-    stopping.join(BOUND_S)
-    assert refused == [True]
-    assert (lab.state, lab.cut_off.power) == ("estop", False)
-    assert lab.rig._stop.powered is False
-
-
-def test_a_stop_between_the_return_of_power_and_the_end_of_the_release_wins(
-    lab: Laboratory, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    lab.rig.estop("berta", "smoke")
-    restore = lab.rig._stop.restore
-
-    def restore_and_stop() -> None:
-        restore()
-        lab.rig.estop("carl", "flames")
-
-    monkeypatch.setattr(lab.rig._stop, "restore", restore_and_stop)
-    with pytest.raises(RefusedError, match="stopped again"):
-        lab.rig.release("berta", "only steam")
-    assert (lab.state, lab.cut_off.power) == ("estop", False)
-
-
-@pytest.mark.parametrize("part", ["trigger", "cut_off"])
-def test_a_release_that_a_device_does_not_take_leaves_the_latch(lab: Laboratory, part: str) -> None:
-    lab.rig.estop("berta", "smoke")
-    call = "make_safe" if part == "trigger" else "restore"
-    getattr(lab, part).errors[call] = DeviceSilentError("no line")
-    with pytest.raises(DeviceError):
-        lab.rig.release("berta", "only steam")
-    assert lab.state == "estop"
-    assert (lab.folder / "estop.json").exists()
-    getattr(lab, part).errors.clear()
-
-
-def test_a_full_disk_does_not_hinder_the_stop(
-    lab: Laboratory, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def full(*_: object) -> Never:
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(latch, "write_synced", full)
-    lab.rig.estop("berta", "smoke")
-    assert (lab.state, lab.cut_off.power) == ("estop", False)
