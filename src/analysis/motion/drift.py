@@ -17,8 +17,9 @@ Floats = NDArray[np.float64]
 CENTRE_DRIFT_PER_SIGMA2 = 0.035
 """Pixels of slow error for each squared pixel of filter width.
 
-The shift of a zero of the Laplacian of Gaussian by shading or a marker grows with sigma^2; on
-rendered spheres with 16 markers it is 0.05 px at sigma 1.2 and 0.14 px at sigma 2.
+The shift of a zero of the Laplacian of Gaussian by shading or a marker grows with sigma^2. Read off
+the centre errors of eight shots of spheres with 16 markers: 0.05 px at sigma 1.2 and 0.14 px at 2
+(docs/decisions/0004-slow-errors.md says how it does on others).
 """
 TURN_PER_CENTRE_ERROR = 1.5
 """An error of the centre tilts every marker's direction; both views together tilt by this much."""
