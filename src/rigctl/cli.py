@@ -215,30 +215,38 @@ With = Annotated[
     list[str] | None,
     typer.Option("--with", help="Add this effect of the catalogue; may be given several times."),
 ]
+OwnEffects = Annotated[
+    Path | None,
+    typer.Option("--effects", help="Folder of effects of your own, beside the catalogue."),
+]
 
 
 @model.command("fit")
-def model_fit(campaign: Campaign, *, effects: With = None, json: Json = False) -> None:
+def model_fit(
+    campaign: Campaign, *, effects: With = None, folder: OwnEffects = None, json: Json = False
+) -> None:
     """Fit e, mu, beta0 and the effects added to all poses of a campaign."""
     from rigctl.commands.model import fit
 
-    fit(campaign, effects or [], as_json=json)
+    fit(campaign, effects or [], as_json=json, folder=folder)
 
 
 @model.command("rank")
-def model_rank(campaign: Campaign, *, effects: With = None, json: Json = False) -> None:
+def model_rank(
+    campaign: Campaign, *, effects: With = None, folder: OwnEffects = None, json: Json = False
+) -> None:
     """Rank the effects of the catalogue by what they promise."""
     from rigctl.commands.model import ranking
 
-    ranking(campaign, effects or [], as_json=json)
+    ranking(campaign, effects or [], as_json=json, folder=folder)
 
 
 @model.command("explain")
-def model_explain(campaign: Campaign, *, json: Json = False) -> None:
+def model_explain(campaign: Campaign, *, folder: OwnEffects = None, json: Json = False) -> None:
     """Find what is missing, add it, and say how much of the error it removes."""
     from rigctl.commands.model import explaining
 
-    explaining(campaign, as_json=json)
+    explaining(campaign, as_json=json, folder=folder)
 
 
 challenge = typer.Typer(help="A campaign that hides an effect, your answer, and the truth.")

@@ -19,12 +19,13 @@ from tests.unit.analysis.model.hard_spheres import campaign
 ENDS_WITHIN_S = 100.0
 STRETCH = 0.004
 FIT = {
-    *("campaign", "shots", "with", "chi2_per_dof", "degrees_of_freedom", "converged", "parameters")
+    *("campaign", "shots", "with", "chi2_per_dof", "degrees_of_freedom", "converged", "parameters"),
+    "faults",
 }
 EXPLAIN = {
     *("campaign", "shots", "used", "rejected", "rejected_frames", "verdict", "effects"),
     *("alias_set", "unexplained", "chi2_per_dof", "path", "parameters", "candidates"),
-    *("structure", "next_shots"),
+    *("structure", "next_shots", "faults"),
 }
 pytestmark = pytest.mark.timeout(300)
 

@@ -11,8 +11,8 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
-from analysis.effects.catalogue import CATALOGUE
-from analysis.effects.effect import Effect
+from analysis.effects.own.dropping import without_faulty
+from analysis.effects.own.fault import EffectFault
 from analysis.errors import InputError
 from analysis.model.fit import Fit, fit_campaign
 from analysis.model.gather import gather
@@ -23,25 +23,33 @@ from analysis.model.report import verdict_document, verdict_sentence
 from analysis.model.selection import explain
 from analysis.quantity import Quantity
 from rigctl.commands import report
-from rigctl.errors import AnalysisInputError, NotFoundError
+from rigctl.commands.effect import Available, available, refused, tell
+from rigctl.errors import AnalysisInputError
 
 SHOWN_ALIAS = 0.9
 TABLE_WIDTH = 110
 
 
-def fit(campaign: Path, names: Sequence[str], *, as_json: bool) -> None:
+def fit(campaign: Path, names: Sequence[str], *, as_json: bool, folder: Path | None = None) -> None:
     """Fit the base model and the named effects; print parameters with standard errors.
+
+    Parameters
+    ----------
+    folder
+        Where the user's own effects are.
 
     Raises
     ------
     AnalysisInputError
-        The campaign cannot be read.
+        The campaign or the folder cannot be read, or a named effect has a fault.
     NotFoundError
         No effect has that name.
     """
-    title, _, fitted = _fitted(campaign, names)
+    known = available(folder)
+    title, _, fitted = _fitted(campaign, names, known)
+    faults = tell(known.faults)
     if as_json:
-        _print_json({"campaign": title, **_fit_document(fitted, names)})
+        _print_json({"campaign": title, **_fit_document(fitted, names), "faults": faults})
         return
     console = Console(width=TABLE_WIDTH)
     console.print(_headline(title, fitted), highlight=False)
@@ -53,21 +61,33 @@ def fit(campaign: Path, names: Sequence[str], *, as_json: bool) -> None:
     console.print(table)
 
 
-def ranking(campaign: Path, names: Sequence[str], *, as_json: bool) -> None:
+def ranking(
+    campaign: Path, names: Sequence[str], *, as_json: bool, folder: Path | None = None
+) -> None:
     """Fit the base model and the named effects, and rank what else the data ask for.
+
+    Parameters
+    ----------
+    folder
+        Where the user's own effects are. One with a fault is named and left out.
 
     Raises
     ------
     AnalysisInputError
-        The campaign cannot be read.
+        The campaign or the folder cannot be read, or a named effect has a fault.
     NotFoundError
         No effect has that name.
     """
-    title, data, fitted = _fitted(campaign, names)
-    ranked = rank(data, fitted, CATALOGUE)
+    known = available(folder)
+    title, data, fitted = _fitted(campaign, names, known)
+    try:
+        ranked, dropped = without_faulty(known.effects, lambda left: rank(data, fitted, left))
+    except EffectFault as error:
+        raise refused(error.fault) from error
+    faults = tell([*known.faults, *dropped])
     if as_json:
         document = {"campaign": title, **_fit_document(fitted, names)}
-        _print_json({**document, "candidates": _candidates_document(ranked)})
+        _print_json({**document, "candidates": _candidates_document(ranked), "faults": faults})
         return
     console = Console(width=TABLE_WIDTH)
     console.print(_headline(title, fitted), highlight=False)
@@ -86,18 +106,25 @@ def ranking(campaign: Path, names: Sequence[str], *, as_json: bool) -> None:
     console.print(table)
 
 
-def explaining(campaign: Path, *, as_json: bool) -> None:
+def explaining(campaign: Path, *, as_json: bool, folder: Path | None = None) -> None:
     """Go the whole way by itself: which effect is missing, none, or none that is known.
+
+    Parameters
+    ----------
+    folder
+        Where the user's own effects are. One with a fault is named and left out.
 
     Raises
     ------
     AnalysisInputError
-        The campaign cannot be read.
+        The campaign or the folder cannot be read.
     """
+    known = available(folder)
     title, data = _gathered(campaign)
     with report.progress() as say:
-        verdict = explain(data, CATALOGUE, say)
-    document = verdict_document(title, data, verdict)
+        verdict, dropped = without_faulty(known.effects, lambda left: explain(data, left, say))
+    faults = tell([*known.faults, *dropped])
+    document = {**verdict_document(title, data, verdict), "faults": faults}
     if as_json:
         _print_json(document)
         return
@@ -126,26 +153,17 @@ def _gathered(campaign: Path) -> tuple[str, PoseData]:
         raise AnalysisInputError(error.reason, part=place) from error
 
 
-def _fitted(campaign: Path, names: Sequence[str]) -> tuple[str, PoseData, Fit]:
-    added = [_effect(name) for name in names]
+def _fitted(campaign: Path, names: Sequence[str], known: Available) -> tuple[str, PoseData, Fit]:
+    added = [known.named(name, "--with") for name in names]
     title, poses = _gathered(campaign)
     data = without_contact_frames(poses)
     fitted = fit_campaign(data)
-    for effect in added:
-        fitted = fit_campaign(data, fitted.theory.with_effect(effect), fitted)
+    try:
+        for effect in added:
+            fitted = fit_campaign(data, fitted.theory.with_effect(effect), fitted)
+    except EffectFault as error:
+        raise refused(error.fault) from error
     return title, data, fitted
-
-
-def _effect(name: str) -> Effect:
-    known = {effect.name: effect for effect in CATALOGUE}
-    if name not in known:
-        raise NotFoundError(
-            "no effect of the catalogue has this name",
-            part="--with",
-            value=repr(name),
-            todo=f"choose one of {', '.join(sorted(known))}",
-        )
-    return known[name]
 
 
 def _headline(title: str, fitted: Fit) -> str:

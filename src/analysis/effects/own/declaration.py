@@ -1,0 +1,97 @@
+"""What an effect says of itself, held against the form that fit, ranking and tables rely on."""
+
+from __future__ import annotations
+
+import math
+
+from analysis.effects.effect import Effect, Parameter
+from analysis.effects.own import naming, units
+from analysis.effects.own.guard import FUNCTIONS, function_of
+
+LARGEST_STEP = 0.1
+"""Of a step, as a share of the plausible range."""
+TEXTS = ("title", "formula", "source", "gives_away")
+
+
+def complaint(effect: Effect) -> tuple[str, str] | None:
+    """Return the first thing that is wrong and what to do about it; None: all is as it should be.
+
+    Nothing is taken for granted: a file may hold values of any type in any field.
+    """
+    name: object = effect.name
+    if not isinstance(name, str) or not naming.well_formed(name):
+        return f"its name {name!r} is not in the form of names", f"use {naming.FORM}"
+    stage = getattr(effect, "stage", None)
+    if stage not in FUNCTIONS:
+        return "acts in no stage", "make EFFECT a ContactEffect, FlightEffect, CameraEffect or so"
+    if not callable(function_of(effect)):
+        return f"its {FUNCTIONS[stage]} is no function", f"give {FUNCTIONS[stage]} a function"
+    for field in TEXTS:
+        text: object = getattr(effect, field)
+        if not isinstance(text, str) or not text.strip():
+            return f"says nothing as its {field}", f"write one sentence as {field}"
+    return _of_parameters(effect) or _of_variants(effect)
+
+
+def _of_parameters(effect: Effect) -> tuple[str, str] | None:
+    parameters: object = effect.parameters
+    if not isinstance(parameters, tuple) or not parameters:
+        return "has no parameters", "give it a tuple of at least one Parameter"
+    for parameter in parameters:
+        if not isinstance(parameter, Parameter):
+            return f"has {parameter!r} among its parameters", "use Parameter(...)"
+        if found := _of_parameter(parameter):
+            return f"parameter {parameter.symbol}: {found[0]}", found[1]
+    symbols = [parameter.symbol for parameter in parameters]
+    if len(set(symbols)) < len(symbols):
+        return f"two of its parameters share a symbol ({', '.join(symbols)})", "rename one"
+    return None
+
+
+def _of_parameter(parameter: Parameter) -> tuple[str, str] | None:
+    for field in ("symbol", "unit", "meaning"):
+        text: object = getattr(parameter, field)
+        if not isinstance(text, str) or not text.strip():
+            return f"says nothing as its {field}", f"write its {field} as text"
+    try:
+        units.Dimension.of(parameter.unit)
+    except ValueError as error:
+        return f"its unit {parameter.unit!r} is not known: {error}", f"use {units.FORM}"
+    return _of_numbers(parameter)
+
+
+def _of_numbers(parameter: Parameter) -> tuple[str, str] | None:
+    plausible: object = parameter.plausible
+    if not isinstance(plausible, tuple) or len(plausible) != 2:
+        return f"its plausible range is {plausible!r}", "give the two ends, (low, high)"
+    numbers = (*plausible, parameter.off, parameter.step)
+    if not all(isinstance(n, int | float) and math.isfinite(n) for n in numbers):
+        return "its range, off value or step is no finite number", "give finite numbers"
+    low, high, off, _ = numbers
+    if not low < high:
+        return f"its plausible range {low:g} to {high:g} is empty", "put the lower end first"
+    if not low <= off <= high:
+        return f"its off value {off:g} is not in {low:g} to {high:g}", "widen the plausible range"
+    if parameter.one_sided and off != low:
+        return f"is one-sided, but {low:g} is not its off value", "let the range begin at off"
+    return _of_step(parameter.step, high - low)
+
+
+def _of_step(step: float, width: float) -> tuple[str, str] | None:
+    if 0 < step <= LARGEST_STEP * width:
+        return None
+    return (
+        f"its step {step:g} is not small against its plausible range, {width:g} wide",
+        "choose a step above 0 that changes little, a thousandth of the range or so",
+    )
+
+
+def _of_variants(effect: Effect) -> tuple[str, str] | None:
+    for variant in effect.variants:
+        if type(variant) is not type(effect) or variant.name != effect.name:
+            return "has a variant that is another effect", "give variants its name and stage"
+        if [p.symbol for p in variant.parameters] != [p.symbol for p in effect.parameters]:
+            return "has a variant with other parameters", "give variants the same parameters"
+        if found := complaint(variant):
+            return f"variant {variant.title!r}: {found[0]}", found[1]
+    return None

@@ -1,0 +1,125 @@
+"""Effects read from a folder of the user's: each file gives an effect, or the fault it has."""
+
+from __future__ import annotations
+
+import ast
+import sys
+from collections.abc import Sequence
+from contextlib import redirect_stdout
+from dataclasses import dataclass
+from importlib.machinery import SourceFileLoader
+from importlib.util import module_from_spec, spec_from_loader
+from pathlib import Path
+from types import CodeType, ModuleType
+
+from analysis.effects.effect import Effect
+from analysis.effects.own.checking import check
+from analysis.effects.own.fault import EffectFault, Fault, line_in, said
+from analysis.effects.own.guard import guarded
+from analysis.errors import InputError
+
+
+@dataclass(frozen=True, slots=True)
+class Loaded:
+    """What a folder holds: effects ready for use, under watch, and the faults of the others."""
+
+    effects: tuple[Effect, ...]
+    faults: tuple[Fault, ...]
+
+
+def load_effects(folder: Path, known: Sequence[Effect]) -> Loaded:
+    """Read every `*.py` of a folder, in the order of their names, and try what each defines.
+
+    The files are run: load only what you would run yourself.
+
+    Parameters
+    ----------
+    known
+        Effects whose names are taken, the catalogue.
+
+    Raises
+    ------
+    InputError
+        The folder cannot be read, or holds no `*.py`.
+    """
+    try:
+        paths = sorted(path for path in folder.iterdir() if path.suffix == ".py")
+    except OSError as error:
+        raise InputError(folder, error.strerror or str(error)) from error
+    if not paths:
+        raise InputError(folder, "no *.py is here; rigctl effect new NAME writes one")
+    taken = {effect.name: "the catalogue" for effect in known}
+    effects: list[Effect] = []
+    faults: list[Fault] = []
+    for path in paths:
+        try:
+            effect = _read(path, taken)
+        except EffectFault as fault:
+            faults.append(fault.fault)
+        else:
+            taken[effect.name] = path.name
+            effects.append(effect)
+    return Loaded(tuple(effects), tuple(faults))
+
+
+def _read(path: Path, taken: dict[str, str]) -> Effect:
+    effect = getattr(_run(path), "EFFECT", None)
+    line = _effect_line(path)
+    if not isinstance(effect, Effect):
+        raise _fault(path, line, "defines no effect", "define EFFECT, as rigctl effect new does")
+    if effect.name in taken:
+        raise EffectFault(
+            Fault(
+                path,
+                line,
+                str(effect.name),
+                f"has the name of an effect of {taken[effect.name]}",
+                "give it another name",
+            )
+        )
+    check(effect, path, line)
+    return guarded(effect, path, line)
+
+
+def _run(path: Path) -> ModuleType:
+    """Run a file as a module of its own; what it prints goes to standard error."""
+    name = f"own_effect:{path}"
+    spec = spec_from_loader(name, _Fresh(name, str(path)))
+    if spec is None or spec.loader is None:
+        raise _fault(path, 1, "cannot be read as Python", "write it as rigctl effect new does")
+    module = module_from_spec(spec)
+    # Dataclasses of the file look their module up by name.
+    sys.modules[name] = module
+    try:
+        with redirect_stdout(sys.stderr):
+            spec.loader.exec_module(module)
+    except SyntaxError as error:
+        own = error.filename == str(path)
+        line = (error.lineno if own else line_in(path, error.__traceback__)) or 1
+        raise _fault(path, line, f"is not Python: {error.msg}", "mend the line") from error
+    except (Exception, SystemExit) as error:
+        line = line_in(path, error.__traceback__) or 1
+        raise _fault(path, line, f"cannot be run: {said(error)}", "mend the line") from error
+    return module
+
+
+def _effect_line(path: Path) -> int:
+    """Return the line that sets EFFECT; 1 where none does."""
+    for node in ast.parse(path.read_bytes()).body:
+        targets = node.targets if isinstance(node, ast.Assign) else [getattr(node, "target", None)]
+        if any(isinstance(target, ast.Name) and target.id == "EFFECT" for target in targets):
+            return node.lineno
+    return 1
+
+
+def _fault(path: Path, line: int, what: str, todo: str) -> EffectFault:
+    return EffectFault(Fault(path, line, path.stem, what, todo))
+
+
+class _Fresh(SourceFileLoader):
+    """Reads the source each time and leaves no cache beside it: a file may change within a tick."""
+
+    def get_code(self, fullname: str) -> CodeType:
+        """Compile the file."""
+        code: CodeType = self.source_to_code(self.get_data(self.path), self.path)
+        return code
