@@ -249,6 +249,54 @@ def model_explain(campaign: Campaign, *, folder: OwnEffects = None, json: Json =
     explaining(campaign, as_json=json, folder=folder)
 
 
+effect = typer.Typer(help="The effects that a campaign may lack, and effects of your own.")
+app.add_typer(effect, name="effect", no_args_is_help=True)
+
+
+class EffectStage(StrEnum):
+    """Where on the way from contact to image an effect acts."""
+
+    CONTACT = "contact"
+    FLIGHT = "flight"
+    CAMERA = "camera"
+    CLOCK = "clock"
+
+
+@effect.command("new")
+def effect_new(
+    name: Annotated[str, typer.Argument(help="Its name: lower case, words joined by hyphens.")],
+    *,
+    stage: Annotated[EffectStage, typer.Option(help="Where it acts.")] = EffectStage.CONTACT,
+    folder: Annotated[Path, typer.Option(help="Folder the file is written to.")] = Path("effects"),
+) -> None:
+    """Write a file to fill in for an effect of your own."""
+    from rigctl.commands.effect import new
+
+    path = new(name, stage=stage.value, folder=folder)
+    typer.echo(f"{path}: fill it in, then rigctl model rank CAMPAIGN --effects {folder}")
+
+
+@effect.command("list")
+def effect_list(*, folder: OwnEffects = None, json: Json = False) -> None:
+    """List all effects with their stages and parameters."""
+    from rigctl.commands.effect import listing
+
+    listing(folder, as_json=json)
+
+
+@effect.command("show")
+def effect_show(
+    name: Annotated[str, typer.Argument(help="Name of the effect.")],
+    *,
+    folder: OwnEffects = None,
+    json: Json = False,
+) -> None:
+    """Say what an effect is, what gives it away, and what it is confused with."""
+    from rigctl.commands.effect import show
+
+    show(name, folder, as_json=json)
+
+
 challenge = typer.Typer(help="A campaign that hides an effect, your answer, and the truth.")
 app.add_typer(challenge, name="challenge", no_args_is_help=True)
 

@@ -8,8 +8,6 @@ from analysis.effects.effect import Effect, Parameter
 from analysis.effects.own import naming, units
 from analysis.effects.own.guard import FUNCTIONS, function_of
 
-LARGEST_STEP = 0.1
-"""Of a step, as a share of the plausible range."""
 TEXTS = ("title", "formula", "source", "gives_away")
 
 
@@ -67,23 +65,19 @@ def _of_numbers(parameter: Parameter) -> tuple[str, str] | None:
     numbers = (*plausible, parameter.off, parameter.step)
     if not all(isinstance(n, int | float) and math.isfinite(n) for n in numbers):
         return "its range, off value or step is no finite number", "give finite numbers"
-    low, high, off, _ = numbers
+    low, high, off, step = numbers
     if not low < high:
         return f"its plausible range {low:g} to {high:g} is empty", "put the lower end first"
     if not low <= off <= high:
         return f"its off value {off:g} is not in {low:g} to {high:g}", "widen the plausible range"
-    if parameter.one_sided and off != low:
-        return f"is one-sided, but {low:g} is not its off value", "let the range begin at off"
-    return _of_step(parameter.step, high - low)
-
-
-def _of_step(step: float, width: float) -> tuple[str, str] | None:
-    if 0 < step <= LARGEST_STEP * width:
-        return None
-    return (
-        f"its step {step:g} is not small against its plausible range, {width:g} wide",
-        "choose a step above 0 that changes little, a thousandth of the range or so",
-    )
+    if step <= 0 or (parameter.one_sided and off != low):
+        what = (
+            f"its step is {step:g}"
+            if step <= 0
+            else f"is one-sided and off within {low:g} to {high:g}"
+        )
+        return what, "give a step above 0, and let a one-sided range begin at off"
+    return None
 
 
 def _of_variants(effect: Effect) -> tuple[str, str] | None:

@@ -94,7 +94,7 @@ class Watch:
 
     def _believed(self, values: Values) -> bool:
         return all(
-            p.plausible[0] <= value <= p.plausible[1]
+            p.plausible[0] <= value <= max(p.plausible[1], p.off + p.step)
             for p, value in zip(self.effect.parameters, values, strict=True)
         )
 
@@ -229,6 +229,8 @@ def _read_only(given: Given) -> Given:
         view: NDArray[Any] = given.view()
         view.flags.writeable = False
         return cast("Given", view)
+    if isinstance(given, dict):
+        return cast("Given", {name: _read_only(part) for name, part in given.items()})
     if not is_dataclass(given) or isinstance(given, type):
         return given
     parts = {field.name: getattr(given, field.name) for field in fields(given)}

@@ -13,9 +13,8 @@ from pathlib import Path
 from types import CodeType, ModuleType
 
 from analysis.effects.effect import Effect
-from analysis.effects.own.checking import check
+from analysis.effects.own.checking import checked
 from analysis.effects.own.fault import EffectFault, Fault, line_in, said
-from analysis.effects.own.guard import guarded
 from analysis.errors import InputError
 
 
@@ -77,8 +76,7 @@ def _read(path: Path, taken: dict[str, str]) -> Effect:
                 "give it another name",
             )
         )
-    check(effect, path, line)
-    return guarded(effect, path, line)
+    return checked(effect, path, line)
 
 
 def _run(path: Path) -> ModuleType:

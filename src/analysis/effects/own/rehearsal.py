@@ -1,0 +1,213 @@
+"""A few shots on which an effect is tried, in SI units or in any other consistent ones.
+
+The response of an effect is a row of numbers, each divided by what is usual of its kind, so that
+one threshold does for all. Written in other units of length, time and mass, the same shots must
+give the same row: that is how the unit of a parameter shows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.collision.operator import Body, Encounter, Outcome, States, walton
+from analysis.effects.effect import (
+    CameraEffect,
+    ClockEffect,
+    ContactEffect,
+    Effect,
+    Exposure,
+    FlightEffect,
+    Flying,
+    Values,
+)
+from analysis.setup import CameraSetup
+
+Floats = NDArray[np.float64]
+
+SHOTS, FRAMES, SEED = 16, 6, 0
+RADIUS_M, DENSITY_KG_PER_M3, GRAVITY_M_PER_S2, AIR_KG_PER_M3 = 0.0127, 1150.0, 9.80665, 1.2
+LAW = (0.74, 0.08, 0.5)
+USUAL_SPEED_M_PER_S, USUAL_SPIN_RAD_PER_S, USUAL_DURATION_S = 1.0, 80.0, 1e-3
+
+
+@dataclass(frozen=True, slots=True)
+class Units:
+    """How many units of length, time and mass make a metre, a second and a kilogram."""
+
+    length: float = 1.0
+    time: float = 1.0
+    mass: float = 1.0
+
+    @property
+    def speed(self) -> float:
+        """How many units of speed make a metre a second."""
+        return self.length / self.time
+
+    @property
+    def acceleration(self) -> float:
+        """How many units of acceleration make a metre a second squared."""
+        return self.speed / self.time
+
+
+SI = Units()
+
+
+@dataclass(slots=True)
+class AnyColumn(Mapping[str, Floats]):
+    """Columns of a shot list that has whatever is asked for, 20 to 24 in its unit.
+
+    Attributes
+    ----------
+    asked
+        Names other than `order` that were asked for.
+    """
+
+    asked: set[str] = field(default_factory=set)
+
+    def __getitem__(self, name: str) -> Floats:
+        order = np.linspace(-0.5, 0.5, SHOTS)
+        if name == "order":
+            return order
+        self.asked.add(name)
+        return 22.0 + 4.0 * np.roll(order, 5)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(("order", *sorted(self.asked)))
+
+    def __len__(self) -> int:
+        return 1 + len(self.asked)
+
+
+def response(effect: Effect, values: Values, units: Units, columns: AnyColumn) -> Floats:
+    """Return what an effect makes of the shots, in usual sizes, shape (N,).
+
+    Raises
+    ------
+    EffectFault
+        An effect under watch fails.
+    """
+    if isinstance(effect, ContactEffect):
+        encounter = _encounter(units, columns)
+        return _row(effect.wrap(walton, values)(encounter), units)
+    if isinstance(effect, FlightEffect):
+        linear, angular = effect.accelerate(_flying(units), values)
+        usual = GRAVITY_M_PER_S2 * units.acceleration
+        return np.concatenate([linear / usual, angular * units.time**2]).ravel()
+    if isinstance(effect, CameraEffect):
+        place = _places() * units.length
+        return (effect.appear(place, _camera(units), values) / (RADIUS_M * units.length)).ravel()
+    if isinstance(effect, ClockEffect):
+        exposure = Exposure(_times() * units.time, _places() * units.length)
+        position, rotation = effect.expose(exposure, _camera(units), values)
+        usual = USUAL_DURATION_S * units.time
+        return np.concatenate([position.ravel(), rotation.ravel()]) / usual
+    raise TypeError(f"{effect.name} acts in no stage")
+
+
+def unchanged(effect: Effect, units: Units = SI) -> Floats:
+    """Return the response of nothing in the stage of an effect, shape (N,)."""
+    if isinstance(effect, ContactEffect):
+        return _row(walton(_encounter(units, AnyColumn())), units)
+    if isinstance(effect, CameraEffect):
+        return (_places() / RADIUS_M).ravel()
+    if isinstance(effect, ClockEffect):
+        shape = _places().shape
+        stated = (np.broadcast_to(_times()[..., None], shape[:3]) / USUAL_DURATION_S).ravel()
+        return np.concatenate([np.repeat(stated, 3), stated])
+    return np.zeros(6 * SHOTS * FRAMES)
+
+
+def _encounter(units: Units, columns: AnyColumn) -> Encounter:
+    """Return collisions in every direction, that stick and that slide, at 0.4 to 4 m/s."""
+    rng = np.random.default_rng(SEED)
+    normal = _unit(rng.normal(size=(SHOTS, 3)))
+    along = _unit(np.cross(normal, rng.normal(size=(SHOTS, 3))))
+    approach = np.geomspace(0.4, 4.0, SHOTS)[:, None]
+    ratio = rng.permutation(np.geomspace(0.05, 4.0, SHOTS))[:, None]
+    half = 0.5 * approach * (ratio * along - normal)
+    common = rng.normal(0.0, 0.3, (SHOTS, 3))
+    spin = rng.normal(0.0, 60.0, (SHOTS, 3))
+    e, mu, beta0 = (np.full(SHOTS, value) for value in LAW)
+    body = _body(units)
+    return Encounter(
+        before=States(
+            velocity_a=(common - half) * units.speed,
+            velocity_b=(common + half) * units.speed,
+            spin_a=spin / units.time,
+            # Opposite spins leave the surface velocity, and with it the sticking shots, alone.
+            spin_b=(0.3 * along - spin) / units.time,
+        ),
+        normal=normal,
+        bodies=(body, body),
+        e=e,
+        mu=mu,
+        beta0=beta0,
+        covariates=columns,
+    )
+
+
+def _row(outcome: Outcome, units: Units) -> Floats:
+    after, spin = outcome.after, USUAL_SPIN_RAD_PER_S / units.time
+    speed, shift = USUAL_SPEED_M_PER_S * units.speed, RADIUS_M * units.length
+    parts = [
+        after.velocity_a / speed,
+        after.velocity_b / speed,
+        after.spin_a / spin,
+        after.spin_b / spin,
+        outcome.duration / (USUAL_DURATION_S * units.time),
+        outcome.shift_a / shift,
+        outcome.shift_b / shift,
+        outcome.turn_a,
+        outcome.turn_b,
+    ]
+    return np.concatenate([part.ravel() for part in parts])
+
+
+def _flying(units: Units) -> Flying:
+    rng = np.random.default_rng(SEED)
+    shape = (SHOTS, FRAMES, 3)
+    return Flying(
+        position=rng.uniform(-0.05, 0.05, shape) * units.length,
+        velocity=rng.normal(0.0, 2.0, shape) * units.speed,
+        spin=rng.normal(0.0, 60.0, shape) / units.time,
+        body=_body(units),
+        gravity=GRAVITY_M_PER_S2 * units.acceleration,
+        air_density=AIR_KG_PER_M3 * units.mass / units.length**3,
+    )
+
+
+def _body(units: Units) -> Body:
+    sphere = Body.sphere(2 * RADIUS_M, DENSITY_KG_PER_M3, 0.4)
+    return Body(
+        sphere.mass * units.mass,
+        sphere.radius * units.length,
+        sphere.inertia * units.mass * units.length**2,
+    )
+
+
+def _places() -> Floats:
+    return np.random.default_rng(SEED).uniform(-0.03, 0.03, (SHOTS, FRAMES, 2, 3))
+
+
+def _times() -> Floats:
+    return np.tile(1e-3 * np.arange(1.0, FRAMES + 1), (SHOTS, 1))
+
+
+def _camera(units: Units) -> CameraSetup:
+    return CameraSetup(
+        frame_rate_hz=1000.0 / units.time,
+        front_view_rows=(88, 192),
+        top_view_rows=(0, 88),
+        scale_px_per_m=1574.8 / units.length,
+        front_origin_px=(132.0, 120.0),
+        top_origin_px=(46.0, 120.0),
+        exposure_s=1e-4 * units.time,
+    )
+
+
+def _unit(vectors: Floats) -> Floats:
+    return np.asarray(vectors / np.linalg.norm(vectors, axis=-1, keepdims=True))
