@@ -6,6 +6,8 @@ across both.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
@@ -40,41 +42,84 @@ def contact_columns(data: PoseData, fit: Fit) -> dict[str, Floats]:
     return columns
 
 
-def flight_columns(data: PoseData, fit: Fit) -> list[tuple[str, str, Floats]]:
-    """Return smooth displacements and turns against the time from contact, each (S, N, 5)."""
+@dataclass(frozen=True, slots=True, eq=False)
+class FrameChannel:
+    """A displacement or turn that hangs smoothly on something known of each frame.
+
+    Attributes
+    ----------
+    name, covariate
+        What is disturbed, and against what.
+    unit
+        Of the disturbance: m or rad.
+    place
+        The covariate of each frame, shape (S, F, 1) if both spheres move as one, else (S, F, 2).
+    smooth
+        Five smooth functions of it, shape (S, F, 1 or 2, 5).
+    direction
+        What a disturbance of one unit adds to the 12 numbers of a frame, shape (S, F, 2, 6).
+    """
+
+    name: str
+    covariate: str
+    unit: str
+    place: Floats
+    smooth: Floats
+    direction: Floats
+
+    def columns(self, data: PoseData) -> Floats:
+        """Return the whitened columns, one for each smooth function, shape (S, N, 5)."""
+        parts = [
+            whitened(data, self.direction * self.smooth[..., k, None])
+            for k in range(self.smooth.shape[-1])
+        ]
+        return np.stack(parts, axis=-1)
+
+
+def flight_channels(data: PoseData, fit: Fit) -> list[FrameChannel]:
+    """Return displacements and turns against the time from contact."""
     tau = data.times_s - fit.states.time_s[:, None]
     used = data.measured.any(axis=(2, 3))
     reach = float(np.quantile(np.abs(tau[used]), 0.99))
-    smooth = chebyshev.chebvander(np.clip(tau / max(reach, 1e-9), -1, 1), SMOOTH - 1)
+    scaled = np.clip(tau / max(reach, 1e-9), -1, 1)
+    smooth = np.asarray(chebyshev.chebvander(scaled, SMOOTH - 1), dtype=np.float64)
     frame = _contact_frame(data, fit)
     found = []
-    for kind, part in (("position", slice(0, 3)), ("orientation", slice(3, 6))):
+    for kind, unit, part in (("position", "m", slice(0, 3)), ("orientation", "rad", slice(3, 6))):
         for word, shares in (("relative", (-0.5, 0.5)), ("common", (1.0, 1.0))):
             for name, axis in zip(AXES, frame, strict=True):
-                moved = np.zeros((*data.times_s.shape, 2, 6, SMOOTH))
+                direction = np.zeros((*data.times_s.shape, 2, 6))
                 for i, share in enumerate(shares):
-                    moved[:, :, i, part] = share * axis[:, None, :, None] * smooth[:, :, None, :]
-                columns = [whitened(data, moved[..., k]) for k in range(SMOOTH)]
-                found.append((f"{word} {kind} {name}", "time", np.stack(columns, axis=-1)))
+                    direction[:, :, i, part] = share * axis[:, None]
+                found.append(
+                    FrameChannel(
+                        name=f"{word} {kind} {name}",
+                        covariate="time",
+                        unit=unit,
+                        place=tau[..., None],
+                        smooth=smooth[:, :, None],
+                        direction=direction,
+                    )
+                )
     return found
 
 
-def camera_columns(data: PoseData, fit: Fit) -> list[tuple[str, str, Floats]]:
-    """Return smooth displacements of X, Y, Z against the position in the field, each (S, N, 5)."""
+def camera_channels(data: PoseData, fit: Fit) -> list[FrameChannel]:
+    """Return displacements of X, Y, Z against the position in the field."""
     position = predict(data, fit.states, fit.theory).position
     used = np.isfinite(data.position_sigma).all(axis=-1)
     found = []
     for along, covariate in enumerate("XYZ"):
-        low, high = np.quantile(position[used][:, along], [0.01, 0.99])
-        scaled = np.clip(2 * (position[..., along] - low) / max(high - low, 1e-9) - 1, -1, 1)
-        smooth = chebyshev.chebvander(scaled, SMOOTH - 1)
+        place = position[..., along]
+        low, high = np.quantile(place[used], [0.01, 0.99])
+        scaled = np.clip(2 * (place - low) / max(high - low, 1e-9) - 1, -1, 1)
+        smooth = np.asarray(chebyshev.chebvander(scaled, SMOOTH - 1), dtype=np.float64)
         for axis, name in enumerate("XYZ"):
-            columns = []
-            for k in range(SMOOTH):
-                moved = np.zeros((*data.times_s.shape, 2, 6))
-                moved[..., axis] = smooth[..., k]
-                columns.append(whitened(data, moved))
-            found.append((f"image {name}", f"field {covariate}", np.stack(columns, axis=-1)))
+            direction = np.zeros((*data.times_s.shape, 2, 6))
+            direction[..., axis] = 1.0
+            found.append(
+                FrameChannel(f"image {name}", f"field {covariate}", "m", place, smooth, direction)
+            )
     return found
 
 

@@ -1,0 +1,95 @@
+"""A fit against its campaign, stage by stage."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import chi2 as chi2_distribution
+
+from analysis.model.agreement.outcome import outcome_rows, outcomes
+from analysis.model.agreement.poses import fitted_row, pose_groups, predicted_row, sides
+from analysis.model.agreement.shapes import shape_rows
+from analysis.model.agreement.table import Agreement, Stage
+from analysis.model.channels import (
+    FrameChannel,
+    camera_channels,
+    contact_columns,
+    flight_channels,
+)
+from analysis.model.crossvalidation import prediction_error
+from analysis.model.fit import Fit
+from analysis.model.noise import noise_scales
+from analysis.model.poses import PoseData
+from analysis.model.projector import Projector, projector
+
+Floats = NDArray[np.float64]
+Jumps = dict[str, Floats]
+Groups = dict[str, list[FrameChannel]]
+
+
+def agree(data: PoseData, fit: Fit, further: Sequence[Stage] = ()) -> Agreement:
+    """Hold a fit against its campaign.
+
+    Parameters
+    ----------
+    data
+        Without the frames inside contact (`without_contact_frames`).
+    fit
+        Of these data, with whatever effects.
+    further
+        Stages that lie before the first frame, such as the launch; they stand first.
+    """
+    sums = projector(data, fit)
+    turn_sigma = np.repeat(data.rotation_sigma[..., None], 3, axis=-1)
+    sigma = np.concatenate([data.position_sigma, turn_sigma], axis=-1)
+    sigma = np.where(data.measured, sigma, 0.0).reshape(len(sigma), -1)
+    freedom = max(fit.freedom, 1)
+    jumps = contact_columns(data, fit)
+    stages = [
+        *further,
+        *_sides(data, fit, sums, jumps, sigma=sigma),
+        *(
+            Stage(name, tuple(shape_rows(data, sums, groups, jumps=jumps, sigma=sigma)))
+            for name, groups in (("flight", _flight(data, fit)), ("camera", _camera(data, fit)))
+        ),
+    ]
+    return Agreement(
+        stages=tuple(stage for stage in stages if stage.rows),
+        chi2=fit.chi2,
+        freedom=freedom,
+        p_value=float(chi2_distribution.sf(fit.chi2, freedom)),
+        prediction=prediction_error(data, fit),
+        noise=noise_scales(data, fit),
+    )
+
+
+def _sides(
+    data: PoseData, fit: Fit, sums: Projector, jumps: Jumps, *, sigma: Floats
+) -> tuple[Stage, Stage]:
+    after = data.times_s > fit.states.time_s[:, None]
+    known = data.measured & ~after[..., None, None]
+    split = sides(sums, known.reshape(len(known), -1))
+    before = [
+        fitted_row(split.before, group, sigma) for group in pose_groups(data.measured, ~after)
+    ]
+    left = outcome_rows(outcomes(sums, jumps), sums.covariance)
+    poses = [predicted_row(split, group, sigma) for group in pose_groups(data.measured, after)]
+    return Stage("before contact", tuple(before)), Stage("after contact", (*left, *poses))
+
+
+def _flight(data: PoseData, fit: Fit) -> Groups:
+    groups: Groups = {}
+    for channel in flight_channels(data, fit):
+        if channel.unit == "m" or np.isfinite(data.rotation_sigma).any():
+            title = f"{channel.name[:-2]} against time"
+            groups.setdefault(title, []).append(channel)
+    return groups
+
+
+def _camera(data: PoseData, fit: Fit) -> Groups:
+    groups: Groups = {}
+    for channel in camera_channels(data, fit):
+        groups.setdefault(f"{channel.name} against place", []).append(channel)
+    return groups

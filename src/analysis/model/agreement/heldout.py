@@ -1,0 +1,31 @@
+"""Parameters for each shot from the shots of the other folds."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.model.crossvalidation import FOLDS
+from analysis.model.projector import Projector
+
+Floats = NDArray[np.float64]
+
+
+def left_out_steps(sums: Projector, seed: int = 0) -> Floats:
+    """Return how far the shared parameters lie without each shot's fold, shape (S, P).
+
+    One Newton step from those of all shots, with the folds of `prediction_error`. Without other
+    shots they stay.
+    """
+    shared, residual = sums.shared, sums.residual
+    matrix = np.einsum("snp,snq->spq", shared, shared)
+    gradient = np.einsum("snp,sn->sp", shared, residual)
+    shots = len(matrix)
+    folds = np.random.default_rng(seed).permutation(shots) % min(FOLDS, shots)
+    steps: Floats = np.zeros_like(gradient)
+    for fold in np.unique(folds):
+        others = folds != fold
+        information = matrix[others].sum(axis=0)
+        step = np.linalg.lstsq(information, gradient[others].sum(axis=0), rcond=1e-12)[0]
+        steps[~others] = step
+    return steps

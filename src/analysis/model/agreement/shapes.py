@@ -1,0 +1,116 @@
+"""Agreement of flight and of the camera: smooth displacements that the poses would rather have.
+
+The outcome of every contact is set free here, so that a wrong law does not pass for them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.model.agreement.outcome import jump_covariance
+from analysis.model.agreement.table import Row, Spread, root_mean
+from analysis.model.channels import SMOOTH, FrameChannel
+from analysis.model.normal import inverse
+from analysis.model.poses import PoseData
+from analysis.model.projector import LEAST_INFORMATION, ByShot, Projector, Solved
+
+Floats = NDArray[np.float64]
+
+
+def with_free_contacts(
+    sums: Projector, jumps: dict[str, Floats], columns: Floats
+) -> tuple[Projector, ByShot]:
+    """Project columns (S, N, C) with the outcome of every contact free.
+
+    Returns
+    -------
+    The projector whose covariance has only what the poses without the law say of the shared
+    parameters, and what the columns add up to.
+    """
+    freed = np.concatenate(list(jumps.values()), axis=2)
+    count = freed.shape[2]
+    by_shot = sums.project(np.concatenate([freed, columns, sums.shared], axis=2))
+    covariance, _ = jump_covariance(
+        ByShot(
+            own=by_shot.own[:, :count, :count],
+            against=by_shot.against[:, :count],
+            gradient=by_shot.gradient[:, :count],
+            raw=by_shot.raw[:, :count],
+        )
+    )
+    coupling = by_shot.own[:, count:, :count] @ covariance
+    own = by_shot.own[:, count:, count:] - coupling @ by_shot.own[:, :count, count:]
+    gradient = by_shot.gradient[:, count:] - np.einsum(
+        "scj,sj->sc", coupling, by_shot.gradient[:, :count]
+    )
+    wide = columns.shape[2]
+    law = _law_covariance(own[:, wide:, wide:].sum(axis=0), by_shot.raw[:, count + wide :])
+    reduced = ByShot(
+        own=own[:, :wide, :wide],
+        against=own[:, :wide, wide:],
+        gradient=gradient[:, :wide],
+        raw=by_shot.raw[:, count : count + wide],
+    )
+    return replace(sums, covariance=law), reduced
+
+
+def _law_covariance(information: Floats, raw: Floats) -> Floats:
+    """Invert along the parameters that are still informed, zero for the others, (P, P)."""
+    told = np.flatnonzero(np.diag(information) > LEAST_INFORMATION * raw.sum(axis=0))
+    covariance = np.zeros_like(information)
+    covariance[np.ix_(told, told)] = inverse(information[np.ix_(told, told)])
+    return covariance
+
+
+def shape_rows(
+    data: PoseData,
+    sums: Projector,
+    groups: Mapping[str, Sequence[FrameChannel]],
+    *,
+    jumps: dict[str, Floats],
+    sigma: Floats,
+) -> Iterator[Row]:
+    """Give a row for each named group of channels of one unit; sigma of shape (S, N).
+
+    Its size is the root mean square displacement or turn of a sphere, over all that was measured,
+    that these smooth functions would bring; its floor what they bring of noise alone.
+    """
+    parts = [c.columns(data) for channels in groups.values() for c in channels]
+    columns = np.concatenate(parts, axis=2)
+    free, by_shot = with_free_contacts(sums, jumps, columns)
+    start = 0
+    for quantity, channels in groups.items():
+        own = slice(start, start := start + SMOOTH * len(channels))
+        chosen = ByShot(
+            own=by_shot.own[:, own, own],
+            against=by_shot.against[:, own],
+            gradient=by_shot.gradient[:, own],
+            raw=by_shot.raw[:, own],
+        )
+        solved = free.solve(chosen, np.ones((len(columns), 1)))
+        moved = (columns[..., own] * sigma[..., None]).reshape(-1, own.stop - own.start)
+        unit = "mm" if channels[0].unit == "m" else "mrad"
+        yield _row((quantity, unit), solved, moved[moved.any(axis=1)])
+
+
+def _row(title: tuple[str, str], solved: Solved, moved: Floats) -> Row:
+    """Return the row of fitted amplitudes; `moved` is what each brings to each number."""
+    metric, count = moved.T @ moved, max(len(moved) // 3, 1)
+    amplitudes = solved.amplitudes
+    spread = Spread(float(solved.freedom), 2.0 * solved.freedom)
+    return Row(
+        quantity=title[0],
+        unit=title[1],
+        count=solved.freedom,
+        chi2=solved.chi2,
+        freedom=spread.mean,
+        p_value=spread.p_value(solved.chi2),
+        error=root_mean(solved.chi2, spread.mean),
+        sampling=float(np.sqrt(0.5 / max(solved.freedom, 1))),
+        size=1e3 * root_mean(float(amplitudes @ metric @ amplitudes), count),
+        floor=1e3 * root_mean(float(np.trace(metric @ solved.covariance)), count),
+    )

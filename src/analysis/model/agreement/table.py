@@ -1,0 +1,125 @@
+"""The table of agreement: what stands in a line, and the chance of seeing as much by noise."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import chi2 as chi2_distribution
+
+from analysis.model.crossvalidation import PredictionError
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Spread:
+    """Mean and variance that a sum of squares has when nothing is missing."""
+
+    mean: float
+    variance: float
+
+    @classmethod
+    def less(cls, count: float, taken: Floats) -> Spread:
+        """Return that of `count` squares of covariance 1 - T, T given by what has its traces."""
+        trace, square = float(np.trace(taken)), float(np.trace(taken @ taken))
+        return cls(count - trace, 2 * (count - 2 * trace + square))
+
+    @property
+    def sampling(self) -> float:
+        """Standard deviation of the root of chi-squared over its mean."""
+        return float(np.sqrt(max(self.variance, 0.0)) / (2 * max(self.mean, 1e-12)))
+
+    def p_value(self, chi2: float) -> float:
+        """Return the chance of a sum at least as large.
+
+        By the chi-squared distribution of the same mean and variance: exact where the squares are
+        those of a projection, else the approximation of F. E. Satterthwaite, Biometrics Bull. 2,
+        110 (1946).
+        """
+        if self.mean <= 0 or self.variance <= 0:
+            return 1.0
+        return float(chi2_distribution.sf(chi2 * 2 * self.mean / self.variance, self.freedom))
+
+    @property
+    def freedom(self) -> float:
+        """Degrees of freedom of that distribution."""
+        return 2 * self.mean**2 / self.variance
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One quantity.
+
+    Attributes
+    ----------
+    quantity, unit
+        Its name, and the unit of `size` and `floor`.
+    count
+        How many numbers it is made of.
+    chi2, freedom
+        Sum of squared whitened residuals of the fit, and what it is on average when nothing is
+        missing and the errors are as stated: the count less what the fit took up of it.
+    p_value
+        Chance of a chi2 at least as large by noise alone.
+    error, sampling
+        Whitened error of the prediction, floor 1, and its standard deviation when nothing is
+        missing.
+    size, floor
+        Root mean square of that error in `unit`, and what the noise alone makes of it.
+    """
+
+    quantity: str
+    unit: str
+    count: int
+    chi2: float
+    freedom: float
+    p_value: float
+    error: float
+    sampling: float
+    size: float
+    floor: float
+
+
+@dataclass(frozen=True, slots=True)
+class Stage:
+    """The quantities of one stage of the way from settings to image."""
+
+    name: str
+    rows: tuple[Row, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Agreement:
+    """A fit held against its campaign.
+
+    Attributes
+    ----------
+    stages
+        In the order of nature.
+    chi2, freedom, p_value
+        Of all residuals together.
+    prediction
+        Whitened error of the poses after contact of shots left out.
+    noise
+        By what the residuals say the stated sigmas of positions and of orientations are to be
+        multiplied. 1 when nothing is missing and they are true.
+    """
+
+    stages: tuple[Stage, ...]
+    chi2: float
+    freedom: int
+    p_value: float
+    prediction: PredictionError
+    noise: tuple[float, float]
+
+    @property
+    def rows(self) -> tuple[Row, ...]:
+        """All lines of the table."""
+        return tuple(row for stage in self.stages for row in stage.rows)
+
+
+def root_mean(total: float, count: float) -> float:
+    """Return the root of a mean of squares; 0 where there are none."""
+    return float(np.sqrt(max(total, 0.0) / count)) if count > 0 else 0.0
