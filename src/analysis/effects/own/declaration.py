@@ -21,7 +21,7 @@ def complaint(effect: Effect) -> tuple[str, str] | None:
         return f"its name {name!r} is not in the form of names", f"use {naming.FORM}"
     stage = getattr(effect, "stage", None)
     if stage not in FUNCTIONS:
-        return "acts in no stage", "make EFFECT a ContactEffect, FlightEffect, CameraEffect or so"
+        return f"its stage is {stage}", f"choose a class of effects of {', '.join(FUNCTIONS)}"
     if not callable(function_of(effect)):
         return f"its {FUNCTIONS[stage]} is no function", f"give {FUNCTIONS[stage]} a function"
     for field in TEXTS:

@@ -90,7 +90,7 @@ EFFECT = ClockEffect(
     name="$name",
     title="$title",
     parameters=(
-        Parameter(symbol="w", unit="1/s", meaning="growth of the frame time", plausible=(-0.1, 0.1)),
+        Parameter(symbol="w", unit="1/s", meaning="growth of frame time", plausible=(-0.1, 0.1)),
     ),
     formula="t_true = t + w t^2",'''
 
