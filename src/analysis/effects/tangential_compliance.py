@@ -20,6 +20,8 @@ OTHER_LAWS: tuple[tuple[float, Pressing], ...] = (
 )
 """Harder and softer solids, and the single spring of contact codes: as stiff as a solid of
 Poisson's ratio 1/4, and so soft that beta0 comes out as thesis, section 7.1, found it for nylon."""
+LAWS: tuple[tuple[float, Pressing], ...] = ((STIFFNESS_RATIO, line_of_springs), *OTHER_LAWS)
+"""All of them: ratio of tangential to normal stiffness, and law of contact."""
 _NAMES: dict[Pressing, str] = {
     line_of_springs: "springs on a line",
     single_spring: "a single spring",

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.collision.operator import Encounter, Outcome, States
-from analysis.model.poses import PoseData
+from analysis.model.poses import Observations
 from analysis.model.state import ShotStates
 from analysis.model.theory import Theory
 
@@ -30,12 +30,12 @@ class Contact:
     by_state: Floats
 
 
-def contact_outcome(data: PoseData, states: ShotStates, theory: Theory) -> Floats:
+def contact_outcome(data: Observations, states: ShotStates, theory: Theory) -> Floats:
     """Return the outcome of every contact, shape (S, 25)."""
     return _outcomes(data, theory, _motion(states), states.normal)
 
 
-def differentiated_contact(data: PoseData, states: ShotStates, theory: Theory) -> Contact:
+def differentiated_contact(data: Observations, states: ShotStates, theory: Theory) -> Contact:
     """Differentiate the operator by forward differences, all of them in one call of it."""
     shots = len(states.time_s)
     motions = np.repeat(_motion(states)[None], 15, axis=0)
@@ -51,7 +51,7 @@ def differentiated_contact(data: PoseData, states: ShotStates, theory: Theory) -
     return Contact(outcomes[0], np.moveaxis(by_state, 0, 2))
 
 
-def _outcomes(data: PoseData, theory: Theory, motion: Floats, normal: Floats) -> Floats:
+def _outcomes(data: Observations, theory: Theory, motion: Floats, normal: Floats) -> Floats:
     """Return outcomes for rows of motion (N, 12) and normals (N, 3); N a multiple of the shots."""
     repeats = len(motion) // len(data.shots)
     law, parts = theory.law, motion.reshape(-1, 4, 3)

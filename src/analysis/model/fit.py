@@ -7,13 +7,15 @@ shots are all that the joint step needs.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analysis.collision.operator import WaltonLaw
-from analysis.model.linear import linearise
+from analysis.model.columns import no_columns, theory_columns
+from analysis.model.comparison import compare
 from analysis.model.normal import (
     LAW_PRIOR,
     NormalEquations,
@@ -21,6 +23,7 @@ from analysis.model.normal import (
     prior_cost,
     shot_steps,
     solve_blocks,
+    sums_of,
 )
 from analysis.model.poses import PoseData
 from analysis.model.start import first_states
@@ -34,6 +37,7 @@ START = WaltonLaw(*LAW_PRIOR)
 LARGEST_LAW_STEP = np.array([0.1, 0.05, 0.3])
 SHOT_ITERATIONS, JOINT_ITERATIONS = 12, 30
 ENOUGH_FALL = 0.01
+SHOTS_AT_ONCE = 128
 SHARES = (1.0, 0.5, 0.2, 0.05)
 
 
@@ -127,17 +131,19 @@ def fit_campaign(data: PoseData, theory: Theory | None = None, start: Fit | None
 
 def normal_equations(data: PoseData, states: ShotStates, theory: Theory) -> NormalEquations:
     """Linearise about states and theory and sum up by shot."""
-    line = linearise(data, states, theory)
-    by_state = np.swapaxes(line.by_state, 1, 2)
-    by_theory = np.swapaxes(line.by_theory, 1, 2)
-    return NormalEquations(
-        chi2=(line.residual**2).sum(axis=1),
-        states=by_state @ line.by_state,
-        coupling=by_state @ line.by_theory,
-        shared=by_theory @ line.by_theory,
-        state_gradient=(by_state @ line.residual[..., None])[..., 0],
-        shared_gradient=(by_theory @ line.residual[..., None])[..., 0],
-    )
+
+    def sums(part: PoseData, own: ShotStates) -> NormalEquations:
+        line, here = compare(part, own, theory)
+        return sums_of(line, theory_columns(part, own, theory, line, here))
+
+    return NormalEquations.joined([sums(*part) for part in parts_of(data, states)])
+
+
+def parts_of(data: PoseData, states: ShotStates) -> Iterator[tuple[PoseData, ShotStates]]:
+    """Return data and states of so many shots at a time as a processor's cache holds."""
+    for start in range(0, len(data.shots), SHOTS_AT_ONCE):
+        some = slice(start, start + SHOTS_AT_ONCE)
+        yield data.part(some), states.of_shots(some)
 
 
 def _search(
@@ -163,11 +169,15 @@ def _cost(sums: NormalEquations, theory: Theory) -> float:
 
 def _fit_shots(data: PoseData, states: ShotStates, theory: Theory) -> ShotStates:
     """Fit every shot by itself at a fixed theory."""
+    return ShotStates.joined([_fit_part(*part, theory) for part in parts_of(data, states)])
+
+
+def _fit_part(data: PoseData, states: ShotStates, theory: Theory) -> ShotStates:
     damping = np.full(len(states.time_s), 1e-3)
-    sums = normal_equations(data, states, theory)
+    sums = _own_equations(data, states, theory)
     for _ in range(SHOT_ITERATIONS):
         new = states.moved(shot_steps(sums, damping))
-        tried = normal_equations(data, new, theory)
+        tried = _own_equations(data, new, theory)
         better = tried.chi2 < sums.chi2
         done = np.abs(sums.chi2 - tried.chi2) < ENOUGH_FALL
         states, sums = states.chosen(new, better), sums.chosen(tried, better)
@@ -175,3 +185,8 @@ def _fit_shots(data: PoseData, states: ShotStates, theory: Theory) -> ShotStates
         if done.all():
             break
     return states
+
+
+def _own_equations(data: PoseData, states: ShotStates, theory: Theory) -> NormalEquations:
+    line, _ = compare(data, states, theory)
+    return sums_of(line, no_columns(line))

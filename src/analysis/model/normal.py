@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.model.columns import Columns
+from analysis.model.comparison import Comparison
 from analysis.model.state import SIZE
 from analysis.model.theory import Theory
 
@@ -65,6 +68,24 @@ class NormalEquations:
         return NormalEquations(
             *(pick(getattr(self, name), getattr(new, name)) for name in self.__slots__)
         )
+
+    @classmethod
+    def joined(cls, parts: Sequence[NormalEquations]) -> NormalEquations:
+        """Return the sums of shots that follow each other in parts."""
+        return cls(*(np.concatenate([getattr(p, n) for p in parts]) for n in cls.__slots__))
+
+
+def sums_of(line: Comparison, shared: Columns) -> NormalEquations:
+    """Sum up a linearisation and the columns of what the shots share."""
+    by_state = np.swapaxes(line.by_state, 1, 2)
+    return NormalEquations(
+        chi2=line.chi2,
+        states=by_state @ line.weigh(line.by_state),
+        coupling=by_state @ shared.against_flights(line),
+        shared=shared.gram(line),
+        state_gradient=(by_state @ line.pulled[..., None])[..., 0],
+        shared_gradient=shared.with_residual(line),
+    )
 
 
 def prior_cost(theory: Theory) -> float:

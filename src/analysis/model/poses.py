@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,26 @@ from analysis.collision.operator import Body
 from analysis.setup import CameraSetup
 
 Floats = NDArray[np.float64]
+
+
+class Observations(Protocol):
+    """What every kind of data says of its shots, whatever was measured in them."""
+
+    @property
+    def shots(self) -> NDArray[np.intp]:
+        """Numbers of the shots, shape (S,)."""
+
+    @property
+    def bodies(self) -> tuple[Body, Body]:
+        """Spheres a and b."""
+
+    @property
+    def gravity(self) -> float:
+        """m/s^2 along +X."""
+
+    @property
+    def covariates(self) -> Mapping[str, Floats]:
+        """What else is known of each shot, each of shape (S,)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -73,6 +94,13 @@ class PoseData:
         names = ("shots", "times_s", "position", "position_sigma", "rotation", "rotation_sigma")
         parts = {name: getattr(self, name)[chosen] for name in names}
         covariates = {name: values[chosen] for name, values in self.covariates.items()}
+        return replace(self, **parts, covariates=covariates)
+
+    def part(self, some: slice) -> PoseData:
+        """Return the data of successive shots, without copying."""
+        names = ("shots", "times_s", "position", "position_sigma", "rotation", "rotation_sigma")
+        parts = {name: getattr(self, name)[some] for name in names}
+        covariates = {name: values[some] for name, values in self.covariates.items()}
         return replace(self, **parts, covariates=covariates)
 
     @property

@@ -8,24 +8,33 @@ Both sides of the contact share its point, instant and orientations.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.effects.effect import Exposure, Flying
-from analysis.model.contact import AFTER, DURATION, SHIFT, TURN, contact_outcome
+from analysis.effects.effect import (
+    CameraEffect,
+    ClockEffect,
+    Exposure,
+    FlightEffect,
+    Flying,
+    Values,
+)
+from analysis.model.contact import contact_outcome
 from analysis.model.poses import PoseData
+from analysis.model.sides import Flights, flights
 from analysis.model.state import ShotStates
 from analysis.model.theory import Theory
-from analysis.motion.rotation import rotation_matrix
+from analysis.motion.exponential import exponential
 
 Floats = NDArray[np.float64]
 
-SIDES = (-1.0, 1.0)
-"""Centre of a and of b along the normal from the point of contact, in radii."""
 _NODES = np.array([0.5 - np.sqrt(1 / 12), 0.5 + np.sqrt(1 / 12)])
 """Gauss-Legendre nodes on (0, 1); both weigh a half."""
+_CLOCK_PASSES = 2
+"""A time that hangs on the place hangs on it at that time: the second pass knows where."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -52,122 +61,147 @@ class Timing:
     rotation: Floats
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Flown:
+    """Free flight at the frames' true times, before small forces and the camera.
+
+    Attributes
+    ----------
+    timing
+        When.
+    position, velocity
+        At mid exposure, without gravity's part in the velocity; shape (S, F, 2, 3).
+    since
+        Time since this side began, of each coordinate (S, F, 2, 3) and of the orientation
+        (S, F, 2).
+    spin, rotation, jacobian
+        Spin, shape (S, F, 2, 3), orientation, and the left Jacobian of spin times time, shape
+        (S, F, 2, 3, 3).
+    turned
+        The rotation since tau = 0, shape (S, F, 2, 3, 3).
+    """
+
+    timing: Timing
+    position: Floats
+    velocity: Floats
+    since: tuple[Floats, Floats]
+    spin: Floats
+    rotation: Floats
+    jacobian: Floats
+    turned: Floats
+
+
 def predict(data: PoseData, states: ShotStates, theory: Theory) -> Poses:
     """Predict the pose of both spheres in every frame."""
-    outcome = contact_outcome(data, states, theory)
-    timing = true_timing(data, states, theory, outcome)
-    flights = [fly(data, states, outcome, timing, theory=theory, sphere=i) for i in (0, 1)]
-    position = np.stack([place for place, _ in flights], axis=2)
-    for effect, values in theory.camera:
-        position = effect.appear(position, data.camera, values)
-    return Poses(position, np.stack([turned for _, turned in flights], axis=2))
+    flown = fly(data, states, flights(data, states, contact_outcome(data, states, theory)), theory)
+    return shown(data, flown, theory)
 
 
-def true_timing(data: PoseData, states: ShotStates, theory: Theory, outcome: Floats) -> Timing:
-    """Return when the frames were really exposed, counted from first touch."""
+def fly(data: PoseData, states: ShotStates, sides: Flights, theory: Theory) -> Flown:
+    """Follow both flights of both spheres to the frames' true times."""
     stated = data.times_s - states.time_s[:, None]
-    start = Timing(np.tile(stated[..., None, None], (2, 3)), np.tile(stated[..., None], 2))
-    timing, bare = start, Theory(theory.law)
-    # A time that hangs on the place hangs on it at that time: the second pass knows where.
-    for _ in range(2 if theory.clock else 0):
-        places = [fly(data, states, outcome, timing, theory=bare, sphere=i)[0] for i in (0, 1)]
-        exposure = Exposure(data.times_s, np.stack(places, axis=2))
-        position, rotation = start.position, start.rotation
-        for effect, values in theory.clock:
-            seen, turned = effect.expose(exposure, data.camera, values)
-            position = position + (seen - data.times_s[..., None, None])
-            rotation = rotation + (turned - data.times_s[..., None])
-        timing = Timing(position, rotation)
-    return timing
+    start = Timing(
+        np.broadcast_to(stated[..., None, None], (*stated.shape, 2, 3)),
+        np.broadcast_to(stated[..., None], (*stated.shape, 2)),
+    )
+    flown = _free_flight(data, sides, start)
+    for _ in range(_CLOCK_PASSES if theory.clock else 0):
+        timing = _exposed(data, start, flown.position, theory.clock)
+        flown = _free_flight(data, sides, timing)
+    return flown
 
 
-def fly(
-    data: PoseData,
-    states: ShotStates,
-    outcome: Floats,
-    timing: Timing,
-    *,
-    theory: Theory,
-    sphere: int,
-) -> tuple[Floats, Floats]:
-    """Return positions (S, F, 3) and orientations (S, F, 3, 3) of a sphere before the camera."""
-    tau = timing.position[:, :, sphere]
-    velocity, start, since = linear_flight(data, states, outcome, tau, sphere)
-    gravity = np.array([data.gravity, 0.0, 0.0])
-    position = start + velocity * since + 0.5 * gravity * tau**2
-    tau_turn = timing.rotation[:, :, sphere]
-    spin, turned, since_turn = linear_turning(states, outcome, tau_turn, sphere)
-    rotation = rotation_matrix(spin * since_turn[..., None]) @ turned
+def shown(data: PoseData, flown: Flown, theory: Theory) -> Poses:
+    """Add what small forces do on the way, and what the camera makes of the place."""
+    position, rotation = flown.position, flown.rotation
     if theory.flight:
-        push, twist = _perturbation(
-            data, theory, (position, velocity, spin), (since, since_turn), sphere
-        )
+        push, twist = perturbation(data, flown, theory.flight)
         position = position + push
-        rotation = rotation_matrix(twist) @ rotation
-    return position, rotation
+        rotation = exponential(twist)[0] @ rotation
+    return Poses(appear(data, position, theory.camera), rotation)
 
 
-def linear_flight(
-    data: PoseData, states: ShotStates, outcome: Floats, tau: Floats, i: int
-) -> tuple[Floats, Floats, Floats]:
-    """Return velocity and starting point of a frame's side, and the time from there, (S, F, 3).
-
-    `tau` is the time from first touch of each coordinate, shape (S, F, 3).
-    """
-    flown = tau > 0
-    before = (states.before.velocity_a, states.before.velocity_b)[i]
-    after = outcome[:, AFTER][:, 3 * i : 3 * i + 3]
-    touch = states.point + SIDES[i] * data.bodies[i].radius * states.normal
-    leave = touch + outcome[:, SHIFT][:, 3 * i : 3 * i + 3]
-    since = tau - np.where(flown, outcome[:, DURATION, None], 0.0)
-    return _sides(before, after, flown), _sides(touch, leave, flown), since
+def appear(
+    data: PoseData, position: Floats, effects: Sequence[tuple[CameraEffect, Values]]
+) -> Floats:
+    """Return where the images show centres, shape (S, F, 2, 3)."""
+    for effect, values in effects:
+        position = effect.appear(position, data.camera, values)
+    return position
 
 
-def linear_turning(
-    states: ShotStates, outcome: Floats, tau: Floats, i: int
-) -> tuple[Floats, Floats, Floats]:
-    """Return spin (S, F, 3) and starting orientation of a frame's side, and the time from there."""
-    flown = tau > 0
-    before = (states.before.spin_a, states.before.spin_b)[i]
-    after = outcome[:, AFTER][:, 6 + 3 * i : 9 + 3 * i]
-    touch = states.rotation[:, i]
-    leave = rotation_matrix(outcome[:, TURN][:, 3 * i : 3 * i + 3]) @ touch
-    since = tau - np.where(flown, outcome[:, DURATION], 0.0)
-    start = np.where(flown[..., None, None], leave[:, None], touch[:, None])
-    return _sides(before, after, flown[..., None]), start, since
-
-
-def _sides(before: Floats, after: Floats, flown: NDArray[np.bool_]) -> Floats:
-    return np.where(flown, after[:, None], before[:, None])
-
-
-def _perturbation(
-    data: PoseData,
-    theory: Theory,
-    motion: tuple[Floats, Floats, Floats],
-    since: tuple[Floats, Floats],
-    i: int,
+def perturbation(
+    data: PoseData, flown: Flown, effects: Sequence[tuple[FlightEffect, Values]]
 ) -> tuple[Floats, Floats]:
-    """Return what small forces add: displacement and rotation vector, shape (S, F, 3).
+    """Return what small forces add: displacement and rotation vector, shape (S, F, 2, 3).
 
     Double integrals of the acceleration along the unperturbed path, int_0^t (t - s) a(s) ds.
     """
-    position, velocity, spin = motion
-    flown, turned = since[0], since[1][..., None]
+    since, turning = flown.since[0], flown.since[1][..., None]
     gravity = np.array([data.gravity, 0.0, 0.0])
-    push, twist = np.zeros_like(position), np.zeros_like(position)
+    push, twist = np.zeros_like(flown.position), np.zeros_like(flown.position)
     for node in _NODES:
-        back = (1.0 - node) * flown
-        flying = Flying(
-            position=position - velocity * back,
-            velocity=velocity + gravity * node * flown,
-            spin=spin,
-            body=data.bodies[i],
-            gravity=data.gravity,
-            air_density=data.air_density,
-        )
-        for effect, values in theory.flight:
-            linear, angular = effect.accelerate(flying, values)
-            push += 0.5 * flown * back * linear
-            twist += 0.5 * (1.0 - node) * turned**2 * angular
+        back = (1.0 - node) * since
+        position, velocity = flown.position - flown.velocity * back, flown.velocity
+        velocity = velocity + gravity * node * since
+        for i, body in enumerate(data.bodies):
+            flying = Flying(
+                position=position[:, :, i],
+                velocity=velocity[:, :, i],
+                spin=flown.spin[:, :, i],
+                body=body,
+                gravity=data.gravity,
+                air_density=data.air_density,
+            )
+            for effect, values in effects:
+                linear, angular = effect.accelerate(flying, values)
+                push[:, :, i] += 0.5 * since[:, :, i] * back[:, :, i] * linear
+                twist[:, :, i] += 0.5 * (1.0 - node) * turning[:, :, i] ** 2 * angular
     return push, twist
+
+
+def _free_flight(data: PoseData, sides: Flights, timing: Timing) -> Flown:
+    tau, tau_turn = timing.position, timing.rotation
+    flown, turned_since = tau > 0, tau_turn > 0
+    velocity = _of_side(sides.velocity, flown)
+    position = _of_side(sides.place, flown) + velocity * tau
+    position[..., 0] += 0.5 * data.gravity * tau[..., 0] ** 2
+    spin = _of_side(sides.spin, turned_since[..., None])
+    turned, jacobian = exponential(spin * tau_turn[..., None])
+    start = np.where(
+        turned_since[..., None, None], sides.rotation[:, None, :, 1], sides.rotation[:, None, :, 0]
+    )
+    late = sides.duration[:, None, None]
+    return Flown(
+        timing=timing,
+        position=position,
+        velocity=velocity,
+        since=(
+            tau - np.where(flown, late[..., None], 0.0),
+            tau_turn - np.where(turned_since, late, 0.0),
+        ),
+        spin=spin,
+        rotation=turned @ start,
+        jacobian=jacobian,
+        turned=turned,
+    )
+
+
+def _of_side(numbers: Floats, flown: NDArray[np.bool_]) -> Floats:
+    """Pick the side before or after of numbers (S, 2, 2, 3) for each frame, (S, F, 2, 3)."""
+    return np.where(flown, numbers[:, None, :, 1], numbers[:, None, :, 0])
+
+
+def _exposed(
+    data: PoseData,
+    start: Timing,
+    position: Floats,
+    effects: Sequence[tuple[ClockEffect, Values]],
+) -> Timing:
+    exposure = Exposure(data.times_s, position)
+    tau, tau_turn = start.position, start.rotation
+    for effect, values in effects:
+        seen, turned = effect.expose(exposure, data.camera, values)
+        tau = tau + (seen - data.times_s[..., None, None])
+        tau_turn = tau_turn + (turned - data.times_s[..., None])
+    return Timing(tau, tau_turn)

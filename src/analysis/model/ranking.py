@@ -12,21 +12,17 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2 as chi2_distribution
 
 from analysis.effects.effect import Effect
 from analysis.model.fit import Fit
-from analysis.model.linear import difference, linearise
-from analysis.model.normal import BETA0_PRIOR_SIGMA, inverse, solve_blocks
 from analysis.model.poses import PoseData
-from analysis.model.prediction import predict
+from analysis.model.promise import Block, Sums, block_of, candidate_sums
 
 Floats = NDArray[np.float64]
 
-LEAST_INFORMATION = 1e-6
-"""A candidate with less than this share of its raw information left cannot be seen here."""
 DRAWS = 2000
 BEYOND_RANGE_SIGMAS = 2.0
+CARRIERS = 2
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -36,9 +32,12 @@ class Candidate:
     Attributes
     ----------
     effect
-        The effect.
+        The effect, in the variant that promises most.
     fall
-        Promised fall of chi-squared, in units of the noise as it was found.
+        Promised fall of chi-squared, in units of the noise as it was found; none for an amplitude
+        of the sign that nature does not have.
+    freedom
+        Directions in which it can be seen, at most one for each of its parameters.
     amplitudes, sigmas
         Of each of its parameters, in their units, shape (parameters,).
     p_value
@@ -47,34 +46,34 @@ class Candidate:
         Share of campaigns with nothing missing in which some candidate looks as good as this.
     seen
         False where these shots hold no information on it; nothing else then has a meaning.
+    carriers
+        Numbers of the two shots that speak loudest for it.
+    carried_share
+        Share of the fall that is gone without these two.
     """
 
     effect: Effect
     fall: float
+    freedom: int
     amplitudes: Floats
     sigmas: Floats
     p_value: float
     p_familywise: float
     seen: bool
+    carriers: tuple[int, ...]
+    carried_share: float
 
     @property
     def score(self) -> float:
         """Signed root of the fall for one parameter, the root for several."""
-        sign = np.sign(self.amplitudes[0]) if len(self.amplitudes) == 1 else 1.0
-        return float(sign * np.sqrt(self.fall))
+        if len(self.amplitudes) == 1:
+            return float(self.amplitudes[0] / self.sigmas[0])
+        return float(np.sqrt(self.fall))
 
     @property
     def plausible(self) -> bool:
         """Whether every amplitude lies in its believed range, its error allowed for."""
-        return all(
-            low - BEYOND_RANGE_SIGMAS * sigma <= value <= high + BEYOND_RANGE_SIGMAS * sigma
-            for value, sigma, (low, high) in zip(
-                self.amplitudes,
-                self.sigmas,
-                (p.plausible for p in self.effect.parameters),
-                strict=True,
-            )
-        )
+        return believed(self.effect, self.amplitudes, self.sigmas)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -97,8 +96,18 @@ class Ranking:
     noise_scale: float
 
 
+def believed(effect: Effect, values: Floats, sigmas: Floats) -> bool:
+    """Return whether values lie in the effect's plausible ranges, two standard errors allowed."""
+    return all(
+        parameter.plausible[0] - BEYOND_RANGE_SIGMAS * sigma
+        <= value
+        <= parameter.plausible[1] + BEYOND_RANGE_SIGMAS * sigma
+        for parameter, value, sigma in zip(effect.parameters, values, sigmas, strict=True)
+    )
+
+
 def rank(data: PoseData, fit: Fit, effects: Sequence[Effect], seed: int = 0) -> Ranking:
-    """Score every effect that is not in the fit yet.
+    """Score every effect that is not in the fit yet, each in all its variants.
 
     Parameters
     ----------
@@ -106,126 +115,122 @@ def rank(data: PoseData, fit: Fit, effects: Sequence[Effect], seed: int = 0) -> 
         Of the simulated scores behind `p_familywise`.
     """
     present = {active.effect.name for active in fit.theory.active}
-    candidates = [effect for effect in effects if effect.name not in present]
+    wanted = [effect for effect in effects if effect.name not in present]
     scale = float(np.sqrt(max(fit.chi2_per_dof, 1e-12)))
-    if not candidates:
+    if not wanted:
         return Ranking((), np.zeros((0, 0)), scale)
-    columns, owners = _columns(data, fit, candidates)
-    matrix, gradient, raw = _projected(data, fit, columns)
-    visible = np.diag(matrix) > LEAST_INFORMATION * raw
-    blocks = [np.flatnonzero((owners == k) & visible) for k in range(len(candidates))]
-    falls = np.array([_fall(matrix, gradient, block) for block in blocks]) / scale**2
-    sizes = np.array([block.size for block in blocks])
-    p_values = np.where(sizes > 0, chi2_distribution.sf(falls, np.maximum(sizes, 1)), 1.0)
-    familywise = _familywise(matrix, blocks, p_values, np.random.default_rng(seed))
-    scored = [
-        Candidate(
-            effect=effect,
-            fall=float(falls[k]),
-            amplitudes=_amplitudes(matrix, gradient, blocks[k], len(effect.parameters)),
-            sigmas=scale * _sigmas(matrix, blocks[k], len(effect.parameters)),
-            p_value=float(p_values[k]),
-            p_familywise=float(familywise[k]),
-            seen=bool(sizes[k] == len(effect.parameters)),
-        )
-        for k, effect in enumerate(candidates)
+    forms = [(k, form) for k, e in enumerate(wanted) for form in (e, *e.variants)]
+    sums = candidate_sums(data, fit, [form for _, form in forms])
+    blocks = _blocks(sums, [form for _, form in forms])
+    falls = np.array([float(block.falls(sums.gradient)) for block in blocks]) / scale**2
+    p_values = np.array([float(b.p_values(f)) for b, f in zip(blocks, falls, strict=True)])
+    best = [
+        min((i for i, (owner, _) in enumerate(forms) if owner == k), key=lambda i: p_values[i])
+        for k in range(len(wanted))
     ]
+    smallest = smallest_by_chance(sums.matrix, blocks, np.random.default_rng(seed))
+    chosen = [
+        _candidate(
+            data, sums, scale, effect=forms[i][1], block=blocks[i], fall=falls[i], p=p_values[i]
+        )
+        for i in best
+    ]
+    scored = [_with_familywise(c, smallest) for c in chosen]
     order = sorted(range(len(scored)), key=lambda k: (not scored[k].seen, -scored[k].fall))
-    aliases = np.array([[_alias(matrix, blocks[i], blocks[j]) for j in order] for i in order])
+    aliases = alias_matrix(sums.matrix, [blocks[best[k]] for k in order])
     return Ranking(tuple(scored[k] for k in order), aliases, scale)
 
 
-def _columns(
-    data: PoseData, fit: Fit, candidates: Sequence[Effect]
-) -> tuple[Floats, NDArray[np.intp]]:
-    """Return the whitened derivatives (S, N, C) by all candidates' parameters, and their owners."""
-    poses = predict(data, fit.states, fit.theory)
-    columns, owners = [], []
-    for k, effect in enumerate(candidates):
-        theory = fit.theory.with_effect(effect)
-        for j, parameter in enumerate(effect.parameters):
-            vector = theory.vector
-            vector[len(vector) - len(effect.parameters) + j] += parameter.step
-            moved = predict(data, fit.states, theory.at(vector))
-            columns.append(difference(data, poses, moved, parameter.step))
-            owners.append(k)
-    return np.stack(columns, axis=-1), np.array(owners, dtype=np.intp)
+def _blocks(sums: Sums, forms: Sequence[Effect]) -> list[Block]:
+    blocks, start = [], 0
+    for form in forms:
+        stop = start + len(form.parameters)
+        one_sided = stop == start + 1 and form.parameters[0].one_sided
+        blocks.append(block_of(sums, np.arange(start, stop), one_sided=one_sided))
+        start = stop
+    return blocks
 
 
-def _projected(data: PoseData, fit: Fit, columns: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return M and g of the candidates, all that is fitted projected out, and the raw diagonal."""
-    line = linearise(data, fit.states, fit.theory)
-    shared = np.concatenate([line.by_theory, columns], axis=2)
-    by_state, by_shared = np.swapaxes(line.by_state, 1, 2), np.swapaxes(shared, 1, 2)
-    coupling = by_state @ shared
-    eliminated = solve_blocks(by_state @ line.by_state, coupling)
-    matrix = (by_shared @ shared - np.swapaxes(coupling, 1, 2) @ eliminated).sum(axis=0)
-    own = by_state @ line.residual[..., None]
-    gradient = by_shared @ line.residual[..., None] - np.swapaxes(eliminated, 1, 2) @ own
-    gradient = gradient.sum(axis=0)[:, 0]
-    matrix[2, 2] += BETA0_PRIOR_SIGMA**-2
-    fitted = len(fit.theory.names)
-    inner = inverse(matrix[:fitted, :fitted]) @ matrix[:fitted, fitted:]
-    reduced = matrix[fitted:, fitted:] - matrix[fitted:, :fitted] @ inner
-    return (
-        np.asarray(reduced),
-        np.asarray(gradient[fitted:] - inner.T @ gradient[:fitted]),
-        np.asarray((columns**2).sum(axis=(0, 1))),
+def _candidate(
+    data: PoseData,
+    sums: Sums,
+    scale: float,
+    *,
+    effect: Effect,
+    block: Block,
+    fall: float,
+    p: float,
+) -> Candidate:
+    count = len(effect.parameters)
+    seen = block.freedom > 0
+    amplitudes, sigmas = np.full(count, np.nan), np.full(count, np.nan)
+    if seen:
+        covariance = block.whitening @ block.whitening.T
+        amplitudes = covariance @ sums.gradient[block.columns]
+        sigmas = scale * np.sqrt(np.diag(covariance))
+    carriers, share = _carried(sums, block, amplitudes)
+    return Candidate(
+        effect=effect,
+        fall=float(fall),
+        freedom=block.freedom,
+        amplitudes=amplitudes,
+        sigmas=sigmas,
+        p_value=float(p),
+        p_familywise=1.0,
+        seen=seen,
+        carriers=tuple(int(n) for n in data.shots[list(carriers)]),
+        carried_share=share,
     )
 
 
-def _fall(matrix: Floats, gradient: Floats, block: NDArray[np.intp]) -> float:
-    if block.size == 0:
-        return 0.0
-    return float(gradient[block] @ inverse(matrix[np.ix_(block, block)]) @ gradient[block])
+def _carried(sums: Sums, block: Block, amplitudes: Floats) -> tuple[list[int], float]:
+    """Return the two shots with the largest part in the fall, and the share that goes with them."""
+    if block.freedom == 0:
+        return [], 0.0
+    parts = sums.by_shot[:, block.columns] @ amplitudes
+    loudest = np.argsort(parts)[::-1][:CARRIERS]
+    whole = float(parts.sum())
+    if whole <= 0:
+        return [], 0.0
+    rest = (sums.gradient - sums.by_shot[loudest].sum(axis=0))[block.columns] @ block.whitening
+    return [int(s) for s in loudest], 1.0 - float((rest**2).sum()) / whole
 
 
-def _amplitudes(matrix: Floats, gradient: Floats, block: NDArray[np.intp], count: int) -> Floats:
-    if block.size < count:
-        return np.full(count, np.nan)
-    return np.asarray(inverse(matrix[np.ix_(block, block)]) @ gradient[block])
-
-
-def _sigmas(matrix: Floats, block: NDArray[np.intp], count: int) -> Floats:
-    if block.size < count:
-        return np.full(count, np.nan)
-    return np.asarray(np.sqrt(np.diag(inverse(matrix[np.ix_(block, block)]))))
-
-
-def _alias(matrix: Floats, first: NDArray[np.intp], second: NDArray[np.intp]) -> float:
-    """Return the largest canonical correlation between two blocks of columns."""
-    if first.size == 0 or second.size == 0:
-        return 0.0
-    cross = matrix[np.ix_(first, second)]
-    between = inverse(matrix[np.ix_(first, first)]) @ cross
-    between = between @ inverse(matrix[np.ix_(second, second)]) @ cross.T
-    return float(np.sqrt(np.clip(np.linalg.eigvals(between).real.max(), 0.0, 1.0)))
-
-
-def _familywise(
-    matrix: Floats,
-    blocks: list[NDArray[np.intp]],
-    p_values: Floats,
-    rng: np.random.Generator,
-) -> Floats:
-    """Return for each p the share of chance campaigns whose smallest p is below it.
-
-    Scores of a campaign with nothing missing are Gaussian with the correlation of the columns.
-    """
-    used = np.concatenate(blocks) if blocks else np.zeros(0, dtype=np.intp)
-    if used.size == 0:
-        return np.ones(len(blocks))
-    values, vectors = np.linalg.eigh(matrix[np.ix_(used, used)])
-    root = vectors * np.sqrt(np.clip(values, 0.0, None))
-    draws = rng.standard_normal((DRAWS, used.size)) @ root.T
-    smallest = np.ones(DRAWS)
-    start = 0
-    for block in blocks:
-        if block.size == 0:
-            continue
-        own = draws[:, start : start + block.size]
-        start += block.size
-        solved = own @ inverse(matrix[np.ix_(block, block)])
-        smallest = np.minimum(smallest, chi2_distribution.sf((own * solved).sum(1), block.size))
+def _with_familywise(candidate: Candidate, smallest: Floats) -> Candidate:
     # The chance counts itself, so that a share of zero is never claimed.
-    return np.asarray([(1 + (smallest <= p).sum()) / (1 + DRAWS) for p in p_values])
+    share = (1 + int((smallest <= candidate.p_value).sum())) / (1 + len(smallest))
+    fields = {name: getattr(candidate, name) for name in candidate.__slots__}
+    return Candidate(**{**fields, "p_familywise": share})
+
+
+def smallest_by_chance(matrix: Floats, blocks: Sequence[Block], rng: np.random.Generator) -> Floats:
+    """Return the smallest p of each of many campaigns with nothing missing, shape (draws,).
+
+    Scores of such a campaign are Gaussian with the correlation of the columns.
+    """
+    values, vectors = np.linalg.eigh(matrix)
+    root = vectors * np.sqrt(np.clip(values, 0.0, None))
+    draws = rng.standard_normal((DRAWS, len(matrix))) @ root.T
+    # The smallest p of blocks that share a distribution is that of the largest fall.
+    largest: dict[tuple[int, bool], tuple[Block, Floats]] = {}
+    for block in blocks:
+        kind = (block.freedom, block.one_sided)
+        falls = block.falls(draws)
+        known = largest.get(kind)
+        largest[kind] = (block, falls if known is None else np.maximum(known[1], falls))
+    least = [block.p_values(falls) for block, falls in largest.values()]
+    return np.asarray(np.min(least, axis=0))
+
+
+def alias_matrix(matrix: Floats, blocks: Sequence[Block]) -> Floats:
+    """Return the largest canonical correlation between columns of any two candidates, (K, K)."""
+    aliases = np.zeros((len(blocks), len(blocks)))
+    for i, first in enumerate(blocks):
+        for j, second in enumerate(blocks[: i + 1]):
+            if first.freedom == 0 or second.freedom == 0:
+                continue
+            cross = matrix[np.ix_(first.columns, second.columns)]
+            between = first.whitening.T @ cross @ second.whitening
+            size = abs(between[0, 0]) if between.size == 1 else np.linalg.norm(between, 2)
+            aliases[i, j] = aliases[j, i] = min(float(size), 1.0)
+    return aliases

@@ -52,14 +52,37 @@ def first_states(data: PoseData) -> ShotStates:
 
 def _splits(times: Floats, values: Floats, seen: NDArray[np.bool_]) -> NDArray[np.intp]:
     """Return for each shot the first frame after the best split, shape (S,)."""
-    costs = np.full(seen.shape, np.inf)
-    for split in range(LEAST_FRAMES, seen.shape[1] - LEAST_FRAMES + 1):
-        early = seen & (np.arange(seen.shape[1]) < split)
-        late = seen & ~early
-        enough = (early.sum(axis=1) >= LEAST_FRAMES) & (late.sum(axis=1) >= LEAST_FRAMES)
-        total = _misfit(times, values, early) + _misfit(times, values, late)
-        costs[:, split] = np.where(enough, total, np.inf)
+    total = np.cumsum(_moments(times, values, seen), axis=1)
+    early = np.zeros_like(total)
+    early[:, 1:] = total[:, :-1]
+    late = total[:, -1:] - early
+    enough = (early[..., 0] >= LEAST_FRAMES) & (late[..., 0] >= LEAST_FRAMES)
+    costs = np.where(enough, _misfit(early) + _misfit(late), np.inf)
     return np.asarray(costs.argmin(axis=1))
+
+
+def _moments(times: Floats, values: Floats, seen: NDArray[np.bool_]) -> Floats:
+    """Return 1, t, t^2, sum y^2, y and t y of every frame about the shot's middle, (S, F, 4 + 2 C).
+
+    Zero where a sphere was not seen.
+    """
+    count = np.maximum(seen.sum(axis=1), 1)[:, None]
+    t = times - (times * seen).sum(axis=1, keepdims=True) / count
+    y = values - ((values * seen[..., None]).sum(axis=1) / count)[:, None]
+    whole = [np.ones_like(t), t, t**2, (y**2).sum(axis=2)]
+    moments = np.concatenate([np.stack(whole, axis=2), y, t[..., None] * y], axis=2)
+    return np.asarray(moments * seen[..., None])
+
+
+def _misfit(sums: Floats) -> Floats:
+    """Return the sum of squares about straight lines from summed moments, (S, F, M) to (S, F)."""
+    channels = (sums.shape[2] - 4) // 2
+    count = np.maximum(sums[..., 0], 1.0)
+    spread = np.maximum(sums[..., 2] - sums[..., 1] ** 2 / count, 1e-30)
+    y, ty = sums[..., 4 : 4 + channels], sums[..., 4 + channels :]
+    cross = ty - sums[..., 1, None] * y / count[..., None]
+    left = (y**2).sum(axis=2) / count + (cross**2).sum(axis=2) / spread
+    return np.asarray(sums[..., 3] - left)
 
 
 def _lines(times: Floats, values: Floats, mask: NDArray[np.bool_]) -> tuple[Floats, Floats]:
@@ -71,12 +94,6 @@ def _lines(times: Floats, values: Floats, mask: NDArray[np.bool_]) -> tuple[Floa
     spread = np.maximum((offset**2).sum(axis=1), 1e-30)[:, None]
     slope = (offset[..., None] * values).sum(axis=1) / spread
     return mean - slope * middle, slope
-
-
-def _misfit(times: Floats, values: Floats, mask: NDArray[np.bool_]) -> Floats:
-    place, slope = _lines(times, values, mask)
-    residual = values - place[:, None] - slope[:, None] * times[..., None]
-    return np.asarray((mask[..., None] * residual**2).sum(axis=(1, 2)))
 
 
 def _bounds(
@@ -100,21 +117,38 @@ def _touch(place: Floats, slope: Floats, reach: float, bounds: tuple[Floats, Flo
 
 
 def _turning(data: PoseData, before: NDArray[np.bool_], time: Floats) -> tuple[Floats, Floats]:
-    """Return spins before contact (S, 2, 3) and orientations at contact (S, 2, 3, 3)."""
-    shots = len(time)
-    spin, rotation = np.zeros((shots, 2, 3)), np.tile(np.eye(3), (shots, 2, 1, 1))
+    """Return spins before contact (S, 2, 3) and orientations at contact (S, 2, 3, 3).
+
+    Orientations are carried on from the last one before contact, or back from the first there is.
+    """
     measured = np.isfinite(data.rotation_sigma)
-    for s in range(shots):
-        for i in (0, 1):
-            frames = np.flatnonzero(before[s] & measured[s, :, i])
-            if frames.size == 0:
-                frames = np.flatnonzero(measured[s, :, i])[:1]
-            if frames.size == 0:
-                continue
-            turned, times = data.rotation[s, frames, i], data.times_s[s, frames]
-            if frames.size > 1:
-                steps = rotation_vector(turned[1:] @ np.swapaxes(turned[:-1], -1, -2))
-                spin[s, i] = np.median(steps / np.diff(times)[:, None], axis=0)
-            ahead = rotation_matrix(spin[s, i] * (time[s] - times[-1]))
-            rotation[s, i] = ahead @ turned[-1]
-    return spin, rotation
+    early = measured & before[..., None]
+    spin = _median_spin(data, early)
+    last = early.shape[1] - 1 - np.flip(early, axis=1).argmax(axis=1)
+    nearest = np.where(early.any(axis=1), last, measured.argmax(axis=1))
+    rows = np.arange(len(time))[:, None]
+    turned = data.rotation[rows, nearest, np.arange(2)]
+    ahead = rotation_matrix(spin * (time[:, None] - data.times_s[rows, nearest])[..., None])
+    known = np.asarray(measured.any(axis=1))
+    return spin, np.where(known[..., None, None], ahead @ turned, np.eye(3))
+
+
+def _median_spin(data: PoseData, early: NDArray[np.bool_]) -> Floats:
+    """Return the median turn between successive measured frames over the time between, (S, 2, 3).
+
+    Zero where fewer than two frames tell.
+    """
+    frames = np.arange(early.shape[1])[:, None]
+    previous = np.maximum.accumulate(np.where(early, frames, -1), axis=1)[:, :-1]
+    pair = early[:, 1:] & (previous >= 0)
+    rows, at = np.arange(len(early))[:, None, None], np.maximum(previous, 0)
+    earlier = data.rotation[rows, at, np.arange(2)]
+    turned = rotation_vector(data.rotation[:, 1:] @ np.swapaxes(earlier, -1, -2))
+    passed = data.times_s[:, 1:, None] - data.times_s[rows, at]
+    rate = turned / np.where(pair, passed, np.inf)[..., None]
+    ordered = np.sort(np.where(pair[..., None], rate, np.inf), axis=1)
+    count = pair.sum(axis=1)
+    low, high = np.maximum((count - 1) // 2, 0), np.minimum(count // 2, pair.shape[1] - 1)
+    spheres = np.arange(2)
+    middle = 0.5 * (ordered[rows[:, 0], low, spheres] + ordered[rows[:, 0], high, spheres])
+    return np.where(count[..., None] > 0, middle, 0.0)

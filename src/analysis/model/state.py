@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -94,8 +95,8 @@ class ShotStates:
             rotation=pick(self.rotation, new.rotation),
         )
 
-    def of_shots(self, chosen: NDArray[np.bool_]) -> ShotStates:
-        """Return the states of some shots, mask of shape (S,)."""
+    def of_shots(self, chosen: NDArray[np.bool_] | slice) -> ShotStates:
+        """Return the states of some shots, mask of shape (S,) or a slice."""
         before = self.before
         return ShotStates(
             time_s=self.time_s[chosen],
@@ -108,4 +109,16 @@ class ShotStates:
                 before.spin_b[chosen],
             ),
             rotation=self.rotation[chosen],
+        )
+
+    @classmethod
+    def joined(cls, parts: Sequence[ShotStates]) -> ShotStates:
+        """Return the states of shots that follow each other in parts."""
+        motion = ("velocity_a", "velocity_b", "spin_a", "spin_b")
+        return cls(
+            time_s=np.concatenate([p.time_s for p in parts]),
+            point=np.concatenate([p.point for p in parts]),
+            normal=np.concatenate([p.normal for p in parts]),
+            before=States(*(np.concatenate([getattr(p.before, n) for p in parts]) for n in motion)),
+            rotation=np.concatenate([p.rotation for p in parts]),
         )

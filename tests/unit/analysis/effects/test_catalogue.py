@@ -11,9 +11,9 @@ import pytest
 from analysis.effects.catalogue import CATALOGUE
 from analysis.effects.effect import Effect
 from analysis.model.fit import Fit, fit_campaign
-from analysis.model.linear import by_theory, whitened_residual
+from analysis.model.linear import linearise, whitened_residual
 from analysis.model.poses import PoseData
-from analysis.model.prediction import Poses, predict
+from analysis.model.prediction import predict
 from analysis.model.ranking import rank
 from analysis.model.theory import Theory
 from tests.unit.analysis.model.hard_spheres import campaign
@@ -112,8 +112,7 @@ def differentiated(effect: Effect, factor: float) -> np.ndarray:
     """Return derivatives where the effect is off, by a step of `factor` times the stated one."""
     steps = tuple(replace(p, step=factor * p.step) for p in effect.parameters)
     theory = base().theory.with_effect(replace(effect, parameters=steps))
-    poses: Poses = predict(clean(), base().states, theory)
-    return by_theory(clean(), base().states, theory, poses)[..., 3:]
+    return linearise(clean(), base().states, theory).by_theory[..., 3:]
 
 
 @EVERY_VARIANT

@@ -10,7 +10,17 @@ import pytest
 from analysis.collision.operator import walton
 from analysis.effects import inertia_factor, restitution_plastic, tangential_compliance
 from analysis.effects.effect import ContactEffect
-from analysis.effects.spring_slider import dashpot, impact, rebound, single_spring
+from analysis.effects.spring_slider import (
+    dashpot,
+    impact,
+    integrated,
+    kept_tables,
+    line_of_springs,
+    rebound,
+    single_spring,
+    table_name,
+)
+from analysis.effects.spring_slider_tables import wanted as wanted_tables
 from tests.unit.analysis.effects.encounters import (
     X,
     after,
@@ -24,6 +34,7 @@ from tests.unit.analysis.effects.encounters import (
 
 EFFECT = tangential_compliance.EFFECT
 KAPPA = 6 / 7
+CHI = {line_of_springs: 1.5, single_spring: 0.3}
 INCIDENCE = np.array([0.25, 0.5, 1, 1.5, 2, 2.5, 3, 3.5, 4, 4.5, 5, 6, 7])
 SOLID_QUARTER = np.array(
     [
@@ -176,3 +187,15 @@ def test_contacts_without_friction_or_approach_leave_finite_numbers() -> None:
     assert np.allclose(smooth.spin_a, met.before.spin_a, atol=1e-3)
     grazing = after(EFFECT, 1.0, replace(met, normal=-met.normal)).after
     assert np.isfinite(grazing.spin_a).all()
+
+
+def test_kept_tables_are_those_that_integration_gives() -> None:
+    for pressing in (line_of_springs, single_spring):
+        made = integrated(pressing, CHI[pressing], 0.75)
+        assert kept_tables()[table_name(pressing, CHI[pressing], 0.75)] == pytest.approx(
+            made, abs=1e-5
+        )
+
+
+def test_every_table_that_a_solid_sphere_needs_is_kept() -> None:
+    assert set(kept_tables()) == {table_name(*wanted) for wanted in wanted_tables()}

@@ -12,8 +12,8 @@ from analysis.model.noise import noise_scales, rescaled
 from tests.unit.analysis.model.hard_spheres import POSITION_SIGMA, ROTATION_SIGMA, campaign
 
 SHOTS = 60
-SAMPLING = np.sqrt(0.5 / (SHOTS * (24 * 6 - 12)))
-"""Of the root of chi-squared over 12 of each shot's 24 numbers for each kind."""
+SAMPLING = np.sqrt(0.5 / (SHOTS * (24 * 6 - 24)))
+"""Of the root of chi-squared, with 24 of each shot's 48 numbers of free flight for each kind."""
 
 
 @pytest.mark.parametrize(("position", "rotation"), [(1.0, 1.0), (1.3, 0.8), (0.5, 3.0)])
@@ -22,8 +22,10 @@ def test_misstated_sigmas_are_found_and_put_right(position: float, rotation: flo
     stated = true.with_sigmas(position * true.position_sigma, rotation * true.rotation_sigma)
     fit = fit_campaign(stated)
     of_position, of_rotation = noise_scales(stated, fit)
-    assert of_position == pytest.approx(1 / position, rel=4 * SAMPLING)
-    assert of_rotation == pytest.approx(1 / rotation, rel=4 * SAMPLING)
+    assert of_position.value == pytest.approx(1 / position, rel=4 * SAMPLING)
+    assert of_rotation.value == pytest.approx(1 / rotation, rel=4 * SAMPLING)
+    for scale in (of_position, of_rotation):
+        assert scale.sigma == pytest.approx(SAMPLING * scale.value, rel=0.01)
     righted = rescaled(stated, fit)
     assert righted.position_sigma == pytest.approx(POSITION_SIGMA, rel=4 * SAMPLING)
     assert righted.rotation_sigma == pytest.approx(ROTATION_SIGMA, rel=4 * SAMPLING)
@@ -33,5 +35,14 @@ def test_without_orientations_their_scale_is_left_as_stated() -> None:
     data = campaign(20, 42)
     blind = replace(data, rotation_sigma=np.full_like(data.rotation_sigma, np.inf))
     position, rotation = noise_scales(blind, fit_campaign(blind))
-    assert rotation == 1.0
-    assert position == pytest.approx(1.0, rel=0.06)
+    assert rotation.value == 1.0
+    assert rotation.sigma == np.inf
+    assert position.value == pytest.approx(1.0, rel=0.06)
+
+
+def test_a_law_of_contact_that_is_wrong_does_not_make_the_noise_look_larger() -> None:
+    data = campaign(SHOTS, 43)
+    fit = fit_campaign(data)
+    wrong = replace(fit, theory=fit.theory.at(np.array([0.5, 0.3, -0.5])))
+    for scale in noise_scales(data, wrong):
+        assert scale.value == pytest.approx(1.0, abs=4 * SAMPLING)

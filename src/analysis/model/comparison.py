@@ -1,0 +1,171 @@
+"""The comparison of prediction and data to first order: residuals and all derivatives.
+
+A pose depends on the state of its shot and on the law of contact through the 48 numbers of the two
+flights alone, so derivatives are kept as those of the poses by the 48 (`slopes`), and of the 48 by
+whatever moves them. Only what acts on frames (flight, camera, clock) has columns of frame length.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.model.contact import differentiated_contact
+from analysis.model.poses import PoseData
+from analysis.model.prediction import Flown, Poses, appear, fly, shown
+from analysis.model.sides import NUMBERS, Flights, flights, flights_by_state
+from analysis.model.state import ShotStates
+from analysis.model.theory import Theory
+from analysis.motion.rotation import rotation_vector
+
+Floats = NDArray[np.float64]
+
+_CAMERA_STEP = 1e-6
+KINDS = 4
+"""Blocks of residuals: position of a, orientation of a, position of b, orientation of b."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Comparison:
+    """Whitened residuals of S shots and their slopes.
+
+    Attributes
+    ----------
+    residual
+        (observed - predicted) / sigma, B blocks of L numbers; orientations as rotation vectors of
+        R_observed R_predicted'. Zero where nothing was measured. Shape (S, B, L).
+    slopes
+        Derivatives of the prediction, over sigma, by the 48 / B numbers of the flights that a block
+        depends on, shape (S, B, L, 48 / B).
+    gram
+        slopes' slopes, shape (S, B, 48 / B, 48 / B).
+    by_state
+        Derivatives of the 48 numbers by the 24 of the shot, shape (S, 48, 24).
+    """
+
+    residual: Floats
+    slopes: Floats
+    gram: Floats
+    by_state: Floats
+
+    @property
+    def chi2(self) -> Floats:
+        """Chi-squared of each shot, shape (S,)."""
+        return np.asarray((self.residual**2).sum(axis=(1, 2)))
+
+    @property
+    def pulled(self) -> Floats:
+        """Slope times residual: downhill by the 48 numbers, shape (S, 48)."""
+        return self.pull(self.residual[..., None])[..., 0]
+
+    def pull(self, columns: Floats) -> Floats:
+        """Return slopes' columns: of residual length (S, B, L, K) to (S, 48, K)."""
+        pulled = np.swapaxes(self.slopes, 2, 3) @ columns
+        return pulled.reshape(len(columns), NUMBERS, -1)
+
+    def weigh(self, moved: Floats) -> Floats:
+        """Return gram times changes of the 48 numbers, shape (S, 48, K)."""
+        shots, blocks, size = self.gram.shape[:3]
+        return (self.gram @ moved.reshape(shots, blocks, size, -1)).reshape(moved.shape)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Snapshot:
+    """A prediction with the steps on its way, for changes of one step alone."""
+
+    outcome: Floats
+    sides: Flights
+    flown: Flown
+    poses: Poses
+
+
+def compare(data: PoseData, states: ShotStates, theory: Theory) -> tuple[Comparison, Snapshot]:
+    """Predict all poses and compare them with the data, to first order about the states.
+
+    What forces in flight and the clock change with the state is left out, being small.
+    """
+    contact = differentiated_contact(data, states, theory)
+    sides = flights(data, states, contact.outcome)
+    flown = fly(data, states, sides, theory)
+    poses = shown(data, flown, theory)
+    slopes = _slopes(data, flown, theory)
+    line = Comparison(
+        residual=whitened(data, deviation(data, poses)),
+        slopes=slopes,
+        gram=np.swapaxes(slopes, 2, 3) @ slopes,
+        by_state=flights_by_state(data, states, contact.outcome, contact.by_state),
+    )
+    return line, Snapshot(contact.outcome, sides, flown, poses)
+
+
+def deviation(data: PoseData, poses: Poses) -> Floats:
+    """Return observed less predicted, m and rad, shape (S, F, 2, 6)."""
+    turned = rotation_vector(data.rotation @ np.swapaxes(poses.rotation, -1, -2))
+    return np.concatenate([data.position - poses.position, turned], axis=-1)
+
+
+def difference(poses: Poses, moved: Poses) -> Floats:
+    """Return the change from one prediction to another, m and rad, shape (S, F, 2, 6)."""
+    turned = rotation_vector(moved.rotation @ np.swapaxes(poses.rotation, -1, -2))
+    return np.concatenate([moved.position - poses.position, turned], axis=-1)
+
+
+def whitened(data: PoseData, change: Floats) -> Floats:
+    """Divide changes (S, F, 2, 6, ...) by the sigmas and sort them into blocks, (S, B, L, ...)."""
+    return by_block(change * weights(data).reshape(*change.shape[:4], *[1] * (change.ndim - 4)))
+
+
+def weights(data: PoseData) -> Floats:
+    """Return 1 / sigma, zero where nothing was measured, shape (S, F, 2, 6)."""
+    turning = np.repeat(data.rotation_sigma[..., None], 3, axis=-1)
+    sigma = np.concatenate([data.position_sigma, turning], axis=-1)
+    return np.where(np.isfinite(sigma), 1.0 / sigma, 0.0)
+
+
+def by_block(numbers: Floats) -> Floats:
+    """Sort numbers (S, F, 2, 6, ...) into blocks of spheres and kinds, (S, 4, 3 F, ...)."""
+    shots, frames, *_ = numbers.shape
+    rest = numbers.shape[4:]
+    parted = numbers.reshape(shots, frames, KINDS, 3, *rest)
+    return np.swapaxes(parted, 1, 2).reshape(shots, KINDS, 3 * frames, *rest)
+
+
+def _slopes(data: PoseData, flown: Flown, theory: Theory) -> Floats:
+    """Differentiate by the flights' numbers, over sigma, shape (S, 4, 3 F, 12)."""
+    shots, frames = data.times_s.shape
+    # shot, kind, frame, axis seen, side, start or rate, axis moved
+    slopes = np.zeros((shots, 2, 2, frames, 3, 2, 2, 3))
+    tau = np.swapaxes(flown.timing.position, 1, 2)
+    weight = np.swapaxes(weights(data).reshape(shots, frames, 2, 2, 3), 1, 2)
+    sides = ((tau <= 0).astype(float), (tau > 0).astype(float))
+    if theory.camera:
+        response = np.swapaxes(_camera_response(data, flown, theory), 1, 2)
+        response = response * weight[:, :, :, 0, :, None]
+        for side, mask in enumerate(sides):
+            slopes[:, :, 0, :, :, side, 0] = response * mask[..., None, :]
+            slopes[:, :, 0, :, :, side, 1] = response * (mask * tau)[..., None, :]
+    else:
+        for side, mask in enumerate(sides):
+            for axis in range(3):
+                own = mask[..., axis] * weight[:, :, :, 0, axis]
+                slopes[:, :, 0, :, axis, side, 0, axis] = own
+                slopes[:, :, 0, :, axis, side, 1, axis] = own * tau[..., axis]
+    tau_turn = np.swapaxes(flown.timing.rotation, 1, 2)[..., None, None]
+    turned = np.swapaxes(flown.turned, 1, 2) * weight[:, :, :, 1, :, None]
+    rate = np.swapaxes(flown.jacobian, 1, 2) * weight[:, :, :, 1, :, None] * tau_turn
+    for side, mask in enumerate((tau_turn <= 0, tau_turn > 0)):
+        slopes[:, :, 1, :, :, side, 0] = turned * mask
+        slopes[:, :, 1, :, :, side, 1] = rate * mask
+    return slopes.reshape(shots, KINDS, 3 * frames, NUMBERS // KINDS)
+
+
+def _camera_response(data: PoseData, flown: Flown, theory: Theory) -> Floats:
+    """Return the derivative of apparent by true position, shape (S, F, 2, 3, 3)."""
+    here = appear(data, flown.position, theory.camera)
+    columns = [
+        (appear(data, flown.position + _CAMERA_STEP * axis, theory.camera) - here) / _CAMERA_STEP
+        for axis in np.eye(3)
+    ]
+    return np.stack(columns, axis=-1)

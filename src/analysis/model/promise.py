@@ -1,0 +1,140 @@
+"""What candidates promise: their scores with everything that is fitted projected out.
+
+M and g of all columns about a fit (model: one pass tells all). A candidate's fall of chi-squared is
+g' M^-1 g over its own block, along what these shots can see of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import chdtrc, ndtr
+
+from analysis.effects.effect import Effect
+from analysis.model.columns import candidate_columns, theory_columns
+from analysis.model.comparison import compare
+from analysis.model.fit import Fit, parts_of
+from analysis.model.normal import BETA0_PRIOR_SIGMA, inverse, solve_blocks
+from analysis.model.poses import PoseData
+from analysis.model.state import ShotStates
+from analysis.model.theory import Theory
+
+Floats = NDArray[np.float64]
+
+LEAST_INFORMATION = 1e-6
+"""A candidate with less than this share of its raw information left cannot be seen here."""
+LEAST_DIRECTION = 1e-5
+"""The same for a direction in a block: below it stands the rounding of differences."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sums:
+    """M (C, C) and g (C,) of C columns, what is fitted projected out.
+
+    Attributes
+    ----------
+    matrix, gradient
+        Summed over shots.
+    raw
+        Diagonal of M before anything was projected out, shape (C,).
+    by_shot
+        What each shot adds to g, shape (S, C).
+    """
+
+    matrix: Floats
+    gradient: Floats
+    raw: Floats
+    by_shot: Floats
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Block:
+    """A candidate's own columns, and what these shots see of them.
+
+    Attributes
+    ----------
+    columns
+        Where they stand, shape (B,).
+    whitening
+        Takes scores to independent unit normals, shape (B, directions seen).
+    one_sided
+        Whether a fall counts only where the amplitude is positive.
+    """
+
+    columns: NDArray[np.intp]
+    whitening: Floats
+    one_sided: bool
+
+    @property
+    def freedom(self) -> int:
+        """Directions that are seen."""
+        return int(self.whitening.shape[1])
+
+    def falls(self, scores: Floats) -> Floats:
+        """Return the fall of chi-squared for scores (..., C), shape (...)."""
+        along = scores[..., self.columns] @ self.whitening
+        if self.one_sided:
+            along = np.maximum(along, 0.0)
+        return np.asarray((along**2).sum(axis=-1))
+
+    def p_values(self, falls: Floats) -> Floats:
+        """Return the chance of such falls when nothing is missing."""
+        if self.freedom == 0:
+            return np.ones_like(falls)
+        if self.one_sided:
+            return np.where(falls > 0, ndtr(-np.sqrt(falls)), 1.0)
+        return np.asarray(chdtrc(self.freedom, falls))
+
+
+def candidate_sums(data: PoseData, fit: Fit, effects: Sequence[Effect]) -> Sums:
+    """Sum up the columns of all parameters of the effects, in their order."""
+    pieces = [_piece(*part, fit.theory, effects) for part in parts_of(data, fit.states)]
+    matrix = sum((piece[0] for piece in pieces), np.zeros_like(pieces[0][0]))
+    raw = sum((piece[1] for piece in pieces), np.zeros_like(pieces[0][1]))
+    by_shot = np.concatenate([piece[2] for piece in pieces])
+    matrix[2, 2] += BETA0_PRIOR_SIGMA**-2
+    fitted = len(fit.theory.names)
+    inner = inverse(matrix[:fitted, :fitted]) @ matrix[:fitted, fitted:]
+    left = by_shot[:, fitted:] - by_shot[:, :fitted] @ inner
+    return Sums(
+        matrix=matrix[fitted:, fitted:] - matrix[fitted:, :fitted] @ inner,
+        gradient=left.sum(axis=0),
+        raw=raw[fitted:],
+        by_shot=left,
+    )
+
+
+def _piece(
+    data: PoseData, states: ShotStates, theory: Theory, effects: Sequence[Effect]
+) -> tuple[Floats, Floats, Floats]:
+    """Return M, its raw diagonal and each shot's g, the shots' own numbers eliminated."""
+    line, here = compare(data, states, theory)
+    fitted = theory_columns(data, states, theory, line, here)
+    trial = candidate_columns(data, states, theory, line=line, here=here, effects=effects)
+    shared = fitted.joined(trial)
+    by_state = np.swapaxes(line.by_state, 1, 2)
+    coupling = by_state @ shared.against_flights(line)
+    eliminated = np.swapaxes(solve_blocks(by_state @ line.weigh(line.by_state), coupling), 1, 2)
+    gram = shared.gram(line)
+    own = by_state @ line.pulled[..., None]
+    return (
+        (gram - eliminated @ coupling).sum(axis=0),
+        np.diagonal(gram, axis1=1, axis2=2).sum(axis=0),
+        shared.with_residual(line) - (eliminated @ own)[..., 0],
+    )
+
+
+def block_of(sums: Sums, columns: NDArray[np.intp], *, one_sided: bool) -> Block:
+    """Return the directions of a candidate's columns that these shots can see."""
+    raw = np.maximum(sums.raw[columns], 1e-300)
+    own = sums.matrix[np.ix_(columns, columns)] / np.sqrt(raw[:, None] * raw[None, :])
+    values, vectors = np.linalg.eigh(own)
+    least = LEAST_INFORMATION if len(columns) == 1 else LEAST_DIRECTION
+    seen = values > least
+    whitening = vectors[:, seen] / np.sqrt(values[seen]) / np.sqrt(raw)[:, None]
+    if len(columns) == 1:
+        whitening = np.abs(whitening)
+    return Block(columns, np.asarray(whitening), one_sided)

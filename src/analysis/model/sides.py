@@ -1,0 +1,125 @@
+"""The two free flights of a shot: what a sphere does before and after contact, in 48 numbers.
+
+Each side of each sphere is extrapolated to first touch, tau = 0, and follows
+x = start + velocity tau + g tau^2 / 2 and R = exp(spin tau) start. Whatever happens at contact acts
+on the poses through these numbers alone, so a derivative by the state or by the law is small.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.model.contact import AFTER, DURATION, SHIFT, TURN
+from analysis.model.poses import Observations
+from analysis.model.state import MOTION, POINT, SIZE, TILT, TIME, TURN_A, TURN_B, ShotStates
+from analysis.motion.exponential import exponential
+
+Floats = NDArray[np.float64]
+
+NUMBERS = 48
+"""Two spheres, then position and orientation, then before and after, then start and rate in three
+axes: m and m/s, rad and rad/s."""
+
+SIDES = (-1.0, 1.0)
+"""Centre of a and of b along the normal from the point of contact, in radii."""
+
+_OWN_TURN = (TURN_A, TURN_B)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Flights:
+    """Both sides of both spheres, S shots.
+
+    Attributes
+    ----------
+    place, velocity, spin
+        At tau = 0, m, m/s, rad/s, shape (S, 2 spheres, 2 sides, 3).
+    rotation
+        Orientation at tau = 0, body to rig axes, shape (S, 2, 2, 3, 3).
+    duration
+        Of the contact, s, shape (S,).
+    """
+
+    place: Floats
+    velocity: Floats
+    spin: Floats
+    rotation: Floats
+    duration: Floats
+
+
+def flights(data: Observations, states: ShotStates, outcome: Floats) -> Flights:
+    """Return both flights of every shot, from its state and the outcome of its contact (S, 25)."""
+    shots = len(outcome)
+    place, velocity, spin = (np.empty((shots, 2, 2, 3)) for _ in range(3))
+    duration = outcome[:, DURATION]
+    before = states.before
+    velocity[:, :, 0] = np.stack([before.velocity_a, before.velocity_b], axis=1)
+    spin[:, :, 0] = np.stack([before.spin_a, before.spin_b], axis=1)
+    after = outcome[:, AFTER].reshape(shots, 4, 3)
+    velocity[:, :, 1], spin[:, :, 1] = after[:, :2], after[:, 2:]
+    for i in (0, 1):
+        place[:, i, 0] = states.point + SIDES[i] * data.bodies[i].radius * states.normal
+    shift = outcome[:, SHIFT].reshape(shots, 2, 3)
+    place[:, :, 1] = place[:, :, 0] + shift - velocity[:, :, 1] * duration[:, None]
+    rotation = np.empty((shots, 2, 2, 3, 3))
+    rotation[:, :, 0] = states.rotation
+    turn, _ = exponential(outcome[:, TURN].reshape(shots, 2, 3))
+    back, _ = exponential(-spin[:, :, 1] * duration[:, None])
+    rotation[:, :, 1] = back @ turn @ states.rotation
+    return Flights(place, velocity, spin, rotation, duration[:, 0])
+
+
+def flights_by_state(
+    data: Observations, states: ShotStates, outcome: Floats, by_state: Floats
+) -> Floats:
+    """Differentiate the 48 numbers by the 24 of the shot, shape (S, 48, 24).
+
+    Parameters
+    ----------
+    outcome, by_state
+        Of the contact, shape (S, 25), and its derivatives by tilt and motion, shape (S, 25, 14).
+    """
+    shots = len(outcome)
+    change = np.zeros((shots, outcome.shape[1], SIZE))
+    change[..., TILT.start : MOTION.stop] = by_state
+    whole = flights_by_outcome(states, outcome, change)
+    parts = whole.reshape(shots, 2, 2, 2, 2, 3, SIZE)
+    flying = flights(data, states, outcome)
+    tangents = np.stack(states.tangents(), axis=-1)
+    fall = np.array([data.gravity, 0.0, 0.0])
+    for i in (0, 1):
+        parts[:, i, 0, :, 0, :, POINT] += np.eye(3)
+        reach = SIDES[i] * data.bodies[i].radius
+        parts[:, i, 0, :, 0, :, TILT] += reach * tangents[:, None]
+        motion = MOTION.start + 3 * i
+        parts[:, i, 0, 0, 1, :, motion : motion + 3] = np.eye(3)
+        parts[:, i, 1, 0, 1, :, motion + 6 : motion + 9] = np.eye(3)
+        parts[:, i, 0, :, 0, :, TIME] -= flying.velocity[:, i, :, :, None]
+        parts[:, i, 0, :, 1, :, TIME] -= fall[:, None]
+        parts[:, i, 1, :, 0, :, TIME] -= flying.spin[:, i, :, :, None]
+        relative = flying.rotation[:, i] @ np.swapaxes(states.rotation[:, i, None], -1, -2)
+        parts[:, i, 1, :, 0, :, _OWN_TURN[i]] = relative
+    return whole
+
+
+def flights_by_outcome(states: ShotStates, outcome: Floats, change: Floats) -> Floats:
+    """Return what changes of the outcome (S, 25, K) do to the 48 numbers, shape (S, 48, K)."""
+    shots, _, count = change.shape
+    result = np.zeros((shots, 2, 2, 2, 2, 3, count))
+    duration = outcome[:, DURATION, None]
+    after = outcome[:, AFTER].reshape(shots, 4, 3)
+    back, _ = exponential(-after[:, 2:] * outcome[:, DURATION, None])
+    _, jacobian = exponential(outcome[:, TURN].reshape(shots, 2, 3))
+    late = change[:, DURATION]
+    for i in (0, 1):
+        own = slice(3 * i, 3 * i + 3)
+        velocity, spin = change[:, AFTER][:, own], change[:, AFTER][:, 6 + 3 * i : 9 + 3 * i]
+        moved = change[:, SHIFT][:, own] - velocity * duration - after[:, i, :, None] * late
+        result[:, i, 0, 1, 0], result[:, i, 0, 1, 1] = moved, velocity
+        turned = back[:, i] @ jacobian[:, i] @ change[:, TURN][:, own]
+        turned -= spin * duration + after[:, 2 + i, :, None] * late
+        result[:, i, 1, 1, 0], result[:, i, 1, 1, 1] = turned, spin
+    return result.reshape(shots, NUMBERS, count)
