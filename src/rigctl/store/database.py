@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from sqlalchemy import Connection, Engine, create_engine, event
+from sqlalchemy import URL, Connection, Engine, create_engine, event
 from sqlalchemy.exc import SQLAlchemyError
 
 from rigctl.errors import StoreError
@@ -25,8 +25,9 @@ _TODO = {
     "not a database": "name another store folder, or restore the file from a backup",
 }
 
-
 WRITER_WAIT_S = 20.0
+
+_DURABLE = ("journal_mode = WAL", "synchronous = FULL", "foreign_keys = ON")
 
 
 class Database:
@@ -34,18 +35,31 @@ class Database:
 
     Write-ahead logging does not work on network file systems: keep the store on a local disk.
 
+    Parameters
+    ----------
+    path
+        The file.
+    busy_timeout_s
+        Longest wait for another program's lock, s.
+    writable
+        False: the file must be there, and `writing` fails.
+
     Raises
     ------
     StoreError
         The file cannot be opened, or a later version of this program wrote it.
     """
 
-    def __init__(self, path: Path, busy_timeout_s: float = 5.0) -> None:
+    def __init__(self, path: Path, busy_timeout_s: float = 5.0, *, writable: bool = True) -> None:
         self.path = path
         self._writer = threading.Lock()
-        self._engine = _engine(path, busy_timeout_s)
+        self._engine = _engine(path, busy_timeout_s, writable=writable)
         try:
-            self._create_or_refuse()
+            if writable:
+                self._create_or_refuse()
+            else:
+                with self.reading() as connection:
+                    self._version(connection)
         except BaseException:
             self.close()
             raise
@@ -106,20 +120,23 @@ class Database:
 
     def _create_or_refuse(self) -> None:
         with self.writing() as connection:
-            version = connection.exec_driver_sql("PRAGMA user_version").scalar_one()
-            if version > schema.SCHEMA_VERSION:
-                raise StoreError(
-                    "was written by a later version of this program",
-                    part=str(self.path),
-                    value=f"schema {version}",
-                    limit=f"schema {schema.SCHEMA_VERSION}",
-                    todo="install the later version, or name another store folder",
-                )
-            if version == 0:
+            if self._version(connection) == 0:
                 schema.metadata.create_all(connection)
                 for statement in schema.APPEND_ONLY:
                     connection.exec_driver_sql(statement)
                 connection.exec_driver_sql(f"PRAGMA user_version = {schema.SCHEMA_VERSION}")
+
+    def _version(self, connection: Connection) -> int:
+        version = int(connection.exec_driver_sql("PRAGMA user_version").scalar_one())
+        if version > schema.SCHEMA_VERSION:
+            raise StoreError(
+                "was written by a later version of this program",
+                part=str(self.path),
+                value=f"schema {version}",
+                limit=f"schema {schema.SCHEMA_VERSION}",
+                todo="install the later version, or name another store folder",
+            )
+        return version
 
     @contextmanager
     def _in_words(self) -> Iterator[None]:
@@ -131,14 +148,17 @@ class Database:
             raise StoreError(cause, part=str(self.path), todo=todo) from error
 
 
-def _engine(path: Path, busy_timeout_s: float) -> Engine:
-    engine = create_engine(f"sqlite:///{path}", connect_args={"timeout": busy_timeout_s})
+def _engine(path: Path, busy_timeout_s: float, *, writable: bool) -> Engine:
+    address = URL.create("sqlite", database=str(path))
+    if not writable:
+        address = address.set(database=path.as_uri(), query={"mode": "ro", "uri": "true"})
+    engine = create_engine(address, connect_args={"timeout": busy_timeout_s})
 
     @event.listens_for(engine, "connect")
     def _configure(connection: Any, _record: object) -> None:  # noqa: ANN401
         # The driver would begin a transaction only at the first change, too late for a claim.
         connection.isolation_level = None
-        for pragma in ("journal_mode = WAL", "synchronous = FULL", "foreign_keys = ON"):
+        for pragma in _DURABLE if writable else ():
             connection.execute(f"PRAGMA {pragma}")
 
     @event.listens_for(engine, "begin")

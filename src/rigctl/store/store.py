@@ -12,9 +12,11 @@ from typing import Any
 
 from rigctl.cameras.frames import FrameSequence
 from rigctl.errors import StoreError
+from rigctl.store.campaigns import Campaigns
 from rigctl.store.catalogue import Catalogue, Change
 from rigctl.store.database import Database
 from rigctl.store.durable import make_folders
+from rigctl.store.fits import Fits
 from rigctl.store.folders import ShotFolders
 from rigctl.store.journal import Journal
 from rigctl.store.listeners import Listeners
@@ -65,7 +67,9 @@ class Store:
             raise
         self.catalogue = Catalogue(self._database)
         self.journal = Journal(self._database)
+        self.campaigns = Campaigns(self._database)
         self.folders = ShotFolders(self.path)
+        self.fits = Fits(self.path)
 
     def accept(
         self, key: str, body_hash: str, describe: Callable[[], NewShot]

@@ -1,0 +1,107 @@
+"""Campaigns: the shots that were fired under one name."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from datetime import datetime
+
+from sqlalchemy import func, select
+
+from rigctl.errors import NotFoundError
+from rigctl.store.database import Database
+from rigctl.store.schema import shots
+from rigctl.store.states import ShotState
+
+
+@dataclass(frozen=True, slots=True)
+class CampaignRecord:
+    """One campaign as the catalogue has it.
+
+    Attributes
+    ----------
+    states
+        How many of its shots stand in each state; states without a shot are left out.
+    first_at, last_at
+        When its first and its last shot were accepted, UTC.
+    """
+
+    name: str
+    states: dict[ShotState, int]
+    first_at: datetime
+    last_at: datetime
+
+    @property
+    def shots(self) -> int:
+        """How many shots it has, whatever became of them."""
+        return sum(self.states.values())
+
+
+class Campaigns:
+    """What the catalogue knows of campaigns; any thread may call any of the methods."""
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+
+    def all(self) -> list[CampaignRecord]:
+        """Return every campaign, the one with the latest shot first."""
+        found = self._records(None)
+        return sorted(found, key=lambda campaign: campaign.last_at, reverse=True)
+
+    def one(self, name: str) -> CampaignRecord:
+        """Return one campaign; raise `NotFoundError` if no shot was fired under this name."""
+        found = self._records(name)
+        if not found:
+            raise NotFoundError("no such campaign", value=repr(name), todo="list the campaigns")
+        return found[0]
+
+    def measured(self, name: str) -> list[tuple[str, int]]:
+        """Return the shots of a campaign that are measured, each with the number of its result.
+
+        In the order of firing.
+
+        Raises
+        ------
+        NotFoundError
+            No shot was fired under this name, or none of them has been measured.
+        """
+        campaign = self.one(name)
+        query = (
+            select(shots.c.id, shots.c.results)
+            .where(shots.c.campaign == name, shots.c.state == ShotState.ANALYSED)
+            .order_by(shots.c.number)
+        )
+        with self._database.reading() as connection:
+            found = [(row.id, row.results) for row in connection.execute(query)]
+        if not found:
+            raise NotFoundError(
+                "no shot of this campaign has been measured",
+                part=f"campaign {name}",
+                value=f"{campaign.shots} shots",
+                todo="await their analysis, or look at why they were refused",
+            )
+        return found
+
+    def _records(self, name: str | None) -> list[CampaignRecord]:
+        query = (
+            select(
+                shots.c.campaign,
+                shots.c.state,
+                func.count().label("number"),
+                func.min(shots.c.accepted_at).label("first_at"),
+                func.max(shots.c.accepted_at).label("last_at"),
+            )
+            .where(shots.c.campaign.is_not(None) if name is None else shots.c.campaign == name)
+            .group_by(shots.c.campaign, shots.c.state)
+            .order_by(shots.c.campaign, shots.c.state)
+        )
+        states: dict[str, dict[ShotState, int]] = {}
+        times: dict[str, list[datetime]] = {}
+        with self._database.reading() as connection:
+            for row in connection.execute(query):
+                states.setdefault(row.campaign, {})[ShotState(row.state)] = row.number
+                both = map(datetime.fromisoformat, (row.first_at, row.last_at))
+                times.setdefault(row.campaign, []).extend(both)
+        return [
+            CampaignRecord(campaign, found, min(times[campaign]), max(times[campaign]))
+            for campaign, found in states.items()
+        ]

@@ -1,0 +1,50 @@
+"""Looking into a store that another process may own: nothing is written, nothing is locked."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from rigctl.errors import NotFoundError
+from rigctl.store.campaigns import Campaigns
+from rigctl.store.database import Database
+from rigctl.store.fits import Fits
+from rigctl.store.folders import ShotFolders
+
+
+@dataclass(frozen=True, slots=True)
+class StoreReader:
+    """What can be read of a store without owning it."""
+
+    path: Path
+    campaigns: Campaigns
+    folders: ShotFolders
+    fits: Fits
+
+
+@contextmanager
+def reading(folder: Path) -> Iterator[StoreReader]:
+    """Open a store for reading, while a daemon runs on it or none does.
+
+    Raises
+    ------
+    NotFoundError
+        There is no store in this folder.
+    StoreError
+        The catalogue cannot be read, or a later version of this program wrote it.
+    """
+    root = folder.absolute()
+    catalogue = root / "catalogue.db"
+    if not catalogue.is_file():
+        raise NotFoundError(
+            "holds no catalogue of shots",
+            part=str(folder),
+            todo="name a campaign folder, or start in the folder the daemon was started in",
+        )
+    database = Database(catalogue, writable=False)
+    try:
+        yield StoreReader(root, Campaigns(database), ShotFolders(root), Fits(root))
+    finally:
+        database.close()
