@@ -9,8 +9,10 @@ from typing import Any
 import numpy as np
 
 from analysis.document import overlay_document, shot_document
+from analysis.model.gather import measured_poses
 from analysis.setup import CameraSetup, Setup, SphereSetup
 from analysis.shot import MeasuredShot, analyse_shot
+from rigctl.stored_poses import poses_document
 
 Json = dict[str, Any]
 
@@ -23,7 +25,7 @@ def analyse_stored_shot(folder: Path, method: str) -> Json:
     Returns
     -------
     The result document (commands.md) with the shot's name, the method, the frame rate and,
-    when it was measured, what to draw over each frame.
+    when it was measured, the poses of both spheres and what to draw over each frame.
     """
     manifest = json.loads((folder / "manifest.json").read_bytes())
     about: Json = {
@@ -39,6 +41,7 @@ def analyse_stored_shot(folder: Path, method: str) -> Json:
     shot = analyse_shot(frames, times_s - times_s[:1], setup_of(manifest))
     document = {**about, **shot_document(shot)}
     if isinstance(shot, MeasuredShot):
+        document["poses"] = poses_document(measured_poses(shot))
         document["overlay"] = overlay_document(shot)
     return document
 

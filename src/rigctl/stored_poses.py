@@ -1,0 +1,71 @@
+"""Poses of a measured shot in its result file: what poses.csv has, one object a sphere and frame.
+
+What was not measured is null: JSON knows neither NaN nor infinity.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from analysis.exchange.pose_table import PoseRow
+
+Json = dict[str, Any]
+
+
+def poses_document(spheres: Mapping[str, Sequence[PoseRow]]) -> list[Json]:
+    """Return the poses of spheres a and b as JSON.
+
+    Each object has `sphere`, `frame`, `t_s` from the shot's first frame, `position_m` and
+    `sigma_m` along X, Y, Z of the rig, `quaternion` (scalar first, body to rig axes) and
+    `sigma_rot_rad` about each axis.
+    """
+    return [
+        {
+            "sphere": sphere,
+            "frame": row.frame,
+            "t_s": row.t_s,
+            "position_m": [_finite(x) for x in row.position],
+            "sigma_m": [_finite(x) for x in row.position_sigma],
+            "quaternion": None if row.quaternion is None else list(row.quaternion),
+            "sigma_rot_rad": None if row.quaternion is None else row.rotation_sigma,
+        }
+        for sphere, rows in spheres.items()
+        for row in rows
+    ]
+
+
+def poses_of(document: Sequence[Mapping[str, Any]]) -> dict[str, list[PoseRow]]:
+    """Return the poses that `poses_document` wrote.
+
+    Raises
+    ------
+    KeyError, TypeError, ValueError
+        The document has another form.
+    """
+    spheres: dict[str, list[PoseRow]] = {"a": [], "b": []}
+    for row in document:
+        x, y, z = (math.nan if v is None else float(v) for v in row["position_m"])
+        u, v, w = (math.inf if s is None else float(s) for s in row["sigma_m"])
+        turned = row["quaternion"]
+        spheres[row["sphere"]].append(
+            PoseRow(
+                frame=int(row["frame"]),
+                t_s=float(row["t_s"]),
+                position=(x, y, z),
+                position_sigma=(u, v, w),
+                quaternion=None if turned is None else _four(turned),
+                rotation_sigma=math.inf if turned is None else float(row["sigma_rot_rad"]),
+            )
+        )
+    return spheres
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
+def _four(values: Sequence[float]) -> tuple[float, float, float, float]:
+    w, x, y, z = map(float, values)
+    return w, x, y, z
