@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import importlib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,6 +15,7 @@ from rigctl.config import Configuration, Simulation
 from rigctl.devices import build
 from rigctl.devices.roles import Actuators
 from rigctl.errors import ConfigurationError
+from rigctl.jobs import Jobs
 from rigctl.rig.machine import Rig
 from rigctl.rig.recovery import Recovery
 from rigctl.store import Store
@@ -34,7 +35,8 @@ class Laboratory(build.Laboratory, Protocol):
 class Daemon:
     """A running rig: what it is, what acts, what survives, and what the start had to clear up.
 
-    `laboratory` is what stands behind a simulated rig, None on a real one.
+    `laboratory` is what stands behind a simulated rig, None on a real one; `analyse` queues a
+    stored shot for analysis and returns at once; `jobs` is whatever else takes long.
     """
 
     configuration: Configuration
@@ -42,6 +44,8 @@ class Daemon:
     store: Store
     recovery: Recovery
     laboratory: Laboratory | None
+    analyse: Callable[[str], None]
+    jobs: Jobs
 
 
 @contextmanager
@@ -74,9 +78,20 @@ def open_daemon(configuration: Configuration) -> Iterator[Daemon]:
             store, workers=section.workers, method=section.method, timeout_s=section.timeout_s
         )
         opened.callback(analyser.close)
+        jobs = Jobs()
+        opened.callback(jobs.close)
         rig = Rig(configuration, devices, capture, store, analyse=analyser.submit)
         opened.callback(rig.close)
-        yield Daemon(configuration, rig, store, rig.recover(), laboratory)
+        recovery = rig.recover()
+        yield Daemon(
+            configuration=configuration,
+            rig=rig,
+            store=store,
+            recovery=recovery,
+            laboratory=laboratory,
+            analyse=analyser.submit,
+            jobs=jobs,
+        )
 
 
 def _open_devices(

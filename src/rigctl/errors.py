@@ -162,6 +162,12 @@ class KeyReusedError(IdempotencyError):
     code = "idempotency-reused"
 
 
+class JobsFullError(RefusedError):
+    """So many jobs wait already that no further one is taken."""
+
+    code = "jobs-full"
+
+
 class NotFoundError(RigError):
     """Nothing of that name is stored."""
 

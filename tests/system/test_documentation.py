@@ -28,11 +28,15 @@ from rigctl.analysing import AnalysisFailedError
 from rigctl.config.configuration import AnalysisSection, ServiceSection, Simulation
 from rigctl.config.model import StrictModel
 from rigctl.errors import AnalysisInputError, ConfigurationError, IdempotencyError, RigError
+from rigctl.jobs import JobFailedError
 from rigctl.rig.states import TRANSITIONS
 from rigctl.service.app import create_app
+from rigctl.service.campaign_models import CampaignView, FitView
 from rigctl.service.events import EventHub
+from rigctl.service.job_models import JobView
 from rigctl.service.models import InterlockView, RigEvent, RigView, ShotView
 from rigctl.service.problems import Problem, from_error
+from rigctl.service.routes_effects import EffectView, ParameterView
 from rigctl.settings import ShotSettings
 from rigctl.store.states import SHOT_TRANSITIONS
 
@@ -260,7 +264,7 @@ def test_the_table_of_routes_is_that_of_the_openapi_document() -> None:
         for method, operation in operations.items()
     }
     written = {
-        (method, path): sorted([success, *problems.split()])
+        (method, path): sorted([*success.split(), *problems.split()])
         for method, path, success, problems in rows(DOCS / "reference/rest.md", "Routes")
     }
     assert written == wanted
@@ -268,7 +272,9 @@ def test_the_table_of_routes_is_that_of_the_openapi_document() -> None:
 
 def test_every_field_of_a_request_and_of_an_answer_is_named() -> None:
     text = (DOCS / "reference" / "rest.md").read_text(encoding="utf-8")
-    for model in (ShotSettings, RigView, InterlockView, ShotView, RigEvent, Problem):
+    orders = (ShotSettings, RigView, InterlockView, ShotView, RigEvent, Problem)
+    questions = (CampaignView, FitView, JobView, EffectView, ParameterView)
+    for model in orders + questions:
         assert set(model.model_fields) <= named(text), model.__name__
 
 
@@ -295,7 +301,7 @@ def test_every_problem_code_is_listed_with_its_status() -> None:
         code.strip("`"): status
         for code, status, _ in rows(DOCS / "reference" / "rest.md", "Problems")
     }
-    elsewhere = {ConfigurationError, AnalysisInputError, AnalysisFailedError}
+    elsewhere = {ConfigurationError, AnalysisInputError, AnalysisFailedError, JobFailedError}
     for kind in set(errors(RigError)) - elsewhere:
         # A missing key is found before the rig is asked, by the form of the request.
         status = 400 if kind is IdempotencyError else from_error(kind("it failed")).status

@@ -17,13 +17,18 @@ from rigctl.errors import RigError
 from rigctl.service.auth import PREFIX, KeyGuard
 from rigctl.service.body_limit import BodyLimit
 from rigctl.service.events import EventHub
+from rigctl.service.job_models import JobSummary
 from rigctl.service.lanes import Lanes
 from rigctl.service.models import RigEvent, ShotView
 from rigctl.service.openapi import describe
 from rigctl.service.problems import Problem, answer, from_error, from_validation
+from rigctl.service.routes_campaigns import campaign_routes
+from rigctl.service.routes_effects import effect_routes
 from rigctl.service.routes_events import event_routes
 from rigctl.service.routes_front import front_route
 from rigctl.service.routes_health import health_routes
+from rigctl.service.routes_jobs import job_routes
+from rigctl.service.routes_model import model_routes
 from rigctl.service.routes_rig import rig_routes
 from rigctl.service.routes_shots import shot_routes
 
@@ -46,6 +51,7 @@ def create_app(daemon: Daemon, key: str, hub: EventHub) -> FastAPI:
         deaf = [
             daemon.rig.listeners.add(lambda step: hub.publish("rig", RigEvent.of(step))),
             daemon.store.listeners.add(lambda record: hub.publish("shot", ShotView.of(record))),
+            daemon.jobs.listeners.add(lambda job: hub.publish("job", JobSummary.of(job))),
         ]
         try:
             yield
@@ -66,6 +72,10 @@ def create_app(daemon: Daemon, key: str, hub: EventHub) -> FastAPI:
     lanes = Lanes()
     app.include_router(rig_routes(daemon, lanes), prefix=PREFIX)
     app.include_router(shot_routes(daemon, lanes), prefix=PREFIX)
+    app.include_router(campaign_routes(daemon), prefix=PREFIX)
+    app.include_router(model_routes(daemon), prefix=PREFIX)
+    app.include_router(effect_routes(), prefix=PREFIX)
+    app.include_router(job_routes(daemon), prefix=PREFIX)
     app.include_router(event_routes(daemon, hub), prefix=PREFIX)
     app.include_router(health_routes(daemon))
     app.include_router(front_route(daemon))

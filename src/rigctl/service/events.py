@@ -1,4 +1,4 @@
-"""Events of the rig and its shots, from its threads to every listening client."""
+"""Events of the rig, its shots and jobs, from its threads to every listening client."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from typing import Literal
 from fastapi.sse import ServerSentEvent
 from pydantic import BaseModel
 
-EventKind = Literal["rig", "shot"]
+EventKind = Literal["rig", "shot", "job"]
 
 
 @dataclass(frozen=True, slots=True)

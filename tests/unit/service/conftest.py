@@ -20,6 +20,7 @@ import uvicorn
 from rigctl.cameras.frames import FrameSequence
 from rigctl.config import load
 from rigctl.errors import ArmTokenError, RigError
+from rigctl.jobs import Jobs
 from rigctl.rig.arming import Armed
 from rigctl.rig.interlocks import Interlock
 from rigctl.rig.recovery import Recovery
@@ -148,8 +149,28 @@ def hub() -> EventHub:
 
 
 @pytest.fixture
-def app(rig: FakeRig, store: Store, hub: EventHub) -> Any:
-    daemon = SimpleNamespace(configuration=load(), rig=rig, store=store, recovery=RECOVERY)
+def jobs() -> Iterator[Jobs]:
+    opened = Jobs()
+    yield opened
+    opened.close()
+
+
+@pytest.fixture
+def handed_over() -> list[str]:
+    """Shots that the service handed to the analysis."""
+    return []
+
+
+@pytest.fixture
+def app(rig: FakeRig, store: Store, hub: EventHub, jobs: Jobs, handed_over: list[str]) -> Any:
+    daemon = SimpleNamespace(
+        configuration=load(),
+        rig=rig,
+        store=store,
+        recovery=RECOVERY,
+        jobs=jobs,
+        analyse=handed_over.append,
+    )
     return create_app(daemon, KEY, hub)  # type: ignore[arg-type]
 
 

@@ -1,0 +1,145 @@
+"""From the name of a campaign, or its folder, to the poses that are fitted."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import Path
+from typing import Any
+
+from analysis.errors import InputError
+from analysis.exchange.shot_list import ShotRow
+from analysis.model.gather import gather, pose_data
+from analysis.model.poses import PoseData
+from analysis.setup import Setup
+from rigctl.config import load
+from rigctl.errors import AnalysisInputError
+from rigctl.store import Store, StoreReader, reading
+from rigctl.stored_poses import poses_of
+from rigctl.stored_shot import setup_of
+
+Json = dict[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class MeasuredFiles:
+    """Where a measured shot lies: its manifest and the result that counts."""
+
+    manifest: Path
+    result: Path
+
+
+def open_campaign(campaign: Path, configuration: Path | None = None) -> tuple[str, PoseData]:
+    """Return title and poses of a campaign folder, or of a campaign in the catalogue.
+
+    Parameters
+    ----------
+    campaign
+        A folder, which is used as it is; else a name, looked up in the store.
+    configuration
+        File of the rig whose store is meant; None: the simulated rig's.
+
+    Raises
+    ------
+    AnalysisInputError
+        The folder cannot be read, or the shots do not go together.
+    NotFoundError
+        There is neither such a folder nor such a campaign, or none of its shots is measured.
+    ConfigurationError, StoreError
+        Configuration or store cannot be read.
+    """
+    if campaign.exists():
+        try:
+            return gather(campaign)
+        except InputError as error:
+            place = error.path if error.line is None else f"{error.path}, line {error.line}"
+            raise AnalysisInputError(error.reason, part=place) from error
+    with reading(Path(load(configuration).store.folder)) as store:
+        return campaign_poses(store, str(campaign))
+
+
+def campaign_poses(store: Store | StoreReader, name: str) -> tuple[str, PoseData]:
+    """Return title and poses of a campaign in the catalogue.
+
+    Raises
+    ------
+    NotFoundError
+        There is no such campaign, or none of its shots is measured.
+    AnalysisInputError
+        As `poses_from`.
+    StoreError
+        The catalogue cannot be read.
+    """
+    return name, poses_from(name, measured_files(store, name))
+
+
+def measured_files(store: Store | StoreReader, name: str) -> list[MeasuredFiles]:
+    """Return where the measured shots of a campaign lie, in the order of firing.
+
+    Raises
+    ------
+    NotFoundError
+        There is no such campaign, or none of its shots is measured.
+    """
+    return [
+        MeasuredFiles(folder / "manifest.json", folder / f"result-{number:04d}.json")
+        for shot, number in store.campaigns.measured(name)
+        for folder in [store.folders.folder(shot)]
+    ]
+
+
+def poses_from(name: str, files: Sequence[MeasuredFiles]) -> PoseData:
+    """Put the poses of stored shots into arrays; shots are named by their numbers.
+
+    Raises
+    ------
+    AnalysisInputError
+        A file cannot be read or holds no poses, or two shots were fired under different set-ups:
+        one model of camera and spheres would be wrong for one of them.
+    """
+    shots, rows, setups = {}, [], dict[str, Setup]()
+    for own in files:
+        manifest, result = _read(own.manifest), _read(own.result)
+        try:
+            number = int(manifest["number"])
+            shots[number] = poses_of(result["poses"])
+            rows.append(_row(number, manifest))
+            setups[str(manifest["shot"])] = setup_of(manifest)
+        except (KeyError, TypeError, ValueError) as error:
+            raise AnalysisInputError(
+                f"holds no poses of this form: {error!r}",
+                part=str(own.result),
+                todo=f"have campaign {name} analysed again",
+            ) from error
+    _require_one_setup(name, setups)
+    return pose_data(shots, rows, next(iter(setups.values())))
+
+
+def _row(number: int, manifest: Json) -> ShotRow:
+    """Return a shot's settings as a row of shots.csv: every number is a covariate."""
+    fired_at = manifest["fired_at"]
+    numbers = {key: float(v) for key, v in manifest["settings"].items() if v is not None}
+    time = None if fired_at is None else datetime.fromisoformat(fired_at)
+    return ShotRow(number, time, numbers, {})
+
+
+def _require_one_setup(name: str, setups: dict[str, Setup]) -> None:
+    (first, common), *others = setups.items()
+    if other := next((shot for shot, setup in others if setup != common), None):
+        raise AnalysisInputError(
+            f"shots {first} and {other} differ in camera, spheres or surroundings",
+            part=f"campaign {name}",
+            todo="fire each set-up under a campaign of its own",
+        )
+
+
+def _read(path: Path) -> Json:
+    try:
+        document: Json = json.loads(path.read_bytes())
+    except (OSError, ValueError) as error:
+        raise AnalysisInputError(
+            f"cannot be read: {error}", part=str(path), todo="restore the folder from a backup"
+        ) from error
+    return document

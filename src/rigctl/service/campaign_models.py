@@ -1,0 +1,107 @@
+"""Campaigns and their fits as REST shows them, and what is asked of them."""
+
+from __future__ import annotations
+
+from datetime import datetime
+from typing import Annotated, Any, Self
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, StringConstraints
+
+from rigctl.service.models import CampaignName
+from rigctl.store import CampaignRecord, ShotState
+
+_STRICT = ConfigDict(strict=True, extra="forbid", frozen=True, allow_inf_nan=False)
+
+MOST_EFFECTS = 8
+
+EffectName = Annotated[str, StringConstraints(pattern=r"^[a-z][a-z0-9-]{0,63}$")]
+"""The form of an effect's name; whether there is such an effect is another question."""
+
+FitName = CampaignName
+"""The name of a fit, which is part of a file's name."""
+
+
+def _each_once(names: list[str]) -> list[str]:
+    if len(set(names)) < len(names):
+        raise ValueError("an effect stands twice")
+    return names
+
+
+Effects = Annotated[
+    list[EffectName],
+    AfterValidator(_each_once),
+    Field(default_factory=list, max_length=MOST_EFFECTS, json_schema_extra={"uniqueItems": True}),
+]
+
+
+class EffectsQuery(BaseModel):
+    """Effects of the catalogue that are added to the base model, in their order."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    effects: Effects = Field(alias="with")
+
+
+class FitOrder(BaseModel):
+    """Fit the base model with these effects and save the fit under a name."""
+
+    model_config = _STRICT
+
+    name: FitName
+    effects: Effects = Field(alias="with")
+
+
+class FitQuery(BaseModel):
+    """Which version of a fit; without it the latest."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    version: int | None = Field(default=None, ge=1, le=1_000_000)
+
+
+class CampaignView(BaseModel):
+    """A campaign: its shots by state, and when its first and last were accepted (UTC)."""
+
+    campaign: str
+    shots: int
+    states: dict[ShotState, int] = Field(description="states without a shot are left out")
+    first_at: datetime
+    last_at: datetime
+
+    @classmethod
+    def of(cls, record: CampaignRecord) -> Self:
+        """Return a record as REST shows it."""
+        return cls(
+            campaign=record.name,
+            shots=record.shots,
+            states=record.states,
+            first_at=record.first_at,
+            last_at=record.last_at,
+        )
+
+
+class CampaignList(BaseModel):
+    """All campaigns, the one with the latest shot first."""
+
+    campaigns: list[CampaignView]
+
+
+class FitView(BaseModel):
+    """One version of a saved fit."""
+
+    name: str
+    version: int
+    fit: dict[str, Any]
+
+
+class FitReference(BaseModel):
+    """Name and version of a saved fit."""
+
+    name: str
+    version: int
+
+
+class FitList(BaseModel):
+    """The saved fits of a campaign, by name and version."""
+
+    fits: list[FitReference]

@@ -1,0 +1,64 @@
+"""Jobs as REST shows them."""
+
+from __future__ import annotations
+
+from datetime import datetime
+from typing import Any, Self
+
+from pydantic import BaseModel, Field
+
+from rigctl.jobs import Job, JobState
+
+
+class JobSummary(BaseModel):
+    """A job without its result. Times are UTC; what is not known is null."""
+
+    job: str
+    kind: str = Field(description="what is done, by the name of the route that asked for it")
+    campaign: str
+    state: JobState
+    created_at: datetime
+    started_at: datetime | None
+    ended_at: datetime | None
+    progress: str = Field(description="the step under way, in words")
+    share: float | None = Field(description="the part done, from 0 to 1; null: nobody can say")
+    failure: str | None
+    failure_code: str | None
+
+    @classmethod
+    def of(cls, job: Job) -> Self:
+        """Return a job as REST shows it."""
+        return cls(**_fields(job))
+
+
+class JobView(JobSummary):
+    """A job with its result, null until it is done."""
+
+    result: dict[str, Any] | None
+
+    @classmethod
+    def of(cls, job: Job) -> Self:
+        """Return a job with its result as REST shows it."""
+        return cls(**_fields(job), result=None if job.result is None else dict(job.result))
+
+
+class JobList(BaseModel):
+    """The jobs that are remembered, oldest first."""
+
+    jobs: list[JobSummary]
+
+
+def _fields(job: Job) -> dict[str, Any]:
+    return {
+        "job": job.id,
+        "kind": job.kind,
+        "campaign": job.subject,
+        "state": job.state,
+        "created_at": job.created_at,
+        "started_at": job.started_at,
+        "ended_at": job.ended_at,
+        "progress": job.progress,
+        "share": job.share,
+        "failure": job.failure,
+        "failure_code": job.failure_code,
+    }

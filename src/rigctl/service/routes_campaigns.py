@@ -1,0 +1,46 @@
+"""Campaigns: which there are, how their shots stand, and analysing them once more."""
+
+from __future__ import annotations
+
+from fastapi import APIRouter
+from starlette.responses import Response
+
+from rigctl.daemon import Daemon
+from rigctl.reanalysing import analysed_before, reanalysis
+from rigctl.service.accepted import accepted, accepts
+from rigctl.service.campaign_models import CampaignList, CampaignView
+from rigctl.service.models import CampaignName
+from rigctl.service.problems import documented
+
+PATIENCE_S = 60.0
+"""Beyond the longest analysis."""
+
+
+def campaign_routes(daemon: Daemon) -> APIRouter:
+    """Return the routes below `/campaigns` that are of shots."""
+    router = APIRouter(prefix="/campaigns", tags=["campaigns"])
+
+    @router.get("", responses=documented(401, 405, 503))
+    def campaigns() -> CampaignList:
+        """List all campaigns, the one with the latest shot first."""
+        found = daemon.store.campaigns.all()
+        return CampaignList(campaigns=[CampaignView.of(record) for record in found])
+
+    @router.get("/{campaign}", responses=documented(401, 404, 405, 422, 503))
+    def campaign(campaign: CampaignName) -> CampaignView:
+        """Show one campaign."""
+        return CampaignView.of(daemon.store.campaigns.one(campaign))
+
+    @router.post(
+        "/{campaign}/reanalyse",
+        status_code=202,
+        responses=accepts() | documented(401, 404, 405, 409, 411, 413, 422, 503),
+    )
+    def reanalyse(campaign: CampaignName) -> Response:
+        """Analyse every shot again whose analysis has ended; results are added, none is lost."""
+        shots = analysed_before(daemon.store, campaign)
+        patience_s = daemon.configuration.analysis.timeout_s + PATIENCE_S
+        work = reanalysis(daemon.store, daemon.analyse, shots, patience_s)
+        return accepted(daemon.jobs.submit("reanalyse", campaign, work))
+
+    return router

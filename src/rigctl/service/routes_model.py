@@ -1,0 +1,105 @@
+"""The model against a campaign: what takes long is a job, and asked again it is answered."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Query
+from starlette.responses import JSONResponse, Response
+
+from rigctl.campaigns import measured_files
+from rigctl.daemon import Daemon
+from rigctl.jobs import Job, JobState, Task, Work, in_process
+from rigctl.modelling import request, require_effects
+from rigctl.service.accepted import accepted, accepts
+from rigctl.service.bodies import StrictRoute
+from rigctl.service.campaign_models import (
+    EffectsQuery,
+    FitList,
+    FitName,
+    FitOrder,
+    FitQuery,
+    FitReference,
+    FitView,
+)
+from rigctl.service.models import CampaignName
+from rigctl.service.problems import documented
+
+FUNCTIONS = "rigctl.modelling"
+
+_ANSWERED: dict[int | str, dict[str, Any]] = {
+    200: {
+        "description": "The answer, for the shots as they are measured now",
+        "content": {"application/json": {"schema": {"type": "object"}}},
+    }
+}
+
+
+def model_routes(daemon: Daemon) -> APIRouter:
+    """Return the routes below `/campaigns` that are of the model."""
+    router = APIRouter(prefix="/campaigns/{campaign}", tags=["model"], route_class=StrictRoute)
+
+    @router.get("/ranking", responses=_ANSWERED | accepts() | documented(*_QUESTION))
+    def ranking(campaign: CampaignName, query: Annotated[EffectsQuery, Query()]) -> Response:
+        """Rank the effects of the catalogue by what they promise.
+
+        202 with a job while nobody knows; asked again when that is done, the answer.
+        """
+        return _answer(_ask(daemon, "ranking", campaign, query.effects))
+
+    @router.post("/explain", status_code=202, responses=accepts() | documented(*_POST))
+    def explain(campaign: CampaignName) -> Response:
+        """Find what is missing, to a verdict."""
+        return accepted(_ask(daemon, "explain", campaign, []))
+
+    @router.post("/fits", status_code=202, responses=accepts() | documented(*_POST))
+    def fit(campaign: CampaignName, order: FitOrder) -> Response:
+        """Fit, and save the fit under a name; a name that is known gets a further version."""
+        require_effects(order.effects)
+        asked = request(campaign, measured_files(daemon.store, campaign), order.effects)
+        work = _saved(daemon, order.name, in_process(f"{FUNCTIONS}:fit_job", asked))
+        return accepted(daemon.jobs.submit("fits", campaign, work))
+
+    @router.get("/fits", responses=documented(*_GET))
+    def fits(campaign: CampaignName) -> FitList:
+        """List the saved fits of a campaign."""
+        daemon.store.campaigns.one(campaign)
+        found = daemon.store.fits.versions(campaign)
+        return FitList(fits=[FitReference(name=name, version=version) for name, version in found])
+
+    @router.get("/fits/{fit}", responses=documented(*_GET))
+    def saved(campaign: CampaignName, fit: FitName, query: Annotated[FitQuery, Query()]) -> FitView:
+        """Show a saved fit, the latest version of its name or the one asked for."""
+        version, document = daemon.store.fits.fit(campaign, fit, query.version)
+        return FitView(name=fit, version=version, fit=document)
+
+    return router
+
+
+_GET = (401, 404, 405, 422, 503)
+_QUESTION = (401, 404, 405, 409, 422, 503)
+_POST = (401, 404, 405, 409, 411, 413, 422, 503)
+
+
+def _ask(daemon: Daemon, kind: str, campaign: str, effects: Sequence[str]) -> Job:
+    """Return the job that answers a question about the shots as they are measured now."""
+    require_effects(effects)
+    files = measured_files(daemon.store, campaign)
+    work = in_process(f"{FUNCTIONS}:{kind}_job", request(campaign, files, effects))
+    return daemon.jobs.submit(kind, campaign, work, (kind, campaign, *effects, *files))
+
+
+def _answer(job: Job) -> Response:
+    return JSONResponse(job.result) if job.state is JobState.DONE else accepted(job)
+
+
+def _saved(daemon: Daemon, name: str, fitting: Work) -> Work:
+    """Return work that fits and saves what came of it."""
+
+    def work(task: Task) -> dict[str, Any]:
+        document = fitting(task)
+        version = daemon.store.fits.add(str(document["campaign"]), name, document)
+        return {"name": name, "version": version, **document}
+
+    return work
