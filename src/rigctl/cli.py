@@ -226,7 +226,7 @@ def model_fit(
     campaign: Campaign, *, effects: With = None, folder: OwnEffects = None, json: Json = False
 ) -> None:
     """Fit e, mu, beta0 and the effects added to all poses of a campaign."""
-    from rigctl.commands.model import fit
+    from rigctl.commands.model.fit import fit
 
     fit(campaign, effects or [], as_json=json, folder=folder)
 
@@ -236,15 +236,23 @@ def model_rank(
     campaign: Campaign, *, effects: With = None, folder: OwnEffects = None, json: Json = False
 ) -> None:
     """Rank the effects of the catalogue by what they promise."""
-    from rigctl.commands.model import ranking
+    from rigctl.commands.model.rank import ranking
 
     ranking(campaign, effects or [], as_json=json, folder=folder)
+
+
+@model.command("launch")
+def model_launch(campaign: Campaign, *, effects: With = None, json: Json = False) -> None:
+    """Fit the launches from the settings, and rank the effects of the launch."""
+    from rigctl.commands.launch import launch
+
+    launch(campaign, effects or [], as_json=json)
 
 
 @model.command("explain")
 def model_explain(campaign: Campaign, *, folder: OwnEffects = None, json: Json = False) -> None:
     """Find what is missing, add it, and say how much of the error it removes."""
-    from rigctl.commands.model import explaining
+    from rigctl.commands.model.explain import explaining
 
     explaining(campaign, as_json=json, folder=folder)
 

@@ -67,6 +67,10 @@ class FrameChannel:
     smooth: Floats
     direction: Floats
 
+    def whitened(self, data: PoseData) -> Floats:
+        """Return the direction, each number divided by its sigma, shape (S, F, 2, 6)."""
+        return whitened(data, self.direction).reshape(self.direction.shape)
+
     def columns(self, data: PoseData) -> Floats:
         """Return the whitened columns, one for each smooth function, shape (S, N, 5)."""
         parts = [

@@ -1,0 +1,55 @@
+"""`rigctl model explain`: the whole way, to a verdict."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from rich.console import Console
+from rich.table import Table
+
+from analysis.effects.own.dropping import without_faulty
+from analysis.model.report import verdict_document, verdict_sentence
+from analysis.model.selection import explain
+from rigctl.commands import report
+from rigctl.commands.effect import available, tell
+from rigctl.commands.model.printing import TABLE_WIDTH, print_json
+from rigctl.commands.model.reading import gathered
+
+
+def explaining(campaign: Path, *, as_json: bool, folder: Path | None = None) -> None:
+    """Go the whole way by itself: which effect is missing, none, or none that is known.
+
+    Parameters
+    ----------
+    folder
+        Where the user's own effects are. One with a fault is named and left out.
+
+    Raises
+    ------
+    AnalysisInputError
+        The campaign or the folder cannot be read.
+    """
+    known = available(folder)
+    title, data = gathered(campaign)
+    with report.progress() as say:
+        verdict, dropped = without_faulty(known.effects, lambda left: explain(data, left, say))
+    faults = tell([*known.faults, *dropped])
+    document = {**verdict_document(title, data, verdict), "faults": faults}
+    if as_json:
+        print_json(document)
+        return
+    console = Console(width=TABLE_WIDTH)
+    console.print(verdict_sentence(document), highlight=False)
+    table = Table(title="error path", title_justify="left", box=None)
+    for heading in ("with", "chi-squared per dof", "prediction error"):
+        table.add_column(heading, justify="left" if heading == "with" else "right")
+    for stage in document["path"]:
+        name = ", ".join(stage["with"]) or "the base model"
+        table.add_row(name, f"{stage['chi2_per_dof']:.4f}", f"{stage['prediction_error']:.4f}")
+    table.caption = "prediction error: on shots left out, in units of the noise; 1 is the floor"
+    console.print(table)
+    for name, quantity in verdict.fit.parameters().items():
+        unit = "" if quantity.unit == "1" else f" {quantity.unit}"
+        console.print(f"{name} = {quantity.concise()}{unit}", highlight=False)
+    if document["rejected"]:
+        console.print(f"shots rejected: {document['rejected']}", highlight=False)

@@ -1,0 +1,44 @@
+"""`rigctl model fit`: the parameters that all shots share."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from rich.console import Console
+from rich.table import Table
+
+from rigctl.commands.effect import available, tell
+from rigctl.commands.model.printing import TABLE_WIDTH, fit_document, headline, print_json
+from rigctl.commands.model.reading import fitted
+
+
+def fit(campaign: Path, names: Sequence[str], *, as_json: bool, folder: Path | None = None) -> None:
+    """Fit the base model and the named effects; print parameters with standard errors.
+
+    Parameters
+    ----------
+    folder
+        Where the user's own effects are.
+
+    Raises
+    ------
+    AnalysisInputError
+        The campaign or the folder cannot be read, or a named effect has a fault.
+    NotFoundError
+        No effect has that name.
+    """
+    known = available(folder)
+    found = fitted(campaign, names, known)
+    faults = tell(known.faults)
+    if as_json:
+        print_json({**fit_document(found), "faults": faults})
+        return
+    console = Console(width=TABLE_WIDTH)
+    console.print(headline(found), highlight=False)
+    table = Table(box=None)
+    for heading in ("parameter", "value", "unit"):
+        table.add_column(heading, justify="left" if heading != "value" else "right")
+    for name, quantity in found.fit.parameters().items():
+        table.add_row(name, quantity.concise(), "" if quantity.unit == "1" else quantity.unit)
+    console.print(table)

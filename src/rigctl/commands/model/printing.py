@@ -1,0 +1,42 @@
+"""What the commands of the model print alike."""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import Any
+
+from rigctl.commands.model.reading import Fitted
+
+Json = dict[str, Any]
+
+TABLE_WIDTH = 110
+
+
+def headline(fitted: Fitted) -> str:
+    """Say in one line what was fitted and how well."""
+    fit = fitted.fit
+    shots = len(fit.shot_chi2)
+    return (
+        f"{fitted.title}: {shots} shots, chi-squared per degree of freedom {fit.chi2_per_dof:.4f} "
+        f"(sampling error {math.sqrt(2 / max(fit.freedom, 1)):.4f})"
+    )
+
+
+def fit_document(fitted: Fitted) -> Json:
+    """Return what every command of the model says of its fit."""
+    fit = fitted.fit
+    return {
+        "campaign": fitted.title,
+        "shots": len(fit.shot_chi2),
+        "with": list(fitted.names),
+        "chi2_per_dof": fit.chi2_per_dof,
+        "degrees_of_freedom": fit.freedom,
+        "converged": fit.converged,
+        "parameters": {name: q.to_json() for name, q in fit.parameters().items()},
+    }
+
+
+def print_json(document: Json) -> None:
+    """Print one document on standard output."""
+    print(json.dumps(document, allow_nan=False))  # noqa: T201

@@ -1,0 +1,127 @@
+"""`rigctl model rank`: what the data would rather have."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from rich.console import Console
+from rich.table import Table
+
+from analysis.effects.own.dropping import without_faulty
+from analysis.effects.own.fault import EffectFault
+from analysis.model.ranking import Candidate, Ranking, rank
+from analysis.quantity import Quantity
+from rigctl.commands.effect import available, refused, tell
+from rigctl.commands.model.printing import (
+    TABLE_WIDTH,
+    Json,
+    fit_document,
+    headline,
+    print_json,
+)
+from rigctl.commands.model.reading import fitted
+
+SHOWN_ALIAS = 0.9
+
+
+def ranking(
+    campaign: Path, names: Sequence[str], *, as_json: bool, folder: Path | None = None
+) -> None:
+    """Fit the base model and the named effects, and rank what else the data ask for.
+
+    Parameters
+    ----------
+    folder
+        Where the user's own effects are. One with a fault is named and left out.
+
+    Raises
+    ------
+    AnalysisInputError
+        The campaign or the folder cannot be read, or a named effect has a fault.
+    NotFoundError
+        No effect has that name.
+    """
+    known = available(folder)
+    found = fitted(campaign, names, known)
+    try:
+        ranked, dropped = without_faulty(
+            known.effects, lambda left: rank(found.data, found.fit, left)
+        )
+    except EffectFault as error:
+        raise refused(error.fault) from error
+    faults = tell([*known.faults, *dropped])
+    if as_json:
+        candidates = _candidates_document(ranked)
+        print_json({**fit_document(found), "candidates": candidates, "faults": faults})
+        return
+    console = Console(width=TABLE_WIDTH)
+    console.print(headline(found), highlight=False)
+    table = Table(box=None)
+    longest = max((len(candidate.effect.name) for candidate in ranked.candidates), default=0)
+    table.add_column("effect", min_width=longest)
+    for heading in ("score", "promised fall", "p", "amplitude", "unit", "", "like"):
+        left = heading in {"unit", "", "like"}
+        table.add_column(heading, justify="left" if left else "right")
+    for k, candidate in enumerate(ranked.candidates):
+        _add_candidate(table, candidate, _likes(ranked, k))
+    table.caption = (
+        "p: chance that something in the catalogue looks as good when nothing is missing; like: "
+        f"not told from this one by these shots (correlation above {SHOWN_ALIAS:g})"
+    )
+    console.print(table)
+
+
+def _candidates_document(ranked: Ranking) -> list[Json]:
+    return [
+        {
+            "effect": candidate.effect.name,
+            "seen": candidate.seen,
+            "score": candidate.score if candidate.seen else None,
+            "promised_fall": candidate.fall,
+            "p_value": candidate.p_value,
+            "p_familywise": candidate.p_familywise,
+            "plausible": candidate.plausible if candidate.seen else None,
+            "amplitude": float(candidate.amplitudes[0]) if candidate.seen else None,
+            "unit": candidate.effect.parameters[0].unit,
+            "amplitudes": {
+                parameter.symbol: Quantity(float(a), float(s), parameter.unit).to_json()
+                for parameter, a, s in zip(
+                    candidate.effect.parameters,
+                    candidate.amplitudes,
+                    candidate.sigmas,
+                    strict=True,
+                )
+            }
+            if candidate.seen
+            else {},
+            "like": _likes(ranked, k),
+        }
+        for k, candidate in enumerate(ranked.candidates)
+    ]
+
+
+def _likes(ranked: Ranking, k: int) -> list[str]:
+    return [
+        other.effect.name
+        for j, other in enumerate(ranked.candidates)
+        if j != k and ranked.aliases[k, j] > SHOWN_ALIAS
+    ]
+
+
+def _add_candidate(table: Table, candidate: Candidate, likes: list[str]) -> None:
+    if not candidate.seen:
+        table.add_row(candidate.effect.name, "", "", "", "cannot be seen with these shots")
+        return
+    parameter = candidate.effect.parameters[0]
+    amplitude = Quantity(float(candidate.amplitudes[0]), float(candidate.sigmas[0]), parameter.unit)
+    table.add_row(
+        candidate.effect.name,
+        f"{candidate.score:.1f}",
+        f"{candidate.fall:.1f}",
+        f"{candidate.p_familywise:.4f}",
+        f"{parameter.symbol} = {amplitude.concise()}",
+        "" if parameter.unit == "1" else parameter.unit,
+        "" if candidate.plausible else "not plausible",
+        ", ".join(likes),
+    )
