@@ -34,3 +34,7 @@ class InputError(Exception):
 def counted(number: int, noun: str) -> str:
     """Return a number and what it counts, as a refusal says it: `1 frame`, `5 frames`."""
     return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
+
+
+class LaunchRefusedError(Exception):
+    """Settings from which no launch can be fitted or foretold: what was found, what was needed."""

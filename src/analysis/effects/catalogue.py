@@ -17,11 +17,15 @@ from analysis.effects import (
     gravity_value,
     image_scale,
     inertia_factor,
+    launch_delay,
     magnus_lift,
     mass_mismatch,
     mirror_angle,
     perspective,
     pixel_aspect,
+    pressure_friction,
+    pressure_hysteresis,
+    pressure_leak,
     radial_distortion,
     radius_mismatch,
     restitution_drift,
@@ -30,13 +34,15 @@ from analysis.effects import (
     restitution_viscoelastic,
     restitution_yield_knee,
     rolling_restitution_speed,
+    slide_backlash,
     spin_decay,
     tangential_compliance,
     torsional_friction,
+    tube_spin,
     velocity_offset,
     wind,
 )
-from analysis.effects.effect import Effect
+from analysis.effects.effect import Effect, LaunchEffect
 
 CATALOGUE: tuple[Effect, ...] = (
     restitution_viscoelastic.EFFECT,
@@ -72,3 +78,14 @@ CATALOGUE: tuple[Effect, ...] = (
     exposure_offset.EFFECT,
     block_readout.EFFECT,
 )
+
+LAUNCH_CATALOGUE: tuple[LaunchEffect, ...] = (
+    pressure_friction.EFFECT,
+    pressure_hysteresis.EFFECT,
+    pressure_leak.EFFECT,
+    launch_delay.EFFECT,
+    tube_spin.EFFECT,
+    slide_backlash.EFFECT,
+)
+"""Effects of the launch. They act on what a shot is given, never on what the collision makes of it,
+so poses alone hold nothing on them: they are ranked by the settings (`analysis.launch`)."""

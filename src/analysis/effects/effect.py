@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.collision.operator import Body, Operator
+from analysis.launch.muzzle import Launcher
 from analysis.setup import CameraSetup
 
 Floats = NDArray[np.float64]
@@ -89,6 +90,14 @@ class Effect:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class LaunchEffect(Effect):
+    """Changes what settings become at the muzzle: `wrap` turns a launcher into the changed one."""
+
+    stage: ClassVar[str] = "launch"
+    wrap: Callable[[Launcher, Values], Launcher]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class ContactEffect(Effect):
     """Changes what a contact leaves behind: `wrap` turns an operator into the changed one."""
 
@@ -150,3 +159,45 @@ class ClockEffect(Effect):
 
     stage: ClassVar[str] = "clock"
     expose: Callable[[Exposure, CameraSetup, Values], tuple[Floats, Floats]]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Turning:
+    """Where spheres are and how they are turned, S shots of F frames.
+
+    Attributes
+    ----------
+    position
+        Centres of mass as predicted from those of the outlines at first touch, m, (S, F, 2, 3).
+    rotation, at_touch
+        Orientations, body to rig axes, in the frames, (S, F, 2, 3, 3), and at first touch,
+        (S, 2, 3, 3).
+    """
+
+    position: Floats
+    rotation: Floats
+    at_touch: Floats
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BodyEffect(Effect):
+    """Moves what is seen of a sphere with its turning: centres of outlines, m, (S, F, 2, 3).
+
+    Orientations must be those of one body frame for each sphere through the whole campaign.
+    """
+
+    stage: ClassVar[str] = "body"
+    displace: Callable[[Turning, Values], Floats]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ScatterEffect(Effect):
+    """Adds noise that frames share instead of a shift; its one parameter is a standard deviation.
+
+    `whiten` takes columns of whitened numbers (S, N, C) and the whitened change of the prediction
+    for a unit of the disturbance of each frame, (S, F, N / F), and returns the columns whitened
+    with the added noise.
+    """
+
+    stage: ClassVar[str] = "scatter"
+    whiten: Callable[[Floats, Floats, Values], Floats]

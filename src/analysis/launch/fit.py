@@ -1,0 +1,190 @@
+"""Fitting the launches of a campaign: from the settings to the spheres at their mouths.
+
+Generalised least squares. What a fit of the poses says of first touch is compared with what the
+settings foretell; the residual r is carried back to the mouths, u = H^-1 r with H the derivative
+of the touch by the muzzle, where the quantities of a launch scatter independently:
+
+    covariance of u = H^-1 C H^-T + diag(s^2)
+
+C is that of the measurement, s the scatter of each kind of quantity, estimated from the residuals
+in turn with the parameters.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.effects.effect import LaunchEffect
+from analysis.effects.pressure_friction import EFFECT as FRICTION
+from analysis.errors import LaunchRefusedError
+from analysis.launch.compared import Compared, compare
+from analysis.launch.measurement import Touches, measured_touches
+from analysis.launch.muzzle import LaunchLaw
+from analysis.launch.result import LaunchFit
+from analysis.launch.scatter import KINDS, scatter_shape, variance_component
+from analysis.launch.settings import LaunchSettings, settings_of
+from analysis.launch.theory import LaunchTheory
+from analysis.model.fit import Fit
+from analysis.model.normal import inverse
+from analysis.model.poses import PoseData
+
+Floats = NDArray[np.float64]
+
+FEWEST_SHOTS = 5
+ROUNDS = 40
+SETTLED = 1e-3
+"""A step below this share of every standard error ends the fit, if the scatter stays as well."""
+SHARES = (1.0, 0.5, 0.2, 0.05)
+SLACK = 0.01
+"""Rise of the cost that is nothing: the way back to the mouths turns a little with each step."""
+
+
+def fit_launch(
+    data: PoseData,
+    fit: Fit,
+    effects: Sequence[LaunchEffect] = (FRICTION,),
+    *,
+    settings: LaunchSettings | None = None,
+) -> LaunchFit:
+    """Fit the launches to the states that a fit of the poses found.
+
+    Parameters
+    ----------
+    effects
+        Launch effects to be fitted; by default the friction of the pushers, which no rig is
+        without.
+    settings
+        Of the shots of `data`, in their order; None: what the covariates hold.
+
+    Raises
+    ------
+    LaunchRefusedError
+        Settings are missing, a pressure is not above zero, or the shots are fewer than five.
+    """
+    known = settings_of(data) if settings is None else settings
+    return fit_touches(measured_touches(data, fit), known, effects)
+
+
+def fit_touches(
+    touches: Touches, settings: LaunchSettings, effects: Sequence[LaunchEffect] = (FRICTION,)
+) -> LaunchFit:
+    """Fit the launches to measured touches, shots in the same order.
+
+    Raises
+    ------
+    LaunchRefusedError
+        As of `fit_launch`.
+    """
+    if len(touches.rows) < FEWEST_SHOTS:
+        raise LaunchRefusedError(f"{len(touches.rows)} shots, {FEWEST_SHOTS} are needed")
+    if (settings.pressure_kpa <= 0).any():
+        raise LaunchRefusedError(
+            f"a pressure of {settings.pressure_kpa.min():g} kPa, every one must be above 0"
+        )
+    theory = LaunchTheory(_first_law(settings, touches))
+    for effect in effects:
+        theory = theory.with_effect(effect)
+    return _settle(theory, settings, touches)
+
+
+def _first_law(settings: LaunchSettings, touches: Touches) -> LaunchLaw:
+    """Return pushers with the gain of the median shot."""
+    speeds = np.abs(touches.rows[:, [1, 4]])
+    gain = np.median(speeds**2 / settings.pressure_kpa, axis=0)
+    return LaunchLaw(float(gain[0]), float(gain[1]))
+
+
+def _settle(theory: LaunchTheory, settings: LaunchSettings, touches: Touches) -> LaunchFit:
+    """Step the parameters and estimate the scatter in turn until both stay."""
+    compared, freedom = compare(theory, settings, touches), _all_free(len(touches.rows))
+    scatter, covariance = _scatter(compared, freedom), np.zeros((0, 0))
+    converged = False
+    for _ in range(ROUNDS):
+        matrix, gradient = _sums(theory, compared, scatter)
+        covariance = inverse(matrix)
+        step = covariance @ gradient
+        theory, compared = _step(theory, step, (compared, scatter), settings, touches)
+        freedom = _freedom(compared, scatter, covariance)
+        before, scatter = scatter, _scatter(compared, freedom)
+        still = np.abs(scatter - before) <= SETTLED * np.maximum(scatter, 1e-12)
+        small = np.abs(step) <= SETTLED * np.sqrt(np.diag(covariance))
+        converged = bool(still.all() and small.all())
+        if converged:
+            break
+    return LaunchFit(
+        theory=theory,
+        covariance=covariance,
+        scatter=scatter,
+        freedom=freedom,
+        compared=compared,
+        settings=settings,
+        touches=touches,
+        converged=converged,
+    )
+
+
+def _step(
+    theory: LaunchTheory,
+    step: Floats,
+    present: tuple[Compared, Floats],
+    settings: LaunchSettings,
+    touches: Touches,
+) -> tuple[LaunchTheory, Compared]:
+    """Take the longest share of a step that does not raise the cost; none: stay."""
+    compared, scatter = present
+    variance = compared.variance(scatter)
+    cost = _cost(theory, compared, variance)
+    for share in SHARES:
+        moved = theory.at(theory.vector + share * step)
+        tried = compare(moved, settings, touches)
+        if _cost(moved, tried, variance) <= cost + SLACK:
+            return moved, tried
+    return theory, compared
+
+
+def _cost(theory: LaunchTheory, compared: Compared, variance: Floats) -> float:
+    """Return chi-squared at a fixed variance, with the prior."""
+    centre, width = theory.prior
+    solved = np.linalg.solve(variance, compared.residual[..., None])[..., 0]
+    prior = (((theory.vector - centre) / width) ** 2).sum()
+    return float((compared.residual * solved).sum() + prior)
+
+
+def _sums(theory: LaunchTheory, compared: Compared, scatter: Floats) -> tuple[Floats, Floats]:
+    """Return the information matrix and the gradient downhill, the prior in."""
+    residual, derivative = compared.whitened(scatter)
+    flat = derivative.reshape(-1, derivative.shape[-1])
+    centre, width = theory.prior
+    matrix = flat.T @ flat + np.diag(width**-2)
+    gradient = flat.T @ residual.reshape(-1) - (theory.vector - centre) / width**2
+    return matrix, np.asarray(gradient)
+
+
+def _all_free(shots: int) -> Floats:
+    return np.array([float(shots * len(kind.columns)) for kind in KINDS])
+
+
+def _freedom(compared: Compared, scatter: Floats, covariance: Floats) -> Floats:
+    """Return the degrees of freedom of each kind: its numbers less its share of the hat matrix."""
+    residual, derivative = compared.whitened(scatter)
+    leverage = np.einsum("sip,pq,siq->si", derivative, covariance, derivative)
+    shots = len(residual)
+    taken = np.array([leverage[:, list(kind.columns)].sum() for kind in KINDS])
+    return np.asarray(np.maximum(_all_free(shots) - taken, 1.0))
+
+
+def _scatter(compared: Compared, freedom: Floats) -> Floats:
+    """Return the scatter of each kind from its own residuals, shape (K,)."""
+    found = []
+    variance = np.diagonal(compared.covariance, axis1=1, axis2=2)
+    for kind, nu in zip(KINDS, freedom, strict=True):
+        columns = list(kind.columns)
+        shape = np.concatenate([scatter_shape(c, compared.speed) for c in columns])
+        residual = compared.residual[:, columns].T.reshape(-1)
+        found.append(
+            variance_component(residual, variance[:, columns].T.reshape(-1), shape, float(nu))
+        )
+    return np.array(found)

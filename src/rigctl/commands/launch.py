@@ -1,0 +1,194 @@
+"""`rigctl model launch`: from the settings of a campaign to the mouths of the tubes."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+
+from analysis.campaign import SHOT_LIST
+from analysis.effects.catalogue import LAUNCH_CATALOGUE
+from analysis.effects.effect import LaunchEffect
+from analysis.effects.pressure_friction import EFFECT as FRICTION
+from analysis.errors import InputError, LaunchRefusedError
+from analysis.launch.agreement import LaunchAgreement, agreement_of
+from analysis.launch.fit import fit_launch
+from analysis.launch.ranking import LaunchCandidate, LaunchRanking, rank_launch
+from analysis.launch.result import LaunchFit
+from analysis.launch.settings import read_settings
+from analysis.model.fit import fit_campaign
+from analysis.model.gather import gather
+from analysis.model.inside import without_contact_frames
+from analysis.quantity import Quantity
+from rigctl.errors import AnalysisInputError, NotFoundError
+
+SHOWN_ALIAS = 0.9
+TABLE_WIDTH = 110
+
+
+def launch(campaign: Path, names: Sequence[str], *, as_json: bool) -> None:
+    """Fit the launches of a campaign and rank the effects of the launch; print both.
+
+    Raises
+    ------
+    AnalysisInputError
+        The campaign cannot be read, or its settings do not let launches be fitted.
+    NotFoundError
+        No effect of the launch has that name.
+    """
+    added = [_effect(name) for name in dict.fromkeys(names)]
+    title, fitted = _fitted(campaign, [FRICTION, *(e for e in added if e is not FRICTION)])
+    ranked = rank_launch(fitted, LAUNCH_CATALOGUE)
+    if as_json:
+        json.dump(_document(title, fitted, ranked), sys.stdout, allow_nan=False)
+        sys.stdout.write("\n")
+        return
+    console = Console(width=TABLE_WIDTH)
+    end = "" if fitted.converged else "; the fit has not settled"
+    console.print(f"{title}: launches of {len(fitted.touches.rows)} shots{end}", highlight=False)
+    for table in (_parameters(fitted), _quantities(agreement_of(fitted)), _candidates(ranked)):
+        console.print(table)
+
+
+def _fitted(campaign: Path, effects: Sequence[LaunchEffect]) -> tuple[str, LaunchFit]:
+    try:
+        title, poses = gather(campaign)
+        settings = read_settings(campaign / SHOT_LIST, poses.shots)
+        data = without_contact_frames(poses)
+        return title, fit_launch(data, fit_campaign(data), effects, settings=settings)
+    except InputError as error:
+        place = error.path if error.line is None else f"{error.path}, line {error.line}"
+        raise AnalysisInputError(error.reason, part=place) from error
+    except LaunchRefusedError as error:
+        raise AnalysisInputError(
+            f"no launch can be fitted: {error}", part=str(campaign / SHOT_LIST)
+        ) from error
+
+
+def _effect(name: str) -> LaunchEffect:
+    known = {effect.name: effect for effect in LAUNCH_CATALOGUE}
+    if name not in known:
+        raise NotFoundError(
+            "no effect of the launch has this name",
+            part="--with",
+            value=repr(name),
+            todo=f"choose one of {', '.join(sorted(known))}",
+        )
+    return known[name]
+
+
+def _document(title: str, fitted: LaunchFit, ranked: LaunchRanking) -> dict[str, Any]:
+    return {
+        "campaign": title,
+        "shots": len(fitted.touches.rows),
+        "with": [active.effect.name for active in fitted.theory.active],
+        "converged": fitted.converged,
+        "parameters": {name: q.to_json() for name, q in fitted.parameters().items()},
+        "quantities": [asdict(row) for row in agreement_of(fitted)],
+        "candidates": [_candidate(one, _likes(ranked, k)) for k, one in _numbered(ranked)],
+    }
+
+
+def _candidate(candidate: LaunchCandidate, likes: list[str]) -> dict[str, Any]:
+    seen = candidate.seen
+    return {
+        "effect": candidate.effect.name,
+        "fitted": candidate.fitted,
+        "seen": seen,
+        "score": candidate.score if seen else None,
+        "promised_fall": candidate.fall,
+        "p_value": candidate.p_value,
+        "p_familywise": candidate.p_familywise,
+        "plausible": candidate.plausible if seen else None,
+        "amplitudes": {
+            symbol: quantity.to_json() for symbol, quantity in _amplitudes(candidate).items()
+        }
+        if seen
+        else {},
+        "like": likes,
+    }
+
+
+def _amplitudes(candidate: LaunchCandidate) -> dict[str, Quantity]:
+    rows = zip(candidate.effect.parameters, candidate.amplitudes, candidate.sigmas, strict=True)
+    return {p.symbol: Quantity(float(a), float(s), p.unit) for p, a, s in rows}
+
+
+def _numbered(ranked: LaunchRanking) -> list[tuple[int, LaunchCandidate]]:
+    return list(enumerate(ranked.candidates))
+
+
+def _likes(ranked: LaunchRanking, k: int) -> list[str]:
+    return [
+        other.effect.name
+        for j, other in _numbered(ranked)
+        if j != k and ranked.aliases[k, j] > SHOWN_ALIAS
+    ]
+
+
+def _table(title: str, left: Sequence[str], right: Sequence[str] = ()) -> Table:
+    table = Table(title=title, title_justify="left", box=None)
+    for heading in left:
+        table.add_column(heading)
+    for heading in right:
+        table.add_column(heading, justify="right")
+    return table
+
+
+def _unit(unit: str) -> str:
+    return "" if unit == "1" else unit
+
+
+def _parameters(fitted: LaunchFit) -> Table:
+    table = _table("pushers and tubes", ("parameter", "value", "unit"))
+    for name, quantity in fitted.parameters().items():
+        table.add_row(name, quantity.concise(), _unit(quantity.unit))
+    return table
+
+
+def _quantities(rows: Sequence[LaunchAgreement]) -> Table:
+    table = _table(
+        "foretold from the settings", ("quantity", "unit"), ("scatter", "prediction error", "n")
+    )
+    for row in rows:
+        table.add_row(
+            row.quantity,
+            row.unit,
+            f"{row.scatter:.3g}",
+            f"{row.prediction_rms:.3g}",
+            str(row.count),
+        )
+    table.caption = "prediction error: root mean square, each shot by the parameters of the others"
+    return table
+
+
+def _candidates(ranked: LaunchRanking) -> Table:
+    table = _table("effects", ("effect", "amplitude", ""), ("score", "p"))
+    table.add_column("like")
+    for k, candidate in _numbered(ranked):
+        if not candidate.seen:
+            table.add_row(candidate.effect.name, "cannot be seen with these settings")
+            continue
+        amplitudes = ", ".join(
+            f"{symbol} = {quantity.concise()} {_unit(quantity.unit)}".rstrip()
+            for symbol, quantity in _amplitudes(candidate).items()
+        )
+        remarks = [
+            *(["in the fit"] if candidate.fitted else []),
+            *([] if candidate.plausible else ["not plausible"]),
+        ]
+        table.add_row(
+            candidate.effect.name,
+            amplitudes,
+            ", ".join(remarks),
+            f"{candidate.score:.1f}",
+            f"{candidate.p_familywise:.4f}",
+            ", ".join(_likes(ranked, k)),
+        )
+    return table
