@@ -1,9 +1,8 @@
-"""From scores to a verdict: which effect is missing, or that none is, or that none is known.
+"""From scores to a verdict: which effects are missing, or none, or one that no catalogue holds.
 
-Forward selection with ranking anew after each acceptance, one backward pass, and the test for
-structure that remains. A score only invites an effect to be fitted; it is accepted when its refit
-beats, at the level corrected for having looked at all, what chance can do, and when the error on
-shots left out falls.
+Forward with re-ranking, one backward pass, then the lack-of-fit test. An effect is accepted when
+its refit passes the family-wise level, no two shots carry it, and the error on shots left out
+falls.
 """
 
 from __future__ import annotations
@@ -12,7 +11,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import chi2 as chi2_distribution
 
 from analysis.effects.effect import Effect
@@ -20,31 +18,20 @@ from analysis.model.crossvalidation import PredictionError, prediction_error
 from analysis.model.fit import Fit, fit_campaign
 from analysis.model.inside import without_contact_frames
 from analysis.model.lackoffit import Cell, lack_of_fit
+from analysis.model.leaders import Leader, alias_set, in_order, refitted
+from analysis.model.noise import noise_scales
 from analysis.model.outliers import Cleaned, clean
 from analysis.model.poses import PoseData
-from analysis.model.ranking import Candidate, Ranking, rank
+from analysis.model.ranking import Ranking, rank
 
 FIRST_LEVEL, LATER_LEVEL = 0.03, 0.01
 """Family-wise level of the first acceptance and of each later one: the stricter keeps out shadows
 of an effect already accepted."""
-MOST_ACCEPTED, MOST_REFITTED = 5, 10
-ALIAS_WITHIN = (2 * 1.2816) ** 2
-"""Refits this close in deviance are told apart rightly in less than nine of ten campaigns."""
-BELIEVED_SHARE = 0.2
-"""A plausible effect goes before an implausible one if it has this share of its fall."""
+MOST_ACCEPTED, MOST_TRIED = 5, 3
 DROP_LEVEL = 0.0015
 UNEXPLAINED_LEVEL = 0.01
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Leader:
-    """A refitted candidate: the fall of chi-squared it really brought, and the fit."""
-
-    candidate: Candidate
-    fit: Fit
-    fall: float
-    criterion: float
-    plausible: bool
+CONTRADICTED_SIGMAS = 4.0
+"""Stated sigmas are taken at their word unless the scatter about free flight differs by so much."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -75,8 +62,10 @@ class Verdict:
         What the data ask for at the end.
     cells
         Structure that is left, the most striking first.
-    data, cleaned
+    cleaned
         What was used, and what was taken out.
+    noise
+        By what stated sigmas of positions and orientations were multiplied; 1: as stated.
     """
 
     verdict: str
@@ -87,6 +76,7 @@ class Verdict:
     first_ranking: Ranking
     cells: tuple[Cell, ...]
     cleaned: Cleaned
+    noise: tuple[float, float]
 
     @property
     def fit(self) -> Fit:
@@ -101,41 +91,83 @@ def explain(
 ) -> Verdict:
     """Go the whole way from the base model to a verdict."""
     progress("fitting the base model")
-    cleaned = clean(without_contact_frames(data))
-    used = cleaned.data
-    path = [_stage(used, cleaned.fit)]
-    first_ranking = ranking = rank(used, cleaned.fit, effects)
+    outside = without_contact_frames(data)
+    cleaned = clean(outside)
+    outside, noise = _with_real_noise(outside, cleaned)
+    if noise != (1.0, 1.0):
+        cleaned = clean(outside)
+    path = [_stage(cleaned.data, cleaned.fit)]
+    first_ranking = ranking = rank(cleaned.data, cleaned.fit, effects)
     alias_sets: dict[str, tuple[str, ...]] = {}
     while len(path) <= MOST_ACCEPTED:
         progress(f"refitting the leaders, {len(path) - 1} effects accepted")
         level = FIRST_LEVEL if len(path) == 1 else LATER_LEVEL
-        leaders = _leaders(used, path[-1].fit, ranking, level)
-        chosen = _choose(leaders)
-        if chosen is None:
+        leaders = refitted(cleaned.data, path[-1].fit, ranking, level)
+        accepted = _accepted(cleaned.data, path[-1], leaders)
+        if accepted is None:
             break
-        stage = _stage(used, fit_campaign(used, chosen.fit.theory, chosen.fit))
-        if stage.error.value >= path[-1].error.value:
-            break
-        name = chosen.candidate.effect.name
-        alias_sets[name] = _alias_set(chosen, leaders)
+        leader, stage = accepted
+        alias_sets[leader.name] = alias_set(leader, leaders)
         path.append(stage)
-        ranking = rank(used, stage.fit, effects)
-    path = _backward(used, path)
-    accepted = path[-1].effects
+        cleaned, path = _brought_back(outside, cleaned, path)
+        ranking = rank(cleaned.data, path[-1].fit, effects)
+    path = _backward(cleaned.data, path)
     progress("testing what is left")
-    cells = lack_of_fit(used, path[-1].fit)
-    ambiguous = [name for name in accepted if len(alias_sets[name]) > 1]
-    alias_set = next((alias_sets[name] for name in (*ambiguous, *accepted)), ())
+    cells = lack_of_fit(cleaned.data, path[-1].fit)
+    names = path[-1].effects
+    ambiguous = [name for name in names if len(alias_sets[name]) > 1]
     return Verdict(
-        verdict=_word(accepted, alias_sets, cells),
-        effects=accepted,
-        alias_set=alias_set,
+        verdict=_word(names, alias_sets, cells),
+        effects=names,
+        alias_set=next((alias_sets[name] for name in (*ambiguous, *names)), ()),
         path=tuple(path),
         ranking=ranking,
         first_ranking=first_ranking,
         cells=cells,
         cleaned=cleaned,
+        noise=noise,
     )
+
+
+def _with_real_noise(data: PoseData, cleaned: Cleaned) -> tuple[PoseData, tuple[float, float]]:
+    """Return the data with sigmas of either kind corrected where the scatter contradicts them."""
+    factors = [
+        scale.value if abs(scale.value - 1) > CONTRADICTED_SIGMAS * scale.sigma else 1.0
+        for scale in noise_scales(cleaned.data, cleaned.fit)
+    ]
+    position, rotation = factors
+    scaled = data.with_sigmas(position * data.position_sigma, rotation * data.rotation_sigma)
+    return scaled, (position, rotation)
+
+
+def _accepted(
+    data: PoseData, present: Stage, leaders: Sequence[Leader]
+) -> tuple[Leader, Stage] | None:
+    """Return the first leader that brings down the error on shots left out, at convergence."""
+    for leader in in_order(leaders)[:MOST_TRIED]:
+        stage = _stage(data, fit_campaign(data, leader.fit.theory, leader.fit))
+        if stage.error.value < present.error.value:
+            return leader, stage
+    return None
+
+
+def _brought_back(
+    data: PoseData, cleaned: Cleaned, path: list[Stage]
+) -> tuple[Cleaned, list[Stage]]:
+    """Test dropped shots and frames against the theory as it is now; those it explains come back.
+
+    The whole path is then fitted to the same shots, so that its errors compare.
+    """
+    if cleaned.kept.all() and not cleaned.frames:
+        return cleaned, path
+    again = clean(data, path[-1].fit.theory)
+    same = np.array_equal(again.kept, cleaned.kept) and again.frames == cleaned.frames
+    if same:
+        return cleaned, path
+    earlier = [
+        _stage(again.data, fit_campaign(again.data, stage.fit.theory)) for stage in path[:-1]
+    ]
+    return again, [*earlier, _stage(again.data, again.fit)]
 
 
 def _word(
@@ -151,72 +183,6 @@ def _word(
 def _stage(data: PoseData, fit: Fit) -> Stage:
     names = tuple(active.effect.name for active in fit.theory.active)
     return Stage(names, fit, prediction_error(data, fit))
-
-
-def _leaders(data: PoseData, fit: Fit, ranking: Ranking, level: float) -> list[Leader]:
-    """Refit every candidate whose promise passes the level, at most ten."""
-    invited = [c for c in ranking.candidates if c.seen and c.p_familywise < level]
-    leaders = []
-    for candidate in invited[:MOST_REFITTED]:
-        refit = fit_campaign(data, fit.theory.with_effect(candidate.effect), fit)
-        leaders.append(_leader(candidate, refit, fit, len(data.shots)))
-    if not leaders:
-        return []
-    noise = min(leader.fit.chi2_per_dof for leader in leaders)
-    threshold = max(c.p_value for c in invited)
-    return [
-        leader
-        for leader in leaders
-        if chi2_distribution.sf(leader.fall / noise, len(leader.candidate.amplitudes)) <= threshold
-    ]
-
-
-def _leader(candidate: Candidate, refit: Fit, fit: Fit, shots: int) -> Leader:
-    fall = fit.chi2 - refit.chi2
-    count = len(candidate.effect.parameters)
-    values = refit.theory.vector[-count:]
-    sigmas = np.sqrt(np.diag(refit.covariance))[-count:]
-    return Leader(
-        candidate=candidate,
-        fit=refit,
-        fall=fall,
-        criterion=fall / max(refit.chi2_per_dof, 1e-12) - count * float(np.log(max(shots, 2))),
-        plausible=_believed(candidate.effect, values, sigmas),
-    )
-
-
-def _believed(effect: Effect, values: NDArray[np.float64], sigmas: NDArray[np.float64]) -> bool:
-    return all(
-        parameter.plausible[0] - 2 * sigma <= value <= parameter.plausible[1] + 2 * sigma
-        for parameter, value, sigma in zip(effect.parameters, values, sigmas, strict=True)
-    )
-
-
-def _choose(leaders: list[Leader]) -> Leader | None:
-    """Return the best refit; a plausible one before a better one that is not believed."""
-    if not leaders:
-        return None
-    best = max(leaders, key=lambda leader: leader.criterion)
-    if best.plausible:
-        return best
-    believed = [x for x in leaders if x.plausible and x.fall > BELIEVED_SHARE * best.fall]
-    return max(believed, key=lambda leader: leader.criterion, default=best)
-
-
-def _alias_set(chosen: Leader, leaders: list[Leader]) -> tuple[str, ...]:
-    """Return all refits that these shots cannot tell from the chosen one, it first.
-
-    One that contains the chosen effect is no alias of it but a larger model.
-    """
-    name = chosen.candidate.effect.name
-    near = [
-        leader.candidate.effect.name
-        for leader in leaders
-        if leader is not chosen
-        and abs(chosen.criterion - leader.criterion) < ALIAS_WITHIN
-        and len(leader.candidate.amplitudes) <= len(chosen.candidate.amplitudes)
-    ]
-    return (name, *near)
 
 
 def _backward(data: PoseData, path: list[Stage]) -> list[Stage]:

@@ -1,0 +1,114 @@
+"""Candidates refitted: which of them really brings chi-squared down, and which look alike."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import chi2 as chi2_distribution
+
+from analysis.model.fit import Fit, fit_campaign
+from analysis.model.poses import PoseData
+from analysis.model.ranking import Candidate, Ranking, believed
+
+MOST_REFITTED = 10
+ALIAS_WITHIN = (2 * 1.2816) ** 2
+"""Refits this close in deviance are told apart rightly in less than nine of ten campaigns."""
+BELIEVED_SHARE = 0.2
+"""A plausible effect goes before an implausible one if it has this share of its fall."""
+MOST_CARRIED, MOST_CARRIED_OF_FEW, FEW = 0.6, 0.85, 12
+"""No finding is believed of whose fall two shots carry more than this share."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Leader:
+    """A refitted candidate.
+
+    Attributes
+    ----------
+    fall
+        Of chi-squared, as the refit really brought it.
+    criterion
+        Fall in units of the noise, less ln(shots) for each parameter: half of BIC's difference.
+    plausible
+        Whether its values are believed.
+    """
+
+    candidate: Candidate
+    fit: Fit
+    fall: float
+    criterion: float
+    plausible: bool
+
+    @property
+    def name(self) -> str:
+        """Of its effect."""
+        return self.candidate.effect.name
+
+
+def refitted(data: PoseData, fit: Fit, ranking: Ranking, level: float) -> list[Leader]:
+    """Refit every candidate whose promise passes a family-wise level and is not carried by two.
+
+    Those whose likelihood ratio, after the refit, no longer passes are left out.
+    """
+    invited = [c for c in ranking.candidates if c.seen and c.p_familywise < level]
+    trusted = [c for c in invited if c.carried_share < _most_carried(data)]
+    leaders = [_refit(data, fit, candidate) for candidate in trusted[:MOST_REFITTED]]
+    if not leaders:
+        return []
+    noise = min(leader.fit.chi2_per_dof for leader in leaders)
+    threshold = max(c.p_value for c in invited)
+    return [
+        leader
+        for leader in leaders
+        if chi2_distribution.sf(leader.fall / noise, leader.candidate.freedom) <= threshold
+    ]
+
+
+def in_order(leaders: Sequence[Leader]) -> list[Leader]:
+    """Return leaders as they are to be tried: the best first, a believed one before its betters.
+
+    A plausible effect goes first if it has a fifth of the fall of the best.
+    """
+    ordered = sorted(leaders, key=lambda leader: -leader.criterion)
+    if not ordered or ordered[0].plausible:
+        return ordered
+    least = BELIEVED_SHARE * ordered[0].fall
+    first = [x for x in ordered if x.plausible and x.fall > least]
+    return [*first, *(x for x in ordered if x not in first)]
+
+
+def alias_set(chosen: Leader, leaders: Sequence[Leader]) -> tuple[str, ...]:
+    """Return all refits that these shots cannot tell from the chosen one, it first.
+
+    One that contains the chosen effect is no alias of it but a larger model.
+    """
+    near = [
+        leader.name
+        for leader in leaders
+        if leader is not chosen
+        and abs(chosen.criterion - leader.criterion) < ALIAS_WITHIN
+        and len(leader.candidate.amplitudes) <= len(chosen.candidate.amplitudes)
+    ]
+    return (chosen.name, *near)
+
+
+def _most_carried(data: PoseData) -> float:
+    return MOST_CARRIED if len(data.shots) >= FEW else MOST_CARRIED_OF_FEW
+
+
+def _refit(data: PoseData, fit: Fit, candidate: Candidate) -> Leader:
+    refit = fit_campaign(data, fit.theory.with_effect(candidate.effect), fit)
+    count = len(candidate.effect.parameters)
+    fall = fit.chi2 - refit.chi2
+    values = refit.theory.vector[-count:]
+    sigmas = np.sqrt(np.diag(refit.covariance))[-count:] * np.sqrt(refit.chi2_per_dof)
+    penalty = candidate.freedom * float(np.log(max(len(data.shots), 2)))
+    return Leader(
+        candidate=candidate,
+        fit=refit,
+        fall=fall,
+        criterion=fall / max(refit.chi2_per_dof, 1e-12) - penalty,
+        plausible=believed(candidate.effect, values, sigmas),
+    )
