@@ -221,6 +221,20 @@ OwnEffects = Annotated[
 ]
 
 
+@model.command("agreement")
+def model_agreement(
+    campaign: Campaign,
+    *,
+    effects: With = None,
+    folder: OwnEffects = None,
+    json: Json = False,
+) -> None:
+    """Say where the model and the campaign agree, and where they do not."""
+    from rigctl.commands.model.agreement import agreement
+
+    agreement(campaign, effects or [], as_json=json, folder=folder)
+
+
 @model.command("fit")
 def model_fit(
     campaign: Campaign, *, effects: With = None, folder: OwnEffects = None, json: Json = False

@@ -11,7 +11,7 @@ from scipy.stats import chi2 as chi2_distribution
 from analysis.model.agreement.outcome import outcome_rows, outcomes
 from analysis.model.agreement.poses import fitted_row, pose_groups, predicted_row, sides
 from analysis.model.agreement.shapes import shape_rows
-from analysis.model.agreement.table import Agreement, Stage
+from analysis.model.agreement.table import Agreement, Stage, looked_at_together
 from analysis.model.channels import (
     FrameChannel,
     camera_channels,
@@ -56,7 +56,7 @@ def agree(data: PoseData, fit: Fit, further: Sequence[Stage] = ()) -> Agreement:
         ),
     ]
     return Agreement(
-        stages=tuple(stage for stage in stages if stage.rows),
+        stages=looked_at_together(stages),
         chi2=fit.chi2,
         freedom=freedom,
         p_value=float(chi2_distribution.sf(fit.chi2, freedom)),

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2 as chi2_distribution
 
 from analysis.model.crossvalidation import PredictionError
+from analysis.model.lackoffit import holm
+from analysis.model.noise import NoiseScale
 
 Floats = NDArray[np.float64]
 
@@ -61,8 +64,9 @@ class Row:
     chi2, freedom
         Sum of squared whitened residuals of the fit, and what it is on average when nothing is
         missing and the errors are as stated: the count less what the fit took up of it.
-    p_value
-        Chance of a chi2 at least as large by noise alone.
+    p_value, p_holm
+        Chance of a chi2 at least as large by noise alone, and with all lines of its table looked
+        at.
     error, sampling
         Whitened error of the prediction, floor 1, and its standard deviation when nothing is
         missing.
@@ -80,6 +84,7 @@ class Row:
     sampling: float
     size: float
     floor: float
+    p_holm: float = 1.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,8 +108,8 @@ class Agreement:
     prediction
         Whitened error of the poses after contact of shots left out.
     noise
-        By what the residuals say the stated sigmas of positions and of orientations are to be
-        multiplied. 1 when nothing is missing and they are true.
+        By what the scatter about free flights says the stated sigmas of positions and of
+        orientations are to be multiplied.
     """
 
     stages: tuple[Stage, ...]
@@ -112,12 +117,24 @@ class Agreement:
     freedom: int
     p_value: float
     prediction: PredictionError
-    noise: tuple[float, float]
+    noise: tuple[NoiseScale, NoiseScale]
 
     @property
     def rows(self) -> tuple[Row, ...]:
         """All lines of the table."""
         return tuple(row for stage in self.stages for row in stage.rows)
+
+
+def looked_at_together(stages: Sequence[Stage]) -> tuple[Stage, ...]:
+    """Return stages with p-values for having looked at all their lines; empty stages left out."""
+    corrected = iter(holm(np.array([row.p_value for stage in stages for row in stage.rows])))
+    return tuple(
+        replace(
+            stage, rows=tuple(replace(row, p_holm=float(next(corrected))) for row in stage.rows)
+        )
+        for stage in stages
+        if stage.rows
+    )
 
 
 def root_mean(total: float, count: float) -> float:

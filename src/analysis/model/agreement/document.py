@@ -1,0 +1,94 @@
+"""Agreement and structure as other programs and the page read them."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from analysis.model.agreement.table import Agreement, Row
+from analysis.model.covariates import covariate_label
+from analysis.model.lackoffit import Cell
+from analysis.model.structure import CellResiduals, Structure
+
+Json = dict[str, Any]
+
+SMALLEST_P = 1e-300
+DRAWN = 6
+"""Of so many cells, the most striking ones, a document holds the residuals."""
+
+
+def agreement_document(found: Agreement) -> Json:
+    """Return the table, its lines in stages, with p-values for having looked at all lines."""
+    return {
+        "chi2": found.chi2,
+        "degrees_of_freedom": found.freedom,
+        "chi2_per_dof": found.chi2 / found.freedom,
+        "p_value": max(found.p_value, SMALLEST_P),
+        "prediction_error": found.prediction.value,
+        "prediction_error_sampling": found.prediction.sampling,
+        "noise": {
+            kind: {"value": scale.value, "sigma": scale.sigma if np.isfinite(scale.sigma) else None}
+            for kind, scale in zip(("positions", "orientations"), found.noise, strict=True)
+        },
+        "stages": [
+            {
+                "stage": stage.name,
+                "quantities": [_row(row) for row in stage.rows],
+            }
+            for stage in found.stages
+        ],
+    }
+
+
+def structure_document(found: Structure) -> Json:
+    """Return all cells, and the residuals of the most striking ones."""
+    return {
+        "cells": [_cell(cell) for cell in found.cells],
+        "residuals": [
+            residuals_document(found.residuals(cell.channel, cell.covariate))
+            for cell in found.cells[:DRAWN]
+        ],
+    }
+
+
+def residuals_document(found: CellResiduals) -> Json:
+    """Return the points of a cell and their running mean, arrays as lists."""
+    trend = found.trend
+    return {
+        "channel": found.channel,
+        "covariate": found.covariate,
+        "x_label": covariate_label(found.covariate),
+        "unit": found.unit,
+        "shots": found.shots.tolist(),
+        "frames": found.frames.tolist(),
+        "x": found.place.tolist(),
+        "residual": found.residual.tolist(),
+        "sigma": found.sigma.tolist(),
+        "trend": {
+            "x": trend.place.tolist(),
+            "mean": trend.mean.tolist(),
+            "sigma": trend.sigma.tolist(),
+        },
+    }
+
+
+def _row(row: Row) -> Json:
+    document = asdict(row)
+    document["degrees_of_freedom"] = document.pop("freedom")
+    del document["p_holm"]
+    document["p_value"] = max(row.p_value, SMALLEST_P)
+    document["p_familywise"] = max(row.p_holm, SMALLEST_P)
+    return document
+
+
+def _cell(cell: Cell) -> Json:
+    return {
+        "channel": cell.channel,
+        "covariate": cell.covariate,
+        "chi2": cell.chi2,
+        "degrees_of_freedom": cell.freedom,
+        "p_value": max(cell.p_value, SMALLEST_P),
+        "p_familywise": max(cell.p_holm, SMALLEST_P),
+    }

@@ -1,0 +1,117 @@
+"""`rigctl model agreement`: where the model and the campaign agree, and where they do not."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from rich.console import Console
+from rich.table import Table
+
+from analysis.effects.own.fault import EffectFault
+from analysis.model.agreement.agree import agree
+from analysis.model.agreement.document import agreement_document, structure_document
+from analysis.model.agreement.table import Agreement, Row
+from analysis.model.lackoffit import Cell
+from analysis.model.structure import structure
+from rigctl.commands import report
+from rigctl.commands.effect import available, refused, tell
+from rigctl.commands.model.printing import TABLE_WIDTH, fit_document, headline, print_json
+from rigctl.commands.model.reading import fitted
+
+ALARM = 0.01
+SHOWN_CELLS = 8
+
+
+def agreement(
+    campaign: Path,
+    names: Sequence[str],
+    *,
+    as_json: bool,
+    folder: Path | None = None,
+) -> None:
+    """Hold the base model and the named effects against a campaign; print where they fail.
+
+    Parameters
+    ----------
+    folder
+        Where the user's own effects are.
+
+    Raises
+    ------
+    AnalysisInputError
+        The campaign or the folder cannot be read, or a named effect has a fault.
+    NotFoundError
+        No effect has that name.
+    """
+    known = available(folder)
+    found = fitted(campaign, names, known)
+    try:
+        with report.progress() as say:
+            say("comparing")
+            compared = agree(found.data, found.fit)
+            say("testing what is left")
+            left = structure(found.data, found.fit)
+    except EffectFault as error:
+        raise refused(error.fault) from error
+    faults = tell(known.faults)
+    if as_json:
+        document = {**fit_document(found), **agreement_document(compared)}
+        print_json({**document, "structure": structure_document(left), "faults": faults})
+        return
+    console = Console(width=TABLE_WIDTH)
+    console.print(headline(found), highlight=False)
+    console.print(_summary(compared), highlight=False)
+    console.print(_table(compared))
+    console.print(_cells(left.cells))
+
+
+def _summary(found: Agreement) -> str:
+    positions, orientations = found.noise
+    return (
+        f"error on shots left out {found.prediction.value:.4f} of the noise (floor 1, sampling "
+        f"error {found.prediction.sampling:.4f}); noise {positions.value:.3f} of what is stated "
+        f"for positions, {orientations.value:.3f} for orientations"
+    )
+
+
+def _table(found: Agreement) -> Table:
+    table = Table(box=None)
+    for heading in ("", "chi²", "dof", "p", "error / noise", "error", "floor", "unit"):
+        left = heading in {"", "unit"}
+        table.add_column(heading, justify="left" if left else "right", no_wrap=True)
+    for stage in found.stages:
+        table.add_row(stage.name, style="bold")
+        for row in stage.rows:
+            table.add_row(*_fields(row), style="bold" if row.p_holm < ALARM else None)
+    table.caption = (
+        "p: chance of as much by noise, all lines looked at; error: what a prediction misses, root "
+        "mean square, beside what noise alone makes of it; bold: p below 0.01"
+    )
+    return table
+
+
+def _fields(row: Row) -> tuple[str, ...]:
+    return (
+        f"  {row.quantity}",
+        f"{row.chi2:.1f}",
+        f"{row.freedom:.1f}",
+        "1" if row.p_holm >= 1 else f"{row.p_holm:.2g}",
+        f"{row.error:.3f} ± {row.sampling:.3f}",
+        f"{row.size:.3g}",
+        f"{row.floor:.3g}",
+        row.unit,
+    )
+
+
+def _cells(cells: Sequence[Cell]) -> Table:
+    table = Table(title="structure that is left", title_justify="left", box=None)
+    for heading in ("of", "against", "chi²", "dof", "p"):
+        left = heading in {"of", "against"}
+        table.add_column(heading, justify="left" if left else "right", no_wrap=True)
+    for cell in cells[:SHOWN_CELLS]:
+        p = "1" if cell.p_holm >= 1 else f"{cell.p_holm:.2g}"
+        fields = (cell.channel, cell.covariate, f"{cell.chi2:.1f}", str(cell.freedom), p)
+        table.add_row(*fields, style="bold" if cell.p_holm < ALARM else None)
+    table.caption = f"the {min(SHOWN_CELLS, len(cells))} most striking of {len(cells)} cells"
+    return table
