@@ -7,13 +7,12 @@ returns in a wrong form, becomes an `EffectFault`.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, fields, is_dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from types import CodeType
-from typing import Any, TypeVar, cast
+from typing import Any, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analysis.collision.operator import Encounter, Operator, Outcome
 from analysis.effects.effect import (
@@ -27,82 +26,11 @@ from analysis.effects.effect import (
     Flying,
     Values,
 )
-from analysis.effects.own.fault import EffectFault, Fault, line_in, said
+from analysis.effects.own.watch import Given, Watch, a_value, finite, read_only
 from analysis.setup import CameraSetup
-
-Result = TypeVar("Result")
-Given = TypeVar("Given")
 
 FUNCTIONS = {"contact": "wrap", "flight": "accelerate", "camera": "appear", "clock": "expose"}
 """The function that acts, by the stage it acts in."""
-
-
-@dataclass(frozen=True, slots=True)
-class Watch:
-    """Where an effect stands and the range it is believed in, for what is said of its faults."""
-
-    path: Path
-    line: int
-    effect: Effect
-
-    def fault(self, what: str, todo: str, line: int | None = None) -> EffectFault:
-        """Return a fault of this effect, at its function where no line is known."""
-        return EffectFault(Fault(self.path, line or self.line, self.effect.name, what, todo))
-
-    def call(self, function: Callable[..., Result], *arguments: object) -> Result:
-        """Call a function of the user's file.
-
-        Raises
-        ------
-        EffectFault
-            It raised anything; or an effect within it did, and that one is named.
-        """
-        try:
-            # What is not finite is judged by the result, where it can be named.
-            with np.errstate(all="ignore"):
-                return function(*arguments)
-        except EffectFault:
-            raise
-        except Exception as error:
-            line = line_in(self.path, error.__traceback__)
-            raise self.fault(f"raised {said(error)}", "mend the function", line) from error
-
-    def array(self, name: str, found: object, shape: tuple[int, ...], values: Values) -> Floats:
-        """Return what a function gave, if it is an array of this shape and finite where believed.
-
-        Beyond the plausible range a fit only tries whether it may go there; there an effect may
-        say by NaN that it may not.
-
-        Raises
-        ------
-        EffectFault
-            It is no array of real numbers, has another shape, or is not finite.
-        """
-        if not isinstance(found, np.ndarray) or found.dtype.kind not in "fiu":
-            kind = f"an array of {found.dtype}" if isinstance(found, np.ndarray) else _a(found)
-            raise self.fault(f"returned {kind} for {name}", "return a NumPy array of real numbers")
-        if found.shape != shape:
-            raise self.fault(
-                f"returned {name} of shape {found.shape}", f"return an array of shape {shape}"
-            )
-        if self._believed(values) and not np.isfinite(found).all():
-            raise self.fault(
-                f"returned {name} that is not finite at {self._at(values)}",
-                "see to it that the function has a value in all of the plausible range",
-            )
-        return cast("Floats", found)
-
-    def _believed(self, values: Values) -> bool:
-        return all(
-            p.plausible[0] <= value <= max(p.plausible[1], p.off + p.step)
-            for p, value in zip(self.effect.parameters, values, strict=True)
-        )
-
-    def _at(self, values: Values) -> str:
-        return ", ".join(
-            f"{p.symbol} = {value:g}" + ("" if p.unit == "1" else f" {p.unit}")
-            for p, value in zip(self.effect.parameters, values, strict=True)
-        )
 
 
 def function_of(effect: Effect) -> Callable[..., Any]:
@@ -141,44 +69,52 @@ def guarded(effect: Effect, path: Path, line: int) -> Effect:
 
 def _contact(effect: ContactEffect, watch: Watch) -> Callable[[Operator, Values], Operator]:
     def wrap(operator: Operator, values: Values) -> Operator:
-        changed = watch.call(effect.wrap, operator, _read_only(values))
+        changed = watch.call(effect.wrap, operator, read_only(values))
         if not callable(changed):
             raise watch.fault(
-                f"returned {_a(changed)}, not an operator", "return a function of an encounter"
+                f"returned {a_value(changed)}, not an operator", "return a function of an encounter"
             )
 
         def watched(encounter: Encounter) -> Outcome:
-            outcome = watch.call(changed, _read_only(encounter))
+            outcome = watch.call(changed, read_only(encounter))
             if not isinstance(outcome, Outcome):
                 raise watch.fault(
-                    f"its operator returned {_a(outcome)}", "return the outcome of an operator"
+                    f"its operator returned {a_value(outcome)}", "return the outcome of an operator"
                 )
-            _see_outcome(watch, outcome, encounter.normal.shape, values)
-            return outcome
+
+            def sound() -> bool:
+                return finite(encounter) and finite(operator(encounter))
+
+            return _seen(watch, outcome, encounter.normal.shape, Given(values, sound))
 
         return watched
 
     return wrap
 
 
-def _see_outcome(watch: Watch, outcome: Outcome, shape: tuple[int, ...], values: Values) -> None:
-    for name in ("velocity_a", "velocity_b", "spin_a", "spin_b"):
-        watch.array(f"after.{name}", getattr(outcome.after, name), shape, values)
-    for name in ("shift_a", "shift_b", "turn_a", "turn_b"):
-        watch.array(name, getattr(outcome, name), shape, values)
-    watch.array("duration", outcome.duration, shape[:1], values)
+def _seen(watch: Watch, outcome: Outcome, shape: tuple[int, ...], given: Given) -> Outcome:
+    after = {
+        name: watch.array(f"after.{name}", getattr(outcome.after, name), shape, given)
+        for name in ("velocity_a", "velocity_b", "spin_a", "spin_b")
+    }
+    moved = {
+        name: watch.array(name, getattr(outcome, name), shape, given)
+        for name in ("shift_a", "shift_b", "turn_a", "turn_b")
+    }
+    duration = watch.array("duration", outcome.duration, shape[:1], given)
+    return replace(outcome, after=replace(outcome.after, **after), duration=duration, **moved)
 
 
 def _flight(
     effect: FlightEffect, watch: Watch
 ) -> Callable[[Flying, Values], tuple[Floats, Floats]]:
     def accelerate(flying: Flying, values: Values) -> tuple[Floats, Floats]:
-        found = watch.call(effect.accelerate, _read_only(flying), _read_only(values))
+        found = watch.call(effect.accelerate, read_only(flying), read_only(values))
         linear, angular = _pair(watch, found, "acceleration and angular acceleration")
-        shape = flying.velocity.shape
+        shape, given = flying.velocity.shape, Given(values, lambda: finite(flying))
         return (
-            watch.array("acceleration", linear, shape, values),
-            watch.array("angular acceleration", angular, shape, values),
+            watch.array("acceleration", linear, shape, given),
+            watch.array("angular acceleration", angular, shape, given),
         )
 
     return accelerate
@@ -186,8 +122,9 @@ def _flight(
 
 def _camera(effect: CameraEffect, watch: Watch) -> Callable[[Floats, CameraSetup, Values], Floats]:
     def appear(position: Floats, camera: CameraSetup, values: Values) -> Floats:
-        found = watch.call(effect.appear, _read_only(position), camera, _read_only(values))
-        return watch.array("position", found, position.shape, values)
+        found = watch.call(effect.appear, read_only(position), camera, read_only(values))
+        given = Given(values, lambda: finite(position))
+        return watch.array("position", found, position.shape, given)
 
     return appear
 
@@ -196,12 +133,12 @@ def _clock(
     effect: ClockEffect, watch: Watch
 ) -> Callable[[Exposure, CameraSetup, Values], tuple[Floats, Floats]]:
     def expose(exposure: Exposure, camera: CameraSetup, values: Values) -> tuple[Floats, Floats]:
-        found = watch.call(effect.expose, _read_only(exposure), camera, _read_only(values))
+        found = watch.call(effect.expose, read_only(exposure), camera, read_only(values))
         position, rotation = _pair(watch, found, "times of position and of orientation")
-        shape = exposure.position.shape
+        shape, given = exposure.position.shape, Given(values, lambda: finite(exposure))
         return (
-            watch.array("times of position", _spread(position, shape), shape, values),
-            watch.array("times of orientation", _spread(rotation, shape[:-1]), shape[:-1], values),
+            watch.array("times of position", _spread(position, shape), shape, given),
+            watch.array("times of orientation", _spread(rotation, shape[:3]), shape[:3], given),
         )
 
     return expose
@@ -209,7 +146,7 @@ def _clock(
 
 def _pair(watch: Watch, found: object, names: str) -> tuple[object, object]:
     if not isinstance(found, tuple) or len(found) != 2:
-        raise watch.fault(f"returned {_a(found)}", f"return two arrays, {names}")
+        raise watch.fault(f"returned {a_value(found)}", f"return two arrays, {names}")
     return found[0], found[1]
 
 
@@ -221,21 +158,3 @@ def _spread(found: object, shape: tuple[int, ...]) -> object:
         return np.broadcast_to(found, shape)
     except ValueError:
         return found
-
-
-def _read_only(given: Given) -> Given:
-    """Return what a function is given with arrays, at any depth, that cannot be written to."""
-    if isinstance(given, np.ndarray):
-        view: NDArray[Any] = given.view()
-        view.flags.writeable = False
-        return cast("Given", view)
-    if isinstance(given, dict):
-        return cast("Given", {name: _read_only(part) for name, part in given.items()})
-    if not is_dataclass(given) or isinstance(given, type):
-        return given
-    parts = {field.name: getattr(given, field.name) for field in fields(given)}
-    return replace(given, **{name: _read_only(part) for name, part in parts.items()})
-
-
-def _a(found: object) -> str:
-    return "nothing" if found is None else f"a value of type {type(found).__name__}"
