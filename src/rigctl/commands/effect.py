@@ -11,7 +11,7 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
-from analysis.effects.catalogue import CATALOGUE
+from analysis.effects.catalogue import CATALOGUE, LAUNCH_CATALOGUE
 from analysis.effects.effect import Effect
 from analysis.effects.own import naming
 from analysis.effects.own.fault import Fault
@@ -21,6 +21,8 @@ from analysis.errors import InputError
 from rigctl.errors import AnalysisInputError, NotFoundError, SettingsError, StoreError
 
 TABLE_WIDTH = 110
+ALL_OF_THE_CATALOGUE: tuple[Effect, ...] = (*CATALOGUE, *LAUNCH_CATALOGUE)
+"""Those that poses can show and those of the launch; no name stands twice."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +57,7 @@ class Available:
 
 
 def available(folder: Path | None) -> Available:
-    """Return the effects of the catalogue and, beside it, of a folder of the user's.
+    """Return the effects that poses can show: of the catalogue, and of a folder of the user's.
 
     Raises
     ------
@@ -65,7 +67,7 @@ def available(folder: Path | None) -> Available:
     if folder is None:
         return Available(CATALOGUE, ())
     try:
-        loaded = load_effects(folder, CATALOGUE)
+        loaded = load_effects(folder, ALL_OF_THE_CATALOGUE)
     except InputError as error:
         raise AnalysisInputError(error.reason, part=f"--effects {error.path}") from error
     return Available((*CATALOGUE, *loaded.effects), loaded.faults)
@@ -100,7 +102,7 @@ def new(name: str, *, stage: str, folder: Path) -> Path:
         raise SettingsError(
             "is not in the form of names", part="NAME", value=repr(name), limit=naming.FORM
         )
-    if any(effect.name == name for effect in CATALOGUE):
+    if any(effect.name == name for effect in ALL_OF_THE_CATALOGUE):
         raise SettingsError(
             "the catalogue has an effect of this name", part=name, todo="choose another name"
         )
@@ -128,7 +130,7 @@ def listing(folder: Path | None, *, as_json: bool) -> None:
     AnalysisInputError
         The folder cannot be read, or holds no effect.
     """
-    known = available(folder)
+    known = _with_launch(available(folder))
     faults = tell(known.faults)
     if as_json:
         _print_json({"effects": [_document(effect) for effect in known.effects], "faults": faults})
@@ -153,7 +155,7 @@ def show(name: str, folder: Path | None, *, as_json: bool) -> None:
     NotFoundError
         No effect has that name.
     """
-    known = available(folder)
+    known = _with_launch(available(folder))
     effect = known.named(name, "NAME")
     faults = tell(known.faults)
     if as_json:
@@ -177,6 +179,10 @@ def show(name: str, folder: Path | None, *, as_json: bool) -> None:
     ):
         table.add_row(heading, text)
     console.print(table)
+
+
+def _with_launch(known: Available) -> Available:
+    return Available((*known.effects, *LAUNCH_CATALOGUE), known.faults)
 
 
 def _document(effect: Effect) -> dict[str, Any]:
