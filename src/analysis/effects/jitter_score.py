@@ -1,0 +1,177 @@
+"""The test for a random time error of each frame: a variance, not a shift, so not a score of means.
+
+Of each shot, let r be the whitened residuals of a fit, D the whitened change of the prediction for
+a unit of time in each frame (N x F, a frame's numbers in its own column), and P the projection off
+everything fitted. With jitter of variance w and noise of scale f,
+
+    cov r = f P + w P D D' P
+
+The likelihood depends on w through q = D' r alone, with K = D' P D: cov q = f K + w K K. At w = 0
+its derivative and the information are (C. R. Rao, Linear Statistical Inference (1973), 6e; the
+dispersion f, fitted as chi-squared over the degrees of freedom n, is projected out)
+
+    U = (q'q / f - tr K) / (2 f),   I = (tr K K - (tr K)^2 / n) / (2 f^2),   z = U / sqrt(I)
+
+summed over shots. z is near a unit Gaussian when frames are taken on time. The amplitude is the
+restricted likelihood's maximum: along the eigenvectors of K, of eigenvalues l, the squares of q
+over l have the expectations f + w l; the other residuals, of square sum R, have f each. With
+u = w / f, and f at its best for each u,
+
+    -2 ln L = n ln f + sum ln(1 + u l),   n f = R + sum (q^2 / l) / (1 + u l)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize_scalar
+from scipy.stats import chi2, norm
+
+Floats = NDArray[np.float64]
+
+LEAST_EIGENVALUE = 1e-9
+"""Below this share of the largest, a direction was fitted away: nothing of it is left."""
+TIMES_BEYOND = 100.0
+
+
+@dataclass(frozen=True, slots=True)
+class JitterScore:
+    """What residuals say of a jitter.
+
+    Attributes
+    ----------
+    z
+        Score in its standard errors; jitter makes it positive.
+    p_value
+        Chance of a score as large when frames are taken on time, one-sided.
+    amplitude, sigma
+        Standard deviation of a frame's time by maximum likelihood, and its error, s; the error
+        is infinite at an amplitude of zero, where likelihood has no curvature in it.
+    fall
+        Of minus twice the logarithm of the likelihood, from no jitter to that amplitude.
+    p_fall
+        Of that fall: half of one degree of freedom, as a variance cannot be negative.
+    """
+
+    z: float
+    p_value: float
+    amplitude: float
+    sigma: float
+    fall: float
+    p_fall: float
+
+
+def jitter_score(
+    residual: Floats,
+    along_track: Floats,
+    project: Callable[[Floats], Floats],
+    freedom: int,
+) -> JitterScore:
+    """Test whitened residuals of a fit for a time error that all numbers of a frame share.
+
+    Positions and orientations must be whitened with true errors relative to each other; a common
+    factor is estimated here.
+
+    Parameters
+    ----------
+    residual
+        (observed - predicted) / sigma, zero where nothing was measured, (S, F, 2, 6).
+    along_track
+        Whitened rate of the prediction with time, 1/s, zero likewise, (S, F, 2, 6): velocities and
+        spins over sigma.
+    project
+        Takes what was fitted out of columns (S, 12 F, C), shot by shot.
+    freedom
+        Degrees of freedom of the fit.
+
+    Raises
+    ------
+    ValueError
+        There are no degrees of freedom, or nothing moves.
+    """
+    if freedom <= 0:
+        raise ValueError(f"{freedom} degrees of freedom, 1 is needed")
+    shots, frames = residual.shape[:2]
+    rates = along_track.reshape(shots, frames, 12)
+    spread = np.zeros((shots, frames, 12, frames))
+    index = np.arange(frames)
+    spread[:, index, :, index] = np.moveaxis(rates, 1, 0)
+    columns = spread.reshape(shots, frames * 12, frames)
+    kernel = np.swapaxes(columns, 1, 2) @ project(columns)
+    pull = np.einsum("sfl,sfl->sf", rates, residual.reshape(shots, frames, 12))
+    values, squares = _independent(kernel, pull)
+    if values.size == 0:
+        raise ValueError("no time error shows: nothing moves in these frames")
+    trace, trace2 = float(values.sum()), float((values**2).sum())
+    total = float((residual**2).sum())
+    push = float((squares * values).sum()) * freedom / total - trace
+    z = push / float(np.sqrt(2.0 * (trace2 - trace**2 / freedom)))
+    return _estimated(z, _Likelihood(values, squares, total - float(squares.sum()), freedom))
+
+
+def _independent(kernel: Floats, pull: Floats) -> tuple[Floats, Floats]:
+    """Return the eigenvalues l of all shots' K, and the squares of q along them over l."""
+    values, vectors = np.linalg.eigh((kernel + np.swapaxes(kernel, 1, 2)) / 2)
+    along = (np.swapaxes(vectors, 1, 2) @ pull[..., None])[..., 0]
+    kept = values > LEAST_EIGENVALUE * max(float(values.max()), 1e-300)
+    return values[kept], along[kept] ** 2 / values[kept]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Likelihood:
+    """Directions that jitter moves, (M,): eigenvalues l and q^2 / l; the rest R; n in all."""
+
+    values: Floats
+    squares: Floats
+    rest: float
+    freedom: int
+
+    def noise(self, ratio: float) -> float:
+        """Return f at u."""
+        along = float((self.squares / (1.0 + ratio * self.values)).sum())
+        return (self.rest + along) / self.freedom
+
+    def minus_twice_log(self, ratio: float) -> float:
+        """Return -2 ln L at u, f at its best."""
+        widened = float(np.log1p(ratio * self.values).sum())
+        return self.freedom * float(np.log(self.noise(ratio))) + widened
+
+    def information(self, ratio: float) -> float:
+        """Return the expected information on w at u, f fitted beside it, 1/s^4."""
+        noise = self.noise(ratio)
+        weight = 1.0 / (noise * (1.0 + ratio * self.values)) ** 2
+        others = (self.freedom - len(self.values)) / noise**2
+        own, cross = float((weight * self.values**2).sum()), float((weight * self.values).sum())
+        return 0.5 * (own - cross**2 / (float(weight.sum()) + others))
+
+
+def _estimated(z: float, likelihood: _Likelihood) -> JitterScore:
+    """Maximise the likelihood over u >= 0."""
+    most = (
+        TIMES_BEYOND
+        * float(likelihood.squares.sum())
+        / float(likelihood.noise(np.inf) * likelihood.values.sum() + 1e-300)
+    )
+    found = minimize_scalar(
+        likelihood.minus_twice_log,
+        bounds=(0.0, most),
+        method="bounded",
+        options={"xatol": 1e-10 * most},
+    )
+    fall = likelihood.minus_twice_log(0.0) - float(found.fun)
+    ratio, fall = (float(found.x), fall) if fall > 0 else (0.0, 0.0)
+    variance = ratio * likelihood.noise(ratio)
+    amplitude = float(np.sqrt(variance))
+    # Of the variance w; d s = d w / (2 s).
+    spread = 1.0 / float(np.sqrt(likelihood.information(ratio)))
+    return JitterScore(
+        z=z,
+        p_value=float(norm.sf(z)),
+        amplitude=amplitude,
+        sigma=spread / (2 * amplitude) if amplitude > 0 else np.inf,
+        fall=fall,
+        p_fall=0.5 * float(chi2.sf(fall, 1)) if fall > 0 else 1.0,
+    )
