@@ -17,7 +17,7 @@ HIDDEN_PER_KELVIN = 0.008
 @pytest.mark.timeout(300)
 def test_the_guide_finds_what_no_catalogue_holds_at_its_true_size(tmp_path: Path) -> None:
     said = perform(DOCS / "how-to" / "add-your-own-effect.md", tmp_path)
-    assert "something is missing that the catalogue does not hold" in said
+    assert "unexplained - relative velocity n against temperature_c" in said
     assert f"hidden: restitution-temperature, {HIDDEN_PER_KELVIN:g} 1/K" in said
     verdict = json.loads((tmp_path / "verdict.json").read_text())
     assert (verdict["verdict"], verdict["effects"]) == ("effect", ["restitution-warmth"])
