@@ -46,6 +46,8 @@ def complaint(effect: Effect, *, has_own_numbers: bool) -> Complaint | None:
     if float(np.abs(off - unchanged(effect)).max()) > ROUNDING:
         values = ", ".join(f"{p.symbol} = {p.off:g}" for p in effect.parameters)
         return f"changes something where it is off ({values})", "see that it then changes nothing"
+    if found := _by_itself(effect):
+        return found
     for k, parameter in enumerate(effect.parameters):
         found = _influence(effect, k, off, columns)
         if found is None and not has_own_numbers and not columns.asked and parameter.off == 0:
@@ -53,6 +55,27 @@ def complaint(effect: Effect, *, has_own_numbers: bool) -> Complaint | None:
         if found:
             return f"parameter {parameter.symbol} {found[0]}", found[1]
     return None
+
+
+def _by_itself(effect: Effect) -> Complaint | None:
+    """See that the same shots give the same, and each shot the same in whatever company."""
+    values = np.array([p.off + (_far(p) - p.off) / 2 for p in effect.parameters])
+    first, again = (response(effect, values, SI, AnyColumn()) for _ in range(2))
+    if float(np.abs(first - again).max()) > ROUNDING:
+        return "gives another answer when it is asked again", "take chance and memory out of it"
+    some = slice(1, None, 3)
+    apart = response(effect, values, SI, AnyColumn(some))
+    if float(np.abs(first[some] - apart).max()) > ROUNDING:
+        return (
+            "lets what one shot does depend on the others",
+            "use no mean, count or place in the row: fit and ranking ask for shots many times over",
+        )
+    return None
+
+
+def _far(parameter: Parameter) -> float:
+    """Return the end of the plausible range that is further from off."""
+    return max(parameter.plausible, key=lambda end: abs(end - parameter.off))
 
 
 def _influence(effect: Effect, k: int, off: Floats, columns: AnyColumn) -> Complaint | None:

@@ -28,6 +28,9 @@ def complaint(effect: Effect) -> tuple[str, str] | None:
         text: object = getattr(effect, field)
         if not isinstance(text, str) or not text.strip():
             return f"says nothing as its {field}", f"write one sentence as {field}"
+    names: object = effect.confused_with
+    if not isinstance(names, tuple) or not all(isinstance(name, str) for name in names):
+        return "is confused with what are no names", "give confused_with as a tuple of names"
     return _of_parameters(effect) or _of_variants(effect)
 
 
@@ -81,6 +84,9 @@ def _of_numbers(parameter: Parameter) -> tuple[str, str] | None:
 
 
 def _of_variants(effect: Effect) -> tuple[str, str] | None:
+    variants: object = effect.variants
+    if not isinstance(variants, tuple) or not all(isinstance(v, Effect) for v in variants):
+        return "has variants that are no effects", "give variants as a tuple of effects"
     for variant in effect.variants:
         if type(variant) is not type(effect) or variant.name != effect.name:
             return "has a variant that is another effect", "give variants its name and stage"

@@ -66,17 +66,11 @@ def _read(path: Path, taken: dict[str, str]) -> Effect:
     line = _effect_line(path)
     if not isinstance(effect, Effect):
         raise _fault(path, line, "defines no effect", "define EFFECT, as rigctl effect new does")
-    if effect.name in taken:
-        raise EffectFault(
-            Fault(
-                path,
-                line,
-                str(effect.name),
-                f"has the name of an effect of {taken[effect.name]}",
-                "give it another name",
-            )
-        )
-    return checked(effect, path, line)
+    found = checked(effect, path, line)
+    if found.name in taken:
+        what = f"has the name of an effect of {taken[found.name]}"
+        raise EffectFault(Fault(path, line, found.name, what, "give it another name"))
+    return found
 
 
 def _run(path: Path) -> ModuleType:

@@ -1,8 +1,8 @@
 """A few shots on which an effect is tried, in SI units or in any other consistent ones.
 
-The response of an effect is a row of numbers, each divided by what is usual of its kind, so that
-one threshold does for all. Written in other units of length, time and mass, the same shots must
-give the same row: that is how the unit of a parameter shows.
+The response of an effect is a row of numbers for each shot, each divided by what is usual of its
+kind, so that one threshold does for all. Written in other units of length, time and mass, the same
+shots must give the same rows: that is how the unit of a parameter shows.
 """
 
 from __future__ import annotations
@@ -30,6 +30,7 @@ Floats = NDArray[np.float64]
 
 SHOTS, FRAMES, SEED = 16, 6, 0
 RADIUS_M, DENSITY_KG_PER_M3, GRAVITY_M_PER_S2, AIR_KG_PER_M3 = 0.0127, 1150.0, 9.80665, 1.2
+ALL = slice(None)
 LAW = (0.74, 0.08, 0.5)
 USUAL_SPEED_M_PER_S, USUAL_SPIN_RAD_PER_S, USUAL_DURATION_S = 1.0, 80.0, 1e-3
 
@@ -62,18 +63,21 @@ class AnyColumn(Mapping[str, Floats]):
 
     Attributes
     ----------
+    shots
+        Those of the shots that take part.
     asked
         Names other than `order` that were asked for.
     """
 
+    shots: slice = field(default_factory=lambda: ALL)
     asked: set[str] = field(default_factory=set)
 
     def __getitem__(self, name: str) -> Floats:
         order = np.linspace(-0.5, 0.5, SHOTS)
         if name == "order":
-            return order
+            return order[self.shots]
         self.asked.add(name)
-        return 22.0 + 4.0 * np.roll(order, 5)
+        return (22.0 + 4.0 * np.roll(order, 5))[self.shots]
 
     def __iter__(self) -> Iterator[str]:
         return iter(("order", *sorted(self.asked)))
@@ -83,7 +87,7 @@ class AnyColumn(Mapping[str, Floats]):
 
 
 def response(effect: Effect, values: Values, units: Units, columns: AnyColumn) -> Floats:
-    """Return what an effect makes of the shots, in usual sizes, shape (N,).
+    """Return what an effect makes of the shots that take part, in usual sizes, shape (S, N).
 
     Raises
     ------
@@ -91,34 +95,34 @@ def response(effect: Effect, values: Values, units: Units, columns: AnyColumn) -
         An effect under watch fails.
     """
     if isinstance(effect, ContactEffect):
-        encounter = _encounter(units, columns)
-        return _row(effect.wrap(walton, values)(encounter), units)
+        return _rows(effect.wrap(walton, values)(_encounter(units, columns)), units)
     if isinstance(effect, FlightEffect):
-        linear, angular = effect.accelerate(_flying(units), values)
+        linear, angular = effect.accelerate(_flying(units, columns.shots), values)
         usual = GRAVITY_M_PER_S2 * units.acceleration
-        return np.concatenate([linear / usual, angular * units.time**2]).ravel()
+        return _joined(linear / usual, angular * units.time**2)
+    place = _places(columns.shots) * units.length
     if isinstance(effect, CameraEffect):
-        place = _places() * units.length
-        return (effect.appear(place, _camera(units), values) / (RADIUS_M * units.length)).ravel()
+        seen = effect.appear(place, _camera(units), values)
+        return _joined(seen / (RADIUS_M * units.length))
     if isinstance(effect, ClockEffect):
-        exposure = Exposure(_times() * units.time, _places() * units.length)
+        exposure = Exposure(_times(columns.shots) * units.time, place)
         position, rotation = effect.expose(exposure, _camera(units), values)
         usual = USUAL_DURATION_S * units.time
-        return np.concatenate([position.ravel(), rotation.ravel()]) / usual
-    raise TypeError(f"{effect.name} acts in no stage")
+        return _joined(position / usual, rotation / usual)
+    raise TypeError(f"{effect.name} acts in no stage that is tried")
 
 
-def unchanged(effect: Effect, units: Units = SI) -> Floats:
-    """Return the response of nothing in the stage of an effect, shape (N,)."""
+def unchanged(effect: Effect) -> Floats:
+    """Return the response of nothing in the stage of an effect, shape (S, N)."""
     if isinstance(effect, ContactEffect):
-        return _row(walton(_encounter(units, AnyColumn())), units)
+        return _rows(walton(_encounter(SI, AnyColumn())), SI)
+    places = _places(ALL)
     if isinstance(effect, CameraEffect):
-        return (_places() / RADIUS_M).ravel()
+        return _joined(places / RADIUS_M)
     if isinstance(effect, ClockEffect):
-        shape = _places().shape
-        stated = (np.broadcast_to(_times()[..., None], shape[:3]) / USUAL_DURATION_S).ravel()
-        return np.concatenate([np.repeat(stated, 3), stated])
-    return np.zeros(6 * SHOTS * FRAMES)
+        stated = np.broadcast_to(_times(ALL)[..., None] / USUAL_DURATION_S, places.shape[:3])
+        return _joined(np.repeat(stated, 3, axis=2), stated)
+    return np.zeros((SHOTS, 6 * FRAMES))
 
 
 def _encounter(units: Units, columns: AnyColumn) -> Encounter:
@@ -131,17 +135,18 @@ def _encounter(units: Units, columns: AnyColumn) -> Encounter:
     half = 0.5 * approach * (ratio * along - normal)
     common = rng.normal(0.0, 0.3, (SHOTS, 3))
     spin = rng.normal(0.0, 60.0, (SHOTS, 3))
-    e, mu, beta0 = (np.full(SHOTS, value) for value in LAW)
+    shots = columns.shots
+    e, mu, beta0 = (np.full(SHOTS, value)[shots] for value in LAW)
     body = _body(units)
     return Encounter(
         before=States(
-            velocity_a=(common - half) * units.speed,
-            velocity_b=(common + half) * units.speed,
-            spin_a=spin / units.time,
+            velocity_a=(common - half)[shots] * units.speed,
+            velocity_b=(common + half)[shots] * units.speed,
+            spin_a=spin[shots] / units.time,
             # Opposite spins leave the surface velocity, and with it the sticking shots, alone.
-            spin_b=(0.3 * along - spin) / units.time,
+            spin_b=(0.3 * along - spin)[shots] / units.time,
         ),
-        normal=normal,
+        normal=normal[shots],
         bodies=(body, body),
         e=e,
         mu=mu,
@@ -150,10 +155,10 @@ def _encounter(units: Units, columns: AnyColumn) -> Encounter:
     )
 
 
-def _row(outcome: Outcome, units: Units) -> Floats:
+def _rows(outcome: Outcome, units: Units) -> Floats:
     after, spin = outcome.after, USUAL_SPIN_RAD_PER_S / units.time
     speed, shift = USUAL_SPEED_M_PER_S * units.speed, RADIUS_M * units.length
-    parts = [
+    return _joined(
         after.velocity_a / speed,
         after.velocity_b / speed,
         after.spin_a / spin,
@@ -163,17 +168,21 @@ def _row(outcome: Outcome, units: Units) -> Floats:
         outcome.shift_b / shift,
         outcome.turn_a,
         outcome.turn_b,
-    ]
-    return np.concatenate([part.ravel() for part in parts])
+    )
 
 
-def _flying(units: Units) -> Flying:
+def _joined(*parts: Floats) -> Floats:
+    """Return arrays of shape (S, ...) side by side, shape (S, N)."""
+    return np.concatenate([part.reshape(len(part), -1) for part in parts], axis=1)
+
+
+def _flying(units: Units, shots: slice) -> Flying:
     rng = np.random.default_rng(SEED)
     shape = (SHOTS, FRAMES, 3)
     return Flying(
-        position=rng.uniform(-0.05, 0.05, shape) * units.length,
-        velocity=rng.normal(0.0, 2.0, shape) * units.speed,
-        spin=rng.normal(0.0, 60.0, shape) / units.time,
+        position=rng.uniform(-0.05, 0.05, shape)[shots] * units.length,
+        velocity=rng.normal(0.0, 2.0, shape)[shots] * units.speed,
+        spin=rng.normal(0.0, 60.0, shape)[shots] / units.time,
         body=_body(units),
         gravity=GRAVITY_M_PER_S2 * units.acceleration,
         air_density=AIR_KG_PER_M3 * units.mass / units.length**3,
@@ -189,12 +198,12 @@ def _body(units: Units) -> Body:
     )
 
 
-def _places() -> Floats:
-    return np.random.default_rng(SEED).uniform(-0.03, 0.03, (SHOTS, FRAMES, 2, 3))
+def _places(shots: slice) -> Floats:
+    return np.random.default_rng(SEED).uniform(-0.03, 0.03, (SHOTS, FRAMES, 2, 3))[shots]
 
 
-def _times() -> Floats:
-    return np.tile(1e-3 * np.arange(1.0, FRAMES + 1), (SHOTS, 1))
+def _times(shots: slice) -> Floats:
+    return np.tile(1e-3 * np.arange(1.0, FRAMES + 1), (SHOTS, 1))[shots]
 
 
 def _camera(units: Units) -> CameraSetup:

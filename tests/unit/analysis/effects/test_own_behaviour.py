@@ -57,7 +57,7 @@ MISBEHAVING = {
             "def appear(position, camera, values):  " + HERE + "\n"
             "    return position * (1.0 + np.sqrt(values[0]))"
         ),
-        "not finite at a = -0.1",
+        "not finite at a = -0.",
     ),
     "divides by nothing": (
         text_of(
@@ -132,6 +132,42 @@ MISBEHAVING = {
             "    return position * (1.0 + 1e-9 * values[0])"
         ),
         "changes nothing up to",
+    ),
+    "draws by chance": (
+        text_of(
+            "def appear(position, camera, values):  " + HERE + "\n"
+            "    rng = np.random.default_rng()\n"
+            "    return position + values[0] * rng.normal(size=position.shape)"
+        ),
+        "another answer when it is asked again",
+    ),
+    "remembers": (
+        text_of(
+            "calls = []\n\n\n"
+            "def appear(position, camera, values):  " + HERE + "\n"
+            "    calls.append(1)\n"
+            "    return position * (1.0 + values[0] * len(calls))"
+        ),
+        "another answer when it is asked again",
+    ),
+    "takes a mean over the shots": (
+        text_of(
+            "def wrap(operator, values):  " + HERE + "\n"
+            "    def changed(encounter):\n"
+            "        usual = encounter.approach / encounter.approach.mean()\n"
+            "        return operator(replace(encounter, e=encounter.e * (1 + values[0] * usual)))\n"
+            "    return changed"
+        ),
+        "depend on the others",
+    ),
+    "counts the rows": (
+        text_of(
+            "def accelerate(flying, values):  " + HERE + "\n"
+            "    rows = np.arange(len(flying.velocity))[:, None, None]\n"
+            "    return -values[0] * rows * flying.velocity, np.zeros_like(flying.spin)",
+            unit="1/s",
+        ),
+        "depend on the others",
     ),
     "begins with its square": (
         text_of(

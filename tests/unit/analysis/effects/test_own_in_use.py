@@ -19,6 +19,7 @@ from analysis.effects.own.loading import load_effects
 from analysis.model.fit import Fit, fit_campaign
 from analysis.model.poses import PoseData
 from analysis.model.ranking import rank
+from analysis.model.selection import explain
 from analysis.setup import CameraSetup
 from tests.unit.analysis.effects.encounters import any_encounters
 from tests.unit.analysis.effects.own_files import DRIFT, HERE, STRETCH, line_here, text_of, write
@@ -84,6 +85,23 @@ def test_an_effect_of_ones_own_is_ranked_like_the_same_of_the_catalogue(tmp_path
     assert faults == ()
     scores = {c.effect.name: c.score for c in ranking.candidates}
     assert scores["of-my-own"] == pytest.approx(scores["image-scale"], rel=1e-9)
+
+
+LATE_FALL = """\
+def appear(position, camera, values):
+    if abs(values[0]) > 1e-3 and len(position) > 16:
+        raise ArithmeticError("too far")  # HERE
+    return position * (1.0 + values[0])"""
+
+
+def test_a_fault_that_only_a_refit_brings_leaves_the_verdict_to_the_others(tmp_path: Path) -> None:
+    data = campaign(20, 91)
+    stretched = replace(data, position=1.004 * data.position)
+    effects = (own(tmp_path, LATE_FALL), *FEW)
+    verdict, [fault] = without_faulty(effects, lambda left: explain(stretched, left))
+    assert verdict.effects == ("image-scale",)
+    assert "ArithmeticError: too far" in fault.what
+    assert fault.line == line_here(text_of(LATE_FALL))
 
 
 def test_a_fault_in_a_fit_that_needs_the_effect_is_raised(tmp_path: Path) -> None:

@@ -88,6 +88,26 @@ FAULTY = {
         text_of(STRETCH, here=HERE).replace("parameters=(", "parameters=() and ("),
         "has no parameters",
     ),
+    "has a list for a name": (
+        text_of(STRETCH, here=HERE).replace("'of-my-own'", "['of-my-own']"),
+        "['of-my-own'] is not in the form",
+    ),
+    "has words for parameters": (
+        text_of(STRETCH, here=HERE).replace("parameters=(", "parameters=('a',) or ("),
+        "'a' among its parameters",
+    ),
+    "shares a symbol": (
+        text_of(STRETCH, here=HERE).replace("parameters=(", "parameters=2 * ("),
+        "share a symbol",
+    ),
+    "has nothing for variants": (
+        text_of(STRETCH, here=HERE).replace("appear=appear", "appear=appear, variants=None"),
+        "variants that are no effects",
+    ),
+    "is confused with nothing known": (
+        text_of(STRETCH, here=HERE).replace("appear=appear", "appear=appear, confused_with=3"),
+        "no names",
+    ),
     "has no function": (
         text_of(STRETCH, here=HERE).replace("appear=appear", "appear=3"),
         "no function",
