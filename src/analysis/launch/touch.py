@@ -21,7 +21,7 @@ Floats = NDArray[np.float64]
 VELOCITIES, SPINS, TOUCH_POINT, NORMAL = slice(0, 6), slice(6, 12), slice(12, 15), slice(15, 17)
 """Where the numbers of a touch stand in a row: velocities and spins of a and b, point of contact,
 X and Z of the normal."""
-_PASSES = 30
+_PASSES = 12
 _LEAST_ALONG = 0.02
 """Least Y of the normal: tracks further apart than the spheres are thick are kept at a graze."""
 

@@ -6,7 +6,6 @@ scalars.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -55,10 +54,11 @@ class Drawn:
     waited_s: Floats
 
 
-def draw(shots: int, rng: np.random.Generator, *, alike: bool = False) -> Drawn:
-    pressure = rng.choice([20.0, 35.0, 50.0, 65.0, 80.0, 95.0], (shots, 2))
-    if alike:
-        pressure[:, 1] = pressure[:, 0]
+PRESSURES_KPA = (20.0, 35.0, 50.0, 65.0, 80.0, 95.0)
+
+
+def draw(shots: int, rng: np.random.Generator, pressures: tuple[float, ...]) -> Drawn:
+    pressure = rng.choice(pressures, (shots, 2))
     return Drawn(pressure, rng.choice(np.arange(0.0, 20.0, 2.0), shots), rng.uniform(5, 60, shots))
 
 
@@ -68,11 +68,11 @@ def fired(
     faults: Faults = NONE,
     *,
     tube: Tube = TUBE,
-    alike: bool = False,
+    pressures: tuple[float, ...] = PRESSURES_KPA,
 ) -> tuple[Touches, LaunchSettings]:
     """Fire shots and measure their touches with Gaussian errors."""
     rng = np.random.default_rng(seed)
-    drawn = draw(shots, rng, alike=alike)
+    drawn = draw(shots, rng, pressures)
     rows = np.array([_shot(k, drawn, faults, tube, rng) for k in range(shots)])
     touches = Touches(
         rows=rows + SIGMA * rng.normal(size=rows.shape),
@@ -93,7 +93,7 @@ def _shot(k: int, drawn: Drawn, faults: Faults, tube: Tube, rng: np.random.Gener
         left = depart(loaded, float(pressure), i * faults.delay_s, rng)
         assert left is not None
         factor = 1 + faults.hysteresis * _last_sign(drawn.pressure_kpa[:, i], k)
-        ways.append(_with_faults(left, factor, faults.rolling, i * faults.delay_s))
+        ways.append(_with_faults(left, factor, faults.rolling))
     return _met(*ways)
 
 
@@ -104,47 +104,35 @@ def _last_sign(values: Floats, k: int) -> float:
     return 0.0
 
 
-def _with_faults(
-    left: Departure, factor: float, rolling: float, fire_s: float
-) -> tuple[float, Motion]:
+def _with_faults(left: Departure, factor: float, rolling: float) -> tuple[float, Motion]:
     """Return when a sphere leaves and how; a push that is faster takes less time."""
     v = left.exit.velocity * factor
     spin = left.exit.spin + np.array([0.0, 0.0, -rolling * v[1] / 0.0127])
-    start = fire_s + (left.starts_s - fire_s)
-    exit_s = start + (left.exit_s - left.starts_s) / factor
+    exit_s = left.starts_s + (left.exit_s - left.starts_s) / factor
     return exit_s, Motion(left.exit.centre, v, left.exit.orientation, spin)
 
 
 def _met(a: tuple[float, Motion], b: tuple[float, Motion]) -> Floats:
-    def place(way: tuple[float, Motion]) -> Callable[[float], Floats]:
-        leaves, motion = way
-        return lambda t: (
-            motion.centre + motion.velocity * (t - leaves) + DOWN * (t - leaves) ** 2 / 2
-        )
+    """Return the touch of two spheres that leave their tubes at a time, as they do."""
 
-    first, second = place(a), place(b)
+    def place(way: tuple[float, Motion], time_s: float) -> Floats:
+        flown = time_s - way[0]
+        return np.asarray(way[1].centre + way[1].velocity * flown + DOWN * flown**2 / 2)
 
-    def distance(t: float) -> float:
-        return float(np.linalg.norm(second(t) - first(t)))
-
-    closing = a[1].velocity[1] - b[1].velocity[1]
-    low = 0.0
-    high = max(a[0], b[0]) + 0.16 / closing
-    middle_y = lambda t: float(second(t)[1] - first(t)[1])  # noqa: E731
-    while middle_y(high) > 0.001:
-        high += 1e-3
-    for _ in range(200):
+    apart = place(b, 0.0)[1] - place(a, 0.0)[1]
+    low, high = 0.0, apart / (a[1].velocity[1] - b[1].velocity[1])
+    for _ in range(60):
         half = (low + high) / 2
-        low, high = (half, high) if distance(half) > 0.0254 else (low, half)
-    gap = second(high) - first(high)
-    fall_a, fall_b = DOWN * (high - a[0]), DOWN * (high - b[0])
+        far = np.linalg.norm(place(b, half) - place(a, half)) > 0.0254
+        low, high = (half, high) if far else (low, half)
+    first, second = place(a, high), place(b, high)
     return np.concatenate(
         [
-            a[1].velocity + fall_a,
-            b[1].velocity + fall_b,
+            a[1].velocity + DOWN * (high - a[0]),
+            b[1].velocity + DOWN * (high - b[0]),
             a[1].spin,
             b[1].spin,
-            (first(high) + second(high)) / 2,
-            gap[[0, 2]] / 0.0254,
+            (first + second) / 2,
+            (second - first)[[0, 2]] / 0.0254,
         ]
     )
