@@ -37,7 +37,7 @@ def open_campaign(campaign: Path, configuration: Path | None = None) -> tuple[st
     Parameters
     ----------
     campaign
-        A folder, which is used as it is; else a name, looked up in the store.
+        A folder, which is used as it is; else a single word is looked up in the store.
     configuration
         File of the rig whose store is meant; None: the simulated rig's.
 
@@ -50,7 +50,7 @@ def open_campaign(campaign: Path, configuration: Path | None = None) -> tuple[st
     ConfigurationError, StoreError
         Configuration or store cannot be read.
     """
-    if campaign.exists():
+    if campaign.exists() or len(campaign.parts) != 1:
         try:
             return gather(campaign)
         except InputError as error:

@@ -11,16 +11,23 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from analysis.effects.catalogue import CATALOGUE
+from analysis.effects.catalogue import CATALOGUE, LAUNCH_CATALOGUE
 from analysis.effects.effect import Effect
+from analysis.model.agreement.agree import agree
+from analysis.model.agreement.document import agreement_document, structure_document
+from analysis.model.documents import fit_document, ranking_document
 from analysis.model.fit import Fit, fit_campaign
 from analysis.model.inside import without_contact_frames
 from analysis.model.poses import PoseData
 from analysis.model.ranking import rank
-from analysis.model.report import candidates_document, verdict_document
+from analysis.model.report import verdict_document
 from analysis.model.selection import explain
+from analysis.model.structure import structure
 from rigctl.campaigns import MeasuredFiles, poses_from
 from rigctl.errors import NotFoundError
+
+ALL_EFFECTS: tuple[Effect, ...] = (*CATALOGUE, *LAUNCH_CATALOGUE)
+"""Those that poses can show, and those of the launch."""
 
 Json = dict[str, Any]
 Say = Callable[[str, float | None], None]
@@ -32,15 +39,9 @@ def request(title: str, files: Sequence[MeasuredFiles], effects: Sequence[str] =
     return {"campaign": title, "files": listed, "with": list(effects)}
 
 
-def require_effects(names: Sequence[str]) -> None:
-    """Raise `NotFoundError`, which lists those there are, for a name that no effect has."""
-    for name in names:
-        effect_named(name)
-
-
-def effect_named(name: str) -> Effect:
-    """Return an effect of the catalogue; `NotFoundError`, if it has none, lists those it has."""
-    known = {effect.name: effect for effect in CATALOGUE}
+def effect_named(name: str, effects: Sequence[Effect] = CATALOGUE) -> Effect:
+    """Return an effect; `NotFoundError`, if there is none of that name, lists those there are."""
+    known = {effect.name: effect for effect in effects}
     if name not in known:
         raise NotFoundError(
             "no effect of the catalogue has this name",
@@ -52,18 +53,28 @@ def effect_named(name: str) -> Effect:
 
 def fit_job(asked: Json, say: Say) -> Json:
     """Fit the base model and the named effects."""
-    _, fitted = _fitted(asked, say)
-    return _fit_document(asked, fitted)
+    return _fitted(asked, say)[2]
 
 
 def ranking_job(asked: Json, say: Say) -> Json:
     """Fit the base model and the named effects, and rank what else the data ask for."""
-    data, fitted = _fitted(asked, say)
+    data, fitted, document = _fitted(asked, say)
     say("ranking the catalogue", None)
-    ranked = rank(data, fitted, CATALOGUE)
-    unseen = [each.effect.name for each in ranked.candidates if not each.seen]
-    candidates = candidates_document(ranked)
-    return {**_fit_document(asked, fitted), "candidates": candidates, "not_seen": unseen}
+    return {**document, "candidates": ranking_document(rank(data, fitted, CATALOGUE))}
+
+
+def agreement_job(asked: Json, say: Say) -> Json:
+    """Fit the base model and the named effects, and say by stage where they agree."""
+    data, fitted, document = _fitted(asked, say)
+    say("comparing", None)
+    return {**document, **agreement_document(agree(data, fitted))}
+
+
+def structure_job(asked: Json, say: Say) -> Json:
+    """Fit the base model and the named effects, and test what they leave over."""
+    data, fitted, document = _fitted(asked, say)
+    say("testing what is left", None)
+    return {**document, "structure": structure_document(structure(data, fitted))}
 
 
 def explain_job(asked: Json, say: Say) -> Json:
@@ -79,23 +90,11 @@ def _poses(asked: Json, say: Say) -> PoseData:
     return poses_from(asked["campaign"], files)
 
 
-def _fitted(asked: Json, say: Say) -> tuple[PoseData, Fit]:
+def _fitted(asked: Json, say: Say) -> tuple[PoseData, Fit, Json]:
     data = without_contact_frames(_poses(asked, say))
     say("fitting the base model", None)
     fitted = fit_campaign(data)
     for name in asked["with"]:
         say(f"adding {name}", None)
         fitted = fit_campaign(data, fitted.theory.with_effect(effect_named(name)), fitted)
-    return data, fitted
-
-
-def _fit_document(asked: Json, fitted: Fit) -> Json:
-    return {
-        "campaign": asked["campaign"],
-        "shots": len(fitted.shot_chi2),
-        "with": asked["with"],
-        "chi2_per_dof": fitted.chi2_per_dof,
-        "degrees_of_freedom": fitted.freedom,
-        "converged": fitted.converged,
-        "parameters": {name: q.to_json() for name, q in fitted.parameters().items()},
-    }
+    return data, fitted, fit_document(asked["campaign"], asked["with"], fitted)

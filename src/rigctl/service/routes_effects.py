@@ -5,11 +5,10 @@ from __future__ import annotations
 from typing import Self
 
 from fastapi import APIRouter
-from pydantic import BaseModel
+from pydantic import BaseModel, Field
 
-from analysis.effects.catalogue import CATALOGUE
 from analysis.effects.effect import Effect, Parameter
-from rigctl.modelling import effect_named
+from rigctl.modelling import ALL_EFFECTS, effect_named
 from rigctl.service.campaign_models import EffectName
 from rigctl.service.problems import documented
 
@@ -48,6 +47,7 @@ class EffectView(BaseModel):
     source: str
     gives_away: str
     confused_with: list[str]
+    variants: list[str] = Field(description="titles of the same effect with other fixed values")
 
     @classmethod
     def of(cls, effect: Effect) -> Self:
@@ -61,11 +61,12 @@ class EffectView(BaseModel):
             source=effect.source,
             gives_away=effect.gives_away,
             confused_with=list(effect.confused_with),
+            variants=[variant.title for variant in effect.variants],
         )
 
 
 class EffectList(BaseModel):
-    """The catalogue, in the order of the stages from contact to image."""
+    """The effects that poses can show, in the order of their stages, and those of the launch."""
 
     effects: list[EffectView]
 
@@ -77,11 +78,11 @@ def effect_routes() -> APIRouter:
     @router.get("", responses=documented(401, 405))
     def effects() -> EffectList:
         """List the effects of the catalogue."""
-        return EffectList(effects=[EffectView.of(effect) for effect in CATALOGUE])
+        return EffectList(effects=[EffectView.of(effect) for effect in ALL_EFFECTS])
 
     @router.get("/{effect}", responses=documented(401, 404, 405, 422))
     def effect(effect: EffectName) -> EffectView:
         """Show one effect; 404 names those there are."""
-        return EffectView.of(effect_named(effect))
+        return EffectView.of(effect_named(effect, ALL_EFFECTS))
 
     return router

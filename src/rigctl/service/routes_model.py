@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Query
@@ -11,7 +11,7 @@ from starlette.responses import JSONResponse, Response
 from rigctl.campaigns import measured_files
 from rigctl.daemon import Daemon
 from rigctl.jobs import Job, JobState, Task, Work, in_process
-from rigctl.modelling import request, require_effects
+from rigctl.modelling import effect_named, request
 from rigctl.service.accepted import accepted, accepts
 from rigctl.service.bodies import StrictRoute
 from rigctl.service.campaign_models import (
@@ -40,6 +40,22 @@ def model_routes(daemon: Daemon) -> APIRouter:
     """Return the routes below `/campaigns` that are of the model."""
     router = APIRouter(prefix="/campaigns/{campaign}", tags=["model"], route_class=StrictRoute)
 
+    @router.get("/agreement", responses=_ANSWERED | accepts() | documented(*_QUESTION))
+    def agreement(campaign: CampaignName, query: Annotated[EffectsQuery, Query()]) -> Response:
+        """Say by stage and quantity where the model and the campaign agree.
+
+        202 with a job while nobody knows; asked again when that is done, the answer.
+        """
+        return _answer(_ask(daemon, "agreement", campaign, query.effects))
+
+    @router.get("/structure", responses=_ANSWERED | accepts() | documented(*_QUESTION))
+    def structure(campaign: CampaignName, query: Annotated[EffectsQuery, Query()]) -> Response:
+        """Test what the model leaves over, with the residuals where most is left.
+
+        202 with a job while nobody knows; asked again when that is done, the answer.
+        """
+        return _answer(_ask(daemon, "structure", campaign, query.effects))
+
     @router.get("/ranking", responses=_ANSWERED | accepts() | documented(*_QUESTION))
     def ranking(campaign: CampaignName, query: Annotated[EffectsQuery, Query()]) -> Response:
         """Rank the effects of the catalogue by what they promise.
@@ -56,9 +72,7 @@ def model_routes(daemon: Daemon) -> APIRouter:
     @router.post("/fits", status_code=202, responses=accepts() | documented(*_POST))
     def fit(campaign: CampaignName, order: FitOrder) -> Response:
         """Fit, and save the fit under a name; a name that is known gets a further version."""
-        require_effects(order.effects)
-        asked = request(campaign, measured_files(daemon.store, campaign), order.effects)
-        work = _saved(daemon, order.name, in_process(f"{FUNCTIONS}:fit_job", asked))
+        work = _saved(daemon, order.name, _work(daemon, "fit", campaign, order.effects)[0])
         return accepted(daemon.jobs.submit("fits", campaign, work))
 
     @router.get("/fits", responses=documented(*_GET))
@@ -82,12 +96,21 @@ _QUESTION = (401, 404, 405, 409, 422, 503)
 _POST = (401, 404, 405, 409, 411, 413, 422, 503)
 
 
-def _ask(daemon: Daemon, kind: str, campaign: str, effects: Sequence[str]) -> Job:
-    """Return the job that answers a question about the shots as they are measured now."""
-    require_effects(effects)
+def _work(
+    daemon: Daemon, kind: str, campaign: str, effects: Sequence[str]
+) -> tuple[Work, Sequence[Hashable]]:
+    """Return work on the shots as they are measured now, and what names exactly this work."""
+    for name in effects:
+        effect_named(name)
     files = measured_files(daemon.store, campaign)
-    work = in_process(f"{FUNCTIONS}:{kind}_job", request(campaign, files, effects))
-    return daemon.jobs.submit(kind, campaign, work, (kind, campaign, *effects, *files))
+    asked = request(campaign, files, effects)
+    return in_process(f"{FUNCTIONS}:{kind}_job", asked), (*effects, *files)
+
+
+def _ask(daemon: Daemon, kind: str, campaign: str, effects: Sequence[str]) -> Job:
+    """Return the job that answers a question, the one that did or does so already if there is."""
+    work, named = _work(daemon, kind, campaign, effects)
+    return daemon.jobs.submit(kind, campaign, work, (kind, campaign, *named))
 
 
 def _answer(job: Job) -> Response:

@@ -45,8 +45,8 @@ def test_a_ranking_names_every_effect_that_is_not_in_the_fit(store: Store, keep:
     document = ranking_job(asked, lambda text, share: None)
     ranked = [candidate["effect"] for candidate in document["candidates"]]
     names = {effect.name for effect in CATALOGUE} - {"drag"}
-    assert sorted(ranked + document["not_seen"]) == sorted(names)
-    falls = [candidate["promised_fall"] for candidate in document["candidates"]]
+    assert sorted(ranked) == sorted(names)
+    falls = [one["promised_fall"] for one in document["candidates"] if one["seen"]]
     assert falls == sorted(falls, reverse=True)
 
 

@@ -12,11 +12,12 @@ from analysis.effects.own.fault import EffectFault
 from analysis.model.agreement.agree import agree
 from analysis.model.agreement.document import agreement_document, structure_document
 from analysis.model.agreement.table import Agreement, Row
+from analysis.model.documents import fit_document
 from analysis.model.lackoffit import Cell
 from analysis.model.structure import structure
 from rigctl.commands import report
 from rigctl.commands.effect import available, refused, tell
-from rigctl.commands.model.printing import TABLE_WIDTH, fit_document, headline, print_json
+from rigctl.commands.model.printing import TABLE_WIDTH, headline, print_json
 from rigctl.commands.model.reading import fitted
 
 ALARM = 0.01
@@ -56,7 +57,8 @@ def agreement(
         raise refused(error.fault) from error
     faults = tell(known.faults)
     if as_json:
-        document = {**fit_document(found), **agreement_document(compared)}
+        document = fit_document(found.title, found.names, found.fit)
+        document |= agreement_document(compared)
         print_json({**document, "structure": structure_document(left), "faults": faults})
         return
     console = Console(width=TABLE_WIDTH)

@@ -8,8 +8,9 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
+from analysis.model.documents import fit_document
 from rigctl.commands.effect import available, tell
-from rigctl.commands.model.printing import TABLE_WIDTH, fit_document, headline, print_json
+from rigctl.commands.model.printing import TABLE_WIDTH, headline, print_json
 from rigctl.commands.model.reading import fitted
 
 
@@ -32,7 +33,8 @@ def fit(campaign: Path, names: Sequence[str], *, as_json: bool, folder: Path | N
     found = fitted(campaign, names, known)
     faults = tell(known.faults)
     if as_json:
-        print_json({**fit_document(found), "faults": faults})
+        document = fit_document(found.title, found.names, found.fit)
+        print_json({**document, "faults": faults})
         return
     console = Console(width=TABLE_WIDTH)
     console.print(headline(found), highlight=False)

@@ -23,20 +23,6 @@ def headline(fitted: Fitted) -> str:
     )
 
 
-def fit_document(fitted: Fitted) -> Json:
-    """Return what every command of the model says of its fit."""
-    fit = fitted.fit
-    return {
-        "campaign": fitted.title,
-        "shots": len(fit.shot_chi2),
-        "with": list(fitted.names),
-        "chi2_per_dof": fit.chi2_per_dof,
-        "degrees_of_freedom": fit.freedom,
-        "converged": fit.converged,
-        "parameters": {name: q.to_json() for name, q in fit.parameters().items()},
-    }
-
-
 def print_json(document: Json) -> None:
     """Print one document on standard output."""
     print(json.dumps(document, allow_nan=False))  # noqa: T201

@@ -10,19 +10,12 @@ from rich.table import Table
 
 from analysis.effects.own.dropping import without_faulty
 from analysis.effects.own.fault import EffectFault
-from analysis.model.ranking import Candidate, Ranking, rank
+from analysis.model.documents import SHOWN_ALIAS, alike, fit_document, ranking_document
+from analysis.model.ranking import Candidate, rank
 from analysis.quantity import Quantity
 from rigctl.commands.effect import available, refused, tell
-from rigctl.commands.model.printing import (
-    TABLE_WIDTH,
-    Json,
-    fit_document,
-    headline,
-    print_json,
-)
+from rigctl.commands.model.printing import TABLE_WIDTH, headline, print_json
 from rigctl.commands.model.reading import fitted
-
-SHOWN_ALIAS = 0.9
 
 
 def ranking(
@@ -52,8 +45,8 @@ def ranking(
         raise refused(error.fault) from error
     faults = tell([*known.faults, *dropped])
     if as_json:
-        candidates = _candidates_document(ranked)
-        print_json({**fit_document(found), "candidates": candidates, "faults": faults})
+        document = fit_document(found.title, found.names, found.fit)
+        print_json({**document, "candidates": ranking_document(ranked), "faults": faults})
         return
     console = Console(width=TABLE_WIDTH)
     console.print(headline(found), highlight=False)
@@ -64,49 +57,12 @@ def ranking(
         left = heading in {"unit", "", "like"}
         table.add_column(heading, justify="left" if left else "right")
     for k, candidate in enumerate(ranked.candidates):
-        _add_candidate(table, candidate, _likes(ranked, k))
+        _add_candidate(table, candidate, alike(ranked, k))
     table.caption = (
         "p: chance that something in the catalogue looks as good when nothing is missing; like: "
         f"not told from this one by these shots (correlation above {SHOWN_ALIAS:g})"
     )
     console.print(table)
-
-
-def _candidates_document(ranked: Ranking) -> list[Json]:
-    return [
-        {
-            "effect": candidate.effect.name,
-            "seen": candidate.seen,
-            "score": candidate.score if candidate.seen else None,
-            "promised_fall": candidate.fall,
-            "p_value": candidate.p_value,
-            "p_familywise": candidate.p_familywise,
-            "plausible": candidate.plausible if candidate.seen else None,
-            "amplitude": float(candidate.amplitudes[0]) if candidate.seen else None,
-            "unit": candidate.effect.parameters[0].unit,
-            "amplitudes": {
-                parameter.symbol: Quantity(float(a), float(s), parameter.unit).to_json()
-                for parameter, a, s in zip(
-                    candidate.effect.parameters,
-                    candidate.amplitudes,
-                    candidate.sigmas,
-                    strict=True,
-                )
-            }
-            if candidate.seen
-            else {},
-            "like": _likes(ranked, k),
-        }
-        for k, candidate in enumerate(ranked.candidates)
-    ]
-
-
-def _likes(ranked: Ranking, k: int) -> list[str]:
-    return [
-        other.effect.name
-        for j, other in enumerate(ranked.candidates)
-        if j != k and ranked.aliases[k, j] > SHOWN_ALIAS
-    ]
 
 
 def _add_candidate(table: Table, candidate: Candidate, likes: list[str]) -> None:

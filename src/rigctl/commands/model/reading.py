@@ -1,4 +1,4 @@
-"""From a campaign folder to the fit that a command is about."""
+"""From a campaign to the fit that a command is about."""
 
 from __future__ import annotations
 
@@ -7,13 +7,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from analysis.effects.own.fault import EffectFault
-from analysis.errors import InputError
 from analysis.model.fit import Fit, fit_campaign
-from analysis.model.gather import gather
 from analysis.model.inside import without_contact_frames
 from analysis.model.poses import PoseData
+from rigctl.campaigns import open_campaign
 from rigctl.commands.effect import Available, refused
-from rigctl.errors import AnalysisInputError
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -26,21 +24,6 @@ class Fitted:
     fit: Fit
 
 
-def gathered(campaign: Path) -> tuple[str, PoseData]:
-    """Read a campaign folder: its name and its poses.
-
-    Raises
-    ------
-    AnalysisInputError
-        It cannot be read.
-    """
-    try:
-        return gather(campaign)
-    except InputError as error:
-        place = error.path if error.line is None else f"{error.path}, line {error.line}"
-        raise AnalysisInputError(error.reason, part=place) from error
-
-
 def fitted(campaign: Path, names: Sequence[str], known: Available) -> Fitted:
     """Fit the base model and the named effects to a campaign, frames inside contact left out.
 
@@ -49,10 +32,10 @@ def fitted(campaign: Path, names: Sequence[str], known: Available) -> Fitted:
     AnalysisInputError
         The campaign cannot be read, or a named effect has a fault.
     NotFoundError
-        No effect has that name.
+        No effect, or no campaign, has that name.
     """
     added = [known.named(name, "--with") for name in names]
-    title, poses = gathered(campaign)
+    title, poses = open_campaign(campaign)
     data = without_contact_frames(poses)
     fit = fit_campaign(data)
     try:
