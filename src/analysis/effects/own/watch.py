@@ -59,7 +59,7 @@ class Watch:
                 return function(*arguments)
         except EffectFault:
             raise
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             line = line_in(self.path, error.__traceback__)
             raise self.fault(f"raised {said(error)}", "mend the function", line) from error
 
