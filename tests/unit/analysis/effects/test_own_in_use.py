@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import importlib
+import inspect
 import pickle
 from dataclasses import replace
 from functools import cache
@@ -15,6 +17,7 @@ from analysis.effects.catalogue import CATALOGUE
 from analysis.effects.effect import CameraEffect, ContactEffect, Effect
 from analysis.effects.own.dropping import without_faulty
 from analysis.effects.own.fault import EffectFault
+from analysis.effects.own.guard import FUNCTIONS
 from analysis.effects.own.loading import load_effects
 from analysis.model.fit import Fit, fit_campaign
 from analysis.model.poses import PoseData
@@ -111,6 +114,12 @@ def test_a_fault_in_a_fit_that_needs_the_effect_is_raised(tmp_path: Path) -> Non
         without_faulty(FEW, lambda _: fit_campaign(data, fit.theory.with_effect(mine), fit))
 
 
+def source_of(effect: Effect) -> str:
+    """Return the text of the file that defines an effect of the catalogue."""
+    module = importlib.import_module(f"analysis.effects.{effect.name.replace('-', '_')}")
+    return inspect.getsource(module)
+
+
 def appearing(
     effect: Effect, position: np.ndarray, camera: CameraSetup, value: float
 ) -> np.ndarray:
@@ -152,3 +161,16 @@ def test_a_fault_crosses_to_another_process_whole(tmp_path: Path) -> None:
         appearing(effect, np.ones((8, 2, 2, 3)), CAMERA, 0.0)
     assert pickle.loads(pickle.dumps(raised.value)).fault == raised.value.fault
     assert str(raised.value) == raised.value.fault.sentence()
+
+
+def test_every_file_of_the_catalogue_handed_in_as_ones_own_scores_the_same(tmp_path: Path) -> None:
+    stages = [effect for effect in CATALOGUE if effect.stage in FUNCTIONS]
+    sources = {effect.name: source_of(effect) for effect in stages}
+    for name, text in sources.items():
+        write(tmp_path, text.replace(f'name="{name}"', f'name="my-{name}"'), f"my-{name}")
+    loaded = load_effects(tmp_path, CATALOGUE)
+    assert loaded.faults == ()
+    data, fit = fitted()
+    scores = {c.effect.name: c.score for c in rank(data, fit, stages).candidates}
+    mine = {c.effect.name: c.score for c in rank(data, fit, loaded.effects).candidates}
+    assert mine == {f"my-{name}": pytest.approx(score) for name, score in scores.items()}
