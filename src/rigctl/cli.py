@@ -221,18 +221,28 @@ OwnEffects = Annotated[
 ]
 
 
+Pictures = Annotated[
+    Path | None, typer.Option("--out", help="Write pictures (PNG and SVG) into this folder.")
+]
+
+
 @model.command("agreement")
 def model_agreement(
     campaign: Campaign,
     *,
     effects: With = None,
     folder: OwnEffects = None,
+    out: Pictures = None,
     json: Json = False,
 ) -> None:
     """Say where the model and the campaign agree, and where they do not."""
     from rigctl.commands.model.agreement import agreement
 
-    agreement(campaign, effects or [], as_json=json, folder=folder)
+    found = agreement(campaign, effects or [], as_json=json, folder=folder)
+    if out is not None:
+        from rigctl.commands.model.pictures import draw_agreement
+
+        _say_written(draw_agreement(out, found))
 
 
 @model.command("fit")
@@ -247,12 +257,21 @@ def model_fit(
 
 @model.command("rank")
 def model_rank(
-    campaign: Campaign, *, effects: With = None, folder: OwnEffects = None, json: Json = False
+    campaign: Campaign,
+    *,
+    effects: With = None,
+    folder: OwnEffects = None,
+    out: Pictures = None,
+    json: Json = False,
 ) -> None:
     """Rank the effects of the catalogue by what they promise."""
     from rigctl.commands.model.rank import ranking
 
-    ranking(campaign, effects or [], as_json=json, folder=folder)
+    found = ranking(campaign, effects or [], as_json=json, folder=folder)
+    if out is not None:
+        from rigctl.commands.model.pictures import draw_ranking
+
+        _say_written(draw_ranking(out, *found))
 
 
 @model.command("launch")
@@ -264,11 +283,22 @@ def model_launch(campaign: Campaign, *, effects: With = None, json: Json = False
 
 
 @model.command("explain")
-def model_explain(campaign: Campaign, *, folder: OwnEffects = None, json: Json = False) -> None:
+def model_explain(
+    campaign: Campaign, *, folder: OwnEffects = None, out: Pictures = None, json: Json = False
+) -> None:
     """Find what is missing, add it, and say how much of the error it removes."""
     from rigctl.commands.model.explain import explaining
 
-    explaining(campaign, as_json=json, folder=folder)
+    found = explaining(campaign, as_json=json, folder=folder)
+    if out is not None:
+        from rigctl.commands.model.pictures import draw_explanation
+
+        _say_written(draw_explanation(out, *found))
+
+
+def _say_written(paths: list[Path]) -> None:
+    for path in paths:
+        typer.echo(f"{path}", err=True)
 
 
 effect = typer.Typer(help="The effects that a campaign may lack, and effects of your own.")

@@ -17,7 +17,7 @@ from analysis.model.covariates import shot_covariates
 from analysis.model.fit import Fit
 from analysis.model.lackoffit import Cell, cells_of, noise_matched
 from analysis.model.poses import PoseData
-from analysis.model.projector import LEAST_INFORMATION, Projector, projector
+from analysis.model.projector import LEAST_INFORMATION, Projector, Solved, projector
 
 Floats = NDArray[np.float64]
 
@@ -54,7 +54,7 @@ class CellResiduals:
     place, residual, sigma
         Covariate, residual and its standard error, shape (K,).
     trend
-        Running mean, each point weighted by its error.
+        Running mean, each point weighted by its error; of frames the fitted smooth curve.
     """
 
     channel: str
@@ -76,14 +76,16 @@ class Structure:
     data: PoseData
     covariates: dict[str, Floats]
     jumps: dict[str, tuple[Floats, Floats]]
-    channels: tuple[FrameChannel, ...]
+    channels: tuple[tuple[FrameChannel, Solved], ...]
     whitened: Floats
 
     def residuals(self, channel: str, covariate: str) -> CellResiduals:
         """Return the residuals of a cell.
 
         For a jump at contact a point is a shot: the amplitude of the jump that its poses want,
-        its own numbers eliminated. For flight and camera a point is a frame.
+        its own numbers eliminated. For flight and camera a point is a frame: what is left of it,
+        which the shot's own numbers have taken their part of, beside the smooth curve that the
+        poses want.
 
         Raises
         ------
@@ -92,9 +94,9 @@ class Structure:
         """
         if channel in self.jumps:
             return self._of_shots(channel, covariate)
-        for found in self.channels:
+        for found, curve in self.channels:
             if (found.name, found.covariate) == (channel, covariate):
-                return self._of_frames(found)
+                return self._of_frames(found, curve)
         raise KeyError(f"no cell of {channel} against {covariate}")
 
     def _of_shots(self, channel: str, covariate: str) -> CellResiduals:
@@ -115,16 +117,18 @@ class Structure:
             trend=running_mean(place, residual, sigma),
         )
 
-    def _of_frames(self, channel: FrameChannel) -> CellResiduals:
+    def _of_frames(self, channel: FrameChannel, curve: Solved) -> CellResiduals:
         column = channel.whitened(self.data)
         products = (column * self.whitened.reshape(column.shape)).sum(axis=3)
         squares = (column**2).sum(axis=3)
         if channel.place.shape[2] == 1:
             products, squares = (part.sum(axis=2, keepdims=True) for part in (products, squares))
         shot, frame, _ = used = np.nonzero(squares > 0)
-        residual = 1e3 * products[used] / squares[used]
-        sigma = 1e3 / np.sqrt(squares[used])
-        place = channel.place[used]
+        smooth, place = channel.smooth[used], channel.place[used]
+        residual = 1e3 * (products[used] / squares[used] + smooth @ curve.amplitudes)
+        spread = np.einsum("ki,ij,kj->k", smooth, curve.covariance, smooth)
+        drawn = np.unique(np.searchsorted(np.sort(place), _grid(place)))
+        drawn = np.argsort(place)[drawn.clip(max=len(place) - 1)]
         return CellResiduals(
             channel=channel.name,
             covariate=channel.covariate,
@@ -133,15 +137,19 @@ class Structure:
             frames=frame,
             place=place,
             residual=residual,
-            sigma=sigma,
-            trend=running_mean(place, residual, sigma),
+            sigma=1e3 / np.sqrt(squares[used]),
+            trend=Trend(
+                place[drawn],
+                1e3 * (smooth[drawn] @ curve.amplitudes),
+                1e3 * np.sqrt(np.maximum(spread[drawn], 0.0)),
+            ),
         )
 
 
 def structure(data: PoseData, fit: Fit) -> Structure:
     """Test every cell as `lack_of_fit` does, and keep the residuals."""
     data, fit = noise_matched(data, fit)
-    sums = projector(data, fit)
+    sums, whole = projector(data, fit), np.ones((len(data.shots), 1))
     return Structure(
         cells=cells_of(data, fit, sums),
         data=data,
@@ -149,7 +157,10 @@ def structure(data: PoseData, fit: Fit) -> Structure:
         jumps={
             name: _amplitudes(sums, columns) for name, columns in contact_columns(data, fit).items()
         },
-        channels=(*flight_channels(data, fit), *camera_channels(data, fit)),
+        channels=tuple(
+            (channel, sums.solve(sums.project(channel.columns(data)), whole))
+            for channel in (*flight_channels(data, fit), *camera_channels(data, fit))
+        ),
         whitened=sums.residual,
     )
 
@@ -160,17 +171,22 @@ def running_mean(place: Floats, values: Floats, sigma: Floats) -> Trend:
     Its error is that of the values' own errors. Where nearly nothing lies in the window, nothing
     is said.
     """
-    low, high = np.quantile(place, [0.01, 0.99]) if place.size else (0.0, 0.0)
-    if high - low < 1e-12:
-        return Trend(*(np.zeros(0) for _ in range(3)))
-    grid = np.linspace(low, high, GRID)
-    near = np.exp(-0.5 * ((grid[:, None] - place) / (WINDOW * (high - low))) ** 2)
+    grid = _grid(place)
+    if grid.size == 0:
+        return Trend(grid, grid, grid)
+    near = np.exp(-0.5 * ((grid[:, None] - place) / (WINDOW * (grid[-1] - grid[0]))) ** 2)
     weight = near / sigma**2
     total = weight.sum(axis=1)
     told = total > LEAST_WEIGHT * total.max()
     mean = (weight[told] @ values) / total[told]
     error = np.sqrt((near[told] * weight[told]).sum(axis=1)) / total[told]
     return Trend(grid[told], mean, error)
+
+
+def _grid(place: Floats) -> Floats:
+    """Return places over 1 to 99 per cent of those given; none where they are all one."""
+    low, high = np.quantile(place, [0.01, 0.99]) if place.size else (0.0, 0.0)
+    return np.linspace(low, high, GRID) if high - low > 1e-12 else np.zeros(0)
 
 
 def _amplitudes(sums: Projector, columns: Floats) -> tuple[Floats, Floats]:

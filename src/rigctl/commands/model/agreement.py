@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from rich.console import Console
@@ -14,7 +15,8 @@ from analysis.model.agreement.document import agreement_document, structure_docu
 from analysis.model.agreement.table import Agreement, Row
 from analysis.model.documents import fit_document
 from analysis.model.lackoffit import Cell
-from analysis.model.structure import structure
+from analysis.model.plane import Plane, impact_plane
+from analysis.model.structure import Structure, structure
 from rigctl.commands import report
 from rigctl.commands.effect import available, refused, tell
 from rigctl.commands.model.printing import TABLE_WIDTH, headline, print_json
@@ -24,13 +26,23 @@ ALARM = 0.01
 SHOWN_CELLS = 8
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Compared:
+    """What a campaign was found to be like, beside its name."""
+
+    title: str
+    agreement: Agreement
+    structure: Structure
+    plane: Plane
+
+
 def agreement(
     campaign: Path,
     names: Sequence[str],
     *,
     as_json: bool,
     folder: Path | None = None,
-) -> None:
+) -> Compared:
     """Hold the base model and the named effects against a campaign; print where they fail.
 
     Parameters
@@ -53,19 +65,22 @@ def agreement(
             compared = agree(found.data, found.fit)
             say("testing what is left")
             left = structure(found.data, found.fit)
+            plane = impact_plane(found.data, found.fit)
     except EffectFault as error:
         raise refused(error.fault) from error
     faults = tell(known.faults)
     if as_json:
         document = fit_document(found.title, found.names, found.fit)
         document |= agreement_document(compared)
-        print_json({**document, "structure": structure_document(left), "faults": faults})
-        return
+        document |= {"structure": structure_document(left), "plane": plane.to_json()}
+        print_json({**document, "faults": faults})
+        return Compared(found.title, compared, left, plane)
     console = Console(width=TABLE_WIDTH)
     console.print(headline(found), highlight=False)
     console.print(_summary(compared), highlight=False)
     console.print(_table(compared))
     console.print(_cells(left.cells))
+    return Compared(found.title, compared, left, plane)
 
 
 def _summary(found: Agreement) -> str:

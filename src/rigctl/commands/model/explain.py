@@ -9,20 +9,24 @@ from rich.table import Table
 
 from analysis.effects.own.dropping import without_faulty
 from analysis.model.report import verdict_document, verdict_sentence
-from analysis.model.selection import explain
+from analysis.model.selection import Verdict, explain
 from rigctl.campaigns import open_campaign
 from rigctl.commands import report
 from rigctl.commands.effect import available, tell
 from rigctl.commands.model.printing import TABLE_WIDTH, print_json
 
 
-def explaining(campaign: Path, *, as_json: bool, folder: Path | None = None) -> None:
+def explaining(campaign: Path, *, as_json: bool, folder: Path | None = None) -> tuple[str, Verdict]:
     """Go the whole way by itself: which effect is missing, none, or none that is known.
 
     Parameters
     ----------
     folder
         Where the user's own effects are. One with a fault is named and left out.
+
+    Returns
+    -------
+    The campaign's name, and the verdict.
 
     Raises
     ------
@@ -37,7 +41,7 @@ def explaining(campaign: Path, *, as_json: bool, folder: Path | None = None) -> 
     document = {**verdict_document(title, data, verdict), "faults": faults}
     if as_json:
         print_json(document)
-        return
+        return title, verdict
     console = Console(width=TABLE_WIDTH)
     console.print(verdict_sentence(document), highlight=False)
     table = Table(title="error path", title_justify="left", box=None)
@@ -53,3 +57,4 @@ def explaining(campaign: Path, *, as_json: bool, folder: Path | None = None) -> 
         console.print(f"{name} = {quantity.concise()}{unit}", highlight=False)
     if document["rejected"]:
         console.print(f"shots rejected: {document['rejected']}", highlight=False)
+    return title, verdict

@@ -11,7 +11,7 @@ from rich.table import Table
 from analysis.effects.own.dropping import without_faulty
 from analysis.effects.own.fault import EffectFault
 from analysis.model.documents import SHOWN_ALIAS, alike, fit_document, ranking_document
-from analysis.model.ranking import Candidate, rank
+from analysis.model.ranking import Candidate, Ranking, rank
 from analysis.quantity import Quantity
 from rigctl.commands.effect import available, refused, tell
 from rigctl.commands.model.printing import TABLE_WIDTH, headline, print_json
@@ -20,13 +20,17 @@ from rigctl.commands.model.reading import fitted
 
 def ranking(
     campaign: Path, names: Sequence[str], *, as_json: bool, folder: Path | None = None
-) -> None:
+) -> tuple[str, Ranking]:
     """Fit the base model and the named effects, and rank what else the data ask for.
 
     Parameters
     ----------
     folder
         Where the user's own effects are. One with a fault is named and left out.
+
+    Returns
+    -------
+    The campaign's name, and the ranking.
 
     Raises
     ------
@@ -47,7 +51,7 @@ def ranking(
     if as_json:
         document = fit_document(found.title, found.names, found.fit)
         print_json({**document, "candidates": ranking_document(ranked), "faults": faults})
-        return
+        return found.title, ranked
     console = Console(width=TABLE_WIDTH)
     console.print(headline(found), highlight=False)
     table = Table(box=None)
@@ -63,6 +67,7 @@ def ranking(
         f"not told from this one by these shots (correlation above {SHOWN_ALIAS:g})"
     )
     console.print(table)
+    return found.title, ranked
 
 
 def _add_candidate(table: Table, candidate: Candidate, likes: list[str]) -> None:

@@ -1,0 +1,99 @@
+"""Where it fails: every quantity against everything it may depend on, as a heat map."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.image import AxesImage
+from matplotlib.patches import Rectangle
+
+from analysis.figures.sheet import STRUCTURE, Block, blocks_sheet
+from analysis.model.channels import AXES
+from analysis.model.covariates import LABELS, covariate_label
+from analysis.model.lackoffit import Cell
+
+ALARM = 0.01
+BRIGHTEST = 12.0
+SIZE = 0.34
+"""Of a cell, inches."""
+CHANNELS = tuple(
+    f"{word} {kind} {axis}"
+    for kind in ("velocity", "spin", "position", "orientation")
+    for word in ("relative", "common")
+    for axis in AXES
+)
+COVARIATES = tuple(LABELS)
+
+
+def heatmap_figure(title: str, cells: Sequence[Cell]) -> Figure:
+    """Draw all cells in three blocks: contact, flight, camera."""
+    parts = {
+        "jump at contact": [c for c in cells if c.covariate != "time" and not _camera(c)],
+        "flight": [c for c in cells if c.covariate == "time"],
+        "camera": [c for c in cells if _camera(c)],
+    }
+    note = (
+        "Standard deviations by which smooth functions of a covariate lower χ² beyond chance; "
+        "framed: less than 1 % chance with all cells\nlooked at. n: along the normal; t: along the "
+        "incident surface velocity; b: across both; common: mean of a and b; relative: b less a."
+    )
+    blocks = [
+        Block(name, _names(own, "channel"), tuple(map(_short, _names(own, "covariate"))), room)
+        for (name, own), room in zip(parts.items(), (1.75, 2.0, 1.0), strict=True)
+    ]
+    figure, axes, bar = blocks_sheet(title, note, blocks, cell=SIZE, below=1.45)
+    for own, part in zip(parts.values(), axes, strict=True):
+        image = _block(part, own)
+    legend = figure.colorbar(image, cax=bar, extend="max")
+    legend.set_label("standard deviations", fontsize=9)
+    legend.ax.tick_params(labelsize=9, length=0)
+    legend.outline.set_visible(False)
+    return figure
+
+
+def standard_deviations(cell: Cell) -> float:
+    """Return chi-squared as a normal deviate, never below zero.
+
+    E. B. Wilson and M. M. Hilferty, Proc. Natl. Acad. Sci. 17, 684 (1931): unlike the p-value it
+    does not end at the smallest number.
+    """
+    if cell.freedom == 0:
+        return 0.0
+    spread = 2 / (9 * cell.freedom)
+    return max(0.0, float((np.cbrt(cell.chi2 / cell.freedom) - (1 - spread)) / np.sqrt(spread)))
+
+
+def _camera(cell: Cell) -> bool:
+    return cell.channel.startswith("image ")
+
+
+def _names(cells: Sequence[Cell], kind: str) -> tuple[str, ...]:
+    """Return channels or covariates in an order that does not hang on the data."""
+    known = CHANNELS if kind == "channel" else COVARIATES
+    names = {str(getattr(cell, kind)) for cell in cells}
+    return (*(name for name in known if name in names), *sorted(names - set(known)))
+
+
+def _block(axes: Axes, cells: Sequence[Cell]) -> AxesImage:
+    rows, columns = _names(cells, "channel"), _names(cells, "covariate")
+    values = np.zeros((len(rows), len(columns)))
+    for cell in cells:
+        row, column = rows.index(cell.channel), columns.index(cell.covariate)
+        values[row, column] = value = standard_deviations(cell)
+        colour = "white" if value > 0.6 * BRIGHTEST else "#222222"
+        axes.text(column, row, f"{value:.0f}", ha="center", va="center", color=colour, size=8)
+        if cell.p_holm < ALARM:
+            corner = (column - 0.45, row - 0.45)
+            axes.add_patch(Rectangle(corner, 0.9, 0.9, fill=False, color="black", linewidth=1.3))
+    axes.vlines(np.arange(1, len(columns)) - 0.5, -0.5, len(rows) - 0.5, color="white", linewidth=2)
+    axes.hlines(np.arange(1, len(rows)) - 0.5, -0.5, len(columns) - 0.5, color="white", linewidth=2)
+    return axes.imshow(values, cmap=STRUCTURE, vmin=0, vmax=BRIGHTEST, aspect="auto")
+
+
+def _short(covariate: str) -> str:
+    if covariate in COVARIATES:
+        return covariate.replace(" x ", " × ")
+    return covariate_label(covariate)

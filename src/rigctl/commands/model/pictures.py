@@ -1,0 +1,81 @@
+"""The pictures of `rigctl model --out`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from matplotlib.figure import Figure
+
+from analysis.figures.agreement import agreement_figure
+from analysis.figures.error_path import error_path_figure
+from analysis.figures.heatmap import heatmap_figure
+from analysis.figures.plane import plane_figure
+from analysis.figures.ranking import aliases_figure, ranking_figure
+from analysis.figures.residuals import residuals_figure
+from analysis.figures.sheet import write
+from analysis.model.plane import impact_plane
+from analysis.model.ranking import Ranking
+from analysis.model.selection import Verdict
+from rigctl.commands.model.agreement import Compared
+from rigctl.errors import StoreError
+
+MOST_RESIDUALS = 4
+"""Of so many cells the residuals are drawn."""
+
+Named = Iterator[tuple[str, Figure]]
+
+
+def draw_agreement(folder: Path, found: Compared) -> list[Path]:
+    """Write the table, the heat map, the residuals of its most striking cells and figure 7.4.
+
+    Raises
+    ------
+    StoreError
+        A picture cannot be written; so in the functions below.
+    """
+
+    def figures() -> Named:
+        title, cells = found.title, found.structure.cells
+        yield "agreement", agreement_figure(f"{title}: model against measurement", found.agreement)
+        yield "structure", heatmap_figure(f"{title}: where it fails", cells)
+        for place, cell in enumerate(cells[:MOST_RESIDUALS], start=1):
+            residuals = found.structure.residuals(cell.channel, cell.covariate)
+            yield f"residuals-{place}", residuals_figure(title, cell, residuals)
+        yield "rebound", plane_figure(f"{title}: rebound of the surface velocity", found.plane)
+
+    return _written(folder, figures())
+
+
+def draw_ranking(folder: Path, title: str, ranking: Ranking) -> list[Path]:
+    """Write the scores and the correlations of the candidates."""
+    return _written(folder, _of_ranking(title, ranking))
+
+
+def draw_explanation(folder: Path, title: str, verdict: Verdict) -> list[Path]:
+    """Write the error path, the first ranking, and what is left with everything accepted."""
+
+    def figures() -> Named:
+        yield "error-path", error_path_figure(f"{title}: error path", verdict.path)
+        yield from _of_ranking(title, verdict.first_ranking)
+        yield "structure", heatmap_figure(f"{title}: what is left", verdict.cells)
+        plane = impact_plane(verdict.cleaned.data, verdict.fit)
+        yield "rebound", plane_figure(f"{title}: rebound of the surface velocity", plane)
+
+    return _written(folder, figures())
+
+
+def _of_ranking(title: str, ranking: Ranking) -> Named:
+    yield "ranking", ranking_figure(f"{title}: what the data would rather have", ranking)
+    yield "aliases", aliases_figure(f"{title}: effects that look alike", ranking)
+
+
+def _written(folder: Path, figures: Named) -> list[Path]:
+    try:
+        return [path for name, figure in figures for path in write(figure, folder, name)]
+    except OSError as error:
+        raise StoreError(
+            f"a picture cannot be written: {error.strerror or error}",
+            part=str(error.filename or folder),
+            todo="free the disk or choose another folder with --out",
+        ) from error
