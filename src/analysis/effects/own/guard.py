@@ -14,7 +14,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from analysis.collision.operator import Encounter, Operator, Outcome
+from analysis.collision.operator import Encounter, Operator, Outcome, States
 from analysis.effects.effect import (
     CameraEffect,
     ClockEffect,
@@ -77,7 +77,7 @@ def _contact(effect: ContactEffect, watch: Watch) -> Callable[[Operator, Values]
 
         def watched(encounter: Encounter) -> Outcome:
             outcome = watch.call(changed, read_only(encounter))
-            if not isinstance(outcome, Outcome):
+            if not isinstance(outcome, Outcome) or not isinstance(outcome.after, States):
                 raise watch.fault(
                     f"its operator returned {a_value(outcome)}", "return the outcome of an operator"
                 )
