@@ -33,7 +33,8 @@ class LaunchAgreement:
     chi2_with_scatter
         With the scatter in the error: `freedom` where there is scatter, as it was so estimated.
     scatter
-        Standard deviation from shot to shot beyond the measurement's errors, at the mean speed.
+        Standard deviation from shot to shot beyond the measurement's errors; of speeds, at their
+        root mean square.
     prediction_rms
         Root mean square of measured less foretold, each shot by the parameters of the others.
     """
@@ -70,7 +71,7 @@ def agreement_of(launch: LaunchFit) -> tuple[LaunchAgreement, ...]:
     rows = []
     for kind, s, freedom in zip(KINDS, launch.scatter, launch.freedom, strict=True):
         own = list(kind.columns)
-        speed = float(compared.speed.mean()) if kind.relative else 1.0
+        speed = float(np.sqrt((compared.speed**2).mean())) if kind.relative else 1.0
         rows.append(
             LaunchAgreement(
                 quantity=kind.name,

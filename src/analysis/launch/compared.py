@@ -30,12 +30,15 @@ class Compared:
         Of what is foretold by the parameters, likewise, shape (S, 17, P).
     speed
         Foretold speeds, m/s, shape (S, 2).
+    back
+        H^-1, shape (S, 17, 17).
     """
 
     residual: Floats
     covariance: Floats
     derivative: Floats
     speed: Floats
+    back: Floats
 
     def variance(self, scatter: Floats) -> Floats:
         """Return the covariance with the scatter of each kind (K,) in, shape (S, 17, 17)."""
@@ -55,10 +58,11 @@ class Compared:
 def compare(theory: LaunchTheory, settings: LaunchSettings, touches: Touches) -> Compared:
     """Hold launches against their touches and carry everything back to the mouths."""
     foretold = foretell(theory, settings, touches.ground)
-    back = np.linalg.inv(foretold.by_muzzle)
+    back = np.asarray(np.linalg.inv(foretold.by_muzzle))
     return Compared(
         residual=(back @ (touches.rows - foretold.touch)[..., None])[..., 0],
         covariance=back @ touches.covariance @ np.swapaxes(back, 1, 2),
         derivative=back @ foretold.by_theory,
         speed=foretold.muzzle.speed,
+        back=back,
     )

@@ -38,8 +38,8 @@ ROUNDS = 40
 SETTLED = 1e-3
 """A step below this share of every standard error ends the fit, if the scatter stays as well."""
 SHARES = (1.0, 0.5, 0.2, 0.05)
-SLACK = 0.01
-"""Rise of the cost that is nothing: the way back to the mouths turns a little with each step."""
+SLACK = 1e-6
+"""Rise of the cost that is rounding."""
 
 
 def fit_launch(
@@ -136,21 +136,23 @@ def _step(
     """Take the longest share of a step that does not raise the cost; none: stay."""
     compared, scatter = present
     variance = compared.variance(scatter)
-    cost = _cost(theory, compared, variance)
+    cost = _cost(theory, compared.residual, variance)
     for share in SHARES:
         moved = theory.at(theory.vector + share * step)
-        tried = compare(moved, settings, touches)
-        if _cost(moved, tried, variance) <= cost + SLACK:
-            return moved, tried
+        # Weights and the way back stay: a cost that changed with them could not be compared.
+        away = touches.rows - moved.touch(settings, touches.ground)
+        residual = (compared.back @ away[..., None])[..., 0]
+        if _cost(moved, residual, variance) <= cost + SLACK:
+            return moved, compare(moved, settings, touches)
     return theory, compared
 
 
-def _cost(theory: LaunchTheory, compared: Compared, variance: Floats) -> float:
-    """Return chi-squared at a fixed variance, with the prior."""
+def _cost(theory: LaunchTheory, residual: Floats, variance: Floats) -> float:
+    """Return chi-squared of residuals (S, 17) at a fixed variance, with the prior."""
     centre, width = theory.prior
-    solved = np.linalg.solve(variance, compared.residual[..., None])[..., 0]
+    solved = np.linalg.solve(variance, residual[..., None])[..., 0]
     prior = (((theory.vector - centre) / width) ** 2).sum()
-    return float((compared.residual * solved).sum() + prior)
+    return float((residual * solved).sum() + prior)
 
 
 def _sums(theory: LaunchTheory, compared: Compared, scatter: Floats) -> tuple[Floats, Floats]:

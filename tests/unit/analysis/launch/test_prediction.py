@@ -141,6 +141,6 @@ def test_the_table_of_agreement_counts_scatters_and_foretells() -> None:
         assert row.chi2 > 1.5 * row.freedom
         assert row.chi2_with_scatter == pytest.approx(row.freedom, rel=1e-6)
         assert row.prediction_rms > row.scatter * 0.9
-    mean = fitted().compared.speed.mean()
+    mean = np.sqrt((fitted().compared.speed ** 2).mean())
     assert speed.scatter == pytest.approx(0.008 * mean, rel=0.15)
     assert speed.prediction_rms == pytest.approx(0.008 * mean, rel=0.2)
