@@ -68,6 +68,8 @@ class Effect:
         What betrays it in the residuals.
     confused_with
         Names of effects that look alike, and how to tell them apart.
+    contains
+        Names of effects that are this one at some value of its parameters: it takes their place.
     variants
         The same effect with other values of what it holds fixed, which a fit cannot find from
         where the effect is off; the likeliest of all speaks for the effect.
@@ -81,6 +83,7 @@ class Effect:
     source: str
     gives_away: str
     confused_with: tuple[str, ...] = ()
+    contains: tuple[str, ...] = ()
     variants: tuple[Effect, ...] = ()
 
     @property

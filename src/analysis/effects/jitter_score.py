@@ -48,8 +48,8 @@ class JitterScore:
     p_value
         Chance of a score as large when frames are taken on time, one-sided.
     amplitude, sigma
-        Standard deviation of a frame's time by maximum likelihood, and its error, s; the error
-        is infinite at an amplitude of zero, where likelihood has no curvature in it.
+        Standard deviation of a frame's time by maximum likelihood, and its error, s; near zero,
+        where likelihood has no curvature in it, the amplitude whose square is one standard error.
     fall
         Of minus twice the logarithm of the likelihood, from no jitter to that amplitude.
     p_fall
@@ -171,7 +171,7 @@ def _estimated(z: float, likelihood: _Likelihood) -> JitterScore:
         z=z,
         p_value=float(norm.sf(z)),
         amplitude=amplitude,
-        sigma=spread / (2 * amplitude) if amplitude > 0 else np.inf,
+        sigma=min(spread / (2 * amplitude), spread**0.5) if amplitude > 0 else spread**0.5,
         fall=fall,
         p_fall=0.5 * float(chi2.sf(fall, 1)) if fall > 0 else 1.0,
     )

@@ -58,5 +58,6 @@ EFFECT = FlightEffect(
     source="Cd as for drag: L. Schiller and A. Naumann, Z. VDI 77, 318 (1935)",
     gives_away="drag that differs between spheres flying left and right: odd in v besides even",
     confused_with=("drag", "gravity-direction", "mass-mismatch"),
+    contains=("drag",),
     accelerate=accelerate,
 )

@@ -13,11 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.effects.effect import CameraEffect, ClockEffect, Effect, FlightEffect
+from analysis.effects.effect import BodyEffect, CameraEffect, ClockEffect, Effect, FlightEffect
 from analysis.model.comparison import Comparison, Snapshot, difference, whitened
 from analysis.model.contact import contact_outcome
 from analysis.model.poses import PoseData
-from analysis.model.prediction import appear, fly, perturbation, shown
+from analysis.model.prediction import appear, displaced, fly, perturbation, shown
 from analysis.model.sides import flights_by_outcome
 from analysis.model.state import ShotStates
 from analysis.model.theory import LAW, Active, Theory
@@ -85,7 +85,9 @@ def columns_of(line: Comparison, moved: Floats, frames: Sequence[tuple[int, Floa
     """Put columns together: changes of the flights (S, 48, K), and by number those of frames."""
     framed = np.array([k for k, _ in frames], dtype=np.intp)
     shape = line.residual.shape
-    stacked = np.stack([c for _, c in frames], axis=-1) if frames else np.zeros((*shape, 0))
+    stacked = np.zeros((*shape, 0))
+    if frames:
+        stacked = line.recast(np.stack([c for _, c in frames], axis=-1))
     pulled = np.zeros_like(moved)
     if frames:
         pulled[:, :, framed] = line.pull(stacked)
@@ -189,7 +191,8 @@ def _change(
             before = perturbation(data, here.flown, old)
             push, turned = push - before[0], turned - before[1]
         position = position + push
-    elif not isinstance(effect, CameraEffect):
+    elif not isinstance(effect, CameraEffect | BodyEffect):
         raise TypeError(f"effect {effect.name!r} acts in no known stage")
+    position = displaced(here.flown, position, moved.body)
     change = appear(data, position, moved.camera) - here.poses.position
     return np.concatenate([change, turned], axis=-1)

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.model.contact import differentiated_contact
+from analysis.model.jitter import Jitter, turning_by_frame
 from analysis.model.poses import PoseData
 from analysis.model.prediction import Flown, Poses, appear, fly, shown
 from analysis.model.sides import NUMBERS, Flights, flights, flights_by_state
@@ -43,12 +44,18 @@ class Comparison:
         slopes' slopes, shape (S, B, 48 / B, 48 / B).
     by_state
         Derivatives of the 48 numbers by the 24 of the shot, shape (S, 48, 24).
+    orientations
+        Which residuals are of orientations, shape (B, L).
+    jitter
+        Noise that all numbers of a frame share, where the data have such.
     """
 
     residual: Floats
     slopes: Floats
     gram: Floats
     by_state: Floats
+    orientations: NDArray[np.bool_]
+    jitter: Jitter | None = None
 
     @property
     def chi2(self) -> Floats:
@@ -59,6 +66,10 @@ class Comparison:
     def pulled(self) -> Floats:
         """Slope times residual: downhill by the 48 numbers, shape (S, 48)."""
         return self.pull(self.residual[..., None])[..., 0]
+
+    def recast(self, columns: Floats) -> Floats:
+        """Bring columns by spheres and kinds (S, 4, 3 F, K) into this comparison's blocks."""
+        return columns if self.jitter is None else self.jitter.whiten(columns)
 
     def pull(self, columns: Floats) -> Floats:
         """Return slopes' columns: of residual length (S, B, L, K) to (S, 48, K)."""
@@ -90,12 +101,21 @@ def compare(data: PoseData, states: ShotStates, theory: Theory) -> tuple[Compari
     sides = flights(data, states, contact.outcome)
     flown = fly(data, states, sides, theory)
     poses = shown(data, flown, theory)
-    slopes = _slopes(data, flown, theory)
+    residual, slopes = whitened(data, deviation(data, poses)), _slopes(data, flown, theory)
+    turning = np.repeat((np.arange(KINDS) % 2 == 1)[:, None], slopes.shape[2], axis=1)
+    jitter = None
+    if data.jitter_s > 0:
+        jitter = Jitter(rates(data, flown), data.jitter_s)
+        residual = jitter.whiten(residual[..., None])[..., 0]
+        slopes = jitter.whiten(_spread(slopes))
+        turning = turning_by_frame(data.times_s.shape[1])
     line = Comparison(
-        residual=whitened(data, deviation(data, poses)),
+        residual=residual,
         slopes=slopes,
         gram=np.swapaxes(slopes, 2, 3) @ slopes,
         by_state=flights_by_state(data, states, contact.outcome, contact.by_state),
+        orientations=turning,
+        jitter=jitter,
     )
     return line, Snapshot(contact.outcome, sides, flown, poses)
 
@@ -122,6 +142,22 @@ def weights(data: PoseData) -> Floats:
     turning = np.repeat(data.rotation_sigma[..., None], 3, axis=-1)
     sigma = np.concatenate([data.position_sigma, turning], axis=-1)
     return np.where(np.isfinite(sigma), 1.0 / sigma, 0.0)
+
+
+def rates(data: PoseData, flown: Flown) -> Floats:
+    """Return the whitened change of the prediction with time, 1/s, shape (S, F, 2, 6)."""
+    velocity = flown.velocity.copy()
+    velocity[..., 0] += data.gravity * flown.timing.position[..., 0]
+    return np.concatenate([velocity, flown.spin], axis=-1) * weights(data)
+
+
+def _spread(slopes: Floats) -> Floats:
+    """Set slopes of blocks (S, 4, 3 F, 12) beside each other, (S, 4, 3 F, 48)."""
+    shots, blocks, length, size = slopes.shape
+    wide = np.zeros((shots, blocks, length, blocks, size))
+    for block in range(blocks):
+        wide[:, block, :, block] = slopes[:, block]
+    return wide.reshape(shots, blocks, length, blocks * size)
 
 
 def by_block(numbers: Floats) -> Floats:

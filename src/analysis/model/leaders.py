@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.stats import chi2 as chi2_distribution
 
+from analysis.effects.effect import ScatterEffect
 from analysis.model.fit import Fit, fit_campaign
 from analysis.model.poses import PoseData
 from analysis.model.ranking import Candidate, Ranking, believed
@@ -27,6 +28,8 @@ class Leader:
 
     Attributes
     ----------
+    data
+        The data it was fitted to: with a scatter in, their noise is another.
     fall
         Of chi-squared, as the refit really brought it.
     criterion
@@ -36,6 +39,7 @@ class Leader:
     """
 
     candidate: Candidate
+    data: PoseData
     fit: Fit
     fall: float
     criterion: float
@@ -99,6 +103,8 @@ def _most_carried(data: PoseData) -> float:
 
 
 def _refit(data: PoseData, fit: Fit, candidate: Candidate) -> Leader:
+    if isinstance(candidate.effect, ScatterEffect):
+        return _with_scatter(data, fit, candidate)
     refit = fit_campaign(data, fit.theory.with_effect(candidate.effect), fit)
     count = len(candidate.effect.parameters)
     fall = fit.chi2 - refit.chi2
@@ -107,8 +113,22 @@ def _refit(data: PoseData, fit: Fit, candidate: Candidate) -> Leader:
     penalty = candidate.freedom * float(np.log(max(len(data.shots), 2)))
     return Leader(
         candidate=candidate,
+        data=data,
         fit=refit,
         fall=fall,
         criterion=fall / max(refit.chi2_per_dof, 1e-12) - penalty,
         plausible=believed(candidate.effect, values, sigmas),
+    )
+
+
+def _with_scatter(data: PoseData, fit: Fit, candidate: Candidate) -> Leader:
+    """Fit with the scatter in the noise; its fall is that of the whole likelihood."""
+    jittered = replace(data, jitter_s=float(candidate.amplitudes[0]))
+    return Leader(
+        candidate=candidate,
+        data=jittered,
+        fit=fit_campaign(jittered, fit.theory, fit),
+        fall=candidate.fall * fit.chi2_per_dof,
+        criterion=candidate.fall - float(np.log(max(len(data.shots), 2))),
+        plausible=candidate.plausible,
     )

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from analysis.model.columns import theory_columns
 from analysis.model.comparison import KINDS, compare, deviation, difference, weights
+from analysis.model.jitter import by_frame
 from analysis.model.poses import PoseData
 from analysis.model.prediction import Poses
 from analysis.model.state import ShotStates
@@ -48,11 +49,10 @@ def linearise(data: PoseData, states: ShotStates, theory: Theory) -> Linearised:
     shots, blocks, _, size = line.slopes.shape
     by_theory = line.slopes @ shared.moved.reshape(shots, blocks, size, -1)
     by_theory[..., shared.framed] += shared.frames
-    return Linearised(
-        residual=_by_frame(line.residual[..., None])[..., 0],
-        by_state=_by_frame(line.slopes @ line.by_state.reshape(shots, blocks, size, -1)),
-        by_theory=_by_frame(by_theory),
-    )
+    by_state = line.slopes @ line.by_state.reshape(shots, blocks, size, -1)
+    spread = (line.residual[..., None], by_state, by_theory)
+    framed = [by_frame(part) if blocks == KINDS else part[:, 0] for part in spread]
+    return Linearised(framed[0][..., 0], framed[1], framed[2])
 
 
 def whitened_residual(data: PoseData, poses: Poses) -> Floats:
@@ -63,13 +63,6 @@ def whitened_residual(data: PoseData, poses: Poses) -> Floats:
 def whitened_difference(data: PoseData, poses: Poses, moved: Poses) -> Floats:
     """Return the change from one prediction to another over sigma, shape (S, N)."""
     return (difference(poses, moved) * weights(data)).reshape(len(data.shots), -1)
-
-
-def _by_frame(numbers: Floats) -> Floats:
-    """Sort blocks of spheres and kinds (S, 4, 3 F, K) by frames, (S, N, K)."""
-    shots, _, length, count = numbers.shape
-    parted = numbers.reshape(shots, KINDS, length // 3, 3, count)
-    return np.swapaxes(parted, 1, 2).reshape(shots, KINDS * length, count)
 
 
 def left_jacobian(vector: Floats) -> Floats:

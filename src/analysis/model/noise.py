@@ -11,14 +11,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.model.comparison import KINDS, Comparison, compare
+from analysis.model.comparison import Comparison, compare
 from analysis.model.fit import Fit
 from analysis.model.poses import PoseData
 
 Floats = NDArray[np.float64]
 
-_POSITION = (0, 2)
-"""Blocks of positions among the kinds; the others are orientations."""
 _LEAST = 1e-12
 
 
@@ -37,28 +35,27 @@ def noise_scales(data: PoseData, fit: Fit) -> tuple[NoiseScale, NoiseScale]:
     """
     line, _ = compare(data, fit.states, fit.theory)
     squares, freedom = free_flight_misfit(line)
-    scales = []
-    for kinds in (_POSITION, tuple(set(range(KINDS)) - set(_POSITION))):
-        chi2, count = squares[:, kinds].sum(), freedom[:, kinds].sum()
-        if count > 0:
-            value = float(np.sqrt(chi2 / count))
-            scales.append(NoiseScale(value, value / float(np.sqrt(2 * count))))
-        else:
-            scales.append(NoiseScale(1.0, np.inf))
-    return scales[0], scales[1]
+    return _scale(squares[0], freedom[0]), _scale(squares[1], freedom[1])
 
 
 def free_flight_misfit(line: Comparison) -> tuple[Floats, Floats]:
-    """Return chi-squared about the free flights and its degrees of freedom, by block, (S, 4)."""
-    pulled = np.swapaxes(line.slopes, 2, 3) @ line.residual[..., None]
+    """Return chi-squared about free flight and its degrees of freedom, (positions, orientations).
+
+    A residual's share of the degrees of freedom is one less its leverage.
+    """
     scale = np.sqrt(np.maximum(np.diagonal(line.gram, axis1=2, axis2=3), _LEAST))
-    scaled = line.gram / scale[..., :, None] / scale[..., None, :]
-    values, vectors = np.linalg.eigh(scaled)
-    along = (np.swapaxes(vectors, 2, 3) @ (pulled / scale[..., None]))[..., 0]
-    seen = values > _LEAST
-    explained = np.where(seen, along**2 / np.where(seen, values, 1.0), 0.0).sum(axis=2)
-    measured = (np.abs(line.slopes).sum(axis=3) > 0).sum(axis=2)
-    return (line.residual**2).sum(axis=2) - explained, measured - seen.sum(axis=2)
+    values, vectors = np.linalg.eigh(line.gram / scale[..., :, None] / scale[..., None, :])
+    root = np.where(values > _LEAST, 1 / np.sqrt(np.maximum(values, _LEAST)), 0.0)
+    basis = line.slopes @ (vectors * root[..., None, :] / scale[..., :, None])
+    taken = np.swapaxes(basis, 2, 3) @ line.residual[..., None]
+    left = line.residual - (basis @ taken)[..., 0]
+    measured = np.abs(line.slopes).sum(axis=3) > 0
+    share = np.where(measured, 1 - (basis**2).sum(axis=3), 0.0)
+    kinds = (~line.orientations, line.orientations)
+    return (
+        np.array([(left**2)[:, kind].sum() for kind in kinds]),
+        np.array([share[:, kind].sum() for kind in kinds]),
+    )
 
 
 def rescaled(data: PoseData, fit: Fit) -> PoseData:
@@ -67,3 +64,10 @@ def rescaled(data: PoseData, fit: Fit) -> PoseData:
     return data.with_sigmas(
         position.value * data.position_sigma, rotation.value * data.rotation_sigma
     )
+
+
+def _scale(chi2: float, freedom: float) -> NoiseScale:
+    if freedom < 0.5:
+        return NoiseScale(1.0, np.inf)
+    value = float(np.sqrt(chi2 / freedom))
+    return NoiseScale(value, value / float(np.sqrt(2 * freedom)))

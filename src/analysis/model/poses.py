@@ -64,6 +64,8 @@ class PoseData:
         the order of firing, and every numeric column of the shot list.
     camera
         Rates, views and origins: what a camera effect needs to know.
+    jitter_s
+        Standard deviation of each frame's time, common to both spheres, s.
     """
 
     shots: NDArray[np.intp]
@@ -77,6 +79,7 @@ class PoseData:
     air_density: float
     covariates: Mapping[str, Floats]
     camera: CameraSetup
+    jitter_s: float = 0.0
 
     def without(self, frames: NDArray[np.bool_]) -> PoseData:
         """Return the data with some frames taken out, mask of shape (S, F)."""

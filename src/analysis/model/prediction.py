@@ -15,11 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.effects.effect import (
+    BodyEffect,
     CameraEffect,
     ClockEffect,
     Exposure,
     FlightEffect,
     Flying,
+    Turning,
     Values,
 )
 from analysis.model.contact import contact_outcome
@@ -71,6 +73,8 @@ class Flown:
         When.
     position, velocity
         At mid exposure, without gravity's part in the velocity; shape (S, F, 2, 3).
+    touch
+        Orientations at first touch, shape (S, 2, 3, 3).
     since
         Time since this side began, of each coordinate (S, F, 2, 3) and of the orientation
         (S, F, 2).
@@ -82,6 +86,7 @@ class Flown:
     """
 
     timing: Timing
+    touch: Floats
     position: Floats
     velocity: Floats
     since: tuple[Floats, Floats]
@@ -112,13 +117,23 @@ def fly(data: PoseData, states: ShotStates, sides: Flights, theory: Theory) -> F
 
 
 def shown(data: PoseData, flown: Flown, theory: Theory) -> Poses:
-    """Add what small forces do on the way, and what the camera makes of the place."""
+    """Add what small forces do on the way, and what turning and camera make of the place."""
     position, rotation = flown.position, flown.rotation
     if theory.flight:
         push, twist = perturbation(data, flown, theory.flight)
         position = position + push
         rotation = exponential(twist)[0] @ rotation
+    position = displaced(flown, position, theory.body)
     return Poses(appear(data, position, theory.camera), rotation)
+
+
+def displaced(
+    flown: Flown, position: Floats, effects: Sequence[tuple[BodyEffect, Values]]
+) -> Floats:
+    """Return the centres of outlines from centres of mass, shape (S, F, 2, 3)."""
+    for effect, values in effects:
+        position = effect.displace(Turning(position, flown.rotation, flown.touch), values)
+    return position
 
 
 def appear(
@@ -174,6 +189,7 @@ def _free_flight(data: PoseData, sides: Flights, timing: Timing) -> Flown:
     late = sides.duration[:, None, None]
     return Flown(
         timing=timing,
+        touch=sides.touch,
         position=position,
         velocity=velocity,
         since=(

@@ -13,16 +13,19 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.effects.effect import Effect
+from analysis.effects.effect import Effect, ScatterEffect
 from analysis.model.fit import Fit
 from analysis.model.poses import PoseData
 from analysis.model.promise import Block, Sums, block_of, candidate_sums
+from analysis.model.scatter import timing_jitter
 
 Floats = NDArray[np.float64]
 
 DRAWS = 2000
 BEYOND_RANGE_SIGMAS = 2.0
 CARRIERS = 2
+ONE_SIDED = 0.5
+"""Share of chance campaigns in which a variance looks larger than nothing."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -66,7 +69,7 @@ class Candidate:
     @property
     def score(self) -> float:
         """Signed root of the fall for one parameter, the root for several."""
-        if len(self.amplitudes) == 1:
+        if len(self.amplitudes) == 1 and np.isfinite(self.sigmas[0]):
             return float(self.amplitudes[0] / self.sigmas[0])
         return float(np.sqrt(self.fall))
 
@@ -115,9 +118,12 @@ def rank(data: PoseData, fit: Fit, effects: Sequence[Effect], seed: int = 0) -> 
         Of the simulated scores behind `p_familywise`.
     """
     present = {active.effect.name for active in fit.theory.active}
-    wanted = [effect for effect in effects if effect.name not in present]
+    inside = {name for active in fit.theory.active for name in active.effect.contains}
+    free = [e for e in effects if e.name not in present | inside]
+    wanted = [effect for effect in free if not isinstance(effect, ScatterEffect)]
+    scatters = [effect for effect in free if isinstance(effect, ScatterEffect)]
     scale = float(np.sqrt(max(fit.chi2_per_dof, 1e-12)))
-    if not wanted:
+    if not free:
         return Ranking((), np.zeros((0, 0)), scale)
     forms = [(k, form) for k, e in enumerate(wanted) for form in (e, *e.variants)]
     sums = candidate_sums(data, fit, [form for _, form in forms])
@@ -128,16 +134,25 @@ def rank(data: PoseData, fit: Fit, effects: Sequence[Effect], seed: int = 0) -> 
         min((i for i, (owner, _) in enumerate(forms) if owner == k), key=lambda i: p_values[i])
         for k in range(len(wanted))
     ]
-    smallest = smallest_by_chance(sums.matrix, blocks, np.random.default_rng(seed))
+    rng = np.random.default_rng(seed)
+    smallest = smallest_by_chance(sums.matrix, blocks, rng)
     chosen = [
         _candidate(
             data, sums, scale, effect=forms[i][1], block=blocks[i], fall=falls[i], p=p_values[i]
         )
         for i in best
     ]
+    if data.jitter_s == 0:
+        for effect in scatters:
+            chosen.append(_scattered(data, fit, effect))
+            chance = rng.random(DRAWS)
+            smallest = np.minimum(smallest, np.where(chance < ONE_SIDED, chance, 1.0))
     scored = [_with_familywise(c, smallest) for c in chosen]
     order = sorted(range(len(scored)), key=lambda k: (not scored[k].seen, -scored[k].fall))
-    aliases = alias_matrix(sums.matrix, [blocks[best[k]] for k in order])
+    shifts = [k for k in order if k < len(best)]
+    aliases = np.zeros((len(order), len(order)))
+    among = [place for place, k in enumerate(order) if k < len(best)]
+    aliases[np.ix_(among, among)] = alias_matrix(sums.matrix, [blocks[best[k]] for k in shifts])
     return Ranking(tuple(scored[k] for k in order), aliases, scale)
 
 
@@ -180,6 +195,22 @@ def _candidate(
         seen=seen,
         carriers=tuple(int(n) for n in data.shots[list(carriers)]),
         carried_share=share,
+    )
+
+
+def _scattered(data: PoseData, fit: Fit, effect: ScatterEffect) -> Candidate:
+    score = timing_jitter(data, fit)
+    return Candidate(
+        effect=effect,
+        fall=0.0 if score is None else score.fall,
+        freedom=1,
+        amplitudes=np.array([0.0 if score is None else score.amplitude]),
+        sigmas=np.array([np.inf if score is None else score.sigma]),
+        p_value=1.0 if score is None else score.p_fall,
+        p_familywise=1.0,
+        seen=score is not None,
+        carriers=(),
+        carried_share=0.0,
     )
 
 

@@ -14,13 +14,12 @@ import numpy as np
 from scipy.stats import chi2 as chi2_distribution
 
 from analysis.effects.effect import Effect
-from analysis.model.crossvalidation import PredictionError, prediction_error
+from analysis.model.evidence import Stage, stage_of, weighed, weighed_again
 from analysis.model.fit import Fit, fit_campaign
 from analysis.model.inside import without_contact_frames
 from analysis.model.lackoffit import Cell, lack_of_fit
 from analysis.model.leaders import Leader, alias_set, in_order, refitted
-from analysis.model.noise import noise_scales
-from analysis.model.outliers import Cleaned, clean
+from analysis.model.outliers import Cleaned
 from analysis.model.poses import PoseData
 from analysis.model.ranking import Ranking, rank
 
@@ -30,17 +29,6 @@ of an effect already accepted."""
 MOST_ACCEPTED, MOST_TRIED = 5, 3
 DROP_LEVEL = 0.0015
 UNEXPLAINED_LEVEL = 0.01
-CONTRADICTED_SIGMAS = 4.0
-"""Stated sigmas are taken at their word unless the scatter about free flight differs by so much."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Stage:
-    """One point of the error path: the effects in, the fit, and the error on shots left out."""
-
-    effects: tuple[str, ...]
-    fit: Fit
-    error: PredictionError
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -91,29 +79,24 @@ def explain(
 ) -> Verdict:
     """Go the whole way from the base model to a verdict."""
     progress("fitting the base model")
-    outside = without_contact_frames(data)
-    cleaned = clean(outside)
-    outside, noise = _with_real_noise(outside, cleaned)
-    if noise != (1.0, 1.0):
-        cleaned = clean(outside)
-    path = [_stage(cleaned.data, cleaned.fit)]
-    first_ranking = ranking = rank(cleaned.data, cleaned.fit, effects)
+    evidence = weighed(without_contact_frames(data))
+    path = [stage_of(evidence.data, evidence.cleaned.fit)]
+    first_ranking = ranking = rank(evidence.data, path[-1].fit, effects)
     alias_sets: dict[str, tuple[str, ...]] = {}
     while len(path) <= MOST_ACCEPTED:
         progress(f"refitting the leaders, {len(path) - 1} effects accepted")
         level = FIRST_LEVEL if len(path) == 1 else LATER_LEVEL
-        leaders = refitted(cleaned.data, path[-1].fit, ranking, level)
-        accepted = _accepted(cleaned.data, path[-1], leaders)
+        leaders = refitted(evidence.data, path[-1].fit, ranking, level)
+        accepted = _accepted(path[-1], leaders)
         if accepted is None:
             break
         leader, stage = accepted
         alias_sets[leader.name] = alias_set(leader, leaders)
-        path.append(stage)
-        cleaned, path = _brought_back(outside, cleaned, path)
-        ranking = rank(cleaned.data, path[-1].fit, effects)
-    path = _backward(cleaned.data, path)
+        evidence, path = weighed_again(evidence, [*path, stage], leader.data.jitter_s)
+        ranking = rank(evidence.data, path[-1].fit, effects)
+    path = _backward(evidence.data, path)
     progress("testing what is left")
-    cells = lack_of_fit(cleaned.data, path[-1].fit)
+    cells = lack_of_fit(evidence.data, path[-1].fit)
     names = path[-1].effects
     ambiguous = [name for name in names if len(alias_sets[name]) > 1]
     return Verdict(
@@ -124,50 +107,19 @@ def explain(
         ranking=ranking,
         first_ranking=first_ranking,
         cells=cells,
-        cleaned=cleaned,
-        noise=noise,
+        cleaned=evidence.cleaned,
+        noise=evidence.noise,
     )
 
 
-def _with_real_noise(data: PoseData, cleaned: Cleaned) -> tuple[PoseData, tuple[float, float]]:
-    """Return the data with sigmas of either kind corrected where the scatter contradicts them."""
-    factors = [
-        scale.value if abs(scale.value - 1) > CONTRADICTED_SIGMAS * scale.sigma else 1.0
-        for scale in noise_scales(cleaned.data, cleaned.fit)
-    ]
-    position, rotation = factors
-    scaled = data.with_sigmas(position * data.position_sigma, rotation * data.rotation_sigma)
-    return scaled, (position, rotation)
-
-
-def _accepted(
-    data: PoseData, present: Stage, leaders: Sequence[Leader]
-) -> tuple[Leader, Stage] | None:
+def _accepted(present: Stage, leaders: Sequence[Leader]) -> tuple[Leader, Stage] | None:
     """Return the first leader that brings down the error on shots left out, at convergence."""
     for leader in in_order(leaders)[:MOST_TRIED]:
-        stage = _stage(data, fit_campaign(data, leader.fit.theory, leader.fit))
+        fit = fit_campaign(leader.data, leader.fit.theory, leader.fit)
+        stage = stage_of(leader.data, fit)
         if stage.error.value < present.error.value:
             return leader, stage
     return None
-
-
-def _brought_back(
-    data: PoseData, cleaned: Cleaned, path: list[Stage]
-) -> tuple[Cleaned, list[Stage]]:
-    """Test dropped shots and frames against the theory as it is now; those it explains come back.
-
-    The whole path is then fitted to the same shots, so that its errors compare.
-    """
-    if cleaned.kept.all() and not cleaned.frames:
-        return cleaned, path
-    again = clean(data, path[-1].fit.theory)
-    same = np.array_equal(again.kept, cleaned.kept) and again.frames == cleaned.frames
-    if same:
-        return cleaned, path
-    earlier = [
-        _stage(again.data, fit_campaign(again.data, stage.fit.theory)) for stage in path[:-1]
-    ]
-    return again, [*earlier, _stage(again.data, again.fit)]
 
 
 def _word(
@@ -180,25 +132,21 @@ def _word(
     return "alias" if any(len(alias_sets[name]) > 1 for name in accepted) else "effect"
 
 
-def _stage(data: PoseData, fit: Fit) -> Stage:
-    names = tuple(active.effect.name for active in fit.theory.active)
-    return Stage(names, fit, prediction_error(data, fit))
-
-
 def _backward(data: PoseData, path: list[Stage]) -> list[Stage]:
     """Drop, worst first, whatever the effects accepted after it have made superfluous."""
     last = path[-1]
-    while len(last.effects) > 1:
+    while len(last.fit.theory.active) > 1:
+        active = last.fit.theory.active
         without = [
-            fit_campaign(data, last.fit.theory.without_effect(name), last.fit)
-            for name in last.effects
+            fit_campaign(data, last.fit.theory.without_effect(a.effect.name), last.fit)
+            for a in active
         ]
         losses = np.array([fit.chi2 - last.fit.chi2 for fit in without]) / last.fit.chi2_per_dof
-        sizes = np.array([len(active.values) for active in last.fit.theory.active])
+        sizes = np.array([len(a.values) for a in active])
         p_values = np.asarray(chi2_distribution.sf(losses, sizes))
         worst = int(p_values.argmax())
         if p_values[worst] < DROP_LEVEL:
             break
-        last = _stage(data, without[worst])
+        last = stage_of(data, without[worst])
         path = [*path, last]
     return path

@@ -41,6 +41,8 @@ class Flights:
         Orientation at tau = 0, body to rig axes, shape (S, 2, 2, 3, 3).
     duration
         Of the contact, s, shape (S,).
+    touch
+        Orientations at first touch, shape (S, 2, 3, 3).
     """
 
     place: Floats
@@ -48,6 +50,7 @@ class Flights:
     spin: Floats
     rotation: Floats
     duration: Floats
+    touch: Floats
 
 
 def flights(data: Observations, states: ShotStates, outcome: Floats) -> Flights:
@@ -69,7 +72,7 @@ def flights(data: Observations, states: ShotStates, outcome: Floats) -> Flights:
     turn, _ = exponential(outcome[:, TURN].reshape(shots, 2, 3))
     back, _ = exponential(-spin[:, :, 1] * duration[:, None])
     rotation[:, :, 1] = back @ turn @ states.rotation
-    return Flights(place, velocity, spin, rotation, duration[:, 0])
+    return Flights(place, velocity, spin, rotation, duration[:, 0], states.rotation)
 
 
 def flights_by_state(

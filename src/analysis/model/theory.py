@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from analysis.collision.operator import Operator, WaltonLaw, walton
 from analysis.effects.effect import (
+    BodyEffect,
     CameraEffect,
     ClockEffect,
     ContactEffect,
@@ -71,8 +72,25 @@ class Theory:
         return Theory(WaltonLaw(*map(float, vector[:3])), tuple(active))
 
     def with_effect(self, effect: Effect) -> Theory:
-        """Return the theory with one more effect, at the values where it is off."""
-        return replace(self, active=(*self.active, Active(effect, effect.off)))
+        """Return the theory with one more effect, at the values where it is off.
+
+        One that the new effect contains makes room for it, and hands on what its parameters are.
+        """
+        values = effect.off
+        for contained in self.active:
+            if contained.effect.name in effect.contains:
+                found = dict(
+                    zip(
+                        (p.symbol for p in contained.effect.parameters),
+                        contained.values,
+                        strict=True,
+                    )
+                )
+                values = np.array(
+                    [found.get(p.symbol, v) for p, v in zip(effect.parameters, values, strict=True)]
+                )
+        left = tuple(a for a in self.active if a.effect.name not in effect.contains)
+        return replace(self, active=(*left, Active(effect, values)))
 
     def without_effect(self, name: str) -> Theory:
         """Return the theory less one effect."""
@@ -100,6 +118,11 @@ class Theory:
         return tuple(
             (a.effect, a.values) for a in self.active if isinstance(a.effect, CameraEffect)
         )
+
+    @property
+    def body(self) -> tuple[tuple[BodyEffect, Values], ...]:
+        """Effects of the bodies' turning."""
+        return tuple((a.effect, a.values) for a in self.active if isinstance(a.effect, BodyEffect))
 
     @property
     def clock(self) -> tuple[tuple[ClockEffect, Values], ...]:

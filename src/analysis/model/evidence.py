@@ -1,0 +1,110 @@
+"""What a campaign's poses are taken to say: which shots and frames, and with which noise.
+
+Stated sigmas are taken at their word unless the scatter about free flight contradicts them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from analysis.effects.timing_jitter import EFFECT as JITTER
+from analysis.model.crossvalidation import PredictionError, prediction_error
+from analysis.model.fit import Fit, fit_campaign
+from analysis.model.noise import noise_scales
+from analysis.model.outliers import Cleaned, clean
+from analysis.model.poses import PoseData
+from analysis.model.theory import Theory
+
+CONTRADICTED_SIGMAS = 4.0
+AS_STATED = (1.0, 1.0)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Evidence:
+    """A campaign ready to be judged.
+
+    Attributes
+    ----------
+    stated
+        Every shot, sigmas as stated.
+    cleaned
+        Without bad frames and shots, sigmas as they really are.
+    noise
+        By what stated sigmas of positions and of orientations were multiplied.
+    """
+
+    stated: PoseData
+    cleaned: Cleaned
+    noise: tuple[float, float]
+
+    @property
+    def data(self) -> PoseData:
+        """What is left."""
+        return self.cleaned.data
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stage:
+    """One point of the error path: the effects in, the fit, and the error on shots left out."""
+
+    effects: tuple[str, ...]
+    fit: Fit
+    error: PredictionError
+
+
+def weighed(stated: PoseData, theory: Theory | None = None) -> Evidence:
+    """Take out what is bad and correct the sigmas, judged by a theory (None: the base model)."""
+    cleaned = clean(stated, theory)
+    scales = noise_scales(cleaned.data, cleaned.fit)
+    position, rotation = (
+        scale.value if abs(scale.value - 1) > CONTRADICTED_SIGMAS * scale.sigma else 1.0
+        for scale in scales
+    )
+    if (position, rotation) != AS_STATED:
+        scaled = stated.with_sigmas(
+            position * stated.position_sigma, rotation * stated.rotation_sigma
+        )
+        cleaned = clean(scaled, cleaned.fit.theory)
+    return Evidence(stated, cleaned, (position, rotation))
+
+
+def stage_of(data: PoseData, fit: Fit) -> Stage:
+    """Return the point of the error path that a fit is."""
+    names = tuple(active.effect.name for active in fit.theory.active)
+    if data.jitter_s > 0:
+        names = (*names, JITTER.name)
+    return Stage(names, fit, prediction_error(data, fit))
+
+
+def weighed_again(
+    evidence: Evidence, path: list[Stage], jitter_s: float
+) -> tuple[Evidence, list[Stage]]:
+    """Judge shots, frames and noise by the theory as it is now; what it explains comes back.
+
+    The whole path is then fitted to the same shots, so that its errors compare.
+    """
+    kept = evidence.cleaned
+    same_noise = evidence.noise == AS_STATED and jitter_s == evidence.stated.jitter_s
+    if kept.kept.all() and not kept.frames and same_noise:
+        return evidence, path
+    again = weighed(replace(evidence.stated, jitter_s=jitter_s), path[-1].fit.theory)
+    changed = (
+        not np.array_equal(again.cleaned.kept, kept.kept)
+        or again.cleaned.frames != kept.frames
+        or again.noise != evidence.noise
+    )
+    if not changed:
+        return replace(again, cleaned=replace(kept, data=again.data)), path
+    refit = _refitter(again.data)
+    return again, [*(refit(stage) for stage in path[:-1]), stage_of(again.data, again.cleaned.fit)]
+
+
+def _refitter(data: PoseData) -> Callable[[Stage], Stage]:
+    def refit(stage: Stage) -> Stage:
+        own = data if JITTER.name in stage.effects else replace(data, jitter_s=0.0)
+        return stage_of(own, fit_campaign(own, stage.fit.theory))
+
+    return refit
