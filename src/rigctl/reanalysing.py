@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
+import json
 import threading
 from collections import Counter
 from collections.abc import Callable, Sequence
-from typing import Any
 
 from rigctl.errors import NotFoundError
 from rigctl.jobs import JobFailedError, Task, Work
 from rigctl.store import ShotRecord, ShotState, Store
 
 ENDED = frozenset({ShotState.ANALYSED, ShotState.REFUSED})
-
-Json = dict[str, Any]
 
 
 def analysed_before(store: Store, campaign: str) -> list[str]:
@@ -50,18 +48,18 @@ def reanalysis(
         Longest time, s, in which no shot of the store changes while one is waited for.
     """
 
-    def work(task: Task) -> Json:
+    def work(task: Task) -> str:
         watch = _Watch(task)
         stop_listening = store.listeners.add(watch.hear)
         try:
             for done, shot in enumerate(shots):
-                task.say(f"analysing shot {shot}", done / len(shots))
                 watch.expect(shot)
+                task.say(f"analysing shot {shot}", done / len(shots))
                 analyse(shot)
                 watch.wait(shot, patience_s)
         finally:
             stop_listening()
-        return {"shots": len(shots), **{state: watch.ends[state] for state in sorted(ENDED)}}
+        return json.dumps({"shots": len(shots), **{str(s): watch.ends[s] for s in sorted(ENDED)}})
 
     return work
 

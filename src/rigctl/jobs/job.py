@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import datetime
 from enum import StrEnum
-from typing import Any
 
 
 class JobState(StrEnum):
@@ -43,7 +41,8 @@ class Job:
     progress, share
         The step under way in words, and the part done from 0 to 1, None where nobody can say.
     result
-        A JSON object once the job is `done`.
+        JSON text of an object once the job is `done`. It is never parsed on its way to whoever
+        asked: a large one would hold up every thread of the daemon, those that fire among them.
     failure, failure_code
         Why it is `failed`, in one sentence, with the error's stable code.
     """
@@ -57,6 +56,6 @@ class Job:
     ended_at: datetime | None = None
     progress: str = ""
     share: float | None = None
-    result: Mapping[str, Any] | None = None
+    result: str | None = None
     failure: str | None = None
     failure_code: str | None = None

@@ -22,7 +22,7 @@ from multiprocessing.process import BaseProcess
 from typing import Any
 
 from rigctl.errors import RigError
-from rigctl.jobs.task import JobFailedError, Json, Task, Work
+from rigctl.jobs.task import JobFailedError, Task, Work
 
 _log = logging.getLogger(__name__)
 
@@ -30,6 +30,7 @@ LONGEST_S = 3600.0
 END_WAIT_S = 5.0
 NICENESS = 10
 
+Json = dict[str, Any]
 Say = Callable[[str, float | None], None]
 Message = tuple[str, Any, Any]
 """("say", text, share), ("done", JSON text, None) or ("failed", sentence, code and trace)."""
@@ -53,7 +54,7 @@ def in_process(function: str, arguments: Json, longest_s: float = LONGEST_S) -> 
     too long.
     """
 
-    def work(task: Task) -> Json:
+    def work(task: Task) -> str:
         process, connection = _start(function, arguments)
         with connection:
             try:
@@ -66,7 +67,7 @@ def in_process(function: str, arguments: Json, longest_s: float = LONGEST_S) -> 
     return work
 
 
-def _attend(process: BaseProcess, connection: Connection, task: Task, longest_s: float) -> Json:
+def _attend(process: BaseProcess, connection: Connection, task: Task, longest_s: float) -> str:
     ends_at = time.monotonic() + longest_s
     while connection.poll(max(0.0, ends_at - time.monotonic())):
         try:
@@ -79,8 +80,7 @@ def _attend(process: BaseProcess, connection: Connection, task: Task, longest_s:
         if kind == "say":
             task.say(content, more)
         elif kind == "done":
-            document: Json = json.loads(content)
-            return document
+            return str(content)
         else:
             raise _failed(content, *more)
     raise JobFailedError(

@@ -28,6 +28,8 @@ class Register:
     ----------
     most_waiting, most_kept
         How many may be queued, and how many that have ended are remembered.
+    most_text
+        Characters that their results may have together; the job that ended last is kept anyway.
     kept_for
         How long an ended job is remembered at most.
     now
@@ -39,11 +41,13 @@ class Register:
         *,
         most_waiting: int,
         most_kept: int,
+        most_text: int,
         kept_for: timedelta,
         now: Callable[[], datetime],
     ) -> None:
         self.listeners: Listeners[Job] = Listeners()
-        self._most_waiting, self._most_kept, self._kept_for = most_waiting, most_kept, kept_for
+        self._most_waiting, self._most_kept, self._most_text = most_waiting, most_kept, most_text
+        self._kept_for = kept_for
         self._now = now
         self._changed = threading.Condition()
         self._jobs: dict[str, Job] = {}
@@ -126,10 +130,12 @@ class Register:
             )
 
     def _forget(self) -> None:
-        ended = [job for job in self._jobs.values() if job.ended_at is not None]
         oldest = self._now() - self._kept_for
-        too_many = len(ended) - self._most_kept
-        for k, job in enumerate(sorted(ended, key=lambda job: job.ended_at or oldest)):
-            if k < too_many or (job.ended_at or oldest) < oldest:
+        ended = [(job.ended_at, job) for job in self._jobs.values() if job.ended_at is not None]
+        ended.sort(key=lambda pair: pair[0])
+        text = 0
+        for k, (at, job) in enumerate(reversed(ended)):
+            text += len(job.result or "")
+            if k >= self._most_kept or at < oldest or (k > 0 and text > self._most_text):
                 del self._jobs[job.id]
         self._asked = {key: name for key, name in self._asked.items() if name in self._jobs}

@@ -19,6 +19,7 @@ _log = logging.getLogger(__name__)
 AT_A_TIME = 2
 MOST_WAITING = 16
 MOST_KEPT = 100
+MOST_TEXT = 64 * 1024**2
 KEPT_FOR = timedelta(hours=24)
 END_WAIT_S = 5.0
 
@@ -28,13 +29,15 @@ QUEUED = frozenset({JobState.QUEUED})
 class Jobs:
     """Runs work in threads of its own and remembers what became of it.
 
-    Any thread may call any method. The jobs that ended last are remembered, at most 100 of them
-    and for at most a day; the end of the daemon forgets them all.
+    Any thread may call any method. The jobs that ended last are remembered, at most 100 of them,
+    with at most 64 MiB of results, for at most a day; the end of the daemon forgets them all.
 
     Parameters
     ----------
     at_a_time, most_waiting, most_kept
         How many run, how many more may wait, and how many that have ended are remembered.
+    most_text
+        Characters that the remembered results may have together.
     now
         The clock, UTC.
     """
@@ -45,10 +48,15 @@ class Jobs:
         at_a_time: int = AT_A_TIME,
         most_waiting: int = MOST_WAITING,
         most_kept: int = MOST_KEPT,
+        most_text: int = MOST_TEXT,
         now: Callable[[], datetime] = utc_now,
     ) -> None:
         self._register = Register(
-            most_waiting=most_waiting, most_kept=most_kept, kept_for=KEPT_FOR, now=now
+            most_waiting=most_waiting,
+            most_kept=most_kept,
+            most_text=most_text,
+            kept_for=KEPT_FOR,
+            now=now,
         )
         self._lock = threading.Lock()
         self._tasks: dict[str, Task] = {}

@@ -4,11 +4,8 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
-from typing import Any
 
 from rigctl.errors import RigError
-
-Json = dict[str, Any]
 
 
 class JobFailedError(RigError):
@@ -76,6 +73,6 @@ class Task:
             callback()
 
 
-Work = Callable[[Task], Json]
-"""Long work: it returns a JSON object, raises `RigError` with the reason, and ends soon after it is
-cancelled."""
+Work = Callable[[Task], str]
+"""Long work: it returns a JSON object as text, raises `RigError` with the reason, and ends soon
+after it is cancelled."""

@@ -28,7 +28,19 @@ class JobSummary(BaseModel):
     @classmethod
     def of(cls, job: Job) -> Self:
         """Return a job as REST shows it."""
-        return cls(**_fields(job))
+        return cls(
+            job=job.id,
+            kind=job.kind,
+            campaign=job.subject,
+            state=job.state,
+            created_at=job.created_at,
+            started_at=job.started_at,
+            ended_at=job.ended_at,
+            progress=job.progress,
+            share=job.share,
+            failure=job.failure,
+            failure_code=job.failure_code,
+        )
 
 
 class JobView(JobSummary):
@@ -36,29 +48,14 @@ class JobView(JobSummary):
 
     result: dict[str, Any] | None
 
-    @classmethod
-    def of(cls, job: Job) -> Self:
-        """Return a job with its result as REST shows it."""
-        return cls(**_fields(job), result=None if job.result is None else dict(job.result))
+
+def job_text(job: Job) -> str:
+    """Return a `JobView` as JSON; the result, which is JSON already, goes in as it is."""
+    summary = JobSummary.of(job).model_dump_json()
+    return f'{summary.removesuffix("}")},"result":{job.result or "null"}}}'
 
 
 class JobList(BaseModel):
     """The jobs that are remembered, oldest first."""
 
     jobs: list[JobSummary]
-
-
-def _fields(job: Job) -> dict[str, Any]:
-    return {
-        "job": job.id,
-        "kind": job.kind,
-        "campaign": job.subject,
-        "state": job.state,
-        "created_at": job.created_at,
-        "started_at": job.started_at,
-        "ended_at": job.ended_at,
-        "progress": job.progress,
-        "share": job.share,
-        "failure": job.failure,
-        "failure_code": job.failure_code,
-    }

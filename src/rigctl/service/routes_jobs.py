@@ -5,9 +5,11 @@ from __future__ import annotations
 from typing import Annotated
 
 from fastapi import APIRouter, Path
+from starlette.responses import Response
 
 from rigctl.daemon import Daemon
-from rigctl.service.job_models import JobList, JobSummary, JobView
+from rigctl.jobs import Job
+from rigctl.service.job_models import JobList, JobSummary, JobView, job_text
 from rigctl.service.problems import documented
 
 JobName = Annotated[str, Path(pattern=r"^[0-9a-f]{16}$")]
@@ -22,14 +24,18 @@ def job_routes(daemon: Daemon) -> APIRouter:
         """List the jobs that are remembered, oldest first, without their results."""
         return JobList(jobs=[JobSummary.of(job) for job in daemon.jobs.jobs()])
 
-    @router.get("/{job}", responses=documented(401, 404, 405, 422))
-    def job(job: JobName) -> JobView:
+    @router.get("/{job}", response_model=JobView, responses=documented(401, 404, 405, 422))
+    def job(job: JobName) -> Response:
         """Show one job: how far it is and, once it is done, its result."""
-        return JobView.of(daemon.jobs.job(job))
+        return _shown(daemon.jobs.job(job))
 
-    @router.delete("/{job}", responses=documented(401, 404, 405, 422))
-    def cancel(job: JobName) -> JobView:
+    @router.delete("/{job}", response_model=JobView, responses=documented(401, 404, 405, 422))
+    def cancel(job: JobName) -> Response:
         """Cancel a job: its process is killed. One that has ended is left as it is."""
-        return JobView.of(daemon.jobs.cancel(job))
+        return _shown(daemon.jobs.cancel(job))
 
     return router
+
+
+def _shown(job: Job) -> Response:
+    return Response(job_text(job), media_type="application/json")

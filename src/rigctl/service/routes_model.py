@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Hashable, Sequence
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Query
-from starlette.responses import JSONResponse, Response
+from starlette.responses import Response
 
 from rigctl.campaigns import measured_files
 from rigctl.daemon import Daemon
@@ -114,15 +115,17 @@ def _ask(daemon: Daemon, kind: str, campaign: str, effects: Sequence[str]) -> Jo
 
 
 def _answer(job: Job) -> Response:
-    return JSONResponse(job.result) if job.state is JobState.DONE else accepted(job)
+    if job.state is JobState.DONE:
+        return Response(job.result, media_type="application/json")
+    return accepted(job)
 
 
 def _saved(daemon: Daemon, name: str, fitting: Work) -> Work:
     """Return work that fits and saves what came of it."""
 
-    def work(task: Task) -> dict[str, Any]:
-        document = fitting(task)
+    def work(task: Task) -> str:
+        document = json.loads(fitting(task))
         version = daemon.store.fits.add(str(document["campaign"]), name, document)
-        return {"name": name, "version": version, **document}
+        return json.dumps({"name": name, "version": version, **document})
 
     return work

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 
@@ -42,7 +43,7 @@ def test_every_shot_is_handed_over_once_and_only_when_the_one_before_has_ended(
         work = reanalysis(store, analyse, analysed_before(store, "nylon"), PATIENCE_S)
         result = work(Task(lambda text, share: said.append(share)))
     assert order == names
-    assert result == {"shots": 4, "analysed": 3, "refused": 1}
+    assert json.loads(result) == {"shots": 4, "analysed": 3, "refused": 1}
     assert said == [0.0, 0.25, 0.5, 0.75]
 
 

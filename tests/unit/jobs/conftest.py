@@ -5,7 +5,6 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Iterator
 from datetime import UTC, datetime
-from typing import Any
 
 import pytest
 
@@ -35,13 +34,13 @@ class Held:
     def let_go(self) -> None:
         self._ends.set()
 
-    def __call__(self, task: Task) -> dict[str, Any]:
+    def __call__(self, task: Task) -> str:
         task.on_cancel(self._ends.set)
         self.runs.set()
         assert self._ends.wait(BOUND_S)
         if task.cancelled:
             raise RuntimeError("let go because it was cancelled")
-        return {"answer": 42}
+        return '{"answer": 42}'
 
 
 @pytest.fixture
@@ -51,7 +50,7 @@ def clock() -> Clock:
 
 @pytest.fixture
 def jobs(clock: Clock) -> Iterator[Jobs]:
-    opened = Jobs(at_a_time=1, most_waiting=2, most_kept=3, now=clock)
+    opened = Jobs(at_a_time=1, most_waiting=2, most_kept=3, most_text=100, now=clock)
     yield opened
     opened.close()
 

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import json
 import os
 import select
 import subprocess
@@ -36,7 +37,7 @@ class Heard:
 
 def run(function: str, heard: Heard | None = None, longest_s: float = BOUND_S) -> dict[str, Any]:
     work = in_process(f"stand_in_work:{function}", {"with": ["drag"]}, longest_s)
-    return work((heard or Heard()).task)
+    return json.loads(work((heard or Heard()).task))
 
 
 def test_the_work_is_done_in_another_process_and_says_how_far_it_is() -> None:

@@ -14,9 +14,9 @@ BOUND_S = 30.0
 Ended = Callable[[Job], Job]
 
 
-def answer(task: Task) -> dict[str, Any]:
+def answer(task: Task) -> str:
     task.say("thinking", 0.5)
-    return {"answer": 42}
+    return '{"answer": 42}'
 
 
 def states(heard: list[Job], job: Job) -> list[JobState]:
@@ -30,7 +30,7 @@ def test_a_job_goes_from_queued_over_running_to_done_and_tells_every_step(
     jobs.listeners.add(heard.append)
     asked = jobs.submit("ranking", "nylon", answer)
     job = ended(asked)
-    assert (job.kind, job.subject, job.result) == ("ranking", "nylon", {"answer": 42})
+    assert (job.kind, job.subject, job.result) == ("ranking", "nylon", '{"answer": 42}')
     assert (job.progress, job.share) == ("thinking", 1.0)
     assert job.created_at == job.started_at == job.ended_at == clock.now
     jobs.close()
@@ -50,7 +50,7 @@ def test_a_job_goes_from_queued_over_running_to_done_and_tells_every_step(
 def test_work_that_raises_is_failed_with_its_reason_and_code(
     jobs: Jobs, ended: Ended, error: Exception, failure: str, code: str
 ) -> None:
-    def fail(_: Task) -> dict[str, Any]:
+    def fail(_: Task) -> str:
         raise error
 
     job = ended(jobs.submit("fits", "nylon", fail))
@@ -86,9 +86,9 @@ def test_beyond_the_queue_no_job_is_taken_and_cancelling_one_makes_room(
 def test_a_cancelled_job_that_waited_is_never_run(jobs: Jobs, ended: Ended, held: Any) -> None:
     ran = threading.Event()
 
-    def note(_: Task) -> dict[str, Any]:
+    def note(_: Task) -> str:
         ran.set()
-        return {}
+        return "{}"
 
     jobs.submit("fits", "a", held)
     assert held.runs.wait(BOUND_S)
@@ -127,7 +127,7 @@ def test_the_same_question_gets_the_same_job_while_it_runs_and_when_it_is_done(
 def test_a_question_whose_job_failed_or_was_cancelled_is_asked_afresh(
     jobs: Jobs, ended: Ended, held: Any
 ) -> None:
-    def fail(_: Task) -> dict[str, Any]:
+    def fail(_: Task) -> str:
         raise StoreError("the disk is full")
 
     failed = ended(jobs.submit("ranking", "a", fail, key="question"))
@@ -144,6 +144,15 @@ def test_the_oldest_of_the_ended_jobs_are_forgotten_first(jobs: Jobs, ended: End
     assert [job.id for job in jobs.jobs()] == [job.id for job in done[1:]]
     with pytest.raises(NotFoundError, match="no such job"):
         jobs.job(done[0].id)
+
+
+def test_large_results_are_forgotten_sooner_and_the_latest_is_kept_however_large(
+    jobs: Jobs, ended: Ended
+) -> None:
+    done = [ended(jobs.submit("fits", "a", lambda _: "x" * 40)) for _ in range(3)]
+    assert [job.id for job in jobs.jobs()] == [job.id for job in done[1:]]
+    large = ended(jobs.submit("fits", "a", lambda _: "x" * 500))
+    assert [job.id for job in jobs.jobs()] == [large.id]
 
 
 def test_an_ended_job_is_forgotten_after_a_day_and_one_that_runs_is_not(
