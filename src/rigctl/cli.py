@@ -277,7 +277,7 @@ def model_rank(
 @model.command("launch")
 def model_launch(campaign: Campaign, *, effects: With = None, json: Json = False) -> None:
     """Fit the launches from the settings, and rank the effects of the launch."""
-    from rigctl.commands.launch import launch
+    from rigctl.commands.model.launch import launch
 
     launch(campaign, effects or [], as_json=json)
 

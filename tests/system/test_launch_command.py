@@ -55,7 +55,8 @@ def copied(folder: Path, to: Path, change: dict[str, str]) -> Path:
 def test_the_document_holds_parameters_quantities_and_candidates(folder: Path) -> None:
     found = answer(folder)
     assert set(found) == {
-        *("campaign", "shots", "with", "converged", "parameters", "quantities", "candidates")
+        *("campaign", "shots", "rejected", "with", "converged"),
+        *("parameters", "quantities", "candidates"),
     }
     assert (found["campaign"], found["shots"], found["converged"]) == ("plain", SHOTS, True)
     assert found["with"] == ["pressure-friction"]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,8 @@ class Touches:
 
     Attributes
     ----------
+    shots
+        Numbers of the shots, shape (S,).
     rows, covariance
         Numbers as `touch` has them, shape (S, 17), and their covariances, shape (S, 17, 17).
     time_s
@@ -31,10 +33,16 @@ class Touches:
         Spheres and gravity.
     """
 
+    shots: NDArray[np.intp]
     rows: Floats
     covariance: Floats
     time_s: Floats
     ground: Ground
+
+    def of_shots(self, chosen: NDArray[np.bool_]) -> Touches:
+        """Return the touches of some shots, mask of shape (S,)."""
+        names = ("shots", "rows", "covariance", "time_s")
+        return replace(self, **{name: getattr(self, name)[chosen] for name in names})
 
 
 def measured_touches(data: PoseData, fit: Fit) -> Touches:
@@ -51,6 +59,7 @@ def measured_touches(data: PoseData, fit: Fit) -> Touches:
     covariance = np.linalg.inv(scaled) * _WIDEST[:, None] * _WIDEST
     derivative = touch_by_state(fit.states)
     return Touches(
+        shots=data.shots,
         rows=observed_touch(fit.states),
         covariance=derivative @ covariance @ np.swapaxes(derivative, 1, 2),
         time_s=fit.states.time_s,

@@ -37,6 +37,8 @@ class LaunchFit:
         Residuals and derivatives at the minimum.
     settings, touches
         What was fitted.
+    rejected
+        Numbers of the shots that were left out as misfires.
     converged
         Whether parameters and scatter had settled.
     """
@@ -48,7 +50,13 @@ class LaunchFit:
     compared: Compared
     settings: LaunchSettings
     touches: Touches
+    rejected: NDArray[np.intp]
     converged: bool
+
+    @property
+    def shots(self) -> NDArray[np.intp]:
+        """Numbers of the shots that were fitted, shape (S,)."""
+        return self.touches.shots
 
     def parameters(self) -> dict[str, Quantity]:
         """Return every parameter with its standard error."""

@@ -75,6 +75,7 @@ def fired(
     drawn = draw(shots, rng, pressures)
     rows = np.array([_shot(k, drawn, faults, tube, rng) for k in range(shots)])
     touches = Touches(
+        shots=np.arange(1, shots + 1),
         rows=rows + SIGMA * rng.normal(size=rows.shape),
         covariance=np.tile(np.diag(SIGMA**2), (shots, 1, 1)),
         time_s=np.full(shots, 0.0115),

@@ -10,7 +10,8 @@ import pytest
 
 from analysis.effects.catalogue import LAUNCH_CATALOGUE
 from analysis.errors import LaunchRefusedError
-from analysis.launch.fit import fit_launch, fit_touches
+from analysis.launch.compared import compare
+from analysis.launch.fit import fit_launch, fit_touches, misfires
 from analysis.launch.measurement import measured_touches
 from analysis.launch.result import LaunchFit
 from analysis.launch.scatter import KINDS, variance_component
@@ -105,6 +106,34 @@ def test_shots_without_spins_are_fitted_by_their_tracks() -> None:
     assert found.converged
     assert found.spread()["spin Z"].value == 0.0
     assert found.spread()["speed"].value == pytest.approx(TUBE.speed_scatter, rel=0.35)
+
+
+def test_misfires_are_left_out_and_named() -> None:
+    touches, settings = fired(80, 9)
+    clear = fit_touches(touches, settings)
+    rows = touches.rows.copy()
+    rows[10, 1] *= 0.6
+    rows[40, 15] += 0.2
+    found = fit_touches(replace(touches, rows=rows), settings)
+    assert found.rejected.tolist() == [11, 41]
+    assert found.shots.size == 78
+    assert clear.rejected.size == 0
+    for name, quantity in clear.spread().items():
+        assert found.spread()[name].value == pytest.approx(quantity.value, rel=0.1)
+
+
+def test_many_strange_shots_are_the_theory_s_fault() -> None:
+    touches, settings = fired(80, 9)
+    clear = fit_touches(touches, settings)
+
+    def strange(every: int) -> np.ndarray:
+        rows = touches.rows.copy()
+        rows[::every, 1] *= 0.6
+        found = compare(clear.theory, settings, replace(touches, rows=rows))
+        return misfires(replace(clear, compared=found))
+
+    assert np.flatnonzero(strange(10)).tolist() == list(range(0, 80, 10))
+    assert not strange(4).any()
 
 
 def test_too_few_shots_are_refused() -> None:

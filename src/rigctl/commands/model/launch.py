@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import sys
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -21,15 +19,15 @@ from analysis.launch.agreement import LaunchAgreement, agreement_of
 from analysis.launch.fit import fit_launch
 from analysis.launch.ranking import LaunchCandidate, LaunchRanking, rank_launch
 from analysis.launch.result import LaunchFit
-from analysis.launch.settings import read_settings
-from analysis.model.fit import fit_campaign
-from analysis.model.gather import gather
+from analysis.launch.settings import read_settings, settings_of
 from analysis.model.inside import without_contact_frames
+from analysis.model.outliers import clean
 from analysis.quantity import Quantity
+from rigctl.campaigns import open_campaign
+from rigctl.commands.model.printing import TABLE_WIDTH, print_json
 from rigctl.errors import AnalysisInputError, NotFoundError
 
 SHOWN_ALIAS = 0.9
-TABLE_WIDTH = 110
 
 
 def launch(campaign: Path, names: Sequence[str], *, as_json: bool) -> None:
@@ -46,29 +44,30 @@ def launch(campaign: Path, names: Sequence[str], *, as_json: bool) -> None:
     title, fitted = _fitted(campaign, [FRICTION, *(e for e in added if e is not FRICTION)])
     ranked = rank_launch(fitted, LAUNCH_CATALOGUE)
     if as_json:
-        json.dump(_document(title, fitted, ranked), sys.stdout, allow_nan=False)
-        sys.stdout.write("\n")
+        print_json(_document(title, fitted, ranked))
         return
     console = Console(width=TABLE_WIDTH)
     end = "" if fitted.converged else "; the fit has not settled"
-    console.print(f"{title}: launches of {len(fitted.touches.rows)} shots{end}", highlight=False)
+    console.print(f"{title}: launches of {fitted.shots.size} shots{end}", highlight=False)
+    if fitted.rejected.size:
+        console.print(f"shots rejected as misfires: {fitted.rejected.tolist()}", highlight=False)
     for table in (_parameters(fitted), _quantities(agreement_of(fitted)), _candidates(ranked)):
         console.print(table)
 
 
 def _fitted(campaign: Path, effects: Sequence[LaunchEffect]) -> tuple[str, LaunchFit]:
+    """Fit the launches to a campaign's poses, wild frames and bad shots left out."""
+    title, poses = open_campaign(campaign)
+    cleaned = clean(without_contact_frames(poses))
+    data, shot_list = cleaned.data, campaign / SHOT_LIST
     try:
-        title, poses = gather(campaign)
-        settings = read_settings(campaign / SHOT_LIST, poses.shots)
-        data = without_contact_frames(poses)
-        return title, fit_launch(data, fit_campaign(data), effects, settings=settings)
+        known = read_settings(shot_list, data.shots) if shot_list.exists() else settings_of(data)
+        return title, fit_launch(data, cleaned.fit, effects, settings=known)
     except InputError as error:
         place = error.path if error.line is None else f"{error.path}, line {error.line}"
         raise AnalysisInputError(error.reason, part=place) from error
     except LaunchRefusedError as error:
-        raise AnalysisInputError(
-            f"no launch can be fitted: {error}", part=str(campaign / SHOT_LIST)
-        ) from error
+        raise AnalysisInputError(f"no launch can be fitted: {error}", part=title) from error
 
 
 def _effect(name: str) -> LaunchEffect:
@@ -86,7 +85,8 @@ def _effect(name: str) -> LaunchEffect:
 def _document(title: str, fitted: LaunchFit, ranked: LaunchRanking) -> dict[str, Any]:
     return {
         "campaign": title,
-        "shots": len(fitted.touches.rows),
+        "shots": fitted.shots.size,
+        "rejected": fitted.rejected.tolist(),
         "with": [active.effect.name for active in fitted.theory.active],
         "converged": fitted.converged,
         "parameters": {name: q.to_json() for name, q in fitted.parameters().items()},
