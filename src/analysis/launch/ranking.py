@@ -12,7 +12,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2 as chi2_distribution
 
 from analysis.effects.effect import LaunchEffect
 from analysis.launch.compared import compare
@@ -20,12 +19,13 @@ from analysis.launch.muzzle import LAW_NAMES
 from analysis.launch.result import LaunchFit
 from analysis.launch.theory import LaunchTheory
 from analysis.model.normal import inverse
-from analysis.model.ranking import BEYOND_RANGE_SIGMAS
+from analysis.model.promise import Block, Sums, block_of
+from analysis.model.ranking import alias_matrix, believed, smallest_by_chance
 
 Floats = NDArray[np.float64]
 
-LEAST_INFORMATION = 1e-6
-DRAWS = 2000
+LEAST_RAW = 1e-100
+"""Information of a column that does nothing at all, for divisions by it."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -68,12 +68,7 @@ class LaunchCandidate:
     @property
     def plausible(self) -> bool:
         """Whether every amplitude lies in its believed range, its error allowed for."""
-        bounds = np.array([parameter.plausible for parameter in self.effect.parameters])
-        spare = BEYOND_RANGE_SIGMAS * self.sigmas
-        within = (bounds[:, 0] - spare <= self.amplitudes) & (
-            self.amplitudes <= bounds[:, 1] + spare
-        )
-        return bool(within.all())
+        return believed(self.effect, self.amplitudes, self.sigmas)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -88,21 +83,6 @@ class LaunchRanking:
     aliases: Floats
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Score:
-    """One effect: what its parameters add that nothing else fitted does.
-
-    columns: whitened derivatives less their projection on the other fitted parameters, (N, k).
-    amplitudes: their least-squares values, with covariance, none where nothing is seen.
-    """
-
-    columns: Floats
-    amplitudes: Floats
-    covariance: Floats
-    fall: float
-    seen: bool
-
-
 def rank_launch(launch: LaunchFit, effects: Sequence[LaunchEffect], seed: int = 0) -> LaunchRanking:
     """Score every effect, fitted or not.
 
@@ -114,108 +94,92 @@ def rank_launch(launch: LaunchFit, effects: Sequence[LaunchEffect], seed: int = 
     seed
         Of the simulated scores behind `p_familywise`.
     """
-    theory = launch.theory
-    fitted = {active.effect.name for active in theory.active}
+    fitted = {active.effect.name for active in launch.theory.active}
+    sums = _sums(launch, effects)
+    blocks = _blocks(sums, effects)
+    falls = [float(block.falls(sums.gradient)) for block in blocks]
+    p_values = [float(b.p_values(np.array(f))) for b, f in zip(blocks, falls, strict=True)]
+    smallest = smallest_by_chance(sums.matrix, blocks, np.random.default_rng(seed))
+    candidates = [
+        LaunchCandidate(
+            effect=effect,
+            fall=fall,
+            amplitudes=block.whitening @ block.whitening.T @ sums.gradient[block.columns],
+            sigmas=np.sqrt((block.whitening**2).sum(axis=1)),
+            p_value=p,
+            # The chance counts itself, so that a share of zero is never claimed.
+            p_familywise=float((1 + (smallest <= p).sum()) / (1 + len(smallest))),
+            seen=block.freedom == len(effect.parameters),
+            fitted=effect.name in fitted,
+        )
+        for effect, block, fall, p in zip(effects, blocks, falls, p_values, strict=True)
+    ]
+    order = sorted(
+        range(len(blocks)),
+        key=lambda k: (not candidates[k].seen, candidates[k].fitted, -candidates[k].fall),
+    )
+    aliases = alias_matrix(sums.matrix, [blocks[k] for k in order])
+    return LaunchRanking(tuple(candidates[k] for k in order), aliases)
+
+
+def _blocks(sums: Sums, effects: Sequence[LaunchEffect]) -> list[Block]:
+    blocks, start = [], 0
     for effect in effects:
-        if effect.name not in fitted:
+        stop = start + len(effect.parameters)
+        one_sided = stop == start + 1 and effect.parameters[0].one_sided
+        blocks.append(block_of(sums, np.arange(start, stop), one_sided=one_sided))
+        start = stop
+    return blocks
+
+
+def _sums(launch: LaunchFit, effects: Sequence[LaunchEffect]) -> Sums:
+    """Sum up the columns of all effects, what else is fitted projected out of each.
+
+    Of an effect in the fit, g is that at its off value: its amplitude is then what was fitted.
+    """
+    theory = launch.theory
+    for effect in effects:
+        if effect.name not in {active.effect.name for active in theory.active}:
             theory = theory.with_effect(effect)
     compared = compare(theory, launch.settings, launch.touches)
     residual, derivative = compared.whitened(launch.scatter)
     flat = derivative.reshape(-1, derivative.shape[-1])
-    scores = {
-        name: _score(residual.reshape(-1), flat, theory, columns, len(launch.theory.names))
-        for name, columns in _columns(theory).items()
-    }
-    named = {effect.name: effect for effect in effects}
-    scores = {name: score for name, score in scores.items() if name in named}
-    p_values = {name: _p_value(score) for name, score in scores.items()}
-    smallest = _smallest_by_chance(list(scores.values()), np.random.default_rng(seed))
-    candidates = [
-        LaunchCandidate(
-            effect=named[name],
-            fall=score.fall,
-            amplitudes=score.amplitudes,
-            sigmas=np.sqrt(np.diag(score.covariance)),
-            p_value=p_values[name],
-            # The chance counts itself, so that a share of zero is never claimed.
-            p_familywise=float((1 + (smallest <= p_values[name]).sum()) / (1 + DRAWS)),
-            seen=score.seen,
-            fitted=name in fitted,
-        )
-        for name, score in scores.items()
-    ]
-    candidates.sort(key=lambda one: (not one.seen, one.fitted, -one.fall))
-    ordered = [scores[candidate.effect.name] for candidate in candidates]
-    aliases = np.array([[_alias(first, second) for second in ordered] for first in ordered])
-    return LaunchRanking(tuple(candidates), aliases)
+    places = _places(theory)
+    fitted = len(launch.theory.names)
+    left, by_number, held = [], [], []
+    for effect in effects:
+        own = places[effect.name]
+        free, pull = _alone(flat, theory, own, np.setdiff1d(np.arange(fitted), own))
+        there = flat[:, own] @ (theory.vector[own] - effect.off)
+        left.append(free)
+        by_number.append(free * (residual.reshape(-1) + there)[:, None])
+        held.append(pull)
+    columns, pulls = np.concatenate(left, axis=1), np.concatenate(by_number, axis=1)
+    by_shot = pulls.reshape(len(residual), -1, columns.shape[1]).sum(axis=1)
+    owned = np.concatenate([places[effect.name] for effect in effects])
+    return Sums(
+        matrix=columns.T @ columns,
+        gradient=by_shot.sum(axis=0) + np.concatenate(held),
+        raw=np.maximum((flat[:, owned] ** 2).sum(axis=0), LEAST_RAW),
+        by_shot=by_shot,
+    )
 
 
-def _columns(theory: LaunchTheory) -> dict[str, NDArray[np.intp]]:
+def _alone(
+    flat: Floats, theory: LaunchTheory, own: NDArray[np.intp], others: NDArray[np.intp]
+) -> tuple[Floats, Floats]:
+    """Return the columns `own` less what the others do, and what the others' prior adds to g."""
+    centre, width = (part[others] for part in theory.prior)
+    rest = flat[:, others]
+    share = inverse(rest.T @ rest + np.diag(width**-2)) @ rest.T @ flat[:, own]
+    return flat[:, own] - rest @ share, share.T @ ((theory.vector[others] - centre) / width**2)
+
+
+def _places(theory: LaunchTheory) -> dict[str, NDArray[np.intp]]:
     """Return where the parameters of each effect stand in the theory's vector."""
-    columns, start = {}, len(LAW_NAMES)
+    places, start = {}, len(LAW_NAMES)
     for active in theory.active:
         stop = start + len(active.values)
-        columns[active.effect.name] = np.arange(start, stop)
+        places[active.effect.name] = np.arange(start, stop)
         start = stop
-    return columns
-
-
-def _score(
-    residual: Floats, flat: Floats, theory: LaunchTheory, own: NDArray[np.intp], fitted: int
-) -> _Score:
-    """Score the parameters `own` of an effect against all others among the first `fitted`."""
-    others = np.setdiff1d(np.arange(fitted), own)
-    centre, width = (part[others] for part in theory.prior)
-    rest, columns = flat[:, others], flat[:, own]
-    matrix = rest.T @ rest + np.diag(width**-2)
-    pull = rest.T @ residual - (theory.vector[others] - centre) / width**2
-    share = inverse(matrix) @ (rest.T @ columns)
-    left = columns - rest @ share
-    information = left.T @ columns
-    raw = (columns**2).sum(axis=0)
-    if (np.diag(information) <= LEAST_INFORMATION * raw).any():
-        nothing = np.full(len(own), np.nan)
-        return _Score(left, nothing, np.diag(nothing), 0.0, seen=False)
-    covariance = inverse(information)
-    gradient = columns.T @ residual - share.T @ pull
-    off = np.concatenate([active.effect.off for active in theory.active])
-    amplitudes = theory.vector[own] - off[own - len(LAW_NAMES)] + covariance @ gradient
-    fall = float(amplitudes @ information @ amplitudes)
-    amplitudes = amplitudes + off[own - len(LAW_NAMES)]
-    return _Score(left, amplitudes, covariance, fall, seen=True)
-
-
-def _p_value(score: _Score) -> float:
-    return float(chi2_distribution.sf(score.fall, len(score.amplitudes))) if score.seen else 1.0
-
-
-def _smallest_by_chance(scores: Sequence[_Score], rng: np.random.Generator) -> Floats:
-    """Return the smallest p of each of many campaigns with nothing missing, shape (DRAWS,).
-
-    Scores are then Gaussian, with the correlation of the columns.
-    """
-    smallest = np.ones(DRAWS)
-    seen = [score for score in scores if score.seen]
-    if not seen:
-        return smallest
-    columns = np.concatenate([score.columns for score in seen], axis=1)
-    values, vectors = np.linalg.eigh(columns.T @ columns)
-    draws = rng.standard_normal((DRAWS, len(values))) @ (vectors * np.sqrt(values.clip(0.0))).T
-    start = 0
-    for score in seen:
-        size = len(score.amplitudes)
-        own = draws[:, start : start + size]
-        start += size
-        fall = np.einsum("di,ij,dj->d", own, score.covariance, own)
-        smallest = np.minimum(smallest, chi2_distribution.sf(fall, size))
-    return smallest
-
-
-def _alias(first: _Score, second: _Score) -> float:
-    """Return the largest canonical correlation between what two effects do."""
-    if not (first.seen and second.seen):
-        return 0.0
-    cross = first.columns.T @ second.columns
-    between = inverse(first.columns.T @ first.columns) @ cross
-    between = between @ inverse(second.columns.T @ second.columns) @ cross.T
-    return float(np.sqrt(np.clip(np.linalg.eigvals(between).real.max(), 0.0, 1.0)))
+    return places

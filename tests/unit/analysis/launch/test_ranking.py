@@ -121,3 +121,12 @@ def test_an_amplitude_no_rig_has_is_not_plausible() -> None:
     assert first.effect.name == "pressure-hysteresis"
     assert not first.plausible
     assert ranked(Faults(hysteresis=0.01)).candidates[0].plausible
+
+
+def test_an_effect_that_has_one_sign_is_not_scored_by_the_other() -> None:
+    backwards = next(
+        one for one in ranked(Faults(rolling=-0.4)).candidates if one.effect.name == "tube-spin"
+    )
+    assert backwards.amplitudes[0] == pytest.approx(-0.4, abs=0.1)
+    assert (backwards.fall, backwards.p_value) == (0.0, 1.0)
+    assert not backwards.plausible
