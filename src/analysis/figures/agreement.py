@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
 from analysis.figures.palette import FAILS, FLOOR, GREY, MEASURED
 from analysis.figures.sheet import FAINT, plain, sheet
-from analysis.model.agreement.table import Agreement, Row
+from analysis.model.agreement.table import Agreement, Row, probability
 
 ALARM = 0.01
 BARS = 2.0
 """Sampling errors that a bar reaches to each side."""
+LARGE = 3.0
+"""Beyond it, a linear axis would press everything else together."""
 LINE = 0.235
 """Height of a line, inches."""
 
@@ -44,6 +47,11 @@ def agreement_figure(title: str, found: Agreement) -> Figure:
         if row is None:
             label.set_fontweight("bold")
     axes.tick_params(axis="y", length=0)
+    if max(row.error for row in found.rows) > LARGE:
+        axes.set_xscale("log")
+        axes.xaxis.set_major_locator(LogLocator(10, subs=(1.0, 2.0, 5.0)))
+        axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axes.xaxis.set_minor_locator(NullLocator())
     axes.set_xlabel("error / noise (1)")
     _numbers(numbers, lines)
     return figure
@@ -71,14 +79,3 @@ def _numbers(axes: Axes, lines: list[tuple[str, Row | None]]) -> None:
         for (place, _), text in zip(columns, texts, strict=True):
             axes.text(place, line, text, ha="right", va="center", fontsize=9, color=colour)
         axes.text(0.88, line, row.unit, ha="left", va="center", fontsize=9, color=GREY)
-
-
-def probability(p: float) -> str:
-    """Return a probability as a table shows it, two digits at most."""
-    if p >= 0.995:
-        return "1"
-    if p >= 0.001:
-        return f"{p:.2g}"
-    if p < 1e-99:
-        return "< 1e-99"
-    return f"{p:.0e}".replace("e-0", "e-")

@@ -41,9 +41,9 @@ def error_path_figure(title: str, path: Sequence[Stage]) -> Figure:
         axes.annotate(
             f"{value:.3f}",
             (k, value + bar),
-            xytext=(0, 5),
+            xytext=(8, 6),
             textcoords="offset points",
-            ha="center",
+            ha="left",
             fontweight="bold",
             fontsize=10,
         )

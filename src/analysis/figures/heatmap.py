@@ -17,6 +17,7 @@ from analysis.model.lackoffit import Cell
 
 ALARM = 0.01
 BRIGHTEST = 12.0
+"""The darkest colour stands for so much at least."""
 SIZE = 0.34
 """Of a cell, inches."""
 CHANNELS = tuple(
@@ -41,13 +42,14 @@ def heatmap_figure(title: str, cells: Sequence[Cell]) -> Figure:
         "incident surface velocity; b: across both; common: mean of a and b; relative: b less a."
     )
     blocks = [
-        Block(name, _names(own, "channel"), tuple(map(_short, _names(own, "covariate"))), room)
-        for (name, own), room in zip(parts.items(), (1.75, 2.0, 1.0), strict=True)
+        Block(name, _names(own, "channel"), tuple(map(_short, _names(own, "covariate"))))
+        for name, own in parts.items()
     ]
-    figure, axes, bar = blocks_sheet(title, note, blocks, cell=SIZE, below=1.45)
+    figure, axes, bar = blocks_sheet(title, note, blocks, cell=SIZE)
+    brightest = max(BRIGHTEST, *(standard_deviations(cell) for cell in cells))
     for own, part in zip(parts.values(), axes, strict=True):
-        image = _block(part, own)
-    legend = figure.colorbar(image, cax=bar, extend="max")
+        image = _block(part, own, brightest)
+    legend = figure.colorbar(image, cax=bar)
     legend.set_label("standard deviations", fontsize=9)
     legend.ax.tick_params(labelsize=9, length=0)
     legend.outline.set_visible(False)
@@ -55,7 +57,7 @@ def heatmap_figure(title: str, cells: Sequence[Cell]) -> Figure:
 
 
 def standard_deviations(cell: Cell) -> float:
-    """Return chi-squared as a normal deviate, never below zero.
+    """Return a cell's chi-squared as a normal deviate, never below zero.
 
     E. B. Wilson and M. M. Hilferty, Proc. Natl. Acad. Sci. 17, 684 (1931): unlike the p-value it
     does not end at the smallest number.
@@ -63,7 +65,7 @@ def standard_deviations(cell: Cell) -> float:
     if cell.freedom == 0:
         return 0.0
     spread = 2 / (9 * cell.freedom)
-    return max(0.0, float((np.cbrt(cell.chi2 / cell.freedom) - (1 - spread)) / np.sqrt(spread)))
+    return max(0.0, float((np.cbrt(cell.chi2 / cell.freedom) - (1 - spread)) / spread**0.5))
 
 
 def _camera(cell: Cell) -> bool:
@@ -77,20 +79,20 @@ def _names(cells: Sequence[Cell], kind: str) -> tuple[str, ...]:
     return (*(name for name in known if name in names), *sorted(names - set(known)))
 
 
-def _block(axes: Axes, cells: Sequence[Cell]) -> AxesImage:
+def _block(axes: Axes, cells: Sequence[Cell], brightest: float) -> AxesImage:
     rows, columns = _names(cells, "channel"), _names(cells, "covariate")
     values = np.zeros((len(rows), len(columns)))
     for cell in cells:
         row, column = rows.index(cell.channel), columns.index(cell.covariate)
         values[row, column] = value = standard_deviations(cell)
-        colour = "white" if value > 0.6 * BRIGHTEST else "#222222"
+        colour = "white" if value > 0.6 * brightest else "#222222"
         axes.text(column, row, f"{value:.0f}", ha="center", va="center", color=colour, size=8)
         if cell.p_holm < ALARM:
             corner = (column - 0.45, row - 0.45)
             axes.add_patch(Rectangle(corner, 0.9, 0.9, fill=False, color="black", linewidth=1.3))
     axes.vlines(np.arange(1, len(columns)) - 0.5, -0.5, len(rows) - 0.5, color="white", linewidth=2)
     axes.hlines(np.arange(1, len(rows)) - 0.5, -0.5, len(columns) - 0.5, color="white", linewidth=2)
-    return axes.imshow(values, cmap=STRUCTURE, vmin=0, vmax=BRIGHTEST, aspect="auto")
+    return axes.imshow(values, cmap=STRUCTURE, vmin=0, vmax=brightest, aspect="auto")
 
 
 def _short(covariate: str) -> str:

@@ -59,8 +59,8 @@ def aliases_figure(title: str, ranking: Ranking) -> Figure:
         "projected out, in the order of the scores. Near 1 these shots cannot tell them apart."
     )
     names = tuple(c.effect.name for c in shown)
-    block = Block("", names, names, 2.05)
-    figure, [axes], bar = blocks_sheet(title, note, [block], cell=0.38, below=1.8)
+    block = Block("", names, names)
+    figure, [axes], bar = blocks_sheet(title, note, [block], cell=0.38)
     values = ranking.aliases[:count, :count]
     for i, j in np.ndindex(count, count):
         if i != j:

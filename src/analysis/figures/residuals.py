@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure
 
-from analysis.figures.agreement import probability
 from analysis.figures.palette import FAILS, GREY, MEASURED
 from analysis.figures.sheet import plain, sheet
+from analysis.model.agreement.table import probability
 from analysis.model.covariates import covariate_label
 from analysis.model.lackoffit import Cell
 from analysis.model.structure import CellResiduals

@@ -20,6 +20,8 @@ DPI = 150
 FAINT = "#E4E4E4"
 BAR_ROOM = 1.15
 """Beside matrices for their colour bar, inches."""
+LETTER, SLANT = 0.074, 0.75
+"""Width of a letter of the names, inches, and what 45 degrees leave of it."""
 STRUCTURE = LinearSegmentedColormap.from_list("structure", ["#FFFFFF", "#F7D9C4", FAILS, "#7A3300"])
 ALIKE = LinearSegmentedColormap.from_list("alike", ["#FFFFFF", "#BBD9EE", MEASURED, "#003A5D"])
 
@@ -42,7 +44,11 @@ def heading_height(note: str) -> float:
 def head(figure: Figure, title: str, note: str) -> None:
     """Write the title and lines of explanation into the upper left corner."""
     width, height = figure.get_size_inches()
-    figure.text(0.12 / width, 1 - 0.12 / height, title, fontsize=13, fontweight="bold", va="top")
+    name = figure.text(
+        0.12 / width, 1 - 0.12 / height, title, fontsize=13, fontweight="bold", va="top"
+    )
+    wide = name.get_window_extent().width / figure.dpi
+    name.set_fontsize(13 * min(1.0, (width - 0.3) / wide))
     figure.text(
         0.12 / width, 1 - 0.4 / height, note, fontsize=9, color=GREY, va="top", linespacing=1.4
     )
@@ -50,23 +56,28 @@ def head(figure: Figure, title: str, note: str) -> None:
 
 @dataclass(frozen=True, slots=True)
 class Block:
-    """A matrix to be drawn: its heading, the names of its rows and columns, room for row names."""
+    """A matrix to be drawn: its heading, and the names of its rows and columns."""
 
     heading: str
     rows: tuple[str, ...]
     columns: tuple[str, ...]
-    room: float
+
+    @property
+    def room(self) -> float:
+        """Room for the names of the rows, inches."""
+        slanted = SLANT * max(map(len, self.columns), default=0)
+        return 0.35 + LETTER * max([slanted, *map(len, self.rows)])
+
+    @property
+    def below(self) -> float:
+        """Room for the names of the columns, inches; they stand at 45 degrees."""
+        return 0.3 + SLANT * LETTER * max(map(len, self.columns), default=0)
 
 
 def blocks_sheet(
-    title: str, note: str, blocks: Sequence[Block], *, cell: float, below: float
+    title: str, note: str, blocks: Sequence[Block], *, cell: float
 ) -> tuple[Figure, list[Axes], Axes]:
     """Return a figure with matrices side by side, every cell a square of `cell` inches.
-
-    Parameters
-    ----------
-    below
-        Room for the names of the columns, inches.
 
     Returns
     -------
@@ -75,7 +86,7 @@ def blocks_sheet(
     rows = max(len(block.rows) for block in blocks)
     width = sum(block.room + cell * len(block.columns) for block in blocks) + BAR_ROOM
     top = heading_height(note) + 0.3
-    height = top + cell * rows + below
+    height = top + cell * rows + max(block.below for block in blocks)
     width = max(width, 7.4)
     figure = Figure(figsize=(width, height), dpi=DPI)
     FigureCanvasAgg(figure)

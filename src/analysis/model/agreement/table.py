@@ -140,3 +140,14 @@ def looked_at_together(stages: Sequence[Stage]) -> tuple[Stage, ...]:
 def root_mean(total: float, count: float) -> float:
     """Return the root of a mean of squares; 0 where there are none."""
     return float(np.sqrt(max(total, 0.0) / count)) if count > 0 else 0.0
+
+
+def probability(p: float) -> str:
+    """Return a probability as a table shows it, two digits at most."""
+    if p >= 0.995:
+        return "1"
+    if p >= 0.001:
+        return f"{p:.2g}"
+    if p < 1e-99:
+        return "< 1e-99"
+    return f"{p:.0e}".replace("e-0", "e-")

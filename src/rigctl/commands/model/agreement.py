@@ -12,7 +12,7 @@ from rich.table import Table
 from analysis.effects.own.fault import EffectFault
 from analysis.model.agreement.agree import agree
 from analysis.model.agreement.document import agreement_document, structure_document
-from analysis.model.agreement.table import Agreement, Row
+from analysis.model.agreement.table import Agreement, Row, probability
 from analysis.model.documents import fit_document
 from analysis.model.lackoffit import Cell
 from analysis.model.plane import Plane, impact_plane
@@ -113,10 +113,10 @@ def _fields(row: Row) -> tuple[str, ...]:
         f"  {row.quantity}",
         f"{row.chi2:.1f}",
         f"{row.freedom:.1f}",
-        "1" if row.p_holm >= 1 else f"{row.p_holm:.2g}",
+        probability(row.p_holm),
         f"{row.error:.3f} ± {row.sampling:.3f}",
-        f"{row.size:.3g}",
-        f"{row.floor:.3g}",
+        f"{row.size:#.3g}",
+        f"{row.floor:#.3g}",
         row.unit,
     )
 
@@ -127,8 +127,8 @@ def _cells(cells: Sequence[Cell]) -> Table:
         left = heading in {"of", "against"}
         table.add_column(heading, justify="left" if left else "right", no_wrap=True)
     for cell in cells[:SHOWN_CELLS]:
-        p = "1" if cell.p_holm >= 1 else f"{cell.p_holm:.2g}"
-        fields = (cell.channel, cell.covariate, f"{cell.chi2:.1f}", str(cell.freedom), p)
+        chi2, p = f"{cell.chi2:.1f}", probability(cell.p_holm)
+        fields = (cell.channel, cell.covariate, chi2, str(cell.freedom), p)
         table.add_row(*fields, style="bold" if cell.p_holm < ALARM else None)
     table.caption = f"the {min(SHOWN_CELLS, len(cells))} most striking of {len(cells)} cells"
     return table

@@ -67,7 +67,8 @@ def draw_explanation(folder: Path, title: str, verdict: Verdict) -> list[Path]:
 
 def _of_ranking(title: str, ranking: Ranking) -> Named:
     yield "ranking", ranking_figure(f"{title}: what the data would rather have", ranking)
-    yield "aliases", aliases_figure(f"{title}: effects that look alike", ranking)
+    if sum(candidate.seen for candidate in ranking.candidates) > 1:
+        yield "aliases", aliases_figure(f"{title}: effects that look alike", ranking)
 
 
 def _written(folder: Path, figures: Named) -> list[Path]:
