@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,8 @@ from analysis.tracking import Matching, Tracking, track_spheres
 from analysis.two_sides import measure_two_sides
 
 Floats = NDArray[np.float64]
+
+Method = Literal["thesis", "photometric"]
 
 LEAST_FRAMES = 6
 RATE_TOLERANCE = 0.01
@@ -33,6 +36,9 @@ class AnalysisOptions:
     matching
         "pattern" matches every frame against one body pattern by rigid rotation, both views
         together; "proximal" goes from frame to frame in the front view (appendix B).
+    method
+        "thesis" finds outlines and markers by their edges; "photometric" fits a rendered sphere
+        to every pixel (docs/explanation/photometric.md).
     three_and_three
         Use the thesis's three frames before and three after contact, 2 ms apart, with its
         equations (5-1) to (5-4) and (5-32), (5-33); otherwise all frames by least squares.
@@ -41,6 +47,7 @@ class AnalysisOptions:
     edges: EdgeSettings = field(default_factory=EdgeSettings)
     matching: Matching = "pattern"
     three_and_three: bool = False
+    method: Method = "thesis"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -111,7 +118,7 @@ def analyse_shot(
     try:
         check_frames(frames, times_s, setup)
         elapsed_s = times_s - times_s[0]
-        tracking = track_spheres(frames, elapsed_s, setup, chosen.edges, chosen.matching)
+        tracking = _tracking(frames, elapsed_s, setup, chosen)
         sides = measure_two_sides(tracking, elapsed_s, setup, chosen.three_and_three)
     except ShotRefusedError as refusal:
         return RefusedShot(refusal.step, refusal.reason, refusal.frame)
@@ -125,6 +132,17 @@ def analyse_shot(
         used_after=sides.used_after,
         notes=(*sides.notes, *_odd_times(elapsed_s, setup)),
     )
+
+
+def _tracking(
+    frames: NDArray[np.uint8], elapsed_s: Floats, setup: Setup, options: AnalysisOptions
+) -> Tracking:
+    if options.method == "thesis":
+        return track_spheres(frames, elapsed_s, setup, options.edges, options.matching)
+    # Compiled functions are loaded only where they are wanted.
+    from analysis.photometric.method import measure_poses  # noqa: PLC0415
+
+    return measure_poses(frames, elapsed_s, setup)[0]
 
 
 def _odd_times(times_s: Floats, setup: Setup) -> tuple[str, ...]:

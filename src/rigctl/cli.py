@@ -54,6 +54,7 @@ class Method(StrEnum):
     """How images are measured."""
 
     THESIS = "thesis"
+    PHOTOMETRIC = "photometric"
 
 
 class MarkerMatching(StrEnum):
@@ -203,8 +204,9 @@ def analyse(
         out=out,
         figures=figures,
         workers=workers,
+        method=method.value,
     )
-    measure(request, method=method.value, as_json=json)
+    measure(request, as_json=json)
 
 
 model = typer.Typer(help="Compare a campaign with the model; find the effect it lacks.")

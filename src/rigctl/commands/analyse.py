@@ -22,7 +22,7 @@ from analysis.figures.shot import draw_shot
 from analysis.imaging.frame import EdgeSettings
 from analysis.imaging.stack import read_stack
 from analysis.quantity import Quantity
-from analysis.shot import AnalysisOptions, MeasuredShot, RefusedShot
+from analysis.shot import AnalysisOptions, MeasuredShot, Method, RefusedShot
 from analysis.tracking import Matching
 from rigctl.errors import AnalysisInputError
 
@@ -56,6 +56,8 @@ class Request:
         Folders for the exchange files and for one picture a shot.
     workers
         Processes; None: one for each processor.
+    method
+        How images are measured.
     """
 
     paths: Sequence[Path]
@@ -67,9 +69,10 @@ class Request:
     out: Path | None = None
     figures: Path | None = None
     workers: int | None = None
+    method: Method = "thesis"
 
 
-def analyse(request: Request, *, method: str, as_json: bool) -> None:
+def analyse(request: Request, *, as_json: bool) -> None:
     """Analyse, write what is asked for, and print a table or one JSON document.
 
     Raises
@@ -93,7 +96,7 @@ def analyse(request: Request, *, method: str, as_json: bool) -> None:
     if as_json:
         document = {
             "campaign": campaign.name,
-            "method": method,
+            "method": request.method,
             "frames_per_second": round(frames / elapsed, 1),
             "unlisted": [str(path) for path in campaign.unlisted],
             "shots": [{"shot": job.shot, **shot_document(shot)} for job, shot in results],
@@ -152,7 +155,9 @@ def _run(
     edges = EdgeSettings(samples_per_pixel=request.samples_per_pixel)
     if request.sigma_px is not None:
         edges = replace(edges, sigma_px=request.sigma_px)
-    options = AnalysisOptions(edges, request.matching, request.three_and_three)
+    options = AnalysisOptions(
+        edges, request.matching, request.three_and_three, method=request.method
+    )
     console = Console(stderr=True)
     results, frames = [], 0
     with Progress(console=console, transient=True, disable=not sys.stderr.isatty()) as bar:

@@ -1,0 +1,87 @@
+"""What is learned of a pair of spheres and their camera, and serves every shot of a campaign."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.photometric.camera import Camera
+from analysis.photometric.pose import Look
+from analysis.photometric.shading import blurred_profiles, stacked, template
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sphere:
+    """How one sphere looks.
+
+    Attributes
+    ----------
+    radius_m
+        Of the sphere.
+    markers
+        Directions in body axes, unit vectors, shape (markers, 3).
+    alpha
+        Angular radius of the markers, radians.
+    darkness
+        Share of the light that a marker swallows, 0 to 1.
+    shading
+        Coefficients in each view in the order of `shading.HARMONICS`, shape (V, harmonics).
+    reliefs
+        What they leave inside the disc, on a square grid from -1 to 1, shape (V, n, n).
+    """
+
+    radius_m: float
+    markers: Floats
+    alpha: float
+    darkness: float
+    shading: Floats
+    reliefs: Floats
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Knowledge:
+    """A camera and two spheres as images have shown them.
+
+    Attributes
+    ----------
+    camera
+        Views with their measured scales and origins.
+    sigma_px
+        Standard deviation of the blur in each view, lens and pixel together, shape (V,).
+    spheres
+        a and b.
+    scale_sigma
+        Relative standard error of the scale.
+    """
+
+    camera: Camera
+    sigma_px: Floats
+    spheres: tuple[Sphere, Sphere]
+    scale_sigma: float
+
+    def looks(self, wider_px: float = 0.0) -> tuple[Look, Look]:
+        """Return both spheres in the form of the fit, the blur wider by some pixels."""
+        first, second = (self._look(sphere, wider_px) for sphere in self.spheres)
+        return first, second
+
+    def _look(self, sphere: Sphere, wider_px: float) -> Look:
+        radii = self.camera.optics.scales * sphere.radius_m
+        templates = [
+            template(blurred_profiles((sigma + wider_px) / radius), coefficients)
+            for sigma, radius, coefficients in zip(
+                self.sigma_px, radii, sphere.shading, strict=True
+            )
+        ]
+        return Look(
+            radius_m=sphere.radius_m,
+            markers=np.ascontiguousarray(sphere.markers),
+            alpha=sphere.alpha,
+            darkness=sphere.darkness,
+            tables=stacked(templates),
+            reliefs=sphere.reliefs,
+            sigma_px=self.sigma_px,
+        )

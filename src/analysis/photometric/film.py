@@ -1,0 +1,126 @@
+"""A shot being measured: its frames, its background and the poses found so far."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.photometric.appearance import Knowledge
+from analysis.photometric.background import background_of
+from analysis.photometric.camera import Camera, Optics, disc_of
+from analysis.photometric.pose import LIGHTS, Look, Scene, fit_pose
+
+Floats = NDArray[np.float64]
+
+FAR = -1e6
+
+
+@dataclass(slots=True, eq=False)
+class Film:
+    """Frames of one shot with the poses of both spheres, improved in place.
+
+    Attributes
+    ----------
+    frames
+        Grey levels, shape (F, rows, columns).
+    background, noise
+        Grey levels, shape (rows, columns), and the standard deviation of a pixel.
+    centre, rotation
+        m and body to rig axes, shapes (2, F, 3), (2, F, 3, 3).
+    lights
+        Offset, gain and slopes of the light in each view, shape (2, F, V, LIGHTS).
+    covariance
+        Of centre and turn, shape (2, F, 6, 6).
+    quality
+        What `fit_pose` returns, shape (2, F, 5).
+    placed
+        Frames that have a pose, shape (2, F).
+    """
+
+    frames: NDArray[np.uint8]
+    background: Floats
+    noise: float
+    centre: Floats
+    rotation: Floats
+    lights: Floats
+    covariance: Floats
+    quality: Floats
+    placed: NDArray[np.bool_]
+
+    @classmethod
+    def blank(cls, frames: NDArray[np.uint8], views: int) -> Film:
+        """Return a film without poses."""
+        count = len(frames)
+        lights = np.zeros((2, count, views, LIGHTS))
+        lights[..., 1] = 1.0
+        return cls(
+            frames=np.ascontiguousarray(frames),
+            background=np.zeros(frames.shape[1:]),
+            noise=1.0,
+            centre=np.zeros((2, count, 3)),
+            rotation=np.tile(np.eye(3), (2, count, 1, 1)),
+            lights=lights,
+            covariance=np.zeros((2, count, 6, 6)),
+            quality=np.zeros((2, count, 5)),
+            placed=np.zeros((2, count), dtype=np.bool_),
+        )
+
+    def scene(self, frame: int) -> Scene:
+        """Return one frame with its surroundings."""
+        return Scene(self.frames[frame], self.background, self.noise)
+
+    def refresh(self, known: Knowledge) -> None:
+        """Take background and noise from the pixels that no disc comes near."""
+        radii = (known.spheres[0].radius_m, known.spheres[1].radius_m)
+        self.background, self.noise = background_of(self.frames, self.discs(known.camera, radii))
+
+    def rescale(self, old: Optics, scales: Floats) -> None:
+        """Move the centres so that the discs stay where they are at other scales, px/m (V,).
+
+        The front view places X and Y, the last view Z.
+        """
+        change = old.scales / scales
+        self.centre *= np.array([change[0], change[0], change[-1]])
+
+    def discs(self, camera: Camera, radii_m: tuple[float, float]) -> Floats:
+        """Return all discs of all frames, shape (F, 2 V, 3); far away where there is no pose."""
+        views = len(camera.views)
+        discs = np.full((len(self.frames), 2 * views, 3), FAR)
+        discs[..., 2] = 0.0
+        for i in (0, 1):
+            for k in np.flatnonzero(self.placed[i]):
+                for view in range(views):
+                    place = disc_of(camera.optics, view, self.centre[i, k], radii_m[i])
+                    discs[k, views * i + view] = place
+        return discs
+
+
+def others_of(discs: Floats, sphere: int) -> Floats:
+    """Return for each view of a sphere the other discs of a frame, shape (V, 2 V - 1, 3)."""
+    views = len(discs) // 2
+    own = [views * sphere + view for view in range(views)]
+    return np.stack([np.delete(discs, disc, axis=0) for disc in own])
+
+
+def fit_film(
+    film: Film, camera: Camera, looks: tuple[Look, Look], limits: Floats, spheres: str = "ab"
+) -> None:
+    """Improve every pose of a film, one step for each limit (`pose.fit_pose`)."""
+    discs = film.discs(camera, (looks[0].radius_m, looks[1].radius_m))
+    for i, name in enumerate("ab"):
+        if name not in spheres:
+            continue
+        for k in np.flatnonzero(film.placed[i]):
+            film.quality[i, k] = fit_pose(
+                film.scene(k),
+                camera.optics,
+                looks[i],
+                film.centre[i, k],
+                film.rotation[i, k],
+                film.lights[i, k],
+                others_of(discs[k], i),
+                limits,
+                film.covariance[i, k],
+            )

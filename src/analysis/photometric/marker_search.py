@@ -1,0 +1,132 @@
+"""Markers that a first look has missed: dark places of the body that no known marker explains."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.photometric.camera import Camera, disc_of
+from analysis.photometric.compiled import compiled
+from analysis.photometric.film import Film, others_of
+from analysis.photometric.pose import KEEP_OFF_PX, Look, Scene, cover_canvas
+from analysis.photometric.residual import hidden, model_pixel, shade
+
+Floats = NDArray[np.float64]
+
+DIRECTIONS = 3000
+LEAST_FACING = 0.35
+LEAST_FRAMES = 3
+LEAST_DARKNESS = 0.45
+"""Of a known marker's: half of a pixel's cover, seen over several frames."""
+APART = 1.9
+"""Angular radii between markers: two caps that touch are 2 apart."""
+MOST_NEW = 8
+
+
+def body_directions() -> Floats:
+    """Return directions spread evenly over the sphere, shape (DIRECTIONS, 3)."""
+    k = np.arange(DIRECTIONS) + 0.5
+    z = 1 - 2 * k / DIRECTIONS
+    turn = np.pi * (1 + np.sqrt(5.0)) * k
+    flat = np.sqrt(1 - z**2)
+    return np.stack([flat * np.cos(turn), flat * np.sin(turn), z], axis=1)
+
+
+@compiled
+def add_darkness(
+    scene: Scene,
+    rows: tuple[int, int],
+    view: int,
+    look: Look,
+    place: tuple[float, float, float],
+    light: Floats,
+    seen_markers: Floats,
+    body: Floats,
+    others: Floats,
+    sums: Floats,
+    counts: Floats,
+) -> None:
+    """Add the unexplained darkness of one view of one frame to each direction that it shows.
+
+    Parameters
+    ----------
+    seen_markers, body
+        Known markers and the body's directions as the view sees them, shapes (n, 3).
+    sums, counts
+        Added to, shape (directions,).
+    """
+    shape = (scene.image.shape[0], scene.image.shape[1])
+    canvas, corner = cover_canvas(look, view, seen_markers, place, shape)
+    seen = np.zeros(12)
+    for n in range(body.shape[0]):
+        if body[n, 2] < LEAST_FACING:
+            continue
+        y = int(np.rint(place[0] + place[2] * body[n, 0]))
+        x = int(np.rint(place[1] + place[2] * body[n, 1]))
+        i, j = y - corner[0], x - corner[1]
+        if i < 0 or j < 0 or i >= canvas.shape[1] or j >= canvas.shape[2]:
+            continue
+        if y < rows[0] or y >= rows[1] or hidden(y, x, others, KEEP_OFF_PX):
+            continue
+        shade(
+            look.tables[view],
+            look.reliefs[view],
+            (y - place[0]) / place[2],
+            (x - place[1]) / place[2],
+            seen,
+        )
+        model = model_pixel(seen, canvas[0, i, j], scene.background[y, x], light, look.darkness)
+        plain = max(light[1] * seen[0], 3.0 * scene.noise)
+        sums[n] += min(max((model - scene.image[y, x]) / plain, -1.0), 1.0)
+        counts[n] += 1.0
+
+
+def missed_markers(film: Film, camera: Camera, look: Look, sphere: int) -> Floats:
+    """Return markers of a sphere that its frames show and its look lacks, body axes, (new, 3)."""
+    body = body_directions()
+    sums, counts = np.zeros(len(body)), np.zeros(len(body))
+    radii = (look.radius_m, look.radius_m)
+    discs = film.discs(camera, radii)
+    for k in np.flatnonzero(film.placed[sphere]):
+        others = others_of(discs[k], sphere)
+        for view in range(len(camera.views)):
+            into_view = camera.optics.axes[view] @ film.rotation[sphere, k]
+            add_darkness(
+                film.scene(k),
+                (int(camera.optics.rows[view, 0]), int(camera.optics.rows[view, 1])),
+                view,
+                look,
+                disc_of(camera.optics, view, film.centre[sphere, k], look.radius_m),
+                film.lights[sphere, k, view],
+                np.ascontiguousarray(look.markers @ into_view.T),
+                np.ascontiguousarray(body @ into_view.T),
+                others[view],
+                sums,
+                counts,
+            )
+    often = counts >= LEAST_FRAMES
+    darkness = np.where(often, sums / np.maximum(counts, 1.0), 0.0)
+    return _peaks(body, darkness, often, look)
+
+
+def _peaks(body: Floats, darkness: Floats, often: NDArray[np.bool_], look: Look) -> Floats:
+    """Take the darkest caps one after another, away from the known markers and each other."""
+    known = list(look.markers)
+    found: list[Floats] = []
+    near = body @ body.T > np.cos(look.alpha)
+    weight = near & often[None, :]
+    cap = (weight * darkness).sum(axis=1) / np.maximum(weight.sum(axis=1), 1)
+    cap[~often] = 0.0
+    free = np.ones(len(body), dtype=np.bool_)
+    if known:
+        free &= (body @ np.array(known).T < np.cos(APART * look.alpha)).all(axis=1)
+    for _ in range(MOST_NEW):
+        best = int(np.where(free, cap, 0.0).argmax())
+        if not free[best] or cap[best] < LEAST_DARKNESS * look.darkness:
+            break
+        around = near[best] & often
+        direction = (np.maximum(darkness[around], 0.0)[:, None] * body[around]).sum(axis=0)
+        direction /= np.linalg.norm(direction)
+        found.append(direction)
+        free &= body @ direction < np.cos(APART * look.alpha)
+    return np.array(found).reshape(-1, 3)

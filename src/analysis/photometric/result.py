@@ -1,0 +1,126 @@
+"""Poses of a film in the form that the rest of the analysis takes."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.imaging.markers import Marker
+from analysis.imaging.outlines import Outline
+from analysis.imaging.shells import Circle, Ellipse
+from analysis.imaging.tracks import Track
+from analysis.imaging.views import View
+from analysis.motion.pattern import Orientations
+from analysis.motion.poses import Centres
+from analysis.motion.sightings import SeenMarker
+from analysis.photometric.appearance import Knowledge
+from analysis.photometric.camera import disc_of
+from analysis.photometric.film import Film
+from analysis.tracking import Tracking
+
+Floats = NDArray[np.float64]
+
+LEAST_FACING = 0.4
+
+
+def tracking_of(film: Film, known: Knowledge) -> Tracking:
+    """Return the film's poses with discs and markers where the fitted model has them.
+
+    Errors that last (shading, pattern) are part of each pose's covariance; there is no edge
+    filter, and so no slow error of one.
+    """
+    spheres = [_tracks(film, known, i) for i in (0, 1)]
+    markers = [_markers(film, known, i) for i in (0, 1)]
+    centres = [_centres(film, i) for i in (0, 1)]
+    turned = [_orientations(film, known, i, markers[i]) for i in (0, 1)]
+    optics = known.camera.optics
+    radii = {
+        view: (
+            float(optics.scales[v] * known.spheres[0].radius_m),
+            float(optics.scales[v] * known.spheres[1].radius_m),
+        )
+        for v, view in enumerate(known.camera.views)
+    }
+    return Tracking(
+        spheres=(spheres[0], spheres[1]),
+        markers=(
+            {k: [m for _, m in seen] for k, seen in markers[0].items()},
+            {k: [m for _, m in seen] for k, seen in markers[1].items()},
+        ),
+        marker_angle=(known.spheres[0].alpha + known.spheres[1].alpha) / 2,
+        filter_sigma_px=0.0,
+        radii=radii,
+        scales_px_per_m={
+            v: float(s) for v, s in zip(known.camera.views, optics.scales, strict=True)
+        },
+        scale_sigma=known.scale_sigma,
+        centres=(centres[0], centres[1]),
+        orientations=(turned[0], turned[1]),
+    )
+
+
+def _tracks(film: Film, known: Knowledge, sphere: int) -> dict[View, Track]:
+    optics = known.camera.optics
+    tracks = {}
+    for v, view in enumerate(known.camera.views):
+        track = Track(view)
+        into = optics.scales[v] * optics.axes[v, :2]
+        for k in map(int, np.flatnonzero(film.placed[sphere])):
+            row, column, radius = disc_of(
+                optics, v, film.centre[sphere, k], known.spheres[sphere].radius_m
+            )
+            errors = np.zeros((3, 3))
+            errors[:2, :2] = into @ film.covariance[sphere, k, :3, :3] @ into.T
+            circle = Circle(float(row), float(column), float(radius), errors)
+            track.outlines[k] = Outline(circle, 1.0, np.zeros((0, 2)))
+        tracks[view] = track
+    return tracks
+
+
+def _markers(film: Film, known: Knowledge, sphere: int) -> dict[int, list[tuple[int, SeenMarker]]]:
+    """Return by frame the markers that face a view, each with its index in the pattern."""
+    optics, own = known.camera.optics, known.spheres[sphere]
+    seen: dict[int, list[tuple[int, SeenMarker]]] = {}
+    for k in map(int, np.flatnonzero(film.placed[sphere])):
+        seen[k] = []
+        directions = own.markers @ film.rotation[sphere, k].T
+        for v, view in enumerate(known.camera.views):
+            place = disc_of(optics, v, film.centre[sphere, k], own.radius_m)
+            for name, direction in enumerate(directions):
+                at = optics.axes[v] @ direction
+                if at[2] < LEAST_FACING:
+                    continue
+                size = place[2] * np.sin(own.alpha)
+                row, column = place[:2] + place[2] * np.cos(own.alpha) * at[:2]
+                ellipse = Ellipse(
+                    row=float(row),
+                    column=float(column),
+                    semi_major=float(size),
+                    semi_minor=float(size * at[2]),
+                    angle=float(np.arctan2(at[0], -at[1])),
+                    rms_px=0.0,
+                )
+                marker = Marker(ellipse, direction, float(at[2]))
+                seen[k].append((name, SeenMarker(view, marker)))
+    return seen
+
+
+def _centres(film: Film, sphere: int) -> Centres:
+    frames = np.flatnonzero(film.placed[sphere])
+    covariance = film.covariance[sphere, frames]
+    sigma = np.sqrt(np.einsum("nii->ni", covariance)[:, :3])
+    return Centres(frames, film.centre[sphere, frames].copy(), sigma)
+
+
+def _orientations(
+    film: Film, known: Knowledge, sphere: int, seen: dict[int, list[tuple[int, SeenMarker]]]
+) -> Orientations:
+    frames = np.flatnonzero(film.placed[sphere])
+    return Orientations(
+        frames=frames,
+        rotation=film.rotation[sphere, frames].copy(),
+        covariance=film.covariance[sphere, frames][:, 3:, 3:].copy(),
+        pattern=known.spheres[sphere].markers,
+        matches=tuple(np.array([name for name, _ in seen[int(k)]], dtype=np.intp) for k in frames),
+        left_out={},
+    )

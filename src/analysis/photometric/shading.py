@@ -1,0 +1,130 @@
+"""What a smooth sphere looks like: spherical harmonics of its normal, blurred as the lens does.
+
+On the visible half sphere the products rho^(m+2q) n_z^k cos(m theta) and sin(m theta) with
+m + 2q + k <= order span all spherical harmonics up to that order. A blur that is the same in all
+directions keeps the angular order m, so every function stays a radial profile times an angle and
+is blurred once, by an integral over the radius, exactly up to the edge.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+from scipy.special import ive
+
+Floats = NDArray[np.float64]
+
+ORDER = 3
+STEPS_PER_RADIUS = 400
+REACH_SIGMAS = 5.0
+COARSE_PER_SIGMA = 3.0
+NODES_PER_SIGMA = 5.0
+NUDGE = 1e-3
+"""Step of a derivative taken by difference."""
+
+
+@dataclass(frozen=True, slots=True)
+class Radial:
+    """One radial function rho^power n_z^height with angular order `angular`."""
+
+    angular: int
+    power: int
+    height: int
+
+
+RADIALS = tuple(
+    Radial(m, m + 2 * q, k)
+    for m in range(ORDER + 1)
+    for k in (0, 1)
+    for q in range(ORDER)
+    if m + 2 * q + k <= ORDER
+)
+"""The first is the disc itself."""
+HARMONICS = tuple(
+    (j, sine) for j, f in enumerate(RADIALS) for sine in ((0, 1) if f.angular else (0,))
+)
+"""Index into RADIALS and 0 for cosine, 1 for sine: the coefficients of a shading in order."""
+COLUMNS = 2 * ORDER + 1
+DISC, SLOPE = COLUMNS, COLUMNS + 1
+"""Columns of a template behind its angular orders: the disc, and the profile of u and v."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Profiles:
+    """Blurred radial functions against rho in steps of 1 / STEPS_PER_RADIUS.
+
+    Attributes
+    ----------
+    values
+        One column for each of RADIALS, shape (steps, radials).
+    """
+
+    values: Floats
+
+
+def blurred_profiles(sigma: float) -> Profiles:
+    """Blur all radial functions of the unit disc by a Gaussian.
+
+    The profile of f(rho) cos(m theta) blurred by a Gaussian of standard deviation s is
+    integral of f(t) t exp(-(rho^2 + t^2) / 2 s^2) I_m(rho t / s^2) / s^2 dt, I_m the modified
+    Bessel function. With t = sin(x) the integrand is smooth to the edge.
+
+    Parameters
+    ----------
+    sigma
+        In units of the radius.
+    """
+    nodes, weights = np.polynomial.legendre.leggauss(int(np.clip(NODES_PER_SIGMA / sigma, 64, 600)))
+    x = (nodes + 1) * np.pi / 4
+    t, height = np.sin(x), np.cos(x)
+    measure = weights * np.pi / 4 * height * t / sigma**2
+    reach = 1.0 + REACH_SIGMAS * sigma
+    rho = np.linspace(0.0, reach, int(np.ceil(reach * COARSE_PER_SIGMA / sigma)) + 1)
+    gap = (rho[:, None] - t[None, :]) / sigma
+    near = np.abs(gap) < REACH_SIGMAS + 1.0
+    bell = np.exp(-0.5 * gap[near] ** 2)
+    argument = (rho[:, None] * t[None, :])[near] / sigma**2
+    coarse = np.zeros((len(rho), len(RADIALS)))
+    for m in range(ORDER + 1):
+        kernel = np.zeros(gap.shape)
+        kernel[near] = bell * ive(m, argument)
+        columns = [j for j, f in enumerate(RADIALS) if f.angular == m]
+        shapes = [t ** RADIALS[j].power * height ** RADIALS[j].height for j in columns]
+        coarse[:, columns] = kernel @ (np.stack(shapes, 1) * measure[:, None])
+    fine = np.arange(int(reach * STEPS_PER_RADIUS) + 1) / STEPS_PER_RADIUS
+    values = CubicSpline(rho, coarse, axis=0)(fine)
+    return Profiles(np.ascontiguousarray(values))
+
+
+def template(profiles: Profiles, coefficients: Floats) -> Floats:
+    """Sum a shading into one profile for each angular order, with the disc and u behind them.
+
+    Parameters
+    ----------
+    coefficients
+        In the order of HARMONICS, shape (harmonics,).
+
+    Returns
+    -------
+    Shape (steps, COLUMNS + 2): order 0, then cosine and sine of each order, DISC, SLOPE.
+    """
+    table = np.zeros((len(profiles.values), COLUMNS + 2))
+    for (j, sine), coefficient in zip(HARMONICS, coefficients, strict=True):
+        m = RADIALS[j].angular
+        column = 0 if m == 0 else 2 * m - 1 + sine
+        table[:, column] += coefficient * profiles.values[:, j]
+    table[:, DISC] = profiles.values[:, 0]
+    table[:, SLOPE] = profiles.values[:, RADIALS.index(Radial(1, 1, 0))]
+    return table
+
+
+def stacked(templates: list[Floats]) -> Floats:
+    """Stack templates of different reach, shape (V, steps, columns); beyond its reach each is 0."""
+    longest = max(len(table) for table in templates)
+    whole = np.zeros((len(templates), longest, COLUMNS + 2))
+    for table, own in zip(whole, templates, strict=True):
+        table[: len(own)] = own
+    return whole

@@ -1,0 +1,114 @@
+"""From outlines and markers to the first film and the first guess of how the spheres look."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.imaging.views import View
+from analysis.motion.rotation import rotation_matrix, rotation_vector
+from analysis.photometric.appearance import Knowledge, Sphere
+from analysis.photometric.camera import Camera, camera_of
+from analysis.photometric.film import Film
+from analysis.photometric.relief import nodes_for
+from analysis.photometric.shading import HARMONICS
+from analysis.setup import Setup
+from analysis.tracking import Tracking
+
+Floats = NDArray[np.float64]
+
+FIRST_BLUR_PX = 0.85
+FIRST_DARKNESS = 0.6
+SMALLEST_ALPHA = 0.06
+BEYOND = 3
+"""Frames that a track is carried on beyond its ends."""
+
+
+def first_film(
+    frames: NDArray[np.uint8], times_s: Floats, tracking: Tracking, setup: Setup
+) -> tuple[Film, Knowledge]:
+    """Return a film with the tracking's poses, gaps filled, and a first guess of the spheres."""
+    views = tuple(tracking.scales_px_per_m)
+    camera = camera_of(setup.camera, np.array([tracking.scales_px_per_m[v] for v in views]))
+    film = Film.blank(frames, len(views))
+    for i in (0, 1):
+        centres = tracking.centres[i]
+        for axis in range(3):
+            seen = np.isfinite(centres.position[:, axis])
+            known = centres.frames[seen]
+            film.centre[i, :, axis] = _carried(times_s, known, centres.position[seen, axis])
+        turned = tracking.orientations[i]
+        film.rotation[i] = _turned_on(times_s, turned.frames, turned.rotation)
+        first = max(int(centres.frames[0]) - BEYOND, 0)
+        film.placed[i, first : int(centres.frames[-1]) + BEYOND + 1] = True
+    camera = camera.with_origins(_agreeing_origins(camera, tracking, film))
+    drop_outside(film, camera)
+    shading = np.zeros((len(views), len(HARMONICS)))
+    shading[:, 0] = float(np.percentile(frames, 95))
+    alpha = max(tracking.marker_angle, SMALLEST_ALPHA)
+    radius = float(camera.optics.scales[0] * setup.spheres[0].diameter_m / 2)
+    reliefs = np.zeros((len(views), nodes_for(radius), nodes_for(radius)))
+    spheres = [
+        Sphere(body.diameter_m / 2, turned.pattern, alpha, FIRST_DARKNESS, shading, reliefs)
+        for body, turned in zip(setup.spheres, tracking.orientations, strict=True)
+    ]
+    known = Knowledge(
+        camera=camera,
+        sigma_px=np.full(len(views), FIRST_BLUR_PX),
+        spheres=(spheres[0], spheres[1]),
+        scale_sigma=tracking.scale_sigma,
+    )
+    return film, known
+
+
+def drop_outside(film: Film, camera: Camera) -> None:
+    """Take away poses whose centre lies outside the frame in the front view."""
+    rows, columns = film.frames.shape[1:]
+    optics = camera.optics
+    place = film.centre @ optics.axes[0, :2].T * optics.scales[0] + optics.origins[0]
+    inside = (place >= -0.5).all(axis=2) & (place <= [rows - 0.5, columns - 0.5]).all(axis=2)
+    film.placed &= inside
+
+
+def _carried(times_s: Floats, known: NDArray[np.intp], values: Floats) -> Floats:
+    """Interpolate a coordinate to all frames and carry it on straight beyond its ends."""
+    whole = np.interp(times_s, times_s[known], values)
+    for end, step in ((0, 1), (-1, -1)):
+        if len(known) < 2:
+            break
+        a, b = known[end], known[end + step]
+        slope = (values[end + step] - values[end]) / (times_s[b] - times_s[a])
+        beyond = times_s < times_s[a] if end == 0 else times_s > times_s[a]
+        whole[beyond] = values[end] + slope * (times_s[beyond] - times_s[a])
+    return whole
+
+
+def _turned_on(times_s: Floats, known: NDArray[np.intp], rotation: Floats) -> Floats:
+    """Carry orientations to all frames at the rate between the nearest known ones."""
+    whole = np.empty((len(times_s), 3, 3))
+    for k, time in enumerate(times_s):
+        near = int(np.abs(times_s[known] - time).argmin())
+        other = (
+            near + 1
+            if near + 1 < len(known) and (time > times_s[known[near]] or near == 0)
+            else near - 1
+        )
+        gap = times_s[known[other]] - times_s[known[near]]
+        rate = rotation_vector(rotation[other] @ rotation[near].T) / gap
+        whole[k] = rotation_matrix(rate * (time - times_s[known[near]])) @ rotation[near]
+    return whole
+
+
+def _agreeing_origins(camera: Camera, tracking: Tracking, film: Film) -> Floats:
+    """Shift the top view's columns so that both views agree on Y."""
+    origins = camera.optics.origins.copy()
+    if View.TOP not in camera.views:
+        return origins
+    v = camera.views.index(View.TOP)
+    gaps = [
+        outline.circle.column - origins[v, 1] - camera.optics.scales[v] * film.centre[i, k, 1]
+        for i, sphere in enumerate(tracking.spheres)
+        for k, outline in sphere[View.TOP].outlines.items()
+    ]
+    origins[v, 1] += float(np.median(gaps))
+    return origins
