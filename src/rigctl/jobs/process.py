@@ -28,7 +28,7 @@ _log = logging.getLogger(__name__)
 
 LONGEST_S = 3600.0
 END_WAIT_S = 5.0
-NICENESS = 10
+NICENESS = 19
 
 Json = dict[str, Any]
 Say = Callable[[str, float | None], None]
