@@ -1,4 +1,4 @@
-"""Launches held against what was measured of them, carried back to the mouths of the tubes."""
+"""Launches held against what was measured of them, traced back to the mouths of the tubes."""
 
 from __future__ import annotations
 
@@ -7,13 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.launch.foretold import foretell
 from analysis.launch.measurement import Touches
 from analysis.launch.scatter import scatter_variance
 from analysis.launch.settings import LaunchSettings
 from analysis.launch.theory import LaunchTheory
+from analysis.launch.touch import traced_back
 
 Floats = NDArray[np.float64]
+
+_TOUCH_STEP = np.array([1e-6] * 6 + [1e-3] * 6 + [1e-7] * 5)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -23,22 +25,19 @@ class Compared:
     Attributes
     ----------
     residual
-        u = H^-1 (measured - foretold), shape (S, 17).
+        Traced back less foretold, shape (S, 17).
     covariance
-        Of the measurement, carried back likewise, shape (S, 17, 17).
+        Of the measurement, traced back, shape (S, 17, 17).
     derivative
-        Of what is foretold by the parameters, likewise, shape (S, 17, P).
+        Of foretold less traced back by the parameters, shape (S, 17, P).
     speed
         Foretold speeds, m/s, shape (S, 2).
-    back
-        H^-1, shape (S, 17, 17).
     """
 
     residual: Floats
     covariance: Floats
     derivative: Floats
     speed: Floats
-    back: Floats
 
     def variance(self, scatter: Floats) -> Floats:
         """Return the covariance with the scatter of each kind (K,) in, shape (S, 17, 17)."""
@@ -56,13 +55,35 @@ class Compared:
 
 
 def compare(theory: LaunchTheory, settings: LaunchSettings, touches: Touches) -> Compared:
-    """Hold launches against their touches and carry everything back to the mouths."""
-    foretold = foretell(theory, settings, touches.ground)
-    back = np.asarray(np.linalg.inv(foretold.by_muzzle))
+    """Trace touches back to the mouths and hold the launches against them."""
+    residual = residual_at_mouths(theory, settings, touches)
+    vector, columns = theory.vector, []
+    for k, step in enumerate(theory.steps):
+        shifted = vector.copy()
+        shifted[k] += step
+        moved = residual_at_mouths(theory.at(shifted), settings, touches)
+        columns.append((residual - moved) / step)
+    back = _back(theory, touches)
     return Compared(
-        residual=(back @ (touches.rows - foretold.touch)[..., None])[..., 0],
+        residual=residual,
         covariance=back @ touches.covariance @ np.swapaxes(back, 1, 2),
-        derivative=back @ foretold.by_theory,
-        speed=foretold.muzzle.speed,
-        back=back,
+        derivative=np.stack(columns, axis=-1),
+        speed=theory.launch(settings, touches.ground).speed,
     )
+
+
+def residual_at_mouths(theory: LaunchTheory, settings: LaunchSettings, touches: Touches) -> Floats:
+    """Return the muzzles that the touches come from less those foretold, shape (S, 17)."""
+    ground = touches.ground
+    traced = traced_back(touches.rows, theory.law, ground)
+    return np.asarray(traced.row - theory.launch(settings, ground).row)
+
+
+def _back(theory: LaunchTheory, touches: Touches) -> Floats:
+    """Return the derivative of the muzzle by the touch that it is traced from, (S, 17, 17)."""
+    here, columns = traced_back(touches.rows, theory.law, touches.ground).row, []
+    for k, step in enumerate(_TOUCH_STEP):
+        moved = touches.rows.copy()
+        moved[:, k] += step
+        columns.append((traced_back(moved, theory.law, touches.ground).row - here) / step)
+    return np.stack(columns, axis=-1)

@@ -1,13 +1,14 @@
 """Fitting the launches of a campaign: from the settings to the spheres at their mouths.
 
-Generalised least squares. What a fit of the poses says of first touch is compared with what the
-settings foretell; the residual r is carried back to the mouths, u = H^-1 r with H the derivative
-of the touch by the muzzle, where the quantities of a launch scatter independently:
+Generalised least squares. What a fit of the poses says of first touch is traced back to the mouths
+of the tubes, where the quantities of a launch scatter independently, and held against what the
+settings foretell. With B the derivative of the muzzle by the touch,
 
-    covariance of u = H^-1 C H^-T + diag(s^2)
+    covariance of a residual = B C B' + diag(s^2)
 
 C is that of the measurement, s the scatter of each kind of quantity, estimated from the residuals
-in turn with the parameters.
+in turn with the parameters. The lengths `mouth` and `push` act on both sides: the right ones leave
+slopes, offsets and lags that do not follow the speeds by which each shot happens to differ.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from scipy.stats import chi2 as chi2_distribution
 from analysis.effects.effect import LaunchEffect
 from analysis.effects.pressure_friction import EFFECT as FRICTION
 from analysis.errors import LaunchRefusedError
-from analysis.launch.compared import Compared, compare
+from analysis.launch.compared import Compared, compare, residual_at_mouths
 from analysis.launch.measurement import Touches, measured_touches
 from analysis.launch.muzzle import LaunchLaw
 from analysis.launch.result import LaunchFit
@@ -171,9 +172,8 @@ def _step(
     cost = _cost(theory, compared.residual, variance)
     for share in SHARES:
         moved = theory.at(theory.vector + share * step)
-        # Weights and the way back stay: a cost that changed with them could not be compared.
-        away = touches.rows - moved.touch(settings, touches.ground)
-        residual = (compared.back @ away[..., None])[..., 0]
+        residual = residual_at_mouths(moved, settings, touches)
+        # The weights stay: costs by different weights could not be compared.
         if _cost(moved, residual, variance) <= cost + SLACK:
             return moved, compare(moved, settings, touches)
     return theory, compared

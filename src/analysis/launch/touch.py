@@ -1,4 +1,4 @@
-"""From the mouths of the tubes to first touch: free flight, and which numbers of it are compared.
+"""From the mouths of the tubes to first touch and back: free flight, and its numbers.
 
 A sphere that leaves its mouth at speed v falls for the way `mouth`; before that the push takes as
 long as the way `push` at that speed. Spheres touch when their centres are a sum of radii apart.
@@ -21,7 +21,7 @@ Floats = NDArray[np.float64]
 VELOCITIES, SPINS, TOUCH_POINT, NORMAL = slice(0, 6), slice(6, 12), slice(12, 15), slice(15, 17)
 """Where the numbers of a touch stand in a row: velocities and spins of a and b, point of contact,
 X and Z of the normal."""
-_PASSES = 12
+_PASSES = 40
 _LEAST_ALONG = 0.02
 """Least Y of the normal: tracks further apart than the spheres are thick are kept at a graze."""
 
@@ -69,6 +69,34 @@ def touch(muzzle: Muzzle, law: LaunchLaw, ground: Ground) -> Floats:
             normal,
         ],
         axis=1,
+    )
+
+
+def traced_back(rows: Floats, law: LaunchLaw, ground: Ground) -> Muzzle:
+    """Return the muzzles of touches (S, 17): `touch` the other way round, in closed form.
+
+    The centres are followed back along their parabolas to the mouths.
+    """
+    along = rows[:, NORMAL]
+    third = np.sqrt(np.maximum(1.0 - (along**2).sum(axis=1), _LEAST_ALONG**2))
+    normal = np.stack([along[:, 0], third, along[:, 1]], axis=1)
+    reach = np.array([-ground.bodies[0].radius, ground.bodies[1].radius])
+    centre = rows[:, None, TOUCH_POINT] + reach[:, None] * normal[:, None]
+    velocity = rows[:, VELOCITIES].reshape(-1, 2, 3)
+    speed = velocity[..., 1] * ALONG
+    way = (centre[..., 1] - law.middle) * ALONG + law.mouth
+    flown = way / speed
+    fall = np.array([ground.gravity, 0.0])
+    sideways = velocity[..., [0, 2]] - fall * flown[..., None]
+    mouth = centre[..., [0, 2]] - sideways * flown[..., None] - 0.5 * fall * flown[..., None] ** 2
+    since = flown + law.push / speed
+    return Muzzle(
+        speed=speed,
+        slope=sideways / speed[..., None],
+        spin=rows[:, SPINS].reshape(-1, 2, 3),
+        offset_m=mouth[:, 1] - mouth[:, 0],
+        height_m=mouth.mean(axis=1),
+        lag_s=since[:, 0] - since[:, 1],
     )
 
 

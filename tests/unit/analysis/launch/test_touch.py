@@ -15,6 +15,7 @@ from analysis.launch.touch import (
     states_of,
     touch,
     touch_by_state,
+    traced_back,
     tracks_meet,
 )
 from analysis.model.state import ShotStates
@@ -109,6 +110,16 @@ def test_centres_are_a_diameter_apart_where_the_parabolas_say(
     assert mouth_b[2] - mouth_a[2] == pytest.approx(0.003, abs=1e-9)
     assert [down_a, down_b] == pytest.approx(slope * np.array(speed), abs=1e-9)
     assert since_a - since_b == pytest.approx(lag, abs=1e-9)
+
+
+@given(speeds, st.floats(-0.012, 0.02), st.floats(-2e-3, 2e-3), st.floats(-0.02, 0.02))
+def test_tracing_back_undoes_the_flight(
+    speed: tuple[float, float], offset: float, lag: float, slope: float
+) -> None:
+    sent = muzzle(speed=speed, offset=(offset, 0.003), lag=lag, slope=slope)
+    row = touch(sent, LAW, GROUND)
+    if tracks_meet(row)[0]:
+        assert traced_back(row, LAW, GROUND).row == pytest.approx(sent.row, abs=1e-9)
 
 
 def test_tracks_that_pass_each_other_are_known() -> None:
