@@ -10,7 +10,6 @@ from pathlib import Path
 from rigctl.errors import NotFoundError
 from rigctl.store.campaigns import Campaigns
 from rigctl.store.database import Database
-from rigctl.store.fits import Fits
 from rigctl.store.folders import ShotFolders
 
 
@@ -18,10 +17,8 @@ from rigctl.store.folders import ShotFolders
 class StoreReader:
     """What can be read of a store without owning it."""
 
-    path: Path
     campaigns: Campaigns
     folders: ShotFolders
-    fits: Fits
 
 
 @contextmanager
@@ -45,6 +42,6 @@ def reading(folder: Path) -> Iterator[StoreReader]:
         )
     database = Database(catalogue, writable=False)
     try:
-        yield StoreReader(root, Campaigns(database), ShotFolders(root), Fits(root))
+        yield StoreReader(Campaigns(database), ShotFolders(root))
     finally:
         database.close()
