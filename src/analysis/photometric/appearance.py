@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.photometric.camera import Camera
-from analysis.photometric.pose import Look
 from analysis.photometric.shading import blurred_profiles, stacked, template
+from analysis.photometric.sight import Look
 
 Floats = NDArray[np.float64]
 

@@ -58,7 +58,7 @@ def contour_points(
     b_r, b_c = l_c, -l_r
     half = math.pi if whole else math.acos(-m_z * ca / (sa * sb))
     spacing = (RIM_SPACING if whole else CUT_SPACING) * sigma
-    n = int(math.ceil(2 * half * sa * radius / spacing))
+    n = math.ceil(2 * half * sa * radius / spacing)
     n = min(max(n, 12 if whole else 6), MOST_POINTS // 2)
     step = 2 * half / n
     for k in range(n):
@@ -73,7 +73,7 @@ def contour_points(
     if whole:
         return n
     reach = math.acos(min(1.0, ca / sb))
-    more = min(max(int(math.ceil(2 * reach * radius / spacing)), 6), MOST_POINTS // 2)
+    more = min(max(math.ceil(2 * reach * radius / spacing), 6), MOST_POINTS // 2)
     step = 2 * reach / more
     for k in range(n, n + more):
         g = -reach + (k - n + 0.5) * step
@@ -93,8 +93,7 @@ def add_cover(
     corner: tuple[int, int],
     place: tuple[float, float, float],
     marker: Floats,
-    alpha: float,
-    sigma: float,
+    cap: tuple[float, float],
 ) -> None:
     """Add one marker's cover and its derivatives to a canvas.
 
@@ -108,11 +107,10 @@ def add_cover(
         Row, column and radius of the disc, pixels.
     marker
         Direction as (row, column, towards the eye), shape (3,).
-    alpha
-        Angular radius, radians.
-    sigma
-        Standard deviation of the blur, pixels.
+    cap
+        Angular radius, radians, and standard deviation of the blur, pixels.
     """
+    alpha, sigma = cap
     points = np.empty((MOST_POINTS, 6))
     radius = place[2]
     count = contour_points(marker, alpha, radius, sigma, points)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,7 +11,8 @@ from numpy.typing import NDArray
 from analysis.photometric.appearance import Knowledge
 from analysis.photometric.background import background_of
 from analysis.photometric.camera import Camera, Optics, disc_of
-from analysis.photometric.pose import LIGHTS, Look, Scene, fit_pose
+from analysis.photometric.pose import fit_pose
+from analysis.photometric.sight import LIGHTS, Scene, Sight, Stance
 
 Floats = NDArray[np.float64]
 
@@ -67,10 +69,6 @@ class Film:
             placed=np.zeros((2, count), dtype=np.bool_),
         )
 
-    def scene(self, frame: int) -> Scene:
-        """Return one frame with its surroundings."""
-        return Scene(self.frames[frame], self.background, self.noise)
-
     def refresh(self, known: Knowledge) -> None:
         """Take background and noise from the pixels that no disc comes near."""
         radii = (known.spheres[0].radius_m, known.spheres[1].radius_m)
@@ -96,6 +94,22 @@ class Film:
                     discs[k, views * i + view] = place
         return discs
 
+    def sights(self, known: Knowledge, sphere: int) -> Iterator[tuple[Sight, Stance]]:
+        """Yield each frame that has a pose of a sphere, with that pose to be read or improved."""
+        radii = (known.spheres[0].radius_m, known.spheres[1].radius_m)
+        discs = self.discs(known.camera, radii)
+        look = known.looks()[sphere]
+        for k in np.flatnonzero(self.placed[sphere]):
+            yield (
+                Sight(
+                    Scene(self.frames[k], self.background, self.noise),
+                    known.camera.optics,
+                    look,
+                    others_of(discs[k], sphere),
+                ),
+                Stance(self.centre[sphere, k], self.rotation[sphere, k], self.lights[sphere, k]),
+            )
+
 
 def others_of(discs: Floats, sphere: int) -> Floats:
     """Return for each view of a sphere the other discs of a frame, shape (V, 2 V - 1, 3)."""
@@ -104,23 +118,9 @@ def others_of(discs: Floats, sphere: int) -> Floats:
     return np.stack([np.delete(discs, disc, axis=0) for disc in own])
 
 
-def fit_film(
-    film: Film, camera: Camera, looks: tuple[Look, Look], limits: Floats, spheres: str = "ab"
-) -> None:
+def fit_film(film: Film, known: Knowledge, limits: Floats) -> None:
     """Improve every pose of a film, one step for each limit (`pose.fit_pose`)."""
-    discs = film.discs(camera, (looks[0].radius_m, looks[1].radius_m))
-    for i, name in enumerate("ab"):
-        if name not in spheres:
-            continue
-        for k in np.flatnonzero(film.placed[i]):
-            film.quality[i, k] = fit_pose(
-                film.scene(k),
-                camera.optics,
-                looks[i],
-                film.centre[i, k],
-                film.rotation[i, k],
-                film.lights[i, k],
-                others_of(discs[k], i),
-                limits,
-                film.covariance[i, k],
-            )
+    for i in (0, 1):
+        frames = np.flatnonzero(film.placed[i])
+        for k, (sight, stance) in zip(frames, film.sights(known, i), strict=True):
+            film.quality[i, k] = fit_pose(sight, stance, limits, film.covariance[i, k])

@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.photometric.camera import Camera, disc_of
+from analysis.photometric.appearance import Knowledge
 from analysis.photometric.compiled import compiled
-from analysis.photometric.film import Film, others_of
-from analysis.photometric.pose import KEEP_OFF_PX, Look, Scene, cover_canvas
-from analysis.photometric.residual import hidden, model_pixel, shade
+from analysis.photometric.covers import cover_canvas
+from analysis.photometric.film import Film
+from analysis.photometric.residual import LOOK, hidden, model_pixel, shade
+from analysis.photometric.sight import Look, Sight, Stance
 
 Floats = NDArray[np.float64]
 
@@ -34,76 +35,49 @@ def body_directions() -> Floats:
 
 @compiled
 def add_darkness(
-    scene: Scene,
-    rows: tuple[int, int],
-    view: int,
-    look: Look,
-    place: tuple[float, float, float],
-    light: Floats,
-    seen_markers: Floats,
-    body: Floats,
-    others: Floats,
-    sums: Floats,
-    counts: Floats,
+    sight: Sight, stance: Stance, view: int, body: Floats, places: tuple[Floats, Floats]
 ) -> None:
     """Add the unexplained darkness of one view of one frame to each direction that it shows.
 
     Parameters
     ----------
-    seen_markers, body
-        Known markers and the body's directions as the view sees them, shapes (n, 3).
-    sums, counts
-        Added to, shape (directions,).
+    body
+        Directions in body axes, shape (directions, 3).
+    places
+        Sums and counts, added to, shapes (directions,).
     """
-    shape = (scene.image.shape[0], scene.image.shape[1])
-    canvas, corner = cover_canvas(look, view, seen_markers, place, shape)
-    seen = np.zeros(12)
+    sums, counts = places
+    scene, look = sight.scene, sight.look
+    canvas, corner, place = cover_canvas(sight, stance, view)
+    light, rows = stance.lights[view], sight.optics.rows[view]
+    directions = (body @ stance.rotation.T) @ sight.optics.axes[view].T
+    seen = np.zeros(LOOK)
     for n in range(body.shape[0]):
-        if body[n, 2] < LEAST_FACING:
+        if directions[n, 2] < LEAST_FACING:
             continue
-        y = int(np.rint(place[0] + place[2] * body[n, 0]))
-        x = int(np.rint(place[1] + place[2] * body[n, 1]))
+        y = int(np.rint(place[0] + place[2] * directions[n, 0]))
+        x = int(np.rint(place[1] + place[2] * directions[n, 1]))
         i, j = y - corner[0], x - corner[1]
         if i < 0 or j < 0 or i >= canvas.shape[1] or j >= canvas.shape[2]:
             continue
-        if y < rows[0] or y >= rows[1] or hidden(y, x, others, KEEP_OFF_PX):
+        if y < rows[0] or y >= rows[1] or hidden(y, x, sight.others[view]):
             continue
-        shade(
-            look.tables[view],
-            look.reliefs[view],
-            (y - place[0]) / place[2],
-            (x - place[1]) / place[2],
-            seen,
-        )
+        u, v = (y - place[0]) / place[2], (x - place[1]) / place[2]
+        shade(look.tables[view], look.reliefs[view], u, v, seen)
         model = model_pixel(seen, canvas[0, i, j], scene.background[y, x], light, look.darkness)
         plain = max(light[1] * seen[0], 3.0 * scene.noise)
         sums[n] += min(max((model - scene.image[y, x]) / plain, -1.0), 1.0)
         counts[n] += 1.0
 
 
-def missed_markers(film: Film, camera: Camera, look: Look, sphere: int) -> Floats:
+def missed_markers(film: Film, known: Knowledge, sphere: int) -> Floats:
     """Return markers of a sphere that its frames show and its look lacks, body axes, (new, 3)."""
     body = body_directions()
     sums, counts = np.zeros(len(body)), np.zeros(len(body))
-    radii = (look.radius_m, look.radius_m)
-    discs = film.discs(camera, radii)
-    for k in np.flatnonzero(film.placed[sphere]):
-        others = others_of(discs[k], sphere)
-        for view in range(len(camera.views)):
-            into_view = camera.optics.axes[view] @ film.rotation[sphere, k]
-            add_darkness(
-                film.scene(k),
-                (int(camera.optics.rows[view, 0]), int(camera.optics.rows[view, 1])),
-                view,
-                look,
-                disc_of(camera.optics, view, film.centre[sphere, k], look.radius_m),
-                film.lights[sphere, k, view],
-                np.ascontiguousarray(look.markers @ into_view.T),
-                np.ascontiguousarray(body @ into_view.T),
-                others[view],
-                sums,
-                counts,
-            )
+    look = known.looks()[sphere]
+    for sight, stance in film.sights(known, sphere):
+        for view in range(len(known.camera.views)):
+            add_darkness(sight, stance, view, body, (sums, counts))
     often = counts >= LEAST_FRAMES
     darkness = np.where(often, sums / np.maximum(counts, 1.0), 0.0)
     return _peaks(body, darkness, often, look)

@@ -34,6 +34,6 @@ def measure_poses(
     """
     start = track_spheres(frames, times_s, setup, EdgeSettings(), "pattern")
     film, guess = first_film(frames, times_s, start, setup)
-    known = learn(film, guess, setup.camera.scale_px_per_m is not None)
-    fit_film(film, known.camera, known.looks(), np.array(LAST_LIMITS))
+    known = learn(film, guess, hold_scale=setup.camera.scale_px_per_m is not None)
+    fit_film(film, known, np.array(LAST_LIMITS))
     return tracking_of(film, known), known

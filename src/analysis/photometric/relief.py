@@ -10,10 +10,17 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
-from analysis.photometric.camera import Optics, disc_of
 from analysis.photometric.compiled import compiled
-from analysis.photometric.pose import KEEP_OFF_PX, Look, Scene, cover_canvas
-from analysis.photometric.residual import LEAST_DISC, biweight, hidden, model_pixel, shade
+from analysis.photometric.covers import cover_canvas
+from analysis.photometric.residual import (
+    LEAST_DISC,
+    LOOK,
+    biweight,
+    hidden,
+    model_pixel,
+    shade,
+)
+from analysis.photometric.sight import Sight, Stance
 
 Floats = NDArray[np.float64]
 
@@ -34,68 +41,61 @@ def nodes_for(radius_px: float) -> int:
 
 @compiled
 def add_residuals(
-    scene: Scene,
-    optics: Optics,
-    look: Look,
-    view: int,
-    centre: Floats,
-    rotation: Floats,
-    light: Floats,
-    others: Floats,
-    limit: float,
-    sums: Floats,
-    weights: Floats,
+    sight: Sight, stance: Stance, view: int, limit: float, nodes: tuple[Floats, Floats]
 ) -> None:
     """Spread the residuals of one frame over the nodes of a relief.
 
     Parameters
     ----------
-    sums, weights
-        Added to, shape (n, n).
+    nodes
+        Weighted residuals and weights, added to, shapes (n, n).
     """
-    place = disc_of(optics, view, centre, look.radius_m)
-    directions = (look.markers @ rotation.T) @ optics.axes[view].T
-    shape = (scene.image.shape[0], scene.image.shape[1])
-    canvas, corner = cover_canvas(look, view, directions, place, shape)
-    seen = np.zeros(12)
+    sums, weights = nodes
+    scene, look = sight.scene, sight.look
+    canvas, corner, place = cover_canvas(sight, stance, view)
+    light, rows = stance.lights[view], sight.optics.rows[view]
+    seen = np.zeros(LOOK)
     half = (sums.shape[0] - 1) * 0.5
     for i in range(canvas.shape[1]):
         y = corner[0] + i
-        if y < optics.rows[view, 0] or y >= optics.rows[view, 1]:
+        if y < rows[0] or y >= rows[1]:
             continue
         u = (y - place[0]) / place[2]
         for j in range(canvas.shape[2]):
             x = corner[1] + j
             v = (x - place[1]) / place[2]
-            if u * u + v * v >= 1.0 or hidden(y, x, others, KEEP_OFF_PX):
+            if u * u + v * v >= 1.0 or hidden(y, x, sight.others[view]):
                 continue
             shade(look.tables[view], look.reliefs[view], u, v, seen)
             cover = canvas[0, i, j]
             model = model_pixel(seen, cover, scene.background[y, x], light, look.darkness)
             residual = scene.image[y, x] - model
             left = 1.0 - look.darkness * cover / max(seen[3], LEAST_DISC)
-            weight = biweight(residual, limit * scene.noise) * max(left, 0.0) ** 8
+            # What a marker hides, its own error would be learned as relief.
+            weight = biweight(residual / scene.noise, limit) * max(left, 0.0) ** 8
             own = light[1] * left
             a, b = (u + 1.0) * half, (v + 1.0) * half
             p, q = int(a), int(b)
             a, b = a - p, b - q
             for n in range(4):
                 share = (a if n & 1 else 1.0 - a) * (b if n & 2 else 1.0 - b) * weight
-                row, column = p + (n & 1), q + (n >> 1)
-                sums[row, column] += share * own * residual
-                weights[row, column] += share * own * own
+                sums[p + (n & 1), q + (n >> 1)] += share * own * residual
+                weights[p + (n & 1), q + (n >> 1)] += share * own * own
 
 
 def changed_relief(
-    relief: Floats, sums: Floats, weights: Floats, noise: float, level: float
+    relief: Floats, nodes: tuple[Floats, Floats], noise: float, level: float
 ) -> Floats:
     """Return a relief improved by the residuals that its nodes have gathered.
 
     Parameters
     ----------
+    nodes
+        Of `add_residuals`.
     noise, level
         Of a pixel, and the brightness of the disc, grey levels.
     """
+    sums, weights = nodes
     expected = (noise / (SIZE * level)) ** 2
     smooth = gaussian_filter(sums, SMOOTH_NODES)
     change = smooth / (gaussian_filter(weights, SMOOTH_NODES) + expected)

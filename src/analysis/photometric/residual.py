@@ -13,14 +13,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.photometric.compiled import compiled
-from analysis.photometric.shading import COLUMNS, DISC, ORDER, SLOPE, STEPS_PER_RADIUS
+from analysis.photometric.covers import cover_canvas
+from analysis.photometric.shading import DISC, ORDER, SLOPE, STEPS_PER_RADIUS
+from analysis.photometric.sight import Equations, Sight, Stance
 
 Floats = NDArray[np.float64]
 
 UNKNOWNS = 9
 """Row, column, turns about row, column and eye; background offset; gain and slopes of the light."""
+LOOK = 12
 LEAST_DISC = 0.03
-TABLE_COLUMNS = COLUMNS + 2
+KEEP_OFF_PX = 2.6
+"""Another disc's blurred edge reaches this far."""
 
 
 @compiled
@@ -98,11 +102,11 @@ def add_relief(relief: Floats, u: float, v: float, look: Floats) -> None:
 
 
 @compiled
-def hidden(row: int, column: int, others: Floats, keep_off: float) -> bool:
+def hidden(row: int, column: int, others: Floats) -> bool:
     """Tell whether a pixel lies in, or close to, one of the other discs (row, column, radius)."""
     for n in range(others.shape[0]):
         d_r, d_c = row - others[n, 0], column - others[n, 1]
-        reach = others[n, 2] + keep_off
+        reach = others[n, 2] + KEEP_OFF_PX
         if d_r * d_r + d_c * d_c < reach * reach:
             return True
     return False
@@ -126,40 +130,50 @@ def model_pixel(look: Floats, cover: float, behind: float, light: Floats, darkne
     disc = look[3]
     plain = light[1] * look[0] + light[2] * look[6] + light[3] * look[9]
     left = 1.0 - darkness * cover / max(disc, LEAST_DISC)
-    return (behind + light[0]) * (1.0 - disc) + plain * left
+    return float((behind + light[0]) * (1.0 - disc) + plain * left)
 
 
 @compiled
 def pixel_row(
     look: Floats,
-    canvas: Floats,
-    i: int,
-    j: int,
+    cover: Floats,
     behind: float,
-    light: Floats,
-    darkness: float,
-    radius: float,
+    paint: tuple[Floats, float, float],
     row: Floats,
 ) -> float:
-    """Fill the derivatives of a pixel to the unknowns, shape (UNKNOWNS,); return its model."""
+    """Fill the derivatives of a pixel to the unknowns and return its grey level.
+
+    Parameters
+    ----------
+    look, behind
+        As for `model_pixel`.
+    cover
+        Of the markers with its derivatives, shape (LAYERS,).
+    paint
+        Light of the view, darkness of the markers, radius of the disc in pixels.
+    row
+        Filled, shape (UNKNOWNS,) or longer.
+    """
+    light, darkness, radius = paint
     disc = look[3]
     floor = max(disc, LEAST_DISC)
     plain = light[1] * look[0] + light[2] * look[6] + light[3] * look[9]
-    mark = canvas[0, i, j] / floor
+    mark = cover[0] / floor
     left = 1.0 - darkness * mark
+    shadow = plain * darkness / floor
     for k in range(2):
         moved = light[1] * look[1 + k] + light[2] * look[7 + k] + light[3] * look[10 + k]
         steep = look[4 + k]
         kept = mark * steep if disc > LEAST_DISC else 0.0
         # The disc's own parts fall where the centre moves on; the cover's layers already do.
         row[k] = (
-            (behind + light[0]) * steep - moved * left - plain * darkness * kept / floor
-        ) / radius - plain * darkness * canvas[1 + k, i, j] / floor
+            (behind + light[0]) * steep - moved * left - shadow * kept
+        ) / radius - shadow * cover[1 + k]
     for k in range(3):
-        row[2 + k] = -plain * darkness * canvas[3 + k, i, j] / floor
+        row[2 + k] = -shadow * cover[3 + k]
     row[5] = 1.0 - disc
     row[6], row[7], row[8] = look[0] * left, look[6] * left, look[9] * left
-    return (behind + light[0]) * (1.0 - disc) + plain * left
+    return float((behind + light[0]) * (1.0 - disc) + plain * left)
 
 
 @compiled
@@ -171,72 +185,50 @@ def biweight(residual: float, limit: float) -> float:
 
 @compiled
 def accumulate(
-    image: NDArray[np.uint8],
-    background: Floats,
-    rows: tuple[int, int],
-    canvas: Floats,
-    corner: tuple[int, int],
-    place: tuple[float, float, float],
-    surface: tuple[Floats, Floats],
-    light: Floats,
-    darkness: float,
-    others: Floats,
-    keep_off: float,
-    limit: float,
-    normal: Floats,
-    right: Floats,
+    sight: Sight, stance: Stance, view: int, limit: float, equations: Equations
 ) -> tuple[float, float, int]:
     """Add one view of one sphere to its normal equations.
 
     Parameters
     ----------
-    rows
-        Half-open range of the rows that belong to this view.
-    canvas, corner
-        Covers of all markers (`contour.add_cover`); its extent says which pixels are looked at.
-    place
-        Row, column and radius of the disc, pixels.
-    surface
-        Template and relief.
-    light
-        Background offset, gain, slopes, shape (4,).
-    others, keep_off
-        Discs that hide pixels, with a margin in pixels.
     limit
-        Residual from which a pixel counts no more, grey levels.
-    normal, right
-        Added to; shapes (UNKNOWNS, UNKNOWNS), lower triangle, and (UNKNOWNS,).
+        Residual from which a pixel counts no more, in units of the noise.
+    equations
+        Of the view's UNKNOWNS.
 
     Returns
     -------
-    Weighted sum of squares, sum of weights, and number of pixels looked at.
+    Weighted sum of squares over the noise's variance, sum of weights, pixels looked at.
     """
-    look, row = np.zeros(12), np.zeros(UNKNOWNS)
+    scene, table, relief = sight.scene, sight.look.tables[view], sight.look.reliefs[view]
+    canvas, corner, place = cover_canvas(sight, stance, view)
+    paint = (stance.lights[view], sight.look.darkness, place[2])
+    rows, others = sight.optics.rows[view], sight.others[view]
+    look, row = np.zeros(LOOK), np.zeros(UNKNOWNS)
     squares, weights, count = 0.0, 0.0, 0
-    radius = place[2]
-    table, relief = surface
     for i in range(canvas.shape[1]):
         y = corner[0] + i
         if y < rows[0] or y >= rows[1]:
             continue
-        u = (y - place[0]) / radius
+        u = (y - place[0]) / place[2]
         for j in range(canvas.shape[2]):
             x = corner[1] + j
-            v = (x - place[1]) / radius
-            if not shade(table, relief, u, v, look) or hidden(y, x, others, keep_off):
+            v = (x - place[1]) / place[2]
+            if not shade(table, relief, u, v, look) or hidden(y, x, others):
                 continue
-            behind = background[y, x]
-            model = pixel_row(look, canvas, i, j, behind, light, darkness, radius, row)
-            residual = image[y, x] - model
+            model = pixel_row(look, canvas[:, i, j], scene.background[y, x], paint, row)
+            residual = (scene.image[y, x] - model) / scene.noise
             weight = biweight(residual, limit)
             count += 1
             if weight == 0.0:
                 continue
             squares += weight * residual * residual
             weights += weight
+            weight /= scene.noise
             for a in range(UNKNOWNS):
                 scaled = weight * row[a]
-                right[a] += scaled * residual
+                equations.right[a] += scaled * residual
+                scaled /= scene.noise
                 for b in range(a + 1):
-                    normal[a, b] += scaled * row[b]
+                    equations.normal[a, b] += scaled * row[b]
     return squares, weights, count

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.photometric.camera import Optics, disc_of
 from analysis.photometric.compiled import compiled
-from analysis.photometric.pose import KEEP_OFF_PX, Look, Scene, cover_canvas
+from analysis.photometric.covers import cover_canvas
 from analysis.photometric.residual import (
     LEAST_DISC,
+    LOOK,
     UNKNOWNS,
     biweight,
     hidden,
@@ -20,12 +21,13 @@ from analysis.photometric.residual import (
     shade,
 )
 from analysis.photometric.shading import HARMONICS, NUDGE, ORDER, RADIALS, STEPS_PER_RADIUS
+from analysis.photometric.sight import Equations, Sight, Stance
 
 Floats = NDArray[np.float64]
 
 ANGULAR = np.array([RADIALS[j].angular for j, _ in HARMONICS])
 SINE = np.array([sine for _, sine in HARMONICS])
-RADIAL = np.array([j for j, _ in HARMONICS])
+HARMONIC = np.array([j for j, _ in HARMONICS])
 COMMON = 4
 """Behind the harmonics: a shift of all frames along row and column, log radius, blur."""
 
@@ -42,82 +44,80 @@ def basis(profiles: Floats, u: float, v: float, values: Floats) -> None:
     for m in range(1, ORDER + 1):
         cosines[m] = cosines[m - 1] * c - sines[m - 1] * s
         sines[m] = sines[m - 1] * c + cosines[m - 1] * s
-    for h in range(RADIAL.shape[0]):
-        j = RADIAL[h]
+    for h in range(HARMONIC.shape[0]):
+        j = HARMONIC[h]
         value = (1 - t) * profiles[i, j] + t * profiles[i + 1, j]
         values[h] = value * (sines[ANGULAR[h]] if SINE[h] else cosines[ANGULAR[h]])
 
 
+class Samples(NamedTuple):
+    """What a view's shading is fitted with.
+
+    Attributes
+    ----------
+    profiles
+        Of `shading.blurred_profiles` at the view's blur.
+    wider
+        The present template, its blur NUDGE pixels wider.
+    limit
+        Residual that counts no more, in units of the noise.
+    """
+
+    profiles: Floats
+    wider: Floats
+    limit: float
+
+
 @compiled
 def shading_equations(
-    scene: Scene,
-    optics: Optics,
-    look: Look,
-    tables: tuple[Floats, Floats],
-    view: int,
-    centre: Floats,
-    rotation: Floats,
-    light: Floats,
-    others: Floats,
-    limit: float,
-    normal: Floats,
-    right: Floats,
+    sight: Sight, stance: Stance, view: int, samples: Samples, equations: Equations
 ) -> None:
     """Add one frame to the normal equations of a view's shading, pose and light being kept.
 
     Parameters
     ----------
-    tables
-        Of `shading.blurred_profiles` at this view's blur, and the template NUDGE pixels wider.
-    light
-        The frame's offset, gain and slopes, shape (4,).
-    normal, right
-        Added to: the change of each coefficient, then COMMON; shapes (n, n), lower triangle, (n,).
+    equations
+        Of the change of each coefficient, then COMMON.
     """
-    place = disc_of(optics, view, centre, look.radius_m)
-    directions = (look.markers @ rotation.T) @ optics.axes[view].T
-    shape = (scene.image.shape[0], scene.image.shape[1])
-    canvas, corner = cover_canvas(look, view, directions, place, shape)
-    seen, nudged = np.zeros(12), np.zeros(12)
-    harmonics = RADIAL.shape[0]
-    size = harmonics + COMMON
-    row, own_row = np.zeros(size), np.zeros(UNKNOWNS)
-    profiles, blurred = tables
+    scene, table, relief = sight.scene, sight.look.tables[view], sight.look.reliefs[view]
+    canvas, corner, place = cover_canvas(sight, stance, view)
+    light, darkness = stance.lights[view], sight.look.darkness
+    rows = sight.optics.rows[view]
+    seen, nudged = np.zeros(LOOK), np.zeros(LOOK)
+    size = HARMONIC.shape[0] + COMMON
+    row, own = np.zeros(size), np.zeros(UNKNOWNS)
     for i in range(canvas.shape[1]):
         y = corner[0] + i
-        if y < optics.rows[view, 0] or y >= optics.rows[view, 1]:
+        if y < rows[0] or y >= rows[1]:
             continue
         u = (y - place[0]) / place[2]
         for j in range(canvas.shape[2]):
             x = corner[1] + j
             v = (x - place[1]) / place[2]
-            if not shade(look.tables[view], look.reliefs[view], u, v, seen):
+            if not shade(table, relief, u, v, seen) or seen[3] < LEAST_DISC:
                 continue
-            if seen[3] < LEAST_DISC or hidden(y, x, others, KEEP_OFF_PX):
+            if hidden(y, x, sight.others[view]):
                 continue
             behind, cover = scene.background[y, x], canvas[0, i, j]
-            model = pixel_row(seen, canvas, i, j, behind, light, look.darkness, place[2], own_row)
-            residual = scene.image[y, x] - model
-            left = 1.0 - look.darkness * cover / seen[3]
+            model = pixel_row(seen, canvas[:, i, j], behind, (light, darkness, place[2]), own)
+            residual = (scene.image[y, x] - model) / scene.noise
+            left = 1.0 - darkness * cover / seen[3]
             # Where a marker lies, its own error would be learned as shading.
-            weight = biweight(residual, limit * scene.noise) * max(left, 0.0) ** 2
+            weight = biweight(residual, samples.limit) * max(left, 0.0) ** 2
             if weight == 0.0:
                 continue
-            basis(profiles, u, v, row)
-            for h in range(harmonics):
+            basis(samples.profiles, u, v, row)
+            for h in range(size - COMMON):
                 row[h] *= light[1] * left
-            row[harmonics], row[harmonics + 1] = own_row[0], own_row[1]
-            shade(
-                look.tables[view], look.reliefs[view], u / (1.0 + NUDGE), v / (1.0 + NUDGE), nudged
-            )
-            there = model_pixel(nudged, cover, behind, light, look.darkness)
-            row[harmonics + 2] = (there - model) / NUDGE
-            shade(blurred, look.reliefs[view], u, v, nudged)
-            there = model_pixel(nudged, cover, behind, light, look.darkness)
-            row[harmonics + 3] = (there - model) / NUDGE
-            weight /= scene.noise**2
+            row[size - 4], row[size - 3] = own[0], own[1]
+            shade(table, relief, u / (1.0 + NUDGE), v / (1.0 + NUDGE), nudged)
+            there = model_pixel(nudged, cover, behind, light, darkness)
+            row[size - 2] = (there - model) / NUDGE
+            shade(samples.wider, relief, u, v, nudged)
+            there = model_pixel(nudged, cover, behind, light, darkness)
+            row[size - 1] = (there - model) / NUDGE
             for a in range(size):
-                scaled = weight * row[a]
-                right[a] += scaled * residual
+                scaled = weight * row[a] / scene.noise
+                equations.right[a] += scaled * residual
                 for b in range(a + 1):
-                    normal[a, b] += scaled * row[b]
+                    equations.normal[a, b] += scaled * row[b] / scene.noise

@@ -46,7 +46,7 @@ class Surface:
     blur_px: Floats
 
 
-def solve_shading(normal: Floats, right: Floats, shading: Floats, hold_radius: bool) -> Surface:
+def solve_shading(normal: Floats, right: Floats, shading: Floats, *, hold_radius: bool) -> Surface:
     """Solve for the shading of both spheres in all views, one radius and a blur for each view.
 
     Parameters
@@ -67,7 +67,7 @@ def solve_shading(normal: Floats, right: Floats, shading: Floats, hold_radius: b
             own = normal[i, v] + np.tril(normal[i, v], -1).T
             whole[np.ix_(at, at)] += own
             aim[at] += right[i, v]
-    _add_priors(whole, aim, shading, hold_radius)
+    _add_priors(whole, aim, shading, hold_radius=hold_radius)
     step = np.linalg.solve(whole, aim)
     radius = size - views - 1
     variance = np.linalg.inv(whole)[radius, radius]
@@ -80,7 +80,7 @@ def solve_shading(normal: Floats, right: Floats, shading: Floats, hold_radius: b
     )
 
 
-def _add_priors(whole: Floats, aim: Floats, shading: Floats, hold_radius: bool) -> None:
+def _add_priors(whole: Floats, aim: Floats, shading: Floats, *, hold_radius: bool) -> None:
     views, harmonics = shading.shape[1:]
     block = harmonics + COMMON - 2
     for v in range(views):

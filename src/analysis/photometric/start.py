@@ -35,8 +35,8 @@ def first_film(
         centres = tracking.centres[i]
         for axis in range(3):
             seen = np.isfinite(centres.position[:, axis])
-            known = centres.frames[seen]
-            film.centre[i, :, axis] = _carried(times_s, known, centres.position[seen, axis])
+            own = centres.frames[seen]
+            film.centre[i, :, axis] = _carried(times_s, own, centres.position[seen, axis])
         turned = tracking.orientations[i]
         film.rotation[i] = _turned_on(times_s, turned.frames, turned.rotation)
         first = max(int(centres.frames[0]) - BEYOND, 0)

@@ -1,0 +1,55 @@
+"""All markers of a sphere drawn into the pixels about one of its discs."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.photometric.camera import disc_of
+from analysis.photometric.compiled import compiled
+from analysis.photometric.contour import LAYERS, add_cover
+from analysis.photometric.sight import Sight, Stance
+
+Floats = NDArray[np.float64]
+
+AROUND_PX = 4
+"""Surroundings of a disc that take part: they tell the background's offset."""
+
+
+@compiled
+def window(place: tuple[float, float, float], shape: tuple[int, int]) -> tuple[int, int, int, int]:
+    """Return the half-open rows and columns of a disc and its surroundings within a frame."""
+    reach = place[2] + AROUND_PX
+    first_r = min(max(int(place[0] - reach), 0), shape[0])
+    last_r = max(min(int(place[0] + reach) + 2, shape[0]), first_r)
+    first_c = min(max(int(place[1] - reach), 0), shape[1])
+    last_c = max(min(int(place[1] + reach) + 2, shape[1]), first_c)
+    return first_r, last_r, first_c, last_c
+
+
+@compiled
+def seen_from(sight: Sight, stance: Stance, view: int) -> Floats:
+    """Return the markers as a view sees them: row, column, towards the eye, shape (markers, 3)."""
+    return (sight.look.markers @ stance.rotation.T) @ sight.optics.axes[view].T
+
+
+@compiled
+def cover_canvas(
+    sight: Sight, stance: Stance, view: int
+) -> tuple[Floats, tuple[int, int], tuple[float, float, float]]:
+    """Draw the covers of all markers.
+
+    Returns
+    -------
+    The canvas, shape (LAYERS, rows, columns); row and column of its first pixel; row, column and
+    radius of the disc.
+    """
+    place = disc_of(sight.optics, view, stance.centre, sight.look.radius_m)
+    shape = (sight.scene.image.shape[0], sight.scene.image.shape[1])
+    first_r, last_r, first_c, last_c = window(place, shape)
+    canvas = np.zeros((LAYERS, last_r - first_r, last_c - first_c))
+    directions = seen_from(sight, stance, view)
+    cap = (sight.look.alpha, sight.look.sigma_px[view])
+    for m in range(directions.shape[0]):
+        add_cover(canvas, (first_r, first_c), place, directions[m], cap)
+    return canvas, (first_r, first_c), place

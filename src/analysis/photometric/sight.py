@@ -1,0 +1,103 @@
+"""What compiled functions are given: a frame, a sphere's look, and where it is held to stand."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.photometric.camera import Optics
+
+Floats = NDArray[np.float64]
+
+LIGHTS = 4
+"""Of a view in one frame: background offset, gain, slopes of the light along row and column."""
+
+
+class Look(NamedTuple):
+    """How a sphere looks.
+
+    Attributes
+    ----------
+    radius_m
+        Of the sphere.
+    markers
+        Directions in body axes, shape (markers, 3).
+    alpha
+        Angular radius of a marker, radians.
+    darkness
+        Share of the light that a marker swallows.
+    tables
+        Template of each view, shape (V, steps, columns).
+    reliefs
+        What the template leaves, in each view, shape (V, n, n).
+    sigma_px
+        Standard deviation of the blur in each view.
+    """
+
+    radius_m: float
+    markers: Floats
+    alpha: float
+    darkness: float
+    tables: Floats
+    reliefs: Floats
+    sigma_px: Floats
+
+
+class Scene(NamedTuple):
+    """One frame.
+
+    Attributes
+    ----------
+    image
+        Grey levels, shape (rows, columns).
+    background
+        Grey levels without spheres, same shape.
+    noise
+        Standard deviation of a pixel, grey levels.
+    """
+
+    image: NDArray[np.uint8]
+    background: Floats
+    noise: float
+
+
+class Sight(NamedTuple):
+    """One sphere in one frame: all that does not change while its pose is sought.
+
+    Attributes
+    ----------
+    others
+        For each view the other discs of the frame (row, column, radius), shape (V, others, 3).
+    """
+
+    scene: Scene
+    optics: Optics
+    look: Look
+    others: Floats
+
+
+class Stance(NamedTuple):
+    """Where a sphere is held to stand.
+
+    Attributes
+    ----------
+    centre
+        m, rig axes, shape (3,).
+    rotation
+        Body to rig axes, shape (3, 3).
+    lights
+        Of each view, shape (V, LIGHTS).
+    """
+
+    centre: Floats
+    rotation: Floats
+    lights: Floats
+
+
+class Equations(NamedTuple):
+    """Normal equations that are added to; where not said otherwise the lower triangle alone."""
+
+    normal: Floats
+    right: Floats
