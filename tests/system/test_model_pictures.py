@@ -52,6 +52,7 @@ def test_agreement_says_where_the_model_fails_and_hands_over_what_a_page_draws(
     assert done.returncode == 0, done.stderr
     found = json.loads(done.stdout, parse_constant=pytest.fail)
     assert [stage["stage"] for stage in found["stages"]] == STAGES
+    assert "the launch is left out" in done.stderr
     rows = {row["quantity"]: row for row in found["stages"][1]["quantities"]}
     assert rows["normal velocity"]["p_familywise"] < 0.01
     assert rows["normal velocity"]["unit"] == "mm/s"

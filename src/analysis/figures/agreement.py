@@ -8,7 +8,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
 from analysis.figures.palette import FAILS, FLOOR, GREY, MEASURED
 from analysis.figures.sheet import FAINT, plain, sheet
-from analysis.model.agreement.table import Agreement, Row, probability
+from analysis.model.agreement.table import Agreement, Row, probability, three_digits
 
 ALARM = 0.01
 BARS = 2.0
@@ -72,8 +72,8 @@ def _numbers(axes: Axes, lines: list[tuple[str, Row | None]]) -> None:
             f"{row.chi2:.0f}",
             f"{row.freedom:.0f}",
             probability(row.p_holm),
-            f"{row.size:#.3g}",
-            f"{row.floor:#.3g}",
+            three_digits(row.size),
+            three_digits(row.floor),
         )
         colour = FAILS if row.p_holm < ALARM else "#222222"
         for (place, _), text in zip(columns, texts, strict=True):

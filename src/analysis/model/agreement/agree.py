@@ -39,7 +39,8 @@ def agree(data: PoseData, fit: Fit, further: Sequence[Stage] = ()) -> Agreement:
     fit
         Of these data, with whatever effects.
     further
-        Stages that lie before the first frame, such as the launch; they stand first.
+        Stages that lie before the first frame, such as `launch_stage`; they stand first, as they
+        are.
     """
     sums = projector(data, fit)
     turn_sigma = np.repeat(data.rotation_sigma[..., None], 3, axis=-1)
@@ -48,7 +49,6 @@ def agree(data: PoseData, fit: Fit, further: Sequence[Stage] = ()) -> Agreement:
     freedom = max(fit.freedom, 1)
     jumps = contact_columns(data, fit)
     stages = [
-        *further,
         *_sides(data, fit, sums, jumps, sigma=sigma),
         *(
             Stage(name, tuple(shape_rows(data, sums, groups, jumps=jumps, sigma=sigma)))
@@ -56,7 +56,7 @@ def agree(data: PoseData, fit: Fit, further: Sequence[Stage] = ()) -> Agreement:
         ),
     ]
     return Agreement(
-        stages=looked_at_together(stages),
+        stages=(*further, *looked_at_together(stages)),
         chi2=fit.chi2,
         freedom=freedom,
         p_value=float(chi2_distribution.sf(fit.chi2, freedom)),

@@ -151,3 +151,8 @@ def probability(p: float) -> str:
     if p < 1e-99:
         return "< 1e-99"
     return f"{p:.0e}".replace("e-0", "e-")
+
+
+def three_digits(value: float) -> str:
+    """Return an error as a table shows it, three digits at least."""
+    return f"{value:.0f}" if abs(value) >= 100 else f"{value:#.3g}"

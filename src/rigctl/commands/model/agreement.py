@@ -10,9 +10,11 @@ from rich.console import Console
 from rich.table import Table
 
 from analysis.effects.own.fault import EffectFault
+from analysis.errors import LaunchRefusedError
 from analysis.model.agreement.agree import agree
 from analysis.model.agreement.document import agreement_document, structure_document
-from analysis.model.agreement.table import Agreement, Row, probability
+from analysis.model.agreement.launch import launch_stage
+from analysis.model.agreement.table import Agreement, Row, Stage, probability, three_digits
 from analysis.model.documents import fit_document
 from analysis.model.lackoffit import Cell
 from analysis.model.plane import Plane, impact_plane
@@ -20,7 +22,7 @@ from analysis.model.structure import Structure, structure
 from rigctl.commands import report
 from rigctl.commands.effect import available, refused, tell
 from rigctl.commands.model.printing import TABLE_WIDTH, headline, print_json
-from rigctl.commands.model.reading import fitted
+from rigctl.commands.model.reading import Fitted, fitted
 
 ALARM = 0.01
 SHOWN_CELLS = 8
@@ -62,7 +64,7 @@ def agreement(
     try:
         with report.progress() as say:
             say("comparing")
-            compared = agree(found.data, found.fit)
+            compared = agree(found.data, found.fit, _launch(found))
             say("testing what is left")
             left = structure(found.data, found.fit)
             plane = impact_plane(found.data, found.fit)
@@ -81,6 +83,15 @@ def agreement(
     console.print(_table(compared))
     console.print(_cells(left.cells))
     return Compared(found.title, compared, left, plane)
+
+
+def _launch(found: Fitted) -> tuple[Stage, ...]:
+    """Return the stage of the launch; say why, where there is none."""
+    try:
+        return (launch_stage(found.data, found.fit),)
+    except LaunchRefusedError as error:
+        Console(stderr=True).print(f"the launch is left out: {error}", highlight=False)
+        return ()
 
 
 def _summary(found: Agreement) -> str:
@@ -115,8 +126,8 @@ def _fields(row: Row) -> tuple[str, ...]:
         f"{row.freedom:.1f}",
         probability(row.p_holm),
         f"{row.error:.3f} ± {row.sampling:.3f}",
-        f"{row.size:#.3g}",
-        f"{row.floor:#.3g}",
+        three_digits(row.size),
+        three_digits(row.floor),
         row.unit,
     )
 

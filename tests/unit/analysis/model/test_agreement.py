@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 from scipy.stats import kstest
 
+from analysis.launch.agreement import LaunchAgreement
+from analysis.model.agreement import launch
 from analysis.model.agreement.agree import agree
 from analysis.model.agreement.heldout import left_out_steps
 from analysis.model.agreement.table import Agreement, Row, Spread, Stage
@@ -128,9 +130,21 @@ def test_stated_errors_that_are_too_small_are_named_by_their_factor() -> None:
 
 def test_a_stage_before_the_first_frame_stands_first() -> None:
     data = campaign(8, 68)
-    launch = Stage("launch", (Row("speed a", "mm/s", 8, 8, 7, 0.4, 1, 0.25, 9, 9),))
-    found = agree(data, fit_campaign(data), (launch,))
+    before = Stage("launch", (Row("speed a", "mm/s", 8, 8, 7, 0.4, 1, 0.25, 9, 9),))
+    found = agree(data, fit_campaign(data), (before,))
     assert [stage.name for stage in found.stages] == ["launch", *STAGES]
+
+
+def test_a_launch_that_settings_foretell_has_the_scatter_as_its_floor(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    speed = LaunchAgreement("speed", "m/s", 16, 14.0, 9e4, 14.0, 0.02, 0.03)
+    monkeypatch.setattr(launch, "launch_agreement", lambda *_: (speed,))
+    data = campaign(8, 68)
+    [row] = launch.launch_stage(data, fit_campaign(data)).rows
+    assert (row.quantity, row.unit, row.size, row.floor) == ("speed", "m/s", 0.03, 0.02)
+    assert row.error == pytest.approx(1.5)
+    assert (row.chi2, row.p_value) == (14.0, 1.0)
 
 
 def test_spheres_without_orientations_have_no_rows_of_them() -> None:
