@@ -54,7 +54,18 @@ def pose_groups(measured: Mask, side: Mask) -> tuple[Group, ...]:
     return tuple(group for group in groups if group.mask.any())
 
 
-def hat_spread(sums: Projector, mask: Mask) -> Spread:
+@dataclass(frozen=True, slots=True, eq=False)
+class Side:
+    """A fit seen from some frames alone; attributes as in `Projector`, zero in all other frames."""
+
+    residual: Floats
+    by_state: Floats
+    states: Floats
+    shared: Floats
+    covariance: Floats
+
+
+def hat_spread(sums: Side, mask: Mask) -> Spread:
     """Return mean and variance of chi-squared of the residuals in a group."""
     own = sums.by_state * mask[..., None]
     shared = sums.shared * mask[..., None]
@@ -77,8 +88,7 @@ class Sides:
     Attributes
     ----------
     before
-        The fit seen from the frames before contact alone: residuals, derivatives by the shot's own
-        numbers and by the shared parameters, all zero after contact.
+        The fit seen from the frames before contact.
     missed, by_theory
         What a prediction from there misses after contact, and its derivative by the shared
         parameters, shapes (S, N) and (S, N, P).
@@ -88,7 +98,7 @@ class Sides:
         Derivative of the poses after contact by the shot's own numbers, shape (S, N, 24).
     """
 
-    before: Projector
+    before: Side
     missed: Floats
     by_theory: Floats
     left_out: Floats
@@ -108,7 +118,7 @@ def sides(sums: Projector, before: Mask) -> Sides:
     by_theory = less_state(sums.shared)
     moved = (by_theory @ left_out_steps(sums)[..., None])[..., 0]
     return Sides(
-        before=Projector(
+        before=Side(
             residual=missed * before,
             by_state=known,
             states=information,
@@ -122,7 +132,7 @@ def sides(sums: Projector, before: Mask) -> Sides:
     )
 
 
-def fitted_row(before: Projector, group: Group, sigma: Floats) -> Row:
+def fitted_row(before: Side, group: Group, sigma: Floats) -> Row:
     """Return how the frames before contact fit each other, sigma of shape (S, N)."""
     residual = before.residual[group.mask]
     chi2, spread = float(residual @ residual), hat_spread(before, group.mask)
@@ -180,7 +190,7 @@ def predicted_row(split: Sides, group: Group, sigma: Floats) -> Row:
     )
 
 
-def _leverage(sums: Projector) -> Floats:
+def _leverage(sums: Side) -> Floats:
     """Return the diagonal of the hat matrix, shape (S, N)."""
     solved = solve_blocks(sums.states, np.swapaxes(sums.by_state, 1, 2))
     own = (sums.by_state * np.swapaxes(solved, 1, 2)).sum(axis=2)

@@ -33,34 +33,31 @@ def with_free_contacts(
     """
     freed = np.concatenate(list(jumps.values()), axis=2)
     count = freed.shape[2]
-    by_shot = sums.project(np.concatenate([freed, columns, sums.shared], axis=2))
-    covariance, _ = jump_covariance(
-        ByShot(
-            own=by_shot.own[:, :count, :count],
-            against=by_shot.against[:, :count],
-            gradient=by_shot.gradient[:, :count],
-            raw=by_shot.raw[:, :count],
-        )
+    by_shot = sums.project(np.concatenate([freed, columns], axis=2))
+    jumped = ByShot(
+        own=by_shot.own[:, :count, :count],
+        against=by_shot.against[:, :count],
+        gradient=by_shot.gradient[:, :count],
+        raw=by_shot.raw[:, :count],
     )
+    covariance, _ = jump_covariance(jumped)
     coupling = by_shot.own[:, count:, :count] @ covariance
-    own = by_shot.own[:, count:, count:] - coupling @ by_shot.own[:, :count, count:]
-    gradient = by_shot.gradient[:, count:] - np.einsum(
-        "scj,sj->sc", coupling, by_shot.gradient[:, :count]
-    )
-    wide = columns.shape[2]
-    law = _law_covariance(own[:, wide:, wide:].sum(axis=0), by_shot.raw[:, count + wide :])
+    gradient = by_shot.gradient[:, count:, None] - coupling @ jumped.gradient[..., None]
     reduced = ByShot(
-        own=own[:, :wide, :wide],
-        against=own[:, :wide, wide:],
-        gradient=gradient[:, :wide],
-        raw=by_shot.raw[:, count : count + wide],
+        own=by_shot.own[:, count:, count:] - coupling @ by_shot.own[:, :count, count:],
+        against=by_shot.against[:, count:] - coupling @ jumped.against,
+        gradient=gradient[..., 0],
+        raw=by_shot.raw[:, count:],
     )
+    taken = np.einsum("scp,scd,sdq->pq", jumped.against, covariance, jumped.against)
+    information = np.einsum("snp,snq->pq", sums.shared, sums.shared)
+    law = _law_covariance(information - taken, np.diag(information))
     return replace(sums, covariance=law), reduced
 
 
 def _law_covariance(information: Floats, raw: Floats) -> Floats:
     """Invert along the parameters that are still informed, zero for the others, (P, P)."""
-    told = np.flatnonzero(np.diag(information) > LEAST_INFORMATION * raw.sum(axis=0))
+    told = np.flatnonzero(np.diag(information) > LEAST_INFORMATION * raw)
     covariance = np.zeros_like(information)
     covariance[np.ix_(told, told)] = inverse(information[np.ix_(told, told)])
     return covariance
