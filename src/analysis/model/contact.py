@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.collision.operator import Encounter, Outcome, States
+from analysis.collision.operator import Encounter, Outcome, States, gives
 from analysis.model.poses import Observations
 from analysis.model.state import ShotStates
 from analysis.model.theory import Theory
@@ -20,6 +20,8 @@ shifts of both centres, turns of both spheres."""
 
 _TILT_STEP, _SPEED_STEP, _SPIN_STEP = 1e-6, 1e-5, 1e-3
 _STEPS = np.array([_TILT_STEP] * 2 + [_SPEED_STEP] * 6 + [_SPIN_STEP] * 6)
+_FIRST_SPIN = 8
+"""Where spins begin among these."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -30,9 +32,36 @@ class Contact:
     by_state: Floats
 
 
+def _kicked(data: Observations, states: ShotStates, outcome: Floats) -> Floats:
+    """Add to outcomes (S, 25) what kicks do, momentum and its moment kept."""
+    kick = states.kick
+    if kick is None:
+        return outcome
+    response = _by_kick(data, states.normal, kick.unknown)
+    return outcome + (response @ kick.change[..., None])[..., 0]
+
+
+def _by_kick(data: Observations, normal: Floats, unknown: NDArray[np.bool_]) -> Floats:
+    """Differentiate outcomes by a change of the relative velocity, shape (S, 25, 3).
+
+    A spin that nobody measured stays where it is held.
+    """
+    a, b = data.bodies
+    across = np.eye(3) - normal[:, :, None] * normal[:, None, :]
+    impulse = across / gives(data.bodies)[0]
+    twist = np.cross(normal[:, None, :], np.swapaxes(impulse, 1, 2))
+    twist = np.swapaxes(twist, 1, 2)
+    known = ~unknown[:, :, None, None]
+    change = np.zeros((len(normal), TURN.stop, 3))
+    change[:, 0:3], change[:, 3:6] = -impulse / a.mass, impulse / b.mass
+    change[:, 6:9] = -a.radius / a.inertia * twist * known[:, 0]
+    change[:, 9:12] = -b.radius / b.inertia * twist * known[:, 1]
+    return change
+
+
 def contact_outcome(data: Observations, states: ShotStates, theory: Theory) -> Floats:
     """Return the outcome of every contact, shape (S, 25)."""
-    return _outcomes(data, theory, _motion(states), states.normal)
+    return _kicked(data, states, _outcomes(data, theory, states, _motion(states), states.normal))
 
 
 def differentiated_contact(data: Observations, states: ShotStates, theory: Theory) -> Contact:
@@ -45,22 +74,36 @@ def differentiated_contact(data: Observations, states: ShotStates, theory: Theor
         normals[1 + k] = tilted / np.linalg.norm(tilted, axis=1, keepdims=True)
     for k in range(12):
         motions[3 + k, :, k] += _STEPS[2 + k]
-    outcomes = _outcomes(data, theory, motions.reshape(-1, 12), normals.reshape(-1, 3))
+    outcomes = _outcomes(data, theory, states, motions.reshape(-1, 12), normals.reshape(-1, 3))
     outcomes = outcomes.reshape(15, shots, -1)
     by_state = (outcomes[1:] - outcomes[0]) / _STEPS[:, None, None]
-    return Contact(outcomes[0], np.moveaxis(by_state, 0, 2))
+    derivative = np.moveaxis(by_state, 0, 2)
+    if states.kick is not None:
+        rows, unknown = states.kick.shots, states.kick.unknown
+        kicks = _by_kick(data, states.normal[rows], unknown[rows])
+        for k in range(3):
+            derivative[rows, :, _FIRST_SPIN + 3 * states.kick.sphere + k] = kicks[..., k]
+    return Contact(_kicked(data, states, outcomes[0]), derivative)
 
 
-def _outcomes(data: Observations, theory: Theory, motion: Floats, normal: Floats) -> Floats:
-    """Return outcomes for rows of motion (N, 12) and normals (N, 3); N a multiple of the shots."""
+def _outcomes(
+    data: Observations, theory: Theory, states: ShotStates, motion: Floats, normal: Floats
+) -> Floats:
+    """Return outcomes for rows of motion (N, 12) and normals (N, 3); N a multiple of the shots.
+
+    A shot whose spins are not known slips without friction; its kick is the friction's impulse.
+    """
     repeats = len(motion) // len(data.shots)
     law, parts = theory.law, motion.reshape(-1, 4, 3)
+    friction = np.full(len(data.shots), law.mu)
+    if states.kick is not None:
+        friction[states.kick.shots] = 0.0
     encounter = Encounter(
         before=States(*(parts[:, k] for k in range(4))),
         normal=normal,
         bodies=data.bodies,
         e=np.full(len(motion), law.e),
-        mu=np.full(len(motion), law.mu),
+        mu=np.tile(friction, repeats),
         beta0=np.full(len(motion), law.beta0),
         covariates={name: np.tile(value, repeats) for name, value in data.covariates.items()},
     )

@@ -27,8 +27,9 @@ from analysis.model.normal import (
 )
 from analysis.model.poses import PoseData
 from analysis.model.start import first_states
-from analysis.model.state import SIZE, ShotStates
+from analysis.model.state import ShotStates
 from analysis.model.theory import Theory
+from analysis.model.unseen import fitted_numbers
 from analysis.quantity import Quantity
 
 Floats = NDArray[np.float64]
@@ -57,6 +58,8 @@ class Fit:
         Total chi-squared and number of residuals that enter it.
     shot_chi2, shot_residuals
         By shot, shape (S,).
+    own_numbers
+        How many of each shot's own numbers the data determine, shape (S,).
     converged
         Whether the last step lowered chi-squared by less than what matters.
     """
@@ -68,12 +71,13 @@ class Fit:
     residuals: int
     shot_chi2: Floats
     shot_residuals: NDArray[np.intp]
+    own_numbers: NDArray[np.intp]
     converged: bool
 
     @property
     def freedom(self) -> int:
         """Residuals less fitted numbers."""
-        return self.residuals - SIZE * len(self.shot_chi2) - len(self.theory.names)
+        return self.residuals - int(self.own_numbers.sum()) - len(self.theory.names)
 
     @property
     def chi2_per_dof(self) -> float:
@@ -125,6 +129,7 @@ def fit_campaign(data: PoseData, theory: Theory | None = None, start: Fit | None
         residuals=int(measured.sum()),
         shot_chi2=sums.chi2,
         shot_residuals=measured,
+        own_numbers=fitted_numbers(data),
         converged=converged,
     )
 

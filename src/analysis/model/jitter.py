@@ -32,10 +32,13 @@ class Jitter:
 
     def whiten(self, columns: Floats) -> Floats:
         """Whiten columns by spheres and kinds (S, 4, 3 F, K) by frames instead, (S, 1, 12 F, K)."""
+        return self.whiten_frames(by_frame(columns))[:, None]
+
+    def whiten_frames(self, columns: Floats) -> Floats:
+        """Whiten columns by frames, (S, 12 F, K)."""
         shots, frames = self.along.shape[:2]
-        framed = by_frame(columns)
         along = self.along.reshape(shots, frames, FRAME)
-        return timing_jitter.whiten(framed, along, np.array([self.sigma_s]))[:, None]
+        return timing_jitter.whiten(columns, along, np.array([self.sigma_s]))
 
 
 def by_frame(columns: Floats) -> Floats:

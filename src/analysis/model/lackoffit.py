@@ -19,7 +19,7 @@ from analysis.model.covariates import shot_covariates
 from analysis.model.fit import Fit, fit_campaign
 from analysis.model.noise import rescaled
 from analysis.model.poses import PoseData
-from analysis.model.projector import Projector, projector
+from analysis.model.projector import Projector, Solved, projector
 
 Floats = NDArray[np.float64]
 
@@ -38,6 +38,8 @@ class Cell:
         Fall of chi-squared that five smooth functions would bring, in units of the noise found.
     p_value
         By itself; `p_holm` with all cells looked at.
+    carried_share
+        Share of the fall that is gone without the two shots that speak loudest for it.
     """
 
     channel: str
@@ -46,6 +48,7 @@ class Cell:
     freedom: int
     p_value: float
     p_holm: float
+    carried_share: float
 
 
 def lack_of_fit(data: PoseData, fit: Fit) -> tuple[Cell, ...]:
@@ -68,22 +71,27 @@ def cells_of(data: PoseData, fit: Fit, sums: Projector) -> tuple[Cell, ...]:
     """Test every cell of a fit whose sigmas are true; the most striking first."""
     covariates = shot_covariates(data, fit)
     scale2 = max(fit.chi2_per_dof, 1e-12)
-    found: list[tuple[str, str, float, int]] = []
+    found: list[tuple[str, str, Solved]] = []
     for name, columns in contact_columns(data, fit).items():
         by_shot = sums.project(columns)
         for covariate, values in covariates.items():
-            solved = sums.solve(by_shot, _basis(values))
-            found.append((name, covariate, solved.chi2 / scale2, solved.freedom))
+            found.append((name, covariate, sums.solve(by_shot, _basis(values))))
     whole = np.ones((len(data.shots), 1))
     for channel in (*flight_channels(data, fit), *camera_channels(data, fit)):
-        solved = sums.solve(sums.project(channel.columns(data)), whole)
-        found.append((channel.name, channel.covariate, solved.chi2 / scale2, solved.freedom))
-    p_values = np.array([chi2_distribution.sf(c, max(k, 1)) if k else 1.0 for *_, c, k in found])
+        by_shot = sums.project(channel.columns(data))
+        found.append((channel.name, channel.covariate, sums.solve(by_shot, whole)))
+    p_values = np.array([_chance(solved, scale2) for *_, solved in found])
     cells = [
-        Cell(channel, covariate, float(c), k, float(p), float(q))
-        for (channel, covariate, c, k), p, q in zip(found, p_values, holm(p_values), strict=True)
+        Cell(channel, covariate, s.chi2 / scale2, s.freedom, float(p), float(q), s.carried_share)
+        for (channel, covariate, s), p, q in zip(found, p_values, holm(p_values), strict=True)
     ]
-    return tuple(sorted(cells, key=lambda cell: cell.p_value))
+    return tuple(sorted(cells, key=lambda cell: (cell.p_value, -cell.chi2)))
+
+
+def _chance(solved: Solved, scale2: float) -> float:
+    if solved.freedom == 0:
+        return 1.0
+    return float(chi2_distribution.sf(solved.chi2 / scale2, solved.freedom))
 
 
 def _basis(values: Floats) -> Floats:

@@ -57,7 +57,7 @@ def refitted(data: PoseData, fit: Fit, ranking: Ranking, level: float) -> list[L
     Those whose likelihood ratio, after the refit, no longer passes are left out.
     """
     invited = [c for c in ranking.candidates if c.seen and c.p_familywise < level]
-    trusted = [c for c in invited if c.carried_share < _most_carried(data)]
+    trusted = [c for c in invited if c.carried_share < most_carried(len(data.shots))]
     leaders = [_refit(data, fit, candidate) for candidate in trusted[:MOST_REFITTED]]
     if not leaders:
         return []
@@ -98,8 +98,9 @@ def alias_set(chosen: Leader, leaders: Sequence[Leader]) -> tuple[str, ...]:
     return (chosen.name, *near)
 
 
-def _most_carried(data: PoseData) -> float:
-    return MOST_CARRIED if len(data.shots) >= FEW else MOST_CARRIED_OF_FEW
+def most_carried(shots: int) -> float:
+    """Return the share of a finding that two of so many shots may carry."""
+    return MOST_CARRIED if shots >= FEW else MOST_CARRIED_OF_FEW
 
 
 def _refit(data: PoseData, fit: Fit, candidate: Candidate) -> Leader:

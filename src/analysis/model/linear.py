@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from analysis.model.columns import theory_columns
 from analysis.model.comparison import KINDS, compare, deviation, difference, weights
-from analysis.model.jitter import by_frame
+from analysis.model.jitter import Jitter, by_frame
 from analysis.model.poses import PoseData
 from analysis.model.prediction import Poses
 from analysis.model.state import ShotStates
@@ -35,11 +35,18 @@ class Linearised:
         Whitened derivatives of the prediction by the 24 numbers of the shot, shape (S, N, 24).
     by_theory
         The same by the parameters that all shots share, shape (S, N, P).
+    states, own_gradient
+        Information on the 24 numbers, (S, 24, 24), and downhill, (S, 24).
+    jitter
+        Noise that all numbers of a frame share, where the data have such.
     """
 
     residual: Floats
     by_state: Floats
     by_theory: Floats
+    states: Floats
+    own_gradient: Floats
+    jitter: Jitter | None
 
 
 def linearise(data: PoseData, states: ShotStates, theory: Theory) -> Linearised:
@@ -52,7 +59,15 @@ def linearise(data: PoseData, states: ShotStates, theory: Theory) -> Linearised:
     by_state = line.slopes @ line.by_state.reshape(shots, blocks, size, -1)
     spread = (line.residual[..., None], by_state, by_theory)
     framed = [by_frame(part) if blocks == KINDS else part[:, 0] for part in spread]
-    return Linearised(framed[0][..., 0], framed[1], framed[2])
+    transposed = np.swapaxes(line.by_state, 1, 2)
+    return Linearised(
+        residual=framed[0][..., 0],
+        by_state=framed[1],
+        by_theory=framed[2],
+        states=transposed @ line.weigh(line.by_state),
+        own_gradient=(transposed @ line.pulled[..., None])[..., 0],
+        jitter=line.jitter,
+    )
 
 
 def whitened_residual(data: PoseData, poses: Poses) -> Floats:

@@ -17,8 +17,9 @@ Floats = NDArray[np.float64]
 
 LAW_PRIOR = (0.74, 0.08, 0.6)
 """Where a fit starts: the thesis's nylon, with a beta0 that an elastic sphere could have."""
-BETA0_PRIOR_SIGMA = 0.7
-"""beta0 has no information without a shot that sticks; a prior about the start holds it."""
+LAW_PRIOR_SIGMA = (1.0, 0.5, 0.7)
+"""beta0 has no information without a shot that sticks, mu none without spins; a prior about the
+start holds them. With any data to speak of it has no weight."""
 RIDGE = 1e-10
 LEAST_INFORMATION = 1e-18
 """Of a parameter that no residual depends on: its variance is then 1e18."""
@@ -48,9 +49,8 @@ class NormalEquations:
     def reduced(self, theory: Theory) -> tuple[Floats, Floats]:
         """Return M (P, P) and g (P,) with every shot's own numbers eliminated, and the prior in."""
         matrix, gradient = (part.sum(axis=0) for part in self.reduced_by_shot())
-        matrix[2, 2] += BETA0_PRIOR_SIGMA**-2
-        gradient[2] -= (theory.law.beta0 - LAW_PRIOR[2]) / BETA0_PRIOR_SIGMA**2
-        return matrix, gradient
+        gradient[:3] -= (theory.vector[:3] - LAW_PRIOR) * prior_information()
+        return with_prior(matrix), gradient
 
     def reduced_by_shot(self) -> tuple[Floats, Floats]:
         """Return what each shot adds to M and g, shapes (S, P, P) and (S, P)."""
@@ -90,7 +90,20 @@ def sums_of(line: Comparison, shared: Columns) -> NormalEquations:
 
 def prior_cost(theory: Theory) -> float:
     """Return what the prior adds to chi-squared."""
-    return ((theory.law.beta0 - LAW_PRIOR[2]) / BETA0_PRIOR_SIGMA) ** 2
+    return float(((theory.vector[:3] - LAW_PRIOR) ** 2 * prior_information()).sum())
+
+
+def prior_information() -> Floats:
+    """Return what the prior knows of e, mu and beta0, shape (3,)."""
+    return np.asarray(np.array(LAW_PRIOR_SIGMA) ** -2)
+
+
+def with_prior(matrix: Floats) -> Floats:
+    """Return an information matrix of parameters, e, mu and beta0 first, with the prior in."""
+    matrix = matrix.copy()
+    index = np.arange(3)
+    matrix[index, index] += prior_information()
+    return matrix
 
 
 def solve_blocks(matrices: Floats, right: Floats) -> Floats:

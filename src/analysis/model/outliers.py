@@ -15,7 +15,6 @@ from analysis.model.fit import Fit, fit_campaign
 from analysis.model.linear import whitened_residual
 from analysis.model.poses import PoseData
 from analysis.model.prediction import predict
-from analysis.model.state import SIZE
 from analysis.model.theory import Theory
 
 Floats = NDArray[np.float64]
@@ -102,7 +101,7 @@ def bad_shots(fit: Fit, gone: int = 0) -> NDArray[np.bool_]:
 
 
 def _quality(fit: Fit) -> tuple[Floats, Floats]:
-    freedom = np.maximum(fit.shot_residuals - SIZE, 1.0)
+    freedom = np.maximum(fit.shot_residuals - fit.own_numbers, 1.0)
     return fit.shot_chi2 / freedom, freedom
 
 

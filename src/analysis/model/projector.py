@@ -12,12 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.model.fit import Fit
+from analysis.model.jitter import Jitter
 from analysis.model.linear import linearise
-from analysis.model.normal import BETA0_PRIOR_SIGMA, inverse, solve_blocks
+from analysis.model.normal import inverse, solve_blocks, with_prior
 from analysis.model.poses import PoseData
 
 Floats = NDArray[np.float64]
 
+CARRIERS = 2
 LEAST_EIGENVALUE = 1e-3
 """Below this share a direction is only the rounding of differences."""
 LEAST_INFORMATION = 1e-6
@@ -43,13 +45,14 @@ class Solved:
     """Amplitudes of C columns times K functions, shape (K C,), and their covariance.
 
     Both are zero along what cannot be seen; chi2 is the fall that they bring, freedom the number of
-    directions that are seen.
+    directions that are seen. `carried_share` of the fall is gone without its two loudest shots.
     """
 
     amplitudes: Floats
     covariance: Floats
     chi2: float
     freedom: int
+    carried_share: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -64,6 +67,10 @@ class Projector:
         Whitened derivatives by each shot's own numbers, shape (S, N, 24).
     states
         Their information, shape (S, 24, 24).
+    own_gradient
+        Downhill by the shot's own numbers, shape (S, 24).
+    jitter
+        Noise that all numbers of a frame share, where the data have such.
     shared
         Derivatives by the shared parameters less what the shot's own numbers can imitate, shape
         (S, N, P).
@@ -74,16 +81,20 @@ class Projector:
     residual: Floats
     by_state: Floats
     states: Floats
+    own_gradient: Floats
     shared: Floats
     covariance: Floats
+    jitter: Jitter | None = None
 
     def project(self, columns: Floats) -> ByShot:
         """Eliminate each shot's own numbers from columns (S, N, C)."""
+        if self.jitter is not None:
+            columns = self.jitter.whiten_frames(columns)
         transposed = np.swapaxes(columns, 1, 2)
         coupling = np.swapaxes(self.by_state, 1, 2) @ columns
         eliminated = np.swapaxes(solve_blocks(self.states, coupling), 1, 2)
-        own_gradient = np.swapaxes(self.by_state, 1, 2) @ self.residual[..., None]
-        gradient = transposed @ self.residual[..., None] - eliminated @ own_gradient
+        gradient = transposed @ self.residual[..., None]
+        gradient -= eliminated @ self.own_gradient[..., None]
         return ByShot(
             own=transposed @ columns - eliminated @ coupling,
             against=transposed @ self.shared,
@@ -116,15 +127,26 @@ class Projector:
         along[shown] = vectors[:, seen] / root[:, None]
         covariance = (along / values[seen]) @ along.T
         amplitudes = covariance @ gradient
-        return Solved(amplitudes, covariance, float(gradient @ amplitudes), int(seen.sum()))
+        chi2 = float(gradient @ amplitudes)
+        by_shot = np.einsum("sk,si->ski", basis, channel.gradient).reshape(len(basis), -1)
+        loudest = np.argsort(by_shot @ amplitudes)[-CARRIERS:]
+        rest = gradient - by_shot[loudest].sum(axis=0)
+        carried = 1.0 - float(rest @ covariance @ rest) / chi2 if chi2 > 0 else 0.0
+        return Solved(amplitudes, covariance, chi2, int(seen.sum()), carried)
 
 
 def projector(data: PoseData, fit: Fit) -> Projector:
     """Linearise about a fit and project."""
     line = linearise(data, fit.states, fit.theory)
     by_state = np.swapaxes(line.by_state, 1, 2)
-    states = by_state @ line.by_state
-    shared = line.by_theory - line.by_state @ solve_blocks(states, by_state @ line.by_theory)
-    information = np.einsum("snp,snq->pq", shared, shared)
-    information[2, 2] += BETA0_PRIOR_SIGMA**-2
-    return Projector(line.residual, line.by_state, states, shared, inverse(information))
+    shared = line.by_theory - line.by_state @ solve_blocks(line.states, by_state @ line.by_theory)
+    information = np.einsum("snp,snq->pq", line.by_theory, shared)
+    return Projector(
+        residual=line.residual,
+        by_state=line.by_state,
+        states=line.states,
+        own_gradient=line.own_gradient,
+        shared=shared,
+        covariance=inverse(with_prior(information)),
+        jitter=line.jitter,
+    )

@@ -17,7 +17,7 @@ from analysis.effects.effect import Effect
 from analysis.model.columns import candidate_columns, theory_columns
 from analysis.model.comparison import compare
 from analysis.model.fit import Fit, parts_of
-from analysis.model.normal import BETA0_PRIOR_SIGMA, inverse, solve_blocks
+from analysis.model.normal import inverse, solve_blocks, with_prior
 from analysis.model.poses import PoseData
 from analysis.model.state import ShotStates
 from analysis.model.theory import Theory
@@ -95,7 +95,7 @@ def candidate_sums(data: PoseData, fit: Fit, effects: Sequence[Effect]) -> Sums:
     matrix = sum((piece[0] for piece in pieces), np.zeros_like(pieces[0][0]))
     raw = sum((piece[1] for piece in pieces), np.zeros_like(pieces[0][1]))
     by_shot = np.concatenate([piece[2] for piece in pieces])
-    matrix[2, 2] += BETA0_PRIOR_SIGMA**-2
+    matrix = with_prior(matrix)
     fitted = len(fit.theory.names)
     inner = inverse(matrix[:fitted, :fitted]) @ matrix[:fitted, fitted:]
     left = by_shot[:, fitted:] - by_shot[:, :fitted] @ inner
@@ -130,11 +130,12 @@ def _piece(
 def block_of(sums: Sums, columns: NDArray[np.intp], *, one_sided: bool) -> Block:
     """Return the directions of a candidate's columns that these shots can see."""
     raw = np.maximum(sums.raw[columns], 1e-300)
-    own = sums.matrix[np.ix_(columns, columns)] / np.sqrt(raw[:, None] * raw[None, :])
+    root = np.sqrt(raw)
+    own = sums.matrix[np.ix_(columns, columns)] / root[:, None] / root[None, :]
     values, vectors = np.linalg.eigh(own)
     least = LEAST_INFORMATION if len(columns) == 1 else LEAST_DIRECTION
     seen = values > least
-    whitening = vectors[:, seen] / np.sqrt(values[seen]) / np.sqrt(raw)[:, None]
+    whitening = vectors[:, seen] / np.sqrt(values[seen]) / root[:, None]
     if len(columns) == 1:
         whitening = np.abs(whitening)
     return Block(columns, np.asarray(whitening), one_sided)

@@ -18,7 +18,7 @@ from analysis.model.evidence import Stage, stage_of, weighed, weighed_again
 from analysis.model.fit import Fit, fit_campaign
 from analysis.model.inside import without_contact_frames
 from analysis.model.lackoffit import Cell, lack_of_fit
-from analysis.model.leaders import Leader, alias_set, in_order, refitted
+from analysis.model.leaders import Leader, alias_set, in_order, most_carried, refitted
 from analysis.model.outliers import Cleaned
 from analysis.model.poses import PoseData
 from analysis.model.ranking import Ranking, rank
@@ -100,7 +100,7 @@ def explain(
     names = path[-1].effects
     ambiguous = [name for name in names if len(alias_sets[name]) > 1]
     return Verdict(
-        verdict=_word(names, alias_sets, cells),
+        verdict=_word(names, alias_sets, cells, most_carried(len(evidence.data.shots))),
         effects=names,
         alias_set=next((alias_sets[name] for name in (*ambiguous, *names)), ()),
         path=tuple(path),
@@ -123,9 +123,12 @@ def _accepted(present: Stage, leaders: Sequence[Leader]) -> tuple[Leader, Stage]
 
 
 def _word(
-    accepted: tuple[str, ...], alias_sets: dict[str, tuple[str, ...]], cells: tuple[Cell, ...]
+    accepted: tuple[str, ...],
+    alias_sets: dict[str, tuple[str, ...]],
+    cells: tuple[Cell, ...],
+    carried: float,
 ) -> str:
-    if cells and cells[0].p_holm < UNEXPLAINED_LEVEL:
+    if any(cell.p_holm < UNEXPLAINED_LEVEL and cell.carried_share < carried for cell in cells):
         return "unexplained"
     if not accepted:
         return "none"

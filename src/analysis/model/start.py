@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 
 from analysis.collision.operator import States
 from analysis.model.poses import PoseData
-from analysis.model.state import ShotStates
+from analysis.model.state import Kick, ShotStates
+from analysis.model.unseen import spins_unknown
 from analysis.motion.rotation import rotation_matrix, rotation_vector
 
 Floats = NDArray[np.float64]
@@ -41,12 +42,14 @@ def first_states(data: PoseData) -> ShotStates:
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     share = data.bodies[0].radius / reach
     spin, rotation = _turning(data, before, time)
+    unknown = spins_unknown(data)
     return ShotStates(
         time_s=time,
         point=(1 - share) * centres[:, 0] + share * centres[:, 1],
         normal=normal,
         before=States(slope[:, 0], slope[:, 1], spin[:, 0], spin[:, 1]),
         rotation=rotation,
+        kick=Kick(np.zeros_like(normal), unknown) if unknown.any() else None,
     )
 
 

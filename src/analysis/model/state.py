@@ -28,6 +28,52 @@ TIME, POINT, TILT, MOTION, TURN_A, TURN_B = (
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Kick:
+    """An impulse across the normal beyond what the law gives, in shots without a known spin.
+
+    Attributes
+    ----------
+    change
+        Of the relative velocity, m/s, shape (S, 3); what of it lies along the normal has no effect.
+    unknown
+        Which spheres' spins are not known, shape (S, 2). Among the 24 numbers the kick stands in
+        the place of the first of them.
+    """
+
+    change: Floats
+    unknown: NDArray[np.bool_]
+
+    @property
+    def shots(self) -> NDArray[np.intp]:
+        """Shots that have one, shape (K,)."""
+        return np.flatnonzero(self.unknown.any(axis=1))
+
+    @property
+    def sphere(self) -> NDArray[np.intp]:
+        """In the place of whose spin it stands in each of these shots, shape (K,)."""
+        return np.asarray(self.unknown[self.shots].argmax(axis=1))
+
+    def taken(self, motion: Floats) -> tuple[Kick, Floats]:
+        """Take the kick out of a step of velocities and spins (S, 4, 3), and hold unknown spins."""
+        rows, slots = self.shots, 2 + self.sphere
+        change, motion = self.change.copy(), motion.copy()
+        change[rows] += motion[rows, slots]
+        motion[rows, slots] = 0.0
+        return Kick(change, self.unknown), motion
+
+    @classmethod
+    def joined(cls, parts: Sequence[Kick]) -> Kick:
+        """Return those of shots that follow each other in parts."""
+        return cls(
+            np.concatenate([p.change for p in parts]), np.concatenate([p.unknown for p in parts])
+        )
+
+    def picked(self, rows: NDArray[np.bool_] | slice) -> Kick:
+        """Return that of some shots."""
+        return Kick(self.change[rows], self.unknown[rows])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class ShotStates:
     """State of every shot at first touch, S shots.
 
@@ -43,6 +89,8 @@ class ShotStates:
         Velocities and spins just before contact.
     rotation
         Orientations at contact, body to rig axes, shape (S, 2, 3, 3).
+    kick
+        Where spins are not known; None: they are, in every shot.
     """
 
     time_s: Floats
@@ -50,6 +98,7 @@ class ShotStates:
     normal: Floats
     before: States
     rotation: Floats
+    kick: Kick | None = None
 
     def tangents(self) -> tuple[Floats, Floats]:
         """Return two unit vectors across each normal and each other, shape (S, 3)."""
@@ -64,7 +113,9 @@ class ShotStates:
         """Return the states a step further, shape (S, 24)."""
         first, second = self.tangents()
         normal = self.normal + step[:, 4:5] * first + step[:, 5:6] * second
-        motion = step[:, MOTION].reshape(-1, 4, 3)
+        motion, kick = step[:, MOTION].reshape(-1, 4, 3), self.kick
+        if kick is not None:
+            kick, motion = kick.taken(motion)
         turns = np.stack([step[:, TURN_A], step[:, TURN_B]], axis=1)
         return ShotStates(
             time_s=self.time_s + step[:, 0],
@@ -77,6 +128,7 @@ class ShotStates:
                 spin_b=self.before.spin_b + motion[:, 3],
             ),
             rotation=rotation_matrix(turns) @ self.rotation,
+            kick=kick,
         )
 
     def chosen(self, new: ShotStates, take: NDArray[np.bool_]) -> ShotStates:
@@ -93,6 +145,9 @@ class ShotStates:
             normal=pick(self.normal, new.normal),
             before=States(*(pick(getattr(self.before, n), getattr(new.before, n)) for n in names)),
             rotation=pick(self.rotation, new.rotation),
+            kick=None
+            if self.kick is None or new.kick is None
+            else Kick(pick(self.kick.change, new.kick.change), self.kick.unknown),
         )
 
     def of_shots(self, chosen: NDArray[np.bool_] | slice) -> ShotStates:
@@ -109,16 +164,19 @@ class ShotStates:
                 before.spin_b[chosen],
             ),
             rotation=self.rotation[chosen],
+            kick=None if self.kick is None else self.kick.picked(chosen),
         )
 
     @classmethod
     def joined(cls, parts: Sequence[ShotStates]) -> ShotStates:
         """Return the states of shots that follow each other in parts."""
         motion = ("velocity_a", "velocity_b", "spin_a", "spin_b")
+        kicks = [p.kick for p in parts if p.kick is not None]
         return cls(
             time_s=np.concatenate([p.time_s for p in parts]),
             point=np.concatenate([p.point for p in parts]),
             normal=np.concatenate([p.normal for p in parts]),
             before=States(*(np.concatenate([getattr(p.before, n) for p in parts]) for n in motion)),
             rotation=np.concatenate([p.rotation for p in parts]),
+            kick=None if not kicks else Kick.joined(kicks),
         )
