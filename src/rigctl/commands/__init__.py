@@ -1,1 +1,1 @@
-"""What each command does, one module for each; `rigctl.cli` holds their options."""
+"""What each command does, one module for each; `rigctl.command_line` holds their options."""

@@ -1,0 +1,1 @@
+"""Arguments and options of the commands, one file a group; `rigctl.cli` puts them together."""

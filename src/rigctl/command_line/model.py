@@ -1,0 +1,96 @@
+"""`rigctl model`: a campaign against the model."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from rigctl.command_line.options import Json, OwnEffects
+
+model = typer.Typer(help="Compare a campaign with the model; find the effect it lacks.")
+
+Campaign = Annotated[Path, typer.Argument(help="Campaign folder.")]
+With = Annotated[
+    list[str] | None,
+    typer.Option("--with", help="Add this effect of the catalogue; may be given several times."),
+]
+Pictures = Annotated[
+    Path | None, typer.Option("--out", help="Write pictures (PNG and SVG) into this folder.")
+]
+
+
+@model.command("agreement")
+def model_agreement(
+    campaign: Campaign,
+    *,
+    effects: With = None,
+    folder: OwnEffects = None,
+    out: Pictures = None,
+    json: Json = False,
+) -> None:
+    """Say where the model and the campaign agree, and where they do not."""
+    from rigctl.commands.model.agreement import agreement
+
+    found = agreement(campaign, effects or [], as_json=json, folder=folder)
+    if out is not None:
+        from rigctl.commands.model.pictures import draw_agreement
+
+        _say_written(draw_agreement(out, found))
+
+
+@model.command("fit")
+def model_fit(
+    campaign: Campaign, *, effects: With = None, folder: OwnEffects = None, json: Json = False
+) -> None:
+    """Fit e, mu, beta0 and the effects added to all poses of a campaign."""
+    from rigctl.commands.model.fit import fit
+
+    fit(campaign, effects or [], as_json=json, folder=folder)
+
+
+@model.command("rank")
+def model_rank(
+    campaign: Campaign,
+    *,
+    effects: With = None,
+    folder: OwnEffects = None,
+    out: Pictures = None,
+    json: Json = False,
+) -> None:
+    """Rank the effects of the catalogue by what they promise."""
+    from rigctl.commands.model.rank import ranking
+
+    found = ranking(campaign, effects or [], as_json=json, folder=folder)
+    if out is not None:
+        from rigctl.commands.model.pictures import draw_ranking
+
+        _say_written(draw_ranking(out, *found))
+
+
+@model.command("launch")
+def model_launch(campaign: Campaign, *, effects: With = None, json: Json = False) -> None:
+    """Fit the launches from the settings, and rank the effects of the launch."""
+    from rigctl.commands.model.launch import launch
+
+    launch(campaign, effects or [], as_json=json)
+
+
+@model.command("explain")
+def model_explain(
+    campaign: Campaign, *, folder: OwnEffects = None, out: Pictures = None, json: Json = False
+) -> None:
+    """Find what is missing, add it, and say how much of the error it removes."""
+    from rigctl.commands.model.explain import explaining
+
+    found = explaining(campaign, as_json=json, folder=folder)
+    if out is not None:
+        from rigctl.commands.model.pictures import draw_explanation
+
+        _say_written(draw_explanation(out, *found))
+
+
+def _say_written(paths: list[Path]) -> None:
+    for path in paths:
+        typer.echo(f"{path}", err=True)

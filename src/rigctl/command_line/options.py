@@ -1,0 +1,18 @@
+"""Arguments and options that several commands share."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+Config = Annotated[
+    Path | None,
+    typer.Option("--config", help="Configuration of the rig (TOML); without it all is simulated."),
+]
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON document on standard output.")]
+OwnEffects = Annotated[
+    Path | None,
+    typer.Option("--effects", help="Folder of effects of your own, beside the catalogue."),
+]

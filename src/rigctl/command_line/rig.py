@@ -1,0 +1,97 @@
+"""Commands that fire: the daemon, one shot, the demonstration."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from rigctl.command_line.options import Config, Json
+
+rig = typer.Typer()
+
+
+@rig.command()
+def serve(
+    *,
+    config: Config = None,
+    port: Annotated[
+        int | None,
+        typer.Option(min=0, max=65535, help="Listen here instead; 0 takes any free port."),
+    ] = None,
+    key: Annotated[
+        str | None,
+        typer.Option(envvar="RIGCTL_KEY", help="Key of the service; without it a fresh one."),
+    ] = None,
+) -> None:
+    """Run the daemon: REST on 127.0.0.1:8486, the simulated rig by default."""
+    from rigctl.commands.serve import serve as run_daemon
+
+    run_daemon(config, port, key)
+
+
+@rig.command()
+def shot(
+    *,
+    pressure_kpa: Annotated[float, typer.Option(help="Gauge pressure of pusher a in kPa.")],
+    offset_mm: Annotated[float, typer.Option(help="Vertical offset of tube b below a in mm.")],
+    pressure_b_kpa: Annotated[
+        float | None, typer.Option(help="Gauge pressure of pusher b in kPa; as a without it.")
+    ] = None,
+    delay_us: Annotated[
+        float, typer.Option(help="Pusher b fires this much later, microseconds.")
+    ] = 0.0,
+    angle_a_deg: Annotated[
+        float | None, typer.Option(help="Tilt of tube a in degrees; release apparatus only.")
+    ] = None,
+    angle_b_deg: Annotated[
+        float | None, typer.Option(help="Tilt of tube b in degrees; release apparatus only.")
+    ] = None,
+    campaign: Annotated[str | None, typer.Option(help="Campaign the shot belongs to.")] = None,
+    local: Annotated[bool, typer.Option("--local", help="Fire without a daemon.")] = False,
+    wait_s: Annotated[
+        float, typer.Option(min=0.0, max=3600.0, help="Longest wait for the measurement, s.")
+    ] = 120.0,
+    config: Config = None,
+    key: Annotated[
+        str | None,
+        typer.Option(
+            envvar="RIGCTL_KEY", help="Key of the daemon; without it from the store's key file."
+        ),
+    ] = None,
+    json: Json = False,
+) -> None:
+    """Fire one shot and print its coefficients."""
+    from rigctl.commands.shot import Order, settings_of
+    from rigctl.commands.shot import shot as fire
+
+    settings = settings_of(
+        pressure_a_kpa=pressure_kpa,
+        pressure_b_kpa=pressure_kpa if pressure_b_kpa is None else pressure_b_kpa,
+        offset_mm=offset_mm,
+        delay_us=delay_us,
+        angle_a_deg=angle_a_deg,
+        angle_b_deg=angle_b_deg,
+    )
+    order = Order(settings, campaign, wait_s)
+    if local:
+        from rigctl.commands.local import opened
+
+        fire(order, opened(config), as_json=json)
+    else:
+        from rigctl.commands.client import connected
+
+        fire(order, connected(config, key), as_json=json)
+
+
+@rig.command()
+def demo(
+    out: Annotated[
+        Path, typer.Option(help="Folder for the frames, results and the picture.")
+    ] = Path("out"),
+) -> None:
+    """Fire a small sweep on a simulated rig and set measured beside true; no daemon needed."""
+    from rigctl.commands.demo import demo as run_demo
+
+    run_demo(out)
