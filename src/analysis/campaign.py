@@ -3,25 +3,35 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Set
+from collections.abc import Callable, Iterator, Sequence, Set
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from multiprocessing import get_context
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
-from analysis.errors import InputError
+from analysis.errors import InputError, ShotRefusedError
 from analysis.exchange.description import read_description
 from analysis.exchange.shot_list import EXPOSURE, ShotRow, read_shot_list
 from analysis.imaging.stack import SUFFIXES, holds_png, read_stack
 from analysis.setup import CameraSetup, Setup, SphereSetup
-from analysis.shot import AnalysisOptions, MeasuredShot, RefusedShot, analyse_shot
+from analysis.shot import AnalysisOptions, MeasuredShot, RefusedShot, analyse_shot, check_frames
+
+if TYPE_CHECKING:
+    from analysis.photometric.appearance import Knowledge
+
+Floats = NDArray[np.float64]
 
 DESCRIPTION = "campaign.toml"
 SHOT_LIST = "shots.csv"
 FRAMES = "frames"
 POSES = "poses.csv"
+TEACHING_SHOTS = 3
+"""Shots from which the photometric method learns the spheres before it measures any."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,24 +145,61 @@ def _frames_of(folder: Path, shot: int) -> Path:
     return next((c for c in (*candidates, stem) if c.exists()), stem.with_suffix(".tiff"))
 
 
-def analyse_job(job: ShotJob, options: AnalysisOptions) -> tuple[MeasuredShot | RefusedShot, int]:
+def analyse_job(
+    job: ShotJob, options: AnalysisOptions, known: Knowledge | None = None
+) -> tuple[MeasuredShot | RefusedShot, int]:
     """Analyse one shot from its files; frames that cannot be read refuse it.
+
+    Parameters
+    ----------
+    known
+        What earlier shots of the same spheres and camera have taught.
 
     Returns
     -------
     The result, and how many frames were read.
     """
     try:
-        stack = read_stack(job.frames)
+        pixels, times, notes = _read(job)
     except InputError as error:
         return RefusedShot("frames", str(error), None), 0
+    result = analyse_shot(pixels, times, job.setup, options, known)
+    if isinstance(result, MeasuredShot):
+        result = replace(result, notes=(*notes, *result.notes))
+    return result, len(pixels)
+
+
+def _read(job: ShotJob) -> tuple[NDArray[np.uint8], Floats, tuple[str, ...]]:
+    """Read the frames of a shot, their times in s, and what there is to say of them."""
+    stack = read_stack(job.frames)
     times = stack.times_s
     if times is None:
         times = np.arange(len(stack.pixels)) / job.setup.camera.frame_rate_hz
-    result = analyse_shot(stack.pixels, times, job.setup, options)
-    if isinstance(result, MeasuredShot):
-        result = replace(result, notes=(*stack.notes, *result.notes))
-    return result, len(stack.pixels)
+    return stack.pixels, times, tuple(stack.notes)
+
+
+def _known(jobs: Sequence[ShotJob]) -> list[Knowledge | None]:
+    """Return for each shot what the first shots of its set-up teach (photometric method)."""
+    # Compiled functions are loaded only where they are wanted.
+    from analysis.photometric.method import teach  # noqa: PLC0415
+
+    by_setup: dict[Setup, list[ShotJob]] = {}
+    for job in jobs:
+        by_setup.setdefault(_without_exposure(job.setup), []).append(job)
+    known: dict[Setup, Knowledge | None] = {}
+    for setup, own in by_setup.items():
+        shots = []
+        for job in own[:TEACHING_SHOTS]:
+            with suppress(InputError, ShotRefusedError):
+                pixels, times, _ = _read(job)
+                check_frames(pixels, times, job.setup)
+                shots.append((pixels, times - times[0]))
+        known[setup] = teach(shots, setup) if len(own) > 1 else None
+    return [known[_without_exposure(job.setup)] for job in jobs]
+
+
+def _without_exposure(setup: Setup) -> Setup:
+    return replace(setup, camera=replace(setup.camera, exposure_s=0.0))
 
 
 def analyse_campaign(
@@ -175,16 +222,20 @@ def analyse_campaign(
     The job, its result, and the number of its frames.
     """
     jobs, total = campaign.jobs, len(campaign.jobs)
+    known = [None] * total if options.method == "thesis" else _known(jobs)
     count = min(workers or os.cpu_count() or 1, total)
     if count <= 1 or (workers is None and total <= 2):
         for done, job in enumerate(jobs, start=1):
-            result, frames = analyse_job(job, options)
+            result, frames = analyse_job(job, options, known[done - 1])
             if progress is not None:
                 progress(done, total)
             yield job, result, frames
         return
     with ProcessPoolExecutor(count, mp_context=get_context("spawn")) as pool:
-        futures = [pool.submit(analyse_job, job, options) for job in jobs]
+        futures = [
+            pool.submit(analyse_job, job, options, own)
+            for job, own in zip(jobs, known, strict=True)
+        ]
         for done, _ in enumerate(as_completed(futures), start=1):
             if progress is not None:
                 progress(done, total)

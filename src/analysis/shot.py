@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,9 @@ from analysis.motion.poses import Centres
 from analysis.setup import Setup
 from analysis.tracking import Matching, Tracking, track_spheres
 from analysis.two_sides import measure_two_sides
+
+if TYPE_CHECKING:
+    from analysis.photometric.appearance import Knowledge
 
 Floats = NDArray[np.float64]
 
@@ -68,6 +71,8 @@ class MeasuredShot:
         Frames on either side of the contact that entered the fit.
     notes
         What was left out, and why.
+    known
+        What the photometric method has learned of the spheres; it serves the next shot.
     """
 
     impact: Impact
@@ -78,6 +83,7 @@ class MeasuredShot:
     used_before: tuple[int, ...]
     used_after: tuple[int, ...]
     notes: tuple[str, ...]
+    known: Knowledge | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,6 +103,7 @@ def analyse_shot(
     times_s: Floats,
     setup: Setup,
     options: AnalysisOptions | None = None,
+    known: Knowledge | None = None,
 ) -> MeasuredShot | RefusedShot:
     """Measure the collision in the frames of one shot.
 
@@ -108,6 +115,8 @@ def analyse_shot(
         Time of each frame, s, increasing from any start, shape (frames,).
     setup
         Camera, spheres and surroundings.
+    known
+        What an earlier shot of the same spheres and camera has taught the photometric method.
 
     Returns
     -------
@@ -118,7 +127,11 @@ def analyse_shot(
     try:
         check_frames(frames, times_s, setup)
         elapsed_s = times_s - times_s[0]
-        tracking = _tracking(frames, elapsed_s, setup, chosen)
+        if chosen.method == "thesis":
+            tracking = track_spheres(frames, elapsed_s, setup, chosen.edges, chosen.matching)
+            known = None
+        else:
+            tracking, known = _photometric(frames, elapsed_s, setup, known)
         sides = measure_two_sides(tracking, elapsed_s, setup, chosen.three_and_three)
     except ShotRefusedError as refusal:
         return RefusedShot(refusal.step, refusal.reason, refusal.frame)
@@ -131,18 +144,17 @@ def analyse_shot(
         used_before=sides.used_before,
         used_after=sides.used_after,
         notes=(*sides.notes, *_odd_times(elapsed_s, setup)),
+        known=known,
     )
 
 
-def _tracking(
-    frames: NDArray[np.uint8], elapsed_s: Floats, setup: Setup, options: AnalysisOptions
-) -> Tracking:
-    if options.method == "thesis":
-        return track_spheres(frames, elapsed_s, setup, options.edges, options.matching)
+def _photometric(
+    frames: NDArray[np.uint8], elapsed_s: Floats, setup: Setup, known: Knowledge | None
+) -> tuple[Tracking, Knowledge]:
     # Compiled functions are loaded only where they are wanted.
     from analysis.photometric.method import measure_poses  # noqa: PLC0415
 
-    return measure_poses(frames, elapsed_s, setup)[0]
+    return measure_poses(frames, elapsed_s, setup, known)
 
 
 def _odd_times(times_s: Floats, setup: Setup) -> tuple[str, ...]:

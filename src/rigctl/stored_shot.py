@@ -11,7 +11,7 @@ import numpy as np
 from analysis.document import overlay_document, shot_document
 from analysis.model.gather import measured_poses
 from analysis.setup import CameraSetup, Setup, SphereSetup
-from analysis.shot import MeasuredShot, analyse_shot
+from analysis.shot import AnalysisOptions, MeasuredShot, analyse_shot
 from rigctl.stored_poses import poses_document
 
 Json = dict[str, Any]
@@ -38,7 +38,8 @@ def analyse_stored_shot(folder: Path, method: str) -> Json:
         return {**about, "status": "refused", "step": "setup", "reason": reason}
     frames = np.load(folder / "frames.npy", allow_pickle=False)
     times_s = np.array(manifest["frames"]["times_s"])
-    shot = analyse_shot(frames, times_s - times_s[:1], setup_of(manifest))
+    options = AnalysisOptions(method="photometric" if method == "photometric" else "thesis")
+    shot = analyse_shot(frames, times_s - times_s[:1], setup_of(manifest), options)
     document = {**about, **shot_document(shot)}
     if isinstance(shot, MeasuredShot):
         document["poses"] = poses_document(measured_poses(shot))

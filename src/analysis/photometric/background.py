@@ -97,3 +97,9 @@ def _surface(mean: Floats, counts: Floats, shape: tuple[int, ...]) -> Floats:
     for (i, j), value in zip(powers, solution, strict=True):
         grid[i, j] = value
     return np.asarray(along @ grid @ across.T)
+
+
+def first_background(frames: NDArray[np.uint8]) -> Floats:
+    """Return the median over a few frames: what stands still, before any disc is known."""
+    every = max(1, len(frames) // 9)
+    return np.asarray(np.median(frames[::every], axis=0), dtype=np.float64)

@@ -30,7 +30,8 @@ def window(place: tuple[float, float, float], shape: tuple[int, int]) -> tuple[i
 @compiled
 def seen_from(sight: Sight, stance: Stance, view: int) -> Floats:
     """Return the markers as a view sees them: row, column, towards the eye, shape (markers, 3)."""
-    return (sight.look.markers @ stance.rotation.T) @ sight.optics.axes[view].T
+    directions: Floats = (sight.look.markers @ stance.rotation.T) @ sight.optics.axes[view].T
+    return directions
 
 
 @compiled

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,6 +17,8 @@ from analysis.photometric.sight import LIGHTS, Scene, Sight, Stance
 Floats = NDArray[np.float64]
 
 FAR = -1e6
+MISFIT = 1.7
+"""Growth of a frame's cost beyond which its pose is not believed."""
 
 
 @dataclass(slots=True, eq=False)
@@ -84,14 +86,19 @@ class Film:
 
     def discs(self, camera: Camera, radii_m: tuple[float, float]) -> Floats:
         """Return all discs of all frames, shape (F, 2 V, 3); far away where there is no pose."""
+        return np.stack([self.discs_of(k, camera, radii_m) for k in range(len(self.frames))])
+
+    def discs_of(self, frame: int, camera: Camera, radii_m: tuple[float, float]) -> Floats:
+        """Return all discs of one frame (row, column, radius), shape (2 V, 3)."""
         views = len(camera.views)
-        discs = np.full((len(self.frames), 2 * views, 3), FAR)
-        discs[..., 2] = 0.0
+        discs = np.full((2 * views, 3), FAR)
+        discs[:, 2] = 0.0
         for i in (0, 1):
-            for k in np.flatnonzero(self.placed[i]):
+            if self.placed[i, frame]:
                 for view in range(views):
-                    place = disc_of(camera.optics, view, self.centre[i, k], radii_m[i])
-                    discs[k, views * i + view] = place
+                    discs[views * i + view] = disc_of(
+                        camera.optics, view, self.centre[i, frame], radii_m[i]
+                    )
         return discs
 
     def sights(self, known: Knowledge, sphere: int) -> Iterator[tuple[Sight, Stance]]:
@@ -111,6 +118,14 @@ class Film:
             )
 
 
+def sights_of(
+    films: Sequence[Film], known: Knowledge, sphere: int
+) -> Iterator[tuple[Sight, Stance]]:
+    """Yield the sights of a sphere in all films."""
+    for film in films:
+        yield from film.sights(known, sphere)
+
+
 def others_of(discs: Floats, sphere: int) -> Floats:
     """Return for each view of a sphere the other discs of a frame, shape (V, 2 V - 1, 3)."""
     views = len(discs) // 2
@@ -124,3 +139,34 @@ def fit_film(film: Film, known: Knowledge, limits: Floats) -> None:
         frames = np.flatnonzero(film.placed[i])
         for k, (sight, stance) in zip(frames, film.sights(known, i), strict=True):
             film.quality[i, k] = fit_pose(sight, stance, limits, film.covariance[i, k])
+
+
+def drop_outside(film: Film, camera: Camera) -> None:
+    """Take away poses whose centre lies outside the frame in the front view."""
+    rows, columns = film.frames.shape[1:]
+    optics = camera.optics
+    place = film.centre @ optics.axes[0, :2].T * optics.scales[0] + optics.origins[0]
+    inside = (place >= -0.5).all(axis=2) & (place <= [rows - 0.5, columns - 0.5]).all(axis=2)
+    film.placed &= inside
+
+
+def cost_of(quality: Floats, limit: float) -> Floats:
+    """Return chi-squared a pixel, those rejected counted as far as the limit allows.
+
+    Parameters
+    ----------
+    quality
+        What `fit_pose` returned, shape (..., 5).
+    limit
+        Its last limit, in units of the noise.
+    """
+    rejected = limit**2 / 4 * (quality[..., 2] - quality[..., 1])
+    return np.asarray((quality[..., 0] + rejected) / np.maximum(quality[..., 2], 1.0))
+
+
+def drop_misfits(film: Film, limit: float) -> None:
+    """Take away poses whose image the model explains much worse than the sphere's other frames."""
+    costs = cost_of(film.quality, limit)
+    for i in (0, 1):
+        if film.placed[i].any():
+            film.placed[i] &= costs[i] < MISFIT * np.median(costs[i, film.placed[i]])

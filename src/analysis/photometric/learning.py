@@ -6,6 +6,7 @@ draws in slowly: a tight one would lock a misplaced marker out for ever.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -14,7 +15,7 @@ from numpy.typing import NDArray
 from analysis.motion.rotation import rotation_matrix
 from analysis.photometric.appearance import Knowledge, Sphere
 from analysis.photometric.bundle import Lesson
-from analysis.photometric.film import Film, fit_film
+from analysis.photometric.film import Film, fit_film, sights_of
 from analysis.photometric.marker_search import missed_markers
 from analysis.photometric.relief import add_residuals, changed_relief
 from analysis.photometric.shading import HARMONICS, NUDGE, blurred_profiles
@@ -25,12 +26,13 @@ from analysis.photometric.sight import Equations
 
 Floats = NDArray[np.float64]
 
-LIMITS = (60.0, 30.0, 15.0, 8.0, 6.0, 6.0)
+LIMITS = (60.0, 30.0, 15.0, 8.0, 6.0, 6.0, 6.0, 6.0, 6.0, 6.0)
 SEARCH_ROUNDS = (1, 2, 3)
 BUNDLE_FROM = 1
 RELIEF_FROM = 2
 REFRESH_AFTER = 2
 UNLIMITED = 1e3
+TOGETHER_LIMITS = (15.0, 8.0, 6.0, 6.0, 6.0)
 NARROWEST_PX, WIDEST_PX = 0.35, 3.0
 SCALE_FLOOR = 4e-4
 """Shading near the limb and the radius are one family: below this nothing tells them apart."""
@@ -48,23 +50,40 @@ def learn(film: Film, start: Knowledge, *, hold_scale: bool) -> Knowledge:
     hold_scale
         Keep the front view's scale.
     """
-    known = start
+    known, films = start, [film]
     film.refresh(known)
     for turn, limit in enumerate(LIMITS):
-        known = with_shading(film, known, limit if turn else UNLIMITED, hold_scale=hold_scale)
+        known = with_shading(films, known, limit if turn else UNLIMITED, hold_scale=hold_scale)
         if turn in SEARCH_ROUNDS:
-            known = with_missed(film, known)
+            known = with_missed(films, known)
         if turn >= RELIEF_FROM:
-            known = with_reliefs(film, known, limit)
+            known = with_reliefs(films, known, limit)
         if turn >= BUNDLE_FROM:
-            known = with_shared(film, known, limit)
+            known = with_shared(films, known, limit)
         fit_film(film, known, np.full(2, limit))
         if turn == REFRESH_AFTER:
             film.refresh(known)
     return known
 
 
-def with_shading(film: Film, known: Knowledge, limit: float, *, hold_scale: bool) -> Knowledge:
+def learn_together(films: Sequence[Film], start: Knowledge, *, hold_scale: bool) -> Knowledge:
+    """Learn the spheres from several films that already have poses, improved in place.
+
+    One film shows some markers only at the limb, and its radius is the less certain for it.
+    """
+    known = with_missed(films, start)
+    for limit in TOGETHER_LIMITS:
+        known = with_shading(films, known, limit, hold_scale=hold_scale)
+        known = with_reliefs(films, known, limit)
+        known = with_shared(films, known, limit)
+        for film in films:
+            fit_film(film, known, np.full(1, limit))
+    return known
+
+
+def with_shading(
+    films: Sequence[Film], known: Knowledge, limit: float, *, hold_scale: bool
+) -> Knowledge:
     """Return the knowledge with the shading, radius and blur that fit all frames best."""
     camera, wider = known.camera, known.looks(NUDGE)
     size, views = len(HARMONICS) + COMMON, len(camera.views)
@@ -79,7 +98,7 @@ def with_shading(film: Film, known: Knowledge, limit: float, *, hold_scale: bool
                 strict=True,
             )
         ]
-        for sight, stance in film.sights(known, i):
+        for sight, stance in sights_of(films, known, i):
             for view in range(views):
                 own = Equations(normal[i, view], right[i, view])
                 shading_equations(sight, stance, view, samples[view], own)
@@ -87,7 +106,8 @@ def with_shading(film: Film, known: Knowledge, limit: float, *, hold_scale: bool
     surface = solve_shading(normal, right, present, hold_radius=hold_scale)
     a, b = (replace(s, shading=c) for s, c in zip(known.spheres, surface.shading, strict=True))
     scales = camera.optics.scales * np.exp(surface.log_radius)
-    film.rescale(camera.optics, scales)
+    for film in films:
+        film.rescale(camera.optics, scales)
     return replace(
         known,
         spheres=(a, b),
@@ -97,33 +117,38 @@ def with_shading(film: Film, known: Knowledge, limit: float, *, hold_scale: bool
     )
 
 
-def with_reliefs(film: Film, known: Knowledge, limit: float) -> Knowledge:
+def with_reliefs(films: Sequence[Film], known: Knowledge, limit: float) -> Knowledge:
     """Return the knowledge with what smooth shading leaves inside the discs."""
     spheres = []
     for i, sphere in enumerate(known.spheres):
         sums, weights = np.zeros_like(sphere.reliefs), np.zeros_like(sphere.reliefs)
-        for sight, stance in film.sights(known, i):
+        for sight, stance in sights_of(films, known, i):
             for view in range(len(sums)):
                 add_residuals(sight, stance, view, limit, (sums[view], weights[view]))
         levels = np.maximum(np.abs(sphere.shading[:, 0]), 1.0)
         reliefs = [
-            changed_relief(old, (total, weight), film.noise, float(level))
+            changed_relief(old, (total, weight), float(level))
             for old, total, weight, level in zip(sphere.reliefs, sums, weights, levels, strict=True)
         ]
         spheres.append(replace(sphere, reliefs=np.stack(reliefs)))
     return replace(known, spheres=(spheres[0], spheres[1]))
 
 
-def with_missed(film: Film, known: Knowledge) -> Knowledge:
+def with_missed(films: Sequence[Film], known: Knowledge) -> Knowledge:
     """Return the knowledge with markers added that the frames show."""
     a, b = (
-        replace(sphere, markers=np.concatenate([sphere.markers, missed_markers(film, known, i)]))
+        replace(
+            sphere,
+            markers=np.concatenate(
+                [sphere.markers, missed_markers(sights_of(films, known, i), known, i)]
+            ),
+        )
         for i, sphere in enumerate(known.spheres)
     )
     return replace(known, spheres=(a, b))
 
 
-def with_shared(film: Film, known: Knowledge, limit: float) -> Knowledge:
+def with_shared(films: Sequence[Film], known: Knowledge, limit: float) -> Knowledge:
     """Return the knowledge with better markers and scales of the views against each other."""
     camera, wider = known.camera, known.looks(NUDGE)
     views = len(camera.views)
@@ -132,12 +157,13 @@ def with_shared(film: Film, known: Knowledge, limit: float) -> Knowledge:
         size = shared_size(len(sphere.markers), views)
         equations = Equations(np.zeros((size, size)), np.zeros(size))
         lesson = Lesson(wider[i].tables, tangents_of(sphere.markers), limit)
-        for sight, stance in film.sights(known, i):
+        for sight, stance in sights_of(films, known, i):
             add_frame(sight, stance, lesson, equations)
         steps.append(solve_shared(equations, len(sphere.markers), views))
     a, b = (_changed(sphere, step) for sphere, step in zip(known.spheres, steps, strict=True))
     scales = camera.optics.scales * np.exp(_ratios(steps))
-    film.rescale(camera.optics, scales)
+    for film in films:
+        film.rescale(camera.optics, scales)
     return replace(known, spheres=(a, b), camera=camera.with_scales(scales))
 
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 from numpy.typing import NDArray
 
 from analysis.photometric.appearance import Knowledge
 from analysis.photometric.compiled import compiled
 from analysis.photometric.covers import cover_canvas
-from analysis.photometric.film import Film
 from analysis.photometric.residual import LOOK, hidden, model_pixel, shade
 from analysis.photometric.sight import Look, Sight, Stance
 
@@ -70,12 +71,12 @@ def add_darkness(
         counts[n] += 1.0
 
 
-def missed_markers(film: Film, known: Knowledge, sphere: int) -> Floats:
+def missed_markers(sights: Iterable[tuple[Sight, Stance]], known: Knowledge, sphere: int) -> Floats:
     """Return markers of a sphere that its frames show and its look lacks, body axes, (new, 3)."""
     body = body_directions()
     sums, counts = np.zeros(len(body)), np.zeros(len(body))
     look = known.looks()[sphere]
-    for sight, stance in film.sights(known, sphere):
+    for sight, stance in sights:
         for view in range(len(known.camera.views)):
             add_darkness(sight, stance, view, body, (sums, counts))
     often = counts >= LEAST_FRAMES

@@ -1,14 +1,20 @@
-"""Frames of a shot to poses by rendering: learn the spheres, then fit every frame."""
+"""Frames of a shot to poses by rendering: learn the spheres once, then fit every frame."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
+from contextlib import suppress
 
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.imaging.frame import EdgeSettings
+from analysis.errors import ShotRefusedError
+from analysis.imaging.frame import EdgeSettings, noise_sd
 from analysis.photometric.appearance import Knowledge
-from analysis.photometric.film import fit_film
-from analysis.photometric.learning import learn
+from analysis.photometric.background import first_background
+from analysis.photometric.film import Film, drop_misfits, fit_film
+from analysis.photometric.following import Follower
+from analysis.photometric.learning import learn, learn_together
 from analysis.photometric.result import tracking_of
 from analysis.photometric.start import first_film
 from analysis.setup import Setup
@@ -16,16 +22,40 @@ from analysis.tracking import Tracking, track_spheres
 
 Floats = NDArray[np.float64]
 
-LAST_LIMITS = (6.0, 6.0)
+LAST_LIMITS = np.array([6.0, 6.0])
+
+Frames = tuple[NDArray[np.uint8], Floats]
+"""Grey levels (frames, rows, columns) and times, s (frames,), of one shot."""
 
 
-def measure_poses(
+def teach(shots: Sequence[Frames], setup: Setup) -> Knowledge | None:
+    """Learn how a pair looks from the first shots of a campaign, together.
+
+    Returns
+    -------
+    None where no shot can be learned from; each then says why when it is measured.
+    """
+    known: Knowledge | None = None
+    films: list[Film] = []
+    hold = setup.camera.scale_px_per_m is not None
+    for frames, times_s in shots:
+        try:
+            if known is None:
+                film, known = learned_film(frames, times_s, setup)
+            else:
+                film = followed_film(frames, times_s, known)
+        except ShotRefusedError:
+            continue
+        films.append(film)
+    if known is not None and len(films) > 1:
+        known = learn_together(films, known, hold_scale=hold)
+    return known
+
+
+def learned_film(
     frames: NDArray[np.uint8], times_s: Floats, setup: Setup
-) -> tuple[Tracking, Knowledge]:
-    """Measure the poses of both spheres at the noise limit.
-
-    Outlines and markers (`tracking.track_spheres`) give the start; the spheres' look is learned
-    from the shot itself.
+) -> tuple[Film, Knowledge]:
+    """Learn how a pair looks from one shot; outlines and markers give the start.
 
     Raises
     ------
@@ -35,5 +65,42 @@ def measure_poses(
     start = track_spheres(frames, times_s, setup, EdgeSettings(), "pattern")
     film, guess = first_film(frames, times_s, start, setup)
     known = learn(film, guess, hold_scale=setup.camera.scale_px_per_m is not None)
-    fit_film(film, known, np.array(LAST_LIMITS))
-    return tracking_of(film, known), known
+    fit_film(film, known, LAST_LIMITS)
+    return film, known
+
+
+def followed_film(frames: NDArray[np.uint8], times_s: Floats, known: Knowledge) -> Film:
+    """Measure the poses of a pair that is known.
+
+    Raises
+    ------
+    ShotRefusedError
+        No frame shows the spheres as they are known.
+    """
+    film = Film.blank(frames, len(known.camera.views))
+    film.background, film.noise = first_background(frames), noise_sd(frames)
+    Follower(film, known).run(times_s)
+    film.refresh(known)
+    fit_film(film, known, LAST_LIMITS)
+    return film
+
+
+def measure_poses(
+    frames: NDArray[np.uint8], times_s: Floats, setup: Setup, known: Knowledge | None
+) -> tuple[Tracking, Knowledge]:
+    """Measure the poses of a pair: as it is known, or learned from this shot where it is not.
+
+    Raises
+    ------
+    ShotRefusedError
+        With the step, the frame and the reason.
+    """
+    film = None
+    if known is not None:
+        # Other spheres, or another place of the camera: then the shot speaks for itself.
+        with suppress(ShotRefusedError):
+            film = followed_film(frames, times_s, known)
+    if film is None or known is None:
+        film, known = learned_film(frames, times_s, setup)
+    drop_misfits(film, LAST_LIMITS[-1])
+    return tracking_of(film, known, times_s, setup.gravity_m_per_s2), known

@@ -48,7 +48,7 @@ def add_residuals(
     Parameters
     ----------
     nodes
-        Weighted residuals and weights, added to, shapes (n, n).
+        Weighted residuals and weights over the noise's variance, added to, shapes (n, n).
     """
     sums, weights = nodes
     scene, look = sight.scene, sight.look
@@ -73,30 +73,28 @@ def add_residuals(
             left = 1.0 - look.darkness * cover / max(seen[3], LEAST_DISC)
             # What a marker hides, its own error would be learned as relief.
             weight = biweight(residual / scene.noise, limit) * max(left, 0.0) ** 8
-            own = light[1] * left
+            own = light[1] * left / scene.noise
             a, b = (u + 1.0) * half, (v + 1.0) * half
             p, q = int(a), int(b)
             a, b = a - p, b - q
             for n in range(4):
                 share = (a if n & 1 else 1.0 - a) * (b if n & 2 else 1.0 - b) * weight
-                sums[p + (n & 1), q + (n >> 1)] += share * own * residual
+                sums[p + (n & 1), q + (n >> 1)] += share * own * residual / scene.noise
                 weights[p + (n & 1), q + (n >> 1)] += share * own * own
 
 
-def changed_relief(
-    relief: Floats, nodes: tuple[Floats, Floats], noise: float, level: float
-) -> Floats:
+def changed_relief(relief: Floats, nodes: tuple[Floats, Floats], level: float) -> Floats:
     """Return a relief improved by the residuals that its nodes have gathered.
 
     Parameters
     ----------
     nodes
         Of `add_residuals`.
-    noise, level
-        Of a pixel, and the brightness of the disc, grey levels.
+    level
+        Brightness of the disc, grey levels.
     """
     sums, weights = nodes
-    expected = (noise / (SIZE * level)) ** 2
+    expected = (SIZE * level) ** -2.0
     smooth = gaussian_filter(sums, SMOOTH_NODES)
     change = smooth / (gaussian_filter(weights, SMOOTH_NODES) + expected)
     axis = np.linspace(-1, 1, len(relief))

@@ -16,6 +16,7 @@ from analysis.motion.sightings import SeenMarker
 from analysis.photometric.appearance import Knowledge
 from analysis.photometric.camera import disc_of
 from analysis.photometric.film import Film
+from analysis.photometric.honesty import enlargement
 from analysis.tracking import Tracking
 
 Floats = NDArray[np.float64]
@@ -23,14 +24,19 @@ Floats = NDArray[np.float64]
 LEAST_FACING = 0.4
 
 
-def tracking_of(film: Film, known: Knowledge) -> Tracking:
+def tracking_of(film: Film, known: Knowledge, times_s: Floats, gravity: float) -> Tracking:
     """Return the film's poses with discs and markers where the fitted model has them.
 
-    Errors that last (shading, pattern) are part of each pose's covariance; there is no edge
-    filter, and so no slow error of one.
+    The stated errors are those of the pixels, enlarged to the scatter about free flight
+    (`honesty.enlargement`); there is no edge filter, and so no slow error of one.
     """
-    spheres = [_tracks(film, known, i) for i in (0, 1)]
     markers = [_markers(film, known, i) for i in (0, 1)]
+    raw = _centres(film, 0), _centres(film, 1)
+    standing = _orientations(film, known, 0, markers[0]), _orientations(film, known, 1, markers[1])
+    place, turn = enlargement(raw, standing, times_s, gravity)
+    enlarged = np.sqrt(np.repeat([place, turn], 3))
+    film.covariance *= np.outer(enlarged, enlarged)
+    spheres = [_tracks(film, known, i) for i in (0, 1)]
     centres = [_centres(film, i) for i in (0, 1)]
     turned = [_orientations(film, known, i, markers[i]) for i in (0, 1)]
     optics = known.camera.optics

@@ -9,7 +9,7 @@ from analysis.imaging.views import View
 from analysis.motion.rotation import rotation_matrix, rotation_vector
 from analysis.photometric.appearance import Knowledge, Sphere
 from analysis.photometric.camera import Camera, camera_of
-from analysis.photometric.film import Film
+from analysis.photometric.film import Film, drop_outside
 from analysis.photometric.relief import nodes_for
 from analysis.photometric.shading import HARMONICS
 from analysis.setup import Setup
@@ -59,15 +59,6 @@ def first_film(
         scale_sigma=tracking.scale_sigma,
     )
     return film, known
-
-
-def drop_outside(film: Film, camera: Camera) -> None:
-    """Take away poses whose centre lies outside the frame in the front view."""
-    rows, columns = film.frames.shape[1:]
-    optics = camera.optics
-    place = film.centre @ optics.axes[0, :2].T * optics.scales[0] + optics.origins[0]
-    inside = (place >= -0.5).all(axis=2) & (place <= [rows - 0.5, columns - 0.5]).all(axis=2)
-    film.placed &= inside
 
 
 def _carried(times_s: Floats, known: NDArray[np.intp], values: Floats) -> Floats:

@@ -49,7 +49,7 @@ class AnalysisSection(StrictModel):
     """How stored shots are analysed."""
 
     workers: int = Field(ge=1, le=64)
-    method: Literal["thesis"]
+    method: Literal["thesis", "photometric"]
     timeout_s: float = Field(default=300.0, gt=0, le=86_400, description="longest analysis, s")
 
 

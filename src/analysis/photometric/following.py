@@ -1,0 +1,237 @@
+"""A known pair through a shot: found once, then followed from frame to frame both ways."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.errors import ShotRefusedError
+from analysis.imaging.views import View
+from analysis.motion.rotation import rotation_matrix, rotation_vector
+from analysis.photometric.appearance import Knowledge
+from analysis.photometric.camera import disc_of
+from analysis.photometric.film import Film, cost_of, drop_outside, others_of
+from analysis.photometric.orientation_search import search_orientation, turns
+from analysis.photometric.pose import fit_pose
+from analysis.photometric.sight import Scene, Sight, Stance
+from analysis.photometric.votes import peak_near, peaks, vote_map
+
+Floats = NDArray[np.float64]
+Single = NDArray[np.float32]
+
+FOLLOW_LIMITS = np.array([40.0, 15.0, 6.0, 6.0])
+REACH_PX = 6.0
+MOST_COST = 6.0
+"""1 to 2 for a sound frame (`film.cost_of`), 2 to 4 where the spheres turn a side with unknown
+markers to the camera."""
+GROWS, LOST = 1.1, 1.25
+"""Growth of that cost from frame to frame: the most that is sound, and what calls for a search."""
+SAME_COLUMN_PX = 2.0
+LEAST_APART = 2.3
+"""Radii between the centres in the frame where the pair is looked for."""
+TRIED_FRAMES = 4
+
+
+class Follower:
+    """Follows a known pair through the frames of one shot.
+
+    Parameters
+    ----------
+    film
+        Without poses; its background is a first guess.
+    known
+        The pair and its camera.
+    """
+
+    def __init__(self, film: Film, known: Knowledge) -> None:
+        self._film, self._known = film, known
+        self._looks = known.looks()
+        self._optics = known.camera.optics
+        self._radius = float(self._optics.scales[0] * known.spheres[0].radius_m)
+        self._candidates = turns()
+        self._votes: dict[int, Single] = {}
+
+    def run(self, times_s: Floats) -> None:
+        """Fill the film's poses.
+
+        Raises
+        ------
+        ShotRefusedError
+            No frame shows the pair as it is known.
+        """
+        first = self._find_start()
+        for step in (1, -1):
+            self._follow(first, step, times_s)
+        drop_outside(self._film, self._known.camera)
+
+    def _vote(self, frame: int) -> Single:
+        if frame not in self._votes:
+            film = self._film
+            self._votes[frame] = vote_map(
+                film.frames[frame], film.background, film.noise, self._radius
+            )
+        return self._votes[frame]
+
+    def _find_start(self) -> int:
+        """Find a frame in which both spheres stand apart and look as they are known to."""
+        found = []
+        for k in range(len(self._film.frames)):
+            pair = self._pair(k)
+            if pair is not None:
+                found.append((min(c[1] for c in pair), k, [c[0] for c in pair]))
+        costs = []
+        for _, k, centres in sorted(found, key=lambda item: -item[0])[:TRIED_FRAMES]:
+            for i in (0, 1):
+                self._film.centre[i, k] = centres[i]
+                self._film.placed[i, k] = True
+            costs = [self._search(i, k) for i in (0, 1)]
+            if max(costs) < MOST_COST:
+                return k
+            self._film.placed[:, k] = False
+        what = f"chi-squared {max(costs):.1f} a pixel" if costs else "no two discs of their size"
+        raise ShotRefusedError(
+            "assignment", f"no frame shows the spheres as they were learned ({what})"
+        )
+
+    def _pair(self, k: int) -> list[tuple[Floats, float]] | None:
+        """Return centres, m, and votes of spheres a and b; None unless both stand apart."""
+        votes = self._vote(k)
+        split = self._front_from()
+        front = peaks(votes[split:], 2, LEAST_APART * self._radius)
+        if len(front) < 2:
+            return None
+        placed = []
+        for row, column, share in sorted(front, key=lambda p: p[1]):
+            centre = np.zeros(3)
+            centre[0] = (row + split - self._optics.origins[0, 0]) / self._optics.scales[0]
+            centre[1] = (column - self._optics.origins[0, 1]) / self._optics.scales[0]
+            if len(self._optics.scales) > 1:
+                above = self._above(votes, column)
+                if above is None:
+                    return None
+                centre[2] = above
+            placed.append((centre, share))
+        return placed
+
+    def _front_from(self) -> int:
+        """Return the first row that can hold a centre of the front view."""
+        if View.TOP not in self._known.camera.views:
+            return 0
+        return int(self._optics.rows[1, 1])
+
+    def _above(self, votes: Single, column: float) -> float | None:
+        """Return Z of the disc in the top view at a column of the front view."""
+        y = (column - self._optics.origins[0, 1]) / self._optics.scales[0]
+        expected = self._optics.origins[1, 1] + self._optics.scales[1] * y
+        low = max(int(expected) - 3, 0)
+        strip = votes[: self._front_from(), low : int(expected) + 5]
+        best = peaks(strip, 1, self._radius) if strip.size else []
+        if not best:
+            return None
+        return float((self._optics.origins[1, 0] - best[0][0]) / self._optics.scales[1])
+
+    def _sight(self, i: int, k: int) -> Sight:
+        film, known = self._film, self._known
+        radii = (known.spheres[0].radius_m, known.spheres[1].radius_m)
+        discs = film.discs_of(k, known.camera, radii)
+        scene = Scene(film.frames[k], film.background, film.noise)
+        return Sight(scene, self._optics, self._looks[i], others_of(discs, i))
+
+    def _stance(self, i: int, k: int) -> Stance:
+        film = self._film
+        return Stance(film.centre[i, k], film.rotation[i, k], film.lights[i, k])
+
+    def _search(self, i: int, k: int) -> float:
+        cost, stance = search_orientation(self._sight(i, k), self._stance(i, k), self._candidates)
+        film = self._film
+        film.centre[i, k], film.rotation[i, k] = stance.centre, stance.rotation
+        film.lights[i, k] = stance.lights
+        return cost
+
+    def _follow(self, first: int, step: int, times_s: Floats) -> None:
+        """Follow both spheres to one end of the shot; one that leaves the frame is let go."""
+        film = self._film
+        usual = [self._fit(i, first) for i in (0, 1)]
+        k = first + step
+        while 0 <= k < len(film.frames):
+            here = [i for i in (0, 1) if film.placed[i, k - step]]
+            for i in here:
+                self._predict(i, k, step, times_s)
+                film.placed[i, k] = self._inside(i, k)
+            here = [i for i in here if film.placed[i, k]]
+            for i in here:
+                cost = self._settle(i, k, step, times_s, LOST * usual[i])
+                usual[i] = min(max(cost, 1.0), GROWS * usual[i])
+            k += step
+
+    def _settle(self, i: int, k: int, step: int, times_s: Floats, most: float) -> float:
+        """Fit a predicted pose, with ever wider searches while it costs more than `most`.
+
+        Beside a contact the prediction is wrong by pixels: then the discs themselves say where
+        they are, and at last all orientations are tried. The best of these stays.
+        """
+        if not self._has_velocity(i, k, step):
+            self._attract(i, k)
+        cost = self._fit(i, k)
+        for widen in (False, True):
+            if cost <= most:
+                break
+            kept = Stance(*(part.copy() for part in self._stance(i, k)))
+            self._predict(i, k, step, times_s)
+            self._attract(i, k)
+            again = self._search(i, k) if widen else self._fit(i, k)
+            if again < cost:
+                cost = again
+            else:
+                for part, old in zip(self._stance(i, k), kept, strict=True):
+                    part[:] = old
+        return cost
+
+    def _fit(self, i: int, k: int) -> float:
+        """Fit a pose; return its `film.cost`."""
+        film = self._film
+        film.quality[i, k] = fit_pose(
+            self._sight(i, k), self._stance(i, k), FOLLOW_LIMITS, film.covariance[i, k]
+        )
+        return float(cost_of(film.quality[i, k], FOLLOW_LIMITS[-1]))
+
+    def _predict(self, i: int, k: int, step: int, times_s: Floats) -> None:
+        """Carry the pose on from the two frames before, or the one there is."""
+        film, last, before = self._film, k - step, k - 2 * step
+        film.lights[i, k] = film.lights[i, last]
+        film.centre[i, k], film.rotation[i, k] = film.centre[i, last], film.rotation[i, last]
+        if self._has_velocity(i, k, step):
+            share = (times_s[k] - times_s[last]) / (times_s[last] - times_s[before])
+            film.centre[i, k] += share * (film.centre[i, last] - film.centre[i, before])
+            turn = rotation_vector(film.rotation[i, last] @ film.rotation[i, before].T)
+            film.rotation[i, k] = rotation_matrix(share * turn) @ film.rotation[i, last]
+
+    def _has_velocity(self, i: int, k: int, step: int) -> bool:
+        before = k - 2 * step
+        return 0 <= before < len(self._film.frames) and bool(self._film.placed[i, before])
+
+    def _attract(self, i: int, k: int) -> None:
+        """Draw a predicted centre to the discs that the frame shows near it."""
+        film, optics = self._film, self._optics
+        votes = self._vote(k)
+        row, column, _ = disc_of(optics, 0, film.centre[i, k], self._looks[i].radius_m)
+        there = peak_near(votes, (row, column), REACH_PX)
+        film.centre[i, k, 0] += (there[0] - row) / optics.scales[0]
+        film.centre[i, k, 1] += (there[1] - column) / optics.scales[0]
+        if len(optics.scales) > 1:
+            row, column, _ = disc_of(optics, 1, film.centre[i, k], self._looks[i].radius_m)
+            there = peak_near(votes, (row, column), REACH_PX)
+            if abs(there[1] - column) < SAME_COLUMN_PX and self._alone_above(i, k):
+                film.centre[i, k, 2] -= (there[0] - row) / optics.scales[1]
+
+    def _alone_above(self, i: int, k: int) -> bool:
+        """Tell whether the top view shows a sphere's disc well away from the other one's."""
+        if not self._film.placed[1 - i, k]:
+            return True
+        apart = (self._film.centre[0, k] - self._film.centre[1, k]) * self._optics.scales[1]
+        return float(np.hypot(apart[1], apart[2])) > 2 * REACH_PX
+
+    def _inside(self, i: int, k: int) -> bool:
+        row, column, _ = disc_of(self._optics, 0, self._film.centre[i, k], 0.0)
+        rows, columns = self._film.frames.shape[1:]
+        return bool(-0.5 <= row <= rows - 0.5 and -0.5 <= column <= columns - 0.5)

@@ -1,0 +1,136 @@
+"""How a known sphere stands, without any hint: the turn that puts its markers on dark places."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from analysis.photometric.compiled import compiled
+from analysis.photometric.covers import cover_canvas
+from analysis.photometric.film import cost_of
+from analysis.photometric.pose import fit_pose
+from analysis.photometric.residual import LOOK, hidden, shade
+from analysis.photometric.sight import Sight, Stance
+
+Floats = NDArray[np.float64]
+
+STEP_RAD = 0.14
+LEAST_FACING = 0.3
+TRIED = 12
+APART_RAD = 0.25
+LIMITS = np.array([40.0, 40.0, 20.0, 10.0, 6.0])
+
+
+def turns() -> Floats:
+    """Return rotations spread over all orientations, about STEP_RAD apart, shape (n, 3, 3).
+
+    Turns about each of evenly spread directions (a spiral over the sphere).
+    """
+    around = math.ceil(2 * math.pi / STEP_RAD)
+    count = math.ceil(4 * math.pi / STEP_RAD**2)
+    k = np.arange(count) + 0.5
+    tilt, azimuth = np.arccos(1 - 2 * k / count), np.pi * (1 + math.sqrt(5)) * k
+    angles = np.stack(
+        np.broadcast_arrays(
+            azimuth[:, None], tilt[:, None], 2 * np.pi * np.arange(around)[None, :] / around
+        ),
+        axis=-1,
+    )
+    return np.asarray(Rotation.from_euler("ZYZ", angles.reshape(-1, 3)).as_matrix())
+
+
+@compiled
+def darkness_of(sight: Sight, stance: Stance, view: int, dark: Floats) -> None:
+    """Fill a square of (row, column) offsets from -1 to 1 with the darkness against plain shading.
+
+    0 where the disc is not seen; shape (n, n).
+    """
+    look, scene = sight.look, sight.scene
+    _, _, place = cover_canvas(sight, stance, view)
+    seen = np.zeros(LOOK)
+    half = (dark.shape[0] - 1) / 2
+    rows = sight.optics.rows[view]
+    for i in range(dark.shape[0]):
+        u = i / half - 1.0
+        for j in range(dark.shape[1]):
+            v = j / half - 1.0
+            if u * u + v * v > 0.95:
+                continue
+            y, x = int(np.rint(place[0] + place[2] * u)), int(np.rint(place[1] + place[2] * v))
+            if y < max(rows[0], 0) or y >= rows[1] or x < 0 or x >= scene.image.shape[1]:
+                continue
+            if hidden(y, x, sight.others[view]):
+                continue
+            shade(look.tables[view], look.reliefs[view], u, v, seen)
+            plain = max(seen[0], 3.0 * scene.noise)
+            dark[i, j] = min(max((plain - scene.image[y, x]) / plain, -0.3), 1.0)
+
+
+@compiled
+def scores(dark: Floats, axes: Floats, markers: Floats, rotations: Floats, out: Floats) -> None:
+    """Add for each rotation the darkness under its markers less the mean, over all views.
+
+    Parameters
+    ----------
+    dark
+        Of each view, shape (V, n, n).
+    axes
+        Of each view, shape (V, 3, 3).
+    out
+        Added to, shape (rotations,).
+    """
+    half = (dark.shape[1] - 1) / 2
+    for view in range(dark.shape[0]):
+        mean = dark[view].sum() / max((dark[view] != 0.0).sum(), 1)
+        for n in range(rotations.shape[0]):
+            into = axes[view] @ rotations[n]
+            for m in range(markers.shape[0]):
+                z = into[2, 0] * markers[m, 0] + into[2, 1] * markers[m, 1]
+                z += into[2, 2] * markers[m, 2]
+                if z < LEAST_FACING:
+                    continue
+                u, v = 0.0, 0.0
+                for k in range(3):
+                    u += into[0, k] * markers[m, k]
+                    v += into[1, k] * markers[m, k]
+                i, j = int(np.rint((u + 1) * half)), int(np.rint((v + 1) * half))
+                if dark[view, i, j] != 0.0:
+                    out[n] += z * (dark[view, i, j] - mean)
+
+
+def search_orientation(sight: Sight, stance: Stance, candidates: Floats) -> tuple[float, Stance]:
+    """Return the stance whose rendering fits best, and its `film.cost_of`.
+
+    Parameters
+    ----------
+    stance
+        Centre within about 1 pixel; its rotation is not used.
+    candidates
+        Of `turns`.
+
+    Returns
+    -------
+    Infinity where the markers cannot be seen at all.
+    """
+    views = len(sight.optics.scales)
+    size = 2 * int(np.clip(sight.look.radius_m * sight.optics.scales[0], 12, 40)) + 1
+    dark = np.zeros((views, size, size))
+    for view in range(views):
+        darkness_of(sight, stance, view, dark[view])
+    total = np.zeros(len(candidates))
+    scores(dark, sight.optics.axes, sight.look.markers, candidates, total)
+    best, result = math.inf, stance
+    covariance = np.zeros((6, 6))
+    for _ in range(TRIED):
+        n = int(total.argmax())
+        trial = Stance(stance.centre.copy(), candidates[n].copy(), stance.lights.copy())
+        out = fit_pose(sight, trial, LIMITS, covariance)
+        cost = float(cost_of(out, LIMITS[-1]))
+        if cost < best:
+            best, result = cost, trial
+        same = np.einsum("ij,nij->n", candidates[n], candidates) > 1 + 2 * math.cos(APART_RAD)
+        total[same] = -np.inf
+    return best, result
