@@ -1,0 +1,116 @@
+"""Reading contacts.csv: the states of both spheres just before and just after contact."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from analysis.exchange.rows import TableRow, read_rows
+from analysis.exchange.tables import CONTACTS
+from analysis.exchange.tabulated import Tabulated, require_errors_alike, require_once
+
+NORMAL = ("nx", "ny", "nz")
+SIGMAS = ("sigma_v_m_per_s", "sigma_w_rad_per_s")
+VELOCITIES, SPINS = ("va", "vb"), ("wa", "wb")
+AXES = "xyz"
+_UNIT_TOLERANCE = 1e-3
+
+
+@dataclass(frozen=True, slots=True)
+class ContactRow(Tabulated):
+    """One contact; numbers that were not measured are NaN.
+
+    Attributes
+    ----------
+    normal
+        Unit vector from a to b.
+    before, after
+        Velocities of a and b, m/s, then spins of a and b, rad/s, in rig axes: 12 numbers each.
+    sigma_v, sigma_w
+        Standard errors, m/s and rad/s; None: not stated.
+    """
+
+    normal: tuple[float, float, float]
+    before: tuple[float, ...]
+    after: tuple[float, ...]
+    sigma_v: float | None
+    sigma_w: float | None
+
+
+def read_contacts(path: Path, *, plate: bool) -> list[ContactRow]:
+    """Read contacts.csv, shots in the order of their numbers.
+
+    Parameters
+    ----------
+    plate
+        Whether b is a plate at rest: its fields are empty or 0.
+
+    Raises
+    ------
+    InputError
+        A column missing or unknown, a field that is no number, a normal that is not of length 1, a
+        velocity before contact that is not there, bodies that do not approach each other, a plate
+        that moves, a sigma that is not positive or stated in some lines only, a shot that stands
+        twice; with the line.
+    """
+    needed = [name for name in CONTACTS if name not in SIGMAS]
+    rows = read_rows(path, needed, SIGMAS)
+    found = [_contact(row, plate=plate) for row in rows]
+    require_once(rows, found)
+    require_errors_alike(rows, [_without_error(contact, plate=plate) for contact in found])
+    return sorted(found, key=lambda contact: contact.shot)
+
+
+def _contact(row: TableRow, *, plate: bool) -> ContactRow:
+    normal, before, after = _normal(row), _state(row, ""), _state(row, "_after")
+    if plate:
+        for suffix in ("", "_after"):
+            _require_rest(row, suffix)
+        before, after = _at_rest(before), _at_rest(after)
+    for name, value in zip((f"v{s}_{x}" for s in "ab" for x in AXES), before[:6], strict=True):
+        if math.isnan(value):
+            raise row.fault(f"{name}: empty; every velocity before contact must be there")
+    relative = (b - a for a, b in zip(before[:3], before[3:6], strict=True))
+    approach = -sum(v * n for v, n in zip(relative, normal, strict=True))
+    if approach <= 0:
+        raise row.fault(
+            f"the bodies part at {-approach:.4g} m/s before contact, along the normal from a to b"
+        )
+    return ContactRow(row.whole("shot"), normal, before, after, *map(row.sigma, SIGMAS))
+
+
+def _normal(row: TableRow) -> tuple[float, float, float]:
+    x, y, z = (row.number(name) for name in NORMAL)
+    if x is None or y is None or z is None:
+        raise row.fault("nx..nz: empty; the normal must be there")
+    length = math.sqrt(x * x + y * y + z * z)
+    if abs(length - 1.0) > _UNIT_TOLERANCE:
+        raise row.fault(f"nx..nz: a normal of length {length:.4g}, not 1")
+    return x / length, y / length, z / length
+
+
+def _state(row: TableRow, suffix: str) -> tuple[float, ...]:
+    fields = (row.number(f"{k}_{x}{suffix}") for k in (*VELOCITIES, *SPINS) for x in AXES)
+    return tuple(math.nan if field is None else field for field in fields)
+
+
+def _require_rest(row: TableRow, suffix: str) -> None:
+    for name in (f"{kind}_{x}{suffix}" for kind in ("vb", "wb") for x in AXES):
+        if row.number(name):
+            raise row.fault(f"{name}: {row.fields[name]} for a plate, which is at rest")
+
+
+def _at_rest(state: Sequence[float]) -> tuple[float, ...]:
+    """Return a state whose b does not move."""
+    return (*state[:3], 0.0, 0.0, 0.0, *state[6:9], 0.0, 0.0, 0.0)
+
+
+def _without_error(contact: ContactRow, *, plate: bool) -> tuple[str, ...]:
+    """Return the sigmas that are needed and not stated."""
+    own = slice(6, 9 if plate else 12)
+    spins = (*contact.before[own], *contact.after[own])
+    needed = SIGMAS[:1] if all(map(math.isnan, spins)) else SIGMAS
+    stated = dict(zip(SIGMAS, (contact.sigma_v, contact.sigma_w), strict=True))
+    return tuple(name for name in needed if stated[name] is None)
