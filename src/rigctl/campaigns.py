@@ -11,8 +11,9 @@ from typing import Any
 
 from analysis.errors import InputError
 from analysis.exchange.shot_list import ShotRow
-from analysis.model.gather import gather, pose_data
+from analysis.model.gather import gather, gather_poses, pose_data
 from analysis.model.poses import PoseData
+from analysis.model.tables import Data
 from analysis.setup import Setup
 from rigctl.config import load
 from rigctl.errors import AnalysisInputError
@@ -31,8 +32,10 @@ class MeasuredFiles:
     result: Path
 
 
-def open_campaign(campaign: Path, configuration: Path | None = None) -> tuple[str, PoseData]:
-    """Return title and poses of a campaign folder, or of a campaign in the catalogue.
+def open_campaign(
+    campaign: Path, configuration: Path | None = None, *, poses: bool = False
+) -> tuple[str, Data]:
+    """Return title and data of a campaign folder, or of a campaign in the catalogue.
 
     Parameters
     ----------
@@ -40,6 +43,8 @@ def open_campaign(campaign: Path, configuration: Path | None = None) -> tuple[st
         A folder, which is used as it is; else a single word is looked up in the store.
     configuration
         File of the rig whose store is meant; None: the simulated rig's.
+    poses
+        Whether poses are wanted even where the folder holds a later stage.
 
     Raises
     ------
@@ -52,7 +57,7 @@ def open_campaign(campaign: Path, configuration: Path | None = None) -> tuple[st
     """
     if campaign.exists() or len(campaign.parts) != 1:
         try:
-            return gather(campaign)
+            return gather_poses(campaign) if poses else gather(campaign)
         except InputError as error:
             place = error.path if error.line is None else f"{error.path}, line {error.line}"
             raise AnalysisInputError(error.reason, part=place) from error

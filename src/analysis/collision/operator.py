@@ -31,6 +31,16 @@ class Body:
         mass = density_kg_per_m3 * np.pi / 6 * diameter_m**3
         return cls(mass, radius, inertia_factor * mass * radius**2)
 
+    @classmethod
+    def plate(cls) -> Body:
+        """Return a flat surface at rest; as it does not spin, its lever arm is of no account: 0."""
+        return cls(np.inf, 0.0, np.inf)
+
+    @property
+    def is_plate(self) -> bool:
+        """Whether nothing moves it."""
+        return not np.isfinite(self.mass)
+
 
 @dataclass(frozen=True, slots=True)
 class WaltonLaw:

@@ -18,9 +18,14 @@ PASSES = 3
 
 
 def wrap(operator: Operator, values: Values) -> Operator:
-    """Let the operator act about the mean normal of the contact, and the spheres leave later."""
+    """Let the operator act about the mean normal of the contact, and the spheres leave later.
+
+    The normal of a plate does not turn: there nothing changes.
+    """
 
     def changed(encounter: Encounter) -> Outcome:
+        if encounter.bodies[1].is_plate:
+            return operator(encounter)
         lasts = values[0] * hertz_time(encounter) * _damped(encounter.e)
         outcome = operator(encounter)
         for _ in range(PASSES):

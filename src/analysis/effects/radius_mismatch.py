@@ -9,12 +9,16 @@ import numpy as np
 from analysis.collision.operator import Body, Encounter, Floats, Operator, Outcome
 from analysis.effects.effect import ContactEffect, Parameter, Values
 
+LEAST_SPEED = 1e-3
+"""m/s; a slower approach to a plate would take for ever."""
+
 
 def wrap(operator: Operator, values: Values) -> Operator:
     """Let the spheres touch, and the operator act, at (1 + d_a) R_a + (1 + d_b) R_b.
 
     The encounter is stated for the stated radii. True spheres of another size touch a little
-    earlier or later on the same straight lines, with the line of centres turned accordingly.
+    earlier or later on the same straight lines, with the line of centres turned accordingly. The
+    normal of a plate stays.
     """
 
     def changed(encounter: Encounter) -> Outcome:
@@ -25,9 +29,13 @@ def wrap(operator: Operator, values: Values) -> Operator:
         true = sum(body.radius for body in bodies)
         before = encounter.before
         relative = before.velocity_b - before.velocity_a
-        earlier = _earlier(encounter.approach, relative, stated, true)
-        back = earlier[:, None]
-        normal = encounter.normal * (stated / true) - relative * back / true
+        if encounter.bodies[1].is_plate:
+            earlier = (true - stated) / encounter.approach.clip(min=LEAST_SPEED)
+            back, normal = earlier[:, None], encounter.normal
+        else:
+            earlier = _earlier(encounter.approach, relative, stated, true)
+            back = earlier[:, None]
+            normal = encounter.normal * (stated / true) - relative * back / true
         outcome = operator(replace(encounter, normal=normal, bodies=(bodies[0], bodies[1])))
         return replace(
             outcome,

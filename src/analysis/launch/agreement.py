@@ -13,7 +13,7 @@ from analysis.launch.result import LaunchFit
 from analysis.launch.scatter import KINDS
 from analysis.launch.settings import LaunchSettings
 from analysis.model.fit import Fit
-from analysis.model.poses import PoseData
+from analysis.model.tables import Data
 
 Floats = NDArray[np.float64]
 
@@ -50,7 +50,7 @@ class LaunchAgreement:
 
 
 def launch_agreement(
-    data: PoseData, fit: Fit, *, settings: LaunchSettings | None = None
+    data: Data, fit: Fit, *, settings: LaunchSettings | None = None
 ) -> tuple[LaunchAgreement, ...]:
     """Fit the launches and say how well each quantity is foretold.
 

@@ -32,7 +32,7 @@ from analysis.launch.settings import LaunchSettings, settings_of
 from analysis.launch.theory import LaunchTheory
 from analysis.model.fit import Fit
 from analysis.model.normal import inverse
-from analysis.model.poses import PoseData
+from analysis.model.tables import Data
 
 Floats = NDArray[np.float64]
 
@@ -47,7 +47,7 @@ SLACK = 1e-6
 
 
 def fit_launch(
-    data: PoseData,
+    data: Data,
     fit: Fit,
     effects: Sequence[LaunchEffect] = (FRICTION,),
     *,

@@ -7,9 +7,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.errors import LaunchRefusedError
 from analysis.launch.touch import Ground, observed_touch, touch_by_state
 from analysis.model.fit import Fit, normal_equations
-from analysis.model.poses import PoseData
+from analysis.model.tables import ContactTable, Data
 
 Floats = NDArray[np.float64]
 
@@ -45,13 +46,20 @@ class Touches:
         return replace(self, **{name: getattr(self, name)[chosen] for name in names})
 
 
-def measured_touches(data: PoseData, fit: Fit) -> Touches:
+def measured_touches(data: Data, fit: Fit) -> Touches:
     """Return what a fit of the poses says of every shot's state at first touch.
 
     The covariance is the inverse of each shot's own normal equations, A^-1, in units of the noise
     as it was found. What the errors of e, mu and beta0 add, alike in all shots, is left out: the
     state before contact is measured before contact.
+
+    Raises
+    ------
+    LaunchRefusedError
+        The data are a table of contacts, which does not say where and when the spheres met.
     """
+    if isinstance(data, ContactTable):
+        raise LaunchRefusedError("a table of contacts does not say where and when spheres met")
     information = normal_equations(data, fit.states, fit.theory).states / max(
         fit.chi2_per_dof, 1e-12
     )

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from analysis.errors import InputError, LaunchRefusedError
 from analysis.exchange.shot_list import ShotRow, read_shot_list
-from analysis.model.poses import PoseData
+from analysis.model.poses import Observations
 
 Floats = NDArray[np.float64]
 
@@ -81,7 +81,7 @@ def in_turn(
     )
 
 
-def settings_of(data: PoseData) -> LaunchSettings:
+def settings_of(data: Observations) -> LaunchSettings:
     """Return the settings that the covariates of a campaign hold, shots in the order of firing.
 
     Raises

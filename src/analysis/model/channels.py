@@ -13,24 +13,35 @@ from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
 from analysis.collision.operator import surface_velocity
+from analysis.model.comparison import weights
 from analysis.model.fit import Fit
 from analysis.model.linear import left_jacobian
 from analysis.model.poses import PoseData
 from analysis.model.prediction import predict
+from analysis.model.sides import NUMBERS, place_of_rate
+from analysis.model.tables import ContactTable, Data
 
 Floats = NDArray[np.float64]
 
 AXES = ("n", "t", "b")
 SMOOTH = 5
+PAIRS = (("relative", (-0.5, 0.5)), ("common", (1.0, 1.0)))
+"""Shares of a and b."""
+SCALARS = ("relative velocity n", "relative velocity t")
 
 
-def contact_columns(data: PoseData, fit: Fit) -> dict[str, Floats]:
-    """Return a jump at contact of each velocity and spin, relative and common, each (S, N, 1)."""
+def contact_columns(data: Data, fit: Fit) -> dict[str, Floats]:
+    """Return a jump at contact of each velocity and spin, relative and common, each (S, N, 1).
+
+    Of scalars the relative velocity along n and t alone.
+    """
+    if isinstance(data, ContactTable):
+        return _tabulated_columns(data, fit)
     tau = np.maximum(data.times_s - fit.states.time_s[:, None], 0.0)[..., None]
     frame = _contact_frame(data, fit)
     columns: dict[str, Floats] = {}
     for kind, turning in (("velocity", False), ("spin", True)):
-        for word, (first, second) in (("relative", (-0.5, 0.5)), ("common", (1.0, 1.0))):
+        for word, (first, second) in PAIRS:
             for name, axis in zip(AXES, frame, strict=True):
                 moved = np.zeros((*data.times_s.shape, 2, 6))
                 for i, share in enumerate((first, second)):
@@ -40,6 +51,22 @@ def contact_columns(data: PoseData, fit: Fit) -> dict[str, Floats]:
                     moved[..., 3:] = _as_turn(data, fit, moved[..., 3:], tau)
                 columns[f"{word} {kind} {name}"] = whitened(data, moved)[..., None]
     return columns
+
+
+def _tabulated_columns(table: ContactTable, fit: Fit) -> dict[str, Floats]:
+    response, frame = table.weights[..., None] * table.functional, _contact_frame(table, fit)
+    pairs: tuple[tuple[str, tuple[float, float]], ...] = PAIRS
+    if table.bodies[1].is_plate:
+        pairs = (("relative", (-1.0, 0.0)),)
+    columns: dict[str, Floats] = {}
+    for kind, turning in (("velocity", False), ("spin", True)):
+        for word, shares in pairs:
+            for name, axis in zip(AXES, frame, strict=True):
+                moved = np.zeros((len(table.shots), NUMBERS))
+                for i, share in enumerate(shares):
+                    moved[:, place_of_rate(i, spin=turning, after=True)] = share * axis
+                columns[f"{word} {kind} {name}"] = response @ moved[..., None]
+    return {name: columns[name] for name in SCALARS} if table.scalars else columns
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -58,6 +85,8 @@ class FrameChannel:
         Five smooth functions of it, shape (S, F, 1 or 2, 5).
     direction
         What a disturbance of one unit adds to the 12 numbers of a frame, shape (S, F, 2, 6).
+    weights
+        1 / sigma of these, zero where nothing was measured, shape (S, F, 2, 6).
     """
 
     name: str
@@ -66,18 +95,23 @@ class FrameChannel:
     place: Floats
     smooth: Floats
     direction: Floats
+    weights: Floats
 
-    def whitened(self, data: PoseData) -> Floats:
+    def whitened(self) -> Floats:
         """Return the direction, each number divided by its sigma, shape (S, F, 2, 6)."""
-        return whitened(data, self.direction).reshape(self.direction.shape)
+        return self.direction * self.weights
 
-    def columns(self, data: PoseData) -> Floats:
+    def columns(self) -> Floats:
         """Return the whitened columns, one for each smooth function, shape (S, N, 5)."""
-        parts = [
-            whitened(data, self.direction * self.smooth[..., k, None])
-            for k in range(self.smooth.shape[-1])
-        ]
-        return np.stack(parts, axis=-1)
+        parts = [self.whitened() * self.smooth[..., k, None] for k in range(self.smooth.shape[-1])]
+        return np.stack(parts, axis=-1).reshape(len(self.direction), -1, len(parts))
+
+
+def frame_channels(data: Data, fit: Fit) -> tuple[FrameChannel, ...]:
+    """Return all of flight and camera; a table of contacts has none."""
+    if isinstance(data, ContactTable):
+        return ()
+    return (*flight_channels(data, fit), *camera_channels(data, fit))
 
 
 def flight_channels(data: PoseData, fit: Fit) -> list[FrameChannel]:
@@ -87,10 +121,10 @@ def flight_channels(data: PoseData, fit: Fit) -> list[FrameChannel]:
     reach = float(np.quantile(np.abs(tau[used]), 0.99))
     scaled = np.clip(tau / max(reach, 1e-9), -1, 1)
     smooth = np.asarray(chebyshev.chebvander(scaled, SMOOTH - 1), dtype=np.float64)
-    frame = _contact_frame(data, fit)
+    frame, weight = _contact_frame(data, fit), weights(data)
     found = []
     for kind, unit, part in (("position", "m", slice(0, 3)), ("orientation", "rad", slice(3, 6))):
-        for word, shares in (("relative", (-0.5, 0.5)), ("common", (1.0, 1.0))):
+        for word, shares in PAIRS:
             for name, axis in zip(AXES, frame, strict=True):
                 direction = np.zeros((*data.times_s.shape, 2, 6))
                 for i, share in enumerate(shares):
@@ -103,6 +137,7 @@ def flight_channels(data: PoseData, fit: Fit) -> list[FrameChannel]:
                         place=tau[..., None],
                         smooth=smooth[:, :, None],
                         direction=direction,
+                        weights=weight,
                     )
                 )
     return found
@@ -111,7 +146,7 @@ def flight_channels(data: PoseData, fit: Fit) -> list[FrameChannel]:
 def camera_channels(data: PoseData, fit: Fit) -> list[FrameChannel]:
     """Return displacements of X, Y, Z against the position in the field."""
     position = predict(data, fit.states, fit.theory).position
-    used = np.isfinite(data.position_sigma).all(axis=-1)
+    used, weight = np.isfinite(data.position_sigma).all(axis=-1), weights(data)
     found = []
     for along, covariate in enumerate("XYZ"):
         place = position[..., along]
@@ -122,7 +157,15 @@ def camera_channels(data: PoseData, fit: Fit) -> list[FrameChannel]:
             direction = np.zeros((*data.times_s.shape, 2, 6))
             direction[..., axis] = 1.0
             found.append(
-                FrameChannel(f"image {name}", f"field {covariate}", "m", place, smooth, direction)
+                FrameChannel(
+                    name=f"image {name}",
+                    covariate=f"field {covariate}",
+                    unit="m",
+                    place=place,
+                    smooth=smooth,
+                    direction=direction,
+                    weights=weight,
+                )
             )
     return found
 
@@ -134,7 +177,7 @@ def whitened(data: PoseData, moved: Floats) -> Floats:
     return np.where(np.isfinite(sigma), moved / sigma, 0.0).reshape(len(moved), -1)
 
 
-def _contact_frame(data: PoseData, fit: Fit) -> tuple[Floats, Floats, Floats]:
+def _contact_frame(data: Data, fit: Fit) -> tuple[Floats, Floats, Floats]:
     """Return n, t, b of each shot, each of shape (S, 3)."""
     states = fit.states
     surface = surface_velocity(states.before, states.normal, data.bodies)

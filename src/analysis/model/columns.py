@@ -14,12 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.effects.effect import BodyEffect, CameraEffect, ClockEffect, Effect, FlightEffect
-from analysis.model.comparison import Comparison, Snapshot, difference, whitened
+from analysis.model.comparison import Comparison, Frames, Snapshot, difference, whitened
 from analysis.model.contact import contact_outcome
 from analysis.model.poses import PoseData
 from analysis.model.prediction import appear, displaced, fly, perturbation, shown
-from analysis.model.sides import flights_by_outcome
+from analysis.model.sides import Flights, flights_by_outcome
 from analysis.model.state import ShotStates
+from analysis.model.tables import Data
 from analysis.model.theory import LAW, Active, Theory
 
 Floats = NDArray[np.float64]
@@ -100,7 +101,7 @@ def no_columns(line: Comparison) -> Columns:
 
 
 def theory_columns(
-    data: PoseData, states: ShotStates, theory: Theory, line: Comparison, here: Snapshot
+    data: Data, states: ShotStates, theory: Theory, line: Comparison, here: Snapshot
 ) -> Columns:
     """Differentiate by every shared parameter of a theory that is about `here`."""
     trials = [(None, k) for k in range(len(LAW))]
@@ -109,7 +110,7 @@ def theory_columns(
 
 
 def candidate_columns(
-    data: PoseData,
+    data: Data,
     states: ShotStates,
     theory: Theory,
     *,
@@ -123,7 +124,7 @@ def candidate_columns(
 
 
 def _differences(
-    data: PoseData,
+    data: Data,
     states: ShotStates,
     theory: Theory,
     *,
@@ -136,8 +137,11 @@ def _differences(
     for k, (active, j) in enumerate(wanted):
         moved, step = _shifted(theory, active, j)
         if active is not None and active.effect.stage != "contact":
-            change = _change(data, states, theory, moved, here=here, effect=active.effect)
-            frames.append((k, whitened(data, change) / step))
+            # A table of contacts has no frames: nothing in it hangs on how they came about.
+            if here.frames is not None and isinstance(data, PoseData):
+                seen = (states, here.sides, here.frames)
+                change = _change(data, seen, theory, moved, effect=active.effect)
+                frames.append((k, whitened(data, change) / step))
             continue
         outcomes.append((contact_outcome(data, states, moved) - here.outcome) / step)
         places.append(k)
@@ -168,16 +172,16 @@ def _shifted(theory: Theory, active: Active | None, number: int) -> tuple[Theory
 
 def _change(
     data: PoseData,
-    states: ShotStates,
+    about: tuple[ShotStates, Flights, Frames],
     theory: Theory,
     moved: Theory,
     *,
-    here: Snapshot,
     effect: Effect,
 ) -> Floats:
     """Return what a step of an effect of flight, camera or clock does to frames, (S, F, 2, 6)."""
+    states, sides, here = about
     if isinstance(effect, ClockEffect):
-        flown = fly(data, states, here.sides, moved)
+        flown = fly(data, states, sides, moved)
         return difference(here.poses, shown(data, flown, moved))
     position = here.flown.position
     if theory.flight:

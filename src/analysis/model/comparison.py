@@ -16,8 +16,9 @@ from analysis.model.contact import differentiated_contact
 from analysis.model.jitter import Jitter, turning_by_frame
 from analysis.model.poses import PoseData
 from analysis.model.prediction import Flown, Poses, appear, fly, shown
-from analysis.model.sides import NUMBERS, Flights, flights, flights_by_state
+from analysis.model.sides import NUMBERS, Flights, flights, flights_by_state, rates_of
 from analysis.model.state import ShotStates
+from analysis.model.tables import ContactTable, Data
 from analysis.model.theory import Theory
 from analysis.motion.rotation import rotation_vector
 
@@ -88,17 +89,27 @@ class Snapshot:
 
     outcome: Floats
     sides: Flights
+    frames: Frames | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Frames:
+    """What frames show of a prediction; tabulated contacts have none."""
+
     flown: Flown
     poses: Poses
 
 
-def compare(data: PoseData, states: ShotStates, theory: Theory) -> tuple[Comparison, Snapshot]:
-    """Predict all poses and compare them with the data, to first order about the states.
+def compare(data: Data, states: ShotStates, theory: Theory) -> tuple[Comparison, Snapshot]:
+    """Predict all that was measured and compare, to first order about the states.
 
     What forces in flight and the clock change with the state is left out, being small.
     """
     contact = differentiated_contact(data, states, theory)
     sides = flights(data, states, contact.outcome)
+    by_state = flights_by_state(data, states, contact.outcome, contact.by_state)
+    if isinstance(data, ContactTable):
+        return _tabulated(data, sides, by_state), Snapshot(contact.outcome, sides, None)
     flown = fly(data, states, sides, theory)
     poses = shown(data, flown, theory)
     residual, slopes = whitened(data, deviation(data, poses)), _slopes(data, flown, theory)
@@ -113,11 +124,25 @@ def compare(data: PoseData, states: ShotStates, theory: Theory) -> tuple[Compari
         residual=residual,
         slopes=slopes,
         gram=np.swapaxes(slopes, 2, 3) @ slopes,
-        by_state=flights_by_state(data, states, contact.outcome, contact.by_state),
+        by_state=by_state,
         orientations=turning,
         jitter=jitter,
     )
-    return line, Snapshot(contact.outcome, sides, flown, poses)
+    return line, Snapshot(contact.outcome, sides, Frames(flown, poses))
+
+
+def _tabulated(table: ContactTable, sides: Flights, by_state: Floats) -> Comparison:
+    """Compare tabulated numbers, one block of them, with the flights' rates."""
+    weights = table.weights
+    slopes = (weights[..., None] * table.functional)[:, None]
+    predicted = rates_of(sides) @ table.functional.T
+    return Comparison(
+        residual=(weights * (table.numbers - predicted))[:, None],
+        slopes=slopes,
+        gram=np.swapaxes(slopes, 2, 3) @ slopes,
+        by_state=by_state * table.open,
+        orientations=np.zeros((1, table.numbers.shape[1]), dtype=np.bool_),
+    )
 
 
 def deviation(data: PoseData, poses: Poses) -> Floats:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from analysis.collision.operator import surface_velocity
 from analysis.model.fit import Fit
-from analysis.model.poses import PoseData
+from analysis.model.tables import ContactTable, Data
 
 Floats = NDArray[np.float64]
 
@@ -47,11 +47,12 @@ def covariate_label(name: str) -> str:
     return name.replace("_", " ")
 
 
-def shot_covariates(data: PoseData, fit: Fit) -> dict[str, Floats]:
+def shot_covariates(data: Data, fit: Fit) -> dict[str, Floats]:
     """Return every covariate of the shots, each of shape (S,).
 
     ln v_n, ln(v_s / v_n), spins along v_t x n and along n, where the contact was (rig axes, m), and
-    what the shot list holds.
+    what the shot list holds. A table does not say where the contact was, and scalars nothing of the
+    spins.
     """
     states, before = fit.states, fit.states.before
     relative = before.velocity_b - before.velocity_a
@@ -61,13 +62,12 @@ def shot_covariates(data: PoseData, fit: Fit) -> dict[str, Floats]:
     across = relative + approach[:, None] * states.normal
     length = np.maximum(np.linalg.norm(across, axis=1, keepdims=True), LEAST_SPEED)
     roll_axis = np.cross(across / length, states.normal)
-    found = {
-        "ln v_n": np.log(approach),
-        "ln v_s/v_n": np.log(sliding / approach),
+    speeds = {"ln v_n": np.log(approach), "ln v_s/v_n": np.log(sliding / approach)}
+    spins = {
         "spin along v_t x n": ((before.spin_a + before.spin_b) * roll_axis).sum(axis=1),
         "spin about n": ((before.spin_b - before.spin_a) * states.normal).sum(axis=1),
-        "contact X": states.point[:, 0],
-        "contact Y": states.point[:, 1],
-        "contact Z": states.point[:, 2],
     }
-    return {**found, **data.covariates}
+    if isinstance(data, ContactTable):
+        return {**speeds, **({} if data.scalars else spins), **data.covariates}
+    places = {f"contact {axis}": states.point[:, k] for k, axis in enumerate("XYZ")}
+    return {**speeds, **spins, **places, **data.covariates}

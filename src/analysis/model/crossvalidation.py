@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from analysis.model.fit import Fit, normal_equations
 from analysis.model.normal import NormalEquations, solve_blocks
-from analysis.model.poses import PoseData
+from analysis.model.tables import ContactTable, Data
 
 Floats = NDArray[np.float64]
 
@@ -37,14 +37,14 @@ class PredictionError:
     sampling: float
 
 
-def prediction_error(data: PoseData, fit: Fit, seed: int = 0) -> PredictionError:
+def prediction_error(data: Data, fit: Fit, seed: int = 0) -> PredictionError:
     """Predict each fifth of the shots with the parameters of the other four.
 
     The parameters without a fold are one Newton step from those of all shots.
     """
-    after = data.times_s > fit.states.time_s[:, None]
+    known, count = _known_before(data, fit)
     whole = normal_equations(data, fit.states, fit.theory)
-    early = normal_equations(data.without(after), fit.states, fit.theory)
+    early = normal_equations(known, fit.states, fit.theory)
     matrix, gradient = whole.reduced_by_shot()
     early_matrix, early_gradient = early.reduced_by_shot()
     least, early_least = _least(whole), _least(early)
@@ -56,9 +56,16 @@ def prediction_error(data: PoseData, fit: Fit, seed: int = 0) -> PredictionError
         step = np.linalg.lstsq(information, gradient[others].sum(axis=0), rcond=1e-12)[0]
         total += float(_moved(least, gradient, matrix, own, step))
         total -= float(_moved(early_least, early_gradient, early_matrix, own, step))
-    count = int((data.measured & after[:, :, None, None]).sum())
     value = np.sqrt(max(total, 0.0) / max(count, 1))
     return PredictionError(float(value), float(np.sqrt(0.5 / max(count, 1))))
+
+
+def _known_before(data: Data, fit: Fit) -> tuple[Data, int]:
+    """Return the data without what was measured after contact, and how much that was."""
+    if isinstance(data, ContactTable):
+        return data.before(), int(data.measured[:, data.after].sum())
+    after = data.times_s > fit.states.time_s[:, None]
+    return data.without(after), int((data.measured & after[:, :, None, None]).sum())
 
 
 def _least(sums: NormalEquations) -> Floats:

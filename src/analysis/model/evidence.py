@@ -1,6 +1,7 @@
 """What a campaign's poses are taken to say: which shots and frames, and with which noise.
 
-Stated sigmas are taken at their word unless the scatter about free flight contradicts them.
+Stated sigmas are taken at their word unless the scatter about free flight contradicts them. Those
+of a table that states none are the scatter about the theory as it is.
 """
 
 from __future__ import annotations
@@ -16,6 +17,8 @@ from analysis.model.fit import Fit, fit_campaign
 from analysis.model.noise import noise_scales
 from analysis.model.outliers import Cleaned, clean
 from analysis.model.poses import PoseData
+from analysis.model.tables import ContactTable, Data
+from analysis.model.tables_noise import with_scatter_as_noise
 from analysis.model.theory import Theory
 
 CONTRADICTED_SIGMAS = 4.0
@@ -36,12 +39,12 @@ class Evidence:
         By what stated sigmas of positions and of orientations were multiplied.
     """
 
-    stated: PoseData
+    stated: Data
     cleaned: Cleaned
     noise: tuple[float, float]
 
     @property
-    def data(self) -> PoseData:
+    def data(self) -> Data:
         """What is left."""
         return self.cleaned.data
 
@@ -55,15 +58,17 @@ class Stage:
     error: PredictionError
 
 
-def weighed(stated: PoseData, theory: Theory | None = None) -> Evidence:
+def weighed(stated: Data, theory: Theory | None = None) -> Evidence:
     """Take out what is bad and correct the sigmas, judged by a theory (None: the base model)."""
+    if isinstance(stated, ContactTable) and stated.estimated:
+        stated = with_scatter_as_noise(stated, theory)
     cleaned = clean(stated, theory)
     scales = noise_scales(cleaned.data, cleaned.fit)
     position, rotation = (
         scale.value if abs(scale.value - 1) > CONTRADICTED_SIGMAS * scale.sigma else 1.0
         for scale in scales
     )
-    if (position, rotation) != AS_STATED:
+    if (position, rotation) != AS_STATED and isinstance(stated, PoseData):
         scaled = stated.with_sigmas(
             position * stated.position_sigma, rotation * stated.rotation_sigma
         )
@@ -71,7 +76,7 @@ def weighed(stated: PoseData, theory: Theory | None = None) -> Evidence:
     return Evidence(stated, cleaned, (position, rotation))
 
 
-def stage_of(data: PoseData, fit: Fit) -> Stage:
+def stage_of(data: Data, fit: Fit) -> Stage:
     """Return the point of the error path that a fit is."""
     names = tuple(active.effect.name for active in fit.theory.active)
     if data.jitter_s > 0:
@@ -88,13 +93,14 @@ def weighed_again(
     """
     kept = evidence.cleaned
     same_noise = evidence.noise == AS_STATED and jitter_s == evidence.stated.jitter_s
-    if kept.kept.all() and not kept.frames and same_noise:
+    if kept.kept.all() and not kept.frames and same_noise and not _estimated(evidence.stated):
         return evidence, path
-    again = weighed(replace(evidence.stated, jitter_s=jitter_s), path[-1].fit.theory)
+    again = weighed(_jittered(evidence.stated, jitter_s), path[-1].fit.theory)
     changed = (
         not np.array_equal(again.cleaned.kept, kept.kept)
         or again.cleaned.frames != kept.frames
         or again.noise != evidence.noise
+        or _estimated(evidence.stated)
     )
     if not changed:
         return replace(again, cleaned=replace(kept, data=again.data)), path
@@ -102,9 +108,17 @@ def weighed_again(
     return again, [*(refit(stage) for stage in path[:-1]), stage_of(again.data, again.cleaned.fit)]
 
 
-def _refitter(data: PoseData) -> Callable[[Stage], Stage]:
+def _estimated(data: Data) -> bool:
+    return isinstance(data, ContactTable) and data.estimated
+
+
+def _jittered(data: Data, jitter_s: float) -> Data:
+    return replace(data, jitter_s=jitter_s) if isinstance(data, PoseData) else data
+
+
+def _refitter(data: Data) -> Callable[[Stage], Stage]:
     def refit(stage: Stage) -> Stage:
-        own = data if JITTER.name in stage.effects else replace(data, jitter_s=0.0)
+        own = data if JITTER.name in stage.effects else _jittered(data, 0.0)
         return stage_of(own, fit_campaign(own, stage.fit.theory))
 
     return refit

@@ -25,9 +25,9 @@ from analysis.model.normal import (
     solve_blocks,
     sums_of,
 )
-from analysis.model.poses import PoseData
 from analysis.model.start import first_states
 from analysis.model.state import ShotStates
+from analysis.model.tables import Data
 from analysis.model.theory import Theory
 from analysis.model.unseen import fitted_numbers
 from analysis.quantity import Quantity
@@ -96,7 +96,7 @@ class Fit:
         }
 
 
-def fit_campaign(data: PoseData, theory: Theory | None = None, start: Fit | None = None) -> Fit:
+def fit_campaign(data: Data, theory: Theory | None = None, start: Fit | None = None) -> Fit:
     """Fit what all shots share together with every shot's own numbers.
 
     Parameters
@@ -134,17 +134,17 @@ def fit_campaign(data: PoseData, theory: Theory | None = None, start: Fit | None
     )
 
 
-def normal_equations(data: PoseData, states: ShotStates, theory: Theory) -> NormalEquations:
+def normal_equations(data: Data, states: ShotStates, theory: Theory) -> NormalEquations:
     """Linearise about states and theory and sum up by shot."""
 
-    def sums(part: PoseData, own: ShotStates) -> NormalEquations:
+    def sums(part: Data, own: ShotStates) -> NormalEquations:
         line, here = compare(part, own, theory)
         return sums_of(line, theory_columns(part, own, theory, line, here))
 
     return NormalEquations.joined([sums(*part) for part in parts_of(data, states)])
 
 
-def parts_of(data: PoseData, states: ShotStates) -> Iterator[tuple[PoseData, ShotStates]]:
+def parts_of(data: Data, states: ShotStates) -> Iterator[tuple[Data, ShotStates]]:
     """Return data and states of so many shots at a time as a processor's cache holds."""
     for start in range(0, len(data.shots), SHOTS_AT_ONCE):
         some = slice(start, start + SHOTS_AT_ONCE)
@@ -152,7 +152,7 @@ def parts_of(data: PoseData, states: ShotStates) -> Iterator[tuple[PoseData, Sho
 
 
 def _search(
-    data: PoseData, states: ShotStates, theory: Theory, sums: NormalEquations
+    data: Data, states: ShotStates, theory: Theory, sums: NormalEquations
 ) -> tuple[Theory, ShotStates, NormalEquations]:
     """Take the longest share of the joint step that lowers chi-squared; none: stay."""
     matrix, gradient = sums.reduced(theory)
@@ -172,12 +172,12 @@ def _cost(sums: NormalEquations, theory: Theory) -> float:
     return float(sums.chi2.sum()) + prior_cost(theory)
 
 
-def _fit_shots(data: PoseData, states: ShotStates, theory: Theory) -> ShotStates:
+def _fit_shots(data: Data, states: ShotStates, theory: Theory) -> ShotStates:
     """Fit every shot by itself at a fixed theory."""
     return ShotStates.joined([_fit_part(*part, theory) for part in parts_of(data, states)])
 
 
-def _fit_part(data: PoseData, states: ShotStates, theory: Theory) -> ShotStates:
+def _fit_part(data: Data, states: ShotStates, theory: Theory) -> ShotStates:
     damping = np.full(len(states.time_s), 1e-3)
     sums = _own_equations(data, states, theory)
     for _ in range(SHOT_ITERATIONS):
@@ -192,6 +192,6 @@ def _fit_part(data: PoseData, states: ShotStates, theory: Theory) -> ShotStates:
     return states
 
 
-def _own_equations(data: PoseData, states: ShotStates, theory: Theory) -> NormalEquations:
+def _own_equations(data: Data, states: ShotStates, theory: Theory) -> NormalEquations:
     line, _ = compare(data, states, theory)
     return sums_of(line, no_columns(line))

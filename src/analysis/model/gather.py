@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,28 +13,58 @@ from numpy.typing import NDArray
 from analysis.campaign import DESCRIPTION, SHOT_LIST, analyse_campaign, read_campaign
 from analysis.collision.operator import Body
 from analysis.errors import InputError
+from analysis.exchange.contact_table import read_contacts
 from analysis.exchange.description import read_description
+from analysis.exchange.impact_table import read_impacts
 from analysis.exchange.pose_table import PoseRow, read_poses
 from analysis.exchange.shot_list import ShotRow, read_shot_list
+from analysis.exchange.tabulated import Tabulated
 from analysis.model.poses import PoseData
+from analysis.model.tables import ContactTable, Data
+from analysis.model.tables_build import contacts_table, impacts_table
+from analysis.model.tables_noise import with_scatter_as_noise
 from analysis.motion.rotation import quaternion
 from analysis.setup import CameraSetup, Setup, SphereSetup
 from analysis.shot import AnalysisOptions, MeasuredShot
 
 Floats = NDArray[np.float64]
 
-POSES = "poses.csv"
+POSES, CONTACTS, IMPACTS = "poses.csv", "contacts.csv", "impacts.csv"
 ORDER = "order"
 
+T = TypeVar("T", bound=Tabulated)
 Shots = Mapping[int, Mapping[str, Sequence[PoseRow]]]
 
 
-def gather(folder: Path) -> tuple[str, PoseData]:
-    """Read a campaign: poses.csv where it is there, else its frames, measured now.
+def gather(folder: Path) -> tuple[str, Data]:
+    """Read a campaign at the latest stage that is there.
+
+    That is contacts.csv, else impacts.csv, else poses.csv, else its frames, measured now.
 
     Returns
     -------
-    The campaign's name and its poses.
+    The campaign's name, and its contacts or its poses.
+
+    Raises
+    ------
+    InputError
+        A file cannot be read, a sphere a is a plate, a plate b stands where poses are, or no shot
+        has contacts or poses.
+    """
+    name, setup = read_description(folder / DESCRIPTION)
+    rows = read_shot_list(folder / SHOT_LIST)
+    if setup.spheres[0].plate:
+        raise InputError(folder / DESCRIPTION, "spheres: a is a plate; only b can be one")
+    for file, read in ((CONTACTS, _contacts), (IMPACTS, _impacts)):
+        if (folder / file).exists():
+            return name, read(folder / file, rows, setup)
+    return name, gather_poses(folder)[1]
+
+
+def gather_poses(folder: Path) -> tuple[str, PoseData]:
+    """Read a campaign's poses, whatever later stage there is.
+
+    From poses.csv where it is there, else from its frames, measured now.
 
     Raises
     ------
@@ -42,7 +73,8 @@ def gather(folder: Path) -> tuple[str, PoseData]:
     """
     name, setup = read_description(folder / DESCRIPTION)
     if any(sphere.plate for sphere in setup.spheres):
-        raise InputError(folder / DESCRIPTION, "spheres: the model is of two spheres, not a plate")
+        reason = f"spheres: poses are of two spheres; of one on a plate give {CONTACTS}"
+        raise InputError(folder / DESCRIPTION, reason)
     rows = read_shot_list(folder / SHOT_LIST)
     if (folder / POSES).exists():
         shots: Shots = read_poses(folder / POSES)
@@ -114,7 +146,36 @@ def pose_data(shots: Shots, rows: Sequence[ShotRow], setup: Setup) -> PoseData:
     )
 
 
+def _contacts(path: Path, rows: Sequence[ShotRow], setup: Setup) -> ContactTable:
+    found = read_contacts(path, plate=setup.spheres[1].plate)
+    return _table(path, contacts_table(*_of_shots(path, found, rows, setup)))
+
+
+def _impacts(path: Path, rows: Sequence[ShotRow], setup: Setup) -> ContactTable:
+    return _table(path, impacts_table(*_of_shots(path, read_impacts(path), rows, setup)))
+
+
+def _of_shots(
+    path: Path, found: Sequence[T], rows: Sequence[ShotRow], setup: Setup
+) -> tuple[Sequence[T], tuple[Body, Body], dict[str, Floats], float]:
+    """Return tabulated rows with what the other files say of them."""
+    if not found:
+        raise InputError(path, "holds no shots")
+    bodies = (_body(setup.spheres[0]), _body(setup.spheres[1]))
+    covariates = _covariates([row.shot for row in found], rows)
+    return found, bodies, covariates, setup.gravity_m_per_s2
+
+
+def _table(path: Path, table: ContactTable) -> ContactTable:
+    try:
+        return with_scatter_as_noise(table) if table.estimated else table
+    except ValueError as error:
+        raise InputError(path, f"no errors are stated, and {error}; state them") from error
+
+
 def _body(sphere: SphereSetup) -> Body:
+    if sphere.plate:
+        return Body.plate()
     return Body.sphere(sphere.diameter_m, sphere.density_kg_per_m3, sphere.inertia_factor)
 
 

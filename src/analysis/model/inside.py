@@ -6,12 +6,15 @@ would make their likelihoods incomparable.
 
 from __future__ import annotations
 
+from typing import overload
+
 import numpy as np
 from numpy.typing import NDArray
 
 from analysis.collision.operator import Body
 from analysis.model.poses import PoseData
 from analysis.model.start import first_states
+from analysis.model.tables import ContactTable, Data
 
 Floats = NDArray[np.float64]
 
@@ -39,8 +42,18 @@ def hertz_duration(approach: Floats, bodies: tuple[Body, Body]) -> Floats:
     return np.asarray(2.94 * depth / speed)
 
 
-def without_contact_frames(data: PoseData) -> PoseData:
-    """Leave out every frame whose exposure may hold part of the contact."""
+@overload
+def without_contact_frames(data: PoseData) -> PoseData: ...
+
+
+@overload
+def without_contact_frames(data: Data) -> Data: ...
+
+
+def without_contact_frames(data: Data) -> Data:
+    """Leave out every frame whose exposure may hold part of the contact; a table has none."""
+    if isinstance(data, ContactTable):
+        return data
     states = first_states(data)
     relative = states.before.velocity_b - states.before.velocity_a
     approach = -(relative * states.normal).sum(axis=1)

@@ -14,12 +14,12 @@ from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 from scipy.stats import chi2 as chi2_distribution
 
-from analysis.model.channels import camera_channels, contact_columns, flight_channels
+from analysis.model.channels import contact_columns, frame_channels
 from analysis.model.covariates import shot_covariates
 from analysis.model.fit import Fit, fit_campaign
 from analysis.model.noise import rescaled
-from analysis.model.poses import PoseData
 from analysis.model.projector import Projector, Solved, projector
+from analysis.model.tables import Data
 
 Floats = NDArray[np.float64]
 
@@ -51,7 +51,7 @@ class Cell:
     carried_share: float
 
 
-def lack_of_fit(data: PoseData, fit: Fit) -> tuple[Cell, ...]:
+def lack_of_fit(data: Data, fit: Fit) -> tuple[Cell, ...]:
     """Test every cell; the most striking first.
 
     The noise of positions and that of orientations are taken as large as the residuals say, each
@@ -61,13 +61,13 @@ def lack_of_fit(data: PoseData, fit: Fit) -> tuple[Cell, ...]:
     return cells_of(data, fit, projector(data, fit))
 
 
-def noise_matched(data: PoseData, fit: Fit) -> tuple[PoseData, Fit]:
+def noise_matched(data: Data, fit: Fit) -> tuple[Data, Fit]:
     """Return the data with sigmas as large as the residuals say, and their fit."""
     data = rescaled(data, fit)
     return data, fit_campaign(data, fit.theory, fit)
 
 
-def cells_of(data: PoseData, fit: Fit, sums: Projector) -> tuple[Cell, ...]:
+def cells_of(data: Data, fit: Fit, sums: Projector) -> tuple[Cell, ...]:
     """Test every cell of a fit whose sigmas are true; the most striking first."""
     covariates = shot_covariates(data, fit)
     scale2 = max(fit.chi2_per_dof, 1e-12)
@@ -77,8 +77,8 @@ def cells_of(data: PoseData, fit: Fit, sums: Projector) -> tuple[Cell, ...]:
         for covariate, values in covariates.items():
             found.append((name, covariate, sums.solve(by_shot, _basis(values))))
     whole = np.ones((len(data.shots), 1))
-    for channel in (*flight_channels(data, fit), *camera_channels(data, fit)):
-        by_shot = sums.project(channel.columns(data))
+    for channel in frame_channels(data, fit):
+        by_shot = sums.project(channel.columns())
         found.append((channel.name, channel.covariate, sums.solve(by_shot, whole)))
     p_values = np.array([_chance(solved, scale2) for *_, solved in found])
     cells = [

@@ -12,6 +12,7 @@ from analysis.effects.effect import ScatterEffect
 from analysis.model.fit import Fit, fit_campaign
 from analysis.model.poses import PoseData
 from analysis.model.ranking import Candidate, Ranking, believed
+from analysis.model.tables import Data
 
 MOST_REFITTED = 10
 ALIAS_WITHIN = (2 * 1.2816) ** 2
@@ -39,7 +40,7 @@ class Leader:
     """
 
     candidate: Candidate
-    data: PoseData
+    data: Data
     fit: Fit
     fall: float
     criterion: float
@@ -51,7 +52,7 @@ class Leader:
         return self.candidate.effect.name
 
 
-def refitted(data: PoseData, fit: Fit, ranking: Ranking, level: float) -> list[Leader]:
+def refitted(data: Data, fit: Fit, ranking: Ranking, level: float) -> list[Leader]:
     """Refit every candidate whose promise passes a family-wise level and is not carried by two.
 
     Those whose likelihood ratio, after the refit, no longer passes are left out.
@@ -103,8 +104,8 @@ def most_carried(shots: int) -> float:
     return MOST_CARRIED if shots >= FEW else MOST_CARRIED_OF_FEW
 
 
-def _refit(data: PoseData, fit: Fit, candidate: Candidate) -> Leader:
-    if isinstance(candidate.effect, ScatterEffect):
+def _refit(data: Data, fit: Fit, candidate: Candidate) -> Leader:
+    if isinstance(candidate.effect, ScatterEffect) and isinstance(data, PoseData):
         return _with_scatter(data, fit, candidate)
     refit = fit_campaign(data, fit.theory.with_effect(candidate.effect), fit)
     count = len(candidate.effect.parameters)

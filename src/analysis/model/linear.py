@@ -16,6 +16,7 @@ from analysis.model.jitter import Jitter, by_frame
 from analysis.model.poses import PoseData
 from analysis.model.prediction import Poses
 from analysis.model.state import ShotStates
+from analysis.model.tables import Data
 from analysis.model.theory import Theory
 from analysis.motion.exponential import exponential
 
@@ -24,7 +25,9 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Linearised:
-    """Whitened residuals and derivatives of the prediction, N = 12 F numbers for each of S shots.
+    """Whitened residuals and derivatives of the prediction, N numbers for each of S shots.
+
+    N = 12 F for poses.
 
     Attributes
     ----------
@@ -49,7 +52,7 @@ class Linearised:
     jitter: Jitter | None
 
 
-def linearise(data: PoseData, states: ShotStates, theory: Theory) -> Linearised:
+def linearise(data: Data, states: ShotStates, theory: Theory) -> Linearised:
     """Predict all poses and compare them with the data, to first order about states and theory."""
     line, here = compare(data, states, theory)
     shared = theory_columns(data, states, theory, line, here)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from analysis.model.comparison import Comparison, compare
 from analysis.model.fit import Fit
-from analysis.model.poses import PoseData
+from analysis.model.tables import ContactTable, Data
 
 Floats = NDArray[np.float64]
 
@@ -28,11 +28,16 @@ class NoiseScale:
     sigma: float
 
 
-def noise_scales(data: PoseData, fit: Fit) -> tuple[NoiseScale, NoiseScale]:
+UNTOLD = NoiseScale(1.0, np.inf)
+
+
+def noise_scales(data: Data, fit: Fit) -> tuple[NoiseScale, NoiseScale]:
     """Return by what to multiply the stated sigmas of positions and of orientations.
 
-    1 with an infinite error where nothing is left over to tell.
+    1 with an infinite error where nothing is left over to tell, as in a table of contacts.
     """
+    if isinstance(data, ContactTable):
+        return UNTOLD, UNTOLD
     line, _ = compare(data, fit.states, fit.theory)
     squares, freedom = free_flight_misfit(line)
     return _scale(squares[0], freedom[0]), _scale(squares[1], freedom[1])
@@ -58,8 +63,10 @@ def free_flight_misfit(line: Comparison) -> tuple[Floats, Floats]:
     )
 
 
-def rescaled(data: PoseData, fit: Fit) -> PoseData:
+def rescaled(data: Data, fit: Fit) -> Data:
     """Return the data with sigmas as large as the scatter about free flight says they are."""
+    if isinstance(data, ContactTable):
+        return data
     position, rotation = noise_scales(data, fit)
     return data.with_sigmas(
         position.value * data.position_sigma, rotation.value * data.rotation_sigma
@@ -68,6 +75,6 @@ def rescaled(data: PoseData, fit: Fit) -> PoseData:
 
 def _scale(chi2: float, freedom: float) -> NoiseScale:
     if freedom < 0.5:
-        return NoiseScale(1.0, np.inf)
+        return UNTOLD
     value = float(np.sqrt(chi2 / freedom))
     return NoiseScale(value, value / float(np.sqrt(2 * freedom)))

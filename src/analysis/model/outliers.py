@@ -15,6 +15,7 @@ from analysis.model.fit import Fit, fit_campaign
 from analysis.model.linear import whitened_residual
 from analysis.model.poses import PoseData
 from analysis.model.prediction import predict
+from analysis.model.tables import ContactTable, Data
 from analysis.model.theory import Theory
 
 Floats = NDArray[np.float64]
@@ -44,19 +45,18 @@ class Cleaned:
         (shot number, frame index) of frames that were taken out of shots that were kept.
     """
 
-    data: PoseData
+    data: Data
     fit: Fit
     kept: NDArray[np.bool_]
     frames: tuple[tuple[int, int], ...]
 
 
-def clean(data: PoseData, theory: Theory | None = None) -> Cleaned:
+def clean(data: Data, theory: Theory | None = None) -> Cleaned:
     """Fit robustly, take out wild frames, then shots that still do not fit, and fit again."""
     fit = _robust(data, theory)
     frames: list[tuple[int, int]] = []
     for _ in range(ROUNDS):
-        wild = _wild_frames(data, fit)
-        if not wild.any():
+        if isinstance(data, ContactTable) or not (wild := _wild_frames(data, fit)).any():
             break
         frames += [(int(data.shots[s]), int(k)) for s, k in np.argwhere(wild)]
         data = data.without(wild)
@@ -105,7 +105,7 @@ def _quality(fit: Fit) -> tuple[Floats, Floats]:
     return fit.shot_chi2 / freedom, freedom
 
 
-def _robust(data: PoseData, theory: Theory | None) -> Fit:
+def _robust(data: Data, theory: Theory | None) -> Fit:
     """Fit with bad shots held down, then each shot's own numbers and quality as stated.
 
     Weights min(1, 1.5 median / quality)^2 on the squares: otherwise one bad shot moves the law,
@@ -116,12 +116,7 @@ def _robust(data: PoseData, theory: Theory | None) -> Fit:
     weight = np.minimum(1.0, 1.5 * np.median(quality) / quality)
     if (weight == 1.0).all():
         return first
-    held = replace(
-        data,
-        position_sigma=data.position_sigma / weight[:, None, None, None],
-        rotation_sigma=data.rotation_sigma / weight[:, None, None],
-    )
-    fit = fit_campaign(held, first.theory)
+    fit = fit_campaign(data.held_down(weight), first.theory)
     return replace(fit, shot_chi2=fit.shot_chi2 / weight**2)
 
 

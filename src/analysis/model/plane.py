@@ -14,8 +14,8 @@ from analysis.model.agreement.outcome import Outcomes, outcomes
 from analysis.model.channels import contact_columns
 from analysis.model.contact import AFTER, contact_outcome
 from analysis.model.fit import Fit
-from analysis.model.poses import PoseData
 from analysis.model.projector import projector
+from analysis.model.tables import Data
 
 Floats = NDArray[np.float64]
 
@@ -64,7 +64,7 @@ class Plane:
         }
 
 
-def impact_plane(data: PoseData, fit: Fit) -> Plane:
+def impact_plane(data: Data, fit: Fit) -> Plane:
     """Place every shot in the plane: the law's rebound, and how far the poses lie from it."""
     states, before = fit.states, fit.states.before
     surface = surface_velocity(before, states.normal, data.bodies)
@@ -97,16 +97,17 @@ def impact_plane(data: PoseData, fit: Fit) -> Plane:
     )
 
 
-def _surface_change(data: PoseData, found: Outcomes) -> tuple[Floats, Floats, NDArray[np.bool_]]:
+def _surface_change(data: Data, found: Outcomes) -> tuple[Floats, Floats, NDArray[np.bool_]]:
     """Return by how much the poses want v_s' changed, its error, and in which shots they tell.
 
     V_s = V_t + n x (R_a w_a + R_b w_b) along t: of the spins the part along b enters.
     """
     first, second = (body.radius for body in data.bodies)
+    plate = data.bodies[1].is_plate
     weights = {
         "relative velocity t": 1.0,
         "common spin b": -(first + second),
-        "relative spin b": -(second - first) / 2,
+        "relative spin b": -(second - first) * (1.0 if plate else 0.5),
     }
     row = np.array([weights.get(name, 0.0) for name in found.names])
     told = np.asarray(found.seen[:, row != 0].all(axis=1))
@@ -121,13 +122,13 @@ def _places(corner: float, farthest: float) -> Floats:
     return np.unique(np.concatenate([near, [corner], np.linspace(near[-1], end, CURVE)]))
 
 
-def _friction(data: PoseData, fit: Fit) -> float:
+def _friction(data: Data, fit: Fit) -> float:
     """Return mu (1 + e) (1 + 1/K), what friction takes off v_s / |v_n| at most."""
     along, across = gives(data.bodies)
     return fit.theory.law.mu * (1 + fit.theory.law.e) * across / along
 
 
-def _curves(data: PoseData, fit: Fit, x: Floats) -> tuple[Floats, Floats]:
+def _curves(data: Data, fit: Fit, x: Floats) -> tuple[Floats, Floats]:
     along, across = gives(data.bodies)
     law = fit.theory.law
     walton = np.maximum(-law.beta0 * x, x - _friction(data, fit))

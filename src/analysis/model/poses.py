@@ -99,6 +99,13 @@ class PoseData:
         covariates = {name: values[chosen] for name, values in self.covariates.items()}
         return replace(self, **parts, covariates=covariates)
 
+    def held_down(self, weight: Floats) -> PoseData:
+        """Return the data with the sigmas of each shot divided by a weight, shape (S,)."""
+        return self.with_sigmas(
+            self.position_sigma / weight[:, None, None, None],
+            self.rotation_sigma / weight[:, None, None],
+        )
+
     def part(self, some: slice) -> PoseData:
         """Return the data of successive shots, without copying."""
         names = ("shots", "times_s", "position", "position_sigma", "rotation", "rotation_sigma")

@@ -15,7 +15,7 @@ from analysis.model.fit import Fit
 from analysis.model.jitter import Jitter
 from analysis.model.linear import linearise
 from analysis.model.normal import inverse, solve_blocks, with_prior
-from analysis.model.poses import PoseData
+from analysis.model.tables import Data
 
 Floats = NDArray[np.float64]
 
@@ -135,7 +135,7 @@ class Projector:
         return Solved(amplitudes, covariance, chi2, int(seen.sum()), carried)
 
 
-def projector(data: PoseData, fit: Fit) -> Projector:
+def projector(data: Data, fit: Fit) -> Projector:
     """Linearise about a fit and project."""
     line = linearise(data, fit.states, fit.theory)
     by_state = np.swapaxes(line.by_state, 1, 2)

@@ -18,8 +18,8 @@ from analysis.model.columns import candidate_columns, theory_columns
 from analysis.model.comparison import compare
 from analysis.model.fit import Fit, parts_of
 from analysis.model.normal import inverse, solve_blocks, with_prior
-from analysis.model.poses import PoseData
 from analysis.model.state import ShotStates
+from analysis.model.tables import Data
 from analysis.model.theory import Theory
 
 Floats = NDArray[np.float64]
@@ -28,6 +28,10 @@ LEAST_INFORMATION = 1e-6
 """A candidate with less than this share of its raw information left cannot be seen here."""
 LEAST_DIRECTION = 1e-5
 """The same for a direction in a block: below it stands the rounding of differences."""
+
+
+LEAST_FELT = 1e-9
+"""A parameter whose whole plausible range moves chi-squared by less is only rounding."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -89,7 +93,7 @@ class Block:
         return np.asarray(chdtrc(self.freedom, falls))
 
 
-def candidate_sums(data: PoseData, fit: Fit, effects: Sequence[Effect]) -> Sums:
+def candidate_sums(data: Data, fit: Fit, effects: Sequence[Effect]) -> Sums:
     """Sum up the columns of all parameters of the effects, in their order."""
     pieces = [_piece(*part, fit.theory, effects) for part in parts_of(data, fit.states)]
     matrix = sum((piece[0] for piece in pieces), np.zeros_like(pieces[0][0]))
@@ -99,16 +103,18 @@ def candidate_sums(data: PoseData, fit: Fit, effects: Sequence[Effect]) -> Sums:
     fitted = len(fit.theory.names)
     inner = inverse(matrix[:fitted, :fitted]) @ matrix[:fitted, fitted:]
     left = by_shot[:, fitted:] - by_shot[:, :fitted] @ inner
+    ranges = [np.ptp(p.plausible) for effect in effects for p in effect.parameters]
+    felt = raw[fitted:] * np.square(ranges) > LEAST_FELT
     return Sums(
-        matrix=matrix[fitted:, fitted:] - matrix[fitted:, :fitted] @ inner,
-        gradient=left.sum(axis=0),
-        raw=raw[fitted:],
-        by_shot=left,
+        matrix=(matrix[fitted:, fitted:] - matrix[fitted:, :fitted] @ inner) * np.outer(felt, felt),
+        gradient=left.sum(axis=0) * felt,
+        raw=raw[fitted:] * felt,
+        by_shot=left * felt,
     )
 
 
 def _piece(
-    data: PoseData, states: ShotStates, theory: Theory, effects: Sequence[Effect]
+    data: Data, states: ShotStates, theory: Theory, effects: Sequence[Effect]
 ) -> tuple[Floats, Floats, Floats]:
     """Return M, its raw diagonal and each shot's g, the shots' own numbers eliminated."""
     line, here = compare(data, states, theory)
@@ -129,8 +135,7 @@ def _piece(
 
 def block_of(sums: Sums, columns: NDArray[np.intp], *, one_sided: bool) -> Block:
     """Return the directions of a candidate's columns that these shots can see."""
-    raw = np.maximum(sums.raw[columns], 1e-300)
-    root = np.sqrt(raw)
+    root = np.sqrt(np.maximum(sums.raw[columns], 1e-300))
     own = sums.matrix[np.ix_(columns, columns)] / root[:, None] / root[None, :]
     values, vectors = np.linalg.eigh(own)
     least = LEAST_INFORMATION if len(columns) == 1 else LEAST_DIRECTION

@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 
 from analysis.effects.effect import Effect, ScatterEffect
 from analysis.model.fit import Fit
-from analysis.model.poses import PoseData
 from analysis.model.promise import Block, Sums, block_of, candidate_sums
 from analysis.model.scatter import timing_jitter
+from analysis.model.tables import Data
 
 Floats = NDArray[np.float64]
 
@@ -109,7 +109,7 @@ def believed(effect: Effect, values: Floats, sigmas: Floats) -> bool:
     )
 
 
-def rank(data: PoseData, fit: Fit, effects: Sequence[Effect], seed: int = 0) -> Ranking:
+def rank(data: Data, fit: Fit, effects: Sequence[Effect], seed: int = 0) -> Ranking:
     """Score every effect that is not in the fit yet, each in all its variants.
 
     Parameters
@@ -167,7 +167,7 @@ def _blocks(sums: Sums, forms: Sequence[Effect]) -> list[Block]:
 
 
 def _candidate(
-    data: PoseData,
+    data: Data,
     sums: Sums,
     scale: float,
     *,
@@ -198,7 +198,7 @@ def _candidate(
     )
 
 
-def _scattered(data: PoseData, fit: Fit, effect: ScatterEffect) -> Candidate:
+def _scattered(data: Data, fit: Fit, effect: ScatterEffect) -> Candidate:
     score = timing_jitter(data, fit)
     return Candidate(
         effect=effect,

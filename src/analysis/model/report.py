@@ -5,16 +5,16 @@ from __future__ import annotations
 from typing import Any
 
 from analysis.model.lackoffit import Cell
-from analysis.model.poses import PoseData
 from analysis.model.ranking import Candidate, Ranking
 from analysis.model.selection import UNEXPLAINED_LEVEL, Verdict
+from analysis.model.tables import Data
 
 Json = dict[str, Any]
 
 SMALLEST_P = 1e-300
 
 
-def verdict_document(campaign: str, data: PoseData, verdict: Verdict) -> Json:
+def verdict_document(campaign: str, data: Data, verdict: Verdict) -> Json:
     """Return the document of `rigctl model explain --json`."""
     kept = verdict.cleaned.kept
     return {

@@ -20,8 +20,8 @@ from analysis.model.inside import without_contact_frames
 from analysis.model.lackoffit import Cell, lack_of_fit
 from analysis.model.leaders import Leader, alias_set, in_order, most_carried, refitted
 from analysis.model.outliers import Cleaned
-from analysis.model.poses import PoseData
 from analysis.model.ranking import Ranking, rank
+from analysis.model.tables import Data
 
 FIRST_LEVEL, LATER_LEVEL = 0.03, 0.01
 """Family-wise level of the first acceptance and of each later one: the stricter keeps out shadows
@@ -73,7 +73,7 @@ class Verdict:
 
 
 def explain(
-    data: PoseData,
+    data: Data,
     effects: Sequence[Effect],
     progress: Callable[[str], None] = lambda _: None,
 ) -> Verdict:
@@ -135,7 +135,7 @@ def _word(
     return "alias" if any(len(alias_sets[name]) > 1 for name in accepted) else "effect"
 
 
-def _backward(data: PoseData, path: list[Stage]) -> list[Stage]:
+def _backward(data: Data, path: list[Stage]) -> list[Stage]:
     """Drop, worst first, whatever the effects accepted after it have made superfluous."""
     last = path[-1]
     while len(last.fit.theory.active) > 1:

@@ -75,6 +75,19 @@ def flights(data: Observations, states: ShotStates, outcome: Floats) -> Flights:
     return Flights(place, velocity, spin, rotation, duration[:, 0], states.rotation)
 
 
+def place_of_rate(sphere: int, *, spin: bool, after: bool) -> slice:
+    """Return where a velocity or spin stands among the 48 numbers."""
+    first = 24 * sphere + 12 * spin + 6 * after + 3
+    return slice(first, first + 3)
+
+
+def rates_of(sides: Flights) -> Floats:
+    """Return velocities and spins in their places among the 48 numbers, the rest 0, (S, 48)."""
+    numbers = np.zeros((len(sides.duration), 2, 2, 2, 2, 3))
+    numbers[:, :, 0, :, 1], numbers[:, :, 1, :, 1] = sides.velocity, sides.spin
+    return numbers.reshape(-1, NUMBERS)
+
+
 def flights_by_state(
     data: Observations, states: ShotStates, outcome: Floats, by_state: Floats
 ) -> Floats:

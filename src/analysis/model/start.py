@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from analysis.collision.operator import States
 from analysis.model.poses import PoseData
 from analysis.model.state import Kick, ShotStates
+from analysis.model.tables import ContactTable, Data
 from analysis.model.unseen import spins_unknown
 from analysis.motion.rotation import rotation_matrix, rotation_vector
 
@@ -16,13 +17,16 @@ Floats = NDArray[np.float64]
 LEAST_FRAMES = 3
 
 
-def first_states(data: PoseData) -> ShotStates:
+def first_states(data: Data) -> ShotStates:
     """Guess the states by straight lines before and after the kink of the tracks.
 
     For every split straight lines through both spheres, gravity taken out; the smallest sum of
     squares wins. The instant is where the lines before touch, kept within a frame of the split;
     spins are medians of the turns from frame to frame, which one slipped orientation cannot move.
+    Tabulated contacts say themselves what was before; where and when are then of no account.
     """
+    if isinstance(data, ContactTable):
+        return _tabulated(data)
     seen = np.asarray(np.isfinite(data.position_sigma).all(axis=(2, 3)))
     fall = 0.5 * data.gravity * data.times_s**2
     straight = data.position.copy()
@@ -50,6 +54,17 @@ def first_states(data: PoseData) -> ShotStates:
         before=States(slope[:, 0], slope[:, 1], spin[:, 0], spin[:, 1]),
         rotation=rotation,
         kick=Kick(np.zeros_like(normal), unknown) if unknown.any() else None,
+    )
+
+
+def _tabulated(table: ContactTable) -> ShotStates:
+    shots = len(table.shots)
+    return ShotStates(
+        time_s=np.zeros(shots),
+        point=np.zeros((shots, 3)),
+        normal=table.normal,
+        before=table.start,
+        rotation=np.tile(np.eye(3), (shots, 2, 1, 1)),
     )
 
 

@@ -7,17 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.model.channels import (
-    FrameChannel,
-    camera_channels,
-    contact_columns,
-    flight_channels,
-)
+from analysis.model.channels import FrameChannel, contact_columns, frame_channels
 from analysis.model.covariates import shot_covariates
 from analysis.model.fit import Fit
 from analysis.model.lackoffit import Cell, cells_of, noise_matched
-from analysis.model.poses import PoseData
 from analysis.model.projector import LEAST_INFORMATION, Projector, Solved, projector
+from analysis.model.tables import Data
 
 Floats = NDArray[np.float64]
 
@@ -73,7 +68,7 @@ class Structure:
     """All cells of a fit, the most striking first, and what their residuals are drawn from."""
 
     cells: tuple[Cell, ...]
-    data: PoseData
+    data: Data
     covariates: dict[str, Floats]
     jumps: dict[str, tuple[Floats, Floats]]
     channels: tuple[tuple[FrameChannel, Solved], ...]
@@ -118,7 +113,7 @@ class Structure:
         )
 
     def _of_frames(self, channel: FrameChannel, curve: Solved) -> CellResiduals:
-        column = channel.whitened(self.data)
+        column = channel.whitened()
         products = (column * self.whitened.reshape(column.shape)).sum(axis=3)
         squares = (column**2).sum(axis=3)
         if channel.place.shape[2] == 1:
@@ -146,7 +141,7 @@ class Structure:
         )
 
 
-def structure(data: PoseData, fit: Fit) -> Structure:
+def structure(data: Data, fit: Fit) -> Structure:
     """Test every cell as `lack_of_fit` does, and keep the residuals."""
     data, fit = noise_matched(data, fit)
     sums, whole = projector(data, fit), np.ones((len(data.shots), 1))
@@ -158,8 +153,8 @@ def structure(data: PoseData, fit: Fit) -> Structure:
             name: _amplitudes(sums, columns) for name, columns in contact_columns(data, fit).items()
         },
         channels=tuple(
-            (channel, sums.solve(sums.project(channel.columns(data)), whole))
-            for channel in (*flight_channels(data, fit), *camera_channels(data, fit))
+            (channel, sums.solve(sums.project(channel.columns()), whole))
+            for channel in frame_channels(data, fit)
         ),
         whitened=sums.residual,
     )

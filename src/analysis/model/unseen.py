@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from analysis.model.poses import PoseData
 from analysis.model.state import SIZE
+from analysis.model.tables import ContactTable, Data
 
 LEAST_ORIENTATIONS = 2
 _NUMBERS_LESS, _KICK = 6, 2
@@ -24,7 +25,9 @@ def spins_unknown(data: PoseData) -> NDArray[np.bool_]:
     return np.asarray(np.isfinite(data.rotation_sigma).sum(axis=1) < LEAST_ORIENTATIONS)
 
 
-def fitted_numbers(data: PoseData) -> NDArray[np.intp]:
+def fitted_numbers(data: Data) -> NDArray[np.intp]:
     """Return how many of each shot's own numbers its data determine, shape (S,)."""
+    if isinstance(data, ContactTable):
+        return data.own_numbers
     unknown = spins_unknown(data)
     return np.asarray(SIZE - _NUMBERS_LESS * unknown.sum(axis=1) + _KICK * unknown.any(axis=1))

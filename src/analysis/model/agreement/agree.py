@@ -11,7 +11,7 @@ from scipy.stats import chi2 as chi2_distribution
 from analysis.model.agreement.outcome import outcome_rows, outcomes
 from analysis.model.agreement.poses import fitted_row, pose_groups, predicted_row, sides
 from analysis.model.agreement.shapes import shape_rows
-from analysis.model.agreement.table import Agreement, Stage, looked_at_together
+from analysis.model.agreement.table import Agreement, Row, Stage, looked_at_together
 from analysis.model.channels import (
     FrameChannel,
     camera_channels,
@@ -23,13 +23,14 @@ from analysis.model.fit import Fit
 from analysis.model.noise import noise_scales
 from analysis.model.poses import PoseData
 from analysis.model.projector import Projector, projector
+from analysis.model.tables import ContactTable, Data
 
 Floats = NDArray[np.float64]
 Jumps = dict[str, Floats]
 Groups = dict[str, list[FrameChannel]]
 
 
-def agree(data: PoseData, fit: Fit, further: Sequence[Stage] = ()) -> Agreement:
+def agree(data: Data, fit: Fit, further: Sequence[Stage] = ()) -> Agreement:
     """Hold a fit against its campaign.
 
     Parameters
@@ -42,19 +43,13 @@ def agree(data: PoseData, fit: Fit, further: Sequence[Stage] = ()) -> Agreement:
         Stages that lie before the first frame, such as `launch_stage`; they stand first, as they
         are.
     """
-    sums = projector(data, fit)
-    turn_sigma = np.repeat(data.rotation_sigma[..., None], 3, axis=-1)
-    sigma = np.concatenate([data.position_sigma, turn_sigma], axis=-1)
-    sigma = np.where(data.measured, sigma, 0.0).reshape(len(sigma), -1)
+    sums, jumps = projector(data, fit), contact_columns(data, fit)
+    outcome = outcome_rows(outcomes(sums, jumps), sums.covariance)
+    if isinstance(data, ContactTable):
+        stages = [Stage("after contact", tuple(outcome))]
+    else:
+        stages = _of_frames(data, fit, sums, jumps, outcome=outcome)
     freedom = max(fit.freedom, 1)
-    jumps = contact_columns(data, fit)
-    stages = [
-        *_sides(data, fit, sums, jumps, sigma=sigma),
-        *(
-            Stage(name, tuple(shape_rows(data, sums, groups, jumps=jumps, sigma=sigma)))
-            for name, groups in (("flight", _flight(data, fit)), ("camera", _camera(data, fit)))
-        ),
-    ]
     return Agreement(
         stages=(*further, *looked_at_together(stages)),
         chi2=fit.chi2,
@@ -65,8 +60,21 @@ def agree(data: PoseData, fit: Fit, further: Sequence[Stage] = ()) -> Agreement:
     )
 
 
+def _of_frames(
+    data: PoseData, fit: Fit, sums: Projector, jumps: Jumps, *, outcome: Sequence[Row]
+) -> list[Stage]:
+    turn_sigma = np.repeat(data.rotation_sigma[..., None], 3, axis=-1)
+    sigma = np.concatenate([data.position_sigma, turn_sigma], axis=-1)
+    sigma = np.where(data.measured, sigma, 0.0).reshape(len(sigma), -1)
+    shapes = (
+        Stage(name, tuple(shape_rows(data, sums, groups, jumps=jumps, sigma=sigma)))
+        for name, groups in (("flight", _flight(data, fit)), ("camera", _camera(data, fit)))
+    )
+    return [*_sides(data, fit, sums, outcome=outcome, sigma=sigma), *shapes]
+
+
 def _sides(
-    data: PoseData, fit: Fit, sums: Projector, jumps: Jumps, *, sigma: Floats
+    data: PoseData, fit: Fit, sums: Projector, *, outcome: Sequence[Row], sigma: Floats
 ) -> tuple[Stage, Stage]:
     after = data.times_s > fit.states.time_s[:, None]
     known = data.measured & ~after[..., None, None]
@@ -74,9 +82,8 @@ def _sides(
     before = [
         fitted_row(split.before, group, sigma) for group in pose_groups(data.measured, ~after)
     ]
-    left = outcome_rows(outcomes(sums, jumps), sums.covariance)
     poses = [predicted_row(split, group, sigma) for group in pose_groups(data.measured, after)]
-    return Stage("before contact", tuple(before)), Stage("after contact", (*left, *poses))
+    return Stage("before contact", tuple(before)), Stage("after contact", (*outcome, *poses))
 
 
 def _flight(data: PoseData, fit: Fit) -> Groups:

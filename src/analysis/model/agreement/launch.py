@@ -7,10 +7,10 @@ import numpy as np
 from analysis.launch.agreement import launch_agreement
 from analysis.model.agreement.table import Row, Stage
 from analysis.model.fit import Fit
-from analysis.model.poses import PoseData
+from analysis.model.tables import Data
 
 
-def launch_stage(data: PoseData, fit: Fit) -> Stage:
+def launch_stage(data: Data, fit: Fit) -> Stage:
     """Return the stage of the launch; its noise is the scatter of the launches themselves.
 
     That scatter is estimated from the same shots, so that chi-squared is its degrees of freedom

@@ -91,9 +91,9 @@ def outcome_rows(found: Outcomes, theory_covariance: Floats) -> list[Row]:
     """Return a row for each group of jumps that some shot measures."""
     rows = []
     for quantity, unit, names in GROUPS:
-        own = [found.names.index(name) for name in names]
+        own = [found.names.index(name) for name in names if name in found.names]
         used = np.asarray(found.seen[:, own].all(axis=1))
-        if used.any():
+        if own and used.any():
             rows.append(_row(found, theory_covariance, (quantity, unit), own, used=used))
     return rows
 

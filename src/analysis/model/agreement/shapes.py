@@ -76,7 +76,7 @@ def shape_rows(
     Its size is the root mean square displacement or turn of a sphere, over all that was measured,
     that these smooth functions would bring; its floor what they bring of noise alone.
     """
-    parts = [c.columns(data) for channels in groups.values() for c in channels]
+    parts = [c.columns() for channels in groups.values() for c in channels]
     columns = np.concatenate(parts, axis=2)
     free, by_shot = with_free_contacts(sums, jumps, columns)
     start = 0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -96,10 +97,15 @@ def _launch(found: Fitted) -> tuple[Stage, ...]:
 
 def _summary(found: Agreement) -> str:
     positions, orientations = found.noise
-    return (
+    error = (
         f"error on shots left out {found.prediction.value:.4f} of the noise (floor 1, sampling "
-        f"error {found.prediction.sampling:.4f}); noise {positions.value:.3f} of what is stated "
-        f"for positions, {orientations.value:.3f} for orientations"
+        f"error {found.prediction.sampling:.4f})"
+    )
+    if math.isinf(positions.sigma) and math.isinf(orientations.sigma):
+        return error
+    return (
+        f"{error}; noise {positions.value:.3f} of what is stated for positions, "
+        f"{orientations.value:.3f} for orientations"
     )
 
 

@@ -10,10 +10,10 @@ from rich.table import Table
 from analysis.effects.own.dropping import without_faulty
 from analysis.model.report import verdict_document, verdict_sentence
 from analysis.model.selection import Verdict, explain
-from rigctl.campaigns import open_campaign
 from rigctl.commands import report
 from rigctl.commands.effect import available, tell
 from rigctl.commands.model.printing import TABLE_WIDTH, print_json
+from rigctl.commands.model.reading import opened
 
 
 def explaining(campaign: Path, *, as_json: bool, folder: Path | None = None) -> tuple[str, Verdict]:
@@ -34,7 +34,7 @@ def explaining(campaign: Path, *, as_json: bool, folder: Path | None = None) -> 
         The campaign or the folder cannot be read.
     """
     known = available(folder)
-    title, data = open_campaign(campaign)
+    title, data = opened(campaign)
     with report.progress() as say:
         verdict, dropped = without_faulty(known.effects, lambda left: explain(data, left, say))
     faults = tell([*known.faults, *dropped])

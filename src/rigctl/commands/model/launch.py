@@ -57,7 +57,7 @@ def launch(campaign: Path, names: Sequence[str], *, as_json: bool) -> None:
 
 def _fitted(campaign: Path, effects: Sequence[LaunchEffect]) -> tuple[str, LaunchFit]:
     """Fit the launches to a campaign's poses, wild frames and bad shots left out."""
-    title, poses = open_campaign(campaign)
+    title, poses = open_campaign(campaign, poses=True)
     cleaned = clean(without_contact_frames(poses))
     data, shot_list = cleaned.data, campaign / SHOT_LIST
     try:

@@ -6,12 +6,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from rich.console import Console
+
+from analysis.effects.effect import Effect
 from analysis.effects.own.fault import EffectFault
 from analysis.model.fit import Fit, fit_campaign
 from analysis.model.inside import without_contact_frames
-from analysis.model.poses import PoseData
+from analysis.model.ranking import rank
+from analysis.model.tables import ContactTable, Data
 from rigctl.campaigns import open_campaign
 from rigctl.commands.effect import Available, refused
+from rigctl.errors import AnalysisInputError
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -20,8 +25,28 @@ class Fitted:
 
     title: str
     names: tuple[str, ...]
-    data: PoseData
+    data: Data
     fit: Fit
+
+
+def opened(campaign: Path) -> tuple[str, Data]:
+    """Open a campaign; say on standard error where its noise is not stated.
+
+    Raises
+    ------
+    AnalysisInputError
+        It cannot be read.
+    NotFoundError
+        No campaign has that name.
+    """
+    title, data = open_campaign(campaign)
+    if isinstance(data, ContactTable) and data.estimated:
+        Console(stderr=True).print(
+            f"{title}: no errors are stated; the scatter about the base model is taken for them, "
+            "so that its chi-squared says nothing",
+            highlight=False,
+        )
+    return title, data
 
 
 def fitted(campaign: Path, names: Sequence[str], known: Available) -> Fitted:
@@ -30,17 +55,32 @@ def fitted(campaign: Path, names: Sequence[str], known: Available) -> Fitted:
     Raises
     ------
     AnalysisInputError
-        The campaign cannot be read, or a named effect has a fault.
+        The campaign cannot be read, or a named effect has a fault or cannot be seen in it.
     NotFoundError
         No effect, or no campaign, has that name.
     """
     added = [known.named(name, "--with") for name in names]
-    title, poses = open_campaign(campaign)
-    data = without_contact_frames(poses)
+    title, found = opened(campaign)
+    data = without_contact_frames(found)
     fit = fit_campaign(data)
     try:
         for effect in added:
+            _require_seen(data, fit, effect)
             fit = fit_campaign(data, fit.theory.with_effect(effect), fit)
     except EffectFault as error:
         raise refused(error.fault) from error
     return Fitted(title, tuple(names), data, fit)
+
+
+def _require_seen(data: Data, fit: Fit, effect: Effect) -> None:
+    """Refuse an effect on which a table of contacts holds nothing: its value would be arbitrary."""
+    if not isinstance(data, ContactTable):
+        return
+    candidates = rank(data, fit, [effect]).candidates
+    if candidates and not candidates[0].seen:
+        raise AnalysisInputError(
+            "this effect cannot be seen in tabulated contacts",
+            part="--with",
+            value=repr(effect.name),
+            todo="leave it out, or give poses.csv in place of the table",
+        )

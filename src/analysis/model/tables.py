@@ -1,0 +1,123 @@
+"""Tabulated contacts of a campaign: what is known of each is its state before and after contact."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.collision.operator import Body, States
+from analysis.model.poses import PoseData
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ContactTable:
+    """L numbers of each of S contacts, linear in the velocities and spins of both bodies.
+
+    Attributes
+    ----------
+    shots
+        Numbers of the shots, shape (S,).
+    normal
+        Unit vectors from a to b, taken as exact, shape (S, 3).
+    start
+        Velocities and spins before contact, as tabulated: where a fit starts.
+    numbers, sigma
+        What is tabulated and its standard errors, m/s and rad/s, shape (S, L). An infinite sigma:
+        not measured.
+    functional
+        What each number is of the 48 numbers of the two flights (`sides`), shape (L, 48).
+    after
+        Which numbers tell of the state after contact, shape (L,).
+    open
+        Which of a shot's own 24 numbers the table leaves to be fitted, shape (24,).
+    bodies
+        Sphere a, and sphere or plate b.
+    gravity
+        m/s^2 along +X.
+    covariates
+        What else is known of each shot, by name, each of shape (S,).
+    scalars
+        Whether only the scalars of thesis, section 7.1, are given: then n and t stand for the
+        directions of every contact, and nothing is known across them.
+    estimated
+        Whether no errors are stated, and sigma is one scale taken from the scatter itself.
+    """
+
+    shots: NDArray[np.intp]
+    normal: Floats
+    start: States
+    numbers: Floats
+    sigma: Floats
+    functional: Floats
+    after: NDArray[np.bool_]
+    open: NDArray[np.bool_]
+    bodies: tuple[Body, Body]
+    gravity: float
+    covariates: Mapping[str, Floats]
+    scalars: bool
+    estimated: bool = False
+
+    @property
+    def jitter_s(self) -> float:
+        """Return 0: there are no frames whose times could be uncertain."""
+        return 0.0
+
+    @property
+    def measured(self) -> NDArray[np.bool_]:
+        """Return which numbers are measured, shape (S, L)."""
+        return np.isfinite(self.sigma)
+
+    @property
+    def weights(self) -> Floats:
+        """Return 1 / sigma, zero where nothing was measured, shape (S, L)."""
+        return np.where(self.measured, 1.0 / self.sigma, 0.0)
+
+    @property
+    def own_numbers(self) -> NDArray[np.intp]:
+        """Return how many of each shot's own numbers are determined, shape (S,).
+
+        Each that is tabulated of the state before contact determines one.
+        """
+        return np.asarray(self.measured[:, ~self.after].sum(axis=1))
+
+    def before(self) -> ContactTable:
+        """Return the table with all that tells of the state after contact taken out."""
+        return replace(self, sigma=np.where(self.after, np.inf, self.sigma))
+
+    def held_down(self, weight: Floats) -> ContactTable:
+        """Return the table with the sigmas of each shot divided by a weight, shape (S,)."""
+        return replace(self, sigma=self.sigma / weight[:, None])
+
+    def scaled(self, factor: float) -> ContactTable:
+        """Return the table with all sigmas multiplied."""
+        return replace(self, sigma=self.sigma * factor)
+
+    def of_shots(self, chosen: NDArray[np.bool_]) -> ContactTable:
+        """Return some shots, mask of shape (S,)."""
+        return self._taken(chosen)
+
+    def part(self, some: slice) -> ContactTable:
+        """Return successive shots, without copying."""
+        return self._taken(some)
+
+    def _taken(self, some: NDArray[np.bool_] | slice) -> ContactTable:
+        start = self.start
+        parts = (start.velocity_a, start.velocity_b, start.spin_a, start.spin_b)
+        return replace(
+            self,
+            shots=self.shots[some],
+            normal=self.normal[some],
+            start=States(*(part[some] for part in parts)),
+            numbers=self.numbers[some],
+            sigma=self.sigma[some],
+            covariates={name: values[some] for name, values in self.covariates.items()},
+        )
+
+
+Data = PoseData | ContactTable
+"""What a theory is held against: poses in every frame, or tabulated contacts."""
