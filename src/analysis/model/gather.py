@@ -36,10 +36,15 @@ T = TypeVar("T", bound=Tabulated)
 Shots = Mapping[int, Mapping[str, Sequence[PoseRow]]]
 
 
-def gather(folder: Path) -> tuple[str, Data]:
-    """Read a campaign at the latest stage that is there.
+def gather(campaign: Path) -> tuple[str, Data]:
+    """Read a campaign at the latest stage that is there, or at the one that is named.
 
-    That is contacts.csv, else impacts.csv, else poses.csv, else its frames, measured now.
+    The latest is contacts.csv, else impacts.csv, else poses.csv, else the frames, measured now.
+
+    Parameters
+    ----------
+    campaign
+        The folder, or one of these files in it: that stage is taken, whatever else is there.
 
     Returns
     -------
@@ -48,21 +53,24 @@ def gather(folder: Path) -> tuple[str, Data]:
     Raises
     ------
     InputError
-        A file cannot be read, a sphere a is a plate, a plate b stands where poses are, or no shot
-        has contacts or poses.
+        A file cannot be read, a sphere a is a plate, a plate b stands where poses are, no shot has
+        contacts or poses, or the file that is named holds no stage.
     """
+    folder, named = (campaign.parent, campaign.name) if campaign.is_file() else (campaign, None)
+    if named not in {None, POSES, CONTACTS, IMPACTS}:
+        raise InputError(campaign, f"is none of {CONTACTS}, {IMPACTS} and {POSES}")
     name, setup = read_description(folder / DESCRIPTION)
     rows = read_shot_list(folder / SHOT_LIST)
     if setup.spheres[0].plate:
         raise InputError(folder / DESCRIPTION, "spheres: a is a plate; only b can be one")
     for file, read in ((CONTACTS, _contacts), (IMPACTS, _impacts)):
-        if (folder / file).exists():
+        if named == file or (named is None and (folder / file).exists()):
             return name, read(folder / file, rows, setup)
     return name, gather_poses(folder)[1]
 
 
 def gather_poses(folder: Path) -> tuple[str, PoseData]:
-    """Read a campaign's poses, whatever later stage there is.
+    """Read the poses of a campaign's folder, whatever later stage there is.
 
     From poses.csv where it is there, else from its frames, measured now.
 

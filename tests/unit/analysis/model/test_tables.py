@@ -87,6 +87,17 @@ def test_contacts_are_taken_before_poses_and_poses_can_still_be_had(tmp_path: Pa
     assert gather_poses(tmp_path)[1].shots.tolist() == [1, 2, 3, 4]
 
 
+def test_a_stage_that_is_named_is_taken_whatever_else_is_there(tmp_path: Path) -> None:
+    write_campaign(tmp_path, campaign(4, 3))
+    impacts(tmp_path, 5, 4)
+    contacts(tmp_path, 6, 4)
+    for file, shots in (("poses.csv", 4), ("impacts.csv", 5), ("contacts.csv", 6)):
+        name, data = gather(tmp_path / file)
+        assert (name, len(data.shots)) == ("hard spheres", shots)
+    with pytest.raises(InputError, match=r"shots\.csv: is none of contacts\.csv, impacts\.csv and"):
+        gather(tmp_path / "shots.csv")
+
+
 def test_scalars_are_taken_before_poses_and_states_before_scalars(tmp_path: Path) -> None:
     write_campaign(tmp_path, campaign(4, 3))
     impacts(tmp_path, 5, 4)
