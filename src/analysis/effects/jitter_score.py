@@ -22,7 +22,6 @@ u = w / f, and f at its best for each u,
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -67,7 +66,7 @@ class JitterScore:
 def jitter_score(
     residual: Floats,
     along_track: Floats,
-    project: Callable[[Floats], Floats],
+    kernel: Floats,
     freedom: int,
 ) -> JitterScore:
     """Test whitened residuals of a fit for a time error that all numbers of a frame share.
@@ -82,8 +81,8 @@ def jitter_score(
     along_track
         Whitened rate of the prediction with time, 1/s, zero likewise, (S, F, 2, 6): velocities and
         spins over sigma.
-    project
-        Takes what was fitted out of columns (S, 12 F, C), shot by shot.
+    kernel
+        K = D' P D, 1/s^2, (S, F, F).
     freedom
         Degrees of freedom of the fit.
 
@@ -96,11 +95,6 @@ def jitter_score(
         raise ValueError(f"{freedom} degrees of freedom, 1 is needed")
     shots, frames = residual.shape[:2]
     rates = along_track.reshape(shots, frames, 12)
-    spread = np.zeros((shots, frames, 12, frames))
-    index = np.arange(frames)
-    spread[:, index, :, index] = np.moveaxis(rates, 1, 0)
-    columns = spread.reshape(shots, frames * 12, frames)
-    kernel = np.swapaxes(columns, 1, 2) @ project(columns)
     pull = np.einsum("sfl,sfl->sf", rates, residual.reshape(shots, frames, 12))
     values, squares = _independent(kernel, pull)
     if values.size == 0:

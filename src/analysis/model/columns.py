@@ -14,11 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.effects.effect import BodyEffect, CameraEffect, ClockEffect, Effect, FlightEffect
-from analysis.model.comparison import Comparison, Frames, Snapshot, difference, whitened
+from analysis.model.comparison import Comparison, Frames, Snapshot, whitened
 from analysis.model.contact import contact_outcome
 from analysis.model.poses import PoseData
-from analysis.model.prediction import appear, displaced, fly, perturbation, shown
-from analysis.model.sides import Flights, flights_by_outcome
+from analysis.model.prediction import appear, displaced, exposed, perturbation, rate
+from analysis.model.sides import flights_by_outcome
 from analysis.model.state import ShotStates
 from analysis.model.tables import Data
 from analysis.model.theory import LAW, Active, Theory
@@ -139,8 +139,7 @@ def _differences(
         if active is not None and active.effect.stage != "contact":
             # A table of contacts has no frames: nothing in it hangs on how they came about.
             if here.frames is not None and isinstance(data, PoseData):
-                seen = (states, here.sides, here.frames)
-                change = _change(data, seen, theory, moved, effect=active.effect)
+                change = _change(data, theory, moved, here=here.frames, effect=active.effect)
                 frames.append((k, whitened(data, change) / step))
             continue
         outcomes.append((contact_outcome(data, states, moved) - here.outcome) / step)
@@ -172,17 +171,15 @@ def _shifted(theory: Theory, active: Active | None, number: int) -> tuple[Theory
 
 def _change(
     data: PoseData,
-    about: tuple[ShotStates, Flights, Frames],
     theory: Theory,
     moved: Theory,
     *,
+    here: Frames,
     effect: Effect,
 ) -> Floats:
     """Return what a step of an effect of flight, camera or clock does to frames, (S, F, 2, 6)."""
-    states, sides, here = about
     if isinstance(effect, ClockEffect):
-        flown = fly(data, states, sides, moved)
-        return difference(here.poses, shown(data, flown, moved))
+        return _later(data, theory, moved, here)
     position = here.flown.position
     if theory.flight:
         position = position + perturbation(data, here.flown, theory.flight)[0]
@@ -199,4 +196,18 @@ def _change(
         raise TypeError(f"effect {effect.name!r} acts in no known stage")
     position = displaced(here.flown, position, moved.body)
     change = appear(data, position, moved.camera) - here.poses.position
+    return np.concatenate([change, turned], axis=-1)
+
+
+def _later(data: PoseData, theory: Theory, moved: Theory, here: Frames) -> Floats:
+    """Return what other true times do to frames, to first order, (S, F, 2, 6)."""
+    flown = here.flown
+    before, after = (exposed(data, flown.stated, flown.position, t.clock) for t in (theory, moved))
+    shift = rate(data, flown) * (after.position - before.position)
+    place = flown.position
+    if theory.flight:
+        place = place + perturbation(data, flown, theory.flight)[0]
+    place = displaced(flown, place + shift, theory.body)
+    change = appear(data, place, theory.camera) - here.poses.position
+    turned = flown.spin * (after.rotation - before.rotation)[..., None]
     return np.concatenate([change, turned], axis=-1)

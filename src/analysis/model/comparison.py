@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from analysis.model.contact import differentiated_contact
 from analysis.model.jitter import Jitter, turning_by_frame
 from analysis.model.poses import PoseData
-from analysis.model.prediction import Flown, Poses, appear, fly, shown
+from analysis.model.prediction import Flown, Poses, appear, fly, rate, shown
 from analysis.model.sides import NUMBERS, Flights, flights, flights_by_state, rates_of
 from analysis.model.state import ShotStates
 from analysis.model.tables import ContactTable, Data
@@ -171,9 +171,7 @@ def weights(data: PoseData) -> Floats:
 
 def rates(data: PoseData, flown: Flown) -> Floats:
     """Return the whitened change of the prediction with time, 1/s, shape (S, F, 2, 6)."""
-    velocity = flown.velocity.copy()
-    velocity[..., 0] += data.gravity * flown.timing.position[..., 0]
-    return np.concatenate([velocity, flown.spin], axis=-1) * weights(data)
+    return np.concatenate([rate(data, flown), flown.spin], axis=-1) * weights(data)
 
 
 def _spread(slopes: Floats) -> Floats:

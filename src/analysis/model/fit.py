@@ -7,8 +7,8 @@ shots are all that the joint step needs.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,8 +36,11 @@ Floats = NDArray[np.float64]
 
 START = WaltonLaw(*LAW_PRIOR)
 LARGEST_LAW_STEP = np.array([0.1, 0.05, 0.3])
-SHOT_ITERATIONS, JOINT_ITERATIONS = 12, 30
+SHOT_ROUNDS, SHOT_ITERATIONS, JOINT_ITERATIONS = 3, 4, 30
+"""A round goes on with the shots that the round before has not brought to rest."""
 ENOUGH_FALL = 0.01
+ROUGHLY = 0.5
+"""Of chi-squared of a shot by itself: what all shots share is to come."""
 SHOTS_AT_ONCE = 128
 SHARES = (1.0, 0.5, 0.2, 0.05)
 
@@ -62,6 +65,8 @@ class Fit:
         How many of each shot's own numbers the data determine, shape (S,).
     converged
         Whether the last step lowered chi-squared by less than what matters.
+    scatter
+        Parameters of noise that the data were given besides their sigmas.
     """
 
     theory: Theory
@@ -73,6 +78,7 @@ class Fit:
     shot_residuals: NDArray[np.intp]
     own_numbers: NDArray[np.intp]
     converged: bool
+    scatter: Mapping[str, Quantity] = field(default_factory=dict)
 
     @property
     def freedom(self) -> int:
@@ -88,12 +94,13 @@ class Fit:
         """Return every shared parameter with its standard error."""
         sigma = np.sqrt(np.diag(self.covariance))
         theory = self.theory
-        return {
+        shifts = {
             name: Quantity(float(value), float(s), unit)
             for name, value, s, unit in zip(
                 theory.names, theory.vector, sigma, theory.units, strict=True
             )
         }
+        return {**shifts, **self.scatter}
 
 
 def fit_campaign(data: Data, theory: Theory | None = None, start: Fit | None = None) -> Fit:
@@ -131,6 +138,7 @@ def fit_campaign(data: Data, theory: Theory | None = None, start: Fit | None = N
         shot_residuals=measured,
         own_numbers=fitted_numbers(data),
         converged=converged,
+        scatter=start.scatter if start is not None and data.jitter_s > 0 else {},
     )
 
 
@@ -178,18 +186,33 @@ def _fit_shots(data: Data, states: ShotStates, theory: Theory) -> ShotStates:
 
 
 def _fit_part(data: Data, states: ShotStates, theory: Theory) -> ShotStates:
+    left = np.ones(len(states.time_s), dtype=np.bool_)
+    for _ in range(SHOT_ROUNDS):
+        own, done = _fit_some(data.of_shots(left), states.of_shots(left), theory)
+        states = states.replaced(left, own)
+        left[left] = ~done
+        if not left.any():
+            break
+    return states
+
+
+def _fit_some(
+    data: Data, states: ShotStates, theory: Theory
+) -> tuple[ShotStates, NDArray[np.bool_]]:
+    """Take a few damped steps with every shot; return their states, and which are done, (S,)."""
     damping = np.full(len(states.time_s), 1e-3)
     sums = _own_equations(data, states, theory)
+    done = np.zeros(len(damping), dtype=np.bool_)
     for _ in range(SHOT_ITERATIONS):
         new = states.moved(shot_steps(sums, damping))
         tried = _own_equations(data, new, theory)
         better = tried.chi2 < sums.chi2
-        done = np.abs(sums.chi2 - tried.chi2) < ENOUGH_FALL
+        done = np.abs(sums.chi2 - tried.chi2) < ROUGHLY
         states, sums = states.chosen(new, better), sums.chosen(tried, better)
         damping = np.clip(np.where(better, damping * 0.1, damping * 10.0), 1e-12, 1e6)
         if done.all():
             break
-    return states
+    return states, done
 
 
 def _own_equations(data: Data, states: ShotStates, theory: Theory) -> NormalEquations:

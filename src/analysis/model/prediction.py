@@ -69,8 +69,8 @@ class Flown:
 
     Attributes
     ----------
-    timing
-        When.
+    stated, timing
+        Times since first touch as stated, and as they truly are.
     position, velocity
         At mid exposure, without gravity's part in the velocity; shape (S, F, 2, 3).
     touch
@@ -85,6 +85,7 @@ class Flown:
         The rotation since tau = 0, shape (S, F, 2, 3, 3).
     """
 
+    stated: Timing
     timing: Timing
     touch: Floats
     position: Floats
@@ -109,11 +110,18 @@ def fly(data: PoseData, states: ShotStates, sides: Flights, theory: Theory) -> F
         np.broadcast_to(stated[..., None, None], (*stated.shape, 2, 3)),
         np.broadcast_to(stated[..., None], (*stated.shape, 2)),
     )
-    flown = _free_flight(data, sides, start)
+    flown = _free_flight(data, sides, start, start)
     for _ in range(_CLOCK_PASSES if theory.clock else 0):
-        timing = _exposed(data, start, flown.position, theory.clock)
-        flown = _free_flight(data, sides, timing)
+        timing = exposed(data, start, flown.position, theory.clock)
+        flown = _free_flight(data, sides, start, timing)
     return flown
+
+
+def rate(data: PoseData, flown: Flown) -> Floats:
+    """Return the velocities in all frames, gravity in, m/s, shape (S, F, 2, 3)."""
+    velocity = flown.velocity.copy()
+    velocity[..., 0] += data.gravity * flown.timing.position[..., 0]
+    return velocity
 
 
 def shown(data: PoseData, flown: Flown, theory: Theory) -> Poses:
@@ -175,7 +183,7 @@ def perturbation(
     return push, twist
 
 
-def _free_flight(data: PoseData, sides: Flights, timing: Timing) -> Flown:
+def _free_flight(data: PoseData, sides: Flights, stated: Timing, timing: Timing) -> Flown:
     tau, tau_turn = timing.position, timing.rotation
     flown, turned_since = tau > 0, tau_turn > 0
     velocity = _of_side(sides.velocity, flown)
@@ -188,6 +196,7 @@ def _free_flight(data: PoseData, sides: Flights, timing: Timing) -> Flown:
     )
     late = sides.duration[:, None, None]
     return Flown(
+        stated=stated,
         timing=timing,
         touch=sides.touch,
         position=position,
@@ -208,12 +217,13 @@ def _of_side(numbers: Floats, flown: NDArray[np.bool_]) -> Floats:
     return np.where(flown, numbers[:, None, :, 1], numbers[:, None, :, 0])
 
 
-def _exposed(
+def exposed(
     data: PoseData,
     start: Timing,
     position: Floats,
     effects: Sequence[tuple[ClockEffect, Values]],
 ) -> Timing:
+    """Return true times from stated ones, of spheres that are seen at these positions."""
     exposure = Exposure(data.times_s, position)
     tau, tau_turn = start.position, start.rotation
     for effect, values in effects:

@@ -256,12 +256,19 @@ def smallest_by_chance(matrix: Floats, blocks: Sequence[Block], rng: np.random.G
 def alias_matrix(matrix: Floats, blocks: Sequence[Block]) -> Floats:
     """Return the largest canonical correlation between columns of any two candidates, (K, K)."""
     aliases = np.zeros((len(blocks), len(blocks)))
-    for i, first in enumerate(blocks):
-        for j, second in enumerate(blocks[: i + 1]):
-            if first.freedom == 0 or second.freedom == 0:
-                continue
-            cross = matrix[np.ix_(first.columns, second.columns)]
-            between = first.whitening.T @ cross @ second.whitening
-            size = abs(between[0, 0]) if between.size == 1 else np.linalg.norm(between, 2)
-            aliases[i, j] = aliases[j, i] = min(float(size), 1.0)
+    spans = [block.whitening for block in blocks]
+    ends = np.cumsum([0, *(block.freedom for block in blocks)])
+    if ends[-1] == 0:
+        return aliases
+    whole = np.zeros((len(matrix), ends[-1]))
+    for block, span, start in zip(blocks, spans, ends[:-1], strict=True):
+        whole[block.columns, start : start + block.freedom] = span
+    cross = whole.T @ matrix @ whole
+    for i in range(len(blocks)):
+        for j in range(i + 1):
+            between = cross[ends[i] : ends[i + 1], ends[j] : ends[j + 1]]
+            if between.size > 0:
+                single = between.size == 1
+                size = abs(between[0, 0]) if single else np.linalg.norm(between, 2)
+                aliases[i, j] = aliases[j, i] = min(float(size), 1.0)
     return aliases

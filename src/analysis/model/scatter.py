@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.effects.effect import Effect, ScatterEffect
 from analysis.effects.jitter_score import JitterScore, jitter_score
 from analysis.model.comparison import compare, rates
-from analysis.model.fit import Fit, parts_of
+from analysis.model.fit import Fit, fit_campaign, parts_of
 from analysis.model.jitter import by_frame
 from analysis.model.normal import solve_blocks
 from analysis.model.tables import ContactTable, Data
+from analysis.quantity import Quantity
 
 Floats = NDArray[np.float64]
 
@@ -30,13 +34,36 @@ def timing_jitter(data: Data, fit: Fit) -> JitterScore | None:
         residual = by_frame(line.residual[..., None])
         pieces.append((residual, rates(part, here.frames.flown), by_frame(own)))
     residual, along, own = (np.concatenate(p) for p in zip(*pieces, strict=True))
-    transposed = np.swapaxes(own, 1, 2)
-    states_matrix = transposed @ own
-
-    def project(columns: Floats) -> Floats:
-        return np.asarray(columns - own @ solve_blocks(states_matrix, transposed @ columns))
-
+    kernel = _kernel(along.reshape(*along.shape[:2], -1), own)
     try:
-        return jitter_score(residual.reshape(along.shape), along, project, fit.freedom)
+        return jitter_score(residual.reshape(along.shape), along, kernel, fit.freedom)
     except ValueError:
         return None
+
+
+def added(data: Data, fit: Fit, effect: Effect) -> tuple[Data, Fit]:
+    """Fit again with one more effect; one that is noise of its own enters the data's noise."""
+    if not isinstance(effect, ScatterEffect):
+        return data, fit_campaign(data, fit.theory.with_effect(effect), fit)
+    score = timing_jitter(data, fit)
+    if score is None or isinstance(data, ContactTable):
+        return data, fit
+    parameter = effect.parameters[0]
+    size = Quantity(score.amplitude, score.sigma, parameter.unit)
+    jittered = replace(data, jitter_s=score.amplitude)
+    again = fit_campaign(jittered, fit.theory, fit)
+    return jittered, replace(again, scatter={f"{effect.name}.{parameter.symbol}": size})
+
+
+def _kernel(along: Floats, own: Floats) -> Floats:
+    """Return D' P D, (S, F, F), from D's frames (S, F, 12) and what each shot fitted (S, 12 F, 24).
+
+    D has a frame's numbers in that frame's column, so D'D is diagonal.
+    """
+    shots, frames, length = along.shape
+    coupling = np.einsum("sfl,sflp->spf", along, own.reshape(shots, frames, length, -1))
+    states = np.swapaxes(own, 1, 2) @ own
+    kernel = -np.swapaxes(coupling, 1, 2) @ solve_blocks(states, coupling)
+    index = np.arange(frames)
+    kernel[:, index, index] += (along**2).sum(axis=2)
+    return np.asarray(kernel)

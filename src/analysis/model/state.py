@@ -150,6 +150,27 @@ class ShotStates:
             else Kick(pick(self.kick.change, new.kick.change), self.kick.unknown),
         )
 
+    def replaced(self, where: NDArray[np.bool_], new: ShotStates) -> ShotStates:
+        """Return the states with those of some shots, mask of shape (S,), replaced by new ones."""
+
+        def put(old: Floats, other: Floats) -> Floats:
+            whole = old.copy()
+            whole[where] = other
+            return whole
+
+        motion = ("velocity_a", "velocity_b", "spin_a", "spin_b")
+        kick = self.kick
+        if kick is not None and new.kick is not None:
+            kick = Kick(put(kick.change, new.kick.change), kick.unknown)
+        return ShotStates(
+            time_s=put(self.time_s, new.time_s),
+            point=put(self.point, new.point),
+            normal=put(self.normal, new.normal),
+            before=States(*(put(getattr(self.before, n), getattr(new.before, n)) for n in motion)),
+            rotation=put(self.rotation, new.rotation),
+            kick=kick,
+        )
+
     def of_shots(self, chosen: NDArray[np.bool_] | slice) -> ShotStates:
         """Return the states of some shots, mask of shape (S,) or a slice."""
         before = self.before

@@ -32,13 +32,24 @@ def fitted_away(rng: np.random.Generator) -> Callable[[Floats], Floats]:
     return lambda x: x - basis @ (np.swapaxes(basis, 1, 2) @ x)
 
 
+def spread_of(along: np.ndarray) -> np.ndarray:
+    """Return the disturbances with a column for each frame, (S, 12 F, F)."""
+    shots, frames = along.shape[:2]
+    spread = np.zeros((shots, 12 * frames, frames))
+    for f in range(frames):
+        spread[:, 12 * f : 12 * f + 12, f] = along[:, f].reshape(shots, -1)
+    return spread
+
+
 def scored(seed: int, jitter_s: float, noise: float = 1.0) -> JitterScore:
     rng = np.random.default_rng(seed)
     along, project = rates(rng), fitted_away(rng)
     errors = jitter_s * rng.normal(size=(SHOTS, FRAMES, 1, 1))
     raw = noise * rng.normal(size=along.shape) + along * errors
     residual = project(raw.reshape(SHOTS, -1, 1)).reshape(along.shape)
-    return jitter_score(residual, along, project, SHOTS * (FRAMES * 12 - OWN))
+    spread = spread_of(along)
+    kernel = np.swapaxes(spread, 1, 2) @ project(spread)
+    return jitter_score(residual, along, kernel, SHOTS * (FRAMES * 12 - OWN))
 
 
 def test_the_amplitude_is_found_within_its_error() -> None:
@@ -86,10 +97,8 @@ def test_the_score_is_the_slope_of_the_likelihood_of_the_whole_covariance() -> N
     projector = left @ left.T
     residual = (projector @ rng.normal(size=frames * 12)).reshape(along.shape)
     freedom = frames * 12 - own
-    found = jitter_score(residual, along, lambda x: projector @ x, freedom)
-    spread = np.zeros((frames * 12, frames))
-    for f in range(frames):
-        spread[12 * f : 12 * f + 12, f] = along[0, f].reshape(-1)
+    spread = spread_of(along)[0]
+    found = jitter_score(residual, along, (spread.T @ projector @ spread)[None], freedom)
     reduced, seen = left.T @ spread, left.T @ residual.reshape(-1)
 
     def log_likelihood(w: float, f: float) -> float:
@@ -127,6 +136,6 @@ def test_whitening_without_jitter_or_motion_changes_nothing() -> None:
 def test_frames_in_which_nothing_moves_are_refused() -> None:
     nothing = np.zeros((1, 3, 2, 6))
     with pytest.raises(ValueError, match="nothing moves"):
-        jitter_score(nothing + 1.0, nothing, lambda x: x, 10)
+        jitter_score(nothing + 1.0, nothing, np.zeros((1, 3, 3)), 10)
     with pytest.raises(ValueError, match="0 degrees of freedom"):
-        jitter_score(nothing, nothing, lambda x: x, 0)
+        jitter_score(nothing, nothing, np.zeros((1, 3, 3)), 0)

@@ -1,0 +1,67 @@
+"""A campaign fitted with effects of one's own choice, bad shots and frames left out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from analysis.effects.effect import Effect
+from analysis.model.evidence import AS_STATED, Evidence, stage_of, weighed, weighed_again
+from analysis.model.fit import Fit
+from analysis.model.inside import without_contact_frames
+from analysis.model.scatter import added
+from analysis.model.tables import Data
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Judged:
+    """A campaign with a fit.
+
+    Attributes
+    ----------
+    evidence
+        Which shots and frames were used, and with which noise.
+    data
+        What was fitted.
+    fit
+        The fit.
+    """
+
+    evidence: Evidence
+    data: Data
+    fit: Fit
+
+    @property
+    def rejected(self) -> list[int]:
+        """Numbers of the shots that were left out."""
+        return [int(n) for n in self.evidence.stated.shots[~self.evidence.cleaned.kept]]
+
+    def remarks(self) -> list[str]:
+        """Say what was left out, and where stated sigmas were not believed."""
+        found = []
+        if self.rejected:
+            found.append(f"shots left out, too far from the rest: {self.rejected}")
+        if self.evidence.cleaned.frames:
+            frames = [f"{frame} of shot {shot}" for shot, frame in self.evidence.cleaned.frames]
+            found.append(f"frames left out: {', '.join(frames)}")
+        if self.evidence.noise != AS_STATED:
+            position, rotation = self.evidence.noise
+            found.append(
+                f"the scatter about free flight is {position:.3g} times the stated sigmas of "
+                f"positions and {rotation:.3g} times those of orientations: these were used"
+            )
+        return found
+
+
+def judged(poses: Data, effects: Sequence[Effect] = ()) -> Judged:
+    """Fit the base model and some effects; what is bad is judged with these effects in."""
+    evidence = weighed(without_contact_frames(poses))
+    data, fit = evidence.data, evidence.cleaned.fit
+    if not effects:
+        return Judged(evidence, data, fit)
+    for effect in effects:
+        data, fit = added(data, fit, effect)
+    again, path = weighed_again(evidence, [stage_of(data, fit)], data.jitter_s)
+    if again is evidence:
+        return Judged(evidence, data, fit)
+    return Judged(again, again.data, path[-1].fit)
