@@ -49,7 +49,7 @@ class Tracking:
     marker_angle
         Angular radius of the markers, radians; 0 where none is seen.
     filter_sigma_px
-        Width of the edge filter.
+        Width of the edge filter; of a method without one, the width that has its slow error.
     radii
         Radius of a and b in each view, pixels, as filtered.
     scales_px_per_m

@@ -34,7 +34,7 @@ REFRESH_AFTER = 2
 UNLIMITED = 1e3
 TOGETHER_LIMITS = (15.0, 8.0, 6.0, 6.0, 6.0)
 NARROWEST_PX, WIDEST_PX = 0.35, 3.0
-SCALE_FLOOR = 4e-4
+SCALE_FLOOR = 7e-4
 """Shading near the limb and the radius are one family: below this nothing tells them apart."""
 
 

@@ -17,8 +17,8 @@ LONGEST_STEP, LONGEST_TURN = 0.3, 0.15
 """Of one iteration, in radii and radians."""
 PRIOR_OFFSET, PRIOR_GAIN, PRIOR_SLOPE = 20.0, 0.3, 20.0
 """Widths that keep a view's light determined where few of its pixels are seen."""
-UNSEEN = 1e-6
-"""Stiffness, per squared radius and radian, of what no pixel shows."""
+WIDEST_PLACE, WIDEST_TURN = 10.0, 4.0
+"""Errors, in radii and radians, that are stated where no pixel shows a direction or a turn."""
 
 
 @compiled
@@ -73,8 +73,8 @@ def pose_equations(sight: Sight, stance: Stance, limit: float, whole: Equations)
 def add_priors(sight: Sight, stance: Stance, whole: Equations) -> None:
     """Tie the light weakly to no offset, gain 1 and no slope, and what is unseen to its place."""
     for k in range(3):
-        whole.normal[k, k] += UNSEEN / sight.look.radius_m**2
-        whole.normal[3 + k, 3 + k] += UNSEEN
+        whole.normal[k, k] += 1.0 / (WIDEST_PLACE * sight.look.radius_m) ** 2
+        whole.normal[3 + k, 3 + k] += 1.0 / WIDEST_TURN**2
     for view in range(stance.lights.shape[0]):
         at = POSE + LIGHTS * view
         for k in range(LIGHTS):
@@ -92,7 +92,8 @@ def turned(vector: Floats, rotation: Floats) -> Floats:
     cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     one = np.sin(angle) / angle if angle > 1e-9 else 1.0
     two = (1 - np.cos(angle)) / angle**2 if angle > 1e-5 else 0.5
-    return (np.eye(3) + one * cross + two * (cross @ cross)) @ rotation
+    result: Floats = (np.eye(3) + one * cross + two * (cross @ cross)) @ rotation
+    return result
 
 
 @compiled

@@ -10,6 +10,7 @@ from analysis.imaging.outlines import Outline
 from analysis.imaging.shells import Circle, Ellipse
 from analysis.imaging.tracks import Track
 from analysis.imaging.views import View
+from analysis.motion.drift import CENTRE_DRIFT_PER_SIGMA2
 from analysis.motion.pattern import Orientations
 from analysis.motion.poses import Centres
 from analysis.motion.sightings import SeenMarker
@@ -22,22 +23,27 @@ from analysis.tracking import Tracking
 Floats = NDArray[np.float64]
 
 LEAST_FACING = 0.4
+MOST_PLACE, MOST_TURN_RAD = 0.2, 0.1
+"""Errors, in radii and radians, beyond which a coordinate or a turn counts as not measured."""
+CONSTANT_Z_SIGMA_M = 1e-6
+SLOW_ERROR_PX = 0.004
+"""What shading and pattern leave, over the time in which a marker turns past, about this much."""
 
 
 def tracking_of(film: Film, known: Knowledge, times_s: Floats, gravity: float) -> Tracking:
     """Return the film's poses with discs and markers where the fitted model has them.
 
     The stated errors are those of the pixels, enlarged to the scatter about free flight
-    (`honesty.enlargement`); there is no edge filter, and so no slow error of one.
+    (`honesty.enlargement`); the filter width given is that of an equal slow error.
     """
     markers = [_markers(film, known, i) for i in (0, 1)]
-    raw = _centres(film, 0), _centres(film, 1)
+    raw = _centres(film, known, 0), _centres(film, known, 1)
     standing = _orientations(film, known, 0, markers[0]), _orientations(film, known, 1, markers[1])
     place, turn = enlargement(raw, standing, times_s, gravity)
     enlarged = np.sqrt(np.repeat([place, turn], 3))
     film.covariance *= np.outer(enlarged, enlarged)
     spheres = [_tracks(film, known, i) for i in (0, 1)]
-    centres = [_centres(film, i) for i in (0, 1)]
+    centres = [_centres(film, known, i) for i in (0, 1)]
     turned = [_orientations(film, known, i, markers[i]) for i in (0, 1)]
     optics = known.camera.optics
     radii = {
@@ -54,7 +60,7 @@ def tracking_of(film: Film, known: Knowledge, times_s: Floats, gravity: float) -
             {k: [m for _, m in seen] for k, seen in markers[1].items()},
         ),
         marker_angle=(known.spheres[0].alpha + known.spheres[1].alpha) / 2,
-        filter_sigma_px=0.0,
+        filter_sigma_px=float(np.sqrt(SLOW_ERROR_PX / CENTRE_DRIFT_PER_SIGMA2)),
         radii=radii,
         scales_px_per_m={
             v: float(s) for v, s in zip(known.camera.views, optics.scales, strict=True)
@@ -111,22 +117,34 @@ def _markers(film: Film, known: Knowledge, sphere: int) -> dict[int, list[tuple[
     return seen
 
 
-def _centres(film: Film, sphere: int) -> Centres:
+def _centres(film: Film, known: Knowledge, sphere: int) -> Centres:
     frames = np.flatnonzero(film.placed[sphere])
-    covariance = film.covariance[sphere, frames]
-    sigma = np.sqrt(np.einsum("nii->ni", covariance)[:, :3])
-    return Centres(frames, film.centre[sphere, frames].copy(), sigma)
+    position = film.centre[sphere, frames].copy()
+    sigma = np.sqrt(np.einsum("nii->ni", film.covariance[sphere, frames])[:, :3])
+    if len(known.camera.views) == 1:
+        position[:, 2], sigma[:, 2] = 0.0, CONSTANT_Z_SIGMA_M
+    unseen = sigma > MOST_PLACE * known.spheres[sphere].radius_m
+    return Centres(frames, np.where(unseen, np.nan, position), np.where(unseen, np.inf, sigma))
 
 
 def _orientations(
     film: Film, known: Knowledge, sphere: int, seen: dict[int, list[tuple[int, SeenMarker]]]
 ) -> Orientations:
-    frames = np.flatnonzero(film.placed[sphere])
+    placed = np.flatnonzero(film.placed[sphere])
+    covariance = film.covariance[sphere, placed][:, 3:, 3:]
+    widest = np.sqrt(np.linalg.eigvalsh(covariance)[:, -1])
+    frames = placed[widest < MOST_TURN_RAD]
+    left_out = {
+        int(k): f"its markers leave a turn of {np.degrees(w):.0f} degrees open, "
+        f"{np.degrees(MOST_TURN_RAD):.0f} are allowed"
+        for k, w in zip(placed, widest, strict=True)
+        if w >= MOST_TURN_RAD
+    }
     return Orientations(
         frames=frames,
         rotation=film.rotation[sphere, frames].copy(),
-        covariance=film.covariance[sphere, frames][:, 3:, 3:].copy(),
+        covariance=covariance[widest < MOST_TURN_RAD],
         pattern=known.spheres[sphere].markers,
         matches=tuple(np.array([name for name, _ in seen[int(k)]], dtype=np.intp) for k in frames),
-        left_out={},
+        left_out=left_out,
     )
