@@ -1,4 +1,4 @@
-"""What survives: the catalogue of shots and one folder for each shot."""
+"""What survives: the catalogue of shots and sweeps, and one folder for each shot."""
 
 from rigctl.store.campaigns import CampaignRecord
 from rigctl.store.catalogue import Change
@@ -7,6 +7,8 @@ from rigctl.store.reading import StoreReader, reading
 from rigctl.store.records import JournalEntry, NewShot, ShotRecord
 from rigctl.store.states import RUNNING, Fired, ShotState
 from rigctl.store.store import Store
+from rigctl.store.sweep_records import NewSweep, StepRecord, SweepRecord
+from rigctl.store.sweep_states import StepState, SweepState
 
 __all__ = [
     "RUNNING",
@@ -16,9 +18,14 @@ __all__ = [
     "JournalEntry",
     "Listeners",
     "NewShot",
+    "NewSweep",
     "ShotRecord",
     "ShotState",
+    "StepRecord",
+    "StepState",
     "Store",
     "StoreReader",
+    "SweepRecord",
+    "SweepState",
     "reading",
 ]

@@ -100,6 +100,17 @@ class Catalogue:
         with self._database.reading() as connection:
             return _one(connection, shot)
 
+    def of_key(self, key: str) -> ShotRecord | None:
+        """Return the shot that an idempotency key made; None while the key is free."""
+        query = (
+            select(shots)
+            .join(idempotency_keys, idempotency_keys.c.shot == shots.c.number)
+            .where(idempotency_keys.c.key == key)
+        )
+        with self._database.reading() as connection:
+            row = connection.execute(query).one_or_none()
+        return None if row is None else _record(row)
+
     def shots(
         self,
         *,

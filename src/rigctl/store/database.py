@@ -120,11 +120,12 @@ class Database:
 
     def _create_or_refuse(self) -> None:
         with self.writing() as connection:
-            if self._version(connection) == 0:
-                schema.metadata.create_all(connection)
-                for statement in schema.APPEND_ONLY:
-                    connection.exec_driver_sql(statement)
-                connection.exec_driver_sql(f"PRAGMA user_version = {schema.SCHEMA_VERSION}")
+            version = self._version(connection)
+            if version < schema.SCHEMA_VERSION:
+                # Loaded here: most starts find a catalogue that lacks nothing.
+                from rigctl.store.migrations import upgrade  # noqa: PLC0415
+
+                upgrade(connection, version, schema.SCHEMA_VERSION)
 
     def _version(self, connection: Connection) -> int:
         version = int(connection.exec_driver_sql("PRAGMA user_version").scalar_one())

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from enum import StrEnum
+
 from sqlalchemy import REAL, CheckConstraint, Column, ForeignKey, Integer, MetaData, Table, Text
 
 from rigctl.store.states import Fired, ShotState
+from rigctl.store.sweep_states import StepState, SweepState
 
-SCHEMA_VERSION = 1
+SCHEMA_VERSION = 2
+"""Number of the last migration; a catalogue carries its own as `user_version`."""
 
 metadata = MetaData()
 
 
-def _one_of(column: str, words: type[ShotState] | type[Fired]) -> CheckConstraint:
+def _one_of(column: str, words: type[StrEnum]) -> CheckConstraint:
     listed = ", ".join(f"'{word}'" for word in words)
     return CheckConstraint(f"{column} IN ({listed})", name=f"{column}_is_known")
 
@@ -66,6 +70,41 @@ transitions = Table(
     sqlite_strict=True,
 )
 
+sweeps = Table(
+    "sweeps",
+    metadata,
+    Column("number", Integer, primary_key=True),
+    Column("id", Text, nullable=False, unique=True),
+    Column("key", Text, nullable=False, unique=True),
+    Column("body_hash", Text, nullable=False),
+    Column("state", Text, nullable=False),
+    Column("reason", Text, nullable=False),
+    Column("form", Text, nullable=False),
+    Column("campaign", Text),
+    Column("actor", Text, nullable=False),
+    Column("accepted_at", Text, nullable=False),
+    Column("ended_at", Text),
+    _one_of("state", SweepState),
+    sqlite_strict=True,
+)
+
+sweep_steps = Table(
+    "sweep_steps",
+    metadata,
+    Column("sweep", Integer, ForeignKey("sweeps.number"), primary_key=True),
+    Column("number", Integer, primary_key=True),
+    Column("settings", Text, nullable=False),
+    Column("state", Text, nullable=False),
+    Column("attempt", Integer, nullable=False),
+    Column("key", Text, unique=True),
+    Column("shot", Text, ForeignKey("shots.id"), unique=True),
+    Column("taken_at", Text),
+    Column("ended_at", Text),
+    Column("failure", Text),
+    _one_of("state", StepState),
+    sqlite_strict=True,
+)
+
 probe = Table(
     "probe",
     metadata,
@@ -73,10 +112,3 @@ probe = Table(
     Column("monotonic_s", REAL, nullable=False),
     sqlite_strict=True,
 )
-
-APPEND_ONLY = tuple(
-    f"CREATE TRIGGER transitions_no_{act.lower()} BEFORE {act} ON transitions "
-    "BEGIN SELECT RAISE(ABORT, 'transitions are append-only'); END"
-    for act in ("UPDATE", "DELETE")
-)
-"""Triggers that keep the audit as it was written."""

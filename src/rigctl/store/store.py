@@ -22,6 +22,7 @@ from rigctl.store.journal import Journal
 from rigctl.store.listeners import Listeners
 from rigctl.store.records import NewShot, ShotRecord
 from rigctl.store.states import ShotState
+from rigctl.store.sweeps import Sweeps
 
 
 def _free_bytes(folder: Path) -> int:
@@ -68,6 +69,7 @@ class Store:
         self.catalogue = Catalogue(self._database)
         self.journal = Journal(self._database)
         self.campaigns = Campaigns(self._database)
+        self.sweeps = Sweeps(self._database)
         self.folders = ShotFolders(self.path)
         self.fits = Fits(self.path)
 
