@@ -6,13 +6,15 @@ import json
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
-from pydantic import ValidationError
+from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from rigctl.config.configuration import Configuration
 from rigctl.errors import ConfigurationError
+
+Model = TypeVar("Model", bound=BaseModel)
 
 _BOUNDS = {
     "gt": "more than {}",
@@ -57,8 +59,19 @@ def load(path: Path | None = None) -> Configuration:
         the file, the field, the value and the limit; further faulty fields are named as well.
     """
     path = default_path() if path is None else path
+    return parse(read_toml(path), str(path))
+
+
+def read_toml(path: Path) -> dict[str, Any]:
+    """Read a TOML file.
+
+    Raises
+    ------
+    ConfigurationError
+        It cannot be read, or is not TOML.
+    """
     try:
-        document = tomllib.loads(path.read_text(encoding="utf-8"))
+        return tomllib.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise ConfigurationError(
             f"cannot be read: {error.strerror}", part=str(path), todo="name a readable file"
@@ -67,7 +80,6 @@ def load(path: Path | None = None) -> Configuration:
         raise ConfigurationError(
             f"is not TOML: {error}", part=str(path), todo="correct the line"
         ) from error
-    return parse(document, str(path))
 
 
 def parse(document: Mapping[str, Any], source: str) -> Configuration:
@@ -78,9 +90,20 @@ def parse(document: Mapping[str, Any], source: str) -> Configuration:
     ConfigurationError
         As `load`.
     """
+    return checked(Configuration, document, source)
+
+
+def checked(form: type[Model], document: Mapping[str, Any], source: str) -> Model:
+    """Check a document of any form; `source` is named in errors.
+
+    Raises
+    ------
+    ConfigurationError
+        It holds a field that cannot be. The error names the field, the value and the limit.
+    """
     try:
         # JSON mode: an array is a tuple there, and nothing else is converted.
-        return Configuration.model_validate_json(json.dumps(document, default=_no_dates))
+        return form.model_validate_json(json.dumps(document, default=_no_dates))
     except ValidationError as error:
         raise _in_words(error.errors(include_url=False), document, source) from error
 

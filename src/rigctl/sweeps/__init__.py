@@ -1,0 +1,1 @@
+"""Sweeps: many shots one after another, durable from step to step."""

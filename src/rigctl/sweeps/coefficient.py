@@ -1,0 +1,96 @@
+"""A coefficient from the measured shots of a sweep: each shot's word, and their mean."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from rigctl.errors import NotFoundError
+from rigctl.store import ShotState, Store
+
+FEWEST = 3
+"""Shots below which a mean states no standard error: their scatter says nothing yet."""
+
+
+@dataclass(frozen=True, slots=True)
+class Estimate:
+    """A value with its standard error, in the coefficient's own unit (1)."""
+
+    value: float
+    sigma: float
+
+
+@dataclass(frozen=True, slots=True)
+class Mean:
+    """The weighted mean over measured shots.
+
+    Attributes
+    ----------
+    sigma
+        Its standard error; None with fewer than three shots.
+    shots
+        How many shots it rests on.
+    """
+
+    coefficient: str
+    value: float
+    sigma: float | None
+    shots: int
+
+
+def mean_of(coefficient: str, estimates: list[Estimate]) -> Mean | None:
+    """Return the mean of estimates, weighted by 1 / sigma^2; None without any.
+
+    The standard error is (sum of the weights)^(-1/2), multiplied by Birge's ratio
+    sqrt(chi^2 / (n - 1)) where that exceeds 1, so that shots which scatter more than they state
+    are not believed (R. T. Birge, Phys. Rev. 40 (1932) 207, eq. 2).
+    """
+    if not estimates:
+        return None
+    weights = [estimate.sigma**-2 for estimate in estimates]
+    total = math.fsum(weights)
+    value = math.fsum(w * each.value for w, each in zip(weights, estimates, strict=True)) / total
+    if len(estimates) < FEWEST:
+        return Mean(coefficient, value, None, len(estimates))
+    chi2 = math.fsum(w * (each.value - value) ** 2 for w, each in zip(weights, estimates, strict=True))
+    birge = max(1.0, math.sqrt(chi2 / (len(estimates) - 1)))
+    return Mean(coefficient, value, birge / math.sqrt(total), len(estimates))
+
+
+def estimate_in(result: Mapping[str, Any], coefficient: str) -> Estimate | None:
+    """Return what a shot's result says of a coefficient; None where it states no usable error."""
+    quantity = result.get(coefficient)
+    if not isinstance(quantity, Mapping):
+        return None
+    value, sigma = float(quantity["value"]), float(quantity["sigma"])
+    return Estimate(value, sigma) if math.isfinite(value) and 0.0 < sigma < math.inf else None
+
+
+class Measured:
+    """What the analysis has found so far; a shot is read once."""
+
+    def __init__(self, store: Store, coefficient: str) -> None:
+        self._store, self._coefficient = store, coefficient
+        self._known: dict[str, Estimate | None] = {}
+
+    def of(self, shot: str) -> tuple[Estimate | None, bool]:
+        """Return a shot's estimate, and whether its analysis has ended."""
+        if shot not in self._known:
+            state = self._store.shot(shot).state
+            if state not in {ShotState.ANALYSED, ShotState.REFUSED}:
+                return None, False
+            self._known[shot] = self._read(shot) if state is ShotState.ANALYSED else None
+        return self._known[shot], True
+
+    def mean(self, shots: list[str]) -> Mean | None:
+        """Return the mean over those of the shots that are measured."""
+        found = (self.of(shot)[0] for shot in shots)
+        return mean_of(self._coefficient, [each for each in found if each is not None])
+
+    def _read(self, shot: str) -> Estimate | None:
+        try:
+            return estimate_in(self._store.result(shot), self._coefficient)
+        except NotFoundError:
+            return None
