@@ -1,0 +1,101 @@
+"""Shots chosen one after another, each where it tells most, and exchanged at the end."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+_EXCHANGES = 50
+_BETTER = 1e-9
+
+
+class Aim(Protocol):
+    """What a design is good for."""
+
+    @property
+    def size(self) -> int:
+        """Number of settings K that can be chosen."""
+
+    def worth(self, counts: Floats) -> float:
+        """Return what a design is worth, to be as large as possible; counts of shape (K,)."""
+
+    def worth_with(self, counts: Floats) -> Floats:
+        """Return the same for the design with one more shot at each setting, shape (K,)."""
+
+
+def chosen(aim: Aim, enough: Callable[[Floats], bool], most: int) -> Floats:
+    """Return how many shots to fire at each setting, shape (K,): as few as are enough.
+
+    Greedy with replacement, then exchange: shots move for as long as the design gains, and the
+    least useful one goes for as long as the rest is enough (V. V. Fedorov, Theory of Optimal
+    Experiments (1972), chapter 3).
+
+    Parameters
+    ----------
+    enough
+        Whether a design does what is asked.
+    most
+        No more shots than this; a design that is not enough is returned as it then stands.
+    """
+    counts = np.zeros(aim.size)
+    while not enough(counts) and counts.sum() < most:
+        counts[int(aim.worth_with(counts).argmax())] += 1
+    counts = exchanged(aim, counts)
+    while counts.sum() > 0 and enough(counts):
+        fewer = exchanged(aim, _without_least(aim, counts))
+        if not enough(fewer):
+            break
+        counts = fewer
+    return counts
+
+
+def fewest_even(size: int, enough: Callable[[Floats], bool], most: int) -> int | None:
+    """Return how many shots are enough that are spread evenly over all K settings.
+
+    None: more than `most`.
+    """
+    flat = np.full(size, 1.0 / size)
+    if not enough(most * flat):
+        return None
+    low, high = -1, most
+    while high - low > 1:
+        middle = (low + high) // 2
+        low, high = (low, middle) if enough(middle * flat) else (middle, high)
+    return high
+
+
+def exchanged(aim: Aim, counts: Floats) -> Floats:
+    """Move one shot at a time to where it is worth more, until none is."""
+    worth = aim.worth(counts)
+    for _ in range(_EXCHANGES):
+        gains = []
+        for k in np.flatnonzero(counts):
+            left = _less(counts, int(k))
+            offered = aim.worth_with(left)
+            best = int(offered.argmax())
+            gains.append((float(offered[best]), int(k), best))
+        if not gains:
+            break
+        value, taken, put = max(gains)
+        if value <= worth * (1 + np.sign(worth) * _BETTER) or taken == put:
+            break
+        counts, worth = _less(counts, taken), value
+        counts[put] += 1
+    return counts
+
+
+def _without_least(aim: Aim, counts: Floats) -> Floats:
+    used = np.flatnonzero(counts)
+    left = [_less(counts, int(k)) for k in used]
+    return max(left, key=aim.worth)
+
+
+def _less(counts: Floats, k: int) -> Floats:
+    fewer = counts.copy()
+    fewer[k] -= 1
+    return fewer
