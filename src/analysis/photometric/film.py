@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from analysis.photometric.appearance import Knowledge
 from analysis.photometric.background import background_of
 from analysis.photometric.camera import Camera, Optics, disc_of
+from analysis.photometric.confirmation import confirmed
 from analysis.photometric.pose import fit_pose
 from analysis.photometric.sight import LIGHTS, Scene, Sight, Stance
 
@@ -164,9 +165,17 @@ def cost_of(quality: Floats, limit: float) -> Floats:
     return np.asarray((quality[..., 0] + rejected) / np.maximum(quality[..., 2], 1.0))
 
 
-def drop_misfits(film: Film, limit: float) -> None:
-    """Take away poses whose image the model explains much worse than the sphere's other frames."""
+def drop_misfits(film: Film, known: Knowledge, limit: float) -> None:
+    """Take away poses that are not to be believed.
+
+    Those whose image the model explains much worse than the sphere's other frames, and those
+    whose markers are not there.
+    """
     costs = cost_of(film.quality, limit)
     for i in (0, 1):
-        if film.placed[i].any():
-            film.placed[i] &= costs[i] < MISFIT * np.median(costs[i, film.placed[i]])
+        if not film.placed[i].any():
+            continue
+        frames = np.flatnonzero(film.placed[i])
+        there = [confirmed(sight, stance) for sight, stance in film.sights(known, i)]
+        sound = costs[i, frames] < MISFIT * np.median(costs[i, frames])
+        film.placed[i, frames] = sound & np.array(there)

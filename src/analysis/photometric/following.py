@@ -10,6 +10,7 @@ from analysis.imaging.views import View
 from analysis.motion.rotation import rotation_matrix, rotation_vector
 from analysis.photometric.appearance import Knowledge
 from analysis.photometric.camera import disc_of
+from analysis.photometric.confirmation import confirmed
 from analysis.photometric.film import Film, cost_of, drop_outside, others_of
 from analysis.photometric.orientation_search import search_orientation, turns
 from analysis.photometric.pose import fit_pose
@@ -85,7 +86,8 @@ class Follower:
                 self._film.centre[i, k] = centres[i]
                 self._film.placed[i, k] = True
             costs = [self._search(i, k) for i in (0, 1)]
-            if max(costs) < MOST_COST:
+            there = [confirmed(self._sight(i, k), self._stance(i, k)) for i in (0, 1)]
+            if max(costs) < MOST_COST and all(there):
                 return k
             self._film.placed[:, k] = False
         what = f"chi-squared {max(costs):.1f} a pixel" if costs else "no two discs of their size"
@@ -174,7 +176,7 @@ class Follower:
             self._attract(i, k)
         cost = self._fit(i, k)
         for widen in (False, True):
-            if cost <= most:
+            if cost <= most and confirmed(self._sight(i, k), self._stance(i, k)):
                 break
             kept = Stance(*(part.copy() for part in self._stance(i, k)))
             self._predict(i, k, step, times_s)

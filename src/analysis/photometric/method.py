@@ -23,6 +23,7 @@ from analysis.tracking import Tracking, track_spheres
 Floats = NDArray[np.float64]
 
 LAST_LIMITS = np.array([6.0, 6.0])
+LEAST_PLACED = 6
 
 Frames = tuple[NDArray[np.uint8], Floats]
 """Grey levels (frames, rows, columns) and times, s (frames,), of one shot."""
@@ -66,6 +67,8 @@ def learned_film(
     film, guess = first_film(frames, times_s, start, setup)
     known = learn(film, guess, hold_scale=setup.camera.scale_px_per_m is not None)
     fit_film(film, known, LAST_LIMITS)
+    drop_misfits(film, known, LAST_LIMITS[-1])
+    refuse_few(film)
     return film, known
 
 
@@ -82,7 +85,26 @@ def followed_film(frames: NDArray[np.uint8], times_s: Floats, known: Knowledge) 
     Follower(film, known).run(times_s)
     film.refresh(known)
     fit_film(film, known, LAST_LIMITS)
+    drop_misfits(film, known, LAST_LIMITS[-1])
+    refuse_few(film)
     return film
+
+
+def refuse_few(film: Film) -> None:
+    """Refuse a film in which too few frames of a sphere are believed.
+
+    Raises
+    ------
+    ShotRefusedError
+        With the sphere and the number.
+    """
+    for name, placed in zip("ab", film.placed, strict=True):
+        if placed.sum() < LEAST_PLACED:
+            raise ShotRefusedError(
+                "assignment",
+                f"sphere {name} looks as it was learned in {int(placed.sum())} frames, "
+                f"{LEAST_PLACED} are needed",
+            )
 
 
 def measure_poses(
@@ -102,5 +124,4 @@ def measure_poses(
             film = followed_film(frames, times_s, known)
     if film is None or known is None:
         film, known = learned_film(frames, times_s, setup)
-    drop_misfits(film, LAST_LIMITS[-1])
     return tracking_of(film, known, times_s, setup.gravity_m_per_s2), known
