@@ -79,11 +79,12 @@ class Sweep(StrictModel):
     )
     note: str = Field(default="", max_length=1000, description="what the sweep is for")
     repeat: Repeat = Field(default=1, description="how often all is fired, grid and list alike")
-    shuffle_seed: int | None = Field(
-        default=None, ge=0, lt=2**63, description="shuffles the shots; without it, as written"
+    shuffle: bool = Field(
+        default=True, description="fire in a drawn order, so that a drift is no effect of a setting"
     )
-    settling_s: float = Field(
-        default=0.0, ge=0, le=3600, description="rest before each shot beyond the rig's own, s"
+    seed: int = Field(default=0, ge=0, lt=2**63, description="draws the order")
+    settle_s: float = Field(
+        default=0.0, ge=0, le=3600, description="wait between settings reached and fire, s"
     )
     grid: Grid | None = Field(default=None, description="every combination of some values")
     shots: list[RepeatedShot] = Field(
@@ -112,14 +113,14 @@ class Sweep(StrictModel):
     def steps(self) -> list[ShotSettings]:
         """Return the settings of every shot in the order of firing.
 
-        The grid comes before the list, and all of it again for each repeat. With a seed the whole
-        is shuffled; the same seed gives the same order.
+        The grid comes before the list, and all of it again for each repeat; then the whole is
+        shuffled. The same seed gives the same order.
         """
         once = self.grid.settings() if self.grid else []
         once += [shot.settings() for shot in self.shots for _ in range(shot.repeat)]
         every = once * self.repeat
-        if self.shuffle_seed is not None:
-            random.Random(self.shuffle_seed).shuffle(every)
+        if self.shuffle:
+            random.Random(self.seed).shuffle(every)
         return every
 
 
