@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from rigctl.command_line.options import Json, OwnEffects
+from rigctl.command_line.options import Config, Json, OwnEffects
 
 model = typer.Typer(help="Compare a campaign with the model; find the effect it lacks.")
 
@@ -89,6 +89,43 @@ def model_explain(
         from rigctl.commands.model.pictures import draw_explanation
 
         _say_written(draw_explanation(out, *found))
+
+
+@model.command("next")
+def model_next(
+    campaign: Campaign,
+    *,
+    between: Annotated[
+        tuple[str, str] | None,
+        typer.Option(help="Two effects to tell apart; none is the base model."),
+    ] = None,
+    sharpen: Annotated[
+        str | None, typer.Option(help="A parameter to make surer: e, mu, beta0, effect.symbol.")
+    ] = None,
+    to: Annotated[
+        float | None,
+        typer.Option(min=1e-12, help="Its standard error to reach; without it half of what it is."),
+    ] = None,
+    probability: Annotated[
+        float, typer.Option(min=0.55, max=0.999, help="Of naming the right one of two.")
+    ] = 0.9,
+    effects: With = None,
+    folder: OwnEffects = None,
+    out: Annotated[Path | None, typer.Option(help="Write the shots as a sweep file.")] = None,
+    config: Config = None,
+    json: Json = False,
+) -> None:
+    """Choose the next shots: to tell two effects apart, or to sharpen a parameter."""
+    from rigctl.commands.model.next import Question, next_shots
+
+    next_shots(
+        campaign,
+        Question(between, sharpen, to, tuple(effects or ()), probability),
+        as_json=json,
+        folder=folder,
+        out=out,
+        configuration=config,
+    )
 
 
 def _say_written(paths: list[Path]) -> None:
