@@ -16,13 +16,14 @@ from analysis.effects.effect import Effect
 from analysis.model.agreement.agree import agree
 from analysis.model.agreement.document import agreement_document, structure_document
 from analysis.model.documents import fit_document, ranking_document
-from analysis.model.fit import Fit, fit_campaign
-from analysis.model.inside import without_contact_frames
+from analysis.model.fit import Fit
+from analysis.model.judged import judged
 from analysis.model.poses import PoseData
 from analysis.model.ranking import rank
 from analysis.model.report import verdict_document
 from analysis.model.selection import explain
 from analysis.model.structure import structure
+from analysis.model.tables import Data
 from rigctl.campaigns import MeasuredFiles, poses_from
 from rigctl.errors import NotFoundError
 
@@ -90,11 +91,8 @@ def _poses(asked: Json, say: Say) -> PoseData:
     return poses_from(asked["campaign"], files)
 
 
-def _fitted(asked: Json, say: Say) -> tuple[PoseData, Fit, Json]:
-    data = without_contact_frames(_poses(asked, say))
-    say("fitting the base model", None)
-    fitted = fit_campaign(data)
-    for name in asked["with"]:
-        say(f"adding {name}", None)
-        fitted = fit_campaign(data, fitted.theory.with_effect(effect_named(name)), fitted)
-    return data, fitted, fit_document(asked["campaign"], asked["with"], fitted)
+def _fitted(asked: Json, say: Say) -> tuple[Data, Fit, Json]:
+    poses = _poses(asked, say)
+    say(f"fitting {', '.join(['the base model', *asked['with']])}", None)
+    found = judged(poses, [effect_named(name) for name in asked["with"]])
+    return found.data, found.fit, fit_document(asked["campaign"], asked["with"], found)

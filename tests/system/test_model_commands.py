@@ -20,12 +20,12 @@ ENDS_WITHIN_S = 100.0
 STRETCH = 0.004
 FIT = {
     *("campaign", "shots", "with", "chi2_per_dof", "degrees_of_freedom", "converged", "parameters"),
-    "faults",
+    *("faults", "noise", "rejected", "rejected_frames"),
 }
 EXPLAIN = {
     *("campaign", "shots", "used", "rejected", "rejected_frames", "verdict", "effects"),
     *("alias_set", "unexplained", "chi2_per_dof", "path", "parameters", "candidates"),
-    *("structure", "next_shots", "faults"),
+    *("noise", "structure", "next_shots", "faults"),
 }
 pytestmark = pytest.mark.timeout(300)
 

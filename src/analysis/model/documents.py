@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from analysis.model.fit import Fit
+from analysis.model.judged import Judged
 from analysis.model.ranking import Candidate, Ranking
 from analysis.quantity import Quantity
 
@@ -15,17 +15,26 @@ SHOWN_ALIAS = 0.9
 """Effects whose traces in the residuals correlate more than this are named as alike."""
 
 
-def fit_document(title: str, names: Sequence[str], fit: Fit) -> Json:
+def fit_document(title: str, names: Sequence[str], found: Judged) -> Json:
     """Return a campaign's fit with the effects that were added, by name."""
+    fit = found.fit
     return {
         "campaign": title,
         "shots": len(fit.shot_chi2),
+        "rejected": found.rejected,
+        "rejected_frames": [list(frame) for frame in found.evidence.cleaned.frames],
+        "noise": noise_document(found.evidence.noise),
         "with": list(names),
         "chi2_per_dof": fit.chi2_per_dof,
         "degrees_of_freedom": fit.freedom,
         "converged": fit.converged,
         "parameters": {name: q.to_json() for name, q in fit.parameters().items()},
     }
+
+
+def noise_document(noise: tuple[float, float]) -> Json:
+    """Return by what stated sigmas were multiplied."""
+    return {"position": noise[0], "orientation": noise[1]}
 
 
 def ranking_document(ranked: Ranking) -> list[Json]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from analysis.model.documents import noise_document
 from analysis.model.lackoffit import Cell
 from analysis.model.ranking import Candidate, Ranking
 from analysis.model.selection import UNEXPLAINED_LEVEL, Verdict
@@ -38,6 +39,7 @@ def verdict_document(campaign: str, data: Data, verdict: Verdict) -> Json:
         ],
         "parameters": {name: q.to_json() for name, q in verdict.fit.parameters().items()},
         "candidates": candidates_document(verdict.first_ranking),
+        "noise": noise_document(verdict.noise),
         "structure": [_cell(cell) for cell in verdict.cells if cell.p_holm < UNEXPLAINED_LEVEL],
         "next_shots": [],
     }

@@ -8,9 +8,8 @@ from pathlib import Path
 import pytest
 
 from analysis.effects.catalogue import CATALOGUE
-from analysis.model.fit import fit_campaign
 from analysis.model.gather import gather
-from analysis.model.inside import without_contact_frames
+from analysis.model.judged import judged
 from rigctl.campaigns import measured_files
 from rigctl.errors import NotFoundError
 from rigctl.modelling import effect_named, fit_job, ranking_job, request
@@ -28,15 +27,13 @@ def test_a_fit_of_stored_shots_is_that_of_their_folder(
         request("nylon", measured_files(store, "nylon"), ["drag"]),
         lambda text, share: said.append(text),
     )
-    data = without_contact_frames(gather(folder)[1])
-    base = fit_campaign(data)
     drag = next(effect for effect in CATALOGUE if effect.name == "drag")
-    wanted = fit_campaign(data, base.theory.with_effect(drag), base)
+    wanted = judged(gather(folder)[1], [drag]).fit
     assert (document["campaign"], document["shots"], document["with"]) == ("nylon", 4, ["drag"])
     assert document["chi2_per_dof"] == pytest.approx(wanted.chi2_per_dof, rel=1e-9)
     values = {name: q["value"] for name, q in document["parameters"].items()}
     assert values == pytest.approx({n: q.value for n, q in wanted.parameters().items()}, rel=1e-6)
-    assert said == ["reading the poses", "fitting the base model", "adding drag"]
+    assert said == ["reading the poses", "fitting the base model, drag"]
 
 
 def test_a_ranking_names_every_effect_that_is_not_in_the_fit(store: Store, keep: Keep) -> None:

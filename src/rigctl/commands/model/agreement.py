@@ -73,7 +73,7 @@ def agreement(
         raise refused(error.fault) from error
     faults = tell(known.faults)
     if as_json:
-        document = fit_document(found.title, found.names, found.fit)
+        document = fit_document(found.title, found.names, found.judged)
         document |= agreement_document(compared)
         document |= {"structure": structure_document(left), "plane": plane.to_json()}
         print_json({**document, "faults": faults})

@@ -33,7 +33,7 @@ def fit(campaign: Path, names: Sequence[str], *, as_json: bool, folder: Path | N
     found = fitted(campaign, names, known)
     faults = tell(known.faults)
     if as_json:
-        document = fit_document(found.title, found.names, found.fit)
+        document = fit_document(found.title, found.names, found.judged)
         print_json({**document, "faults": faults})
         return
     console = Console(width=TABLE_WIDTH)

@@ -14,13 +14,14 @@ TABLE_WIDTH = 110
 
 
 def headline(fitted: Fitted) -> str:
-    """Say in one line what was fitted and how well."""
+    """Say what was fitted, how well, and what was left out."""
     fit = fitted.fit
     shots = len(fit.shot_chi2)
-    return (
+    first = (
         f"{fitted.title}: {shots} shots, chi-squared per degree of freedom {fit.chi2_per_dof:.4f} "
         f"(sampling error {math.sqrt(2 / max(fit.freedom, 1)):.4f})"
     )
+    return "\n".join([first, *fitted.judged.remarks()])
 
 
 def print_json(document: Json) -> None:

@@ -49,7 +49,7 @@ def ranking(
         raise refused(error.fault) from error
     faults = tell([*known.faults, *dropped])
     if as_json:
-        document = fit_document(found.title, found.names, found.fit)
+        document = fit_document(found.title, found.names, found.judged)
         print_json({**document, "candidates": ranking_document(ranked), "faults": faults})
         return found.title, ranked
     console = Console(width=TABLE_WIDTH)

@@ -10,8 +10,8 @@ from rich.console import Console
 
 from analysis.effects.effect import Effect
 from analysis.effects.own.fault import EffectFault
-from analysis.model.fit import Fit, fit_campaign
-from analysis.model.inside import without_contact_frames
+from analysis.model.fit import Fit
+from analysis.model.judged import Judged, judged
 from analysis.model.ranking import rank
 from analysis.model.tables import ContactTable, Data
 from rigctl.campaigns import open_campaign
@@ -21,12 +21,21 @@ from rigctl.errors import AnalysisInputError
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Fitted:
-    """A campaign with a fit: its name, the effects that were added, its poses, the fit."""
+    """A campaign with a fit: its name, the effects that were added, what was fitted and how."""
 
     title: str
     names: tuple[str, ...]
-    data: Data
-    fit: Fit
+    judged: Judged
+
+    @property
+    def data(self) -> Data:
+        """What was fitted."""
+        return self.judged.data
+
+    @property
+    def fit(self) -> Fit:
+        """The fit."""
+        return self.judged.fit
 
 
 def opened(campaign: Path) -> tuple[str, Data]:
@@ -61,22 +70,19 @@ def fitted(campaign: Path, names: Sequence[str], known: Available) -> Fitted:
     """
     added = [known.named(name, "--with") for name in names]
     title, found = opened(campaign)
-    data = without_contact_frames(found)
-    fit = fit_campaign(data)
     try:
-        for effect in added:
-            _require_seen(data, fit, effect)
-            fit = fit_campaign(data, fit.theory.with_effect(effect), fit)
+        if isinstance(found, ContactTable):
+            base = judged(found)
+            for effect in added:
+                _require_seen(base, effect)
+        return Fitted(title, tuple(names), judged(found, added))
     except EffectFault as error:
         raise refused(error.fault) from error
-    return Fitted(title, tuple(names), data, fit)
 
 
-def _require_seen(data: Data, fit: Fit, effect: Effect) -> None:
+def _require_seen(base: Judged, effect: Effect) -> None:
     """Refuse an effect on which a table of contacts holds nothing: its value would be arbitrary."""
-    if not isinstance(data, ContactTable):
-        return
-    candidates = rank(data, fit, [effect]).candidates
+    candidates = rank(base.data, base.fit, [effect]).candidates
     if candidates and not candidates[0].seen:
         raise AnalysisInputError(
             "this effect cannot be seen in tabulated contacts",

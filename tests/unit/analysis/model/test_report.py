@@ -17,7 +17,7 @@ from tests.unit.analysis.model.hard_spheres import Hidden, campaign
 KEYS = {
     *("campaign", "shots", "used", "rejected", "rejected_frames", "verdict", "effects"),
     *("alias_set", "unexplained", "chi2_per_dof", "path", "parameters", "candidates"),
-    *("structure", "next_shots"),
+    *("noise", "structure", "next_shots"),
 }
 CANDIDATE = {
     *("effect", "score", "p_value", "p_familywise", "promised_fall"),
