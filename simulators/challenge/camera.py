@@ -32,10 +32,10 @@ def apparent(centres: Floats, times_s: Floats, nature: Nature, optics: Optics) -
     front, top = _images(centres, nature, optics)
     shake = nature.shake_px * np.sin(2.0 * np.pi * nature.shake_hz * times_s)[:, :, None]
     seen = np.empty_like(centres)
-    row, column = _picture(*front, nature, optics)
+    row, column = picture(*front, nature, optics)
     seen[..., 0] = (row + shake - optics.front_origin_px[0]) / scale
     seen[..., 1] = (column - optics.front_origin_px[1]) / scale
-    row, _ = _picture(*top, nature, optics)
+    row, _ = picture(*top, nature, optics)
     seen[..., 2] = (optics.top_origin_px[0] - row - shake) / scale
     return seen
 
@@ -53,8 +53,11 @@ def _images(
     return front, top
 
 
-def _picture(row: Floats, column: Floats, nature: Nature, optics: Optics) -> tuple[Floats, Floats]:
-    """Return pixels as the lens, the roll of the camera and the shape of its pixels leave them."""
+def picture(row: Floats, column: Floats, nature: Nature, optics: Optics) -> tuple[Floats, Floats]:
+    """Return pixels as the lens, the roll of the camera and the shape of its pixels leave them.
+
+    Rows and columns are of any shape; integers are pixel centres.
+    """
     down, across = row - (optics.rows - 1) / 2.0, column - (optics.columns - 1) / 2.0
     corner = ((optics.rows - 1) ** 2 + (optics.columns - 1) ** 2) / 4.0
     radial = 1.0 + nature.distortion * (down**2 + across**2) / corner

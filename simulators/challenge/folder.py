@@ -7,8 +7,13 @@ from collections.abc import Iterable, Iterator
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
+import numpy as np
+import tifffile
+from numpy.typing import NDArray
+
 from simulators.challenge.camera import OPTICS
 from simulators.challenge.campaign import FRAME_RATE_HZ, Campaign
+from simulators.challenge.launch import Settings
 from simulators.world.description import WorldDescription
 from simulators.world.exchange import campaign_toml
 
@@ -28,11 +33,30 @@ def write_folder(folder: Path, campaign: Campaign) -> None:
     OSError
         The folder cannot be written.
     """
+    _describe(folder, campaign.settings)
+    _write(folder / "poses.csv", _POSES, _poses(campaign))
+
+
+def write_frames(folder: Path, settings: Settings, shots: Iterable[NDArray[np.uint8]]) -> None:
+    """Write campaign.toml, shots.csv and the frames (F, rows, columns) of each shot.
+
+    Raises
+    ------
+    OSError
+        The folder cannot be written.
+    """
+    _describe(folder, settings)
+    (folder / "frames").mkdir()
+    for shot, frames in enumerate(shots, start=1):
+        path = folder / "frames" / f"{shot:04d}.tiff"
+        tifffile.imwrite(path, frames, photometric="minisblack", metadata=None, compression="zlib")
+
+
+def _describe(folder: Path, settings: Settings) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     description = campaign_toml(folder.name, WorldDescription(optics=OPTICS), FRAME_RATE_HZ)
     (folder / "campaign.toml").write_text(description, encoding="utf-8")
-    _write(folder / "shots.csv", _SHOTS, _shots(campaign))
-    _write(folder / "poses.csv", _POSES, _poses(campaign))
+    _write(folder / "shots.csv", _SHOTS, _shots(settings))
 
 
 def _write(path: Path, names: Iterable[str], rows: Iterable[Iterable[object]]) -> None:
@@ -42,8 +66,7 @@ def _write(path: Path, names: Iterable[str], rows: Iterable[Iterable[object]]) -
         writer.writerows(rows)
 
 
-def _shots(campaign: Campaign) -> Iterator[list[object]]:
-    settings = campaign.settings
+def _shots(settings: Settings) -> Iterator[list[object]]:
     noted = zip(
         settings.pressure_kpa.tolist(),
         settings.offset_mm.tolist(),

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from simulators.challenge.effects import HIDDEN, STRENGTHS, Hidden
+from simulators.challenge.law import IN_CONTACT
 
 _NOTHING, _OUTSIDE, _TWO, _ONE = 0.1, 0.15, 0.2, 0.55
 """How often nothing is hidden, something outside every catalogue, two effects, one."""
@@ -38,6 +39,12 @@ def draw_label(rng: np.random.Generator, strength: str) -> Amplitudes:
             others = [effect for effect in known if effect.acts_on != chosen[0].acts_on]
             chosen.append(_one(rng, others))
     return {effect.name: factor * _signed(rng, effect) for effect in chosen}
+
+
+def draw_in_contact(rng: np.random.Generator, name: str | None = None) -> Amplitudes:
+    """Draw one effect that acts in the contact, or the sign of the named one, at full strength."""
+    effect = _one(rng, [HIDDEN[each] for each in ([name] if name else IN_CONTACT)])
+    return {effect.name: _signed(rng, effect)}
 
 
 def label_document(amplitudes: Amplitudes) -> dict[str, Any]:

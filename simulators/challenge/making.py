@@ -7,10 +7,13 @@ from pathlib import Path
 
 import numpy as np
 
-from simulators.challenge.campaign import run_campaign
+from simulators.challenge.camera import OPTICS
+from simulators.challenge.campaign import fire, run_campaign
 from simulators.challenge.effects import STRENGTHS, switched
-from simulators.challenge.folder import write_folder
+from simulators.challenge.folder import write_folder, write_frames
 from simulators.challenge.label import Amplitudes, draw_label, label_document
+from simulators.challenge.launch import FILMED_PRESSURES_KPA
+from simulators.challenge.pictures import filmed
 from simulators.challenge.seal import write_seal
 
 FEWEST_SHOTS, MOST_SHOTS = 3, 10_000
@@ -18,7 +21,12 @@ _LABEL, _SALT, _CAMPAIGN = range(3)
 
 
 def new_challenge(
-    folder: Path, *, seed: int | None = None, strength: str = "full", shots: int = 120
+    folder: Path,
+    *,
+    seed: int | None = None,
+    strength: str = "full",
+    shots: int = 120,
+    from_frames: bool = False,
 ) -> None:
     """Draw what to hide and write the campaign with its seal.
 
@@ -38,13 +46,21 @@ def new_challenge(
         raise ValueError(f"the seed must not be negative, found {seed}")
     if strength not in STRENGTHS:
         raise ValueError(f"strength must be one of {', '.join(STRENGTHS)}, found {strength!r}")
-    write_challenge(
-        folder, draw_label(np.random.default_rng([seed, _LABEL]), strength), seed, shots
-    )
+    label = draw_label(np.random.default_rng([seed, _LABEL]), strength)
+    write_challenge(folder, label, seed, shots, from_frames=from_frames)
 
 
-def write_challenge(folder: Path, amplitudes: Amplitudes, seed: int, shots: int = 120) -> None:
+def write_challenge(
+    folder: Path,
+    amplitudes: Amplitudes,
+    seed: int,
+    shots: int = 120,
+    *,
+    from_frames: bool = False,
+) -> None:
     """Write a campaign that hides the named effects, at these amplitudes, with its seal.
+
+    Poses with noise, or frames of the same shots.
 
     Raises
     ------
@@ -57,8 +73,12 @@ def write_challenge(folder: Path, amplitudes: Amplitudes, seed: int, shots: int 
         raise ValueError(f"{folder} holds something already; name a folder that is not there")
     if not FEWEST_SHOTS <= shots <= MOST_SHOTS:
         raise ValueError(f"shots must be {FEWEST_SHOTS} to {MOST_SHOTS}, found {shots}")
-    campaign = run_campaign(switched(amplitudes), _derived(seed, _CAMPAIGN), shots=shots)
-    write_folder(folder, campaign)
+    nature, campaign_seed = switched(amplitudes), _derived(seed, _CAMPAIGN)
+    if from_frames:
+        fired = fire(nature, campaign_seed, shots=shots, pressures_kpa=FILMED_PRESSURES_KPA)
+        write_frames(folder, fired.settings, filmed(fired, nature, OPTICS, campaign_seed))
+    else:
+        write_folder(folder, run_campaign(nature, campaign_seed, shots=shots))
     write_seal(folder, label_document(amplitudes), np.random.default_rng([seed, _SALT]))
 
 

@@ -58,11 +58,22 @@ class Encounter:
         return self.path_a.at(time_s), self.path_b.at(time_s)
 
 
-def simulate(description: WorldDescription, launch: Launch, rng: np.random.Generator) -> Encounter:
+Law = Callable[[Touch], Contact]
+"""What two touching spheres do to each other."""
+
+
+def simulate(
+    description: WorldDescription,
+    launch: Launch,
+    rng: np.random.Generator,
+    law: Law | None = None,
+) -> Encounter:
     """Fire both pushers, and follow the spheres until they are out of every view.
 
     Spheres meet once at most: after parting they share gravity, and drag cannot turn them back.
+    Without a `law` of its own the contact is that of the description.
     """
+    law = partial(collide, law=description.contact) if law is None else law
     tube = description.tube
     low, high = tube.height_m + launch.offset_m / 2.0, tube.height_m - launch.offset_m / 2.0
     delay_s = launch.fire_b_s - launch.fire_a_s
@@ -71,7 +82,7 @@ def simulate(description: WorldDescription, launch: Launch, rng: np.random.Gener
     a = depart(tube_a, launch.pressure_a_kpa, 0.0, rng)
     b = depart(tube_b, launch.pressure_b_kpa, delay_s, rng)
     if a is not None and b is not None:
-        return _meet(description, (a, b))
+        return _meet(description, (a, b), law)
     return Encounter(
         _alone(description.environment, a, description.sphere_a),
         _alone(description.environment, b, description.sphere_b),
@@ -98,7 +109,9 @@ def _until(
     return flight.at(end_s)[0], (in_tube, Stretch(leaving.exit_s, partial(flight.pose, 0)))
 
 
-def _meet(description: WorldDescription, leaving: tuple[Departure, Departure]) -> Encounter:
+def _meet(
+    description: WorldDescription, leaving: tuple[Departure, Departure], law: Law
+) -> Encounter:
     environment = description.environment
     spheres = (description.sphere_a, description.sphere_b)
     start_s = max(leaving[0].exit_s, leaving[1].exit_s)
@@ -109,7 +122,7 @@ def _meet(description: WorldDescription, leaving: tuple[Departure, Departure]) -
     phases: list[Flight | Contact] = [flight]
     contact = None
     if flight.touch_s is not None:
-        contact = collide(_touch(flight, flight.touch_s, spheres, environment), description.contact)
+        contact = law(_touch(flight, flight.touch_s, spheres, environment))
         after = fly(contact.motions[-1], spheres, contact.end_s, end_s, environment)
         phases += [contact, after]
     return Encounter(

@@ -48,6 +48,8 @@ class Optics:
         Shutter time; a picture is the mean over it, centred on the picture's time.
     noise_grey
         Standard deviation of the read noise in grey levels.
+    mirror_rad
+        Turn of the mirror about Y from 45 degrees; what it shows turns by twice that.
     """
 
     rows: int = 192
@@ -65,6 +67,7 @@ class Optics:
     blur_px: float = 0.8
     exposure_s: float = 1.0e-4
     noise_grey: float = 1.5
+    mirror_rad: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,7 +95,8 @@ def front_view(optics: Optics) -> View:
 
 def top_view(optics: Optics) -> View:
     """Return the view from above in the mirror: rows against Z, columns along Y."""
-    axes = np.array([[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
+    sine, cosine = np.sin(2.0 * optics.mirror_rad), np.cos(2.0 * optics.mirror_rad)
+    axes = np.array([[sine, 0.0, -cosine], [0.0, 1.0, 0.0], [-cosine, 0.0, -sine]])
     return View(axes, optics.top_origin_px, optics.top_light)
 
 

@@ -79,10 +79,7 @@ class Camera:
         rows: int | None = None,
     ) -> NDArray[np.uint8]:
         """Return the picture (rows, columns) with read noise, rounded and clipped to 8 bit."""
-        light = self.expose(poses, time_s, rows)
-        noise = rng.standard_normal(light.shape, dtype=np.float32)
-        grey = light + np.float32(self.optics.noise_grey) * noise
-        return np.clip(np.rint(grey), 0, 255).astype(np.uint8)
+        return digitised(self.expose(poses, time_s, rows), self.optics.noise_grey, rng)
 
     def _instants(self, poses: Poses, time_s: float) -> list[float]:
         """Spread instants over the exposure, so that no image moves far between two."""
@@ -153,6 +150,15 @@ class Camera:
                     )
                 )
         return discs
+
+
+def digitised(
+    light: NDArray[np.float32], noise_grey: float, rng: np.random.Generator
+) -> NDArray[np.uint8]:
+    """Return light (rows, columns) as a picture: with read noise, rounded, clipped to 8 bit."""
+    noise = rng.standard_normal(light.shape, dtype=np.float32)
+    grey = light + np.float32(noise_grey) * noise
+    return np.clip(np.rint(grey), 0, 255).astype(np.uint8)
 
 
 def _background(optics: Optics) -> NDArray[np.float32]:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from simulators.world.chance import marked_camera, noise_chance, shot_chance
 from simulators.world.description import WorldDescription
-from simulators.world.encounter import Encounter, simulate
+from simulators.world.encounter import Encounter, Law, simulate
 from simulators.world.launch import Launch
 from simulators.world.state import Pose
 from simulators.world.truth import append_line, contact_truth
@@ -59,12 +59,20 @@ class World:
     truth_folder
         Made if absent. `fires.jsonl` gets one line a fire before `fire` returns, on the disk;
         `truth.jsonl` one line a shot once it has been worked out.
+    law
+        Of the contact; None: the description's.
     """
 
-    def __init__(self, description: WorldDescription, seed: int, truth_folder: Path) -> None:
+    def __init__(
+        self,
+        description: WorldDescription,
+        seed: int,
+        truth_folder: Path,
+        law: Law | None = None,
+    ) -> None:
         self.description = description
         self.truth_folder = truth_folder
-        self._seed = seed
+        self._seed, self._law = seed, law
         truth_folder.mkdir(parents=True, exist_ok=True)
         self._lock = threading.Lock()
         self._truth_lock = threading.Lock()
@@ -117,7 +125,8 @@ class World:
 
     def _work_out(self, shot: int, fired: _Fired) -> None:
         try:
-            encounter = simulate(self.description, fired.launch, shot_chance(self._seed, shot))
+            chance = shot_chance(self._seed, shot)
+            encounter = simulate(self.description, fired.launch, chance, self._law)
             with self._truth_lock:
                 append_line(self.truth_folder / "truth.jsonl", self._truth(shot, fired, encounter))
         except Exception as error:  # noqa: BLE001 - whoever asks for a picture is told

@@ -12,6 +12,9 @@ from rigctl.command_line.options import Json
 
 challenge = typer.Typer(help="A campaign that hides an effect, your answer, and the truth.")
 
+SHOTS, FILMED_SHOTS = 120, 30
+"""How many without further word: poses, frames."""
+
 Folder = Annotated[Path, typer.Argument(help="Folder of the challenge.")]
 
 
@@ -32,12 +35,20 @@ def challenge_new(
     strength: Annotated[
         Strength, typer.Option(help="Of what is hidden: as a rig would have it, or a quarter.")
     ] = Strength.FULL,
-    shots: Annotated[int, typer.Option(min=3, max=10_000, help="Number of shots.")] = 120,
+    shots: Annotated[
+        int | None,
+        typer.Option(min=3, max=10_000, help="Number; without it 120, or 30 from frames."),
+    ] = None,
+    from_frames: Annotated[
+        bool, typer.Option("--from-frames", help="Frames in the place of poses.")
+    ] = False,
 ) -> None:
-    """Write a campaign of poses that hides an effect, or two, or none."""
+    """Write a campaign that hides an effect, or two, or none."""
     from rigctl.commands.challenge import new
 
-    new(folder, seed=seed, strength=strength.value, shots=shots)
+    if shots is None:
+        shots = FILMED_SHOTS if from_frames else SHOTS
+    new(folder, seed=seed, strength=strength.value, shots=shots, from_frames=from_frames)
     typer.echo(f"{folder}: {shots} shots; answer with rigctl challenge commit {folder}")
 
 

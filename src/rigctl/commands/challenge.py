@@ -35,7 +35,9 @@ Outcome = Literal["right", "alias", "partly", "wrong"]
 class Maker(Protocol):
     """What `MAKER` names."""
 
-    def __call__(self, folder: Path, *, seed: int | None, strength: str, shots: int) -> None:
+    def __call__(
+        self, folder: Path, *, seed: int | None, strength: str, shots: int, from_frames: bool
+    ) -> None:
         """Write a campaign with its seal; raise ValueError for what cannot be."""
 
 
@@ -71,8 +73,10 @@ class Answer(StrictModel):
     answer: Annotated[list[str], Field(min_length=1)]
 
 
-def new(folder: Path, *, seed: int | None, strength: str, shots: int) -> None:
-    """Write a campaign that hides something, with its seal.
+def new(
+    folder: Path, *, seed: int | None, strength: str, shots: int, from_frames: bool = False
+) -> None:
+    """Write a campaign of poses, or of frames, that hides something, with its seal.
 
     Raises
     ------
@@ -85,7 +89,7 @@ def new(folder: Path, *, seed: int | None, strength: str, shots: int) -> None:
     # What a name stands for has no type before it is loaded.
     make = cast("Maker", getattr(importlib.import_module(module), name))
     try:
-        make(folder, seed=seed, strength=strength, shots=shots)
+        make(folder, seed=seed, strength=strength, shots=shots, from_frames=from_frames)
     except ValueError as error:
         raise SettingsError(str(error), part="challenge new") from error
     except OSError as error:
