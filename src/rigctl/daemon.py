@@ -18,7 +18,8 @@ from rigctl.errors import ConfigurationError
 from rigctl.jobs import Jobs
 from rigctl.rig.machine import Rig
 from rigctl.rig.recovery import Recovery
-from rigctl.store import Store
+from rigctl.store import Store, SweepRecord
+from rigctl.sweeps.runner import SweepRunner
 
 LABORATORY_FOLDER = "laboratory"
 """Folder of the simulated laboratory, inside the store's."""
@@ -36,7 +37,8 @@ class Daemon:
     """A running rig: what it is, what acts, what survives, and what the start had to clear up.
 
     `laboratory` is what stands behind a simulated rig, None on a real one; `analyse` queues a
-    stored shot for analysis and returns at once; `jobs` is whatever else takes long.
+    stored shot for analysis and returns at once; `jobs` is whatever else takes long; `offered` are
+    the sweeps that wait to be resumed.
     """
 
     configuration: Configuration
@@ -46,14 +48,16 @@ class Daemon:
     laboratory: Laboratory | None
     analyse: Callable[[str], None]
     jobs: Jobs
+    sweeps: SweepRunner
+    offered: tuple[SweepRecord, ...]
 
 
 @contextmanager
 def open_daemon(configuration: Configuration) -> Iterator[Daemon]:
     """Open the store, the devices and the rig; close them all when the block ends, however it does.
 
-    On the way out a shot under way ends within its bounds, the trigger is made safe and the power
-    is cut (where a cut lets no sphere go), before anything is closed.
+    On the way out a sweep is paused, a shot under way ends within its bounds, the trigger is made
+    safe and the power is cut (where a cut lets no sphere go), before anything is closed.
 
     Raises
     ------
@@ -83,6 +87,9 @@ def open_daemon(configuration: Configuration) -> Iterator[Daemon]:
         rig = Rig(configuration, devices, capture, store, analyse=analyser.submit)
         opened.callback(rig.close)
         recovery = rig.recover()
+        sweeps = SweepRunner(rig, store, configuration)
+        opened.callback(sweeps.close)
+        offered = sweeps.recover()
         yield Daemon(
             configuration=configuration,
             rig=rig,
@@ -91,6 +98,8 @@ def open_daemon(configuration: Configuration) -> Iterator[Daemon]:
             laboratory=laboratory,
             analyse=analyser.submit,
             jobs=jobs,
+            sweeps=sweeps,
+            offered=offered,
         )
 
 

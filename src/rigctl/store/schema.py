@@ -80,6 +80,7 @@ sweeps = Table(
     Column("state", Text, nullable=False),
     Column("reason", Text, nullable=False),
     Column("form", Text, nullable=False),
+    Column("rules", Text, nullable=False),
     Column("campaign", Text),
     Column("actor", Text, nullable=False),
     Column("accepted_at", Text, nullable=False),

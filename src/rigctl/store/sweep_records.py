@@ -19,12 +19,15 @@ class NewSweep:
         Settings of each step in the order of firing.
     form
         JSON text of what was asked for, from which the steps were made.
+    rules
+        JSON text of how it is run (`rigctl.sweeps.plan.Rules`).
     actor, accepted_at
         Who asked for it, and when (UTC; it dates the sweep's name).
     """
 
     steps: tuple[ShotSettings, ...]
     form: str
+    rules: str
     campaign: str | None
     actor: str
     accepted_at: datetime
@@ -40,8 +43,8 @@ class SweepRecord:
         `YYYYMMDD-sNNNN` (UTC date and number); the number rises through restarts.
     reason
         Why it stands where it does, in one sentence.
-    form
-        JSON text of what was asked for.
+    form, rules
+        JSON texts: what was asked for, and how it is run.
     counts
         How many of its steps stand in each state; states without a step are left out.
     ended_at
@@ -53,6 +56,7 @@ class SweepRecord:
     state: SweepState
     reason: str
     form: str
+    rules: str
     campaign: str | None
     actor: str
     accepted_at: datetime

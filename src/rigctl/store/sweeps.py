@@ -55,7 +55,7 @@ class Sweeps:
             new = describe()
             number = (connection.execute(select(func.max(sweeps.c.number))).scalar_one() or 0) + 1
             connection.execute(insert(sweeps).values(_row(new, number, key, body_hash)))
-            _append(connection, number, new.steps)
+            connection.execute(insert(sweep_steps), _steps(number, new.steps))
             return _one(connection, _name(new.accepted_at, number)), False
 
     def sweep(self, sweep: str) -> SweepRecord:
@@ -179,12 +179,6 @@ class Sweeps:
             values = {"state": to, "shot": shot, "ended_at": at.isoformat(), "failure": failure}
             return _changed(connection, number, step, values)
 
-    def append(self, sweep: str, settings: ShotSettings) -> StepRecord:
-        """Add a step behind the last one and return it."""
-        with self._database.writing() as connection:
-            number = _one(connection, sweep).number
-            return _append(connection, number, (settings,))
-
 
 def _name(accepted_at: datetime, number: int) -> str:
     return f"{accepted_at:%Y%m%d}-s{number:04d}"
@@ -199,29 +193,24 @@ def _row(new: NewSweep, number: int, key: str, body_hash: str) -> dict[str, obje
         "state": SweepState.RUNNING,
         "reason": "accepted",
         "form": new.form,
+        "rules": new.rules,
         "campaign": new.campaign,
         "actor": new.actor,
         "accepted_at": new.accepted_at.isoformat(),
     }
 
 
-def _append(connection: Connection, sweep: int, settings: tuple[ShotSettings, ...]) -> StepRecord:
-    """Add steps behind the last one and return the last of them."""
-    query = select(func.max(sweep_steps.c.number)).where(sweep_steps.c.sweep == sweep)
-    last = connection.execute(query).scalar_one() or 0
-    rows = [
+def _steps(sweep: int, settings: tuple[ShotSettings, ...]) -> list[dict[str, object]]:
+    return [
         {
             "sweep": sweep,
-            "number": last + k,
+            "number": number,
             "settings": each.model_dump_json(),
             "state": StepState.WAITING,
             "attempt": 0,
         }
-        for k, each in enumerate(settings, start=1)
+        for number, each in enumerate(settings, start=1)
     ]
-    if rows:
-        connection.execute(insert(sweep_steps), rows)
-    return _one_step(connection, sweep, last + len(rows))
 
 
 def _turn(connection: Connection, sweep: int, before: StepState, after: StepState) -> None:
@@ -270,6 +259,7 @@ def _sweep(connection: Connection, row: Row[Any]) -> SweepRecord:
         state=SweepState(row.state),
         reason=row.reason,
         form=row.form,
+        rules=row.rules,
         campaign=row.campaign,
         actor=row.actor,
         accepted_at=datetime.fromisoformat(row.accepted_at),

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
 
 from rigctl.settings import ShotSettings
 
 SPREAD = 8
-"""Distinct settings fired in the sweep's own order before anything is chosen."""
+"""Distinct settings measured in the sweep's own order before anything is chosen."""
 
 WIDTH = 0.2
 """Range over which a shot speaks for its neighbours, as a share of the sweep's own range."""
-
-Place = tuple[float, float, float]
 
 
 def best(waiting: Sequence[ShotSettings], told: Sequence[tuple[ShotSettings, float]]) -> int:
@@ -31,30 +31,21 @@ def best(waiting: Sequence[ShotSettings], told: Sequence[tuple[ShotSettings, flo
     told
         Settings of each shot whose analysis has ended, and its information.
     """
-    if len({_place(settings) for settings, _ in told}) < SPREAD:
+    fired = _places([settings for settings, _ in told])
+    if len(np.unique(fired, axis=0)) < SPREAD:
         return 0
-    scale = _scale([_place(settings) for settings in waiting] + [_place(s) for s, _ in told])
-    expected = [_expected(_place(settings), told, scale) for settings in waiting]
-    return max(range(len(waiting)), key=lambda k: (expected[k], -k))
+    places = _places(waiting)
+    ranges = np.ptp(np.concatenate([places, fired]), axis=0)
+    ranges[ranges == 0.0] = 1.0
+    apart = (places[:, None] - fired[None]) / ranges
+    weights = np.exp(-0.5 * np.sum(apart**2, axis=2) / WIDTH**2)
+    information = np.array([each for _, each in told])
+    near = np.sum(weights, axis=1)
+    expected = np.divide(weights @ information, near, out=np.zeros(len(near)), where=near > 0.0)
+    return int(np.argmax(expected))
 
 
-def _expected(place: Place, told: Sequence[tuple[ShotSettings, float]], scale: Place) -> float:
-    near = [
-        (math.exp(-0.5 * (_distance(place, _place(settings), scale) / WIDTH) ** 2), information)
-        for settings, information in told
-    ]
-    total = math.fsum(weight for weight, _ in near)
-    return math.fsum(weight * information for weight, information in near) / total if total else 0.0
-
-
-def _place(settings: ShotSettings) -> Place:
-    return settings.pressure_a_kpa, settings.pressure_b_kpa, settings.offset_mm
-
-
-def _scale(places: Sequence[Place]) -> Place:
-    a, b, offset = (max(axis) - min(axis) or 1.0 for axis in zip(*places, strict=True))
-    return a, b, offset
-
-
-def _distance(one: Place, other: Place, scale: Place) -> float:
-    return math.hypot(*((x - y) / s for x, y, s in zip(one, other, scale, strict=True)))
+def _places(settings: Sequence[ShotSettings]) -> NDArray[np.float64]:
+    """Return the settings as points (n, 3)."""
+    points = [(each.pressure_a_kpa, each.pressure_b_kpa, each.offset_mm) for each in settings]
+    return np.array(points, dtype=np.float64).reshape(-1, 3)

@@ -54,7 +54,9 @@ def mean_of(coefficient: str, estimates: list[Estimate]) -> Mean | None:
     value = math.fsum(w * each.value for w, each in zip(weights, estimates, strict=True)) / total
     if len(estimates) < FEWEST:
         return Mean(coefficient, value, None, len(estimates))
-    chi2 = math.fsum(w * (each.value - value) ** 2 for w, each in zip(weights, estimates, strict=True))
+    chi2 = math.fsum(
+        w * (each.value - value) ** 2 for w, each in zip(weights, estimates, strict=True)
+    )
     birge = max(1.0, math.sqrt(chi2 / (len(estimates) - 1)))
     return Mean(coefficient, value, birge / math.sqrt(total), len(estimates))
 

@@ -44,4 +44,6 @@ def end_step(store: Store, sweep: str, step: StepRecord, now: datetime) -> StepR
 
 def end_taken(store: Store, sweep: str, now: datetime) -> list[StepRecord]:
     """Say what became of every step that is still taken; as `end_step`."""
-    return [end_step(store, sweep, step, now) for step in store.sweeps.steps(sweep, StepState.TAKEN)]
+    return [
+        end_step(store, sweep, step, now) for step in store.sweeps.steps(sweep, StepState.TAKEN)
+    ]

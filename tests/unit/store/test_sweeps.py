@@ -22,7 +22,7 @@ def settings(offset: float = 6.0) -> ShotSettings:
 
 def new_sweep(steps: int = 3) -> NewSweep:
     wanted = tuple(settings(float(k % 100)) for k in range(steps))
-    return NewSweep(wanted, '{"asked": "for"}', "nylon", "anna", NOW)
+    return NewSweep(wanted, '{"asked": "for"}', "{}", "nylon", "anna", NOW)
 
 
 @pytest.fixture
@@ -122,11 +122,6 @@ def test_the_end_of_a_sweep_skips_what_waits(store: Store, sweep: SweepRecord) -
     assert (ended.reason, ended.ended_at) == ("enough", later)
     with pytest.raises(StoreError, match="aborted cannot become running"):
         store.sweeps.move(sweep.id, SweepState.RUNNING, "again", later)
-
-
-def test_a_further_step_comes_behind_the_last(store: Store, sweep: SweepRecord) -> None:
-    assert store.sweeps.append(sweep.id, settings(9.0)).number == 4
-    assert store.sweeps.steps(sweep.id)[-1].settings.offset_mm == 9.0
 
 
 def test_sweeps_are_listed_latest_first_page_by_page(store: Store) -> None:

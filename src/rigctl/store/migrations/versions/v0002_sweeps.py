@@ -20,6 +20,7 @@ def upgrade() -> None:
         sa.Column("state", sa.Text, nullable=False),
         sa.Column("reason", sa.Text, nullable=False),
         sa.Column("form", sa.Text, nullable=False),
+        sa.Column("rules", sa.Text, nullable=False),
         sa.Column("campaign", sa.Text),
         sa.Column("actor", sa.Text, nullable=False),
         sa.Column("accepted_at", sa.Text, nullable=False),
