@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,8 @@ from analysis.photometric.shading import blurred_profiles, stacked, template
 from analysis.photometric.sight import Look
 
 Floats = NDArray[np.float64]
+
+KEPT_LOOKS = 8
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -65,23 +68,28 @@ class Knowledge:
 
     def looks(self, wider_px: float = 0.0) -> tuple[Look, Look]:
         """Return both spheres in the form of the fit, the blur wider by some pixels."""
-        first, second = (self._look(sphere, wider_px) for sphere in self.spheres)
-        return first, second
+        return _looks(self, wider_px)
 
-    def _look(self, sphere: Sphere, wider_px: float) -> Look:
-        radii = self.camera.optics.scales * sphere.radius_m
-        templates = [
-            template(blurred_profiles((sigma + wider_px) / radius), coefficients)
-            for sigma, radius, coefficients in zip(
-                self.sigma_px, radii, sphere.shading, strict=True
-            )
-        ]
-        return Look(
-            radius_m=sphere.radius_m,
-            markers=np.ascontiguousarray(sphere.markers),
-            alpha=sphere.alpha,
-            darkness=sphere.darkness,
-            tables=stacked(templates),
-            reliefs=sphere.reliefs,
-            sigma_px=self.sigma_px,
-        )
+
+@lru_cache(maxsize=KEPT_LOOKS)
+def _looks(known: Knowledge, wider_px: float) -> tuple[Look, Look]:
+    """Draw the templates of both spheres; every pass over a film asks for them again."""
+    first, second = (_look(known, sphere, wider_px) for sphere in known.spheres)
+    return first, second
+
+
+def _look(known: Knowledge, sphere: Sphere, wider_px: float) -> Look:
+    radii = known.camera.optics.scales * sphere.radius_m
+    templates = [
+        template(blurred_profiles(float(sigma + wider_px) / float(radius)), coefficients)
+        for sigma, radius, coefficients in zip(known.sigma_px, radii, sphere.shading, strict=True)
+    ]
+    return Look(
+        radius_m=sphere.radius_m,
+        markers=np.ascontiguousarray(sphere.markers),
+        alpha=sphere.alpha,
+        darkness=sphere.darkness,
+        tables=stacked(templates),
+        reliefs=sphere.reliefs,
+        sigma_px=known.sigma_px,
+    )

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TypeVar, cast
+from pathlib import Path
+from typing import Any, TypeVar, cast
 
 import numba
 
@@ -17,3 +18,10 @@ def compiled(function: F) -> F:
     """
     decorate = numba.njit(cache=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
     return cast("F", decorate(function))
+
+
+def kept_on_disk(function: Callable[..., object]) -> bool:
+    """Tell whether a compiled function has been compiled here before."""
+    dispatcher = cast("Any", function)
+    name = f"{Path(dispatcher.py_func.__code__.co_filename).stem}.{dispatcher.py_func.__name__}-*"
+    return any(Path(dispatcher.stats.cache_path).glob(f"{name}.nbi"))

@@ -12,9 +12,11 @@ from analysis.errors import ShotRefusedError
 from analysis.imaging.frame import EdgeSettings, noise_sd
 from analysis.photometric.appearance import Knowledge
 from analysis.photometric.background import first_background
+from analysis.photometric.compiled import kept_on_disk
 from analysis.photometric.film import Film, drop_misfits, fit_film
 from analysis.photometric.following import Follower
 from analysis.photometric.learning import learn, learn_together
+from analysis.photometric.pose import fit_pose
 from analysis.photometric.result import tracking_of
 from analysis.photometric.start import first_film
 from analysis.setup import Setup
@@ -27,6 +29,11 @@ LEAST_PLACED = 6
 
 Frames = tuple[NDArray[np.uint8], Floats]
 """Grey levels (frames, rows, columns) and times, s (frames,), of one shot."""
+
+
+def compiles_first() -> bool:
+    """Tell whether the next shot waits about a minute for its functions to be compiled."""
+    return not kept_on_disk(fit_pose)
 
 
 def teach(shots: Sequence[Frames], setup: Setup) -> Knowledge | None:

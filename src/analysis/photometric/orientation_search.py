@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from analysis.photometric.compiled import compiled
+from analysis.photometric.confirmation import confirmed
 from analysis.photometric.covers import cover_canvas
 from analysis.photometric.film import cost_of
 from analysis.photometric.pose import fit_pose
@@ -20,10 +22,13 @@ Floats = NDArray[np.float64]
 STEP_RAD = 0.14
 LEAST_FACING = 0.3
 TRIED = 12
+CLEAR_COST = 2.0
+"""A trial this good whose markers are there needs no rival."""
 APART_RAD = 0.25
 LIMITS = np.array([40.0, 40.0, 20.0, 10.0, 6.0])
 
 
+@lru_cache(maxsize=1)
 def turns() -> Floats:
     """Return rotations spread over all orientations, about STEP_RAD apart, shape (n, 3, 3).
 
@@ -131,6 +136,8 @@ def search_orientation(sight: Sight, stance: Stance, candidates: Floats) -> tupl
         cost = float(cost_of(out, LIMITS[-1]))
         if cost < best:
             best, result = cost, trial
+        if best < CLEAR_COST and confirmed(sight, result):
+            break
         same = np.einsum("ij,nij->n", candidates[n], candidates) > 1 + 2 * math.cos(APART_RAD)
         total[same] = -np.inf
     return best, result

@@ -9,6 +9,7 @@ is blurred once, by an integral over the radius, exactly up to the edge.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +21,7 @@ Floats = NDArray[np.float64]
 ORDER = 3
 STEPS_PER_RADIUS = 400
 REACH_SIGMAS = 5.0
+KEPT_PROFILES = 8
 COARSE_PER_SIGMA = 3.0
 NODES_PER_SIGMA = 5.0
 NUDGE = 1e-3
@@ -65,6 +67,7 @@ class Profiles:
     values: Floats
 
 
+@lru_cache(maxsize=KEPT_PROFILES)
 def blurred_profiles(sigma: float) -> Profiles:
     """Blur all radial functions of the unit disc by a Gaussian.
 

@@ -84,6 +84,7 @@ def analyse(request: Request, *, as_json: bool) -> None:
     _keep_sources(request)
     try:
         campaign = _gather(request)
+        _announce_compiling(request.method)
         started = time.perf_counter()
         results, frames = _run(campaign, request)
         elapsed = time.perf_counter() - started
@@ -111,6 +112,18 @@ def analyse(request: Request, *, as_json: bool) -> None:
             part=campaign.name,
             todo="the reason stands beside each shot",
         )
+
+
+def _announce_compiling(method: Method) -> None:
+    """Say why the first photometric analysis on a machine is slow."""
+    if method != "photometric":
+        return
+    # Compiled functions are loaded only where they are wanted.
+    from analysis.photometric.method import compiles_first  # noqa: PLC0415
+
+    if compiles_first():
+        note = "rigctl: first photometric analysis here; compiling takes about a minute"
+        print(note, file=sys.stderr)  # noqa: T201
 
 
 def _name_unlisted(campaign: Campaign) -> None:

@@ -56,17 +56,17 @@ def test_a_whole_marker_covers_its_projected_area(height, azimuth):
 
 @pytest.mark.parametrize("height", [0.95, 0.6, 0.25])
 def test_layers_are_the_derivatives_of_the_cover(height):
-    marker, step = direction(height, 2.1), 1e-4
+    marker, step = direction(height, 2.1), 5e-3
     whole = cover(PLACE, marker)
     for axis in (0, 1):
         near, far = list(PLACE), list(PLACE)
         near[axis] -= step
         far[axis] += step
         slope = (cover(tuple(far), marker)[0] - cover(tuple(near), marker)[0]) / (2 * step)
-        assert np.abs(slope - whole[1 + axis]).max() < 1e-3 * np.abs(slope).max()
+        assert np.abs(slope - whole[1 + axis]).max() < 2e-3 * np.abs(slope).max()
     for axis in range(3):
-        turn = np.cross(np.eye(3)[axis], marker) * step
-        slope = (cover(PLACE, marker + turn)[0] - cover(PLACE, marker - turn)[0]) / (2 * step)
+        turn = np.cross(np.eye(3)[axis], marker) * step * 0.05
+        slope = (cover(PLACE, marker + turn)[0] - cover(PLACE, marker - turn)[0]) / (0.1 * step)
         assert np.abs(slope - whole[3 + axis]).max() < 2e-3 * np.abs(whole[3:]).max()
 
 
