@@ -25,11 +25,12 @@ class PoseRow:
     t_s
         From the shot's first frame, s.
     position, position_sigma
-        m in rig axes; a coordinate that was not measured is NaN with an infinite sigma.
+        m in rig axes; a coordinate that was not measured is NaN with an infinite sigma, one whose
+        error is not stated has a sigma of NaN.
     quaternion
         Scalar first, body to rig axes, of length 1.
     rotation_sigma
-        About each axis, rad.
+        About each axis, rad; NaN: not stated.
     """
 
     frame: int
@@ -46,8 +47,8 @@ def read_poses(path: Path) -> dict[int, dict[str, list[PoseRow]]]:
     Raises
     ------
     InputError
-        Absent, a column missing or unknown, a field that is no number, a sigma that is not
-        positive, a quaternion that is not of length 1, a frame that stands twice; with the line.
+        Absent, a column missing or unknown, a field that is no number, a sigma that is
+        negative, a quaternion that is not of length 1, a frame that stands twice; with the line.
     """
     shots: dict[int, dict[str, list[PoseRow]]] = defaultdict(lambda: {"a": [], "b": []})
     seen: set[tuple[int, int, str]] = set()
@@ -69,16 +70,14 @@ def read_poses(path: Path) -> dict[int, dict[str, list[PoseRow]]]:
 def _pose(row: TableRow) -> PoseRow:
     place = [row.number(name) for name in _POSITION]
     sigma = [row.sigma(name) for name in _POSITION_SIGMA]
-    measured = [p is not None and s is not None for p, s in zip(place, sigma, strict=True)]
     time = row.number("t_s")
     if time is None:
         raise row.fault("t_s: empty")
     quaternion, turn_sigma = _orientation(row)
-    x, y, z = (
-        p if p is not None and ok else math.nan for p, ok in zip(place, measured, strict=True)
-    )
+    x, y, z = (math.nan if p is None else p for p in place)
     u, v, w = (
-        s if s is not None and ok else math.inf for s, ok in zip(sigma, measured, strict=True)
+        math.inf if p is None else math.nan if s is None else s
+        for p, s in zip(place, sigma, strict=True)
     )
     return PoseRow(row.whole("frame"), time, (x, y, z), (u, v, w), quaternion, turn_sigma)
 
@@ -86,9 +85,9 @@ def _pose(row: TableRow) -> PoseRow:
 def _orientation(row: TableRow) -> tuple[tuple[float, float, float, float] | None, float]:
     w, x, y, z = (row.number(name) for name in _QUATERNION)
     sigma = row.sigma("sigma_rot_rad")
-    if w is None or x is None or y is None or z is None or sigma is None:
+    if w is None or x is None or y is None or z is None:
         return None, math.inf
     length = math.sqrt(w * w + x * x + y * y + z * z)
     if abs(length - 1.0) > _UNIT_TOLERANCE:
         raise row.fault(f"qw..qz: a quaternion of length {length:.4g}, not 1")
-    return (w / length, x / length, y / length, z / length), sigma
+    return (w / length, x / length, y / length, z / length), math.nan if sigma is None else sigma

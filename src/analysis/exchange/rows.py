@@ -56,17 +56,17 @@ class TableRow:
             raise self.fault(f"{name}: {self.fields[name]!r} is not a whole number") from error
 
     def sigma(self, name: str) -> float | None:
-        """Return a standard error, None for an empty field or a column that is not there.
+        """Return a standard error, None where it is not stated: an empty field, or zero.
 
         Raises
         ------
         InputError
-            It is no number, or not positive.
+            It is no number, or negative.
         """
         value = self.number(name)
-        if value is not None and value <= 0:
-            raise self.fault(f"{name}: {value} is not a positive standard error")
-        return value
+        if value is not None and value < 0:
+            raise self.fault(f"{name}: {value} is not a standard error, being negative")
+        return value or None
 
 
 def read_rows(path: Path, columns: Sequence[str], optional: Sequence[str] = ()) -> list[TableRow]:

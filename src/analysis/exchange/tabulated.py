@@ -38,7 +38,7 @@ def require_errors_alike(rows: Sequence[TableRow], missing: Sequence[Sequence[st
     Parameters
     ----------
     missing
-        Of each line, the columns whose field is needed and empty.
+        Of each line, the columns whose field is needed and empty or zero.
 
     Raises
     ------
@@ -48,10 +48,10 @@ def require_errors_alike(rows: Sequence[TableRow], missing: Sequence[Sequence[st
     for row, names in zip(rows, missing, strict=True):
         if names and not all(map(_none_of_them, rows)):
             raise row.fault(
-                f"{names[0]}: empty, where other errors are stated; state all of them, or none and "
+                f"{names[0]}: not stated, where other errors are; state all of them, or none and "
                 "have one scale estimated"
             )
 
 
 def _none_of_them(row: TableRow) -> bool:
-    return not any(field.strip() for name, field in row.fields.items() if name.startswith("sigma_"))
+    return all(row.sigma(name) is None for name in row.fields if name.startswith("sigma_"))

@@ -31,6 +31,8 @@ Floats = NDArray[np.float64]
 
 POSES, CONTACTS, IMPACTS = "poses.csv", "contacts.csv", "impacts.csv"
 ORDER = "order"
+POSITION_GUESS, ROTATION_GUESS = 2e-5, 8e-3
+"""m and rad, for errors that nobody stated: what images of 40 px a sphere give."""
 
 T = TypeVar("T", bound=Tabulated)
 Shots = Mapping[int, Mapping[str, Sequence[PoseRow]]]
@@ -139,6 +141,8 @@ def pose_data(shots: Shots, rows: Sequence[ShotRow], setup: Setup) -> PoseData:
                     quaternions[s, k, i] = row.quaternion
                     turn_sigma[s, k, i] = row.rotation_sigma
         times[s, len(place) :] = times[s, len(place) - 1]
+    position_sigma, guessed = with_guesses(position_sigma, POSITION_GUESS)
+    turn_sigma, guessed_too = with_guesses(turn_sigma, ROTATION_GUESS)
     return PoseData(
         shots=np.array(numbers, dtype=np.intp),
         times_s=times,
@@ -146,6 +150,7 @@ def pose_data(shots: Shots, rows: Sequence[ShotRow], setup: Setup) -> PoseData:
         position_sigma=position_sigma,
         rotation=_matrices(quaternions),
         rotation_sigma=turn_sigma,
+        estimated=guessed or guessed_too,
         bodies=(_body(setup.spheres[0]), _body(setup.spheres[1])),
         gravity=setup.gravity_m_per_s2,
         air_density=setup.air_density_kg_per_m3,
@@ -179,6 +184,18 @@ def _table(path: Path, table: ContactTable) -> ContactTable:
         return with_scatter_as_noise(table) if table.estimated else table
     except ValueError as error:
         raise InputError(path, f"no errors are stated, and {error}; state them") from error
+
+
+def with_guesses(sigma: Floats, guess: float) -> tuple[Floats, bool]:
+    """Put a guess for errors that are not stated (NaN), and say whether there were any.
+
+    The median of those that are stated, else the guess given: only a start, as the scatter about
+    free flight is what counts in the end.
+    """
+    missing = np.isnan(sigma)
+    stated = sigma[np.isfinite(sigma)]
+    typical = float(np.median(stated)) if stated.size else guess
+    return np.where(missing, typical, sigma), bool(missing.any())
 
 
 def _body(sphere: SphereSetup) -> Body:

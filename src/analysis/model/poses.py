@@ -64,6 +64,8 @@ class PoseData:
         the order of firing, and every numeric column of the shot list.
     camera
         Rates, views and origins: what a camera effect needs to know.
+    estimated
+        Whether some errors were not stated, so that their scale is the scatter's.
     jitter_s
         Standard deviation of each frame's time, common to both spheres, s.
     """
@@ -79,6 +81,7 @@ class PoseData:
     air_density: float
     covariates: Mapping[str, Floats]
     camera: CameraSetup
+    estimated: bool = False
     jitter_s: float = 0.0
 
     def without(self, frames: NDArray[np.bool_]) -> PoseData:

@@ -55,6 +55,11 @@ def opened(campaign: Path) -> tuple[str, Data]:
             "so that its chi-squared says nothing",
             highlight=False,
         )
+    elif data.estimated:
+        Console(stderr=True).print(
+            f"{title}: some errors are not stated; the scatter about free flight is taken for them",
+            highlight=False,
+        )
     return title, data
 
 

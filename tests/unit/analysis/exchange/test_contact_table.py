@@ -75,14 +75,15 @@ def test_the_error_of_spins_is_not_needed_where_no_spin_was_measured(tmp_path: P
     assert (row.sigma_v, row.sigma_w) == (0.004, None)
 
 
-def test_a_zero_error_is_refused(tmp_path: Path) -> None:
-    reason = refused(tmp_path, {"sigma_v_m_per_s": "0"})
-    assert reason == "sigma_v_m_per_s: 0.0 is not a positive standard error"
+def test_a_zero_error_is_one_that_is_not_stated(tmp_path: Path) -> None:
+    zero = {**GOOD, "sigma_v_m_per_s": "0", "sigma_w_rad_per_s": "0"}
+    (row,) = read(tmp_path, zero)
+    assert (row.sigma_v, row.sigma_w) == (None, None)
 
 
 def test_errors_stated_in_some_lines_only_are_refused(tmp_path: Path) -> None:
     reason = refused(tmp_path, {"sigma_w_rad_per_s": ""})
-    assert reason.startswith("sigma_w_rad_per_s: empty, where other errors are stated")
+    assert reason.startswith("sigma_w_rad_per_s: not stated, where other errors are")
 
 
 @pytest.mark.parametrize(

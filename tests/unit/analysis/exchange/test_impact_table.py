@@ -58,8 +58,7 @@ def test_a_number_that_was_not_measured_needs_no_error(tmp_path: Path) -> None:
         ("2,,1.5,1.4,0,1,1,1,1", "v_n: empty; the normal velocity before contact must be there"),
         ("2,-2,-1.5,1.4,0,1,1,1,1", "v_s: -1.5 is negative; it is 0 at least"),
         ("2,-2,1.5,-1.4,0,1,1,1,1", "v_n_after: -1.4 is negative; it is 0 at least"),
-        ("2,-2,1.5,1.4,0,1,0,1,1", "sigma_v_s: 0.0 is not a positive standard error"),
-        ("2,-2,1.5,1.4,0,1,-1,1,1", "sigma_v_s: -1.0 is not a positive standard error"),
+        ("2,-2,1.5,1.4,0,1,-1,1,1", "sigma_v_s: -1.0 is not a standard error, being negative"),
         ("2,-2,1.5,1.4,x,1,1,1,1", "v_s_after: 'x' is not a number"),
         ("1,-2,1.5,1.4,0,1,1,1,1", "shot 1 stands twice"),
     ],
@@ -70,7 +69,7 @@ def test_what_is_wrong_is_named(tmp_path: Path, line: str, reason: str) -> None:
 
 def test_errors_of_some_numbers_only_are_refused(tmp_path: Path) -> None:
     reason = refused(tmp_path, "2,-2,1.5,1.4,0,1,1,,1")
-    assert reason.startswith("sigma_v_n_after: empty, where other errors are stated; state all")
+    assert reason.startswith("sigma_v_n_after: not stated, where other errors are; state all")
 
 
 def test_an_unknown_column_is_refused_with_those_that_may_be(tmp_path: Path) -> None:

@@ -14,10 +14,11 @@ from analysis.errors import InputError
 from analysis.exchange.pose_table import read_poses
 from analysis.exchange.tables import write_poses
 from analysis.model.gather import gather, measured_poses
+from analysis.model.judged import judged
 from analysis.shot import MeasuredShot, analyse_shot
 from simulators.world import WorldDescription
 from tests.unit.analysis.model.exchange_folder import write_campaign
-from tests.unit.analysis.model.hard_spheres import campaign
+from tests.unit.analysis.model.hard_spheres import POSITION_SIGMA, campaign
 from tests.unit.analysis.rendered import setup_of, shot
 
 
@@ -152,3 +153,27 @@ def test_poses_of_a_plate_are_refused(folder: Path) -> None:
     path.write_text(path.read_text(encoding="utf-8") + "plate = true\n", encoding="utf-8")
     with pytest.raises(InputError, match="poses are of two spheres"):
         gather(folder)
+
+
+def test_errors_that_nobody_stated_are_those_of_the_scatter(tmp_path: Path) -> None:
+    data = campaign(20, 31)
+    folder = write_campaign(tmp_path / "c", data)
+    path = folder / "poses.csv"
+    header, *lines = path.read_text(encoding="utf-8").splitlines()
+    names = header.split(",")
+    bare = [
+        ",".join(
+            "" if n.startswith("sigma") else f for n, f in zip(names, line.split(","), strict=True)
+        )
+        for line in lines
+    ]
+    path.write_text("\n".join([header, *bare]) + "\n", encoding="utf-8")
+    _, read = gather(folder)
+    assert read.estimated
+    found = judged(read)
+    assert found.fit.chi2_per_dof == pytest.approx(1.0, abs=0.05)
+    sigma = found.data.position_sigma[np.isfinite(found.data.position_sigma)]
+    assert sigma == pytest.approx(POSITION_SIGMA, rel=0.05)
+    with_errors = judged(data).fit.parameters()["e"]
+    e = found.fit.parameters()["e"]
+    assert e.value == pytest.approx(with_errors.value, abs=with_errors.sigma)
