@@ -103,10 +103,11 @@ def tell_apart(
     silent = undecided and without >= probability
     for _ in range(_ROUNDS):
         duels = _duels(truths, counts, silent=silent)
-        new = chosen(duels, duels.reaching(probability), MOST_SHOTS)
-        settled, counts = np.array_equal(new, counts), new
-        if settled:
+        before, counts = counts, chosen(duels, duels.reaching(probability), MOST_SHOTS)
+        if np.array_equal(before, counts):
             break
+    duels = _duels(truths, counts, silent=silent)
+    counts = chosen(duels, duels.reaching(probability), MOST_SHOTS, start=counts)
     even = _duels(truths, np.full(len(counts), _EVEN_GUESS / len(counts)), silent=silent)
     reached = duels.probability(counts)
     return Telling(

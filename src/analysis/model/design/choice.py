@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 
-_EXCHANGES = 50
+_EXCHANGES, _TURNS = 50, 3
 _BETTER = 1e-9
 
 
@@ -28,7 +28,9 @@ class Aim(Protocol):
         """Return the same for the design with one more shot at each setting, shape (K,)."""
 
 
-def chosen(aim: Aim, enough: Callable[[Floats], bool], most: int) -> Floats:
+def chosen(
+    aim: Aim, enough: Callable[[Floats], bool], most: int, start: Floats | None = None
+) -> Floats:
     """Return how many shots to fire at each setting, shape (K,): as few as are enough.
 
     Greedy with replacement, then exchange: shots move for as long as the design gains, and the
@@ -41,11 +43,17 @@ def chosen(aim: Aim, enough: Callable[[Floats], bool], most: int) -> Floats:
         Whether a design does what is asked.
     most
         No more shots than this; a design that is not enough is returned as it then stands.
+    start
+        Design to begin with; None: no shot.
     """
-    counts = np.zeros(aim.size)
-    while not enough(counts) and counts.sum() < most:
-        counts[int(aim.worth_with(counts).argmax())] += 1
-    counts = exchanged(aim, counts)
+    counts = np.zeros(aim.size) if start is None else start
+    for _ in range(_TURNS):
+        counts = exchanged(aim, _filled(aim, enough, most, counts))
+        # What an exchange gains may not be what is asked for.
+        if enough(counts) or counts.sum() >= most:
+            break
+    else:
+        counts = _filled(aim, enough, most, counts)
     while counts.sum() > 0 and enough(counts):
         fewer = exchanged(aim, _without_least(aim, counts))
         if not enough(fewer):
@@ -86,6 +94,14 @@ def exchanged(aim: Aim, counts: Floats) -> Floats:
             break
         counts, worth = _less(counts, taken), value
         counts[put] += 1
+    return counts
+
+
+def _filled(aim: Aim, enough: Callable[[Floats], bool], most: int, counts: Floats) -> Floats:
+    """Add shots where each is worth most, until there are enough."""
+    counts = counts.copy()
+    while counts.sum() < most and not enough(counts):
+        counts[int(aim.worth_with(counts).argmax())] += 1
     return counts
 
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import ndtr
 
 from analysis.model.design.candidates import Candidates, foreseen, foreseen_shots
 from analysis.model.design.divergence import Design, by_shot, refitted
@@ -93,12 +94,16 @@ class Duels:
         return len(self.duels[0].settings.left)
 
     def worth(self, counts: Floats) -> float:
-        """Return chi-squared between truth and rival, as the campaign believes either."""
-        return sum(duel.weight * duel.apart(counts) for duel in self.duels)
+        """Return minus the chance of naming the wrong one, where the effects are near aliases.
+
+        Phi(sqrt(chi-squared between them) / 2), as the campaign believes either.
+        """
+        return float(_near(np.array([duel.apart(counts) for duel in self.duels])) @ self._weights)
 
     def worth_with(self, counts: Floats) -> Floats:
         """Return the same with one more shot at each setting, shape (K,)."""
-        return np.asarray(sum(duel.weight * duel.apart_with(counts) for duel in self.duels))
+        apart = np.stack([duel.apart_with(counts) for duel in self.duels], axis=-1)
+        return np.asarray(_near(apart) @ self._weights)
 
     def probability(self, counts: Floats) -> float:
         """Return how likely the right one is to be named."""
@@ -107,6 +112,10 @@ class Duels:
     def reaching(self, probability: float) -> Callable[[Floats], bool]:
         """Return what says whether a design is as likely to name the right one as is asked."""
         return lambda counts: self.probability(counts) >= probability
+
+    @property
+    def _weights(self) -> Floats:
+        return np.array([duel.weight for duel in self.duels])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -173,6 +182,11 @@ def truth(data: PoseData, drawn: Candidates, true: Fit, rival: Fit, weight: floa
         shown=drawn.averaged(by_shot(shots, drawn.states, true.theory).matrix),
         weight=weight,
     )
+
+
+def _near(apart: Floats) -> Floats:
+    # Minus the doubt: the probability itself has no digits left beyond 8 sigmas.
+    return np.asarray(-ndtr(-np.sqrt(apart) / 2))
 
 
 def _joined(first: PoseData, second: PoseData) -> PoseData:
