@@ -19,14 +19,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 from scipy.spatial.transform import Rotation
-from scipy.special import ndtr
+from scipy.special import ndtr, ndtri
 
 from analysis.collision.operator import Body
 from analysis.effects.catalogue import CATALOGUE
 from analysis.effects.effect import Effect
 from analysis.launch.fit import fit_launch
 from analysis.launch.prediction import Limits
-from analysis.model.design.between import Repeated, Telling, best_fit, tell_apart
+from analysis.model.design.between import PROBABILITY, Repeated, Telling, best_fit, tell_apart
 from analysis.model.design.candidates import grid
 from analysis.model.fit import fit_campaign
 from analysis.model.poses import PoseData
@@ -43,7 +43,7 @@ OUT = Path("out/next_shots.json")
 LIMITS = Limits((12.0, 95.0), (0.0, 22.0))
 FRAMES, RATE_HZ = 24, 1000.0
 CENTRE_PX, TURN_RAD = 0.03, float(np.radians(0.46))
-FACTORS = (0.4, 1.0, 1.6)
+FACTORS = (0.0, 0.5, 1.0, 1.6)
 _NEEDED = ("proposed_needed", "even_needed")
 KNOWN = {effect.name: effect for effect in CATALOGUE}
 
@@ -176,7 +176,7 @@ def needed(counts: Sequence[int], named_right: NDArray[np.bool_]) -> float:
 
     start = np.log([0.5, 6.0 / max(n.mean(), 1.0)])
     a, b = np.exp(minimize(cost, start, method="Nelder-Mead").x)
-    return float((6.57 - a) / b)
+    return float(((2 * ndtri(PROBABILITY)) ** 2 - a) / b)
 
 
 def tried(case: Case, seed: int, campaigns: int) -> dict[str, object]:
@@ -185,7 +185,7 @@ def tried(case: Case, seed: int, campaigns: int) -> dict[str, object]:
     grown = {"proposed": told.count, "even": told.even or 5 * told.count}
     row: dict[str, object] = {"hidden": case.hidden, "rival": case.rival, **grown}
     for name, number in grown.items():
-        counts = [max(1, round(factor * number)) for factor in FACTORS]
+        counts = [round(factor * number) for factor in FACTORS]
         found = []
         for k in range(campaigns):
             rng = np.random.default_rng([seed, k, 3])

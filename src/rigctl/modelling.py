@@ -13,6 +13,8 @@ from typing import Any
 
 from analysis.effects.catalogue import CATALOGUE, LAUNCH_CATALOGUE
 from analysis.effects.effect import Effect
+from analysis.errors import LaunchRefusedError
+from analysis.launch.prediction import Limits
 from analysis.model.agreement.agree import agree
 from analysis.model.agreement.document import agreement_document, structure_document
 from analysis.model.documents import fit_document, ranking_document
@@ -25,7 +27,8 @@ from analysis.model.selection import explain
 from analysis.model.structure import structure
 from analysis.model.tables import Data
 from rigctl.campaigns import MeasuredFiles, poses_from
-from rigctl.errors import NotFoundError
+from rigctl.errors import AnalysisInputError, NotFoundError
+from rigctl.next_shots import Known, Question, answer
 
 ALL_EFFECTS: tuple[Effect, ...] = (*CATALOGUE, *LAUNCH_CATALOGUE)
 """Those that poses can show, and those of the launch."""
@@ -83,6 +86,28 @@ def explain_job(asked: Json, say: Say) -> Json:
     data = _poses(asked, say)
     verdict = explain(data, CATALOGUE, lambda text: say(text, None))
     return verdict_document(asked["campaign"], data, verdict)
+
+
+def next_job(asked: Json, say: Say) -> Json:
+    """Choose next shots; `between`, `sharpen`, `to`, `probability` and `limits` stand beside."""
+    data = _poses(asked, say)
+    question = Question(
+        between=None if asked["between"] is None else (asked["between"][0], asked["between"][1]),
+        sharpen=asked["sharpen"],
+        to=asked["to"],
+        names=tuple(asked["with"]),
+        probability=asked["probability"],
+    )
+    say("choosing shots", None)
+    pressure, offset = asked["limits"]
+    limits = Limits((pressure[0], pressure[1]), (offset[0], offset[1]))
+    try:
+        found = answer(data, question, Known(CATALOGUE, effect_named), limits)
+    except LaunchRefusedError as error:
+        raise AnalysisInputError(
+            f"no shot can be foretold: {error}", part=asked["campaign"]
+        ) from error
+    return {"campaign": asked["campaign"], **found}
 
 
 def _poses(asked: Json, say: Say) -> PoseData:

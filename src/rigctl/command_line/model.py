@@ -116,7 +116,8 @@ def model_next(
     json: Json = False,
 ) -> None:
     """Choose the next shots: to tell two effects apart, or to sharpen a parameter."""
-    from rigctl.commands.model.next import Question, next_shots
+    from rigctl.commands.model.next import next_shots
+    from rigctl.next_shots import Question
 
     next_shots(
         campaign,

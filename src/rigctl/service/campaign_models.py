@@ -5,7 +5,14 @@ from __future__ import annotations
 from datetime import datetime
 from typing import Annotated, Any, Self
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, StringConstraints
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Field,
+    StringConstraints,
+    model_validator,
+)
 
 from rigctl.service.models import CampaignName
 from rigctl.store import CampaignRecord, ShotState
@@ -19,6 +26,10 @@ EffectName = Annotated[str, StringConstraints(pattern=r"^[a-z][a-z0-9-]{0,63}$")
 
 FitName = CampaignName
 """The name of a fit, which is part of a file's name."""
+
+
+ParameterName = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_.-]{0,127}$")]
+"""A parameter of the fit: e, mu, beta0, or an effect's symbol after its name and a point."""
 
 
 def _each_once(names: list[str]) -> list[str]:
@@ -49,6 +60,33 @@ class FitOrder(BaseModel):
 
     name: FitName
     effects: Effects = Field(alias="with")
+
+
+class NextOrder(BaseModel):
+    """Choose next shots; with neither `between` nor `sharpen`, for the alias set of the verdict."""
+
+    model_config = _STRICT
+
+    between: list[EffectName] | None = Field(default=None, min_length=2, max_length=2)
+    sharpen: ParameterName | None = None
+    to: float | None = Field(default=None, gt=0)
+    probability: float = Field(default=0.9, ge=0.55, le=0.999)
+    effects: Effects = Field(alias="with")
+
+    @model_validator(mode="after")
+    def _one_question(self) -> Self:
+        if self.between is not None and self.sharpen is not None:
+            raise ValueError("between and sharpen are two questions: ask one")
+        if self.to is not None and self.sharpen is None:
+            raise ValueError("to belongs to sharpen, which is not there")
+        listed = [*(self.between or ()), *self.effects]
+        if len(set(listed)) < len(listed):
+            raise ValueError("an effect stands twice")
+        return self
+
+    def asked(self) -> dict[str, Any]:
+        """Return the question as the job takes it."""
+        return self.model_dump(include={"between", "sharpen", "to", "probability"})
 
 
 class FitQuery(BaseModel):

@@ -9,6 +9,7 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Query
 from starlette.responses import Response
 
+from analysis.model.design.document import NONE
 from rigctl.campaigns import measured_files
 from rigctl.daemon import Daemon
 from rigctl.jobs import Job, JobState, Task, Work, in_process
@@ -23,9 +24,12 @@ from rigctl.service.campaign_models import (
     FitQuery,
     FitReference,
     FitView,
+    NextOrder,
 )
 from rigctl.service.models import CampaignName
 from rigctl.service.problems import documented
+
+Json = dict[str, Any]
 
 FUNCTIONS = "rigctl.modelling"
 
@@ -70,6 +74,15 @@ def model_routes(daemon: Daemon) -> APIRouter:
         """Find what is missing, to a verdict."""
         return accepted(_ask(daemon, "explain", campaign, []))
 
+    @router.post("/next", status_code=202, responses=accepts() | documented(*_POST))
+    def next_shots(campaign: CampaignName, order: NextOrder) -> Response:
+        """Choose the next shots: they tell two effects apart, or sharpen a parameter."""
+        for name in set(order.between or ()) - {NONE}:
+            effect_named(name)
+        limits = daemon.configuration.limits
+        asked = order.asked() | {"limits": [limits.pressure_kpa, limits.offset_mm]}
+        return accepted(_ask(daemon, "next", campaign, order.effects, asked))
+
     @router.post("/fits", status_code=202, responses=accepts() | documented(*_POST))
     def fit(campaign: CampaignName, order: FitOrder) -> Response:
         """Fit, and save the fit under a name; a name that is known gets a further version."""
@@ -98,19 +111,21 @@ _POST = (401, 404, 405, 409, 411, 413, 422, 503)
 
 
 def _work(
-    daemon: Daemon, kind: str, campaign: str, effects: Sequence[str]
+    daemon: Daemon, kind: str, campaign: str, effects: Sequence[str], more: Json | None = None
 ) -> tuple[Work, Sequence[Hashable]]:
     """Return work on the shots as they are measured now, and what names exactly this work."""
     for name in effects:
         effect_named(name)
     files = measured_files(daemon.store, campaign)
-    asked = request(campaign, files, effects)
-    return in_process(f"{FUNCTIONS}:{kind}_job", asked), (*effects, *files)
+    asked = request(campaign, files, effects) | (more or {})
+    return in_process(f"{FUNCTIONS}:{kind}_job", asked), (json.dumps(more), *effects, *files)
 
 
-def _ask(daemon: Daemon, kind: str, campaign: str, effects: Sequence[str]) -> Job:
+def _ask(
+    daemon: Daemon, kind: str, campaign: str, effects: Sequence[str], more: Json | None = None
+) -> Job:
     """Return the job that answers a question, the one that did or does so already if there is."""
-    work, named = _work(daemon, kind, campaign, effects)
+    work, named = _work(daemon, kind, campaign, effects, more)
     return daemon.jobs.submit(kind, campaign, work, (kind, campaign, *named))
 
 

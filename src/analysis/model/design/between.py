@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -98,17 +98,17 @@ def tell_apart(
     drawn = candidates(data, base, launch, settings)
     truths, undecided = _truths(data, base, drawn, pair)
     counts = np.zeros(len(drawn.settings))
-    duels = Duels(tuple(one.duel(counts) for one in truths))
+    duels = _duels(truths, counts)
     without = duels.probability(counts)
-    silent = undecided and without >= probability
+    if undecided and without >= probability:
+        duels = Duels(tuple(duel.silenced() for duel in duels.duels))
     for _ in range(_ROUNDS):
-        duels = _duels(truths, counts, silent=silent)
         before, counts = counts, chosen(duels, duels.reaching(probability), MOST_SHOTS)
         if np.array_equal(before, counts):
             break
-    duels = _duels(truths, counts, silent=silent)
+        duels = _duels(truths, counts, duels)
     counts = chosen(duels, duels.reaching(probability), MOST_SHOTS, start=counts)
-    even = _duels(truths, np.full(len(counts), _EVEN_GUESS / len(counts)), silent=silent)
+    even = _duels(truths, np.full(len(counts), _EVEN_GUESS / len(counts)), duels)
     reached = duels.probability(counts)
     return Telling(
         between=(pair[0].name if pair[0] else None, pair[1].name if pair[1] else None),
@@ -156,7 +156,12 @@ def _truths(
     return truths, bool(abs(ahead) < ALIAS_WITHIN)
 
 
-def _duels(truths: Sequence[Truth], counts: Floats, *, silent: bool) -> Duels:
-    """Refit both rivals about a design; silent: the campaign's own say is left out."""
-    duels = [one.duel(counts) for one in truths]
-    return Duels(tuple(duel.silenced() if silent else duel for duel in duels))
+def _duels(truths: Sequence[Truth], counts: Floats, start: Duels | None = None) -> Duels:
+    """Refit the rivals about a design; what an earlier design did not count stays uncounted."""
+    earlier = [None] * len(truths) if start is None else start.duels
+    return Duels(
+        tuple(
+            replace(one.duel(counts, first), discounted=first.discounted if first else 0.0)
+            for one, first in zip(truths, earlier, strict=True)
+        )
+    )

@@ -23,7 +23,9 @@ Floats = NDArray[np.float64]
 
 _ROUNDS = 12
 _SHARES = (1.0, 0.5, 0.2, 0.05)
-_ENOUGH = 1e-3
+_ENOUGH = 1e-2
+_TROUBLE = 4.0
+"""A shot whose chi-squared grows by more than this is better left where it was."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -118,7 +120,10 @@ def _own_step(
     """Move every shot's own numbers along with what is shared; one that gains nothing stays."""
     right = sums.state_gradient - sums.coupling @ step
     new = states.moved(solve_blocks(sums.states, right[..., None])[..., 0])
-    tried, stayed = (normal_equations(data, s, theory) for s in (new, states))
+    tried = normal_equations(data, new, theory)
+    if (tried.chi2 <= _TROUBLE * (sums.chi2 + 1.0)).all():
+        return new, tried
+    stayed = normal_equations(data, states, theory)
     better = tried.chi2 <= stayed.chi2
     return states.chosen(new, better), stayed.chosen(tried, better)
 

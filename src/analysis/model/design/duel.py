@@ -17,6 +17,7 @@ from analysis.model.fit import Fit
 from analysis.model.normal import inverse, with_prior
 from analysis.model.poses import PoseData
 from analysis.model.state import ShotStates
+from analysis.model.theory import Theory
 
 Floats = NDArray[np.float64]
 
@@ -39,6 +40,8 @@ class Duel:
         Whether the rival is the base model.
     weight
         How far the campaign believes the truth, from 0 to 1.
+    states, theory
+        Where the rival stands: the shots' own numbers, and what they share.
     discounted
         Chi-squared between the two that is not counted.
     """
@@ -51,6 +54,8 @@ class Duel:
     penalty: float
     against_base: bool
     weight: float
+    states: ShotStates
+    theory: Theory
     discounted: float = 0.0
 
     def apart(self, counts: Floats) -> float:
@@ -141,13 +146,22 @@ class Truth:
     shown: Floats
     weight: float
 
-    def duel(self, counts: Floats) -> Duel:
-        """Refit the rival to the campaign with so many shots at each setting."""
+    def duel(self, counts: Floats, start: Duel | None = None) -> Duel:
+        """Refit the rival to the campaign with so many shots at each setting.
+
+        Parameters
+        ----------
+        start
+            The duel about an earlier design, to begin with.
+        """
         both = _joined(self.campaign, self.shots)
         states = ShotStates.joined([self.true.states, self.drawn.states])
+        theory = self.rival.theory
+        if start is not None:
+            states, theory = start.states, start.theory
         old = len(self.campaign.shots)
         weights = np.concatenate([np.ones(old), self.drawn.spread(counts)])
-        states, theory = refitted(both, states, self.rival.theory, weights)
+        states, theory = refitted(both, states, theory, weights)
         sums = by_shot(both, states, theory)
         campaign = sums.total(np.where(np.arange(len(weights)) < old, 1.0, 0.0))
         own = len(self.true.theory.active[-1].values)
@@ -165,6 +179,8 @@ class Truth:
             penalty=more * float(np.log(max(old, 2))),
             against_base=len(self.rival.theory.active) < len(self.true.theory.active),
             weight=self.weight,
+            states=states,
+            theory=theory,
         )
 
 

@@ -1,0 +1,161 @@
+"""What next shots are to be good for, and the answer as commands and jobs give it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from analysis.effects.effect import Effect, ScatterEffect
+from analysis.launch.fit import fit_launch
+from analysis.launch.prediction import Limits
+from analysis.model.design.between import PROBABILITY, tell_apart
+from analysis.model.design.candidates import grid
+from analysis.model.design.document import NONE, sharpening_document, telling_document
+from analysis.model.design.sharpen import sharpen
+from analysis.model.design.undecided import fired_alike, next_after
+from analysis.model.judged import judged
+from analysis.model.poses import PoseData
+from analysis.model.selection import explain
+from rigctl.errors import NotFoundError, SettingsError
+
+Json = dict[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Known:
+    """Effects to choose from, and what finds one by its name or raises `NotFoundError`."""
+
+    effects: Sequence[Effect]
+    named: Callable[[str], Effect]
+
+    def either(self, name: str) -> Effect | None:
+        """Return the effect of a name; None for the base model.
+
+        Raises
+        ------
+        NotFoundError
+            There is none of that name.
+        SettingsError
+            It is one of the noise, which moves no pose.
+        """
+        effect = None if name == NONE else self.named(name)
+        if isinstance(effect, ScatterEffect):
+            raise SettingsError(
+                "is in the noise of every shot: no setting tells it from another",
+                part="between",
+                value=repr(name),
+                todo="name an effect that moves the poses",
+            )
+        return effect
+
+
+@dataclass(frozen=True, slots=True)
+class Question:
+    """What next shots are to be good for.
+
+    Attributes
+    ----------
+    between
+        Names of two effects, or `none`; None: the alias set of the verdict.
+    sharpen, to
+        A parameter in place of effects, and the standard error to reach, in its unit.
+    names
+        Effects that are believed already.
+    probability
+        Of naming the right one of two effects.
+    """
+
+    between: tuple[str, str] | None = None
+    sharpen: str | None = None
+    to: float | None = None
+    names: tuple[str, ...] = ()
+    probability: float = PROBABILITY
+
+    def check(self) -> None:
+        """Refuse what contradicts itself.
+
+        Raises
+        ------
+        SettingsError
+            Two questions at once, an effect against itself, or an error to reach of nothing.
+        """
+        if self.between is not None and self.sharpen is not None:
+            raise SettingsError(
+                "two questions at once", part="sharpen", todo="ask between or sharpen"
+            )
+        if self.to is not None and self.sharpen is None:
+            raise SettingsError("belongs to a parameter", part="to", todo="name one with sharpen")
+        if self.between is not None and self.between[0] == self.between[1]:
+            raise SettingsError(
+                "names one thing twice",
+                part="between",
+                value=repr(self.between[0]),
+                todo=f"name two effects, or one and {NONE}",
+            )
+        twice = sorted({*(self.between or ())} & {*self.names})
+        if twice:
+            raise SettingsError(
+                "stands among the effects that are believed already",
+                part="between",
+                value=repr(twice[0]),
+                todo="leave it out of with",
+            )
+
+
+def answer(data: PoseData, question: Question, known: Known, limits: Limits) -> Json:
+    """Return the document of the next shots, but for the campaign's name.
+
+    Raises
+    ------
+    NotFoundError
+        No effect or parameter has that name, or the verdict leaves nothing to tell apart.
+    LaunchRefusedError
+        The settings of the campaign do not let shots be foretold.
+    EffectFault
+        An effect of the user's own fails.
+    """
+    if question.between is None and question.sharpen is None:
+        return _undecided(data, known, limits)
+    believed = [known.named(name) for name in question.names]
+    pair = [known.either(name) for name in question.between or ()]
+    found = judged(data, believed)
+    if not isinstance(found.data, PoseData):
+        raise TypeError("poses were judged and are poses no more")
+    launch = fit_launch(found.data, found.fit)
+    settings = grid(limits, alike=fired_alike(data))
+    if question.sharpen is not None:
+        _require_parameter(question.sharpen, found.fit.theory.names)
+        sharper = sharpen(
+            found.data, found.fit, launch, question.sharpen, settings, target=question.to
+        )
+        return sharpening_document(sharper)
+    told = tell_apart(
+        found.data,
+        found.fit,
+        launch,
+        (pair[0], pair[1]),
+        settings,
+        probability=question.probability,
+    )
+    return telling_document(told)
+
+
+def _undecided(data: PoseData, known: Known, limits: Limits) -> Json:
+    told = next_after(explain(data, known.effects), known.effects, limits)
+    if told is None:
+        raise NotFoundError(
+            "the verdict leaves no effects to tell apart",
+            todo="name two with between, or a parameter with sharpen",
+        )
+    return telling_document(told)
+
+
+def _require_parameter(name: str, names: Sequence[str]) -> None:
+    if name not in names:
+        raise NotFoundError(
+            "the fit has no parameter of this name",
+            part="sharpen",
+            value=repr(name),
+            todo=f"choose one of {', '.join(names)}; effects are added by with",
+        )
