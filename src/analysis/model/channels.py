@@ -146,7 +146,7 @@ def flight_channels(data: PoseData, fit: Fit) -> list[FrameChannel]:
 def camera_channels(data: PoseData, fit: Fit) -> list[FrameChannel]:
     """Return displacements of X, Y, Z against the position in the field."""
     position = predict(data, fit.states, fit.theory).position
-    used, weight = np.isfinite(data.position_sigma).all(axis=-1), weights(data)
+    used, weight = np.isfinite(data.position_sigma).any(axis=-1), weights(data)
     found = []
     for along, covariate in enumerate("XYZ"):
         place = position[..., along]

@@ -20,6 +20,7 @@ from analysis.exchange.pose_table import PoseRow, read_poses
 from analysis.exchange.shot_list import ShotRow, read_shot_list
 from analysis.exchange.tabulated import Tabulated
 from analysis.model.poses import PoseData
+from analysis.model.start import LEAST_FRAMES, both_seen
 from analysis.model.tables import ContactTable, Data
 from analysis.model.tables_build import contacts_table, impacts_table
 from analysis.model.tables_noise import with_scatter_as_noise
@@ -95,9 +96,10 @@ def gather_poses(folder: Path) -> tuple[str, PoseData]:
             for job, shot, _ in results
             if isinstance(shot, MeasuredShot)
         }
-    if not shots:
-        raise InputError(folder, "no shot of this campaign has poses")
-    return name, pose_data(shots, rows, setup)
+    data = pose_data(shots, rows, setup) if shots else None
+    if data is None or not both_seen(data.position_sigma).any():
+        raise InputError(folder, "no shot of this campaign has frames that show both spheres")
+    return name, data
 
 
 def measured_poses(shot: MeasuredShot) -> dict[str, list[PoseRow]]:
@@ -143,7 +145,7 @@ def pose_data(shots: Shots, rows: Sequence[ShotRow], setup: Setup) -> PoseData:
         times[s, len(place) :] = times[s, len(place) - 1]
     position_sigma, guessed = with_guesses(position_sigma, POSITION_GUESS)
     turn_sigma, guessed_too = with_guesses(turn_sigma, ROTATION_GUESS)
-    return PoseData(
+    data = PoseData(
         shots=np.array(numbers, dtype=np.intp),
         times_s=times,
         position=position,
@@ -157,6 +159,7 @@ def pose_data(shots: Shots, rows: Sequence[ShotRow], setup: Setup) -> PoseData:
         covariates=_covariates(numbers, rows),
         camera=_camera(setup.camera, numbers, rows),
     )
+    return _usable(data)
 
 
 def _contacts(path: Path, rows: Sequence[ShotRow], setup: Setup) -> ContactTable:
@@ -184,6 +187,14 @@ def _table(path: Path, table: ContactTable) -> ContactTable:
         return with_scatter_as_noise(table) if table.estimated else table
     except ValueError as error:
         raise InputError(path, f"no errors are stated, and {error}; state them") from error
+
+
+def _usable(data: PoseData) -> PoseData:
+    """Leave out shots without frames that show both spheres; their numbers are kept."""
+    usable = both_seen(data.position_sigma).sum(axis=1) >= LEAST_FRAMES
+    if usable.all() or not usable.any():
+        return data
+    return replace(data.of_shots(usable), unusable=tuple(int(n) for n in data.shots[~usable]))
 
 
 def with_guesses(sigma: Floats, guess: float) -> tuple[Floats, bool]:

@@ -34,13 +34,17 @@ class Judged:
     @property
     def rejected(self) -> list[int]:
         """Numbers of the shots that were left out."""
-        return [int(n) for n in self.evidence.stated.shots[~self.evidence.cleaned.kept]]
+        stated = self.evidence.stated
+        bad = [int(n) for n in stated.shots[~self.evidence.cleaned.kept]]
+        return sorted([*stated.unusable, *bad])
 
     def remarks(self) -> list[str]:
         """Say what was left out, and where stated sigmas were not believed."""
         found = []
         if self.rejected:
-            found.append(f"shots left out, too far from the rest: {self.rejected}")
+            found.append(
+                f"shots left out, too far from the rest or not to be fitted: {self.rejected}"
+            )
         if self.evidence.cleaned.frames:
             frames = [f"{frame} of shot {shot}" for shot, frame in self.evidence.cleaned.frames]
             found.append(f"frames left out: {', '.join(frames)}")

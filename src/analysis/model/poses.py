@@ -66,6 +66,8 @@ class PoseData:
         Rates, views and origins: what a camera effect needs to know.
     estimated
         Whether some errors were not stated, so that their scale is the scatter's.
+    unusable
+        Numbers of shots that are not here, having no frames that show both spheres.
     jitter_s
         Standard deviation of each frame's time, common to both spheres, s.
     """
@@ -82,6 +84,7 @@ class PoseData:
     covariates: Mapping[str, Floats]
     camera: CameraSetup
     estimated: bool = False
+    unusable: tuple[int, ...] = ()
     jitter_s: float = 0.0
 
     def without(self, frames: NDArray[np.bool_]) -> PoseData:

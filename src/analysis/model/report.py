@@ -5,6 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from analysis.model.documents import noise_document
+from analysis.model.design.between import Telling
+from analysis.model.design.document import shots_document
 from analysis.model.lackoffit import Cell
 from analysis.model.ranking import Candidate, Ranking
 from analysis.model.selection import UNEXPLAINED_LEVEL, Verdict
@@ -15,14 +17,16 @@ Json = dict[str, Any]
 SMALLEST_P = 1e-300
 
 
-def verdict_document(campaign: str, data: Data, verdict: Verdict) -> Json:
+def verdict_document(
+    campaign: str, data: Data, verdict: Verdict, following: Telling | None = None
+) -> Json:
     """Return the document of `rigctl model explain --json`."""
     kept = verdict.cleaned.kept
     return {
         "campaign": campaign,
-        "shots": len(data.shots),
+        "shots": len(data.shots) + len(data.unusable),
         "used": int(kept.sum()),
-        "rejected": [int(number) for number in data.shots[~kept]],
+        "rejected": sorted([*data.unusable, *(int(number) for number in data.shots[~kept])]),
         "rejected_frames": [list(frame) for frame in verdict.cleaned.frames],
         "verdict": verdict.verdict,
         "effects": list(verdict.effects),
@@ -41,7 +45,7 @@ def verdict_document(campaign: str, data: Data, verdict: Verdict) -> Json:
         "candidates": candidates_document(verdict.first_ranking),
         "noise": noise_document(verdict.noise),
         "structure": [_cell(cell) for cell in verdict.cells if cell.p_holm < UNEXPLAINED_LEVEL],
-        "next_shots": [],
+        "next_shots": [] if following is None else shots_document(following.shots),
     }
 
 

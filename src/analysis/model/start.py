@@ -15,6 +15,7 @@ from analysis.motion.rotation import rotation_matrix, rotation_vector
 Floats = NDArray[np.float64]
 
 LEAST_FRAMES = 3
+LEAST_COORDINATES = 2
 
 
 def first_states(data: Data) -> ShotStates:
@@ -27,7 +28,7 @@ def first_states(data: Data) -> ShotStates:
     """
     if isinstance(data, ContactTable):
         return _tabulated(data)
-    seen = np.asarray(np.isfinite(data.position_sigma).all(axis=(2, 3)))
+    seen = both_seen(data.position_sigma)
     fall = 0.5 * data.gravity * data.times_s**2
     straight = data.position.copy()
     straight[..., 0] -= fall[..., None]
@@ -66,6 +67,17 @@ def _tabulated(table: ContactTable) -> ShotStates:
         before=table.start,
         rotation=np.tile(np.eye(3), (shots, 2, 1, 1)),
     )
+
+
+def both_seen(position_sigma: Floats) -> NDArray[np.bool_]:
+    """Return the frames that show both spheres, shape (S, F).
+
+    In every coordinate that is measured anywhere in the shot: without a top view two are enough.
+    """
+    measured = np.isfinite(position_sigma)
+    anywhere = measured.any(axis=1, keepdims=True)
+    enough = (anywhere.sum(axis=3) >= LEAST_COORDINATES).all(axis=2)
+    return np.asarray((measured | ~anywhere).all(axis=(2, 3)) & enough)
 
 
 def _splits(times: Floats, values: Floats, seen: NDArray[np.bool_]) -> NDArray[np.intp]:

@@ -68,6 +68,11 @@ class ContactTable:
         return 0.0
 
     @property
+    def unusable(self) -> tuple[int, ...]:
+        """Return no shot: every row of a table is used."""
+        return ()
+
+    @property
     def measured(self) -> NDArray[np.bool_]:
         """Return which numbers are measured, shape (S, L)."""
         return np.isfinite(self.sigma)

@@ -15,6 +15,7 @@ from analysis.exchange.pose_table import read_poses
 from analysis.exchange.tables import write_poses
 from analysis.model.gather import gather, measured_poses
 from analysis.model.judged import judged
+from analysis.model.poses import PoseData
 from analysis.shot import MeasuredShot, analyse_shot
 from simulators.world import WorldDescription
 from tests.unit.analysis.model.exchange_folder import write_campaign
@@ -139,7 +140,7 @@ def test_a_shot_measured_now_gives_what_its_written_table_gives(tmp_path: Path) 
 
 def test_a_table_without_poses_is_refused(folder: Path) -> None:
     rewrite(folder, lambda *_: False)
-    with pytest.raises(InputError, match="no shot of this campaign has poses"):
+    with pytest.raises(InputError, match="no shot of this campaign has frames that show both"):
         gather(folder)
 
 
@@ -177,3 +178,33 @@ def test_errors_that_nobody_stated_are_those_of_the_scatter(tmp_path: Path) -> N
     with_errors = judged(data).fit.parameters()["e"]
     e = found.fit.parameters()["e"]
     assert e.value == pytest.approx(with_errors.value, abs=with_errors.sigma)
+
+
+def test_a_shot_that_never_shows_both_spheres_is_left_out_and_named(folder: Path) -> None:
+    rewrite(folder, lambda shot, frame, t, sphere: not (shot == "2" and sphere == "a"))
+    _, data = gather(folder)
+    assert data.shots.tolist() == [1, 3, 4]
+    assert data.unusable == (2,)
+    assert judged(data).rejected == [2]
+
+
+def test_without_a_top_view_the_rest_is_fitted(tmp_path: Path) -> None:
+    data = campaign(30, 12)
+    sigma = data.position_sigma.copy()
+    sigma[..., 2] = np.inf
+    flat = replace(data, position_sigma=sigma, position=data.position * np.array([1, 1, 0]))
+    e = judged(gather(write_flat(tmp_path / "c", flat))[1]).fit.parameters()["e"]
+    assert e.value == pytest.approx(0.74, abs=4 * e.sigma)
+    assert e.sigma < 0.005
+
+
+def write_flat(folder: Path, data: PoseData) -> Path:
+    """Write a campaign whose depth nobody measured."""
+    whole = replace(data, position_sigma=np.where(np.isinf(data.position_sigma), 1.0, 2e-5))
+    write_campaign(folder, whole)
+    path = folder / "poses.csv"
+    head, *rows = path.read_text(encoding="utf-8").splitlines()
+    blank = {head.split(",").index(name) for name in ("z_m", "sigma_z_m")}
+    kept = [",".join("" if k in blank else f for k, f in enumerate(row.split(","))) for row in rows]
+    path.write_text("\n".join([head, *kept]) + "\n", encoding="utf-8")
+    return folder
