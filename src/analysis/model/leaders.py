@@ -6,13 +6,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.stats import chi2 as chi2_distribution
+from numpy.typing import NDArray
 
 from analysis.effects.effect import ScatterEffect
 from analysis.model.fit import Fit, fit_campaign
 from analysis.model.poses import PoseData
 from analysis.model.ranking import Candidate, Ranking, believed
 from analysis.model.tables import Data
+
+Floats = NDArray[np.float64]
 
 MOST_REFITTED = 10
 ALIAS_WITHIN = (2 * 1.2816) ** 2
@@ -31,6 +33,8 @@ class Leader:
     ----------
     data
         The data it was fitted to: with a scatter in, their noise is another.
+    values
+        Of its parameters, as fitted.
     fall
         Of chi-squared, as the refit really brought it.
     criterion
@@ -42,6 +46,7 @@ class Leader:
     candidate: Candidate
     data: Data
     fit: Fit
+    values: Floats
     fall: float
     criterion: float
     plausible: bool
@@ -50,6 +55,11 @@ class Leader:
     def name(self) -> str:
         """Of its effect."""
         return self.candidate.effect.name
+
+    @property
+    def unbiased_fall(self) -> float:
+        """Fall in units of the noise, less what chance alone brings."""
+        return self.fall / max(self.fit.chi2_per_dof, 1e-12) - self.candidate.freedom
 
 
 def refitted(data: Data, fit: Fit, ranking: Ranking, level: float) -> list[Leader]:
@@ -63,11 +73,11 @@ def refitted(data: Data, fit: Fit, ranking: Ranking, level: float) -> list[Leade
     if not leaders:
         return []
     noise = min(leader.fit.chi2_per_dof for leader in leaders)
-    threshold = max(c.p_value for c in invited)
+    threshold = ranking.threshold(level)
     return [
         leader
         for leader in leaders
-        if chi2_distribution.sf(leader.fall / noise, leader.candidate.freedom) <= threshold
+        if leader.candidate.chance_of(leader.fall / noise, leader.values) <= threshold
     ]
 
 
@@ -84,17 +94,24 @@ def in_order(leaders: Sequence[Leader]) -> list[Leader]:
     return [*first, *(x for x in ordered if x not in first)]
 
 
-def alias_set(chosen: Leader, leaders: Sequence[Leader]) -> tuple[str, ...]:
-    """Return all refits that these shots cannot tell from the chosen one, it first.
+def alias_set(chosen: Leader, leaders: Sequence[Leader], ranking: Ranking) -> tuple[str, ...]:
+    """Return all effects that these shots cannot tell from the chosen one, it first.
 
-    One that contains the chosen effect is no alias of it but a larger model.
+    Those whose refit comes as near as a wrong one would in one campaign of ten, and those that the
+    scores foretell to. One that contains the chosen effect is no alias of it but a larger model.
     """
+    fall = chosen.unbiased_fall
+    rivals = [c.effect.name for c in ranking.candidates]
+    here = rivals.index(chosen.name)
+    foretold = dict(zip(rivals, fall * (1 - ranking.imitated[here]), strict=True))
+    behind = {x.name: fall - x.unbiased_fall for x in leaders}
     near = [
-        leader.name
-        for leader in leaders
-        if leader is not chosen
-        and abs(chosen.criterion - leader.criterion) < ALIAS_WITHIN
-        and len(leader.candidate.amplitudes) <= len(chosen.candidate.amplitudes)
+        candidate.effect.name
+        for candidate in ranking.candidates
+        if candidate.effect.name != chosen.name
+        and chosen.name not in candidate.effect.contains
+        and min(foretold[candidate.effect.name], behind.get(candidate.effect.name, np.inf))
+        < ALIAS_WITHIN
     ]
     return (chosen.name, *near)
 
@@ -117,6 +134,7 @@ def _refit(data: Data, fit: Fit, candidate: Candidate) -> Leader:
         candidate=candidate,
         data=data,
         fit=refit,
+        values=values,
         fall=fall,
         criterion=fall / max(refit.chi2_per_dof, 1e-12) - penalty,
         plausible=believed(candidate.effect, values, sigmas),
@@ -130,6 +148,7 @@ def _with_scatter(data: PoseData, fit: Fit, candidate: Candidate) -> Leader:
         candidate=candidate,
         data=jittered,
         fit=fit_campaign(jittered, fit.theory, fit),
+        values=candidate.amplitudes,
         fall=candidate.fall * fit.chi2_per_dof,
         criterion=candidate.fall - float(np.log(max(len(data.shots), 2))),
         plausible=candidate.plausible,

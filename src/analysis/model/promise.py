@@ -86,11 +86,19 @@ class Block:
 
     def p_values(self, falls: Floats) -> Floats:
         """Return the chance of such falls when nothing is missing."""
-        if self.freedom == 0:
-            return np.ones_like(falls)
-        if self.one_sided:
-            return np.where(falls > 0, ndtr(-np.sqrt(falls)), 1.0)
-        return np.asarray(chdtrc(self.freedom, falls))
+        return chance_of_falls(falls, self.freedom, one_sided=self.one_sided)
+
+
+def chance_of_falls(falls: Floats, freedom: int, *, one_sided: bool) -> Floats:
+    """Return the chance that chi-squared falls so far when nothing is missing, shape (...).
+
+    Half of a normal's where one sign of one amplitude counts, and none counts for the other.
+    """
+    if freedom == 0:
+        return np.ones_like(falls)
+    if one_sided:
+        return np.where(falls > 0, ndtr(-np.sqrt(falls)), 1.0)
+    return np.asarray(chdtrc(freedom, falls))
 
 
 def candidate_sums(data: Data, fit: Fit, effects: Sequence[Effect]) -> Sums:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from analysis.effects.effect import Effect, ScatterEffect
 from analysis.model.fit import Fit
-from analysis.model.promise import Block, Sums, block_of, candidate_sums
+from analysis.model.promise import Block, Sums, block_of, candidate_sums, chance_of_falls
 from analysis.model.scatter import timing_jitter
 from analysis.model.tables import Data
 
@@ -78,6 +78,13 @@ class Candidate:
         """Whether every amplitude lies in its believed range, its error allowed for."""
         return believed(self.effect, self.amplitudes, self.sigmas)
 
+    def chance_of(self, fall: float, values: Floats) -> float:
+        """Return the chance of a fall, in units of the noise, at fitted values (parameters,)."""
+        if one_sided(self.effect):
+            risen = values[0] > self.effect.off[0]
+            return float(chance_of_falls(np.array(fall if risen else 0.0), 1, one_sided=True))
+        return float(chance_of_falls(np.array(fall), self.freedom, one_sided=False))
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Ranking:
@@ -90,13 +97,24 @@ class Ranking:
     aliases
         Largest correlation between what two candidates do to the residuals, shape (K, K), in the
         same order: near 1 these shots cannot tell them apart.
+    imitated
+        Share of what candidate i promises that candidate j could give instead, [i, j], shape
+        (K, K).
+    chance
+        Smallest p of each of many simulated campaigns with nothing missing, sorted.
     noise_scale
         Root of chi-squared per degree of freedom of the fit, by which sigmas were multiplied.
     """
 
     candidates: tuple[Candidate, ...]
     aliases: Floats
+    imitated: Floats
+    chance: Floats
     noise_scale: float
+
+    def threshold(self, level: float) -> float:
+        """Return the p below which a share `level` of campaigns with nothing missing goes."""
+        return float(np.quantile(self.chance, level))
 
 
 def believed(effect: Effect, values: Floats, sigmas: Floats) -> bool:
@@ -107,6 +125,11 @@ def believed(effect: Effect, values: Floats, sigmas: Floats) -> bool:
         <= parameter.plausible[1] + BEYOND_RANGE_SIGMAS * sigma
         for parameter, value, sigma in zip(effect.parameters, values, sigmas, strict=True)
     )
+
+
+def one_sided(effect: Effect) -> bool:
+    """Return whether an effect's one parameter can have one sign only."""
+    return len(effect.parameters) == 1 and effect.parameters[0].one_sided
 
 
 def rank(data: Data, fit: Fit, effects: Sequence[Effect], seed: int = 0) -> Ranking:
@@ -124,7 +147,7 @@ def rank(data: Data, fit: Fit, effects: Sequence[Effect], seed: int = 0) -> Rank
     scatters = [effect for effect in free if isinstance(effect, ScatterEffect)]
     scale = float(np.sqrt(max(fit.chi2_per_dof, 1e-12)))
     if not free:
-        return Ranking((), np.zeros((0, 0)), scale)
+        return Ranking((), np.zeros((0, 0)), np.zeros((0, 0)), np.ones(DRAWS), scale)
     forms = [(k, form) for k, e in enumerate(wanted) for form in (e, *e.variants)]
     sums = candidate_sums(data, fit, [form for _, form in forms])
     blocks = _blocks(sums, [form for _, form in forms])
@@ -150,18 +173,20 @@ def rank(data: Data, fit: Fit, effects: Sequence[Effect], seed: int = 0) -> Rank
     scored = [_with_familywise(c, smallest) for c in chosen]
     order = sorted(range(len(scored)), key=lambda k: (not scored[k].seen, -scored[k].fall))
     shifts = [k for k in order if k < len(best)]
-    aliases = np.zeros((len(order), len(order)))
-    among = [place for place, k in enumerate(order) if k < len(best)]
-    aliases[np.ix_(among, among)] = alias_matrix(sums.matrix, [blocks[best[k]] for k in shifts])
-    return Ranking(tuple(scored[k] for k in order), aliases, scale)
+    shown = [blocks[best[k]] for k in shifts]
+    among = np.array([place for place, k in enumerate(order) if k < len(best)], dtype=np.intp)
+    aliases, imitated = np.zeros((2, len(order), len(order)))
+    aliases[np.ix_(among, among)] = alias_matrix(sums.matrix, shown)
+    imitated[np.ix_(among, among)] = imitated_shares(sums, shown)
+    ranked = tuple(scored[k] for k in order)
+    return Ranking(ranked, aliases, imitated, np.sort(smallest), scale)
 
 
 def _blocks(sums: Sums, forms: Sequence[Effect]) -> list[Block]:
     blocks, start = [], 0
     for form in forms:
         stop = start + len(form.parameters)
-        one_sided = stop == start + 1 and form.parameters[0].one_sided
-        blocks.append(block_of(sums, np.arange(start, stop), one_sided=one_sided))
+        blocks.append(block_of(sums, np.arange(start, stop), one_sided=one_sided(form)))
         start = stop
     return blocks
 
@@ -272,3 +297,22 @@ def alias_matrix(matrix: Floats, blocks: Sequence[Block]) -> Floats:
                 size = abs(between[0, 0]) if single else np.linalg.norm(between, 2)
                 aliases[i, j] = aliases[j, i] = min(float(size), 1.0)
     return aliases
+
+
+def imitated_shares(sums: Sums, blocks: Sequence[Block]) -> Floats:
+    """Return the share of each candidate's fall that each other could bring, shape (K, K).
+
+    Of what a candidate at its own amplitudes does to the residuals, as much as lies in the
+    other's columns: 1 less the squared sine of the angle between them.
+    """
+    shares = np.zeros((len(blocks), len(blocks)))
+    for i, first in enumerate(blocks):
+        amplitudes = first.whitening @ (first.whitening.T @ sums.gradient[first.columns])
+        done = sums.matrix[:, first.columns] @ amplitudes
+        whole = float(amplitudes @ done[first.columns])
+        if whole <= 0:
+            continue
+        for j, second in enumerate(blocks):
+            along = done[second.columns] @ second.whitening
+            shares[i, j] = min(float((along**2).sum()) / whole, 1.0)
+    return shares

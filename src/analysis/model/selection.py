@@ -91,7 +91,7 @@ def explain(
         if accepted is None:
             break
         leader, stage = accepted
-        alias_sets[leader.name] = alias_set(leader, leaders)
+        alias_sets[leader.name] = alias_set(leader, leaders, ranking)
         evidence, path = weighed_again(evidence, [*path, stage], leader.data.jitter_s)
         ranking = rank(evidence.data, path[-1].fit, effects)
     path = _backward(evidence.data, path)

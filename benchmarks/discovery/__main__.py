@@ -1,0 +1,35 @@
+"""Run sections of the measurement: python -m benchmarks.discovery null --campaigns 400."""
+
+from __future__ import annotations
+
+import argparse
+
+from benchmarks.discovery import blind, null, outside, pairs, power, removed, speed
+from benchmarks.discovery.options import Options
+
+SECTIONS = {
+    "null": null.run,
+    "power": power.run,
+    "pairs": pairs.run,
+    "outside": outside.run,
+    "blind": blind.run,
+    "removed": removed.run,
+    "speed": speed.run,
+}
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="benchmarks.discovery", description=__doc__)
+    parser.add_argument("section", choices=[*SECTIONS, "all"])
+    parser.add_argument("--campaigns", type=int, default=100, help="in each cell")
+    parser.add_argument("--shots", type=int, default=60, help="in each campaign")
+    parser.add_argument("--processes", type=int, default=1)
+    wanted = parser.parse_args()
+    options = Options(wanted.campaigns, wanted.shots, wanted.processes)
+    for name, run in SECTIONS.items():
+        if wanted.section in {name, "all"}:
+            run(options)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,14 @@
+"""How much to measure."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """Campaigns in each cell, shots in each campaign, processes at once."""
+
+    campaigns: int
+    shots: int
+    processes: int

@@ -1,0 +1,52 @@
+"""How long fit, ranking and verdict take on one core."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+import numpy as np
+
+from analysis.effects.catalogue import CATALOGUE
+from analysis.model.fit import fit_campaign
+from analysis.model.ranking import rank
+from analysis.model.selection import explain
+from benchmarks.discovery.campaigns import campaign
+from benchmarks.discovery.goals import Goal, report
+from benchmarks.discovery.options import Options
+
+HIDDEN = {"image-scale": 0.001}
+USUAL, MANY, TIMES = 120, 1000, 10
+REPEATS = 5
+
+
+def run(options: Options) -> None:
+    """Measure in this process; the best of several runs, as others may share the core."""
+    data, much = campaign(HIDDEN, 3, USUAL), campaign(HIDDEN, 3, MANY)
+    more = campaign(HIDDEN, 3, TIMES * USUAL)
+    explain(campaign(HIDDEN, 4, 12), CATALOGUE)
+    once = _best(lambda: rank(data, fit_campaign(data), CATALOGUE))
+    verdict = _best(lambda: explain(data, CATALOGUE))
+    many = _best(lambda: rank(much, fit_campaign(much), CATALOGUE))
+    tenfold = _best(lambda: rank(more, fit_campaign(more), CATALOGUE))
+    goals = [
+        _time("fit and rank, 120 shots of 24 frames, s", 0.2, once),
+        _time("verdict, 120 shots of 24 frames, s", 2.0, verdict),
+        _time("fit and rank, 1000 shots, s", 2.0, many),
+        _time("fit and rank, 1200 shots over 120", 11.0, tenfold / min(once)),
+    ]
+    report("speed", goals, [])
+
+
+def _best(work: Callable[[], object]) -> np.ndarray:
+    """Return processor times of several runs, s."""
+    seconds = []
+    for _ in range(REPEATS):
+        start = time.process_time()
+        work()
+        seconds.append(time.process_time() - start)
+    return np.array(seconds)
+
+
+def _time(text: str, asked: float, seconds: np.ndarray) -> Goal:
+    return Goal(text, asked, float(seconds.min()), float(seconds.std()), len(seconds), False)
