@@ -17,6 +17,7 @@ from analysis.errors import LaunchRefusedError
 from analysis.launch.prediction import Limits
 from analysis.model.agreement.agree import agree
 from analysis.model.agreement.document import agreement_document, structure_document
+from analysis.model.design.undecided import next_after
 from analysis.model.documents import fit_document, ranking_document
 from analysis.model.fit import Fit
 from analysis.model.judged import judged
@@ -85,7 +86,8 @@ def explain_job(asked: Json, say: Say) -> Json:
     """Go the whole way to a verdict."""
     data = _poses(asked, say)
     verdict = explain(data, CATALOGUE, lambda text: say(text, None))
-    return verdict_document(asked["campaign"], data, verdict)
+    say("choosing shots", None)
+    return verdict_document(asked["campaign"], data, verdict, next_after(verdict, CATALOGUE))
 
 
 def next_job(asked: Json, say: Say) -> Json:

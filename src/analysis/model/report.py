@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from analysis.model.design.between import Telling
+from analysis.model.design.document import shots_document
 from analysis.model.documents import noise_document
 from analysis.model.design.between import Telling
 from analysis.model.design.document import shots_document

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from rich.console import Console
 from rich.table import Table
 
+from analysis.effects.effect import Effect
 from analysis.effects.own.dropping import without_faulty
+from analysis.model.design.between import Telling
+from analysis.model.design.undecided import next_after
 from analysis.model.report import verdict_document, verdict_sentence
 from analysis.model.selection import Verdict, explain
+from analysis.model.tables import Data
 from rigctl.commands import report
 from rigctl.commands.effect import available, tell
 from rigctl.commands.model.printing import TABLE_WIDTH, print_json
@@ -36,9 +41,10 @@ def explaining(campaign: Path, *, as_json: bool, folder: Path | None = None) -> 
     known = available(folder)
     title, data = opened(campaign)
     with report.progress() as say:
-        verdict, dropped = without_faulty(known.effects, lambda left: explain(data, left, say))
+        found, dropped = without_faulty(known.effects, lambda left: _judged(data, left, say))
+    verdict, following = found
     faults = tell([*known.faults, *dropped])
-    document = {**verdict_document(title, data, verdict), "faults": faults}
+    document = {**verdict_document(title, data, verdict, following), "faults": faults}
     if as_json:
         print_json(document)
         return title, verdict
@@ -55,6 +61,17 @@ def explaining(campaign: Path, *, as_json: bool, folder: Path | None = None) -> 
     for name, quantity in verdict.fit.parameters().items():
         unit = "" if quantity.unit == "1" else f" {quantity.unit}"
         console.print(f"{name} = {quantity.concise()}{unit}", highlight=False)
+    if document["next_shots"]:
+        console.print(f"what to fire next: rigctl model next {campaign}", highlight=False)
     if document["rejected"]:
         console.print(f"shots rejected: {document['rejected']}", highlight=False)
     return title, verdict
+
+
+def _judged(
+    data: Data, effects: Sequence[Effect], say: Callable[[str], None]
+) -> tuple[Verdict, Telling | None]:
+    """Come to a verdict, and choose the shots that would end its doubts."""
+    verdict = explain(data, effects, say)
+    say("choosing shots")
+    return verdict, next_after(verdict, effects)
