@@ -7,8 +7,6 @@ from typing import Any
 from analysis.model.design.between import Telling
 from analysis.model.design.document import shots_document
 from analysis.model.documents import noise_document
-from analysis.model.design.between import Telling
-from analysis.model.design.document import shots_document
 from analysis.model.lackoffit import Cell
 from analysis.model.ranking import Candidate, Ranking
 from analysis.model.selection import UNEXPLAINED_LEVEL, Verdict
