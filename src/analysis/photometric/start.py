@@ -20,6 +20,7 @@ Floats = NDArray[np.float64]
 FIRST_BLUR_PX = 0.85
 FIRST_DARKNESS = 0.6
 SMALLEST_ALPHA = 0.06
+EDGE_BIAS_PX = 0.25
 BEYOND = 3
 """Frames that a track is carried on beyond its ends."""
 
@@ -91,7 +92,10 @@ def _turned_on(times_s: Floats, known: NDArray[np.intp], rotation: Floats) -> Fl
 
 
 def _agreeing_origins(camera: Camera, tracking: Tracking, film: Film) -> Floats:
-    """Shift the top view's columns so that both views agree on Y."""
+    """Shift the top view's columns so that both views agree on Y.
+
+    Origins that agree within what shading does to edges are left as they were stated.
+    """
     origins = camera.optics.origins.copy()
     if View.TOP not in camera.views:
         return origins
@@ -101,5 +105,7 @@ def _agreeing_origins(camera: Camera, tracking: Tracking, film: Film) -> Floats:
         for i, sphere in enumerate(tracking.spheres)
         for k, outline in sphere[View.TOP].outlines.items()
     ]
-    origins[v, 1] += float(np.median(gaps))
+    gap = float(np.median(gaps))
+    if abs(gap) > EDGE_BIAS_PX:
+        origins[v, 1] += gap
     return origins
