@@ -37,8 +37,10 @@ from rigctl.service.job_models import JobView
 from rigctl.service.models import InterlockView, RigEvent, RigView, ShotView
 from rigctl.service.problems import Problem, from_error
 from rigctl.service.routes_effects import EffectView, ParameterView
+from rigctl.service.sweep_models import MeanView, StepView, SweepDetail
 from rigctl.settings import ShotSettings
 from rigctl.store.states import SHOT_TRANSITIONS
+from rigctl.store.sweep_states import STEP_TRANSITIONS, SWEEP_TRANSITIONS
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
@@ -274,7 +276,8 @@ def test_every_field_of_a_request_and_of_an_answer_is_named() -> None:
     text = (DOCS / "reference" / "rest.md").read_text(encoding="utf-8")
     orders = (ShotSettings, RigView, InterlockView, ShotView, RigEvent, Problem)
     questions = (CampaignView, FitView, JobView, EffectView, ParameterView)
-    for model in orders + questions:
+    sweeps = (SweepDetail, StepView, MeanView)
+    for model in orders + questions + sweeps:
         assert set(model.model_fields) <= named(text), model.__name__
 
 
@@ -382,15 +385,23 @@ def test_the_columns_of_the_exchange_tables_are_those_that_are_written() -> None
         assert f"\n{','.join(columns)}\n" in text
 
 
+FIRING = DOCS / "explanation" / "firing.md"
+SWEEPS = DOCS / "how-to" / "run-a-sweep.md"
+
+
 @pytest.mark.parametrize(
-    ("heading", "table"),
+    ("page", "heading", "table"),
     [
-        ("States of the rig", TRANSITIONS),
-        ("The order of a shot, and what is on disk", SHOT_TRANSITIONS),
+        (FIRING, "States of the rig", TRANSITIONS),
+        (FIRING, "The order of a shot, and what is on disk", SHOT_TRANSITIONS),
+        (SWEEPS, "States of a sweep", SWEEP_TRANSITIONS),
+        (SWEEPS, "States of a step", STEP_TRANSITIONS),
     ],
 )
-def test_the_tables_of_states_are_those_of_the_program(heading: str, table: Any) -> None:
-    pairs = [row for row in rows(DOCS / "explanation" / "firing.md", heading) if len(row) == 2]
+def test_the_tables_of_states_are_those_of_the_program(
+    page: Path, heading: str, table: Any
+) -> None:
+    pairs = [row for row in rows(page, heading) if len(row) == 2]
     written = {
         before: set(after.split(", ")) for states, after in pairs for before in states.split(", ")
     }

@@ -31,6 +31,8 @@ from rigctl.service.routes_jobs import job_routes
 from rigctl.service.routes_model import model_routes
 from rigctl.service.routes_rig import rig_routes
 from rigctl.service.routes_shots import shot_routes
+from rigctl.service.routes_sweeps import sweep_routes
+from rigctl.service.sweep_models import SweepView
 
 _FRAMEWORK = {
     404: ("no-such-route", "There is no such path", "look at /openapi.json"),
@@ -52,6 +54,7 @@ def create_app(daemon: Daemon, key: str, hub: EventHub) -> FastAPI:
             daemon.rig.listeners.add(lambda step: hub.publish("rig", RigEvent.of(step))),
             daemon.store.listeners.add(lambda record: hub.publish("shot", ShotView.of(record))),
             daemon.jobs.listeners.add(lambda job: hub.publish("job", JobSummary.of(job))),
+            daemon.sweeps.listeners.add(lambda now: hub.publish("sweep", SweepView.of(now))),
         ]
         try:
             yield
@@ -72,6 +75,7 @@ def create_app(daemon: Daemon, key: str, hub: EventHub) -> FastAPI:
     lanes = Lanes()
     app.include_router(rig_routes(daemon, lanes), prefix=PREFIX)
     app.include_router(shot_routes(daemon, lanes), prefix=PREFIX)
+    app.include_router(sweep_routes(daemon, lanes), prefix=PREFIX)
     app.include_router(campaign_routes(daemon), prefix=PREFIX)
     app.include_router(model_routes(daemon), prefix=PREFIX)
     app.include_router(effect_routes(), prefix=PREFIX)

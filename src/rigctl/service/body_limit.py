@@ -5,11 +5,16 @@ from __future__ import annotations
 from starlette.datastructures import Headers
 from starlette.types import ASGIApp, Receive, Scope, Send
 
-from rigctl.service.auth import ESTOP_PATH
+from rigctl.service.auth import ESTOP_PATH, PREFIX
 from rigctl.service.problems import Problem, answer
 
 LONGEST_BODY = 16_384
 """Bytes; the longest request, an order with a note in escaped characters, has a third of it."""
+
+LONGEST_SWEEP = 1_048_576
+"""Bytes of an order for a sweep, which may list every one of its shots."""
+
+SWEEPS_PATH = f"{PREFIX}/sweeps"
 
 
 class BodyLimit:
@@ -25,14 +30,15 @@ class BodyLimit:
         """Answer 411 or 413, or pass the request on."""
         refusal = None
         if scope["type"] == "http" and scope["path"] != ESTOP_PATH:
-            refusal = _refusal(Headers(scope=scope))
+            longest = LONGEST_SWEEP if scope["path"] == SWEEPS_PATH else LONGEST_BODY
+            refusal = _refusal(Headers(scope=scope), longest)
         if refusal is None:
             await self._app(scope, receive, send)
         else:
             await answer(refusal)(scope, receive, send)
 
 
-def _refusal(headers: Headers) -> Problem | None:
+def _refusal(headers: Headers, longest: int) -> Problem | None:
     if "transfer-encoding" in headers:
         return Problem(
             status=411,
@@ -44,15 +50,15 @@ def _refusal(headers: Headers) -> Problem | None:
         )
     length = headers.get("content-length", "0")
     # Digits only: the server below has refused any other form of the header already.
-    if length.isdecimal() and int(length) <= LONGEST_BODY:
+    if length.isdecimal() and int(length) <= longest:
         return None
     return Problem(
         status=413,
         code="body-too-large",
         title="The body is too long",
-        detail=f"a body of {length} bytes; {LONGEST_BODY} are allowed",
+        detail=f"a body of {length} bytes; {longest} are allowed",
         field="Content-Length",
         value=f"{length} bytes",
-        limit=f"{LONGEST_BODY} bytes",
+        limit=f"{longest} bytes",
         todo="send less",
     )

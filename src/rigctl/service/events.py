@@ -1,4 +1,4 @@
-"""Events of the rig, its shots and jobs, from its threads to every listening client."""
+"""Events of the rig, its shots, sweeps and jobs, from its threads to every listening client."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from typing import Literal
 from fastapi.sse import ServerSentEvent
 from pydantic import BaseModel
 
-EventKind = Literal["rig", "shot", "job"]
+EventKind = Literal["rig", "shot", "job", "sweep"]
 
 
 @dataclass(frozen=True, slots=True)

@@ -20,7 +20,7 @@ def event_routes(daemon: Daemon, hub: EventHub) -> APIRouter:
 
     @router.get("/events", response_class=EventSourceResponse, responses=documented(401, 405, 503))
     async def events() -> AsyncIterator[ServerSentEvent]:
-        """Stream events: `rig` with a state of the rig, `shot` with a shot, `job` with a job.
+        """Stream events, each named for what it carries: `rig` (a state), `shot`, `job`, `sweep`.
 
         The first event is the present state. A client that falls behind is sent an event `end`
         with the reason, and no more. A comment comes every 15 s when nothing happens.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import random
 from pathlib import Path
-from typing import Annotated, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import Field, ValidationError, model_validator
 
@@ -67,6 +67,18 @@ class RepeatedShot(ShotSettings):
         return ShotSettings(**self.model_dump(exclude={"repeat"}))
 
 
+class UntilKnown(StrictModel):
+    """End the sweep before its last shot once a coefficient is known well enough."""
+
+    coefficient: Literal["e", "beta"] = Field(description="coefficient of each shot's result")
+    sigma: float = Field(
+        gt=0, le=1, description="standard error of its mean over the sweep's shots to be reached"
+    )
+    adaptive: bool = Field(
+        default=False, description="fire next where the shots so far have told most about it"
+    )
+
+
 class Sweep(StrictModel):
     """A sweep: a grid, shots listed one by one, or both."""
 
@@ -86,6 +98,13 @@ class Sweep(StrictModel):
     settle_s: float = Field(
         default=0.0, ge=0, le=3600, description="wait between settings reached and fire, s"
     )
+    pause_s: float = Field(
+        default=0.0, ge=0, le=3600, description="rest after each shot beyond the rig's own, s"
+    )
+    most_failed: int = Field(
+        default=3, ge=1, le=1000, description="so many failed shots in a row pause the sweep"
+    )
+    until: UntilKnown | None = Field(default=None, description="end early once this is known")
     grid: Grid | None = Field(default=None, description="every combination of some values")
     shots: list[RepeatedShot] = Field(
         default=[], max_length=MOST_SHOTS, description="shots listed one by one"

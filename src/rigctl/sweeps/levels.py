@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal, Self
 
-from pydantic import Discriminator, Field, Tag, model_validator
+from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 
 from rigctl.config.model import StrictModel
 
@@ -27,6 +27,8 @@ class Range(StrictModel):
 
     @model_validator(mode="after")
     def _can_be_spaced(self) -> Self:
+        if self.first == self.last:
+            raise ValueError(f"a range from {self.first:g} to {self.last:g} is empty")
         least = min(self.first, self.last)
         if self.spacing == "logarithmic" and least <= 0:
             raise ValueError(f"spacing 'logarithmic' needs values above 0, the least is {least:g}")
@@ -51,7 +53,16 @@ def _form(value: object) -> str:
     return "range" if isinstance(value, dict | Range) else "list"
 
 
-Listed = Annotated[list[float], Field(min_length=1, max_length=MOST_LEVELS)]
+def _each_once(values: list[float]) -> list[float]:
+    for position, value in enumerate(values):
+        if value in values[:position]:
+            raise ValueError(f"{value:g} stands twice; use `repeat` to fire it more often")
+    return values
+
+
+Listed = Annotated[
+    list[float], Field(min_length=1, max_length=MOST_LEVELS), AfterValidator(_each_once)
+]
 Levels = Annotated[
     Annotated[Listed, Tag("list")] | Annotated[Range, Tag("range")], Discriminator(_form)
 ]

@@ -10,6 +10,7 @@ from rigctl.config import Limits
 from rigctl.errors import SettingsError
 from rigctl.rig.bounds import require_within
 from rigctl.settings import ShotSettings
+from rigctl.sweeps.form import Sweep
 
 Coefficient = Literal["e", "beta"]
 
@@ -74,6 +75,19 @@ class Plan:
     rules: Rules
     form: str
     campaign: str | None = None
+
+
+def plan_of(form: Sweep) -> Plan:
+    """Return what a sweep file or a request asks for, with its shots in the order of firing."""
+    until = form.until
+    rules = Rules(
+        settle_s=form.settle_s,
+        pause_s=form.pause_s,
+        most_failed=form.most_failed,
+        until=None if until is None else Until(until.coefficient, until.sigma),
+        adaptive=until is not None and until.adaptive,
+    )
+    return Plan(tuple(form.steps()), rules, form.model_dump_json(), form.campaign)
 
 
 def require_possible(plan: Plan, limits: Limits) -> None:

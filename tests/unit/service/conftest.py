@@ -169,6 +169,7 @@ def app(rig: FakeRig, store: Store, hub: EventHub, jobs: Jobs, handed_over: list
         store=store,
         recovery=RECOVERY,
         jobs=jobs,
+        sweeps=SimpleNamespace(listeners=Listeners()),
         analyse=handed_over.append,
     )
     return create_app(daemon, KEY, hub)  # type: ignore[arg-type]

@@ -30,7 +30,7 @@ def test_a_method_that_a_path_does_not_know_is_answered_with_those_it_knows(
         assert answer.json()["code"] == "method-not-allowed"
 
 
-@pytest.mark.parametrize("path", ["/api/v1/", "/api/v1/sweeps", "/api/v1/shots/", "/docs"])
+@pytest.mark.parametrize("path", ["/api/v1/", "/api/v1/sweep", "/api/v1/shots/", "/docs"])
 def test_a_path_that_is_not_there_is_a_problem_document(ask: Any, path: str) -> None:
     answer = ask("GET", path)
     assert answer.status_code == 404
@@ -92,6 +92,11 @@ def test_the_routes_are_those_of_the_contract(app: Any) -> None:
         "/api/v1/shots/{shot}",
         "/api/v1/shots/{shot}/frames/{number}.png",
         "/api/v1/shots/{shot}/result",
+        "/api/v1/sweeps",
+        "/api/v1/sweeps/{sweep}",
+        "/api/v1/sweeps/{sweep}/pause",
+        "/api/v1/sweeps/{sweep}/resume",
+        "/api/v1/sweeps/{sweep}/abort",
         "/api/v1/campaigns",
         "/api/v1/campaigns/{campaign}",
         "/api/v1/campaigns/{campaign}/reanalyse",

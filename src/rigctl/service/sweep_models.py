@@ -1,0 +1,129 @@
+"""Sweeps as they go in and out over REST."""
+
+from __future__ import annotations
+
+import json
+from datetime import datetime
+from typing import Any, Self
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from rigctl.settings import ShotSettings
+from rigctl.store import StepRecord, StepState, SweepState
+from rigctl.sweeps.coefficient import Mean
+from rigctl.sweeps.orders import Wish
+from rigctl.sweeps.status import SweepStatus
+
+
+class SweepQuery(BaseModel):
+    """Which sweeps to list; `before` is the id of the last sweep of the page before."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    state: SweepState | None = None
+    limit: int = Field(default=100, ge=1, le=500)
+    before: str | None = Field(default=None, pattern=r"^\d{8}-s\d{4,12}$")
+
+
+class StepView(BaseModel):
+    """One step of a sweep. Times are UTC; `shot` is null while there is none."""
+
+    step: int = Field(description="place in the order of firing, from 1")
+    state: StepState
+    settings: ShotSettings
+    attempt: int = Field(description="how often it was begun; nothing flew before the last time")
+    shot: str | None
+    taken_at: datetime | None
+    ended_at: datetime | None
+    failure: str | None
+
+    @classmethod
+    def of(cls, step: StepRecord) -> Self:
+        """Return a step as REST shows it."""
+        return cls(
+            step=step.number,
+            state=step.state,
+            settings=step.settings,
+            attempt=step.attempt,
+            shot=step.shot,
+            taken_at=step.taken_at,
+            ended_at=step.ended_at,
+            failure=step.failure,
+        )
+
+
+class MeanView(BaseModel):
+    """A coefficient's mean over the measured shots of a sweep; no `sigma` before the third."""
+
+    coefficient: str
+    value: float
+    sigma: float | None
+    shots: int
+
+    @classmethod
+    def of(cls, mean: Mean) -> Self:
+        """Return a mean as REST shows it."""
+        return cls(
+            coefficient=mean.coefficient, value=mean.value, sigma=mean.sigma, shots=mean.shots
+        )
+
+
+class SweepView(BaseModel):
+    """One sweep. Times are UTC; what is not known is null."""
+
+    sweep: str
+    state: SweepState
+    reason: str = Field(description="why it stands there, and what to do next")
+    asked: Wish | None = Field(description="what takes effect before the next fire")
+    campaign: str | None
+    actor: str
+    accepted_at: datetime
+    ended_at: datetime | None
+    steps: int = Field(description="how many steps it has")
+    counts: dict[StepState, int] = Field(description="how many of them stand in each state")
+    current: StepView | None = Field(description="the step under way")
+    left_s: float | None = Field(description="estimated time to its end, s")
+    mean: MeanView | None = Field(description="the coefficient that ends it, as known so far")
+
+    @classmethod
+    def of(cls, status: SweepStatus) -> Self:
+        """Return a snapshot as REST shows it."""
+        record = status.record
+        return cls(
+            sweep=record.id,
+            state=record.state,
+            reason=record.reason,
+            asked=status.asked,
+            campaign=record.campaign,
+            actor=record.actor,
+            accepted_at=record.accepted_at,
+            ended_at=record.ended_at,
+            steps=record.steps,
+            counts={state: record.counts.get(state, 0) for state in StepState},
+            current=None if status.step is None else StepView.of(status.step),
+            left_s=status.left_s,
+            mean=None if status.mean is None else MeanView.of(status.mean),
+        )
+
+
+class SweepDetail(SweepView):
+    """One sweep with what was asked for, in the form of a sweep file, and all of its steps."""
+
+    form: dict[str, Any]
+    table: list[StepView]
+
+    @classmethod
+    def with_steps(cls, status: SweepStatus, steps: list[StepRecord]) -> Self:
+        """Return a snapshot with its steps in the order of firing."""
+        return cls(
+            **SweepView.of(status).model_dump(),
+            form=json.loads(status.record.form),
+            table=[StepView.of(step) for step in steps],
+        )
+
+
+class SweepList(BaseModel):
+    """Sweeps, latest first; `next` is the `before` of the page that follows, null at the end."""
+
+    sweeps: list[SweepView]
+    next: str | None
