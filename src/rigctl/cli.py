@@ -12,6 +12,7 @@ from rigctl.command_line.challenge import challenge
 from rigctl.command_line.effect import effect
 from rigctl.command_line.model import model
 from rigctl.command_line.rig import rig
+from rigctl.command_line.sweep import sweep
 from rigctl.errors import (
     AnalysisInputError,
     ConfigurationError,
@@ -45,6 +46,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 app.add_typer(rig)
+app.add_typer(sweep, name="sweep", no_args_is_help=True)
 app.add_typer(analysis)
 app.add_typer(model, name="model", no_args_is_help=True)
 app.add_typer(effect, name="effect", no_args_is_help=True)

@@ -37,7 +37,7 @@ from rigctl.service.job_models import JobView
 from rigctl.service.models import InterlockView, RigEvent, RigView, ShotView
 from rigctl.service.problems import Problem, from_error
 from rigctl.service.routes_effects import EffectView, ParameterView
-from rigctl.service.sweep_models import MeanView, StepView, SweepDetail
+from rigctl.service.sweep_models import MeanView, StepView, SweepTable, SweepView
 from rigctl.settings import ShotSettings
 from rigctl.store.states import SHOT_TRANSITIONS
 from rigctl.store.sweep_states import STEP_TRANSITIONS, SWEEP_TRANSITIONS
@@ -276,7 +276,7 @@ def test_every_field_of_a_request_and_of_an_answer_is_named() -> None:
     text = (DOCS / "reference" / "rest.md").read_text(encoding="utf-8")
     orders = (ShotSettings, RigView, InterlockView, ShotView, RigEvent, Problem)
     questions = (CampaignView, FitView, JobView, EffectView, ParameterView)
-    sweeps = (SweepDetail, StepView, MeanView)
+    sweeps = (SweepView, SweepTable, StepView, MeanView)
     for model in orders + questions + sweeps:
         assert set(model.model_fields) <= named(text), model.__name__
 

@@ -64,6 +64,7 @@ QUESTIONS = [
     ("GET", "/api/v1/shots/{shot}"),
     ("GET", "/api/v1/shots/{shot}/result"),
     ("GET", "/api/v1/sweeps/{sweep}"),
+    ("GET", "/api/v1/sweeps/{sweep}/steps"),
     ("POST", "/api/v1/sweeps/{sweep}/resume"),
     ("POST", "/api/v1/sweeps/{sweep}/abort"),
     ("GET", "/api/v1/campaigns"),

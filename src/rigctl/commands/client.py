@@ -94,6 +94,26 @@ class ServiceClient:
         """Return the measurement of one shot."""
         return self._ask("GET", f"/shots/{shot}/result")
 
+    def start_sweep(self, form: Mapping[str, Any], key: str) -> dict[str, Any]:
+        """Start a sweep under this idempotency key and return it."""
+        return self._ask("POST", "/sweeps", form, headers={"Idempotency-Key": key})
+
+    def sweeps(self) -> dict[str, Any]:
+        """Return the list of sweeps, latest first."""
+        return self._ask("GET", "/sweeps")
+
+    def sweep(self, name: str) -> dict[str, Any]:
+        """Return one sweep as the service lists it."""
+        return self._ask("GET", f"/sweeps/{name}")
+
+    def sweep_steps(self, name: str) -> dict[str, Any]:
+        """Return what was asked of a sweep (`form`) and its steps (`table`)."""
+        return self._ask("GET", f"/sweeps/{name}/steps")
+
+    def order_sweep(self, name: str, wish: str) -> dict[str, Any]:
+        """Pause, resume or abort a sweep and return it."""
+        return self._ask("POST", f"/sweeps/{name}/{wish}")
+
     def _ask(
         self,
         method: str,

@@ -12,7 +12,7 @@ from rigctl.service.bodies import StrictRoute
 from rigctl.service.lanes import Lanes
 from rigctl.service.problems import documented
 from rigctl.service.routes_shots import IdempotencyKey
-from rigctl.service.sweep_models import SweepDetail, SweepList, SweepQuery, SweepView
+from rigctl.service.sweep_models import SweepList, SweepQuery, SweepTable, SweepView
 from rigctl.sweeps.form import Sweep
 from rigctl.sweeps.plan import plan_of
 
@@ -54,9 +54,15 @@ def sweep_routes(daemon: Daemon, lanes: Lanes) -> APIRouter:
         )
 
     @router.get("/{sweep}", responses=documented(401, 404, 405, 422, 503))
-    def sweep(sweep: SweepName) -> SweepDetail:
-        """Show one sweep: how far it is, how long it will take, and what became of each step."""
-        return SweepDetail.with_steps(daemon.sweeps.status(sweep), daemon.store.sweeps.steps(sweep))
+    def sweep(sweep: SweepName) -> SweepView:
+        """Show one sweep: how far it is, and how long it will take."""
+        return SweepView.of(daemon.sweeps.status(sweep))
+
+    @router.get("/{sweep}/steps", responses=documented(401, 404, 405, 422, 503))
+    def steps(sweep: SweepName) -> SweepTable:
+        """Show what was asked for, and what became of each step."""
+        found = daemon.store.sweeps
+        return SweepTable.of(found.sweep(sweep), found.steps(sweep))
 
     @router.post("/{sweep}/pause", responses=refusals)
     async def pause(sweep: SweepName, request: Request) -> SweepView:

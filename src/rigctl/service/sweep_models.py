@@ -9,7 +9,7 @@ from typing import Any, Self
 from pydantic import BaseModel, ConfigDict, Field
 
 from rigctl.settings import ShotSettings
-from rigctl.store import StepRecord, StepState, SweepState
+from rigctl.store import StepRecord, StepState, SweepRecord, SweepState
 from rigctl.sweeps.coefficient import Mean
 from rigctl.sweeps.orders import Wish
 from rigctl.sweeps.status import SweepStatus
@@ -106,20 +106,16 @@ class SweepView(BaseModel):
         )
 
 
-class SweepDetail(SweepView):
-    """One sweep with what was asked for, in the form of a sweep file, and all of its steps."""
+class SweepTable(BaseModel):
+    """What was asked for, in the form of a sweep file, and the steps in the order of firing."""
 
     form: dict[str, Any]
     table: list[StepView]
 
     @classmethod
-    def with_steps(cls, status: SweepStatus, steps: list[StepRecord]) -> Self:
-        """Return a snapshot with its steps in the order of firing."""
-        return cls(
-            **SweepView.of(status).model_dump(),
-            form=json.loads(status.record.form),
-            table=[StepView.of(step) for step in steps],
-        )
+    def of(cls, record: SweepRecord, steps: list[StepRecord]) -> Self:
+        """Return the steps of a sweep as REST shows them."""
+        return cls(form=json.loads(record.form), table=[StepView.of(step) for step in steps])
 
 
 class SweepList(BaseModel):

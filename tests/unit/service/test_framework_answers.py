@@ -94,6 +94,7 @@ def test_the_routes_are_those_of_the_contract(app: Any) -> None:
         "/api/v1/shots/{shot}/result",
         "/api/v1/sweeps",
         "/api/v1/sweeps/{sweep}",
+        "/api/v1/sweeps/{sweep}/steps",
         "/api/v1/sweeps/{sweep}/pause",
         "/api/v1/sweeps/{sweep}/resume",
         "/api/v1/sweeps/{sweep}/abort",

@@ -64,6 +64,7 @@ def test_a_grid_is_fired_in_a_drawn_order_and_shown_step_by_step(ask: Caller, be
     assert answer.json()["steps"] == 6
     shown = ask("GET", f"/{ONE}").json()
     assert (shown["state"], shown["counts"]["stored"], shown["left_s"]) == ("completed", 6, None)
+    shown = ask("GET", f"/{ONE}/steps").json()
     assert shown["form"]["grid"]["offset_mm"] == [1.0, 2.0, 3.0]
     fired = [
         (each["settings"]["pressure_a_kpa"], each["settings"]["offset_mm"])
@@ -165,7 +166,7 @@ def test_sweeps_are_listed_latest_first_page_by_page(ask: Caller) -> None:
 
 
 def test_a_sweep_that_is_not_there_is_404_and_a_name_that_is_none_is_422(ask: Caller) -> None:
-    for path in ("", "/pause", "/resume", "/abort"):
-        method = "POST" if path else "GET"
+    for path in ("", "/steps", "/pause", "/resume", "/abort"):
+        method = "GET" if path in {"", "/steps"} else "POST"
         assert ask(method, f"/{ONE}{path}").status_code == 404
         assert ask(method, f"/latest{path}").status_code == 422
