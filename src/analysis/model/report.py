@@ -1,4 +1,4 @@
-"""A verdict as other programs read it (commands.md), and in words."""
+"""A verdict as other programs read it."""
 
 from __future__ import annotations
 
@@ -54,33 +54,6 @@ def candidates_document(ranking: Ranking) -> list[Json]:
     return [_candidate(candidate) for candidate in ranking.candidates if candidate.seen]
 
 
-def verdict_sentence(document: Json) -> str:
-    """Say the verdict in words that a student understands."""
-    name, used = document["campaign"], document["used"]
-    names = " and ".join(document["effects"])
-    first, last = document["path"][0], document["path"][-1]
-    fall = (
-        f"with it the error on shots left out falls from {first['prediction_error']:.3f} to "
-        f"{last['prediction_error']:.3f} of the noise"
-    )
-    if document["verdict"] == "none":
-        return f"{name}: nothing is missing, as far as {used} shots can tell."
-    if document["verdict"] == "effect":
-        return f"{name}: the missing effect is {names}; {fall}."
-    if document["verdict"] == "alias":
-        alike = " or ".join(document["alias_set"])
-        others = [effect for effect in document["effects"] if effect not in document["alias_set"]]
-        sure = f"{' and '.join(others)} is missing, and" if others else "the missing effect is"
-        return f"{name}: {sure} one of {alike}: these shots cannot tell; {fall}."
-    verb = "explain" if len(document["effects"]) > 1 else "explains"
-    part = f" {names} {verb} part of it." if names else ""
-    where = document["structure"][0]
-    return (
-        f"{name}: something is missing that the catalogue does not hold.{part} What is left shows "
-        f"most in {where['channel']} against {where['covariate']}."
-    )
-
-
 def _candidate(candidate: Candidate) -> Json:
     return {
         "effect": candidate.effect.name,
@@ -92,6 +65,7 @@ def _candidate(candidate: Candidate) -> Json:
         "sigma": float(candidate.sigmas[0]),
         "unit": candidate.effect.parameters[0].unit,
         "plausible": candidate.plausible,
+        "plausible_range": list(candidate.effect.parameters[0].plausible),
     }
 
 

@@ -12,9 +12,10 @@ from analysis.effects.effect import Effect
 from analysis.effects.own.dropping import without_faulty
 from analysis.model.design.between import Telling
 from analysis.model.design.undecided import next_after
-from analysis.model.report import verdict_document, verdict_sentence
+from analysis.model.report import verdict_document
 from analysis.model.selection import Verdict, explain
 from analysis.model.tables import Data
+from analysis.model.words import doubts, verdict_sentence
 from rigctl.commands import report
 from rigctl.commands.effect import available, tell
 from rigctl.commands.model.printing import TABLE_WIDTH, print_json
@@ -49,7 +50,8 @@ def explaining(campaign: Path, *, as_json: bool, folder: Path | None = None) -> 
         print_json(document)
         return title, verdict
     console = Console(width=TABLE_WIDTH)
-    console.print(verdict_sentence(document), highlight=False)
+    for sentence in (verdict_sentence(document), *doubts(document)):
+        console.print(sentence, highlight=False)
     table = Table(title="error path", title_justify="left", box=None)
     for heading in ("with", "chi-squared per dof", "prediction error"):
         table.add_column(heading, justify="left" if heading == "with" else "right")

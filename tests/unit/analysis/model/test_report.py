@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from analysis.model.report import verdict_document, verdict_sentence
+from analysis.model.report import verdict_document
 from analysis.model.selection import explain
+from analysis.model.words import doubts, verdict_sentence
 from tests.unit.analysis.model.chosen import EFFECTS
 from tests.unit.analysis.model.hard_spheres import Hidden, campaign
 
@@ -21,7 +22,7 @@ KEYS = {
 }
 CANDIDATE = {
     *("effect", "score", "p_value", "p_familywise", "promised_fall"),
-    *("amplitude", "sigma", "unit", "plausible"),
+    *("amplitude", "sigma", "unit", "plausible", "plausible_range"),
 }
 CELL = {"channel", "covariate", "chi2", "degrees_of_freedom", "p_value"}
 
@@ -104,3 +105,27 @@ def test_an_effect_that_is_sure_is_said_beside_those_that_are_not(
     found = documents["alias"]
     said = verdict_sentence({**found, "effects": ["drag", *found["effects"]]})
     assert said.startswith("nylon: drag is missing, and one of ")
+
+
+def test_a_candidate_of_a_size_that_is_not_believed_is_said_and_not_hidden(
+    documents: dict[str, dict[str, Any]],
+) -> None:
+    found = documents["effect"]
+    best = found["candidates"][0]
+    other = {
+        **{**best, "effect": "gravity-value", "promised_fall": 0.9 * best["promised_fall"]},
+        **{"amplitude": 0.31, "sigma": 0.02, "unit": "m/s^2"},
+        **{"plausible": False, "plausible_range": [-0.03, 0.03]},
+    }
+    faint = {**other, "effect": "drag", "promised_fall": 0.1 * best["promised_fall"]}
+    assert doubts({**found, "candidates": [best, other, faint]}) == [
+        "gravity-value by itself would promise as much, but with 0.310(20) m/s^2, where -0.03 to "
+        "0.03 m/s^2 is believed."
+    ]
+    assert doubts({**found, "candidates": [best]}) == []
+
+
+def test_two_effects_are_said_in_the_plural(documents: dict[str, dict[str, Any]]) -> None:
+    found = {**documents["effect"], "effects": ["image-scale", "drag"]}
+    said = verdict_sentence(found)
+    assert "the missing effects are image-scale and drag; with them the error" in said

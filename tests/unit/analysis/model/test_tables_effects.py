@@ -16,11 +16,12 @@ from analysis.model.fit import fit_campaign
 from analysis.model.gather import gather
 from analysis.model.plane import impact_plane
 from analysis.model.ranking import rank
-from analysis.model.report import verdict_document, verdict_sentence
+from analysis.model.report import verdict_document
 from analysis.model.scatter import timing_jitter
 from analysis.model.selection import explain
 from analysis.model.structure import structure
 from analysis.model.tables import ContactTable
+from analysis.model.words import verdict_sentence
 from tests.unit.analysis.model.chosen import chosen
 from tests.unit.analysis.model.exchange_folder import DESCRIPTION
 from tests.unit.analysis.model.tabulated import PLATE, contacts, folder_with, impacts, walton

@@ -1,0 +1,86 @@
+"""A verdict in words that a student understands."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from analysis.quantity import Quantity
+
+Json = dict[str, Any]
+
+STRIKING = 0.01
+"""Chance below which a candidate's promise is worth a word."""
+COMPARABLE = 0.5
+"""A candidate that is not believed is spoken of if it promises this share of what the best does."""
+
+
+def verdict_sentence(document: Json) -> str:
+    """Say the verdict."""
+    name, used = document["campaign"], document["used"]
+    if document["verdict"] == "none":
+        return f"{name}: nothing is missing, as far as {used} shots can tell."
+    if document["verdict"] == "effect":
+        several = len(document["effects"]) > 1
+        what = "missing effects are" if several else "missing effect is"
+        return f"{name}: the {what} {_listed(document['effects'])}; {_fall(document)}."
+    if document["verdict"] == "alias":
+        alike = " or ".join(document["alias_set"])
+        others = [effect for effect in document["effects"] if effect not in document["alias_set"]]
+        verb = "are" if len(others) > 1 else "is"
+        sure = f"{_listed(others)} {verb} missing, and" if others else "the missing effect is"
+        return f"{name}: {sure} one of {alike}: these shots cannot tell; {_fall(document)}."
+    return _unexplained(document)
+
+
+def doubts(document: Json) -> list[str]:
+    """Say which candidates promise much at a size that is not believed on this rig.
+
+    They are never hidden; plausibility only decides which of two alike is tried first.
+    """
+    if document["verdict"] not in {"effect", "alias"}:
+        return []
+    falls = {c["effect"]: c["promised_fall"] for c in document["candidates"]}
+    named = {*document["effects"], *document["alias_set"]}
+    best = max((falls.get(name, 0.0) for name in named), default=0.0)
+    return [
+        _doubt(c)
+        for c in document["candidates"]
+        if not c["plausible"]
+        and c["effect"] not in named
+        and c["p_familywise"] < STRIKING
+        and c["promised_fall"] > COMPARABLE * best
+    ]
+
+
+def _doubt(candidate: Json) -> str:
+    unit = "" if candidate["unit"] == "1" else f" {candidate['unit']}"
+    size = Quantity(candidate["amplitude"], candidate["sigma"], candidate["unit"]).concise()
+    low, high = candidate["plausible_range"]
+    return (
+        f"{candidate['effect']} by itself would promise as much, but with {size}{unit}, where "
+        f"{low:g} to {high:g}{unit} is believed."
+    )
+
+
+def _fall(document: Json) -> str:
+    first, last = document["path"][0], document["path"][-1]
+    it = "them" if len(document["effects"]) > 1 else "it"
+    return (
+        f"with {it} the error on shots left out falls from {first['prediction_error']:.3f} to "
+        f"{last['prediction_error']:.3f} of the noise"
+    )
+
+
+def _unexplained(document: Json) -> str:
+    names = _listed(document["effects"])
+    verb = "explain" if len(document["effects"]) > 1 else "explains"
+    part = f" {names} {verb} part of it." if names else ""
+    where = document["structure"][0]
+    return (
+        f"{document['campaign']}: something is missing that the catalogue does not hold.{part} "
+        f"What is left shows most in {where['channel']} against {where['covariate']}."
+    )
+
+
+def _listed(names: list[str]) -> str:
+    return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
