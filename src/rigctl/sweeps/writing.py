@@ -49,4 +49,4 @@ def _value(value: object) -> str:
     if isinstance(value, dict):
         return "{ " + ", ".join(_lines(value)) + " }"
     # A JSON string may hold DEL as it is; TOML forbids it.
-    return json.dumps(value).replace("\x7f", "\\u007f")
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")

@@ -121,23 +121,24 @@ def _print(document: Json, out: Path | None) -> None:
 
 def sentence(document: Json) -> str:
     """Say in words what the next shots do."""
-    name, count = document["campaign"], document["shots"]
+    count, even = document["shots"], document["even_shots"]
     shots = "1 shot" if count == 1 else f"{count} shots"
-    even = document["even_shots"]
     spread = f"{even} spread evenly" if even is not None else "more than 5000 spread evenly"
+    needed = f"{shots} (or {spread})" if count else "the campaign alone"
+    short = "" if document["enough"] else ", less than was asked for"
+    return f"{document['campaign']}: {needed} {_deed(document, plural=count > 1)}{short}."
+
+
+def _deed(document: Json, *, plural: bool) -> str:
     if "sharpen" in document:
+        verb = "bring" if plural else "brings"
         unit = "" if document["unit"] == "1" else f" {document['unit']}"
-        goal = (
-            f"bring the standard error of {document['sharpen']} from "
+        return (
+            f"{verb} the standard error of {document['sharpen']} from "
             f"{document['sigma_without']:.3g} to {document['sigma']:.3g}{unit}"
         )
-    else:
-        one, other = document["between"]
-        goal = (
-            f"tell {one} from {other} with probability {document['probability']:.2f}; the campaign "
-            f"alone {document['probability_without']:.2f}"
-        )
-    if not count:
-        return f"{name}: no more shots are needed to {goal}."
-    short = "" if document["enough"] else ", less than was asked for"
-    return f"{name}: {shots}, or {spread}, {goal}{short}."
+    verb, (one, other) = "tell" if plural else "tells", document["between"]
+    return (
+        f"{verb} {one} from {other} with probability {document['probability']:.2f}, up from "
+        f"{document['probability_without']:.2f}"
+    )
