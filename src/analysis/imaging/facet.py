@@ -61,16 +61,7 @@ def zero_crossing_pixels(edges: EdgeImage, least_strength: float) -> NDArray[np.
     marked, so the crossing lies within half a pixel of it. Noise crosses zero everywhere;
     `least_strength` (grey levels per pixel) is what makes a crossing an edge.
     """
-    log = edges.log
-    marked = np.zeros(log.shape, dtype=np.bool_)
-    for first, second in (
-        ((slice(None, -1), slice(None)), (slice(1, None), slice(None))),
-        ((slice(None), slice(None, -1)), (slice(None), slice(1, None))),
-    ):
-        crosses = (log[first] > 0) != (log[second] > 0)
-        nearer = np.abs(log[first]) <= np.abs(log[second])
-        marked[first] |= crosses & nearer
-        marked[second] |= crosses & ~nearer
+    marked = beside_change_of_sign(edges.log)
     strength = np.hypot(edges.gradient_row, edges.gradient_column)
     marked &= strength >= least_strength
     # Nearer to the border the filter sees the frame's made-up continuation.
@@ -78,6 +69,32 @@ def zero_crossing_pixels(edges: EdgeImage, least_strength: float) -> NDArray[np.
     inside = np.zeros_like(marked)
     inside[border:-border, border:-border] = True
     return marked & inside
+
+
+def beside_change_of_sign(values: NDArray[np.floating]) -> NDArray[np.bool_]:
+    """Mark elements beside a change of sign along rows or columns, the one nearer to zero."""
+    marked = np.zeros(values.shape, dtype=np.bool_)
+    for first, second in (
+        ((slice(None, -1), slice(None)), (slice(1, None), slice(None))),
+        ((slice(None), slice(None, -1)), (slice(None), slice(1, None))),
+    ):
+        crosses = (values[first] > 0) != (values[second] > 0)
+        nearer = np.abs(values[first]) <= np.abs(values[second])
+        marked[first] |= crosses & nearer
+        marked[second] |= crosses & ~nearer
+    return marked
+
+
+def neighbourhoods(
+    values: NDArray[np.floating], rows: NDArray[np.intp], columns: NDArray[np.intp]
+) -> NDArray[np.float64]:
+    """Return the 3 x 3 values about each inner pixel, shape (points, 3, 3)."""
+    offsets = np.arange(-1, 2)
+    around = (
+        rows[:, None, None] + offsets[None, :, None],
+        columns[:, None, None] + offsets[None, None, :],
+    )
+    return np.asarray(values[around], dtype=np.float64)
 
 
 def facet_coefficients(values: NDArray[np.floating]) -> NDArray[np.float64]:
@@ -117,14 +134,12 @@ def _patches(
     Beside a small marker's edge the gradient may vanish; there it counts as `LEAST_SLOPE` of the
     middle pixel's.
     """
-    offsets = np.arange(-1, 2)
-    around = (
-        rows[:, None, None] + offsets[None, :, None],
-        columns[:, None, None] + offsets[None, None, :],
+    slope = np.hypot(
+        neighbourhoods(edges.gradient_row, rows, columns),
+        neighbourhoods(edges.gradient_column, rows, columns),
     )
-    slope = np.hypot(edges.gradient_row[around], edges.gradient_column[around])
     slope = np.maximum(slope, LEAST_SLOPE * slope[:, 1:2, 1:2])
-    return np.asarray(edges.log[around].astype(np.float64) / slope)
+    return neighbourhoods(edges.log, rows, columns) / slope
 
 
 def edge_points(

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.imaging.ellipse_shells import fit_ellipse
 from analysis.imaging.frame import FrameEdges
 from analysis.imaging.outlines import Outline
-from analysis.imaging.shells import Ellipse, fit_ellipse
+from analysis.imaging.shells import Ellipse
 from analysis.imaging.views import ViewGeometry
 
 Floats = NDArray[np.float64]

@@ -1,4 +1,4 @@
-"""Adaptive fuzzy c-shells: circles and ellipses through edge points (thesis, section 4.4).
+"""Fuzzy c-shells: circles through edge points (thesis, section 4.4).
 
 R. N. Dave and K. Bhaswan, "Adaptive fuzzy c-shells clustering and detection of ellipses",
 IEEE Trans. Neural Networks 3, 643-662 (1992), doi:10.1109/72.159055. A noise cluster at a constant
@@ -137,60 +137,3 @@ def _covariance(jacobian: Floats, distance: Floats, u: Floats) -> Floats:
     spread = jacobian.T @ ((weight**2)[:, None] * jacobian)
     inverse = np.linalg.pinv(normal)
     return np.asarray(variance * inverse @ spread @ inverse)
-
-
-def fit_ellipse(
-    row: Floats, column: Floats, *, iterations: int = 30, tolerance: float = 1e-6
-) -> Ellipse | None:
-    """Fit one ellipse with the adaptive norm of c-shells: sqrt((x - v)' A (x - v)) = 1.
-
-    Parameters
-    ----------
-    row, column
-        Points in pixels, shape (points,), at least 6 and all of them on the ellipse.
-
-    Returns
-    -------
-    None where the points do not close to an ellipse.
-    """
-    if row.size < 6:
-        return None
-    points = np.stack([row, column], 1)
-    centre = points.mean(axis=0)
-    size = float(np.sqrt(((points - centre) ** 2).sum(axis=1).mean()))
-    if size < 1e-6:
-        return None
-    scaled = (points - centre) / size
-    state = np.array([0.0, 0.0, 1.0, 0.0, 1.0])  # v, then a11, a12, a22
-    for _ in range(iterations):
-        q = scaled - state[:2]
-        norm_square = state[2] * q[:, 0] ** 2 + 2 * state[3] * q[:, 0] * q[:, 1]
-        norm_square += state[4] * q[:, 1] ** 2
-        if (norm_square <= 0).any():
-            return None
-        norm = np.sqrt(norm_square)
-        by_centre = -np.stack(
-            [state[2] * q[:, 0] + state[3] * q[:, 1], state[3] * q[:, 0] + state[4] * q[:, 1]], 1
-        )
-        by_norm = np.stack([q[:, 0] ** 2 / 2, q[:, 0] * q[:, 1], q[:, 1] ** 2 / 2], 1)
-        jacobian = np.concatenate([by_centre, by_norm], 1) / norm[:, None]
-        step = np.linalg.lstsq(jacobian, 1.0 - norm, rcond=None)[0]
-        state = state + np.clip(step, -0.5, 0.5)
-        if np.abs(step).max() < tolerance:
-            break
-    return _ellipse(state, centre, size, norm - 1.0)
-
-
-def _ellipse(state: Floats, centre: Floats, size: float, residual: Floats) -> Ellipse | None:
-    values, vectors = np.linalg.eigh(np.array([[state[2], state[3]], [state[3], state[4]]]))
-    if values[0] <= 0:
-        return None
-    semi_major, semi_minor = size / np.sqrt(values)
-    return Ellipse(
-        row=float(centre[0] + size * state[0]),
-        column=float(centre[1] + size * state[1]),
-        semi_major=float(semi_major),
-        semi_minor=float(semi_minor),
-        angle=float(np.arctan2(vectors[1, 0], vectors[0, 0])),
-        rms_px=float(np.sqrt((residual**2).mean()) * np.sqrt(semi_major * semi_minor)),
-    )

@@ -7,7 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import least_squares
 
-from analysis.imaging.shells import Circle, fit_circles, fit_ellipse, memberships
+from analysis.imaging.ellipse_shells import fit_ellipse
+from analysis.imaging.shells import Circle, fit_circles, memberships
 
 UNKNOWN = np.zeros((3, 3))
 
