@@ -47,6 +47,7 @@ DOCS = ROOT / "docs"
 TUTORIAL = DOCS / "tutorials" / "first-shot.md"
 ANALYSE = DOCS / "how-to" / "analyse-frames.md"
 REAL_RIG = DOCS / "how-to" / "real-rig.md"
+SWEEPS = DOCS / "how-to" / "run-a-sweep.md"
 LESSONS = sorted([*DOCS.glob("tutorials/*.md"), *DOCS.glob("how-to/*.md")])
 PAGES = sorted([*ROOT.glob("*.md"), *DOCS.rglob("*.md")])
 
@@ -190,6 +191,15 @@ def test_the_commissioning_of_a_real_rig_can_be_rehearsed(tmp_path: Path) -> Non
     assert said.count('"state":"idle"') == 2
     assert json.loads((tmp_path / "shot.json").read_text())["settings"]["delay_us"] == 5000
     assert fires(tmp_path) == 1
+
+
+@needs_shell
+@pytest.mark.timeout(300)
+def test_the_guide_to_sweeps_starts_pauses_resumes_and_ends_them(tmp_path: Path) -> None:
+    said = perform(SWEEPS, tmp_path)
+    for state in ("completed", "paused", "running", "aborted"):
+        assert re.search(rf"^sweep \d{{8}}-s\d{{4}}: {state}", said, re.MULTILINE), state
+    assert 4 + 2 <= fires(tmp_path) <= 4 + 27 + 8
 
 
 @pytest.mark.parametrize("page", LESSONS, ids=lambda page: page.stem)
@@ -386,7 +396,6 @@ def test_the_columns_of_the_exchange_tables_are_those_that_are_written() -> None
 
 
 FIRING = DOCS / "explanation" / "firing.md"
-SWEEPS = DOCS / "how-to" / "run-a-sweep.md"
 
 
 @pytest.mark.parametrize(

@@ -20,6 +20,9 @@ from rigctl.sweeps.form import Sweep
 Json = Mapping[str, Any]
 
 _POLL_S = 0.3
+_SHOT_S = 60.0
+"""Longest wait of a pause or an abort for the end of the shot under way, s."""
+
 _ENDED = frozenset({"completed", "aborted"})
 _DONE = ("stored", "lost", "not_fired", "unknown")
 """States of the steps that have had their turn."""
@@ -84,8 +87,18 @@ def show(daemon: Steerable, name: str | None, *, as_json: bool) -> None:
     _show(daemon, name or _latest(daemon), as_json=as_json)
 
 
-def order(daemon: Steerable, wish: str, name: str | None, *, as_json: bool) -> None:
+def order(
+    daemon: Steerable,
+    wish: str,
+    name: str | None,
+    *,
+    as_json: bool,
+    rest: Callable[[float], None] = time.sleep,
+    clock: Callable[[], float] = time.monotonic,
+) -> None:
     """Pause, resume or abort a sweep, or the latest that has not ended; print it as it stands.
+
+    A pause and an abort wait for the end of the shot under way, at most a minute.
 
     Raises
     ------
@@ -95,7 +108,11 @@ def order(daemon: Steerable, wish: str, name: str | None, *, as_json: bool) -> N
         It cannot be done now.
     """
     name = name or _latest(daemon, live=True)
-    daemon.order_sweep(name, wish)
+    deadline = clock() + _SHOT_S
+    found = daemon.order_sweep(name, wish)
+    while found["asked"] is not None and clock() < deadline:
+        rest(_POLL_S)
+        found = daemon.sweep(name)
     _show(daemon, name, as_json=as_json)
 
 

@@ -23,6 +23,9 @@ _log = logging.getLogger(__name__)
 
 _DEVICES_WAIT_S = 20.0
 
+PAUSE_WAIT_S = 5.0
+"""So long a resume waits for a pause that was asked for to take effect, s."""
+
 
 def _in_thread(work: Callable[[], None]) -> threading.Thread:
     thread = threading.Thread(target=work, name="sweep", daemon=True)
@@ -166,6 +169,8 @@ class SweepRunner:
     def resume(self, sweep: str, actor: str) -> SweepStatus:
         """Let a paused sweep go on at its next step that has not fired.
 
+        Where the pause still waits for the end of a shot, so does this, at most `PAUSE_WAIT_S`.
+
         Raises
         ------
         NotFoundError, RefusedError
@@ -174,6 +179,10 @@ class SweepRunner:
         StoreError
             It is not on disk.
         """
+        with self._lock:
+            run, thread = self._run, self._thread
+        if run is not None and run.sweep == sweep and run.orders.order and thread is not None:
+            thread.join(PAUSE_WAIT_S)
         with self._lock:
             self._require_free()
             self._require_state(sweep, SweepState.PAUSED)

@@ -151,6 +151,14 @@ def test_orders_go_to_the_latest_sweep_that_has_not_ended(daemon: Daemon) -> Non
     assert daemon.orders == [(ONE, "pause"), (ONE, "resume"), (ONE, "abort"), (TWO, "abort")]
 
 
+def test_a_pause_waits_for_the_shot_under_way(daemon: Daemon, capsys: Any) -> None:
+    daemon.last = view(ONE, "running", 1, asked="pause")
+    daemon.looks = [daemon.last, daemon.last, view(ONE, "paused", 2), view(ONE, "paused", 2)]
+    assert run(["sweep", "pause"]) == 0
+    assert daemon.looks == []
+    assert f"sweep {ONE}: paused; so it is" in capsys.readouterr().out
+
+
 def test_the_status_is_that_of_the_latest_sweep(daemon: Daemon, capsys: Any) -> None:
     daemon.looks = []
     mean = {"coefficient": "e", "value": 0.74, "sigma": 0.0012, "shots": 9}

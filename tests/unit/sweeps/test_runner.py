@@ -6,7 +6,8 @@ import sqlite3
 from pathlib import Path
 
 import pytest
-from bench import Bench, paused, plan, settings
+from bench import BOUND_S, Bench, paused, plan, settings
+from rig_fakes import Blocked, in_thread
 
 from rigctl.errors import (
     DeviceAnswerError,
@@ -95,6 +96,19 @@ def test_a_pause_while_the_rig_settles_leaves_the_step_waiting_and_nothing_armed
     assert bench.idled == [2.0]
     assert bench.states(status.record.id) == ["waiting"] * 3
     assert (bench.fires, bench.lab.state, bench.lab.trigger.armed) == (0, "idle", None)
+
+
+def test_a_resume_waits_for_the_pause_that_was_asked_for(bench: Bench) -> None:
+    blocked = Blocked(bench.lab.trigger, "fire")
+    sweep = bench.start()
+    assert blocked.reached.wait(BOUND_S)
+    bench.runner.pause(sweep, "anna")
+    resumed = in_thread(lambda: bench.runner.resume(sweep, "anna") and None)
+    del bench.lab.trigger.hooks["fire"]
+    blocked.go_on.set()
+    resumed.join(BOUND_S)
+    assert bench.wait(sweep).record.counts == {StepState.STORED: 3}
+    assert bench.fires == 3
 
 
 def test_an_abort_ends_the_shot_under_way_skips_the_rest_and_leaves_nothing_armed(
