@@ -4,14 +4,20 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
+import numpy as np
+
+from simulators.challenge.effects import switched
+from simulators.challenge.label import draw_in_contact, label_document
+from simulators.challenge.law import contact_law
+from simulators.challenge.seal import write_seal
 from simulators.ektapro.digitiser import Digitiser
 from simulators.ektapro.faults import FrameFault, FrameFaults
 from simulators.ektapro.link import Link
 from simulators.ektapro.processor import Processor
-from simulators.options import Options, read_options
+from simulators.options import DRAWN, Options, read_options
 from simulators.wire import protocol_sim
 from simulators.wire.alicat import PressureRegulator
 from simulators.wire.faults import SerialDevice, SerialFaults
@@ -22,6 +28,7 @@ from simulators.wire.pty_port import PtyPort
 from simulators.wire.trigger_box import Pulses, TriggerBox
 from simulators.wire.zaber import ZaberStage
 from simulators.world import Launch, World, WorldDescription
+from simulators.world.description import Environment
 
 RELAY_CHANNELS = 2
 CUT_OFF_CHANNEL = 1
@@ -29,6 +36,9 @@ REMOTE_TRIGGER_CHANNEL = 1
 REMOTE_TRIGGER = "remote-trigger"
 ROLES = ("trigger", "regulator", "slide", "cut-off", "recorder", "capture", REMOTE_TRIGGER)
 STUCK, UNPLUG, PLUG_IN, NEVER_STARTS = "stuck", "unplug", "plug-in", "never-starts"
+
+# Above the numbers that the world gives its own chances.
+_LABEL, _SALT = 100, 101
 
 
 @dataclass(frozen=True, slots=True)
@@ -245,5 +255,17 @@ def open_laboratory(folder: Path, options: Mapping[str, object]) -> Laboratory:
     """
     checked = read_options(options)
     folder.mkdir(parents=True, exist_ok=True)
-    world = World(WorldDescription(), checked.seed, folder / "truth")
-    return Laboratory(folder, checked, world, time.monotonic)
+    return Laboratory(folder, checked, _world(checked, folder / "truth"), time.monotonic)
+
+
+def _world(options: Options, truth: Path) -> World:
+    """Return the nylon rig's world; or plain theory with what is hidden, its label sealed."""
+    if not options.hides:
+        return World(WorldDescription(), options.seed, truth)
+    named = None if options.hides == DRAWN else options.hides
+    hidden = draw_in_contact(np.random.default_rng([options.seed, _LABEL]), named)
+    still = replace(Environment(), drag_coefficient=0.0)
+    law = contact_law(switched(hidden))
+    world = World(WorldDescription(environment=still), options.seed, truth, law)
+    write_seal(truth, label_document(hidden), np.random.default_rng([options.seed, _SALT]))
+    return world

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 
+from simulators.challenge.law import IN_CONTACT
 from simulators.ektapro.processor import RUN_UP_S
 from simulators.wire.alicat import LAG_S
 from simulators.wire.zaber import SPEED_MM_PER_S
@@ -24,13 +25,20 @@ class Options:
         Speed of the slide.
     run_up_s
         Time from RECORD to the recorder's first picture in seconds.
+    hides
+        One of `HIDES`. Empty: spheres of nylon in still air. Else they obey the plain theory and
+        one effect in their contact: that of this name, or the one that the seed draws.
     """
 
     seed: int = 1
     pressure_lag_s: float = LAG_S
     slide_speed_mm_per_s: float = SPEED_MM_PER_S
     run_up_s: float = RUN_UP_S
+    hides: str = ""
 
+
+DRAWN = "drawn"
+HIDES = ("", DRAWN, *IN_CONTACT)
 
 _LIMITS: Mapping[str, tuple[float, float]] = {
     "seed": (0, 2**63 - 1),
@@ -54,6 +62,10 @@ def read_options(table: Mapping[str, object]) -> Options:
             raise ValueError(
                 f"simulation.{name} is no option; there are {', '.join(sorted(known))}"
             )
+        if name == "hides":
+            if value not in HIDES:
+                raise ValueError(f"simulation.hides is {value!r}; allowed {', '.join(HIDES[1:])}")
+            continue
         low, high = _LIMITS[name]
         kinds = int if name == "seed" else (int, float)
         if not isinstance(value, kinds) or isinstance(value, bool) or not low <= value <= high:

@@ -73,15 +73,15 @@ def write_challenge(
         raise ValueError(f"{folder} holds something already; name a folder that is not there")
     if not FEWEST_SHOTS <= shots <= MOST_SHOTS:
         raise ValueError(f"shots must be {FEWEST_SHOTS} to {MOST_SHOTS}, found {shots}")
-    nature, campaign_seed = switched(amplitudes), _derived(seed, _CAMPAIGN)
+    nature, own_seed = switched(amplitudes), campaign_seed(seed)
     if from_frames:
-        fired = fire(nature, campaign_seed, shots=shots, pressures_kpa=FILMED_PRESSURES_KPA)
-        write_frames(folder, fired.settings, filmed(fired, nature, OPTICS, campaign_seed))
+        fired = fire(nature, own_seed, shots=shots, pressures_kpa=FILMED_PRESSURES_KPA)
+        write_frames(folder, fired.settings, filmed(fired, nature, OPTICS, own_seed))
     else:
-        write_folder(folder, run_campaign(nature, campaign_seed, shots=shots))
+        write_folder(folder, run_campaign(nature, own_seed, shots=shots))
     write_seal(folder, label_document(amplitudes), np.random.default_rng([seed, _SALT]))
 
 
-def _derived(seed: int, purpose: int) -> int:
-    """Return a seed whose streams overlap with none of another purpose."""
-    return int(np.random.default_rng([seed, purpose]).integers(2**62))
+def campaign_seed(seed: int) -> int:
+    """Return the seed of a challenge's campaign; its streams overlap with no other's."""
+    return int(np.random.default_rng([seed, _CAMPAIGN]).integers(2**62))

@@ -13,9 +13,14 @@ from analysis.exchange.pose_table import read_poses
 from analysis.exchange.shot_list import read_shot_list
 from analysis.model.fit import fit_campaign
 from analysis.model.gather import gather
+from analysis.model.poses import PoseData
 from simulators.challenge import HIDDEN, write_challenge
-from simulators.challenge.campaign import run_campaign
+from simulators.challenge.camera import OPTICS, apparent
+from simulators.challenge.campaign import FRAME_RATE_HZ, fire, run_campaign
+from simulators.challenge.effects import switched
 from simulators.challenge.folder import write_folder
+from simulators.challenge.launch import FILMED_PRESSURES_KPA
+from simulators.challenge.making import campaign_seed
 from simulators.challenge.nature import Nature
 
 
@@ -76,3 +81,28 @@ def test_every_name_that_a_challenge_can_ask_for_is_in_the_catalogue() -> None:
     asked = {effect.name for effect in HIDDEN.values() if effect.known}
     also = {name for effect in HIDDEN.values() for name in (*effect.like, *effect.beside)}
     assert asked | also <= {effect.name for effect in CATALOGUE}
+
+
+FILMED_SHOTS, LEAST_MEASURED = 4, 3
+
+
+@pytest.mark.timeout(200)
+def test_frames_of_a_challenge_are_measured_where_its_poses_say_the_spheres_are(
+    tmp_path: Path,
+) -> None:
+    hidden = {"mirror-angle": 0.01, "restitution-obliquity": 0.03}
+    folder = tmp_path / "filmed"
+    write_challenge(folder, hidden, seed=5, shots=FILMED_SHOTS, from_frames=True)
+    _, found = gather(folder)
+    assert isinstance(found, PoseData)
+    assert len(found.shots) >= LEAST_MEASURED
+    shots = found.shots - 1
+    nature, seed = switched(hidden), campaign_seed(5)
+    fired = fire(nature, seed, shots=FILMED_SHOTS, pressures_kpa=FILMED_PRESSURES_KPA)
+    seen = apparent(fired.way.centres, np.broadcast_to(fired.times_s, (4, 24)), nature, OPTICS)
+    for k, shot in enumerate(shots):
+        frames = np.rint(found.times_s[k] * FRAME_RATE_HZ).astype(int)
+        known = np.isfinite(found.position_sigma[k]).all(axis=-1)
+        off = (found.position[k] - seen[shot, frames])[known] * OPTICS.scale_px_per_m
+        assert known.sum() > 30
+        assert np.median(np.abs(off)) < 0.1

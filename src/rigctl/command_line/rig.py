@@ -87,11 +87,13 @@ def shot(
 
 @rig.command()
 def demo(
-    out: Annotated[
-        Path, typer.Option(help="Folder for the frames, results and the picture.")
-    ] = Path("out"),
+    *,
+    out: Annotated[Path, typer.Option(help="Folder for the frames, results and pictures.")] = Path(
+        "out"
+    ),
+    seed: Annotated[int, typer.Option(min=0, help="Another number, another effect hidden.")] = 1,
 ) -> None:
-    """Fire a small sweep on a simulated rig and set measured beside true; no daemon needed."""
+    """Find an effect that a simulated rig hides: fire, measure, compare; no daemon needed."""
     from rigctl.commands.demo import demo as run_demo
 
-    run_demo(out)
+    run_demo(out, seed)

@@ -122,13 +122,25 @@ def fire_and_wait(
     say("firing")
     name = rig.fire(token, str(uuid.uuid4()), order.campaign)
     say(f"shot {name}: waiting for its measurement")
-    deadline = clock() + order.wait_s
+    return measured(rig, name, order.wait_s, clock=clock, pause=pause)
+
+
+def measured(
+    rig: Operable,
+    name: str,
+    wait_s: float,
+    *,
+    clock: Callable[[], float] = time.monotonic,
+    pause: Callable[[float], None] = time.sleep,
+) -> dict[str, Any]:
+    """Wait for the measurement of a fired shot, as `fire_and_wait`, and return the same."""
+    deadline = clock() + wait_s
     record = rig.shot(name)
     while record["state"] in _ON_THE_WAY and clock() < deadline:
         pause(_POLL_S)
         record = rig.shot(name)
-    measured = record["state"] in {"analysed", "refused"}
-    return {**record, "result": rig.result(name) if measured else None}
+    ended = record["state"] in {"analysed", "refused"}
+    return {**record, "result": rig.result(name) if ended else None}
 
 
 def _require_measured(document: Mapping[str, Any]) -> None:
