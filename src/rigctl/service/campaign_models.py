@@ -9,9 +9,10 @@ from pydantic import (
     AfterValidator,
     BaseModel,
     ConfigDict,
+    Discriminator,
     Field,
     StringConstraints,
-    model_validator,
+    Tag,
 )
 
 from rigctl.service.models import CampaignName
@@ -45,6 +46,13 @@ Effects = Annotated[
 ]
 
 
+Pair = Annotated[
+    list[EffectName],
+    AfterValidator(_each_once),
+    Field(min_length=2, max_length=2, json_schema_extra={"uniqueItems": True}),
+]
+
+
 class EffectsQuery(BaseModel):
     """Effects of the catalogue that are added to the base model, in their order."""
 
@@ -62,31 +70,45 @@ class FitOrder(BaseModel):
     effects: Effects = Field(alias="with")
 
 
-class NextOrder(BaseModel):
-    """Choose next shots; with neither `between` nor `sharpen`, for the alias set of the verdict."""
+class TellOrder(BaseModel):
+    """Choose shots that tell two effects apart; without `between`, the verdict's alias set."""
 
     model_config = _STRICT
 
-    between: list[EffectName] | None = Field(default=None, min_length=2, max_length=2)
-    sharpen: ParameterName | None = None
-    to: float | None = Field(default=None, gt=0)
+    between: Pair | None = None
     probability: float = Field(default=0.9, ge=0.55, le=0.999)
     effects: Effects = Field(alias="with")
 
-    @model_validator(mode="after")
-    def _one_question(self) -> Self:
-        if self.between is not None and self.sharpen is not None:
-            raise ValueError("between and sharpen are two questions: ask one")
-        if self.to is not None and self.sharpen is None:
-            raise ValueError("to belongs to sharpen, which is not there")
-        listed = [*(self.between or ()), *self.effects]
-        if len(set(listed)) < len(listed):
-            raise ValueError("an effect stands twice")
-        return self
+    def asked(self) -> dict[str, Any]:
+        """Return the question as the job takes it."""
+        return {**self.model_dump(include={"between", "probability"}), "sharpen": None, "to": None}
+
+
+class SharpenOrder(BaseModel):
+    """Choose shots that make a parameter of the fit surer."""
+
+    model_config = _STRICT
+
+    sharpen: ParameterName
+    to: float | None = Field(default=None, gt=0)
+    effects: Effects = Field(alias="with")
 
     def asked(self) -> dict[str, Any]:
         """Return the question as the job takes it."""
-        return self.model_dump(include={"between", "sharpen", "to", "probability"})
+        named = self.model_dump(include={"sharpen", "to"})
+        return {**named, "between": None, "probability": 0.9}
+
+
+def _kind_of_next(order: object) -> str:
+    sharpens = isinstance(order, SharpenOrder) or (isinstance(order, dict) and "sharpen" in order)
+    return "sharpen" if sharpens else "tell"
+
+
+NextOrder = Annotated[
+    Annotated[TellOrder, Tag("tell")] | Annotated[SharpenOrder, Tag("sharpen")],
+    Discriminator(_kind_of_next),
+]
+"""Either question about next shots."""
 
 
 class FitQuery(BaseModel):

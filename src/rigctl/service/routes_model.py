@@ -77,10 +77,11 @@ def model_routes(daemon: Daemon) -> APIRouter:
     @router.post("/next", status_code=202, responses=accepts() | documented(*_POST))
     def next_shots(campaign: CampaignName, order: NextOrder) -> Response:
         """Choose the next shots: they tell two effects apart, or sharpen a parameter."""
-        for name in set(order.between or ()) - {NONE}:
+        asked = order.asked()
+        for name in set(asked["between"] or ()) - {NONE}:
             effect_named(name)
         limits = daemon.configuration.limits
-        asked = order.asked() | {"limits": [limits.pressure_kpa, limits.offset_mm]}
+        asked["limits"] = [limits.pressure_kpa, limits.offset_mm]
         return accepted(_ask(daemon, "next", campaign, order.effects, asked))
 
     @router.post("/fits", status_code=202, responses=accepts() | documented(*_POST))

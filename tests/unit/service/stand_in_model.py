@@ -21,6 +21,11 @@ def _answer(asked: Json, say: Say) -> Json:
 ranking_job = agreement_job = structure_job = fit_job = _answer
 
 
+def next_job(asked: Json, say: Say) -> Json:
+    say("choosing shots", None)
+    return {key: value for key, value in asked.items() if key not in {"campaign", "files"}}
+
+
 def explain_job(asked: Json, say: Say) -> Json:
     if asked["campaign"] == "broken":
         raise AnalysisInputError("holds no poses", part="result-0001.json", todo="analyse it again")

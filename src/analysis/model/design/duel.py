@@ -34,8 +34,10 @@ class Duel:
         Information on the true theory's parameters likewise, (P, P) and (K, P, P).
     amplitudes
         Of the true effect, the last parameters of its theory, shape (B,).
-    penalty
-        By how much chi-squared must be ahead, the truth having more parameters than a rival effect.
+    more
+        Parameters that the truth has more than its rival.
+    shots
+        Of the campaign.
     against_base
         Whether the rival is the base model.
     weight
@@ -51,7 +53,8 @@ class Duel:
     known: Floats
     shown: Floats
     amplitudes: Floats
-    penalty: float
+    more: int
+    shots: int
     against_base: bool
     weight: float
     states: ShotStates
@@ -73,7 +76,9 @@ class Duel:
         apart = self.apart(counts)
         if self.against_base:
             return named_over_none(apart, len(self.amplitudes))
-        return named_over_rival(self._strength(counts), apart, self.penalty)
+        return named_over_rival(
+            self._strength(counts), apart, more=self.more, shots=self.shots + int(counts.sum())
+        )
 
     def silenced(self) -> Duel:
         """Return the duel in which the campaign has no say of its own in who is right."""
@@ -176,7 +181,8 @@ class Truth:
             known=self.known,
             shown=self.shown,
             amplitudes=self.true.theory.vector[-own:],
-            penalty=more * float(np.log(max(old, 2))),
+            more=more,
+            shots=old,
             against_base=len(self.rival.theory.active) < len(self.true.theory.active),
             weight=self.weight,
             states=states,
