@@ -138,7 +138,7 @@ def needed(counts: Sequence[int], ahead: Floats) -> float:
 
     start = np.log([0.5, 6.0 / max(n.mean(), 1.0)])
     a, b = np.exp(minimize(cost, start, method="Nelder-Mead").x)
-    return float(((2 * ndtri(PROBABILITY)) ** 2 - a) / b)
+    return max(0.0, float(((2 * ndtri(PROBABILITY)) ** 2 - a) / b))
 
 
 def tried(case: Case, seed: int, campaigns: int) -> Row:
@@ -179,7 +179,10 @@ def main() -> None:
             row = tried(case, seed, wanted.campaigns)
             rows.append(row)
             numbers = (row.proposed, row.named[_AS_PROPOSED], row.needed, row.even_needed)
-            ratios = (row.proposed / row.needed, row.needed / row.even_needed)
+            ratios = (
+                row.proposed / max(row.needed, 1.0),
+                row.needed / max(row.even_needed, 1.0),
+            )
             line = "".join(f"{number:>9.2f}" for number in (*numbers, *ratios))
             print(f"{case.hidden:<26}{case.rival:<26}{line}", flush=True)
     OUT.parent.mkdir(exist_ok=True)

@@ -147,7 +147,9 @@ def _truths(
         return (truth(data, drawn, first, second, 1.0),), False
     if pair[0] is None:
         return (truth(data, drawn, second, first, 1.0),), False
+    more = len(second.theory.names) - len(first.theory.names)
     ahead = (second.chi2 - first.chi2) / max(base.chi2_per_dof, 1.0)
+    ahead += more * float(np.log(len(data.shots)))
     trust = float(1 / (1 + np.exp(-np.clip(ahead, -100, 100) / 2)))
     truths = (
         truth(data, drawn, first, second, trust),
