@@ -22,6 +22,7 @@ from simulators.challenge.folder import write_folder
 from simulators.challenge.launch import FILMED_PRESSURES_KPA
 from simulators.challenge.making import campaign_seed
 from simulators.challenge.nature import Nature
+from tests.system.test_documentation import DOCS, needs_shell, perform
 
 
 def test_the_readers_of_the_analysis_find_every_number_again(tmp_path: Path) -> None:
@@ -106,3 +107,11 @@ def test_frames_of_a_challenge_are_measured_where_its_poses_say_the_spheres_are(
         off = (found.position[k] - seen[shot, frames])[known] * OPTICS.scale_px_per_m
         assert known.sum() > 30
         assert np.median(np.abs(off)) < 0.1
+
+
+@needs_shell
+@pytest.mark.timeout(300)
+def test_the_guide_to_challenges_makes_one_in_poses_and_one_in_frames(tmp_path: Path) -> None:
+    said = perform(DOCS / "how-to" / "take-a-challenge.md", tmp_path)
+    assert "answered mirror-angle; the truth is mirror-angle" in said
+    assert len((tmp_path / "measured/contacts.csv").read_text().splitlines()) > 1
