@@ -72,13 +72,13 @@ class Sweeps:
             query = query.where(sweeps.c.state == state)
         with self._database.reading() as connection:
             if before is not None:
-                query = query.where(sweeps.c.number < _one(connection, before).number)
+                query = query.where(sweeps.c.number < _number(connection, before))
             return [_sweep(connection, row) for row in connection.execute(query).all()]
 
     def steps(self, sweep: str, state: StepState | None = None) -> list[StepRecord]:
         """Return the steps of a sweep in the order of firing; raise `NotFoundError` as `sweep`."""
         with self._database.reading() as connection:
-            number = _one(connection, sweep).number
+            number = _number(connection, sweep)
             query = select(sweep_steps).where(sweep_steps.c.sweep == number)
             if state is not None:
                 query = query.where(sweep_steps.c.state == state)
@@ -90,7 +90,7 @@ class Sweeps:
             query = (
                 select(sweep_steps)
                 .where(
-                    sweep_steps.c.sweep == _one(connection, sweep).number,
+                    sweep_steps.c.sweep == _number(connection, sweep),
                     sweep_steps.c.state == StepState.WAITING,
                 )
                 .order_by(sweep_steps.c.number)
@@ -142,7 +142,7 @@ class Sweeps:
             The step does not wait, or it is not on disk.
         """
         with self._database.writing() as connection:
-            number = _one(connection, sweep).number
+            number = _number(connection, sweep)
             present = _require_move(connection, number, step, StepState.TAKEN)
             attempt = present.attempt + 1
             values = {
@@ -174,7 +174,7 @@ class Sweeps:
             The step is not taken, or it is not on disk.
         """
         with self._database.writing() as connection:
-            number = _one(connection, sweep).number
+            number = _number(connection, sweep)
             _require_move(connection, number, step, to)
             values = {"state": to, "shot": shot, "ended_at": at.isoformat(), "failure": failure}
             return _changed(connection, number, step, values)
@@ -240,10 +240,18 @@ def _changed(connection: Connection, sweep: int, step: int, values: dict[str, An
 
 
 def _one(connection: Connection, sweep: str) -> SweepRecord:
-    row = connection.execute(select(sweeps).where(sweeps.c.id == sweep)).one_or_none()
-    if row is None:
+    number = _number(connection, sweep)
+    return _sweep(
+        connection, connection.execute(select(sweeps).where(sweeps.c.number == number)).one()
+    )
+
+
+def _number(connection: Connection, sweep: str) -> int:
+    query = select(sweeps.c.number).where(sweeps.c.id == sweep)
+    number: int | None = connection.execute(query).scalar_one_or_none()
+    if number is None:
         raise NotFoundError("no such sweep", value=repr(sweep), todo="list the sweeps")
-    return _sweep(connection, row)
+    return number
 
 
 def _sweep(connection: Connection, row: Row[Any]) -> SweepRecord:

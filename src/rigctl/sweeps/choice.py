@@ -15,14 +15,18 @@ SPREAD = 8
 WIDTH = 0.2
 """Range over which a shot speaks for its neighbours, as a share of the sweep's own range."""
 
+PRIOR = 0.1
+"""Weight of the plain mean of all shots, against 1 of a shot at the settings themselves."""
+
 
 def best(waiting: Sequence[ShotSettings], told: Sequence[tuple[ShotSettings, float]]) -> int:
     """Return the index of the waiting settings with the highest expected information.
 
     Information is 1 / sigma^2 of the coefficient from one shot, and 0 of one that could not be
     measured. What is expected of settings is the mean over all shots, weighted by a Gaussian of
-    their distance with each setting scaled to its range in the sweep. The first comes first among
-    equals, and as long as fewer than `SPREAD` distinct settings have been measured.
+    their distance with each setting scaled to its range in the sweep; far from all shots it is
+    their plain mean. The first comes first among equals, and as long as fewer than `SPREAD`
+    distinct settings have been measured.
 
     Parameters
     ----------
@@ -41,8 +45,9 @@ def best(waiting: Sequence[ShotSettings], told: Sequence[tuple[ShotSettings, flo
     weights = np.exp(-0.5 * np.sum(apart**2, axis=2) / WIDTH**2)
     information = np.array([each for _, each in told])
     near = np.sum(weights, axis=1)
-    expected = np.divide(weights @ information, near, out=np.zeros(len(near)), where=near > 0.0)
-    return int(np.argmax(expected))
+    expected = (weights @ information + PRIOR * np.mean(information)) / (near + PRIOR)
+    # Rounding must not choose among equals.
+    return int(np.argmax(expected >= np.max(expected) * (1.0 - 1e-9)))
 
 
 def _places(settings: Sequence[ShotSettings]) -> NDArray[np.float64]:

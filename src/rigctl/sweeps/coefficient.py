@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from rigctl.errors import NotFoundError
-from rigctl.store import ShotState, Store
+from rigctl.store import ShotRecord, ShotState, Store
 
 FEWEST = 3
 """Shots below which a mean states no standard error: their scatter says nothing yet."""
@@ -71,25 +71,43 @@ def estimate_in(result: Mapping[str, Any], coefficient: str) -> Estimate | None:
 
 
 class Measured:
-    """What the analysis has found so far; a shot is read once."""
+    """What the analysis has found so far: it listens for the ends of analyses, until `close`.
 
-    def __init__(self, store: Store, coefficient: str) -> None:
+    Parameters
+    ----------
+    store
+        Tells of shots, and holds their results; a result is read once.
+    coefficient
+        Which one.
+    shots
+        Those whose analysis may have ended before.
+    """
+
+    def __init__(self, store: Store, coefficient: str, shots: list[str]) -> None:
         self._store, self._coefficient = store, coefficient
         self._known: dict[str, Estimate | None] = {}
+        self._ended: dict[str, ShotState] = {}
+        self.close = store.listeners.add(self._note)
+        for shot in shots:
+            self._note(store.shot(shot))
 
     def of(self, shot: str) -> tuple[Estimate | None, bool]:
         """Return a shot's estimate, and whether its analysis has ended."""
+        if shot not in self._ended:
+            return None, False
         if shot not in self._known:
-            state = self._store.shot(shot).state
-            if state not in {ShotState.ANALYSED, ShotState.REFUSED}:
-                return None, False
-            self._known[shot] = self._read(shot) if state is ShotState.ANALYSED else None
+            measured = self._ended[shot] is ShotState.ANALYSED
+            self._known[shot] = self._read(shot) if measured else None
         return self._known[shot], True
 
     def mean(self, shots: list[str]) -> Mean | None:
         """Return the mean over those of the shots that are measured."""
         found = (self.of(shot)[0] for shot in shots)
         return mean_of(self._coefficient, [each for each in found if each is not None])
+
+    def _note(self, shot: ShotRecord) -> None:
+        if shot.state in {ShotState.ANALYSED, ShotState.REFUSED}:
+            self._ended[shot.id] = shot.state
 
     def _read(self, shot: str) -> Estimate | None:
         try:

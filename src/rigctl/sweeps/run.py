@@ -58,9 +58,11 @@ class SweepRun:
         self._rules = Rules.from_json(sweep.rules)
         self._stepper = Stepper(rig, store, clock, sweep, self._rules.settle_s)
         self._pace = Pace(clock.monotonic())
-        until = self._rules.until
-        self._measured = None if until is None else Measured(store, until.coefficient)
         self._stored = store.sweeps.steps(sweep.id, StepState.STORED)
+        self._measured: Measured | None = None
+        if (until := self._rules.until) is not None:
+            shots = [str(step.shot) for step in self._stored]
+            self._measured = Measured(store, until.coefficient, shots)
 
     def run(self) -> Ending:
         """Fire step after step; return why it ends. Nothing is armed then.
@@ -70,6 +72,24 @@ class SweepRun:
         StoreError
             The store cannot be read.
         """
+        try:
+            return self._run()
+        finally:
+            if self._measured is not None:
+                self._measured.close()
+
+    def left_s(self, waiting: int) -> float | None:
+        """Return the estimated time to the end, s, with so many steps waiting.
+
+        A coefficient's standard error falls with the square root of the number of shots.
+        """
+        until, mean = self._rules.until, self.mean
+        if until is not None and mean is not None and mean.sigma is not None:
+            wanted = mean.shots * ((mean.sigma / until.sigma) ** 2 - 1)
+            waiting = min(waiting, max(0, round(wanted)))
+        return self._pace.left_s(waiting)
+
+    def _run(self) -> Ending:
         failed = 0
         while True:
             if (ending := self._over()) is not None:
@@ -94,17 +114,6 @@ class SweepRun:
                 why = f"{failed} steps in a row came to nothing, the last: {end.step.failure}"
                 return Ending(SweepState.PAUSED, why)
             self.orders.wait(self._rules.pause_s)
-
-    def left_s(self, waiting: int) -> float | None:
-        """Return the estimated time to the end, s, with so many steps waiting.
-
-        A coefficient's standard error falls with the square root of the number of shots.
-        """
-        until, mean = self._rules.until, self.mean
-        if until is not None and mean is not None and mean.sigma is not None:
-            wanted = mean.shots * ((mean.sigma / until.sigma) ** 2 - 1)
-            waiting = min(waiting, max(0, round(wanted)))
-        return self._pace.left_s(waiting)
 
     def _taken(self, step: StepRecord) -> None:
         self.step = step
