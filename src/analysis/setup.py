@@ -54,10 +54,13 @@ class SphereSetup:
 class Setup:
     """Everything a shot's analysis needs beside its frames.
 
-    `gravity_m_per_s2` acts along +X (down).
+    `gravity_m_per_s2` acts along +X (down). Poses that were measured elsewhere may come with the
+    size of the errors that the frames of one flight share, in place and in orientation.
     """
 
     camera: CameraSetup
     spheres: tuple[SphereSetup, SphereSetup]
     gravity_m_per_s2: float = 9.80665
     air_density_kg_per_m3: float = 1.2
+    slow_position_m: float = 0.0
+    slow_rotation_rad: float = 0.0

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
@@ -15,6 +16,7 @@ from analysis.model.gather import gather, gather_poses, pose_data
 from analysis.model.poses import PoseData
 from analysis.model.tables import Data
 from analysis.setup import Setup
+from analysis.slow_errors import typical
 from rigctl.config import load
 from rigctl.errors import AnalysisInputError
 from rigctl.store import Store, StoreReader, reading
@@ -56,13 +58,22 @@ def open_campaign(
         Configuration or store cannot be read.
     """
     if campaign.exists() or len(campaign.parts) != 1:
-        try:
+        with _in_words():
             return gather_poses(campaign) if poses else gather(campaign)
-        except InputError as error:
-            place = error.path if error.line is None else f"{error.path}, line {error.line}"
-            raise AnalysisInputError(error.reason, part=place) from error
     with reading(Path(load(configuration).store.folder)) as store:
         return campaign_poses(store, str(campaign))
+
+
+def folder_poses(folder: Path) -> tuple[str, PoseData]:
+    """Return title and poses of a campaign's folder; frames without poses are measured now.
+
+    Raises
+    ------
+    AnalysisInputError
+        The folder cannot be read, or holds no poses.
+    """
+    with _in_words():
+        return gather_poses(folder)
 
 
 def campaign_poses(store: Store | StoreReader, name: str) -> tuple[str, PoseData]:
@@ -104,13 +115,15 @@ def poses_from(name: str, files: Sequence[MeasuredFiles]) -> PoseData:
         A file cannot be read or holds no poses, or two shots were fired under different set-ups:
         one model of camera and spheres would be wrong for one of them.
     """
-    shots, rows, setups = {}, [], dict[str, Setup]()
+    shots, rows, setups, slow = {}, [], dict[str, Setup](), []
     for own in files:
         manifest, result = _read(own.manifest), _read(own.result)
         try:
             number = int(manifest["number"])
             shots[number] = poses_of(result["poses"])
             rows.append(_row(number, manifest))
+            if (errors := result.get("slow_errors")) is not None:
+                slow.append((float(errors["position_m"]), float(errors["rotation_rad"])))
             setups[str(manifest["shot"])] = setup_of(manifest)
         except (KeyError, TypeError, ValueError) as error:
             raise AnalysisInputError(
@@ -119,7 +132,7 @@ def poses_from(name: str, files: Sequence[MeasuredFiles]) -> PoseData:
                 todo=f"have campaign {name} analysed again",
             ) from error
     _require_one_setup(name, setups)
-    return pose_data(shots, rows, next(iter(setups.values())))
+    return pose_data(shots, rows, typical(next(iter(setups.values())), slow))
 
 
 def _row(number: int, manifest: Json) -> ShotRow:
@@ -148,3 +161,12 @@ def _read(path: Path) -> Json:
             f"cannot be read: {error}", part=str(path), todo="restore the folder from a backup"
         ) from error
     return document
+
+
+@contextmanager
+def _in_words() -> Iterator[None]:
+    try:
+        yield
+    except InputError as error:
+        place = error.path if error.line is None else f"{error.path}, line {error.line}"
+        raise AnalysisInputError(error.reason, part=place) from error

@@ -12,6 +12,7 @@ from analysis.document import overlay_document, shot_document
 from analysis.model.gather import measured_poses
 from analysis.setup import CameraSetup, Setup, SphereSetup
 from analysis.shot import AnalysisOptions, MeasuredShot, analyse_shot
+from analysis.slow_errors import slow_errors
 from rigctl.stored_poses import poses_document
 
 Json = dict[str, Any]
@@ -43,6 +44,8 @@ def analyse_stored_shot(folder: Path, method: str) -> Json:
     document = {**about, **shot_document(shot)}
     if isinstance(shot, MeasuredShot):
         document["poses"] = poses_document(measured_poses(shot))
+        position, rotation = slow_errors(shot)
+        document["slow_errors"] = {"position_m": position, "rotation_rad": rotation}
         document["overlay"] = overlay_document(shot)
     return document
 

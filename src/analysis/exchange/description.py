@@ -96,12 +96,18 @@ class _Environment(_Strict):
     air_density_kg_per_m3: Annotated[float, Field(ge=0)] = 1.2
 
 
+class _Measurement(_Strict):
+    slow_position_m: Annotated[float, Field(ge=0)] = 0.0
+    slow_rotation_rad: Annotated[float, Field(ge=0)] = 0.0
+
+
 class _Description(_Strict):
     format: int
     name: Annotated[str, Field(min_length=1)]
     camera: _Camera
     spheres: Annotated[list[_Sphere], Field(min_length=2, max_length=2)]
     environment: _Environment = Field(default_factory=_Environment)
+    measurement: _Measurement = Field(default_factory=_Measurement)
 
     @field_validator("spheres")
     @classmethod
@@ -161,6 +167,8 @@ def _setup(description: _Description) -> Setup:
         spheres=(_sphere(first), _sphere(second)),
         gravity_m_per_s2=description.environment.gravity_m_per_s2,
         air_density_kg_per_m3=description.environment.air_density_kg_per_m3,
+        slow_position_m=description.measurement.slow_position_m,
+        slow_rotation_rad=description.measurement.slow_rotation_rad,
     )
 
 

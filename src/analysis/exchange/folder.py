@@ -12,6 +12,7 @@ from analysis.exchange.description import FORMAT
 from analysis.exchange.tables import write_contacts, write_poses
 from analysis.setup import Setup
 from analysis.shot import MeasuredShot, RefusedShot
+from analysis.slow_errors import with_slow_errors
 
 Result = tuple[ShotJob, MeasuredShot | RefusedShot]
 
@@ -27,9 +28,10 @@ def write_folder(folder: Path, name: str, results: Sequence[Result]) -> None:
         The folder cannot be written.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    (folder / DESCRIPTION).write_text(description(name, results[0][0].setup), encoding="utf-8")
-    _write_shot_list(folder / SHOT_LIST, [job for job, _ in results])
     measured = [(job.shot, shot) for job, shot in results if isinstance(shot, MeasuredShot)]
+    setup = with_slow_errors(results[0][0].setup, [shot for _, shot in measured])
+    (folder / DESCRIPTION).write_text(description(name, setup), encoding="utf-8")
+    _write_shot_list(folder / SHOT_LIST, [job for job, _ in results])
     write_poses(folder / "poses.csv", measured)
     write_contacts(folder / "contacts.csv", measured)
 
@@ -63,6 +65,12 @@ def description(name: str, setup: Setup) -> str:
         f"gravity_m_per_s2 = {setup.gravity_m_per_s2}",
         f"air_density_kg_per_m3 = {setup.air_density_kg_per_m3}",
     ]
+    if setup.slow_position_m > 0 or setup.slow_rotation_rad > 0:
+        lines += [
+            "[measurement]",
+            f"slow_position_m = {setup.slow_position_m}",
+            f"slow_rotation_rad = {setup.slow_rotation_rad}",
+        ]
     return "\n".join(lines) + "\n"
 
 

@@ -16,7 +16,9 @@ from analysis.model.contact import differentiated_contact
 from analysis.model.jitter import Jitter, turning_by_frame
 from analysis.model.poses import PoseData
 from analysis.model.prediction import Flown, Poses, appear, fly, rate, shown
+from analysis.model.shared_noise import SharedNoise
 from analysis.model.sides import NUMBERS, Flights, flights, flights_by_state, rates_of
+from analysis.model.slow import slow_noise
 from analysis.model.state import ShotStates
 from analysis.model.tables import ContactTable, Data
 from analysis.model.theory import Theory
@@ -47,8 +49,8 @@ class Comparison:
         Derivatives of the 48 numbers by the 24 of the shot, shape (S, 48, 24).
     orientations
         Which residuals are of orientations, shape (B, L).
-    jitter
-        Noise that all numbers of a frame share, where the data have such.
+    shared
+        Noise that frames or numbers share, where the data have such.
     """
 
     residual: Floats
@@ -56,7 +58,7 @@ class Comparison:
     gram: Floats
     by_state: Floats
     orientations: NDArray[np.bool_]
-    jitter: Jitter | None = None
+    shared: SharedNoise | None = None
 
     @property
     def chi2(self) -> Floats:
@@ -70,7 +72,7 @@ class Comparison:
 
     def recast(self, columns: Floats) -> Floats:
         """Bring columns by spheres and kinds (S, 4, 3 F, K) into this comparison's blocks."""
-        return columns if self.jitter is None else self.jitter.whiten(columns)
+        return columns if self.shared is None else self.shared.whiten(columns)
 
     def pull(self, columns: Floats) -> Floats:
         """Return slopes' columns: of residual length (S, B, L, K) to (S, 48, K)."""
@@ -114,21 +116,29 @@ def compare(data: Data, states: ShotStates, theory: Theory) -> tuple[Comparison,
     poses = shown(data, flown, theory)
     residual, slopes = whitened(data, deviation(data, poses)), _slopes(data, flown, theory)
     turning = np.repeat((np.arange(KINDS) % 2 == 1)[:, None], slopes.shape[2], axis=1)
-    jitter = None
-    if data.jitter_s > 0:
-        jitter = Jitter(rates(data, flown), data.jitter_s)
-        residual = jitter.whiten(residual[..., None])[..., 0]
-        slopes = jitter.whiten(_spread(slopes))
-        turning = turning_by_frame(data.times_s.shape[1])
+    shared = _shared_noise(data, states, flown, slopes)
+    if shared is not None:
+        residual = shared.whiten(residual[..., None])[..., 0]
+        if shared.jitter is not None:
+            slopes, turning = _spread(slopes), turning_by_frame(data.times_s.shape[1])
+        slopes = shared.whiten(slopes)
     line = Comparison(
         residual=residual,
         slopes=slopes,
         gram=np.swapaxes(slopes, 2, 3) @ slopes,
         by_state=by_state,
         orientations=turning,
-        jitter=jitter,
+        shared=shared,
     )
     return line, Snapshot(contact.outcome, sides, Frames(flown, poses))
+
+
+def _shared_noise(
+    data: PoseData, states: ShotStates, flown: Flown, slopes: Floats
+) -> SharedNoise | None:
+    slow = slow_noise(data, states, slopes)
+    jitter = Jitter(rates(data, flown), data.jitter_s) if data.jitter_s > 0 else None
+    return None if slow is None and jitter is None else SharedNoise(slow, jitter)
 
 
 def _tabulated(table: ContactTable, sides: Flights, by_state: Floats) -> Comparison:

@@ -27,6 +27,7 @@ from analysis.model.tables_noise import with_scatter_as_noise
 from analysis.motion.rotation import quaternion
 from analysis.setup import CameraSetup, Setup, SphereSetup
 from analysis.shot import AnalysisOptions, MeasuredShot
+from analysis.slow_errors import with_slow_errors
 
 Floats = NDArray[np.float64]
 
@@ -91,11 +92,9 @@ def gather_poses(folder: Path) -> tuple[str, PoseData]:
         shots: Shots = read_poses(folder / POSES)
     else:
         results = analyse_campaign(read_campaign(folder), AnalysisOptions())
-        shots = {
-            job.shot: measured_poses(shot)
-            for job, shot, _ in results
-            if isinstance(shot, MeasuredShot)
-        }
+        measured = [(j.shot, shot) for j, shot, _ in results if isinstance(shot, MeasuredShot)]
+        shots = {number: measured_poses(shot) for number, shot in measured}
+        setup = with_slow_errors(setup, [shot for _, shot in measured])
     data = pose_data(shots, rows, setup) if shots else None
     if data is None or not both_seen(data.position_sigma).any():
         raise InputError(folder, "no shot of this campaign has frames that show both spheres")
@@ -153,6 +152,8 @@ def pose_data(shots: Shots, rows: Sequence[ShotRow], setup: Setup) -> PoseData:
         rotation=_matrices(quaternions),
         rotation_sigma=turn_sigma,
         estimated=guessed or guessed_too,
+        slow_position_m=setup.slow_position_m,
+        slow_rotation_rad=setup.slow_rotation_rad,
         bodies=(_body(setup.spheres[0]), _body(setup.spheres[1])),
         gravity=setup.gravity_m_per_s2,
         air_density=setup.air_density_kg_per_m3,

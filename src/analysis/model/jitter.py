@@ -48,6 +48,14 @@ def by_frame(columns: Floats) -> Floats:
     return np.swapaxes(parted, 1, 2).reshape(shots, kinds * length, count)
 
 
+def by_kind(columns: Floats) -> Floats:
+    """Sort columns by frames (S, 12 F, K) by spheres and kinds, (S, 4, 3 F, K)."""
+    shots, length, count = columns.shape
+    frames, kinds = length // FRAME, FRAME // 3
+    parted = columns.reshape(shots, frames, kinds, 3, count)
+    return np.swapaxes(parted, 1, 2).reshape(shots, kinds, 3 * frames, count)
+
+
 def turning_by_frame(frames: int) -> NDArray[np.bool_]:
     """Return which of the numbers of all frames are of orientations, shape (1, 12 F)."""
     return np.tile(np.repeat([False, True], 3), 2 * frames)[None]

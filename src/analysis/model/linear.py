@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 
 from analysis.model.columns import theory_columns
 from analysis.model.comparison import KINDS, compare, deviation, difference, weights
-from analysis.model.jitter import Jitter, by_frame
+from analysis.model.jitter import by_frame
 from analysis.model.poses import PoseData
 from analysis.model.prediction import Poses
+from analysis.model.shared_noise import SharedNoise
 from analysis.model.state import ShotStates
 from analysis.model.tables import Data
 from analysis.model.theory import Theory
@@ -40,7 +41,7 @@ class Linearised:
         The same by the parameters that all shots share, shape (S, N, P).
     states, own_gradient
         Information on the 24 numbers, (S, 24, 24), and downhill, (S, 24).
-    jitter
+    shared
         Noise that all numbers of a frame share, where the data have such.
     """
 
@@ -49,7 +50,7 @@ class Linearised:
     by_theory: Floats
     states: Floats
     own_gradient: Floats
-    jitter: Jitter | None
+    shared: SharedNoise | None
 
 
 def linearise(data: Data, states: ShotStates, theory: Theory) -> Linearised:
@@ -69,7 +70,7 @@ def linearise(data: Data, states: ShotStates, theory: Theory) -> Linearised:
         by_theory=framed[2],
         states=transposed @ line.weigh(line.by_state),
         own_gradient=(transposed @ line.pulled[..., None])[..., 0],
-        jitter=line.jitter,
+        shared=line.shared,
     )
 
 

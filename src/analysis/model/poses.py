@@ -68,6 +68,8 @@ class PoseData:
         Whether some errors were not stated, so that their scale is the scatter's.
     unusable
         Numbers of shots that are not here, having no frames that show both spheres.
+    slow_position_m, slow_rotation_rad
+        Size of the error that the frames of one flight share, in place and in orientation.
     jitter_s
         Standard deviation of each frame's time, common to both spheres, s.
     """
@@ -85,6 +87,8 @@ class PoseData:
     camera: CameraSetup
     estimated: bool = False
     unusable: tuple[int, ...] = ()
+    slow_position_m: float = 0.0
+    slow_rotation_rad: float = 0.0
     jitter_s: float = 0.0
 
     def without(self, frames: NDArray[np.bool_]) -> PoseData:

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.model.fit import Fit
-from analysis.model.jitter import Jitter
 from analysis.model.linear import linearise
 from analysis.model.normal import inverse, solve_blocks, with_prior
+from analysis.model.shared_noise import SharedNoise
 from analysis.model.tables import Data
 
 Floats = NDArray[np.float64]
@@ -69,8 +69,8 @@ class Projector:
         Their information, shape (S, 24, 24).
     own_gradient
         Downhill by the shot's own numbers, shape (S, 24).
-    jitter
-        Noise that all numbers of a frame share, where the data have such.
+    noise
+        Noise that frames or numbers share, where the data have such.
     shared
         Derivatives by the shared parameters less what the shot's own numbers can imitate, shape
         (S, N, P).
@@ -84,12 +84,12 @@ class Projector:
     own_gradient: Floats
     shared: Floats
     covariance: Floats
-    jitter: Jitter | None = None
+    noise: SharedNoise | None = None
 
     def project(self, columns: Floats) -> ByShot:
         """Eliminate each shot's own numbers from columns (S, N, C)."""
-        if self.jitter is not None:
-            columns = self.jitter.whiten_frames(columns)
+        if self.noise is not None:
+            columns = self.noise.whiten_frames(columns)
         transposed = np.swapaxes(columns, 1, 2)
         coupling = np.swapaxes(self.by_state, 1, 2) @ columns
         eliminated = np.swapaxes(solve_blocks(self.states, coupling), 1, 2)
@@ -148,5 +148,5 @@ def projector(data: Data, fit: Fit) -> Projector:
         own_gradient=line.own_gradient,
         shared=shared,
         covariance=inverse(with_prior(information)),
-        jitter=line.jitter,
+        noise=line.shared,
     )

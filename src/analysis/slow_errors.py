@@ -1,0 +1,37 @@
+"""How large the errors are that the frames of one flight share, over all shots of a campaign."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from analysis.imaging.views import View
+from analysis.motion.drift import centre_drift, turn_drift
+from analysis.setup import Setup
+from analysis.shot import MeasuredShot
+
+
+def with_slow_errors(setup: Setup, shots: Sequence[MeasuredShot]) -> Setup:
+    """Return the set-up with the slow errors of these shots' poses (decision 0004), medians.
+
+    Without shots it is returned as it is.
+    """
+    return typical(setup, [slow_errors(shot) for shot in shots])
+
+
+def slow_errors(shot: MeasuredShot) -> tuple[float, float]:
+    """Return the size of a shot's slow errors: of a coordinate, m, and about each axis, rad."""
+    tracking = shot.tracking
+    width, scale = tracking.filter_sigma_px, tracking.scales_px_per_m[View.FRONT]
+    place = centre_drift(width, scale, 1.0)
+    return place.sigma, turn_drift(width, min(tracking.radii[View.FRONT]), 1.0).sigma
+
+
+def typical(setup: Setup, errors: Sequence[tuple[float, float]]) -> Setup:
+    """Return the set-up with the medians of slow errors; without any as it is."""
+    if not errors:
+        return setup
+    place, turn = np.median(np.array(errors), axis=0)
+    return replace(setup, slow_position_m=float(place), slow_rotation_rad=float(turn))
