@@ -27,7 +27,7 @@ from simulators.challenge.effects import HIDDEN
 
 FIRST_SEED = 600_000
 OUTSIDE = tuple(name for name, hidden in HIDDEN.items() if not hidden.known)
-ABOVE = (-4.0, -3.0, -2.0, -1.0, 0.0, 1.0, 2.0)
+ABOVE = (-3.0, -2.0, -1.0, 0.0, 1.0, 2.0)
 """Strengths, counted from the threshold."""
 PROBES, IMITATORS = 2, 5
 

@@ -16,14 +16,16 @@ WEAKEST, STRONGEST = 6.0, 8.0
 
 def run(options: Options) -> None:
     trials = judged([_task(options, k) for k in range(options.campaigns)], options.processes)
-    show(t for t in trials if not _right(t) or len(t.effects) > 2)
+    show(t for t in trials if not _right(t) or len(t.effects) > 2 or t.word == "unexplained")
     right = [_right(trial) for trial in trials]
     third = [len(trial.effects) > 2 for trial in trials]
+    alarmed = [trial.word == "unexplained" for trial in trials]
     report(
         "pairs",
         [
             share("both of two effects at d = 6 to 8 named, or their like", 0.90, right),
             share("a third effect beside them", 0.07, third, at_least=False),
+            share("called unexplained", 0.05, alarmed, at_least=False),
         ],
         trials,
     )

@@ -19,6 +19,7 @@ from analysis.model.covariates import shot_covariates
 from analysis.model.fit import Fit, fit_campaign
 from analysis.model.noise import rescaled
 from analysis.model.projector import Projector, Solved, projector
+from analysis.model.signature import own_cells
 from analysis.model.tables import Data
 
 Floats = NDArray[np.float64]
@@ -37,9 +38,12 @@ class Cell:
     chi2, freedom
         Fall of chi-squared that five smooth functions would bring, in units of the noise found.
     p_value
-        By itself; `p_holm` with all cells looked at.
+        By itself; `p_holm` with all cells looked at, or with the few in which the effects of the
+        fit show most, whichever is less.
     carried_share
         Share of the fall that is gone without the two shots that speak loudest for it.
+    own_of
+        Names of the fit's effects that show in this cell most.
     """
 
     channel: str
@@ -49,6 +53,7 @@ class Cell:
     p_value: float
     p_holm: float
     carried_share: float
+    own_of: tuple[str, ...] = ()
 
 
 def lack_of_fit(data: Data, fit: Fit) -> tuple[Cell, ...]:
@@ -69,23 +74,53 @@ def noise_matched(data: Data, fit: Fit) -> tuple[Data, Fit]:
 
 def cells_of(data: Data, fit: Fit, sums: Projector) -> tuple[Cell, ...]:
     """Test every cell of a fit whose sigmas are true; the most striking first."""
-    covariates = shot_covariates(data, fit)
+    covariates = {name: _basis(values) for name, values in shot_covariates(data, fit).items()}
+    contact = contact_columns(data, fit)
+    frames = [(c.name, c.covariate, c.columns()) for c in frame_channels(data, fit)]
+
+    def falls(sums: Projector) -> list[tuple[str, str, Solved]]:
+        found = []
+        for name, columns in contact.items():
+            by_shot = sums.project(columns)
+            found += [(name, c, sums.solve(by_shot, basis)) for c, basis in covariates.items()]
+        whole = np.ones((len(data.shots), 1))
+        for name, covariate, columns in frames:
+            found.append((name, covariate, sums.solve(sums.project(columns), whole)))
+        return found
+
     scale2 = max(fit.chi2_per_dof, 1e-12)
-    found: list[tuple[str, str, Solved]] = []
-    for name, columns in contact_columns(data, fit).items():
-        by_shot = sums.project(columns)
-        for covariate, values in covariates.items():
-            found.append((name, covariate, sums.solve(by_shot, _basis(values))))
-    whole = np.ones((len(data.shots), 1))
-    for channel in frame_channels(data, fit):
-        by_shot = sums.project(channel.columns())
-        found.append((channel.name, channel.covariate, sums.solve(by_shot, whole)))
+    found = falls(sums)
     p_values = np.array([_chance(solved, scale2) for *_, solved in found])
+    looked_at = holm(p_values)
+    own = own_cells(data, fit, sums, falls)
+    few = np.unique(np.concatenate([np.zeros(0, dtype=np.intp), *own.values()]))
+    looked_at[few] = np.minimum(looked_at[few], holm(p_values[few]))
     cells = [
-        Cell(channel, covariate, s.chi2 / scale2, s.freedom, float(p), float(q), s.carried_share)
-        for (channel, covariate, s), p, q in zip(found, p_values, holm(p_values), strict=True)
+        Cell(
+            channel=channel,
+            covariate=covariate,
+            chi2=solved.chi2 / scale2,
+            freedom=solved.freedom,
+            p_value=float(p_values[k]),
+            p_holm=float(looked_at[k]),
+            carried_share=solved.carried_share,
+            own_of=tuple(name for name, chosen in own.items() if k in chosen),
+        )
+        for k, (channel, covariate, solved) in enumerate(found)
     ]
     return tuple(sorted(cells, key=lambda cell: (cell.p_value, -cell.chi2)))
+
+
+def standard_deviations(cell: Cell) -> float:
+    """Return a cell's chi-squared as a normal deviate, never below zero.
+
+    E. B. Wilson and M. M. Hilferty, Proc. Natl. Acad. Sci. 17, 684 (1931): unlike the p-value it
+    does not end at the smallest number.
+    """
+    if cell.freedom == 0:
+        return 0.0
+    spread = 2 / (9 * cell.freedom)
+    return max(0.0, float((np.cbrt(cell.chi2 / cell.freedom) - (1 - spread)) / spread**0.5))
 
 
 def _chance(solved: Solved, scale2: float) -> float:

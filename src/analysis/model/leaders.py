@@ -19,6 +19,8 @@ Floats = NDArray[np.float64]
 MOST_REFITTED = 10
 ALIAS_WITHIN = (2 * 1.2816) ** 2
 """Refits this close in deviance are told apart rightly in less than nine of ten campaigns."""
+SMALL_FALL = 64.0
+"""Eight standard errors: refits then bring what scores promise."""
 BELIEVED_SHARE = 0.2
 """A plausible effect goes before an implausible one if it has this share of its fall."""
 MOST_CARRIED, MOST_CARRIED_OF_FEW, FEW = 0.6, 0.85, 12
@@ -69,7 +71,7 @@ def refitted(data: Data, fit: Fit, ranking: Ranking, level: float) -> list[Leade
     """
     invited = [c for c in ranking.candidates if c.seen and c.p_familywise < level]
     trusted = [c for c in invited if c.carried_share < most_carried(len(data.shots))]
-    leaders = [_refit(data, fit, candidate) for candidate in trusted[:MOST_REFITTED]]
+    leaders = [_refit(data, fit, candidate) for candidate in _worth_it(trusted, len(data.shots))]
     if not leaders:
         return []
     noise = min(leader.fit.chi2_per_dof for leader in leaders)
@@ -79,6 +81,19 @@ def refitted(data: Data, fit: Fit, ranking: Ranking, level: float) -> list[Leade
         for leader in leaders
         if leader.candidate.chance_of(leader.fall / noise, leader.values) <= threshold
     ]
+
+
+def _worth_it(candidates: Sequence[Candidate], shots: int) -> Sequence[Candidate]:
+    """Return which candidates a refit may still put first.
+
+    Scores of small effects are exact, and tell by themselves who is far behind; those of large
+    ones are not, nor does one of them take second place to a doubtful one.
+    """
+    if not candidates or candidates[0].fall > SMALL_FALL or not candidates[0].plausible:
+        return candidates[:MOST_REFITTED]
+    worth = [c.fall - c.freedom * float(np.log(max(shots, 2))) for c in candidates]
+    near = [c for c, w in zip(candidates, worth, strict=True) if w > max(worth) - 2 * ALIAS_WITHIN]
+    return near[:MOST_REFITTED]
 
 
 def in_order(leaders: Sequence[Leader]) -> list[Leader]:

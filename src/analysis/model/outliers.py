@@ -67,11 +67,11 @@ def clean(data: Data, theory: Theory | None = None) -> Cleaned:
         if not bad.any():
             break
         kept[np.flatnonzero(kept)[bad]] = False
-        rest = data.of_shots(kept)
-        fit = fit_campaign(rest, fit.theory)
+        left = replace(fit, states=fit.states.of_shots(~bad))
+        fit = fit_campaign(data.of_shots(kept), fit.theory, left)
     rest = data.of_shots(kept)
     names = {int(n) for n in rest.shots}
-    fit = fit_campaign(rest, fit.theory)
+    fit = fit_campaign(rest, fit.theory, fit)
     return Cleaned(rest, fit, kept, tuple(f for f in frames if f[0] in names))
 
 

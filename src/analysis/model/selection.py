@@ -14,6 +14,7 @@ import numpy as np
 from scipy.stats import chi2 as chi2_distribution
 
 from analysis.effects.effect import Effect
+from analysis.effects.timing_jitter import EFFECT as JITTER
 from analysis.model.evidence import Stage, stage_of, weighed, weighed_again
 from analysis.model.fit import Fit, fit_campaign
 from analysis.model.inside import without_contact_frames
@@ -49,7 +50,8 @@ class Verdict:
     ranking
         What the data ask for at the end.
     cells
-        Structure that is left, the most striking first.
+        Structure that is left, the most striking first; among it what stood where an effect shows
+        most, if it would explain more than the effects that silenced it.
     cleaned
         What was used, and what was taken out.
     noise
@@ -96,7 +98,7 @@ def explain(
         ranking = rank(evidence.data, path[-1].fit, effects)
     path = _backward(evidence.data, path)
     progress("testing what is left")
-    cells = lack_of_fit(evidence.data, path[-1].fit)
+    cells = _unmasked(path, lack_of_fit(evidence.data, path[-1].fit), evidence.data)
     names = path[-1].effects
     ambiguous = [name for name in names if len(alias_sets[name]) > 1]
     return Verdict(
@@ -115,7 +117,9 @@ def explain(
 def _accepted(present: Stage, leaders: Sequence[Leader]) -> tuple[Leader, Stage] | None:
     """Return the first leader that brings down the error on shots left out, at convergence."""
     for leader in in_order(leaders)[:MOST_TRIED]:
-        fit = fit_campaign(leader.data, leader.fit.theory, leader.fit)
+        fit = leader.fit
+        if not fit.converged:
+            fit = fit_campaign(leader.data, fit.theory, fit)
         stage = stage_of(leader.data, fit)
         if stage.error.value < present.error.value:
             return leader, stage
@@ -133,6 +137,28 @@ def _word(
     if not accepted:
         return "none"
     return "alias" if any(len(alias_sets[name]) > 1 for name in accepted) else "effect"
+
+
+def _unmasked(path: Sequence[Stage], cells: tuple[Cell, ...], data: Data) -> tuple[Cell, ...]:
+    """Put back the alarm of an effect's own cell that explains more than all effects put in later.
+
+    One cause that no catalogue has is likelier than several of it whose marks happen to add up
+    where the first of them shows.
+    """
+    last = path[-1]
+    names, noise = set(last.effects), max(last.fit.chi2_per_dof, 1e-12)
+    found = {(cell.channel, cell.covariate): cell for cell in cells}
+    for stage in path[1:-1]:
+        if not set(stage.effects) < names or JITTER.name in names:
+            continue
+        count = len(last.fit.theory.names) - len(stage.fit.theory.names)
+        gained = (stage.fit.chi2 - last.fit.chi2) / noise - count
+        unit = stage.fit.chi2_per_dof / noise
+        for cell in lack_of_fit(data, stage.fit):
+            alarmed = cell.own_of and cell.p_holm < UNEXPLAINED_LEVEL
+            if alarmed and unit * cell.chi2 - cell.freedom > gained:
+                found[cell.channel, cell.covariate] = cell
+    return tuple(sorted(found.values(), key=lambda cell: (cell.p_value, -cell.chi2)))
 
 
 def _backward(data: Data, path: list[Stage]) -> list[Stage]:

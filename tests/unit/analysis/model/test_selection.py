@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from analysis.effects.effect import CameraEffect, Effect
+from analysis.model.lackoffit import lack_of_fit
 from analysis.model.poses import PoseData
 from analysis.model.selection import UNEXPLAINED_LEVEL, Verdict, explain
 from analysis.setup import CameraSetup
@@ -143,3 +144,22 @@ def test_progress_is_told_step_by_step() -> None:
     explain(campaign(6, 79), EFFECTS, said.append)
     assert said[0] == "fitting the base model"
     assert said[-1] == "testing what is left"
+
+
+def test_two_effects_whose_marks_add_up_to_those_of_a_force_are_not_believed() -> None:
+    data = campaign(SHOTS, 860, hidden=Hidden(pull=6.0))
+    pair = chosen("image-scale", "restitution-viscoelastic")
+    verdict = explain(data, pair)
+    assert set(verdict.effects) == {"image-scale", "restitution-viscoelastic"}
+    assert lack_of_fit(data, verdict.fit)[0].p_holm > UNEXPLAINED_LEVEL
+    assert verdict.verdict == "unexplained"
+    assert (verdict.cells[0].channel, verdict.cells[0].covariate) == (
+        "relative position n",
+        "time",
+    )
+
+
+def test_two_effects_that_are_there_are_believed() -> None:
+    data = at_slow_clock(stretched(campaign(SHOTS, 871), (2e-3, 2e-3, 2e-3)), 0.02)
+    verdict = explain(data, chosen("image-scale", "frame-rate"))
+    assert (verdict.verdict, set(verdict.effects)) == ("effect", {"image-scale", "frame-rate"})
