@@ -119,7 +119,8 @@ def main() -> int:
     print(
         f"{options.shots} shots, {found['seconds_a_shot']:.2f} s each; of these the sweep's own: "
         f"median {1e3 * found['median_s']:.1f} ms, mean {1e3 * found['mean_s']:.1f} ms, longest "
-        f"{1e3 * found['longest_s']:.1f} ms, processor {1e3 * found['processor_s']:.1f} ms; {1e3 * ALLOWED_S:g} ms are allowed"
+        f"{1e3 * found['longest_s']:.1f} ms, processor {1e3 * found['processor_s']:.1f} ms; "
+        f"{1e3 * ALLOWED_S:g} ms are allowed"
     )
     return 0 if found["mean_s"] <= ALLOWED_S else 1
 

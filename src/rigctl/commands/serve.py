@@ -18,6 +18,7 @@ from rigctl.service.app import create_app
 from rigctl.service.auth import new_key
 from rigctl.service.events import EventHub
 from rigctl.service.keyfile import ServiceAddress
+from rigctl.store import StepState, SweepRecord
 
 END_WITHIN_S = 5
 """Longest wait for answers under way when the service ends; they are cut off after it."""
@@ -58,6 +59,8 @@ def serve(path: Path | None, port: int | None, key: str | None) -> None:
                 hub = EventHub()
                 server = _server(create_app(daemon, address.key, hub), hub)
                 typer.echo(_greeting(address, configuration))
+                for sweep in daemon.offered:
+                    typer.echo(_offer(sweep))
                 server.run(sockets=[listening])
             finally:
                 _finish_undisturbed()
@@ -115,6 +118,14 @@ def _url(listening: socket.socket) -> str:
 def _greeting(address: ServiceAddress, configuration: Configuration) -> str:
     kind = "simulated rig" if configuration.simulation else "REAL RIG"
     return f"rigctl: {kind} {configuration.name!r} at {address.url}/?key={address.key}"
+
+
+def _offer(sweep: SweepRecord) -> str:
+    waiting = sweep.counts.get(StepState.WAITING, 0)
+    return (
+        f"rigctl: sweep {sweep.id} waits with {waiting} of {sweep.steps} steps: {sweep.reason}; "
+        f"rigctl sweep resume {sweep.id}"
+    )
 
 
 def _finish_undisturbed() -> None:
