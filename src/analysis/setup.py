@@ -55,7 +55,8 @@ class Setup:
     """Everything a shot's analysis needs beside its frames.
 
     `gravity_m_per_s2` acts along +X (down). Poses that were measured elsewhere may come with the
-    size of the errors that the frames of one flight share, in place and in orientation.
+    size of the errors that the frames of one flight share, in place and in orientation, and with
+    body axes of their own in each shot.
     """
 
     camera: CameraSetup
@@ -64,3 +65,4 @@ class Setup:
     air_density_kg_per_m3: float = 1.2
     slow_position_m: float = 0.0
     slow_rotation_rad: float = 0.0
+    one_body_frame: bool = True

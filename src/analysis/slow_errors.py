@@ -1,4 +1,4 @@
-"""How large the errors are that the frames of one flight share, over all shots of a campaign."""
+"""What measuring leaves in a campaign's poses: slow errors, and the axes that orientations have."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def with_slow_errors(setup: Setup, shots: Sequence[MeasuredShot]) -> Setup:
 
     Without shots it is returned as it is.
     """
-    return typical(setup, [slow_errors(shot) for shot in shots])
+    return typical(setup, [slow_errors(shot) for shot in shots], [one_frame(s) for s in shots])
 
 
 def slow_errors(shot: MeasuredShot) -> tuple[float, float]:
@@ -29,9 +29,24 @@ def slow_errors(shot: MeasuredShot) -> tuple[float, float]:
     return place.sigma, turn_drift(width, min(tracking.radii[View.FRONT]), 1.0).sigma
 
 
-def typical(setup: Setup, errors: Sequence[tuple[float, float]]) -> Setup:
+def one_frame(shot: MeasuredShot) -> bool:
+    """Return whether a shot's orientations are of a body frame that other shots share.
+
+    The photometric method learns one pattern for a campaign; the thesis's begins anew each time.
+    """
+    return shot.known is not None
+
+
+def typical(
+    setup: Setup, errors: Sequence[tuple[float, float]], one_frames: Sequence[bool]
+) -> Setup:
     """Return the set-up with the medians of slow errors; without any as it is."""
     if not errors:
         return setup
     place, turn = np.median(np.array(errors), axis=0)
-    return replace(setup, slow_position_m=float(place), slow_rotation_rad=float(turn))
+    return replace(
+        setup,
+        slow_position_m=float(place),
+        slow_rotation_rad=float(turn),
+        one_body_frame=all(one_frames),
+    )

@@ -132,7 +132,8 @@ def poses_from(name: str, files: Sequence[MeasuredFiles]) -> PoseData:
                 todo=f"have campaign {name} analysed again",
             ) from error
     _require_one_setup(name, setups)
-    return pose_data(shots, rows, typical(next(iter(setups.values())), slow))
+    # Every stored shot is learned by itself, and so has body axes of its own.
+    return pose_data(shots, rows, typical(next(iter(setups.values())), slow, [False]))
 
 
 def _row(number: int, manifest: Json) -> ShotRow:

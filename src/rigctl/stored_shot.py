@@ -45,7 +45,11 @@ def analyse_stored_shot(folder: Path, method: str) -> Json:
     if isinstance(shot, MeasuredShot):
         document["poses"] = poses_document(measured_poses(shot))
         position, rotation = slow_errors(shot)
-        document["slow_errors"] = {"position_m": position, "rotation_rad": rotation}
+        document["slow_errors"] = {
+            "position_m": position,
+            "rotation_rad": rotation,
+            "one_body_frame": False,
+        }
         document["overlay"] = overlay_document(shot)
     return document
 

@@ -99,6 +99,7 @@ class _Environment(_Strict):
 class _Measurement(_Strict):
     slow_position_m: Annotated[float, Field(ge=0)] = 0.0
     slow_rotation_rad: Annotated[float, Field(ge=0)] = 0.0
+    one_body_frame: bool = True
 
 
 class _Description(_Strict):
@@ -169,6 +170,7 @@ def _setup(description: _Description) -> Setup:
         air_density_kg_per_m3=description.environment.air_density_kg_per_m3,
         slow_position_m=description.measurement.slow_position_m,
         slow_rotation_rad=description.measurement.slow_rotation_rad,
+        one_body_frame=description.measurement.one_body_frame,
     )
 
 

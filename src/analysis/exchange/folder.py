@@ -70,6 +70,7 @@ def description(name: str, setup: Setup) -> str:
             "[measurement]",
             f"slow_position_m = {setup.slow_position_m}",
             f"slow_rotation_rad = {setup.slow_rotation_rad}",
+            f"one_body_frame = {json.dumps(setup.one_body_frame)}",
         ]
     return "\n".join(lines) + "\n"
 

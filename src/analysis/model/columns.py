@@ -194,7 +194,7 @@ def _change(
         position = position + push
     elif not isinstance(effect, CameraEffect | BodyEffect):
         raise TypeError(f"effect {effect.name!r} acts in no known stage")
-    position = displaced(here.flown, position, moved.body)
+    position = displaced(data, here.flown, position, moved.body)
     change = appear(data, position, moved.camera) - here.poses.position
     return np.concatenate([change, turned], axis=-1)
 
@@ -207,7 +207,7 @@ def _later(data: PoseData, theory: Theory, moved: Theory, here: Frames) -> Float
     place = flown.position
     if theory.flight:
         place = place + perturbation(data, flown, theory.flight)[0]
-    place = displaced(flown, place + shift, theory.body)
+    place = displaced(data, flown, place + shift, theory.body)
     change = appear(data, place, theory.camera) - here.poses.position
     turned = flown.spin * (after.rotation - before.rotation)[..., None]
     return np.concatenate([change, turned], axis=-1)

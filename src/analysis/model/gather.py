@@ -154,6 +154,7 @@ def pose_data(shots: Shots, rows: Sequence[ShotRow], setup: Setup) -> PoseData:
         estimated=guessed or guessed_too,
         slow_position_m=setup.slow_position_m,
         slow_rotation_rad=setup.slow_rotation_rad,
+        one_body_frame=setup.one_body_frame,
         bodies=(_body(setup.spheres[0]), _body(setup.spheres[1])),
         gravity=setup.gravity_m_per_s2,
         air_density=setup.air_density_kg_per_m3,

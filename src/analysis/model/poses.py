@@ -70,6 +70,8 @@ class PoseData:
         Numbers of shots that are not here, having no frames that show both spheres.
     slow_position_m, slow_rotation_rad
         Size of the error that the frames of one flight share, in place and in orientation.
+    one_body_frame
+        Whether orientations are of one body frame for each sphere in all shots.
     jitter_s
         Standard deviation of each frame's time, common to both spheres, s.
     """
@@ -89,6 +91,7 @@ class PoseData:
     unusable: tuple[int, ...] = ()
     slow_position_m: float = 0.0
     slow_rotation_rad: float = 0.0
+    one_body_frame: bool = True
     jitter_s: float = 0.0
 
     def without(self, frames: NDArray[np.bool_]) -> PoseData:

@@ -131,14 +131,22 @@ def shown(data: PoseData, flown: Flown, theory: Theory) -> Poses:
         push, twist = perturbation(data, flown, theory.flight)
         position = position + push
         rotation = exponential(twist)[0] @ rotation
-    position = displaced(flown, position, theory.body)
+    position = displaced(data, flown, position, theory.body)
     return Poses(appear(data, position, theory.camera), rotation)
 
 
 def displaced(
-    flown: Flown, position: Floats, effects: Sequence[tuple[BodyEffect, Values]]
+    data: PoseData,
+    flown: Flown,
+    position: Floats,
+    effects: Sequence[tuple[BodyEffect, Values]],
 ) -> Floats:
-    """Return the centres of outlines from centres of mass, shape (S, F, 2, 3)."""
+    """Return the centres of outlines from centres of mass, shape (S, F, 2, 3).
+
+    Where each shot has body axes of its own, nothing fixed in a body can be foretold.
+    """
+    if not data.one_body_frame:
+        return position
     for effect, values in effects:
         position = effect.displace(Turning(position, flown.rotation, flown.touch), values)
     return position

@@ -10,12 +10,14 @@ import pytest
 from scipy.linalg import sqrtm
 from scipy.spatial.transform import Rotation
 
+from analysis.effects.catalogue import CATALOGUE
 from analysis.exchange.description import read_description
 from analysis.exchange.folder import description
 from analysis.model.comparison import compare
 from analysis.model.fit import fit_campaign
 from analysis.model.gather import gather
 from analysis.model.poses import PoseData
+from analysis.model.ranking import rank
 from analysis.model.slow import RATE_FACTOR
 from tests.unit.analysis.model.exchange_folder import write_campaign
 from tests.unit.analysis.model.hard_spheres import campaign
@@ -97,3 +99,9 @@ def test_campaign_toml_hands_them_on(tmp_path: Path) -> None:
     _, data = gather(folder)
     assert isinstance(data, PoseData)
     assert (data.slow_position_m, data.slow_rotation_rad) == (3e-6, 2e-4)
+
+
+def test_body_axes_of_each_shots_own_leave_nothing_to_say_of_the_centre_of_mass() -> None:
+    data = replace(campaign(20, 6), one_body_frame=False)
+    ranking = rank(data, fit_campaign(data), CATALOGUE)
+    assert not next(c for c in ranking.candidates if c.effect.name == "mass-offset").seen
