@@ -245,7 +245,17 @@ class SweepRunner:
         )
         self._run = run
         self._tell(sweep.id)
-        self._thread = self._spawn(lambda: self._work(run))
+        try:
+            self._thread = self._spawn(lambda: self._work(run))
+        except RuntimeError as error:
+            self._run = None
+            reason = f"its thread could not be started: {error}"
+            self._store.sweeps.move(sweep.id, SweepState.PAUSED, reason, self._clock.wall())
+            raise RefusedError(
+                reason,
+                part=f"sweep {sweep.id}",
+                todo="end other programs on the host, then resume it",
+            ) from error
 
     def _work(self, run: SweepRun) -> None:
         try:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sqlite3
+import threading
 from pathlib import Path
 
 import pytest
@@ -22,6 +23,7 @@ from rigctl.errors import (
 from rigctl.store import StepState, SweepState
 from rigctl.sweeps.orders import Wish
 from rigctl.sweeps.plan import Plan, Rules, Until
+from rigctl.sweeps.runner import SweepRunner
 
 
 def test_every_step_is_fired_once_in_its_order(bench: Bench) -> None:
@@ -278,6 +280,25 @@ def test_an_error_in_the_program_pauses_the_sweep(
 
     monkeypatch.setattr(bench.lab.store.sweeps, "next_step", break_down)
     assert "ZeroDivisionError('a bug')" in paused(bench.run())
+
+
+def test_a_sweep_whose_thread_cannot_be_started_is_paused_and_can_be_resumed(
+    bench: Bench,
+) -> None:
+    def refuse(_: object) -> threading.Thread:
+        raise RuntimeError("can't start new thread")
+
+    runner = SweepRunner(
+        bench.lab.rig,
+        bench.lab.store,
+        bench.lab.configuration,
+        clock=bench.lab.time.clock(),
+        spawn=refuse,
+    )
+    with pytest.raises(RefusedError, match="can't start new thread"):
+        runner.start(plan(), "key", "body", "anna")
+    assert "could not be started" in paused(bench.runner.status("20260131-s0001"))
+    assert bench.resume("20260131-s0001").record.counts == {StepState.STORED: 3}
 
 
 def test_rests_and_settling_are_as_the_rules_say(bench: Bench) -> None:
