@@ -23,8 +23,8 @@ SMALL_FALL = 64.0
 """Eight standard errors: refits then bring what scores promise."""
 BELIEVED_SHARE = 0.2
 """A plausible effect goes before an implausible one if it has this share of its fall."""
-MOST_CARRIED, MOST_CARRIED_OF_FEW, FEW = 0.6, 0.85, 12
-"""No finding is believed of whose fall two shots carry more than this share."""
+MOST_CARRIED, MOST_CARRIED_OF_FEW, MANY, FEW = 0.6, 0.85, 60, 12
+"""No finding is believed of whose fall two of many, or of few, shots carry more than this share."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -132,8 +132,12 @@ def alias_set(chosen: Leader, leaders: Sequence[Leader], ranking: Ranking) -> tu
 
 
 def most_carried(shots: int) -> float:
-    """Return the share of a finding that two of so many shots may carry."""
-    return MOST_CARRIED if shots >= FEW else MOST_CARRIED_OF_FEW
+    """Return the share of a finding that two of so many shots may carry.
+
+    Between few and many shots it falls with their logarithm.
+    """
+    ends = np.log([FEW, MANY])
+    return float(np.interp(np.log(max(shots, 1)), ends, [MOST_CARRIED_OF_FEW, MOST_CARRIED]))
 
 
 def _refit(data: Data, fit: Fit, candidate: Candidate) -> Leader:

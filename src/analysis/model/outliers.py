@@ -71,7 +71,8 @@ def clean(data: Data, theory: Theory | None = None) -> Cleaned:
         fit = fit_campaign(data.of_shots(kept), fit.theory, left)
     rest = data.of_shots(kept)
     names = {int(n) for n in rest.shots}
-    fit = fit_campaign(rest, fit.theory, fit)
+    # Afresh, now that the law is known: near its corner a shot may have begun on the wrong side.
+    fit = fit_campaign(rest, fit.theory)
     return Cleaned(rest, fit, kept, tuple(f for f in frames if f[0] in names))
 
 

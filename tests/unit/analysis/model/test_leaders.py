@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from analysis.model.fit import fit_campaign
-from analysis.model.leaders import Leader, alias_set, in_order, refitted
+from analysis.model.leaders import Leader, alias_set, in_order, most_carried, refitted
 from analysis.model.poses import PoseData
 from analysis.model.ranking import Ranking, rank
 from tests.unit.analysis.model.chosen import chosen
@@ -67,3 +67,10 @@ def test_an_effect_imitates_itself_wholly_and_another_in_part() -> None:
     assert ((share >= 0) & (share <= 1)).all()
     assert share[names.index("frame-rate"), names.index("gravity-value")] > 0.98
     assert share[names.index("frame-rate"), names.index("camera-roll")] < 0.5
+
+
+def test_two_of_few_shots_may_carry_more_of_a_finding_than_two_of_many() -> None:
+    assert [most_carried(n) for n in (1, 12, 60, 1000)] == [0.85, 0.85, 0.6, 0.6]
+    shares = [most_carried(n) for n in range(12, 61)]
+    assert shares == sorted(shares, reverse=True)
+    assert most_carried(27) == pytest.approx(0.725, abs=0.002)

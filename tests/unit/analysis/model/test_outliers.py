@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 
 from analysis.model.fit import fit_campaign
+from analysis.model.inside import without_contact_frames
 from analysis.model.outliers import Cleaned, bad_shots, clean
 from analysis.model.poses import PoseData
+from benchmarks.discovery.campaigns import campaign as simulated
 from tests.unit.analysis.model.hard_spheres import campaign
 
 SHOTS = 30
@@ -102,3 +104,9 @@ def test_clean_campaigns_lose_no_more_than_the_stated_share() -> None:
 def test_three_shots_are_too_few_to_call_one_of_them_bad() -> None:
     cleaned = clean(with_wild_shot(campaign(3, 56), 1))
     assert lost(cleaned) == []
+
+
+def test_a_shot_that_began_on_the_wrong_side_of_the_corner_is_brought_back() -> None:
+    # Between rolling and sliding one of these shots stays where the first guess of the law put it.
+    data = without_contact_frames(simulated({"pixel-aspect": 8.22e-4}, 826, 30))
+    assert clean(data).fit.chi2 < fit_campaign(data).chi2 - 30
