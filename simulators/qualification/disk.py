@@ -39,36 +39,45 @@ def turning_disk(seed: int) -> TurningDisk:
     start = rng.uniform(0.0, 2.0 * math.pi)
     rate = RATE_RPM / 60.0 * 2.0 * math.pi
     centre = np.array(CENTRE_PX) + rng.uniform(-0.5, 0.5, 2)
+    bare = _bare(centre)
     times = np.arange(FRAMES) / FRAME_RATE_HZ
     frames = [
-        digitised(_exposed(start + rate * time, rate * EXPOSURE_S, centre), NOISE_GREY, rng)
+        digitised(_exposed(bare, centre, start + rate * time, rate * EXPOSURE_S), NOISE_GREY, rng)
         for time in times.tolist()
     ]
     return TurningDisk(np.stack(frames), times, rate / FRAME_RATE_HZ)
 
 
-def _exposed(angle: float, swept: float, centre: NDArray[np.float64]) -> NDArray[np.float32]:
+def _bare(centre: NDArray[np.float64]) -> NDArray[np.float32]:
+    """Return the light of the disk without markers, before the lens."""
+    rows, columns = np.indices((ROWS, COLUMNS)).astype(np.float32)
+    slopes = LIGHT_SLOPE_PER_PX
+    lit = 1.0 + slopes[0] * (rows - CENTRE_PX[0]) + slopes[1] * (columns - CENTRE_PX[1])
+    on_disk = _cover(float(centre[0]), float(centre[1]), DISK_RADIUS_PX)
+    return np.asarray(lit * (SURROUNDINGS + (DISK - SURROUNDINGS) * on_disk), dtype=np.float32)
+
+
+def _exposed(
+    bare: NDArray[np.float32], centre: NDArray[np.float64], angle: float, swept: float
+) -> NDArray[np.float32]:
     """Return the light of a frame, the mean over the exposure, through the lens."""
-    light = np.zeros((ROWS, COLUMNS), dtype=np.float32)
+    light = np.zeros_like(bare)
     for k in range(_INSTANTS):
-        light += _instant(angle + swept * ((k + 0.5) / _INSTANTS - 0.5), centre)
+        light += _marked(bare, centre, angle + swept * ((k + 0.5) / _INSTANTS - 0.5))
     seen = cv2.GaussianBlur(light / _INSTANTS, (0, 0), BLUR_PX, borderType=cv2.BORDER_REPLICATE)
     return np.asarray(seen, dtype=np.float32)
 
 
-def _instant(angle: float, centre: NDArray[np.float64]) -> NDArray[np.float32]:
-    rows, columns = np.indices((ROWS, COLUMNS)).astype(np.float32)
-    slopes = LIGHT_SLOPE_PER_PX
-    lit = 1.0 + slopes[0] * (rows - CENTRE_PX[0]) + slopes[1] * (columns - CENTRE_PX[1])
-    reflectance = np.full((ROWS, COLUMNS), SURROUNDINGS / DISK, dtype=np.float32)
-    on_disk = _cover(float(centre[0]), float(centre[1]), DISK_RADIUS_PX)
-    reflectance += (1.0 - reflectance) * on_disk
+def _marked(
+    bare: NDArray[np.float32], centre: NDArray[np.float64], angle: float
+) -> NDArray[np.float32]:
+    light = bare.copy()
     for distance, own in MARKERS:
         # From the row axis towards the column axis.
         row = float(centre[0]) + distance * math.cos(own + angle)
         column = float(centre[1]) + distance * math.sin(own + angle)
-        reflectance *= 1.0 - (1.0 - MARKER_REFLECTANCE) * _cover(row, column, MARKER_RADIUS_PX)
-    return np.asarray(DISK * lit * reflectance, dtype=np.float32)
+        light *= 1.0 - (1.0 - MARKER_REFLECTANCE) * _cover(row, column, MARKER_RADIUS_PX)
+    return light
 
 
 def _cover(row: float, column: float, radius: float) -> NDArray[np.float32]:
@@ -77,9 +86,7 @@ def _cover(row: float, column: float, radius: float) -> NDArray[np.float32]:
     first = (math.floor(row - radius) - 1, math.floor(column - radius) - 1)
     size = 2 * math.ceil(radius) + 4
     fine = (np.arange(size * _SUBPIXELS) + 0.5) / _SUBPIXELS - 0.5
-    distance = np.hypot(
-        (first[0] + fine - row)[:, None], (first[1] + fine - column)[None, :]
-    )
+    distance = np.hypot((first[0] + fine - row)[:, None], (first[1] + fine - column)[None, :])
     inside = np.clip((radius - distance) * _SUBPIXELS + 0.5, 0.0, 1.0)
     blocks = inside.reshape(size, _SUBPIXELS, size, _SUBPIXELS).mean(axis=(1, 3))
     top, left = max(first[0], 0), max(first[1], 0)

@@ -55,6 +55,6 @@ def filmed_drop(seed: int) -> FilmedDrop:
         below = start[0] + fallen_m(time_s - let_go_s)
         return [Pose(np.array([below, start[1], 0.0]), UPRIGHT)]
 
-    times = INTERVAL_S * np.arange(FRAMES)
+    times = INTERVAL_S * np.arange(FRAMES, dtype=np.float64)
     frames = np.stack([camera.take(poses, time, rng) for time in times.tolist()])
     return FilmedDrop(frames, times, DIAMETER_M, GRAVITY_M_PER_S2)

@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 from simulators.world import Launch, WorldDescription, render_shot
 from simulators.world.optics import Optics
 
-PRESSURES_KPA = (30.0, 45.0, 60.0, 75.0)
-OFFSETS_M = (0.004, 0.008, 0.012, 0.016)
+PRESSURES_KPA = (40.0, 70.0)
+OFFSETS_M = (0.012, 0.016, 0.019)
+"""Oblique, as the shot of table 3.3 was: its v_s is 2.5 times its v_n."""
 
 
 class FilmedShot(NamedTuple):

@@ -6,15 +6,14 @@ import numpy as np
 
 from simulators.world.description import Sphere
 from simulators.world.optics import Optics
-from simulators.world.render import Camera
+from simulators.world.render import Camera, Poses
+from simulators.world.state import Pose
 
 UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
 _OUT_OF_SIGHT = (-1.0e4, -1.0e4)
 
 
-def single_sphere_camera(
-    diameter_m: float, diameter_px: float, *, exposure_s: float
-) -> Camera:
+def single_sphere_camera(diameter_m: float, diameter_px: float, *, exposure_s: float) -> Camera:
     """Return a camera before a plain sphere of this diameter, at the scale that makes it so large.
 
     Row 0 and column 0 of the frame are X = Y = 0.
@@ -27,3 +26,8 @@ def single_sphere_camera(
     )
     sphere = Sphere(diameter_m=diameter_m, markers=0)
     return Camera(optics, (sphere,), (np.empty((0, 3)),))
+
+
+def standing(pose: Pose) -> Poses:
+    """Return one sphere's pose at any time: it stands still."""
+    return lambda _: (pose,)

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from simulators.qualification.single import UPRIGHT, single_sphere_camera
+from simulators.qualification.single import UPRIGHT, single_sphere_camera, standing
 from simulators.world.state import Pose
 
 DIAMETER_M, DIAMETER_PX = 0.0254, 40.0
@@ -42,5 +42,5 @@ def stage_run(direction: tuple[float, float], seed: int) -> StageRun:
     frames = []
     for place in (start + moved) / camera.optics.scale_px_per_m:
         pose = Pose(np.array([*place, 0.0]), UPRIGHT)
-        frames.append(camera.take(lambda _, pose=pose: [pose], 0.0, rng))
+        frames.append(camera.take(standing(pose), 0.0, rng))
     return StageRun(np.stack(frames), moved)

@@ -76,10 +76,10 @@ def expanded_zero_crossings(
         The thesis has 3 or 4.
     """
     marked = zero_crossing_pixels(edges, least_strength)
-    fine = expand(edges.log, samples_per_pixel)
-    crossing = beside_change_of_sign(fine)
-    own = np.kron(marked, np.ones((samples_per_pixel,) * 2, dtype=np.bool_))
-    at = np.argwhere(crossing & own)
+    corner, box = _around(marked)
+    fine = expand(edges.log[box], samples_per_pixel)
+    own = np.kron(marked[box], np.ones((samples_per_pixel,) * 2, dtype=np.bool_))
+    at = np.argwhere(beside_change_of_sign(fine) & own) + samples_per_pixel * corner
     pixel = at // samples_per_pixel
     place = (at + 0.5) / samples_per_pixel - 0.5
     g_r = edges.gradient_row[pixel[:, 0], pixel[:, 1]].astype(np.float64)
@@ -94,6 +94,13 @@ def expanded_zero_crossings(
         pixel_row=pixel[:, 0],
         pixel_column=pixel[:, 1],
     )
+
+
+def _around(marked: NDArray[np.bool_]) -> tuple[NDArray[np.intp], tuple[slice, slice]]:
+    """Return the first row and column of the part that holds all marks and their neighbours."""
+    at = np.argwhere(marked) if marked.any() else np.zeros((1, 2), dtype=np.intp)
+    low, high = np.maximum(at.min(axis=0) - 1, 0), at.max(axis=0) + 2
+    return low, (slice(low[0], high[0]), slice(low[1], high[1]))
 
 
 def _sampled(patches: Floats, samples_per_pixel: int) -> Floats:
