@@ -25,6 +25,7 @@ from analysis.photometric.camera import Optics
 from analysis.photometric.pose import fit_pose
 from analysis.photometric.shading import HARMONICS, RADIALS, blurred_profiles, template
 from analysis.photometric.sight import Look, Scene, Sight, Stance
+from analysis.photometric.surface import draw
 from simulators.world.disc import SUBPIXELS, Disc
 from simulators.world.markers import scatter_markers
 from simulators.world.optics import Lighting
@@ -81,13 +82,14 @@ def sight_of(image: NDArray[np.uint8], markers: Floats, noise: float) -> Sight:
     ]
     wide = float(np.hypot(BLUR, 12**-0.5))
     table = template(blurred_profiles(wide / RADIUS), np.array(coefficients))
+    discs, surfaces = draw([table], np.zeros((1, 17, 17)), RADIUS)
     look = Look(
         radius_m=1.0,
         markers=markers,
         alpha=ALPHA,
         darkness=1.0 - REFLECTANCE,
-        tables=table[None],
-        reliefs=np.zeros((1, 17, 17)),
+        discs=discs,
+        surfaces=surfaces,
         sigma_px=np.array([wide]),
     )
     rows = np.array([[0, SIZE]])

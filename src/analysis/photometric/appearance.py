@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.photometric.camera import Camera
-from analysis.photometric.shading import blurred_profiles, stacked, template
+from analysis.photometric.shading import blurred_profiles, template
 from analysis.photometric.sight import Look
+from analysis.photometric.surface import draw
 
 Floats = NDArray[np.float64]
 
@@ -84,12 +85,13 @@ def _look(known: Knowledge, sphere: Sphere, wider_px: float) -> Look:
         template(blurred_profiles(float(sigma + wider_px) / float(radius)), coefficients)
         for sigma, radius, coefficients in zip(known.sigma_px, radii, sphere.shading, strict=True)
     ]
+    discs, surfaces = draw(templates, sphere.reliefs, float(radii[0]))
     return Look(
         radius_m=sphere.radius_m,
         markers=np.ascontiguousarray(sphere.markers),
         alpha=sphere.alpha,
         darkness=sphere.darkness,
-        tables=stacked(templates),
-        reliefs=sphere.reliefs,
+        discs=discs,
+        surfaces=surfaces,
         sigma_px=known.sigma_px,
     )

@@ -12,6 +12,8 @@ Floats = NDArray[np.float64]
 DEGREE = 4
 KEEP_OFF_PX = 4.0
 LEAST_COUNT = 2
+FEW = 9
+"""Frames of the first guess."""
 EVERY = 3
 """Share of rows and columns that the smooth surface is fitted to."""
 
@@ -101,5 +103,9 @@ def _surface(mean: Floats, counts: Floats, shape: tuple[int, ...]) -> Floats:
 
 def first_background(frames: NDArray[np.uint8]) -> Floats:
     """Return the median over a few frames: what stands still, before any disc is known."""
-    every = max(1, len(frames) // 9)
-    return np.asarray(np.median(frames[::every], axis=0), dtype=np.float64)
+    few = list(frames[:: max(1, len(frames) // FEW)][:FEW])
+    # Exchanging whole frames sorts every pixel; the upper half alone tells the median.
+    for last in range(len(few) - 1, len(few) // 2 - 1, -1):
+        for k in range(last):
+            few[k], few[k + 1] = np.minimum(few[k], few[k + 1]), np.maximum(few[k], few[k + 1])
+    return np.asarray(few[len(few) // 2], dtype=np.float64)

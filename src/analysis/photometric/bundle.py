@@ -15,11 +15,11 @@ from analysis.photometric.compiled import compiled
 from analysis.photometric.contour import LAYERS, add_cover
 from analysis.photometric.covers import cover_canvas, seen_from
 from analysis.photometric.residual import (
-    LEAST_DISC,
     LOOK,
     UNKNOWNS,
     biweight,
     hidden,
+    lit,
     model_pixel,
     pixel_row,
     shade,
@@ -42,14 +42,14 @@ class Lesson(NamedTuple):
     Attributes
     ----------
     wider
-        Templates, the blur NUDGE pixels wider, shape (V, steps, columns).
+        Discs and surfaces (`sight.Look`), the blur NUDGE pixels wider.
     tangents
         Two axes across each marker, body axes, shape (markers, 2, 3).
     limit
         Residual that counts no more, in units of the noise.
     """
 
-    wider: Floats
+    wider: tuple[Floats, Floats]
     tangents: Floats
     limit: float
 
@@ -67,7 +67,7 @@ def nudged_covers(
     Parameters
     ----------
     frame
-        Filled: shapes (markers, LAYERS, rows, columns) and (3, LAYERS, rows, columns).
+        Filled: shapes (markers, rows, LAYERS, columns) and (3, rows, LAYERS, columns).
     """
     own, nudged = frame
     look = sight.look
@@ -134,12 +134,13 @@ def bundle_view(
         Of the view's UNKNOWNS, the markers, MARKERS_SHARE and the view's own VIEW_SHARE.
     """
     scene, look = sight.scene, sight.look
-    table, relief, wider = look.tables[view], look.reliefs[view], lesson.wider[view]
+    disc, surface = look.discs[view], look.surfaces[view]
+    wider, wider_surface = lesson.wider[0][view], lesson.wider[1][view]
     canvas, corner, place = cover_canvas(sight, stance, view)
     light, rows = stance.lights[view], sight.optics.rows[view]
     count = look.markers.shape[0]
-    own = np.zeros((count, LAYERS, canvas.shape[1], canvas.shape[2]))
-    covers = np.zeros((3, LAYERS, canvas.shape[1], canvas.shape[2]))
+    own = np.zeros((count, canvas.shape[0], LAYERS, canvas.shape[2]))
+    covers = np.zeros((3, canvas.shape[0], LAYERS, canvas.shape[2]))
     nudged_covers(sight, stance, view, corner, (own, covers))
     turns = np.zeros((count, 2, 3))
     for m in range(count):
@@ -151,7 +152,7 @@ def bundle_view(
     first = UNKNOWNS + 2 * count
     row, seen, moved = np.zeros(first + 5), np.zeros(LOOK), np.zeros(LOOK)
     used = np.arange(first + 5)
-    for i in range(canvas.shape[1]):
+    for i in range(canvas.shape[0]):
         y = corner[0] + i
         if y < rows[0] or y >= rows[1]:
             continue
@@ -159,25 +160,24 @@ def bundle_view(
         for j in range(canvas.shape[2]):
             x = corner[1] + j
             v = (x - place[1]) / place[2]
-            if not shade(table, relief, u, v, seen) or hidden(y, x, sight.others[view]):
+            if not shade(disc, surface, u, v, seen) or hidden(y, x, sight.others[view]):
                 continue
             behind, dark = scene.background[y, x], look.darkness
-            model = pixel_row(seen, canvas[:, i, j], behind, (light, dark, place[2]), row)
+            model = pixel_row(seen, (canvas, i, j), behind, (light, dark, place[2]), row)
             residual = (scene.image[y, x] - model) / scene.noise
             weight = biweight(residual, lesson.limit) / scene.noise
             if weight == 0.0:
                 continue
-            plain = light[1] * seen[0] + light[2] * seen[6] + light[3] * seen[9]
-            plain /= max(seen[3], LEAST_DISC)
-            filled = marker_row(plain * dark, own[:, :, i, j], turns, row, used)
-            row[first] = -plain * canvas[0, i, j]
-            there = model_pixel(seen, covers[ALPHA, 0, i, j], behind, light, dark)
+            plain = lit(seen, light)
+            filled = marker_row(plain * dark, own[:, i, :, j], turns, row, used)
+            row[first] = -plain * canvas[i, 0, j]
+            there = model_pixel(seen, covers[ALPHA, i, 0, j], behind, light, dark)
             row[first + 1] = (there - model) / NUDGE
-            shade(table, relief, u / (1.0 + NUDGE), v / (1.0 + NUDGE), moved)
-            there = model_pixel(moved, covers[RADIUS, 0, i, j], behind, light, dark)
+            shade(disc, surface, u / (1.0 + NUDGE), v / (1.0 + NUDGE), moved)
+            there = model_pixel(moved, covers[RADIUS, i, 0, j], behind, light, dark)
             row[first + 2] = (there - model) / NUDGE
-            shade(wider, relief, u, v, moved)
-            there = model_pixel(moved, covers[BLUR, 0, i, j], behind, light, dark)
+            shade(wider, wider_surface, u, v, moved)
+            there = model_pixel(moved, covers[BLUR, i, 0, j], behind, light, dark)
             row[first + 3] = (there - model) / NUDGE
             row[first + 4] = row[0] * off_r + row[1] * off_c
             for k in range(5):

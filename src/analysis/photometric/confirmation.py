@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from analysis.photometric.camera import disc_of
 from analysis.photometric.compiled import compiled
 from analysis.photometric.covers import seen_from
-from analysis.photometric.residual import LOOK, hidden, shade
+from analysis.photometric.residual import LOOK, hidden, lit, shade
 from analysis.photometric.sight import Sight, Stance
 
 Floats = NDArray[np.float64]
@@ -42,8 +42,8 @@ def shown_share(sight: Sight, stance: Stance) -> tuple[float, int]:
                 continue
             if x < 0 or x >= scene.image.shape[1] or hidden(y, x, sight.others[view]):
                 continue
-            shade(look.tables[view], look.reliefs[view], u, v, seen)
-            plain = light[1] * seen[0] + light[2] * seen[6] + light[3] * seen[9]
+            shade(look.discs[view], look.surfaces[view], u, v, seen)
+            plain = lit(seen, light)
             # One bright spot must not undo many markers, nor one dark spot make up for them.
             part = min(
                 max((plain - scene.image[y, x]) / max(plain * look.darkness, 1.0), -1.0), 1.5

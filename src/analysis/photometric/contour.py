@@ -3,7 +3,8 @@
 A marker is a cap of the sphere. Its visible part is bounded by its rim and, where the limb cuts
 it, by an arc of the limb. The blurred cover of a pixel is a contour integral (Green's theorem):
 the Gaussian's cumulative across the columns times the Gaussian across the rows. Both factors
-depend on one coordinate only, so a point of the contour adds an outer product.
+depend on one coordinate only, so that the cover is a product of two matrices, the one rows by
+points, the other points by columns.
 """
 
 from __future__ import annotations
@@ -20,14 +21,15 @@ Floats = NDArray[np.float64]
 
 LAYERS = 6
 """Cover, its derivatives to row and column of the centre, and to turns about row, column, eye."""
-REACH_SIGMAS = 4.0
+REACH_SIGMAS = 4.5
 MOST_POINTS = 256
-PER_SIGMA = 128
-"""Steps of the tabulated Gaussian; straight lines between them are within 2e-6."""
-_AT = np.arange(-int(6 * PER_SIGMA), int(6 * PER_SIGMA) + 2) / PER_SIGMA
-BELL = np.exp(-0.5 * _AT**2) / math.sqrt(2 * math.pi)
-SHARE = ndtr(_AT)
-RIM_SPACING = 1.0
+FURTHEST = 6.0
+PER_SIGMA = 64
+"""Steps of the tabulated Gaussian; a parabola about the nearest is within 1e-6."""
+_AT = np.arange(-int(FURTHEST * PER_SIGMA), int(FURTHEST * PER_SIGMA) + 1) / PER_SIGMA
+GAUSSIAN = np.stack([ndtr(_AT), np.exp(-0.5 * _AT**2) / math.sqrt(2 * math.pi)], axis=1)
+"""Cumulative and density."""
+RIM_SPACING = 1.2
 CUT_SPACING = 0.6
 """Spacing of points in units of the blur: a whole rim is periodic and needs fewer."""
 
@@ -94,12 +96,38 @@ def contour_points(
 
 
 @compiled
-def look_up(table: Floats, x: float) -> float:
-    """Return BELL or SHARE at x standard deviations."""
-    place = (min(max(x, -6.0), 6.0) + 6.0) * PER_SIGMA
-    i = int(place)
-    t = place - i
-    return float((1.0 - t) * table[i] + t * table[i + 1])
+def gaussian(x: float) -> tuple[float, float]:
+    """Return the cumulative and the density of the normal distribution."""
+    x = min(max(x, -FURTHEST), FURTHEST)
+    i = int((x + FURTHEST) * PER_SIGMA + 0.5)
+    off = x - (i / PER_SIGMA - FURTHEST)
+    share, bell = GAUSSIAN[i, 0], GAUSSIAN[i, 1]
+    slope = bell * (off - x)
+    bend = bell * (x * x - 1.0)
+    return share + off * (bell + 0.5 * off * slope), bell + off * (slope + 0.5 * off * bend)
+
+
+@compiled
+def box_of(
+    points: Floats, count: int, at: tuple[float, float, float], margin: float
+) -> tuple[int, int, int, int]:
+    """Return the half-open rows and columns that a contour's blur reaches.
+
+    Parameters
+    ----------
+    at
+        Row and column of the disc's centre within the canvas, and its radius, pixels.
+    """
+    low_r, high_r, low_c, high_c = 1e9, -1e9, 1e9, -1e9
+    for k in range(count):
+        low_r, high_r = min(low_r, points[k, 0]), max(high_r, points[k, 0])
+        low_c, high_c = min(low_c, points[k, 1]), max(high_c, points[k, 1])
+    return (
+        math.ceil(at[0] + at[2] * low_r - margin),
+        math.floor(at[0] + at[2] * high_r + margin) + 1,
+        math.ceil(at[1] + at[2] * low_c - margin),
+        math.floor(at[1] + at[2] * high_c + margin) + 1,
+    )
 
 
 @compiled
@@ -115,7 +143,7 @@ def add_cover(
     Parameters
     ----------
     canvas
-        Shape (LAYERS, rows, columns).
+        Shape (rows, LAYERS, columns).
     corner
         Row and column of the canvas's first pixel.
     place
@@ -131,40 +159,69 @@ def add_cover(
     count = contour_points(marker, alpha, radius, sigma, points)
     if count == 0:
         return
-    rows, columns = canvas.shape[1], canvas.shape[2]
-    low_r, high_r, low_c, high_c = 1e9, -1e9, 1e9, -1e9
-    for k in range(count):
-        low_r, high_r = min(low_r, points[k, 0]), max(high_r, points[k, 0])
-        low_c, high_c = min(low_c, points[k, 1]), max(high_c, points[k, 1])
-    margin = REACH_SIGMAS * sigma
-    at_r, at_c = place[0] - corner[0], place[1] - corner[1]
-    first_r = max(int(at_r + radius * low_r - margin), 0)
-    last_r = min(int(at_r + radius * high_r + margin) + 2, rows)
-    first_c = max(int(at_c + radius * low_c - margin), 0)
-    last_c = min(int(at_c + radius * high_c + margin) + 2, columns)
+    at = (place[0] - corner[0], place[1] - corner[1], radius)
+    first_r, last_r, first_c, last_c = box_of(points, count, at, REACH_SIGMAS * sigma)
+    first_r, last_r = max(first_r, 0), min(last_r, canvas.shape[0])
+    first_c, last_c = max(first_c, 0), min(last_c, canvas.shape[2])
     if first_r >= last_r or first_c >= last_c:
         return
-    bell, share = np.empty(last_c - first_c), np.empty(last_c - first_c)
+    down = np.empty((last_r - first_r, count))
+    share, bell = np.empty((count, last_c - first_c)), np.empty((count, last_c - first_c))
+    factors = np.empty((LAYERS, count))
     for k in range(count):
-        p_r, p_c = at_r + radius * points[k, 0], at_c + radius * points[k, 1]
-        # The contour runs clockwise, so that the area comes out negative.
-        d_r, d_c = -radius * points[k, 3], -radius * points[k, 4]
-        for j in range(first_c, last_c):
-            x = (p_c - j) / sigma
-            bell[j - first_c] = look_up(BELL, x) / sigma
-            share[j - first_c] = look_up(SHARE, x)
-        turning = radius * points[k, 5]
-        about_r = -turning * points[k, 2] * d_r
-        about_c = -turning * points[k, 2] * d_c
-        about_z = turning * (points[k, 0] * d_r + points[k, 1] * d_c)
-        for i in range(first_r, last_r):
-            across = look_up(BELL, (p_r - i) / sigma) / sigma
-            for j in range(first_c, last_c):
-                canvas[0, i, j] += across * d_r * share[j - first_c]
-            for j in range(first_c, last_c):
-                both = across * bell[j - first_c]
-                canvas[1, i, j] -= both * d_c
-                canvas[2, i, j] += both * d_r
-                canvas[3, i, j] += both * about_r
-                canvas[4, i, j] += both * about_c
-                canvas[5, i, j] += both * about_z
+        p_r, p_c = at[0] + radius * points[k, 0] - first_r, at[1] + radius * points[k, 1] - first_c
+        for j in range(share.shape[1]):
+            share[k, j], bell[k, j] = gaussian((p_c - j) / sigma)
+        for i in range(down.shape[0]):
+            down[i, k] = gaussian((p_r - i) / sigma)[1]
+        point_factors(points[k], radius, sigma, factors[:, k])
+    left = np.empty((LAYERS, down.shape[0], count))
+    for layer in range(LAYERS):
+        for i in range(down.shape[0]):
+            for k in range(count):
+                left[layer, i, k] = factors[layer, k] * down[i, k]
+    add_layers(canvas, (first_r, first_c), left, share, bell)
+
+
+@compiled
+def point_factors(point: Floats, radius: float, sigma: float, factors: Floats) -> None:
+    """Fill a contour point's weight in each layer, shape (LAYERS,)."""
+    # The contour runs clockwise, so that the area comes out negative.
+    d_r, d_c = -radius / sigma * point[3], -radius / sigma * point[4]
+    factors[0] = d_r
+    d_r, d_c = d_r / sigma, d_c / sigma
+    turning = radius * point[5]
+    factors[1], factors[2] = -d_c, d_r
+    factors[3], factors[4] = -turning * point[2] * d_r, -turning * point[2] * d_c
+    factors[5] = turning * (point[0] * d_r + point[1] * d_c)
+
+
+@compiled
+def add_layers(
+    canvas: Floats, first: tuple[int, int], left: Floats, share: Floats, bell: Floats
+) -> None:
+    """Add the products over all points: the cover with the cumulative, its slopes with the bell.
+
+    Parameters
+    ----------
+    first
+        Row and column of the canvas where they start.
+    left
+        Shape (LAYERS, rows, points).
+    share, bell
+        Shapes (points, columns).
+    """
+    rows, columns = left.shape[1], np.uint64(share.shape[1])
+    cover = np.dot(left[0], share)
+    slopes = np.dot(left[1:].reshape((LAYERS - 1) * rows, left.shape[2]), bell)
+    # Unsigned indices spare the check for negative ones and become vector instructions.
+    flat, start = canvas.reshape(-1), np.uint64(canvas.shape[2])
+    for i in range(rows):
+        at = np.uint64(LAYERS * (first[0] + i)) * start + np.uint64(first[1])
+        for j in range(columns):
+            flat[at + j] += cover[i, j]
+        for layer in range(LAYERS - 1):
+            at += start
+            own = slopes[layer * rows + i]
+            for j in range(columns):
+                flat[at + j] += own[j]

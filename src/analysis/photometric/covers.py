@@ -42,13 +42,13 @@ def cover_canvas(
 
     Returns
     -------
-    The canvas, shape (LAYERS, rows, columns); row and column of its first pixel; row, column and
+    The canvas, shape (rows, LAYERS, columns); row and column of its first pixel; row, column and
     radius of the disc.
     """
     place = disc_of(sight.optics, view, stance.centre, sight.look.radius_m)
     shape = (sight.scene.image.shape[0], sight.scene.image.shape[1])
     first_r, last_r, first_c, last_c = window(place, shape)
-    canvas = np.zeros((LAYERS, last_r - first_r, last_c - first_c))
+    canvas = np.zeros((last_r - first_r, LAYERS, last_c - first_c))
     directions = seen_from(sight, stance, view)
     cap = (sight.look.alpha, sight.look.sigma_px[view])
     for m in range(directions.shape[0]):

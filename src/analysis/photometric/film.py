@@ -10,14 +10,17 @@ from numpy.typing import NDArray
 
 from analysis.photometric.appearance import Knowledge
 from analysis.photometric.background import background_of
-from analysis.photometric.camera import Camera, Optics, disc_of
+from analysis.photometric.camera import Camera, Optics
 from analysis.photometric.confirmation import confirmed
-from analysis.photometric.pose import fit_pose
-from analysis.photometric.sight import LIGHTS, Scene, Sight, Stance
+from analysis.photometric.pose import fit_frames
+from analysis.photometric.sight import LIGHTS, Reel, Scene, Sight, Stance
 
 Floats = NDArray[np.float64]
 
+ALL = slice(None)
 FAR = -1e6
+MOST_STEPS, STILL = 4, 1e-3
+"""Steps of the last fit, and their length in radii and radians from which another follows."""
 MISFIT = 1.7
 """Growth of a frame's cost beyond which its pose is not believed."""
 
@@ -74,8 +77,7 @@ class Film:
 
     def refresh(self, known: Knowledge) -> None:
         """Take background and noise from the pixels that no disc comes near."""
-        radii = (known.spheres[0].radius_m, known.spheres[1].radius_m)
-        self.background, self.noise = background_of(self.frames, self.discs(known.camera, radii))
+        self.background, self.noise = background_of(self.frames, self.discs(known))
 
     def rescale(self, old: Optics, scales: Floats) -> None:
         """Move the centres so that the discs stay where they are at other scales, px/m (V,).
@@ -85,38 +87,45 @@ class Film:
         change = old.scales / scales
         self.centre *= np.array([change[0], change[0], change[-1]])
 
-    def discs(self, camera: Camera, radii_m: tuple[float, float]) -> Floats:
-        """Return all discs of all frames, shape (F, 2 V, 3); far away where there is no pose."""
-        return np.stack([self.discs_of(k, camera, radii_m) for k in range(len(self.frames))])
+    def discs(self, known: Knowledge, frames: slice = ALL) -> Floats:
+        """Return all discs of the frames (row, column, radius), shape (F, 2 V, 3).
 
-    def discs_of(self, frame: int, camera: Camera, radii_m: tuple[float, float]) -> Floats:
-        """Return all discs of one frame (row, column, radius), shape (2 V, 3)."""
-        views = len(camera.views)
-        discs = np.full((2 * views, 3), FAR)
-        discs[:, 2] = 0.0
-        for i in (0, 1):
-            if self.placed[i, frame]:
-                for view in range(views):
-                    discs[views * i + view] = disc_of(
-                        camera.optics, view, self.centre[i, frame], radii_m[i]
-                    )
-        return discs
+        Those of sphere a first; far away and without size where there is no pose.
+        """
+        optics, placed = known.camera.optics, self.placed[:, frames].T[:, :, None]
+        places = np.einsum("vak,ifk->fiva", optics.axes[:, :2], self.centre[:, frames])
+        places = optics.scales[:, None] * places + optics.origins
+        radii = np.outer([sphere.radius_m for sphere in known.spheres], optics.scales)
+        discs = np.empty((*places.shape[:3], 3))
+        discs[..., :2] = np.where(placed[..., None], places, FAR)
+        discs[..., 2] = np.where(placed, radii, 0.0)
+        return discs.reshape(len(discs), -1, 3)
+
+    def reel(self, known: Knowledge, sphere: int) -> Reel:
+        """Return the frames with the poses of a sphere, to be read or improved."""
+        return Reel(
+            images=self.frames,
+            background=self.background,
+            noise=self.noise,
+            optics=known.camera.optics,
+            look=known.looks()[sphere],
+            others=others_of(self.discs(known), sphere),
+            centre=self.centre[sphere],
+            rotation=self.rotation[sphere],
+            lights=self.lights[sphere],
+            covariance=self.covariance[sphere],
+            quality=self.quality[sphere],
+        )
 
     def sights(self, known: Knowledge, sphere: int) -> Iterator[tuple[Sight, Stance]]:
         """Yield each frame that has a pose of a sphere, with that pose to be read or improved."""
-        radii = (known.spheres[0].radius_m, known.spheres[1].radius_m)
-        discs = self.discs(known.camera, radii)
-        look = known.looks()[sphere]
+        others, look = others_of(self.discs(known), sphere), known.looks()[sphere]
         for k in np.flatnonzero(self.placed[sphere]):
-            yield (
-                Sight(
-                    Scene(self.frames[k], self.background, self.noise),
-                    known.camera.optics,
-                    look,
-                    others_of(discs[k], sphere),
-                ),
-                Stance(self.centre[sphere, k], self.rotation[sphere, k], self.lights[sphere, k]),
+            scene = Scene(self.frames[k], self.background, self.noise)
+            stance = Stance(
+                self.centre[sphere, k], self.rotation[sphere, k], self.lights[sphere, k]
             )
+            yield Sight(scene, known.camera.optics, look, others[k]), stance
 
 
 def sights_of(
@@ -128,18 +137,41 @@ def sights_of(
 
 
 def others_of(discs: Floats, sphere: int) -> Floats:
-    """Return for each view of a sphere the other discs of a frame, shape (V, 2 V - 1, 3)."""
-    views = len(discs) // 2
-    own = [views * sphere + view for view in range(views)]
-    return np.stack([np.delete(discs, disc, axis=0) for disc in own])
+    """Return for each view of a sphere the other discs of the same frame.
+
+    Parameters
+    ----------
+    discs
+        Shape (..., 2 V, 3).
+
+    Returns
+    -------
+    Shape (..., V, 2 V - 1, 3).
+    """
+    count = discs.shape[-2]
+    views = count // 2
+    kept = [
+        [disc for disc in range(count) if disc != views * sphere + view] for view in range(views)
+    ]
+    return np.ascontiguousarray(discs[..., kept, :])
 
 
 def fit_film(film: Film, known: Knowledge, limits: Floats) -> None:
     """Improve every pose of a film, one step for each limit (`pose.fit_pose`)."""
     for i in (0, 1):
-        frames = np.flatnonzero(film.placed[i])
-        for k, (sight, stance) in zip(frames, film.sights(known, i), strict=True):
-            film.quality[i, k] = fit_pose(sight, stance, limits, film.covariance[i, k])
+        fit_frames(film.reel(known, i), np.flatnonzero(film.placed[i]), limits)
+
+
+def settle_film(film: Film, known: Knowledge, limit: float) -> None:
+    """Improve every pose of a film until it stays where it is.
+
+    Poses that followed their frame well need one step; those beside a contact need more.
+    """
+    for i in (0, 1):
+        reel, frames = film.reel(known, i), np.flatnonzero(film.placed[i])
+        for _ in range(MOST_STEPS):
+            fit_frames(reel, frames, np.array([limit]))
+            frames = frames[(film.quality[i, frames, 3:] > STILL).any(axis=1)]
 
 
 def drop_outside(film: Film, camera: Camera) -> None:

@@ -20,7 +20,9 @@ from analysis.photometric.votes import peak_near, peaks, vote_map
 Floats = NDArray[np.float64]
 Single = NDArray[np.float32]
 
-FOLLOW_LIMITS = np.array([40.0, 15.0, 6.0, 6.0])
+FOLLOW_LIMITS = np.array([15.0, 6.0])
+WIDE_LIMITS = np.array([40.0, 15.0, 6.0, 6.0])
+"""From a prediction by two frames, and from a lesser one."""
 REACH_PX = 6.0
 MOST_COST = 6.0
 """1 to 2 for a sound frame (`film.cost_of`), 2 to 4 where the spheres turn a side with unknown
@@ -31,6 +33,12 @@ SAME_COLUMN_PX = 2.0
 LEAST_APART = 2.3
 """Radii between the centres in the frame where the pair is looked for."""
 TRIED_FRAMES = 4
+LOOKED_AT = 6
+"""Frames that are looked at before all are."""
+
+
+def _column(place: tuple[float, float, float]) -> float:
+    return place[1]
 
 
 class Follower:
@@ -75,36 +83,40 @@ class Follower:
 
     def _find_start(self) -> int:
         """Find a frame in which both spheres stand apart and look as they are known to."""
-        found = []
-        for k in range(len(self._film.frames)):
-            pair = self._pair(k)
-            if pair is not None:
-                found.append((min(c[1] for c in pair), k, [c[0] for c in pair]))
-        costs = []
-        for _, k, centres in sorted(found, key=lambda item: -item[0])[:TRIED_FRAMES]:
-            for i in (0, 1):
-                self._film.centre[i, k] = centres[i]
-                self._film.placed[i, k] = True
-            costs = [self._search(i, k) for i in (0, 1)]
-            there = [confirmed(self._sight(i, k), self._stance(i, k)) for i in (0, 1)]
-            if max(costs) < MOST_COST and all(there):
-                return k
-            self._film.placed[:, k] = False
-        what = f"chi-squared {max(costs):.1f} a pixel" if costs else "no two discs of their size"
+        count, costs = len(self._film.frames), list[float]()
+        few = list(range(0, count, max(1, count // LOOKED_AT)))
+        for frames in (few, [k for k in range(count) if k not in few]):
+            pairs = [(k, *pair) for k in frames if (pair := self._pair(k)) is not None]
+            for k, centres, _ in sorted(pairs, key=lambda item: -item[2])[:TRIED_FRAMES]:
+                costs.append(self._cost_at(k, centres))
+                if costs[-1] < MOST_COST:
+                    return k
+        what = f"chi-squared {min(costs):.1f} a pixel" if costs else "no two discs of their size"
         raise ShotRefusedError(
             "assignment", f"no frame shows the spheres as they were learned ({what})"
         )
 
-    def _pair(self, k: int) -> list[tuple[Floats, float]] | None:
-        """Return centres, m, and votes of spheres a and b; None unless both stand apart."""
+    def _cost_at(self, k: int, centres: Floats) -> float:
+        """Place both spheres in a frame; infinite cost, and no pose, where they are not there."""
+        film = self._film
+        film.centre[:, k], film.placed[:, k] = centres, True
+        cost = max(self._search(i, k) for i in (0, 1))
+        there = all(confirmed(self._sight(i, k), self._stance(i, k)) for i in (0, 1))
+        film.placed[:, k] = cost < MOST_COST and there
+        return cost if there else np.inf
+
+    def _pair(self, k: int) -> tuple[Floats, float] | None:
+        """Return the centres of spheres a and b, m, shape (2, 3), and the lesser one's votes.
+
+        None unless both stand apart.
+        """
         votes = self._vote(k)
         split = self._front_from()
         front = peaks(votes[split:], 2, LEAST_APART * self._radius)
         if len(front) < 2:
             return None
-        placed = []
-        for row, column, share in sorted(front, key=lambda p: p[1]):
-            centre = np.zeros(3)
+        centres = np.zeros((2, 3))
+        for centre, (row, column, _) in zip(centres, sorted(front, key=_column), strict=True):
             centre[0] = (row + split - self._optics.origins[0, 0]) / self._optics.scales[0]
             centre[1] = (column - self._optics.origins[0, 1]) / self._optics.scales[0]
             if len(self._optics.scales) > 1:
@@ -112,8 +124,7 @@ class Follower:
                 if above is None:
                     return None
                 centre[2] = above
-            placed.append((centre, share))
-        return placed
+        return centres, min(share for _, _, share in front)
 
     def _front_from(self) -> int:
         """Return the first row that can hold a centre of the front view."""
@@ -134,8 +145,7 @@ class Follower:
 
     def _sight(self, i: int, k: int) -> Sight:
         film, known = self._film, self._known
-        radii = (known.spheres[0].radius_m, known.spheres[1].radius_m)
-        discs = film.discs_of(k, known.camera, radii)
+        discs = film.discs(known, slice(k, k + 1))[0]
         scene = Scene(film.frames[k], film.background, film.noise)
         return Sight(scene, self._optics, self._looks[i], others_of(discs, i))
 
@@ -153,7 +163,7 @@ class Follower:
     def _follow(self, first: int, step: int, times_s: Floats) -> None:
         """Follow both spheres to one end of the shot; one that leaves the frame is let go."""
         film = self._film
-        usual = [self._fit(i, first) for i in (0, 1)]
+        usual = [self._fit(i, first, FOLLOW_LIMITS) for i in (0, 1)]
         k = first + step
         while 0 <= k < len(film.frames):
             here = [i for i in (0, 1) if film.placed[i, k - step]]
@@ -174,14 +184,14 @@ class Follower:
         """
         if not self._has_velocity(i, k, step):
             self._attract(i, k)
-        cost = self._fit(i, k)
+        cost = self._fit(i, k, FOLLOW_LIMITS)
         for widen in (False, True):
             if cost <= most and confirmed(self._sight(i, k), self._stance(i, k)):
                 break
             kept = Stance(*(part.copy() for part in self._stance(i, k)))
             self._predict(i, k, step, times_s)
             self._attract(i, k)
-            again = self._search(i, k) if widen else self._fit(i, k)
+            again = self._search(i, k) if widen else self._fit(i, k, WIDE_LIMITS)
             if again < cost:
                 cost = again
             else:
@@ -189,13 +199,13 @@ class Follower:
                     part[:] = old
         return cost
 
-    def _fit(self, i: int, k: int) -> float:
+    def _fit(self, i: int, k: int, limits: Floats) -> float:
         """Fit a pose; return its `film.cost`."""
         film = self._film
         film.quality[i, k] = fit_pose(
-            self._sight(i, k), self._stance(i, k), FOLLOW_LIMITS, film.covariance[i, k]
+            self._sight(i, k), self._stance(i, k), limits, film.covariance[i, k]
         )
-        return float(cost_of(film.quality[i, k], FOLLOW_LIMITS[-1]))
+        return float(cost_of(film.quality[i, k], limits[-1]))
 
     def _predict(self, i: int, k: int, step: int, times_s: Floats) -> None:
         """Carry the pose on from the two frames before, or the one there is."""

@@ -90,11 +90,12 @@ def with_shading(
     normal, right = np.zeros((2, views, size, size)), np.zeros((2, views, size))
     for i, sphere in enumerate(known.spheres):
         samples = [
-            Samples(blurred_profiles(sigma / radius).values, table, limit)
-            for sigma, radius, table in zip(
+            Samples(blurred_profiles(sigma / radius).values, (disc, surface), limit)
+            for sigma, radius, disc, surface in zip(
                 known.sigma_px,
                 camera.optics.scales * sphere.radius_m,
-                wider[i].tables,
+                wider[i].discs,
+                wider[i].surfaces,
                 strict=True,
             )
         ]
@@ -156,7 +157,7 @@ def with_shared(films: Sequence[Film], known: Knowledge, limit: float) -> Knowle
     for i, sphere in enumerate(known.spheres):
         size = shared_size(len(sphere.markers), views)
         equations = Equations(np.zeros((size, size)), np.zeros(size))
-        lesson = Lesson(wider[i].tables, tangents_of(sphere.markers), limit)
+        lesson = Lesson((wider[i].discs, wider[i].surfaces), tangents_of(sphere.markers), limit)
         for sight, stance in sights_of(films, known, i):
             add_frame(sight, stance, lesson, equations)
         steps.append(solve_shared(equations, len(sphere.markers), views))

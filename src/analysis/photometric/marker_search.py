@@ -59,14 +59,14 @@ def add_darkness(
         y = int(np.rint(place[0] + place[2] * directions[n, 0]))
         x = int(np.rint(place[1] + place[2] * directions[n, 1]))
         i, j = y - corner[0], x - corner[1]
-        if i < 0 or j < 0 or i >= canvas.shape[1] or j >= canvas.shape[2]:
+        if i < 0 or j < 0 or i >= canvas.shape[0] or j >= canvas.shape[2]:
             continue
         if y < rows[0] or y >= rows[1] or hidden(y, x, sight.others[view]):
             continue
         u, v = (y - place[0]) / place[2], (x - place[1]) / place[2]
-        shade(look.tables[view], look.reliefs[view], u, v, seen)
-        model = model_pixel(seen, canvas[0, i, j], scene.background[y, x], light, look.darkness)
-        plain = max(light[1] * seen[0], 3.0 * scene.noise)
+        shade(look.discs[view], look.surfaces[view], u, v, seen)
+        model = model_pixel(seen, canvas[i, 0, j], scene.background[y, x], light, look.darkness)
+        plain = max(light[1] * seen[3] * seen[0], 3.0 * scene.noise)
         sums[n] += min(max((model - scene.image[y, x]) / plain, -1.0), 1.0)
         counts[n] += 1.0
 

@@ -13,7 +13,7 @@ from analysis.imaging.frame import EdgeSettings, noise_sd
 from analysis.photometric.appearance import Knowledge
 from analysis.photometric.background import first_background
 from analysis.photometric.compiled import kept_on_disk
-from analysis.photometric.film import Film, drop_misfits, fit_film
+from analysis.photometric.film import Film, drop_misfits, settle_film
 from analysis.photometric.following import Follower
 from analysis.photometric.learning import learn, learn_together
 from analysis.photometric.pose import fit_pose
@@ -24,7 +24,7 @@ from analysis.tracking import Tracking, track_spheres
 
 Floats = NDArray[np.float64]
 
-LAST_LIMITS = np.array([6.0, 6.0])
+LAST_LIMIT = 6.0
 LEAST_PLACED = 6
 
 Frames = tuple[NDArray[np.uint8], Floats]
@@ -73,8 +73,8 @@ def learned_film(
     start = track_spheres(frames, times_s, setup, EdgeSettings(), "pattern")
     film, guess = first_film(frames, times_s, start, setup)
     known = learn(film, guess, hold_scale=setup.camera.scale_px_per_m is not None)
-    fit_film(film, known, LAST_LIMITS)
-    drop_misfits(film, known, LAST_LIMITS[-1])
+    settle_film(film, known, LAST_LIMIT)
+    drop_misfits(film, known, LAST_LIMIT)
     refuse_few(film)
     return film, known
 
@@ -91,8 +91,8 @@ def followed_film(frames: NDArray[np.uint8], times_s: Floats, known: Knowledge) 
     film.background, film.noise = first_background(frames), noise_sd(frames)
     Follower(film, known).run(times_s)
     film.refresh(known)
-    fit_film(film, known, LAST_LIMITS)
-    drop_misfits(film, known, LAST_LIMITS[-1])
+    settle_film(film, known, LAST_LIMIT)
+    drop_misfits(film, known, LAST_LIMIT)
     refuse_few(film)
     return film
 

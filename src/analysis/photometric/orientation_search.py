@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from analysis.photometric.camera import disc_of
 from analysis.photometric.compiled import compiled
-from analysis.photometric.confirmation import confirmed
-from analysis.photometric.covers import cover_canvas
+from analysis.photometric.confirmation import shown_share
 from analysis.photometric.film import cost_of
 from analysis.photometric.pose import fit_pose
 from analysis.photometric.residual import LOOK, hidden, shade
@@ -22,8 +22,8 @@ Floats = NDArray[np.float64]
 STEP_RAD = 0.14
 LEAST_FACING = 0.3
 TRIED = 12
-CLEAR_COST = 2.0
-"""A trial this good whose markers are there needs no rival."""
+CLEAR_COST, CLEAR_SHARE, CLEAR_MARKERS = 4.0, 0.85, 3
+"""A trial this good, with so many markers as dark as expected (`confirmation`), needs no rival."""
 APART_RAD = 0.25
 LIMITS = np.array([40.0, 40.0, 20.0, 10.0, 6.0])
 
@@ -54,7 +54,7 @@ def darkness_of(sight: Sight, stance: Stance, view: int, dark: Floats) -> None:
     0 where the disc is not seen; shape (n, n).
     """
     look, scene = sight.look, sight.scene
-    _, _, place = cover_canvas(sight, stance, view)
+    place = disc_of(sight.optics, view, stance.centre, look.radius_m)
     seen = np.zeros(LOOK)
     half = (dark.shape[0] - 1) / 2
     rows = sight.optics.rows[view]
@@ -69,8 +69,8 @@ def darkness_of(sight: Sight, stance: Stance, view: int, dark: Floats) -> None:
                 continue
             if hidden(y, x, sight.others[view]):
                 continue
-            shade(look.tables[view], look.reliefs[view], u, v, seen)
-            plain = max(seen[0], 3.0 * scene.noise)
+            shade(look.discs[view], look.surfaces[view], u, v, seen)
+            plain = max(seen[3], 3.0 * scene.noise)
             dark[i, j] = min(max((plain - scene.image[y, x]) / plain, -0.3), 1.0)
 
 
@@ -87,21 +87,23 @@ def scores(dark: Floats, axes: Floats, markers: Floats, rotations: Floats, out: 
     out
         Added to, shape (rotations,).
     """
-    half = (dark.shape[1] - 1) / 2
+    half, into = (dark.shape[1] - 1) / 2, np.empty((3, 3))
     for view in range(dark.shape[0]):
         mean = dark[view].sum() / max((dark[view] != 0.0).sum(), 1)
         for n in range(rotations.shape[0]):
-            into = axes[view] @ rotations[n]
+            for a in range(3):
+                for b in range(3):
+                    into[a, b] = 0.0
+                    for k in range(3):
+                        into[a, b] += axes[view, a, k] * rotations[n, k, b]
             for m in range(markers.shape[0]):
-                z = into[2, 0] * markers[m, 0] + into[2, 1] * markers[m, 1]
-                z += into[2, 2] * markers[m, 2]
+                x, y, w = markers[m, 0], markers[m, 1], markers[m, 2]
+                z = into[2, 0] * x + into[2, 1] * y + into[2, 2] * w
                 if z < LEAST_FACING:
                     continue
-                u, v = 0.0, 0.0
-                for k in range(3):
-                    u += into[0, k] * markers[m, k]
-                    v += into[1, k] * markers[m, k]
-                i, j = int(np.rint((u + 1) * half)), int(np.rint((v + 1) * half))
+                u = into[0, 0] * x + into[0, 1] * y + into[0, 2] * w
+                v = into[1, 0] * x + into[1, 1] * y + into[1, 2] * w
+                i, j = int((u + 1) * half + 0.5), int((v + 1) * half + 0.5)
                 if dark[view, i, j] != 0.0:
                     out[n] += z * (dark[view, i, j] - mean)
 
@@ -136,7 +138,8 @@ def search_orientation(sight: Sight, stance: Stance, candidates: Floats) -> tupl
         cost = float(cost_of(out, LIMITS[-1]))
         if cost < best:
             best, result = cost, trial
-        if best < CLEAR_COST and confirmed(sight, result):
+        share, seen = shown_share(sight, result)
+        if best < CLEAR_COST and share > CLEAR_SHARE and seen >= CLEAR_MARKERS:
             break
         same = np.einsum("ij,nij->n", candidates[n], candidates) > 1 + 2 * math.cos(APART_RAD)
         total[same] = -np.inf

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.photometric.bands import accumulate
 from analysis.photometric.camera import Optics
 from analysis.photometric.compiled import compiled
-from analysis.photometric.residual import UNKNOWNS, accumulate
-from analysis.photometric.sight import LIGHTS, Equations, Sight, Stance
+from analysis.photometric.residual import UNKNOWNS
+from analysis.photometric.sight import LIGHTS, Equations, Reel, Scene, Sight, Stance
 
 Floats = NDArray[np.float64]
 
@@ -35,21 +38,25 @@ def add_view(sight: Sight, stance: Stance, view: int, limit: float, whole: Equat
     """Add one view to the equations of pose and light; return what `accumulate` returns."""
     own = Equations(np.zeros((UNKNOWNS, UNKNOWNS)), np.zeros(UNKNOWNS))
     squares, weights, count = accumulate(sight, stance, view, limit, own)
-    for a in range(UNKNOWNS):
-        for b in range(a):
-            own.normal[b, a] = own.normal[a, b]
-    change = np.zeros((UNKNOWNS, POSE + LIGHTS))
-    change[:5, :POSE] = into_world(sight.optics, view)
-    for k in range(LIGHTS):
-        change[5 + k, POSE + k] = 1.0
-    part, right = change.T @ own.normal @ change, change.T @ own.right
+    change = into_world(sight.optics, view)
     at = POSE + LIGHTS * view
-    whole.normal[:POSE, :POSE] += part[:POSE, :POSE]
-    whole.normal[at : at + LIGHTS, at : at + LIGHTS] += part[POSE:, POSE:]
-    whole.normal[:POSE, at : at + LIGHTS] += part[:POSE, POSE:]
-    whole.normal[at : at + LIGHTS, :POSE] += part[POSE:, :POSE]
-    whole.right[:POSE] += right[:POSE]
-    whole.right[at : at + LIGHTS] += right[POSE:]
+    half = np.zeros((UNKNOWNS, POSE))
+    for a in range(UNKNOWNS):
+        for b in range(5):
+            product = own.normal[max(a, b), min(a, b)]
+            for p in range(POSE):
+                half[a, p] += product * change[b, p]
+    for p in range(POSE):
+        for a in range(5):
+            whole.right[p] += change[a, p] * own.right[a]
+            for q in range(p + 1):
+                whole.normal[p, q] += change[a, p] * half[a, q]
+        for k in range(LIGHTS):
+            whole.normal[at + k, p] += half[5 + k, p]
+    for k in range(LIGHTS):
+        whole.right[at + k] += own.right[5 + k]
+        for n in range(k + 1):
+            whole.normal[at + k, at + n] += own.normal[5 + k, 5 + n]
     return np.array([squares, weights, float(count)])
 
 
@@ -87,13 +94,40 @@ def add_priors(sight: Sight, stance: Stance, whole: Equations) -> None:
 @compiled
 def turned(vector: Floats, rotation: Floats) -> Floats:
     """Return exp([vector]) rotation."""
-    angle = np.sqrt((vector**2).sum())
+    angle = math.sqrt((vector**2).sum())
     x, y, z = vector[0], vector[1], vector[2]
     cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     one = np.sin(angle) / angle if angle > 1e-9 else 1.0
     two = (1 - np.cos(angle)) / angle**2 if angle > 1e-5 else 0.5
-    result: Floats = (np.eye(3) + one * cross + two * (cross @ cross)) @ rotation
+    result: Floats = (np.eye(3) + one * cross + two * np.dot(cross, cross)).dot(rotation)
     return result
+
+
+@compiled
+def inverse_of(normal: Floats) -> Floats:
+    """Return the inverse of a positive definite matrix given by its lower triangle (Cholesky)."""
+    size = normal.shape[0]
+    root, inverse = np.zeros((size, size)), np.zeros((size, size))
+    for a in range(size):
+        for b in range(a + 1):
+            left = normal[a, b]
+            for k in range(b):
+                left -= root[a, k] * root[b, k]
+            root[a, b] = math.sqrt(left) if a == b else left / root[b, b]
+    for a in range(size):
+        inverse[a, a] = 1.0 / root[a, a]
+        for b in range(a):
+            total = 0.0
+            for k in range(b, a):
+                total += root[a, k] * inverse[k, b]
+            inverse[a, b] = -total / root[a, a]
+    whole = np.zeros((size, size))
+    for a in range(size):
+        for b in range(a + 1):
+            for k in range(a, size):
+                whole[a, b] += inverse[k, a] * inverse[k, b]
+            whole[b, a] = whole[a, b]
+    return whole
 
 
 @compiled
@@ -114,18 +148,46 @@ def fit_pose(sight: Sight, stance: Stance, limits: Floats, covariance: Floats) -
     """
     size = POSE + LIGHTS * sight.optics.scales.shape[0]
     whole, out = Equations(np.zeros((size, size)), np.zeros(size)), np.zeros(5)
+    step = np.zeros(size)
     for limit in limits:
         out[:3] = pose_equations(sight, stance, limit, whole)
-        inverse = np.linalg.inv(whole.normal)
-        step = inverse @ whole.right
-        length = np.sqrt((step[:3] ** 2).sum()) / sight.look.radius_m
-        turn = np.sqrt((step[3:6] ** 2).sum())
-        step[:3] *= min(1.0, LONGEST_STEP / max(length, 1e-12))
-        step[3:6] *= min(1.0, LONGEST_TURN / max(turn, 1e-12))
-        stance.centre[:] += step[:3]
-        stance.rotation[:] = turned(step[3:6], stance.rotation)
-        for view in range(stance.lights.shape[0]):
-            stance.lights[view] += step[POSE + LIGHTS * view : POSE + LIGHTS * (view + 1)]
-        covariance[:] = inverse[:6, :6]
-        out[3], out[4] = length, turn
+        inverse = inverse_of(whole.normal)
+        for a in range(size):
+            step[a] = 0.0
+            for b in range(size):
+                step[a] += inverse[a, b] * whole.right[b]
+        out[3], out[4] = move(stance, step, sight.look.radius_m)
+        covariance[:] = inverse[:POSE, :POSE]
     return out
+
+
+@compiled
+def move(stance: Stance, step: Floats, radius_m: float) -> tuple[float, float]:
+    """Add a step to pose and light; return its length in radii and in radians.
+
+    A pose moves by LONGEST_STEP and LONGEST_TURN at most.
+    """
+    length, turn = 0.0, 0.0
+    for k in range(3):
+        length += (step[k] / radius_m) ** 2
+        turn += step[3 + k] ** 2
+    length, turn = math.sqrt(length), math.sqrt(turn)
+    near = min(1.0, LONGEST_STEP / max(length, 1e-12))
+    little = min(1.0, LONGEST_TURN / max(turn, 1e-12))
+    for k in range(3):
+        stance.centre[k] += near * step[k]
+    stance.rotation[:] = turned(little * step[3:6], stance.rotation)
+    for view in range(stance.lights.shape[0]):
+        for k in range(LIGHTS):
+            stance.lights[view, k] += step[POSE + LIGHTS * view + k]
+    return length, turn
+
+
+@compiled
+def fit_frames(reel: Reel, frames: NDArray[np.intp], limits: Floats) -> None:
+    """Improve the poses of some frames of a reel, each by `fit_pose`."""
+    for k in frames:
+        scene = Scene(reel.images[k], reel.background, reel.noise)
+        sight = Sight(scene, reel.optics, reel.look, reel.others[k])
+        stance = Stance(reel.centre[k], reel.rotation[k], reel.lights[k])
+        reel.quality[k] = fit_pose(sight, stance, limits, reel.covariance[k])

@@ -56,7 +56,7 @@ def add_residuals(
     light, rows = stance.lights[view], sight.optics.rows[view]
     seen = np.zeros(LOOK)
     half = (sums.shape[0] - 1) * 0.5
-    for i in range(canvas.shape[1]):
+    for i in range(canvas.shape[0]):
         y = corner[0] + i
         if y < rows[0] or y >= rows[1]:
             continue
@@ -66,14 +66,14 @@ def add_residuals(
             v = (x - place[1]) / place[2]
             if u * u + v * v >= 1.0 or hidden(y, x, sight.others[view]):
                 continue
-            shade(look.tables[view], look.reliefs[view], u, v, seen)
-            cover = canvas[0, i, j]
+            shade(look.discs[view], look.surfaces[view], u, v, seen)
+            cover = canvas[i, 0, j]
             model = model_pixel(seen, cover, scene.background[y, x], light, look.darkness)
             residual = scene.image[y, x] - model
-            left = 1.0 - look.darkness * cover / max(seen[3], LEAST_DISC)
+            left = 1.0 - look.darkness * cover / max(seen[0], LEAST_DISC)
             # What a marker hides, its own error would be learned as relief.
             weight = biweight(residual / scene.noise, limit) * max(left, 0.0) ** 8
-            own = light[1] * left / scene.noise
+            own = light[1] * seen[0] * left / scene.noise
             a, b = (u + 1.0) * half, (v + 1.0) * half
             p, q = int(a), int(b)
             a, b = a - p, b - q

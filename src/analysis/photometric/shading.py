@@ -50,8 +50,8 @@ HARMONICS = tuple(
 )
 """Index into RADIALS and 0 for cosine, 1 for sine: the coefficients of a shading in order."""
 COLUMNS = 2 * ORDER + 1
-DISC, SLOPE = COLUMNS, COLUMNS + 1
-"""Columns of a template behind its angular orders: the disc, and the profile of u and v."""
+DISC = COLUMNS
+"""Column of a template behind its angular orders."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -103,7 +103,7 @@ def blurred_profiles(sigma: float) -> Profiles:
 
 
 def template(profiles: Profiles, coefficients: Floats) -> Floats:
-    """Sum a shading into one profile for each angular order, with the disc and u behind them.
+    """Sum a shading into one profile for each angular order, with the disc behind them.
 
     Parameters
     ----------
@@ -112,22 +112,12 @@ def template(profiles: Profiles, coefficients: Floats) -> Floats:
 
     Returns
     -------
-    Shape (steps, COLUMNS + 2): order 0, then cosine and sine of each order, DISC, SLOPE.
+    Shape (steps, COLUMNS + 1): order 0, then cosine and sine of each order, DISC.
     """
-    table = np.zeros((len(profiles.values), COLUMNS + 2))
+    table = np.zeros((len(profiles.values), COLUMNS + 1))
     for (j, sine), coefficient in zip(HARMONICS, coefficients, strict=True):
         m = RADIALS[j].angular
         column = 0 if m == 0 else 2 * m - 1 + sine
         table[:, column] += coefficient * profiles.values[:, j]
     table[:, DISC] = profiles.values[:, 0]
-    table[:, SLOPE] = profiles.values[:, RADIALS.index(Radial(1, 1, 0))]
     return table
-
-
-def stacked(templates: list[Floats]) -> Floats:
-    """Stack templates of different reach, shape (V, steps, columns); beyond its reach each is 0."""
-    longest = max(len(table) for table in templates)
-    whole = np.zeros((len(templates), longest, COLUMNS + 2))
-    for table, own in zip(whole, templates, strict=True):
-        table[: len(own)] = own
-    return whole

@@ -58,13 +58,13 @@ class Samples(NamedTuple):
     profiles
         Of `shading.blurred_profiles` at the view's blur.
     wider
-        The present template, its blur NUDGE pixels wider.
+        Disc and surface, the blur NUDGE pixels wider.
     limit
         Residual that counts no more, in units of the noise.
     """
 
     profiles: Floats
-    wider: Floats
+    wider: tuple[Floats, Floats]
     limit: float
 
 
@@ -79,14 +79,14 @@ def shading_equations(
     equations
         Of the change of each coefficient, then COMMON.
     """
-    scene, table, relief = sight.scene, sight.look.tables[view], sight.look.reliefs[view]
+    scene, disc, surface = sight.scene, sight.look.discs[view], sight.look.surfaces[view]
     canvas, corner, place = cover_canvas(sight, stance, view)
     light, darkness = stance.lights[view], sight.look.darkness
     rows = sight.optics.rows[view]
     seen, nudged = np.zeros(LOOK), np.zeros(LOOK)
     size = HARMONIC.shape[0] + COMMON
     row, own = np.zeros(size), np.zeros(UNKNOWNS)
-    for i in range(canvas.shape[1]):
+    for i in range(canvas.shape[0]):
         y = corner[0] + i
         if y < rows[0] or y >= rows[1]:
             continue
@@ -94,14 +94,14 @@ def shading_equations(
         for j in range(canvas.shape[2]):
             x = corner[1] + j
             v = (x - place[1]) / place[2]
-            if not shade(table, relief, u, v, seen) or seen[3] < LEAST_DISC:
+            if not shade(disc, surface, u, v, seen) or seen[0] < LEAST_DISC:
                 continue
             if hidden(y, x, sight.others[view]):
                 continue
-            behind, cover = scene.background[y, x], canvas[0, i, j]
-            model = pixel_row(seen, canvas[:, i, j], behind, (light, darkness, place[2]), own)
+            behind, cover = scene.background[y, x], canvas[i, 0, j]
+            model = pixel_row(seen, (canvas, i, j), behind, (light, darkness, place[2]), own)
             residual = (scene.image[y, x] - model) / scene.noise
-            left = 1.0 - darkness * cover / seen[3]
+            left = 1.0 - darkness * cover / seen[0]
             # Where a marker lies, its own error would be learned as shading.
             weight = biweight(residual, samples.limit) * max(left, 0.0) ** 2
             if weight == 0.0:
@@ -110,10 +110,10 @@ def shading_equations(
             for h in range(size - COMMON):
                 row[h] *= light[1] * left
             row[size - 4], row[size - 3] = own[0], own[1]
-            shade(table, relief, u / (1.0 + NUDGE), v / (1.0 + NUDGE), nudged)
+            shade(disc, surface, u / (1.0 + NUDGE), v / (1.0 + NUDGE), nudged)
             there = model_pixel(nudged, cover, behind, light, darkness)
             row[size - 2] = (there - model) / NUDGE
-            shade(samples.wider, relief, u, v, nudged)
+            shade(samples.wider[0], samples.wider[1], u, v, nudged)
             there = model_pixel(nudged, cover, behind, light, darkness)
             row[size - 1] = (there - model) / NUDGE
             for a in range(size):

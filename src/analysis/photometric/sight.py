@@ -28,10 +28,10 @@ class Look(NamedTuple):
         Angular radius of a marker, radians.
     darkness
         Share of the light that a marker swallows.
-    tables
-        Template of each view, shape (V, steps, columns).
-    reliefs
-        What the template leaves, in each view, shape (V, n, n).
+    discs
+        Blurred disc of each view against the square of the distance, shape (V, steps).
+    surfaces
+        Light of the unmarked sphere in each view, shape (V, n, n) (`surface.draw_surface`).
     sigma_px
         Standard deviation of the blur in each view.
     """
@@ -40,8 +40,8 @@ class Look(NamedTuple):
     markers: Floats
     alpha: float
     darkness: float
-    tables: Floats
-    reliefs: Floats
+    discs: Floats
+    surfaces: Floats
     sigma_px: Floats
 
 
@@ -101,3 +101,33 @@ class Equations(NamedTuple):
 
     normal: Floats
     right: Floats
+
+
+class Reel(NamedTuple):
+    """Frames with the poses of one sphere, F of them.
+
+    Attributes
+    ----------
+    images, background, noise
+        As in a Scene; the images with shape (F, rows, columns).
+    others
+        As in a Sight, shape (F, V, others, 3).
+    centre, rotation, lights
+        As in a Stance, shapes (F, 3), (F, 3, 3), (F, V, LIGHTS).
+    covariance
+        Of centre and turn, shape (F, 6, 6).
+    quality
+        What a fit tells of itself, shape (F, 5).
+    """
+
+    images: NDArray[np.uint8]
+    background: Floats
+    noise: float
+    optics: Optics
+    look: Look
+    others: Floats
+    centre: Floats
+    rotation: Floats
+    lights: Floats
+    covariance: Floats
+    quality: Floats

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from analysis.photometric.camera import Optics
 from analysis.photometric.shading import HARMONICS, RADIALS, blurred_profiles, template
 from analysis.photometric.sight import Look, Scene, Sight, Stance
+from analysis.photometric.surface import draw
 
 SUBPIXELS = 9
 
@@ -79,13 +80,15 @@ def sight_of(
         if radial.height == 0 and radial.angular == 1 and sine:
             strength = {1: brightness * side, 3: -brightness * limb * side}
             coefficients[index] = strength.get(radial.power, 0.0)
+    table = template(blurred_profiles(wide / radius), coefficients)
+    discs, surfaces = draw([table], np.zeros((1, 17, 17)), radius)
     look = Look(
         radius_m=1.0,
         markers=np.asarray(markers, dtype=np.float64).reshape(-1, 3),
         alpha=alpha,
         darkness=0.7,
-        tables=template(blurred_profiles(wide / radius), coefficients)[None],
-        reliefs=np.zeros((1, 17, 17)),
+        discs=discs,
+        surfaces=surfaces,
         sigma_px=np.array([wide]),
     )
     optics = Optics(

@@ -16,9 +16,9 @@ PLACE = (30.0, 30.0, RADIUS)
 
 
 def cover(place, marker, alpha=ALPHA, sigma=BLUR):
-    canvas = np.zeros((LAYERS, SIZE, SIZE))
+    canvas = np.zeros((SIZE, LAYERS, SIZE))
     add_cover(canvas, (0, 0), place, np.asarray(marker), (alpha, sigma))
-    return canvas
+    return canvas.transpose(1, 0, 2)
 
 
 def counted(marker, alpha=ALPHA):
@@ -71,6 +71,6 @@ def test_layers_are_the_derivatives_of_the_cover(height):
 
 
 def test_a_marker_beyond_the_canvas_is_left_out():
-    canvas = np.zeros((LAYERS, 10, 10))
+    canvas = np.zeros((10, LAYERS, 10))
     add_cover(canvas, (100, 100), PLACE, np.array([0.0, 0.0, 1.0]), (ALPHA, BLUR))
     assert not canvas.any()

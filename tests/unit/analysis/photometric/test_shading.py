@@ -12,7 +12,6 @@ from analysis.photometric.shading import (
     RADIALS,
     STEPS_PER_RADIUS,
     blurred_profiles,
-    stacked,
     template,
 )
 
@@ -49,11 +48,3 @@ def test_an_even_shading_is_the_disc():
     assert np.allclose(table[:, 0], 7.0 * table[:, DISC])
     assert table[0, DISC] == pytest.approx(1.0, abs=1e-6)
     assert table[STEPS_PER_RADIUS, DISC] == pytest.approx(0.5, abs=0.02)
-
-
-def test_templates_of_different_reach_stack_with_nothing_beyond():
-    coefficients = np.ones(len(HARMONICS))
-    short, long = (template(blurred_profiles(s), coefficients) for s in (0.02, 0.08))
-    both = stacked([short, long])
-    assert np.array_equal(both[1], long)
-    assert not both[0, len(short) :].any()
