@@ -9,8 +9,10 @@ from typer.exceptions import TyperException
 
 from rigctl.command_line.analysis import analysis
 from rigctl.command_line.challenge import challenge
+from rigctl.command_line.discs import finding
 from rigctl.command_line.effect import effect
 from rigctl.command_line.model import model
+from rigctl.command_line.qualify import qualify
 from rigctl.command_line.rig import rig
 from rigctl.command_line.sweep import sweep
 from rigctl.errors import (
@@ -48,9 +50,11 @@ app = typer.Typer(
 app.add_typer(rig)
 app.add_typer(sweep, name="sweep", no_args_is_help=True)
 app.add_typer(analysis)
+app.add_typer(finding)
 app.add_typer(model, name="model", no_args_is_help=True)
 app.add_typer(effect, name="effect", no_args_is_help=True)
 app.add_typer(challenge, name="challenge", no_args_is_help=True)
+app.add_typer(qualify, name="qualify", no_args_is_help=True)
 
 
 @app.callback()
