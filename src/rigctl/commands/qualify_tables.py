@@ -46,15 +46,16 @@ def print_run(document: Json, lines: Lines, *, as_json: bool) -> None:
     if as_json:
         print(json.dumps(document, allow_nan=False))  # noqa: T201
         return
-    table = Table(title=lines.title, title_justify="left", box=None, padding=(0, 2, 0, 0))
-    table.caption, table.caption_justify = lines.caption, "left"
+    table = Table(box=None, padding=(0, 2, 0, 0))
     for place, heading in enumerate(lines.headings):
         table.add_column(heading, justify="right" if place else "left", no_wrap=True)
     for row in lines.rows:
         table.add_row(*row)
-    console = Console()
+    console = Console(highlight=False)
     console.width = max(console.width, TABLE_WIDTH)
-    console.print(table, markup=False)
+    console.print(lines.title, style="bold", markup=False)
+    console.print(table)
+    console.print(lines.caption, markup=False)
 
 
 def stage_document(results: Sequence[StageErrors]) -> Json:
