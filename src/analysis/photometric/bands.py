@@ -12,7 +12,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.photometric.compiled import compiled
+from analysis.photometric.compiled import part
 from analysis.photometric.contour import LAYERS
 from analysis.photometric.covers import cover_canvas
 from analysis.photometric.residual import KEEP_OFF_PX, UNKNOWNS
@@ -32,7 +32,7 @@ L0, L1, L2, L3, L4, L5, L6, L7, L8 = LANE
 ONE = np.uint64(1)
 
 
-@compiled
+@part
 def look_along(
     disc: Floats, surface: Floats, u: float, v: tuple[float, float], piece: tuple[Floats, int, int]
 ) -> None:
@@ -75,7 +75,7 @@ def look_along(
         band[ACROSS + at + n] = x
 
 
-@compiled
+@part
 def copy_along(
     covers: Floats, behind: Floats, grey: NDArray[np.uint8], piece: tuple[Floats, int, int]
 ) -> None:
@@ -97,7 +97,7 @@ def copy_along(
         band[RESIDUAL + at + n] = np.float64(grey[n])
 
 
-@compiled
+@part
 def derive_along(
     paint: tuple[Floats, float, float], u: float, piece: tuple[Floats, int, int]
 ) -> None:
@@ -135,7 +135,7 @@ def derive_along(
         band[RESIDUAL + at + n] -= back * (1.0 - disc) + own * left
 
 
-@compiled
+@part
 def hide_along(row: int, first: int, others: Floats, piece: tuple[Floats, int, int]) -> int:
     """Take a row's pixels in or close to other discs out of the count; return how many.
 
@@ -165,7 +165,7 @@ def hide_along(row: int, first: int, others: Floats, piece: tuple[Floats, int, i
     return count
 
 
-@compiled
+@part
 def weigh(band: Floats, count: int, noise: float, limit: float) -> tuple[float, float]:
     """Weight a band's pixels (`residual.biweight`), and put each over its error.
 
@@ -190,7 +190,7 @@ def weigh(band: Floats, count: int, noise: float, limit: float) -> tuple[float, 
     return squares * limit * limit, weights
 
 
-@compiled
+@part
 def add_products(band: Floats, equations: Equations) -> None:
     """Add the products of all derivatives with each other and with the residual."""
     lanes = band[: (UNKNOWNS + 1) * BAND].reshape(UNKNOWNS + 1, BAND)
@@ -201,7 +201,7 @@ def add_products(band: Floats, equations: Equations) -> None:
         equations.right[a] += products[a, UNKNOWNS]
 
 
-@compiled
+@part
 def accumulate(
     sight: Sight, stance: Stance, view: int, limit: float, equations: Equations
 ) -> tuple[float, float, int]:

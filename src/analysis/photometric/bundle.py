@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.photometric.compiled import compiled
+from analysis.photometric.compiled import compiled, part
 from analysis.photometric.contour import LAYERS, add_cover
 from analysis.photometric.covers import cover_canvas, seen_from
 from analysis.photometric.residual import (
@@ -54,7 +54,7 @@ class Lesson(NamedTuple):
     limit: float
 
 
-@compiled
+@part
 def nudged_covers(
     sight: Sight,
     stance: Stance,
@@ -87,7 +87,7 @@ def nudged_covers(
         add_cover(nudged[BLUR], corner, place, directions[m], (look.alpha, sigma + NUDGE))
 
 
-@compiled
+@part
 def marker_row(
     shadow: float, own: Floats, turns: Floats, row: Floats, used: NDArray[np.int64]
 ) -> int:
@@ -142,11 +142,13 @@ def bundle_view(
     own = np.zeros((count, canvas.shape[0], LAYERS, canvas.shape[2]))
     covers = np.zeros((3, canvas.shape[0], LAYERS, canvas.shape[2]))
     nudged_covers(sight, stance, view, corner, (own, covers))
-    turns = np.zeros((count, 2, 3))
+    into, turns = np.dot(sight.optics.axes[view], stance.rotation), np.zeros((count, 2, 3))
     for m in range(count):
         for t in range(2):
-            turn = sight.optics.axes[view] @ (stance.rotation @ lesson.tangents[m, t])
-            turns[m, t] = sight.optics.hands[view] * turn
+            for a in range(3):
+                for k in range(3):
+                    turns[m, t, a] += into[a, k] * lesson.tangents[m, t, k]
+                turns[m, t, a] *= sight.optics.hands[view]
     off_r = place[0] - sight.optics.origins[view, 0]
     off_c = place[1] - sight.optics.origins[view, 1]
     first = UNKNOWNS + 2 * count

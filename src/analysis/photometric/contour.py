@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtr
 
-from analysis.photometric.compiled import compiled
+from analysis.photometric.compiled import compiled, part
 
 Floats = NDArray[np.float64]
 
@@ -34,7 +34,7 @@ CUT_SPACING = 0.6
 """Spacing of points in units of the blur: a whole rim is periodic and needs fewer."""
 
 
-@compiled
+@part
 def contour_points(
     marker: Floats, alpha: float, radius: float, sigma: float, points: Floats
 ) -> int:
@@ -95,7 +95,7 @@ def contour_points(
     return n + more
 
 
-@compiled
+@part
 def gaussian(x: float) -> tuple[float, float]:
     """Return the cumulative and the density of the normal distribution."""
     x = min(max(x, -FURTHEST), FURTHEST)
@@ -107,7 +107,7 @@ def gaussian(x: float) -> tuple[float, float]:
     return share + off * (bell + 0.5 * off * slope), bell + off * (slope + 0.5 * off * bend)
 
 
-@compiled
+@part
 def box_of(
     points: Floats, count: int, at: tuple[float, float, float], margin: float
 ) -> tuple[int, int, int, int]:
@@ -183,7 +183,7 @@ def add_cover(
     add_layers(canvas, (first_r, first_c), left, share, bell)
 
 
-@compiled
+@part
 def point_factors(point: Floats, radius: float, sigma: float, factors: Floats) -> None:
     """Fill a contour point's weight in each layer, shape (LAYERS,)."""
     # The contour runs clockwise, so that the area comes out negative.
@@ -196,7 +196,7 @@ def point_factors(point: Floats, radius: float, sigma: float, factors: Floats) -
     factors[5] = turning * (point[0] * d_r + point[1] * d_c)
 
 
-@compiled
+@part
 def add_layers(
     canvas: Floats, first: tuple[int, int], left: Floats, share: Floats, bell: Floats
 ) -> None:

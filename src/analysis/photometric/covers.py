@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.photometric.camera import disc_of
-from analysis.photometric.compiled import compiled
+from analysis.photometric.compiled import part
 from analysis.photometric.contour import LAYERS, add_cover
 from analysis.photometric.sight import Sight, Stance
 
@@ -16,7 +16,7 @@ AROUND_PX = 4
 """Surroundings of a disc that take part: they tell the background's offset."""
 
 
-@compiled
+@part
 def window(place: tuple[float, float, float], shape: tuple[int, int]) -> tuple[int, int, int, int]:
     """Return the half-open rows and columns of a disc and its surroundings within a frame."""
     reach = place[2] + AROUND_PX
@@ -27,14 +27,20 @@ def window(place: tuple[float, float, float], shape: tuple[int, int]) -> tuple[i
     return first_r, last_r, first_c, last_c
 
 
-@compiled
+@part
 def seen_from(sight: Sight, stance: Stance, view: int) -> Floats:
     """Return the markers as a view sees them: row, column, towards the eye, shape (markers, 3)."""
-    directions: Floats = (sight.look.markers @ stance.rotation.T) @ sight.optics.axes[view].T
+    markers = sight.look.markers
+    directions = np.zeros(markers.shape)
+    turn = np.dot(sight.optics.axes[view], stance.rotation)
+    for m in range(markers.shape[0]):
+        for a in range(3):
+            for k in range(3):
+                directions[m, a] += turn[a, k] * markers[m, k]
     return directions
 
 
-@compiled
+@part
 def cover_canvas(
     sight: Sight, stance: Stance, view: int
 ) -> tuple[Floats, tuple[int, int], tuple[float, float, float]]:

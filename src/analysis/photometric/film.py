@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -74,6 +74,16 @@ class Film:
             quality=np.zeros((2, count, 5)),
             placed=np.zeros((2, count), dtype=np.bool_),
         )
+
+    def picked(self, most: int) -> Film:
+        """Return a film of at most so many frames, spread over those that show both spheres."""
+        both = np.flatnonzero(self.placed.all(axis=0))
+        shown = both if len(both) else np.flatnonzero(self.placed.any(axis=0))
+        few = shown[np.unique(np.linspace(0, len(shown) - 1, most).round().astype(np.intp))]
+        part = replace(self, frames=self.frames[few], placed=self.placed[:, few])
+        for name in ("centre", "rotation", "lights", "covariance", "quality"):
+            setattr(part, name, np.ascontiguousarray(getattr(self, name)[:, few]))
+        return part
 
     def refresh(self, known: Knowledge) -> None:
         """Take background and noise from the pixels that no disc comes near."""

@@ -26,13 +26,15 @@ from analysis.photometric.sight import Equations
 
 Floats = NDArray[np.float64]
 
-LIMITS = (60.0, 30.0, 15.0, 8.0, 6.0, 6.0, 6.0, 6.0, 6.0, 6.0)
+MOST_FRAMES = 10
+"""Of a film: more tell little more of the spheres, and learning takes as much longer."""
+LIMITS = (60.0, 30.0, 15.0, 8.0, 6.0, 6.0, 6.0, 6.0)
+FINISH_LIMITS = np.array([40.0, 15.0, 6.0])
 SEARCH_ROUNDS = (1, 2, 3)
 BUNDLE_FROM = 1
 RELIEF_FROM = 2
-REFRESH_AFTER = 2
 UNLIMITED = 1e3
-TOGETHER_LIMITS = (15.0, 8.0, 6.0, 6.0, 6.0)
+TOGETHER_LIMITS = (15.0, 8.0, 6.0, 6.0)
 NARROWEST_PX, WIDEST_PX = 0.35, 3.0
 SCALE_FLOOR = 7e-4
 """Shading near the limb and the radius are one family: below this nothing tells them apart."""
@@ -50,33 +52,36 @@ def learn(film: Film, start: Knowledge, *, hold_scale: bool) -> Knowledge:
     hold_scale
         Keep the front view's scale.
     """
-    known, films = start, [film]
-    film.refresh(known)
+    film.refresh(start)
+    few, known = film.picked(MOST_FRAMES), start
     for turn, limit in enumerate(LIMITS):
-        known = with_shading(films, known, limit if turn else UNLIMITED, hold_scale=hold_scale)
+        shading_limit = limit if turn else UNLIMITED
+        known = with_shading([few], known, shading_limit, hold_scale=hold_scale)
         if turn in SEARCH_ROUNDS:
-            known = with_missed(films, known)
+            known = with_missed([few], known)
         if turn >= RELIEF_FROM:
-            known = with_reliefs(films, known, limit)
+            known = with_reliefs([few], known, limit)
         if turn >= BUNDLE_FROM:
-            known = with_shared(films, known, limit)
-        fit_film(film, known, np.full(2, limit))
-        if turn == REFRESH_AFTER:
-            film.refresh(known)
+            known = with_shared([few], known, limit)
+        fit_film(few, known, np.full(2, limit))
+    film.rescale(start.camera.optics, known.camera.optics.scales)
+    fit_film(film, known, FINISH_LIMITS)
+    film.refresh(known)
     return known
 
 
 def learn_together(films: Sequence[Film], start: Knowledge, *, hold_scale: bool) -> Knowledge:
-    """Learn the spheres from several films that already have poses, improved in place.
+    """Learn the spheres from several films that already have poses.
 
     One film shows some markers only at the limb, and its radius is the less certain for it.
     """
-    known = with_missed(films, start)
+    few = [film.picked(MOST_FRAMES) for film in films]
+    known = with_missed(few, start)
     for limit in TOGETHER_LIMITS:
-        known = with_shading(films, known, limit, hold_scale=hold_scale)
-        known = with_reliefs(films, known, limit)
-        known = with_shared(films, known, limit)
-        for film in films:
+        known = with_shading(few, known, limit, hold_scale=hold_scale)
+        known = with_reliefs(few, known, limit)
+        known = with_shared(few, known, limit)
+        for film in few:
             fit_film(film, known, np.full(1, limit))
     return known
 

@@ -15,7 +15,7 @@ from analysis.photometric.sight import Look, Sight, Stance
 
 Floats = NDArray[np.float64]
 
-DIRECTIONS = 3000
+DIRECTIONS = 2000
 LEAST_FACING = 0.35
 LEAST_FRAMES = 3
 LEAST_DARKNESS = 0.45
@@ -89,8 +89,9 @@ def _peaks(body: Floats, darkness: Floats, often: NDArray[np.bool_], look: Look)
     known = list(look.markers)
     found: list[Floats] = []
     near = body @ body.T > np.cos(look.alpha)
-    weight = near & often[None, :]
-    cap = (weight * darkness).sum(axis=1) / np.maximum(weight.sum(axis=1), 1)
+    seen = np.stack([np.where(often, darkness, 0.0), often]).astype(np.float32)
+    inside = near.astype(np.float32)
+    cap = (inside @ seen[0]) / np.maximum(inside @ seen[1], 1.0)
     cap[~often] = 0.0
     free = np.ones(len(body), dtype=np.bool_)
     if known:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from analysis.photometric.bands import accumulate
 from analysis.photometric.camera import Optics
-from analysis.photometric.compiled import compiled
+from analysis.photometric.compiled import compiled, part
 from analysis.photometric.residual import UNKNOWNS
 from analysis.photometric.sight import LIGHTS, Equations, Reel, Scene, Sight, Stance
 
@@ -28,13 +28,18 @@ WIDEST_PLACE, WIDEST_TURN = 10.0, 4.0
 def into_world(optics: Optics, view: int) -> Floats:
     """Return the derivative of a view's row, column and turns to centre and turn, shape (5, 6)."""
     change = np.zeros((5, POSE))
-    change[:2, :3] = optics.scales[view] * optics.axes[view, :2]
-    change[2:, 3:] = optics.hands[view] * optics.axes[view]
+    for k in range(3):
+        for a in range(2):
+            change[a, k] = optics.scales[view] * optics.axes[view, a, k]
+        for a in range(3):
+            change[2 + a, 3 + k] = optics.hands[view] * optics.axes[view, a, k]
     return change
 
 
-@compiled
-def add_view(sight: Sight, stance: Stance, view: int, limit: float, whole: Equations) -> Floats:
+@part
+def add_view(
+    sight: Sight, stance: Stance, view: int, limit: float, whole: Equations
+) -> tuple[float, float, int]:
     """Add one view to the equations of pose and light; return what `accumulate` returns."""
     own = Equations(np.zeros((UNKNOWNS, UNKNOWNS)), np.zeros(UNKNOWNS))
     squares, weights, count = accumulate(sight, stance, view, limit, own)
@@ -57,23 +62,29 @@ def add_view(sight: Sight, stance: Stance, view: int, limit: float, whole: Equat
         whole.right[at + k] += own.right[5 + k]
         for n in range(k + 1):
             whole.normal[at + k, at + n] += own.normal[5 + k, 5 + n]
-    return np.array([squares, weights, float(count)])
+    return squares, weights, count
 
 
-@compiled
-def pose_equations(sight: Sight, stance: Stance, limit: float, whole: Equations) -> Floats:
+@part
+def pose_equations(
+    sight: Sight, stance: Stance, limit: float, whole: Equations
+) -> tuple[float, float, int]:
     """Fill the full normal equations of pose and light over all views.
 
     Returns
     -------
-    Weighted squares over the variance, weights, and pixels looked at, shape (3,).
+    Weighted squares over the variance, weights, and pixels looked at.
     """
-    whole.normal[:], whole.right[:] = 0.0, 0.0
-    totals = np.zeros(3)
+    for a in range(whole.right.shape[0]):
+        whole.right[a] = 0.0
+        for b in range(whole.right.shape[0]):
+            whole.normal[a, b] = 0.0
+    squares, weights, count = 0.0, 0.0, 0
     for view in range(sight.optics.scales.shape[0]):
-        totals += add_view(sight, stance, view, limit, whole)
+        more = add_view(sight, stance, view, limit, whole)
+        squares, weights, count = squares + more[0], weights + more[1], count + more[2]
     add_priors(sight, stance, whole)
-    return totals
+    return squares, weights, count
 
 
 @compiled
@@ -94,16 +105,21 @@ def add_priors(sight: Sight, stance: Stance, whole: Equations) -> None:
 @compiled
 def turned(vector: Floats, rotation: Floats) -> Floats:
     """Return exp([vector]) rotation."""
-    angle = math.sqrt((vector**2).sum())
     x, y, z = vector[0], vector[1], vector[2]
-    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    one = np.sin(angle) / angle if angle > 1e-9 else 1.0
-    two = (1 - np.cos(angle)) / angle**2 if angle > 1e-5 else 0.5
-    result: Floats = (np.eye(3) + one * cross + two * np.dot(cross, cross)).dot(rotation)
+    angle = math.sqrt(x * x + y * y + z * z)
+    one = math.sin(angle) / angle if angle > 1e-9 else 1.0
+    two = (1 - math.cos(angle)) / angle**2 if angle > 1e-5 else 0.5
+    result = np.empty((3, 3))
+    for k in range(3):
+        a, b, c = rotation[0, k], rotation[1, k], rotation[2, k]
+        p, q, r = y * c - z * b, z * a - x * c, x * b - y * a
+        result[0, k] = a + one * p + two * (y * r - z * q)
+        result[1, k] = b + one * q + two * (z * p - x * r)
+        result[2, k] = c + one * r + two * (x * q - y * p)
     return result
 
 
-@compiled
+@part
 def inverse_of(normal: Floats) -> Floats:
     """Return the inverse of a positive definite matrix given by its lower triangle (Cholesky)."""
     size = normal.shape[0]
@@ -150,18 +166,20 @@ def fit_pose(sight: Sight, stance: Stance, limits: Floats, covariance: Floats) -
     whole, out = Equations(np.zeros((size, size)), np.zeros(size)), np.zeros(5)
     step = np.zeros(size)
     for limit in limits:
-        out[:3] = pose_equations(sight, stance, limit, whole)
+        out[0], out[1], out[2] = pose_equations(sight, stance, limit, whole)
         inverse = inverse_of(whole.normal)
         for a in range(size):
             step[a] = 0.0
             for b in range(size):
                 step[a] += inverse[a, b] * whole.right[b]
         out[3], out[4] = move(stance, step, sight.look.radius_m)
-        covariance[:] = inverse[:POSE, :POSE]
+        for a in range(POSE):
+            for b in range(POSE):
+                covariance[a, b] = inverse[a, b]
     return out
 
 
-@compiled
+@part
 def move(stance: Stance, step: Floats, radius_m: float) -> tuple[float, float]:
     """Add a step to pose and light; return its length in radii and in radians.
 
@@ -176,7 +194,12 @@ def move(stance: Stance, step: Floats, radius_m: float) -> tuple[float, float]:
     little = min(1.0, LONGEST_TURN / max(turn, 1e-12))
     for k in range(3):
         stance.centre[k] += near * step[k]
-    stance.rotation[:] = turned(little * step[3:6], stance.rotation)
+    for k in range(3, POSE):
+        step[k] *= little
+    result = turned(step[3:POSE], stance.rotation)
+    for a in range(3):
+        for b in range(3):
+            stance.rotation[a, b] = result[a, b]
     for view in range(stance.lights.shape[0]):
         for k in range(LIGHTS):
             stance.lights[view, k] += step[POSE + LIGHTS * view + k]
@@ -190,4 +213,6 @@ def fit_frames(reel: Reel, frames: NDArray[np.intp], limits: Floats) -> None:
         scene = Scene(reel.images[k], reel.background, reel.noise)
         sight = Sight(scene, reel.optics, reel.look, reel.others[k])
         stance = Stance(reel.centre[k], reel.rotation[k], reel.lights[k])
-        reel.quality[k] = fit_pose(sight, stance, limits, reel.covariance[k])
+        out = fit_pose(sight, stance, limits, reel.covariance[k])
+        for n in range(out.shape[0]):
+            reel.quality[k, n] = out[n]

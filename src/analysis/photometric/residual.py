@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.photometric.compiled import compiled
+from analysis.photometric.compiled import part
 from analysis.photometric.surface import SPAN, SQUARE_STEPS
 
 Floats = NDArray[np.float64]
@@ -22,7 +22,7 @@ KEEP_OFF_PX = 2.6
 """Another disc's blurred edge reaches this far."""
 
 
-@compiled
+@part
 def shade(disc: Floats, surface: Floats, u: float, v: float, look: Floats) -> bool:
     """Look up a point of a sphere.
 
@@ -64,7 +64,7 @@ def shade(disc: Floats, surface: Floats, u: float, v: float, look: Floats) -> bo
     return True
 
 
-@compiled
+@part
 def hidden(row: int, column: int, others: Floats) -> bool:
     """Tell whether a pixel lies in, or close to, one of the other discs (row, column, radius)."""
     for n in range(others.shape[0]):
@@ -75,13 +75,13 @@ def hidden(row: int, column: int, others: Floats) -> bool:
     return False
 
 
-@compiled
+@part
 def lit(look: Floats, light: Floats) -> float:
     """Return the light of the unmarked sphere at a point, its gain and slopes those of a frame."""
     return float(light[1] * look[3] + light[2] * look[6] + light[3] * look[7])
 
 
-@compiled
+@part
 def model_pixel(look: Floats, cover: float, behind: float, light: Floats, darkness: float) -> float:
     """Return the grey level of a pixel.
 
@@ -100,7 +100,7 @@ def model_pixel(look: Floats, cover: float, behind: float, light: Floats, darkne
     return float((behind + light[0]) * (1.0 - look[0]) + lit(look, light) * left)
 
 
-@compiled
+@part
 def pixel_row(
     look: Floats,
     drawn: tuple[Floats, int, int],
@@ -141,7 +141,7 @@ def pixel_row(
     return float(back * row[5] + own * left)
 
 
-@compiled
+@part
 def biweight(residual: float, limit: float) -> float:
     """Return Tukey's weight of a residual: 1 at 0, 0 from `limit` on."""
     x = residual / limit

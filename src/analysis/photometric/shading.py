@@ -8,6 +8,7 @@ is blurred once, by an integral over the radius, exactly up to the edge.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -23,7 +24,7 @@ STEPS_PER_RADIUS = 400
 REACH_SIGMAS = 5.0
 KEPT_PROFILES = 8
 COARSE_PER_SIGMA = 3.0
-NODES_PER_SIGMA = 5.0
+NODES_PER_SIGMA, NODE_STEP, MOST_NODES = 5.0, 64, 640
 NUDGE = 1e-3
 """Step of a derivative taken by difference."""
 
@@ -68,6 +69,13 @@ class Profiles:
 
 
 @lru_cache(maxsize=KEPT_PROFILES)
+def gauss_legendre(count: int) -> tuple[Floats, Floats]:
+    """Return nodes and weights of an integral from -1 to 1; at most MOST_NODES of them."""
+    nodes, weights = np.polynomial.legendre.leggauss(min(count, MOST_NODES))
+    return np.asarray(nodes), np.asarray(weights)
+
+
+@lru_cache(maxsize=KEPT_PROFILES)
 def blurred_profiles(sigma: float) -> Profiles:
     """Blur all radial functions of the unit disc by a Gaussian.
 
@@ -80,7 +88,7 @@ def blurred_profiles(sigma: float) -> Profiles:
     sigma
         In units of the radius.
     """
-    nodes, weights = np.polynomial.legendre.leggauss(int(np.clip(NODES_PER_SIGMA / sigma, 64, 600)))
+    nodes, weights = gauss_legendre(NODE_STEP * math.ceil(NODES_PER_SIGMA / (sigma * NODE_STEP)))
     x = (nodes + 1) * np.pi / 4
     t, height = np.sin(x), np.cos(x)
     measure = weights * np.pi / 4 * height * t / sigma**2

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.photometric.compiled import compiled
+from analysis.photometric.compiled import compiled, part
 from analysis.photometric.covers import cover_canvas
 from analysis.photometric.residual import (
     LEAST_DISC,
@@ -32,7 +32,7 @@ COMMON = 4
 """Behind the harmonics: a shift of all frames along row and column, log radius, blur."""
 
 
-@compiled
+@part
 def basis(profiles: Floats, u: float, v: float, values: Floats) -> None:
     """Fill the blurred harmonics at a point of the disc, shape (harmonics,)."""
     rho = math.sqrt(u * u + v * v)

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.photometric.bundle import MARKERS_SHARE, VIEW_SHARE, Lesson, bundle_view
-from analysis.photometric.compiled import compiled
 from analysis.photometric.pose import POSE, add_priors, into_world
 from analysis.photometric.residual import UNKNOWNS
 from analysis.photometric.sight import LIGHTS, Equations, Sight, Stance
@@ -46,7 +45,6 @@ def shared_size(markers: int, views: int) -> int:
     return 2 * markers + MARKERS_SHARE + VIEW_SHARE * views
 
 
-@compiled
 def add_frame(sight: Sight, stance: Stance, lesson: Lesson, shared: Equations) -> None:
     """Add one frame to the full equations of the shared unknowns, its own eliminated (Schur)."""
     views, markers = sight.optics.scales.shape[0], sight.look.markers.shape[0]
@@ -58,9 +56,7 @@ def add_frame(sight: Sight, stance: Stance, lesson: Lesson, shared: Equations) -
     for view in range(views):
         own = Equations(np.zeros((size, size)), np.zeros(size))
         bundle_view(sight, stance, view, lesson, own)
-        for a in range(size):
-            for b in range(a):
-                own.normal[b, a] = own.normal[a, b]
+        whole_view = own.normal + np.tril(own.normal, -1).T
         change = np.zeros((size, total))
         change[:5, :POSE] = into_world(sight.optics, view)
         for k in range(LIGHTS):
@@ -69,11 +65,11 @@ def add_frame(sight: Sight, stance: Stance, lesson: Lesson, shared: Equations) -
             change[UNKNOWNS + k, local + k] = 1.0
         for k in range(VIEW_SHARE):
             change[UNKNOWNS + common + k, local + common + VIEW_SHARE * view + k] = 1.0
-        whole.normal[:] += change.T @ own.normal @ change
+        whole.normal[:] += change.T @ whole_view @ change
         whole.right[:] += change.T @ own.right
     add_priors(sight, stance, whole)
-    across = np.ascontiguousarray(whole.normal[:local, local:])
-    gain = np.linalg.solve(np.ascontiguousarray(whole.normal[:local, :local]), across)
+    across = whole.normal[:local, local:]
+    gain = np.linalg.solve(whole.normal[:local, :local], across)
     shared.normal[:] += whole.normal[local:, local:] - across.T @ gain
     shared.right[:] += whole.right[local:] - gain.T @ whole.right[:local]
 

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.photometric.compiled import compiled
+from analysis.photometric.compiled import compiled, part
 from analysis.photometric.shading import DISC, ORDER, STEPS_PER_RADIUS
 
 Floats = NDArray[np.float64]
@@ -94,7 +94,7 @@ def draw_surface(table: Floats, relief: Floats, surface: Floats) -> None:
             surface[a, b] = value / disc + relief_at(relief, u, v)
 
 
-@compiled
+@part
 def relief_at(relief: Floats, u: float, v: float) -> float:
     """Return a relief at a point, bilinear between nodes; 0 beyond its grid."""
     half = (relief.shape[0] - 1) * 0.5
