@@ -1,7 +1,8 @@
 """What jobs compute of a campaign; each function is called in a process of its own.
 
 Each takes one JSON object and a function that says how far it is, and returns a JSON object:
-`campaign` is the title, `files` are pairs of a manifest and a result, `with` names effects.
+`campaign` is the title, `files` are pairs of a manifest and a result, `with` names effects; a
+`folder` in the place of `files` is a campaign's folder.
 """
 
 from __future__ import annotations
@@ -16,18 +17,23 @@ from analysis.effects.effect import Effect
 from analysis.errors import LaunchRefusedError
 from analysis.launch.prediction import Limits
 from analysis.model.agreement.agree import agree
-from analysis.model.agreement.document import agreement_document, structure_document
+from analysis.model.agreement.document import (
+    agreement_document,
+    cells_document,
+    structure_document,
+)
 from analysis.model.design.undecided import next_after
 from analysis.model.documents import fit_document, ranking_document
 from analysis.model.fit import Fit
 from analysis.model.judged import judged
+from analysis.model.plane import impact_plane
 from analysis.model.poses import PoseData
 from analysis.model.ranking import rank
 from analysis.model.report import verdict_document
 from analysis.model.selection import explain
 from analysis.model.structure import structure
 from analysis.model.tables import Data
-from rigctl.campaigns import MeasuredFiles, poses_from
+from rigctl.campaigns import MeasuredFiles, folder_poses, poses_from
 from rigctl.errors import AnalysisInputError, NotFoundError
 from rigctl.next_shots import Known, Question, answer
 
@@ -113,8 +119,26 @@ def next_job(asked: Json, say: Say) -> Json:
     return {"campaign": asked["campaign"], **found}
 
 
+def picture_job(asked: Json, say: Say) -> Json:
+    """Fit, and answer all that can be asked of one fit: agreement, structure, ranking, figure 7.4.
+
+    The points of each cell are a text of JSON in the document, to be parsed when it is looked at.
+    """
+    data, fitted, document = _fitted(asked, say)
+    say("comparing", 0.3)
+    compared = agreement_document(agree(data, fitted))
+    say("testing what is left", 0.5)
+    cells = cells_document(structure(data, fitted))
+    say("ranking the catalogue", 0.7)
+    candidates = ranking_document(rank(data, fitted, CATALOGUE))
+    plane = impact_plane(data, fitted).to_json()
+    return {**document, **compared, "cells": cells, "candidates": candidates, "plane": plane}
+
+
 def _poses(asked: Json, say: Say) -> PoseData:
     say("reading the poses", None)
+    if "folder" in asked:
+        return folder_poses(Path(asked["folder"]))[1]
     files = [MeasuredFiles(Path(own["manifest"]), Path(own["result"])) for own in asked["files"]]
     return poses_from(asked["campaign"], files)
 

@@ -13,7 +13,7 @@ from matplotlib.patches import Rectangle
 from analysis.figures.sheet import STRUCTURE, Block, blocks_sheet
 from analysis.model.channels import AXES
 from analysis.model.covariates import LABELS, covariate_label
-from analysis.model.lackoffit import Cell
+from analysis.model.lackoffit import Cell, standard_deviations
 
 ALARM = 0.01
 BRIGHTEST = 12.0
@@ -54,18 +54,6 @@ def heatmap_figure(title: str, cells: Sequence[Cell]) -> Figure:
     legend.ax.tick_params(labelsize=9, length=0)
     legend.outline.set_visible(False)
     return figure
-
-
-def standard_deviations(cell: Cell) -> float:
-    """Return a cell's chi-squared as a normal deviate, never below zero.
-
-    E. B. Wilson and M. M. Hilferty, Proc. Natl. Acad. Sci. 17, 684 (1931): unlike the p-value it
-    does not end at the smallest number.
-    """
-    if cell.freedom == 0:
-        return 0.0
-    spread = 2 / (9 * cell.freedom)
-    return max(0.0, float((np.cbrt(cell.chi2 / cell.freedom) - (1 - spread)) / spread**0.5))
 
 
 def _camera(cell: Cell) -> bool:

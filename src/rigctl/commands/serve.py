@@ -13,6 +13,7 @@ import uvicorn
 from rigctl.config import Configuration, load
 from rigctl.daemon import open_daemon
 from rigctl.errors import ConfigurationError
+from rigctl.page.mounting import with_page
 from rigctl.service import keyfile
 from rigctl.service.app import create_app
 from rigctl.service.auth import new_key
@@ -57,7 +58,8 @@ def serve(path: Path | None, port: int | None, key: str | None) -> None:
             written = keyfile.write(daemon.store.path, address)
             try:
                 hub = EventHub()
-                server = _server(create_app(daemon, address.key, hub), hub)
+                served = with_page(create_app(daemon, address.key, hub), daemon, address.key)
+                server = _server(served, hub)
                 typer.echo(_greeting(address, configuration))
                 for sweep in daemon.offered:
                     typer.echo(_offer(sweep))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import asdict
 from typing import Any
 
@@ -9,7 +10,7 @@ import numpy as np
 
 from analysis.model.agreement.table import Agreement, Row
 from analysis.model.covariates import covariate_label
-from analysis.model.lackoffit import Cell
+from analysis.model.lackoffit import Cell, standard_deviations
 from analysis.model.structure import CellResiduals, Structure
 
 Json = dict[str, Any]
@@ -17,6 +18,8 @@ Json = dict[str, Any]
 SMALLEST_P = 1e-300
 DRAWN = 6
 """Of so many cells, the most striking ones, a document holds the residuals."""
+MOST_POINTS = 1500
+"""So many points of a cell are drawn at most."""
 
 
 def agreement_document(found: Agreement) -> Json:
@@ -53,6 +56,18 @@ def structure_document(found: Structure) -> Json:
     }
 
 
+def cells_document(found: Structure) -> list[Json]:
+    """Return all cells with their deviation and, as a text of JSON, the points behind each."""
+    return [
+        {
+            **_cell(cell),
+            "deviation": standard_deviations(cell),
+            "points": json.dumps(_drawn(found.residuals(cell.channel, cell.covariate))),
+        }
+        for cell in found.cells
+    ]
+
+
 def residuals_document(found: CellResiduals) -> Json:
     """Return the points of a cell and their running mean, arrays as lists."""
     trend = found.trend
@@ -72,6 +87,21 @@ def residuals_document(found: CellResiduals) -> Json:
             "sigma": trend.sigma.tolist(),
         },
     }
+
+
+def _drawn(found: CellResiduals) -> Json:
+    """Return residuals with the digits that a picture shows, of very many an even choice."""
+    document = residuals_document(found)
+    stride = -(-len(document["x"]) // MOST_POINTS)
+    for name in ("shots", "frames", "x", "residual", "sigma"):
+        document[name] = [_rounded(value) for value in document[name][::stride]]
+    trend = document["trend"]
+    document["trend"] = {name: [_rounded(v) for v in values] for name, values in trend.items()}
+    return {**document, "of": len(found.place)}
+
+
+def _rounded(value: float) -> float:
+    return value if isinstance(value, int) else float(f"{value:.5g}")
 
 
 def _row(row: Row) -> Json:

@@ -1,0 +1,67 @@
+"""What every page works with: the daemon, its threads, and what happened last."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeVar
+
+from nicegui import context, ui
+
+from rigctl.daemon import Daemon
+from rigctl.errors import RigError
+from rigctl.page.feed import Feed
+from rigctl.service.lanes import Lanes
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, slots=True)
+class Desk:
+    """The daemon as the pages see it.
+
+    Attributes
+    ----------
+    lanes
+        Threads for what blocks: a stop never waits for an arming.
+    feed
+        What happened last.
+    """
+
+    daemon: Daemon
+    lanes: Lanes
+    feed: Feed
+
+    async def act(self, call: Callable[[], T]) -> T | None:
+        """Run what moves the rig or writes; a refusal is shown in its own words and gives None."""
+        client = context.client
+        try:
+            return await self.lanes.control(call)
+        except RigError as error:
+            with client:
+                ui.notify(error.sentence(), type="negative", multi_line=True, timeout=12_000)
+            return None
+
+    async def done(self, call: Callable[[], None]) -> bool:
+        """Run what gives no answer, as `act`; say whether it was done."""
+
+        def work() -> bool:
+            call()
+            return True
+
+        return bool(await self.act(work))
+
+    async def stop(self, by: str) -> None:
+        """Stop the rig at once; `by` says how."""
+        client, who = context.client, actor()
+        try:
+            await self.lanes.stop(lambda: self.daemon.rig.estop(who, f"stopped by {by}"))
+        except RigError as error:
+            with client:
+                ui.notify(error.sentence(), type="negative", multi_line=True, timeout=0)
+
+
+def actor() -> str:
+    """Return the name under which the rig journals what this browser does."""
+    client = context.client
+    return f"page {client.id[:8]} at {client.ip or 'unknown'}"

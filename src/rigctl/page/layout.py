@@ -1,0 +1,148 @@
+"""What stands on every page: where one is, how the rig stands, and the stop."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from nicegui import events, ui
+
+from rigctl.page.desk import Desk, actor
+from rigctl.page.widgets import button
+from rigctl.rig.states import LATCHED, RigState
+from rigctl.rig.status import RigStatus
+
+PLACES = (
+    ("Rig", "/"),
+    ("Shots", "/shots"),
+    ("Sweeps", "/sweeps"),
+    ("Campaigns", "/campaigns"),
+    ("Model", "/model"),
+)
+TICK_S = 0.1
+BEATS = ("beat-a", "beat-b")
+"""Classes that change places every 1.5 s. Each starts the same countdown anew; when none comes for
+5 s, the style sheet covers the page: what it shows is not live any more."""
+TICKS_A_BEAT = 15
+LOOKS = ("safe", "danger", "halted")
+DANGEROUS = frozenset({RigState.ARMED, RigState.FIRING, RigState.CAPTURING})
+
+
+@contextmanager
+def sheet(desk: Desk, title: str, place: str) -> Iterator[None]:
+    """Lay out a page: header, banner of a latched rig, and what the block adds."""
+    ui.page_title(f"{title} · rigctl")
+    status = desk.daemon.rig.status()
+    dark = ui.dark_mode(None)
+    with ui.header().classes("top"):
+        ui.label("rigctl").classes("brand")
+        with ui.element("nav").classes("places"):
+            for name, target in PLACES:
+                link = ui.link(name, target).classes("place")
+                if target == place:
+                    link.classes("here").props('aria-current="page"')
+        ui.space()
+        state = ui.label().classes("chip").props("data-testid=state role=status")
+        kind = "simulated rig" if status.simulated else "REAL RIG"
+        about = ui.label(kind).classes("chip " + ("simulated" if status.simulated else "real"))
+        about.props("data-testid=kind")
+        about.tooltip(
+            f"{status.name}: nothing real moves"
+            if status.simulated
+            else f"{status.name}: real spheres fly, keep clear of the tubes"
+        )
+        contrast = ui.button(icon="contrast", on_click=lambda: _turn(dark), color=None)
+        contrast.props('flat round dense aria-label="dark or light"').classes("quiet")
+        contrast.tooltip("dark or light")
+        stop = button("Stop", lambda: desk.stop("the page's button"), look="stop", testid="stop")
+        stop.tooltip("Emergency stop: cuts the power of every actuator now. Key: Ctrl + .")
+    ui.keyboard(on_key=lambda event: _on_key(desk, event), ignore=[], repeating=False)
+    _watchdog()
+    banner = ui.element("div").classes("latched").props("data-testid=latched role=alert")
+    with banner:
+        said = ui.label()
+        button("Release …", lambda: _ask_release(desk), look="release", testid="release")
+
+    def show() -> None:
+        now = desk.daemon.rig.status()
+        _show_state(state, now)
+        banner.set_visibility(now.state in LATCHED)
+        said.set_text(_latch(now))
+
+    show()
+    ui.timer(TICK_S, show)
+    with ui.element("div").classes("sheet"):
+        yield
+
+
+async def _on_key(desk: Desk, event: events.KeyEventArguments) -> None:
+    if event.action.keydown and event.modifiers.ctrl and event.key == ".":
+        await desk.stop("the page's key")
+
+
+def _turn(dark: ui.dark_mode) -> None:
+    """Turn dark and light about; what the browser prefers counts until then."""
+    dark.set_value(not dark.value)
+
+
+def _watchdog() -> None:
+    watch = ui.element("div").classes(f"watch {BEATS[0]}").props("aria-hidden=true")
+    with watch:
+        ui.label("No news from the daemon: nothing on this page is live.").classes("loud")
+        ui.label(
+            "To stop the rig, use the switch that stands beside it. The page goes on by itself "
+            "when the daemon answers again; if it was started anew with another key, open the "
+            "address that it prints."
+        )
+    beat = 0
+
+    def tick() -> None:
+        nonlocal beat
+        watch.classes(remove=BEATS[beat % 2], add=BEATS[(beat + 1) % 2])
+        beat += 1
+
+    ui.timer(TICK_S * TICKS_A_BEAT, tick)
+
+
+def _show_state(chip: ui.label, status: RigStatus) -> None:
+    text = str(status.state).replace("_", " ")
+    if status.running:
+        text += f", shot {int(status.running.rpartition('-')[2])}"
+    chip.set_text(text)
+    look = "safe"
+    if status.state in LATCHED:
+        look = "halted"
+    elif status.state in DANGEROUS:
+        look = "danger"
+    # A change of classes redraws the page even where it changes nothing.
+    if look not in chip.classes:
+        chip.classes(remove=" ".join(LOOKS), add=look)
+
+
+def _latch(status: RigStatus) -> str:
+    words = {
+        RigState.ESTOP: "Emergency stop. The power of every actuator is cut",
+        RigState.FAULT: "A device failed. The rig does not arm",
+        RigState.UNKNOWN_OUTCOME: "Nobody can say whether the last shot fired",
+    }.get(status.state, "")
+    return f"{words}: {status.latch_reason}. Look at the rig, then release it with a reason."
+
+
+def _ask_release(desk: Desk) -> None:
+    async def go() -> None:
+        who, why = actor(), str(reason.value).strip()
+        if await desk.done(lambda: desk.daemon.rig.release(who, why)):
+            dialog.close()
+
+    with ui.dialog(value=True) as dialog, ui.card().classes("ask"):
+        ui.label("Release the rig").classes("title")
+        ui.label(
+            "Power comes back. Say what was found at the rig and what was done; the reason is "
+            "journalled."
+        )
+        reason = ui.input("Reason").classes("wide").props("autofocus data-testid=reason outlined")
+        with ui.element("div").classes("beside ends"):
+            button("Cancel", dialog.close)
+            release = button("Release", go, look="fill", testid="release-now")
+            release.bind_enabled_from(reason, "value", lambda text: bool((text or "").strip()))
+    dialog.on("hide", dialog.delete)

@@ -1,0 +1,103 @@
+"""Step 1: what the model foretells against what was measured, quantity by quantity."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+from nicegui import ui
+
+from analysis.effects.effect import Effect
+from rigctl.modelling import ALL_EFFECTS
+from rigctl.page.quantities import CHANCE, CHI2, ERROR, PARAMETERS
+from rigctl.page.tables import Cell, Line, chance, facts, with_error
+from rigctl.page.widgets import save_csv
+
+Json = dict[str, Any]
+ALARM = 0.01
+_EFFECTS: dict[str, Effect] = {effect.name: effect for effect in ALL_EFFECTS}
+
+
+def compare(found: Json) -> None:
+    """Place the table of agreement and that of the parameters."""
+    with ui.element("div").classes("panel").props("data-testid=compare"):
+        with ui.element("div").classes("title"):
+            ui.label("1").classes("step")
+            ui.label("Compare")
+            ui.label(
+                f"error now {found['prediction_error']:.3f}, floor 1.000 of the noise"
+            ).classes("aside").tooltip(ERROR).props("data-testid=error-now")
+            ui.space()
+            save_csv(f"{found['campaign']}-agreement", lambda: _rows(found))
+        headings: list[Cell | str] = [
+            "quantity",
+            Cell("χ²/dof", CHI2),
+            Cell("error/noise", ERROR),
+            Cell("error", "Root mean square error of the prediction in the quantity's unit."),
+            "",
+            Cell("p", CHANCE),
+        ]
+        facts(headings, _lines(found), "agreement")
+        facts(["parameter", "value ± σ", ""], _parameters(found), "parameters")
+
+
+def _lines(found: Json) -> list[Line]:
+    lines: list[Line] = []
+    for stage in found["stages"]:
+        lines.append(Line([Cell(stage["stage"], look="left")], "stage"))
+        lines += [_line(row) for row in stage["quantities"]]
+    return lines
+
+
+def _line(row: Json) -> Line:
+    fails = row["p_familywise"] < ALARM
+    hover = (
+        f"{row['count']} numbers; the floor set by the noise is {row['floor']:.3g} {row['unit']}"
+    )
+    per_dof = row["chi2"] / row["degrees_of_freedom"]
+    return Line(
+        [
+            Cell(("▲ " if fails else "") + row["quantity"], hover),
+            f"{per_dof:.2f}",
+            f"{row['error']:.2f}",
+            f"{row['size']:.3g}",
+            Cell(row["unit"], look="left dim"),
+            chance(row["p_familywise"]),
+        ],
+        "fails" if fails else "",
+    )
+
+
+def _parameters(found: Json) -> list[Line]:
+    lines = []
+    for name, value in found["parameters"].items():
+        unit = "" if value["unit"] == "1" else value["unit"]
+        lines.append(Line([_named(name), with_error(value), Cell(unit, look="left dim")]))
+    return lines
+
+
+def _named(name: str) -> Cell:
+    if name in PARAMETERS:
+        about = PARAMETERS[name]
+        return Cell(f"{about.name}, {about.meaning.rstrip('.').lower()}", about.meaning)
+    effect, _, symbol = name.rpartition(".")
+    known = _EFFECTS.get(effect)
+    meaning = next((p.meaning for p in known.parameters if p.symbol == symbol), "") if known else ""
+    return Cell(name, meaning)
+
+
+def _rows(found: Json) -> list[list[object]]:
+    names = ["quantity", "unit", "count", "chi2", "degrees_of_freedom", "error", "size", "floor"]
+    rows: list[list[object]] = [["stage", *names, "p_familywise"]]
+    rows += [
+        [stage["stage"], *(row[name] for name in names), row["p_familywise"]]
+        for stage in found["stages"]
+        for row in stage["quantities"]
+    ]
+    return rows
+
+
+def parsed(points: str) -> Json:
+    """Return the points of a cell, which travel as a text of JSON."""
+    document: Json = json.loads(points)
+    return document

@@ -1,0 +1,101 @@
+"""The verdict in words: what the fit at hand says, and the way that the daemon goes by itself."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from nicegui import ui
+
+from analysis.model.words import doubts, verdict_sentence
+from rigctl.page.model_state import ModelState, Question
+from rigctl.page.widgets import button
+
+Json = dict[str, Any]
+ALARM = 0.01
+STRONG = 0.05
+
+
+class Verdict:
+    """One sentence before any table, and a button that has the whole way gone."""
+
+    def __init__(self, state: ModelState) -> None:
+        self._state = state
+        jobs = state.source.daemon.jobs
+        self._asked = Question(lambda: state.source.ask("explain"), jobs.job)
+        self.show()
+
+    def follow(self) -> None:
+        """Show the answer once it has come."""
+        if self._asked.follow():
+            self.show.refresh()
+
+    @ui.refreshable_method
+    def show(self) -> None:
+        """Place what is known now."""
+        present = self._state.present
+        lead, rest, good = ("Comparing model and measurement …", "", None)
+        if present is not None:
+            lead, rest, good = sentence(present)
+        look = "" if good is None else (" good" if good else " bad")
+        with ui.element("div").classes(f"verdict{look}").props("data-testid=verdict role=status"):
+            with ui.element("div").classes("beside"):
+                ui.label(lead).classes("lead")
+                ui.label(rest)
+                ui.space()
+                self._offer()
+            self._found()
+
+    def _offer(self) -> None:
+        if self._asked.running is not None:
+            ui.spinner(size="sm")
+            ui.label("going the whole way …").classes("aside")
+        elif self._asked.answer is None:
+            placed = button("Find it for me", self._start, testid="explain")
+            placed.tooltip("adds effects, drops them again and judges, until nothing is missing")
+
+    def _found(self) -> None:
+        if self._asked.failure:
+            ui.label(self._asked.failure).classes("note")
+        if self._asked.answer is not None:
+            said = f"By itself: {verdict_sentence(self._asked.answer)}"
+            ui.label(said).props("data-testid=explained")
+            for doubt in doubts(self._asked.answer):
+                ui.label(doubt).classes("note")
+
+    def _start(self) -> None:
+        self._asked.start()
+        self.show.refresh()
+
+
+def sentence(found: Json) -> tuple[str, str, bool]:
+    """Say what a fit leaves open: the point, what goes with it, and whether all is well."""
+    error = f"The error on shots left out is {found['prediction_error']:.3f} of the noise"
+    added = " and ".join(found["with"])
+    fails = [
+        row
+        for stage in found["stages"]
+        for row in stage["quantities"]
+        if row["p_familywise"] < ALARM
+    ]
+    cells = [cell for cell in found["cells"] if cell["p_familywise"] < ALARM]
+    strong = [
+        c
+        for c in found["candidates"]
+        if c["seen"] and c["p_familywise"] < STRONG and c["effect"] not in found["with"]
+    ]
+    if not fails and not cells and not strong:
+        lead = f"With {added} nothing stands out." if added else "Nothing stands out."
+        return lead, f"{error}: these shots show no more than their own noise.", True
+    worst = max(found["cells"], key=lambda cell: cell["deviation"])
+    where = f"most in {worst['channel']} against {worst['covariate']}"
+    lead = f"With {added} something is still missing." if added else "Something is missing."
+    if not strong:
+        return (
+            lead,
+            f"{error}; it shows {where}, and no effect of the catalogue explains it.",
+            False,
+        )
+    best = strong[0]
+    alike = [name for name in best["like"] if name in {c["effect"] for c in strong}]
+    also = f", which these shots do not tell from {' or '.join(alike)}," if alike else ""
+    return lead, f"{error}; it shows {where}. {best['effect']}{also} promises most.", False

@@ -1,0 +1,113 @@
+"""Compare, where it fails, what is missing, add: four steps side by side, and the verdict."""
+
+from __future__ import annotations
+
+from nicegui import ui
+
+from rigctl.page.challenge_panel import ChallengePanel
+from rigctl.page.desk import Desk
+from rigctl.page.layout import TICK_S
+from rigctl.page.model_compare import compare
+from rigctl.page.model_missing import missing
+from rigctl.page.model_next import NextShots
+from rigctl.page.model_path import grown_path
+from rigctl.page.model_state import ModelState
+from rigctl.page.model_verdict import Verdict
+from rigctl.page.model_where import Where
+from rigctl.page.source import Source
+from rigctl.page.widgets import button
+
+
+class ModelView:
+    """The page of one campaign's model. Long work runs as jobs; the page asks how far they are."""
+
+    def __init__(self, desk: Desk, source: Source) -> None:
+        self._desk = desk
+        self._state = ModelState(source)
+        self._state.take(())
+        self._head()
+        self._verdict = Verdict(self._state)
+        ChallengePanel(source)
+        self._busy()
+        self._steps()
+        self._next = NextShots(desk, self._state)
+        ui.timer(TICK_S, self._follow)
+
+    def _follow(self) -> None:
+        job = self._state.waits()
+        self._working.set_visibility(job is not None)
+        if job is not None:
+            self._doing.set_text(f"{job.kind}: {job.progress or job.state} …")
+        if self._state.follow():
+            self._draw()
+        self._verdict.follow()
+        self._next.follow()
+
+    def _draw(self) -> None:
+        self._head.refresh()
+        self._verdict.show.refresh()
+        self._steps.refresh()
+        self._next.show.refresh()
+
+    def _take(self, effects: tuple[str, ...]) -> None:
+        self._state.take(effects)
+        self._draw()
+
+    def _add(self, name: str) -> None:
+        self._take((*self._state.effects, name))
+
+    @ui.refreshable_method
+    def _head(self) -> None:
+        state = self._state
+        with ui.element("div").classes("head"):
+            ui.html(f"<h1>{state.source.title}</h1>", sanitize=True)
+            if state.present is not None:
+                ui.label(_counted(state.present)).classes("aside").props("data-testid=counted")
+            ui.space()
+            ui.label("model").classes("aside")
+            ui.label("gravity").classes("pill").tooltip("free flight between frames")
+            ui.label("Walton e, μ, β₀").classes("pill").tooltip(
+                "sticking contacts return β₀ of the surface velocity, sliding ones lose μ (1 + e) "
+                "of the normal velocity"
+            )
+            for name in state.effects:
+                with ui.element("span").classes("pill added"):
+                    ui.label(f"+ {name}")
+                    rest = tuple(effect for effect in state.effects if effect != name)
+                    undo = ui.element("button").props(f'aria-label="remove {name}"')
+                    undo.on("click", lambda rest=rest: self._take(rest))
+                    with undo:
+                        ui.label("×")
+
+    def _busy(self) -> None:
+        self._working = ui.element("div").classes("busy").props("data-testid=busy role=status")
+        with self._working:
+            ui.spinner(size="sm")
+            self._doing = ui.label()
+
+    @ui.refreshable_method
+    def _steps(self) -> None:
+        state = self._state
+        if state.failure:
+            with ui.element("div").classes("verdict bad").props("data-testid=failure"):
+                ui.label(state.failure)
+                button("Ask again", lambda: self._take(state.effects))
+        known = state.path()
+        if not known:
+            return
+        shown = state.present or known[-1]
+        with ui.element("div").classes("columns model"):
+            with ui.element("div").classes("stack"):
+                compare(shown)
+                grown_path(state, self._take)
+            with ui.element("div").classes("stack"):
+                Where(self._desk, state, shown)
+                missing(shown, self._add, waiting=state.present is None)
+
+
+def _counted(found: dict[str, object]) -> str:
+    shots, rejected = found["shots"], found["rejected"]
+    text = f"{shots} shots used"
+    if isinstance(rejected, list) and rejected:
+        text += f", left out as too far from the rest: {', '.join(map(str, rejected))}"
+    return text

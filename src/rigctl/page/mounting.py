@@ -1,0 +1,38 @@
+"""Puts the page beside the REST application, in one server."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from fastapi import FastAPI
+from nicegui import ui
+from starlette.types import ASGIApp
+
+from rigctl.daemon import Daemon
+from rigctl.page.campaign_pages import campaign_pages
+from rigctl.page.desk import Desk
+from rigctl.page.door import PageDoor
+from rigctl.page.feed import Feed
+from rigctl.page.film import film_route
+from rigctl.page.model_pages import model_pages
+from rigctl.page.rig_page import rig_page
+from rigctl.page.shot_pages import shot_pages
+from rigctl.page.sweep_pages import sweep_pages
+from rigctl.service.lanes import Lanes
+
+STYLE = Path(__file__).with_name("style.css")
+
+
+def with_page(api: FastAPI, daemon: Daemon, key: str) -> ASGIApp:
+    """Return what a server runs: the page for those with a session, REST for those with the key.
+
+    Called once in a process: pages are registered in the page library's one table.
+    """
+    desk = Desk(daemon, Lanes(), Feed(daemon))
+    ui.add_css(STYLE, shared=True)
+    for register in (rig_page, shot_pages, sweep_pages, campaign_pages, model_pages):
+        register(desk)
+    shell = FastAPI(openapi_url=None, lifespan=api.router.lifespan_context)
+    film_route(shell, desk)
+    ui.run_with(shell, title="rigctl", dark=None, tailwind=False, show_welcome_message=False)
+    return PageDoor(api, shell, key)

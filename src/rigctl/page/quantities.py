@@ -1,0 +1,81 @@
+"""What each quantity is and in which unit: the words that the page shows on hover."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Quantity:
+    """A quantity as a table names it, with its unit (empty for a ratio) and its definition."""
+
+    name: str
+    unit: str
+    meaning: str
+
+
+COEFFICIENTS = {
+    "v_n": Quantity(
+        "v_n",
+        "m/s",
+        "Normal relative velocity before contact, (V_b - V_a) · n at the point of contact, with n "
+        "from a to b: negative while the spheres approach (section 7.1).",
+    ),
+    "v_s": Quantity(
+        "v_s",
+        "m/s",
+        "Surface velocity before contact: how fast the two surfaces slide over each other at the "
+        "point of contact, spin included; a length (section 7.1).",
+    ),
+    "v_n_after": Quantity(
+        "v_n′", "m/s", "Normal relative velocity after contact; positive while they part."
+    ),
+    "v_s_after": Quantity(
+        "v_s′",
+        "m/s",
+        "Surface velocity after contact along the direction it had before; negative when the "
+        "surfaces have turned their sliding about.",
+    ),
+    "e": Quantity("e", "", "Normal restitution, -v_n′ / v_n: 1 loses nothing, 0 sticks."),
+    "beta": Quantity(
+        "β", "", "Tangential restitution, -v_s′ / v_s: 1 reverses the sliding, -1 leaves it."
+    ),
+}
+PARAMETERS = {
+    "e": Quantity("e", "", "Normal restitution of the model."),
+    "mu": Quantity("μ", "", "Coulomb's coefficient of sliding friction in the contact."),
+    "beta0": Quantity("β₀", "", "Tangential restitution of contacts that stick (Walton)."),
+}
+SETTINGS = {
+    "pressure_a_kpa": Quantity(
+        "Pressure a", "kPa", "Gauge pressure of the pusher of sphere a; it sets the speed."
+    ),
+    "pressure_b_kpa": Quantity(
+        "Pressure b", "kPa", "Gauge pressure of the pusher of sphere b; it sets the speed."
+    ),
+    "offset_mm": Quantity(
+        "Offset",
+        "mm",
+        "Vertical offset of tube b below tube a. At 0 the spheres meet head on; near a diameter "
+        "(25.4 mm) they graze.",
+    ),
+    "delay_us": Quantity("Delay of b", "µs", "Pusher b fires this much later than pusher a."),
+    "angle_a_deg": Quantity("Tilt a", "°", "Tilt of tube a below the horizontal."),
+    "angle_b_deg": Quantity("Tilt b", "°", "Tilt of tube b below the horizontal."),
+}
+CHI2 = (
+    "Sum of the squared residuals in units of their noise, by degree of freedom. 1 is what noise "
+    "alone gives."
+)
+ERROR = (
+    "Root mean square error of the prediction in units of the measurement's own noise. 1 is the "
+    "floor: nothing can predict better than what it is compared with is known."
+)
+CHANCE = "Chance that noise alone does as much, with all lines looked at."
+FALL = "By how much χ² would fall if this effect were added."
+SCORE = "Root of the fall of χ² that the effect promises: standard deviations of its amplitude."
+PLAUSIBLE = "The range that is believed on this rig. Outside it the effect is doubted, not hidden."
+LIKE = (
+    "Effects with one letter do the same to these shots (correlation above 0.9): only other shots "
+    "tell them apart."
+)

@@ -1,0 +1,169 @@
+"""The rig: the next shot, what holds it back, and what the last one showed."""
+
+from __future__ import annotations
+
+from datetime import datetime
+
+from nicegui import ui
+
+from rigctl.config import Limits
+from rigctl.page.desk import Desk
+from rigctl.page.feed import Feed
+from rigctl.page.layout import TICK_S, sheet
+from rigctl.page.order_form import OrderForm, words
+from rigctl.page.shot_view import coefficients, film, result_of
+from rigctl.page.tables import Cell, Line, facts_html
+from rigctl.rig.interlocks import Interlock
+from rigctl.rig.status import RigStatus
+
+SHOWN_EVENTS = 14
+
+
+def rig_page(desk: Desk) -> None:
+    """Register the page at `/`."""
+
+    @ui.page("/")
+    def page() -> None:
+        with sheet(desk, "Rig", "/"):
+            for warning in desk.daemon.rig.status().warnings:
+                ui.label(warning).classes("verdict bad")
+            with ui.element("div").classes("columns rig"):
+                with ui.element("div").classes("stack"):
+                    _order(desk)
+                    _interlocks(desk)
+                with ui.element("div").classes("panel"):
+                    last = LastShot(desk)
+                with ui.element("div").classes("stack"):
+                    with ui.element("div").classes("panel"):
+                        last.beside()
+                    _events(desk.feed)
+
+
+class LastShot:
+    """Film and coefficients of the shot fired last; drawn anew whenever it gets further."""
+
+    def __init__(self, desk: Desk) -> None:
+        self._desk = desk
+        self._seen = self._stands()
+        self.film()
+        ui.timer(TICK_S, self._follow)
+
+    @ui.refreshable_method
+    def film(self) -> None:
+        """Place its film, with what it was fired with."""
+        shot = self._desk.daemon.rig.status().last_shot
+        with ui.element("div").classes("title"):
+            ui.label("Last shot" if shot is None else f"Shot {shot.number}")
+            if shot is not None:
+                ui.label(f"{shot.state}, {words(shot.settings)}").classes("aside")
+                ui.link("open", f"/shots/{shot.id}").classes("aside")
+        if shot is None:
+            ui.label(
+                "No shot has been fired yet. Choose pressure and offset on the left, press Arm, "
+                "then Fire: film and coefficients appear here."
+            ).classes("empty")
+            return
+        film(self._desk, shot, result_of(self._desk, shot))
+
+    @ui.refreshable_method
+    def beside(self) -> None:
+        """Place its coefficients."""
+        shot = self._desk.daemon.rig.status().last_shot
+        ui.label("Coefficients").classes("title")
+        if shot is None:
+            ui.label("Measured a few seconds after the first shot.").classes("empty")
+            return
+        coefficients(shot, result_of(self._desk, shot))
+
+    def _stands(self) -> object:
+        shot = self._desk.daemon.rig.status().last_shot
+        return None if shot is None else (shot.id, shot.state, shot.results)
+
+    def _follow(self) -> None:
+        stands = self._stands()
+        if stands != self._seen:
+            self._seen = stands
+            self.film.refresh()
+            self.beside.refresh()
+
+
+def _order(desk: Desk) -> None:
+    with ui.element("div").classes("panel"):
+        ui.label("Next shot").classes("title")
+        form = OrderForm(desk)
+    form.show(desk.daemon.rig.status())
+    ui.timer(TICK_S, lambda: form.show(desk.daemon.rig.status()))
+
+
+def _interlocks(desk: Desk) -> None:
+    limits = desk.daemon.configuration.limits
+    with ui.element("div").classes("panel"):
+        ui.label("Interlocks").classes("title")
+        said = ui.label().classes("note")
+        table = ui.html("", sanitize=False).props("data-testid=interlocks").classes("wide")
+
+    def show() -> None:
+        status = desk.daemon.rig.status()
+        said.set_text(_read_when(status, limits))
+        table.set_content(_interlock_table(status))
+
+    show()
+    ui.timer(TICK_S * 5, show)
+
+
+def _read_when(status: RigStatus, limits: Limits) -> str:
+    if not status.interlocks:
+        return "All conditions that must hold before a fire. They are read when the rig is armed."
+    age = max(each.age_s(status.read_at) for each in status.interlocks)
+    if age <= limits.reading_max_age_s:
+        return "As read just now."
+    return "As read at the last arming, not as they stand now; arming reads them anew."
+
+
+def _interlock_table(status: RigStatus) -> str:
+    lines = [_interlock(each, status.read_at) for each in status.interlocks]
+    return facts_html(["condition", "found", Cell("age", "since it was read")], lines)
+
+
+def _interlock(found: Interlock, now: float) -> Line:
+    value = f"{found.value:.4g}" if isinstance(found.value, float) else found.value
+    unit = f" {found.unit}" if found.unit else ""
+    name = f"{'●' if found.holds else '▲'} {found.name.replace('_', ' ')}"
+    hover = f"{found.sentence()}"
+    text = f"{value}{unit} of {found.limit}{unit}" if "±" in found.limit else f"{value}{unit}"
+    return Line(
+        [Cell(name, hover), text, Cell(_age(found.age_s(now)), look="dim")],
+        "" if found.holds else "fails",
+    )
+
+
+def _age(seconds: float) -> str:
+    if seconds < 60:
+        return f"{seconds:.0f} s"
+    return f"{seconds / 60:.0f} min" if seconds < 3600 else f"{seconds / 3600:.0f} h"
+
+
+def _events(feed: Feed) -> None:
+    with ui.element("div").classes("panel"):
+        ui.label("Events").classes("title")
+        listed = ui.element("div").classes("happenings").props("data-testid=events")
+    shown = -1
+
+    def show() -> None:
+        nonlocal shown
+        if feed.last == shown:
+            return
+        shown = feed.last
+        listed.clear()
+        with listed:
+            for one in feed.latest(SHOWN_EVENTS):
+                ui.label(_clock(one.at)).classes("at")
+                ui.label(one.text).classes("what")
+
+    show()
+    ui.timer(TICK_S, show)
+
+
+def _clock(at: datetime) -> str:
+    """Return the time of day where the daemon runs."""
+    return f"{at.astimezone():%H:%M:%S}"

@@ -1,0 +1,77 @@
+"""One shot as pages show it: what became of it, its film and its coefficients."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from nicegui import ui
+
+from rigctl.errors import NotFoundError, RigError
+from rigctl.page.desk import Desk
+from rigctl.page.overlay import Overlays
+from rigctl.page.player import Player
+from rigctl.page.quantities import COEFFICIENTS
+from rigctl.page.tables import facts, measured
+from rigctl.store import ShotRecord, ShotState
+
+Json = Mapping[str, Any]
+WAITED_FOR = {
+    ShotState.ACCEPTED: "accepted; the rig is about to fire",
+    ShotState.FIRING: "firing",
+    ShotState.CAPTURING: "the frames come in",
+    ShotState.STORED: "the frames are on disk; its analysis waits",
+    ShotState.ANALYSING: "its frames are being analysed",
+}
+
+
+def result_of(desk: Desk, shot: ShotRecord) -> Json:
+    """Return the latest result of a shot, empty while there is none."""
+    try:
+        return desk.daemon.store.result(shot.id)
+    except NotFoundError:
+        return {}
+
+
+def film(
+    desk: Desk, shot: ShotRecord, result: Json, *, start: int | None = None, keys: bool = False
+) -> None:
+    """Place the film of a shot, or say why there is none.
+
+    It begins at frame `start`; without it where the shot was refused, or at the contact.
+    """
+    if not shot.frames:
+        waiting = WAITED_FOR.get(shot.state, shot.failure or "no frames were stored")
+        ui.label(f"No film: {waiting}.").classes("empty")
+        return
+    try:
+        about = desk.daemon.store.folders.manifest(shot.id)["frames"]
+    except RigError as error:
+        ui.label(error.sentence()).classes("empty")
+        return
+    _, rows, columns = about["shape"]
+    if start is None and result.get("status") == "refused":
+        start = result.get("frame")
+    Player(shot, (columns, rows), Overlays.of(result), about["times_s"], start=start, keys=keys)
+
+
+def coefficients(shot: ShotRecord, result: Json) -> None:
+    """Place the table of coefficients, or say what is waited for or why there are none."""
+    if result.get("status") == "measured":
+        lines = [measured(COEFFICIENTS[name], result[name]) for name in COEFFICIENTS]
+        facts(["quantity", "value ± σ", ""], lines, "coefficients")
+        return
+    if why := refusal(shot, result):
+        with ui.element("div").classes("verdict bad").props("data-testid=refusal"):
+            ui.label("Not measured.").classes("lead")
+            ui.label(why)
+        return
+    ui.label(f"{WAITED_FOR.get(shot.state, str(shot.state))} …".capitalize()).classes("empty")
+
+
+def refusal(shot: ShotRecord, result: Json) -> str:
+    """Say why a shot has no coefficients, with step and frame; empty if nothing refused it."""
+    if result.get("status") == "refused":
+        place = f", frame {result['frame']}" if "frame" in result else ""
+        return f"Refused at the step “{result['step']}”{place}: {result['reason']}."
+    return shot.failure or ""

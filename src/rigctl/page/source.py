@@ -1,0 +1,89 @@
+"""Where a model's shots come from: a campaign of the store, or a folder such as a challenge's."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote
+
+from rigctl.campaigns import measured_files
+from rigctl.daemon import Daemon
+from rigctl.errors import AnalysisInputError
+from rigctl.jobs import Job, in_process
+from rigctl.modelling import effect_named, request
+
+Json = dict[str, Any]
+FUNCTIONS = "rigctl.modelling"
+LOOKED_AT = ("campaign.toml", "shots.csv", "poses.csv")
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """Shots to be fitted; `folder` is None for a campaign of the store."""
+
+    daemon: Daemon = field(repr=False)
+    title: str
+    folder: Path | None = None
+
+    @classmethod
+    def of_folder(cls, daemon: Daemon, path: str) -> Source:
+        """Return a campaign's folder as a source.
+
+        Raises
+        ------
+        AnalysisInputError
+            No campaign lies there.
+        """
+        folder = Path(path).expanduser().absolute()
+        if not (folder / LOOKED_AT[0]).is_file():
+            raise AnalysisInputError(
+                f"is no campaign's folder, as it has no {LOOKED_AT[0]}",
+                part=path,
+                todo="name a folder that `rigctl challenge new` or `rigctl analyse --out` wrote",
+            )
+        return cls(daemon, folder.name, folder)
+
+    @property
+    def address(self) -> str:
+        """Where the page of its model is."""
+        if self.folder is None:
+            return f"/model/{self.title}"
+        return f"/model?folder={quote(str(self.folder))}"
+
+    def ask(self, kind: str, effects: Sequence[str] = (), **more: object) -> Job:
+        """Return the job that answers a question about these shots as they are measured now.
+
+        Parameters
+        ----------
+        kind
+            Name of a function of `rigctl.modelling`, without `_job`.
+        effects
+            Added to the base model, in their order.
+        more
+            What the function asks for besides.
+
+        Raises
+        ------
+        NotFoundError
+            No effect has that name, or no shot is measured.
+        JobsFullError
+            Too many jobs wait.
+        """
+        for name in effects:
+            effect_named(name)
+        asked, stands = self._asked(effects)
+        named = (kind, self.title, *effects, repr(more), stands)
+        work = in_process(f"{FUNCTIONS}:{kind}_job", {**asked, **more})
+        return self.daemon.jobs.submit(kind, self.title, work, named)
+
+    def _asked(self, effects: Sequence[str]) -> tuple[Json, Hashable]:
+        """Return the question, and what changes when the shots do."""
+        if self.folder is None:
+            files = measured_files(self.daemon.store, self.title)
+            return request(self.title, files, effects), tuple(files)
+        there = [path for name in LOOKED_AT if (path := self.folder / name).exists()]
+        stands = tuple((path.name, path.stat().st_mtime_ns) for path in there)
+        asked = request(self.title, [], effects)
+        return {**asked, "folder": str(self.folder)}, (str(self.folder), stands)
