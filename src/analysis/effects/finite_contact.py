@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -13,6 +14,8 @@ PLANE_MODULUS = 3.0e9 / (1.0 - 0.4**2)
 """Pa, E / (1 - nu^2) of nylon: what a = 1 stands for."""
 LEAST_SPEED = 0.02
 """m/s; a slower contact is taken to last as long as at this speed."""
+Striking = Callable[[Operator, Encounter, Encounter], Outcome]
+"""Lets an operator act, given the encounter at first touch and that about the mean normal."""
 PASSES = 3
 """Of the direction of the impulse, which depends on the impulse itself."""
 
@@ -20,19 +23,47 @@ PASSES = 3
 def wrap(operator: Operator, values: Values) -> Operator:
     """Let the operator act about the mean normal of the contact, and the spheres leave later.
 
-    The normal of a plate does not turn: there nothing changes.
+    Friction acts against the slip at first touch. About the mean normal part of the approach would
+    count as slip; but the approach turns into a rebound while the normal turns, and the two nearly
+    cancel. The normal of a plate does not turn: there nothing changes.
     """
+    return _lasting(operator, values, _as_touched)
 
+
+def wrap_as_it_turns(operator: Operator, values: Values) -> Operator:
+    """Do the same with the slip about the mean normal, which springs of a contact follow."""
+    return _lasting(operator, values, _as_it_turns)
+
+
+def _lasting(operator: Operator, values: Values, struck: Striking) -> Operator:
     def changed(encounter: Encounter) -> Outcome:
-        if encounter.bodies[1].is_plate:
+        if encounter.bodies[1].is_plate or values[0] == 0.0:
             return operator(encounter)
         lasts = values[0] * hertz_time(encounter) * _damped(encounter.e)
         outcome = operator(encounter)
         for _ in range(PASSES):
-            outcome = operator(_about_mean_normal(encounter, outcome, lasts))
-        return _leaving(encounter, outcome, lasts)
+            mean = _about_mean_normal(encounter, outcome, lasts)
+            outcome = struck(operator, encounter, mean)
+        return _leaving(encounter, _with_short_levers(encounter, outcome, lasts), lasts)
 
     return changed
+
+
+def _as_it_turns(operator: Operator, first: Encounter, mean: Encounter) -> Outcome:
+    del first
+    return operator(mean)
+
+
+def _as_touched(operator: Operator, first: Encounter, mean: Encounter) -> Outcome:
+    """Let the operator meet the first slip, laid into the mean plane, and take it out again."""
+    slip = first.sliding
+    laid = slip - (slip * mean.normal).sum(axis=1, keepdims=True) * mean.normal
+    length = np.sqrt(np.maximum((laid**2).sum(axis=1), 1e-30))
+    extra = laid * (first.sliding_speed / length)[:, None] - mean.sliding
+    moved = replace(mean.before, velocity_b=mean.before.velocity_b + extra)
+    outcome = operator(replace(mean, before=moved))
+    after = replace(outcome.after, velocity_b=outcome.after.velocity_b - extra)
+    return replace(outcome, after=after)
 
 
 def hertz_time(encounter: Encounter) -> Floats:
@@ -64,16 +95,45 @@ def _damped(e: Floats) -> Floats:
 
 def _about_mean_normal(encounter: Encounter, outcome: Outcome, lasts: Floats) -> Encounter:
     """Return the encounter about the force's mean normal, with the size of impulse corrected."""
-    distance = encounter.bodies[0].radius + encounter.bodies[1].radius
+    distance = _mean_distance(encounter, lasts)
     first, last = _crosswise(encounter, outcome)
     # 1/9: mean share of a sliding contact's tangential impulse times time, for a sin^1.5 pulse.
     moved = centroid(encounter.e)[:, None] * first + (last - first) / 9
-    tilted = replace(encounter, normal=_turned(encounter.normal, moved * lasts[:, None] / distance))
+    tilted = replace(
+        encounter, normal=_turned(encounter.normal, moved * (lasts / distance)[:, None])
+    )
     turning = (first * (first + last)).sum(axis=1) * lasts / distance
     held = encounter.approach - 0.25 * turning
     stated = tilted.approach
     ratio = np.where(stated > LEAST_SPEED, held.clip(min=0.0) / stated.clip(min=LEAST_SPEED), 1.0)
     return replace(tilted, e=encounter.e + (1 + encounter.e) * (ratio - 1))
+
+
+def _overlap(encounter: Encounter, lasts: Floats) -> Floats:
+    """Return the deepest overlap, m: v_n t_c / 2.94 (Hertz), shape (S,)."""
+    return np.asarray(encounter.approach.clip(min=LEAST_SPEED) * lasts / 2.9432)
+
+
+def _mean_distance(encounter: Encounter, lasts: Floats) -> Floats:
+    """Return how far apart the centres are while they turn, m: the radii less the mean overlap.
+
+    The overlap goes as sin(pi t / t_c), 2 / pi of its largest in the mean.
+    """
+    a, b = encounter.bodies
+    return np.asarray(a.radius + b.radius - 2 / np.pi * _overlap(encounter, lasts))
+
+
+def _with_short_levers(encounter: Encounter, outcome: Outcome, lasts: Floats) -> Outcome:
+    """Return the outcome with spins changed at the levers that are left: half the overlap is gone.
+
+    Weighted with the force, as sin^(3/2), the overlap is 0.823 of its largest.
+    """
+    before, after = encounter.before, outcome.after
+    half = 0.823 / 2 * _overlap(encounter, lasts)[:, None]
+    a, b = encounter.bodies
+    spin_a = after.spin_a - half / a.radius * (after.spin_a - before.spin_a)
+    spin_b = after.spin_b - half / b.radius * (after.spin_b - before.spin_b)
+    return replace(outcome, after=replace(after, spin_a=spin_a, spin_b=spin_b))
 
 
 def _leaving(encounter: Encounter, outcome: Outcome, lasts: Floats) -> Outcome:
@@ -113,29 +173,45 @@ def _turned(normal: Floats, angle: Floats) -> Floats:
     return np.asarray(normal * np.cos(size) + angle * np.sinc(size / np.pi))
 
 
-EFFECT = ContactEffect(
-    name="finite-contact",
-    title="Finite contact duration",
-    parameters=(
-        Parameter(
-            symbol="a",
-            unit="1",
-            meaning="duration of contact in Hertz's for 3 GPa and Poisson's ratio 0.4",
-            plausible=(0.0, 1.5),
-            one_sided=True,
+def effect_with(
+    title: str,
+    wrapped: Callable[[Operator, Values], Operator],
+    variants: tuple[ContactEffect, ...] = (),
+) -> ContactEffect:
+    """Return the effect with one way to count the slip that friction reverses."""
+    return ContactEffect(
+        name="finite-contact",
+        title=title,
+        parameters=(
+            Parameter(
+                symbol="a",
+                unit="1",
+                meaning="duration of contact in Hertz's for 3 GPa and Poisson's ratio 0.4",
+                plausible=(0.0, 1.5),
+                one_sided=True,
+            ),
         ),
-    ),
-    formula=(
-        "impulse (1 + e) m* [v_n - v_t (v_t + v_t') t_c / (4 D)] about "
-        "n + (c v_t + dv_t / 9) t_c / D, "
-        "separation at t_c = a t_Hertz(v_n) along the line of centres turned meanwhile"
-    ),
-    source=(
-        "P. Mueller and T. Poeschel, Granular Matter 14, 115 (2012); centroid c of the impulse "
-        "and prolongation by damping from the contact law of Y. Tsuji, T. Tanaka and T. Ishida, "
-        "Powder Technol. 71, 239 (1992)"
-    ),
-    gives_away="oblique shots: e too small by (1 + e) v_t^2 t_c / (2 D v_n), centres leave late",
-    confused_with=("image-scale", "radius-mismatch", "restitution-obliquity", "pixel-aspect"),
-    wrap=wrap,
+        formula=(
+            "impulse (1 + e) m* [v_n - v_t (v_t + v_t') t_c / (4 D)] about "
+            "n + (c v_t + dv_t / 9) t_c / D, "
+            "separation at t_c = a t_Hertz(v_n) along the line of centres turned meanwhile"
+        ),
+        source=(
+            "P. Mueller and T. Poeschel, Granular Matter 14, 115 (2012); centroid c of the "
+            "impulse and prolongation by damping from the contact law of Y. Tsuji, T. Tanaka and "
+            "T. Ishida, Powder Technol. 71, 239 (1992)"
+        ),
+        gives_away=(
+            "oblique shots: e too small by (1 + e) v_t^2 t_c / (2 D v_n), centres leave late"
+        ),
+        confused_with=("image-scale", "radius-mismatch", "restitution-obliquity", "pixel-aspect"),
+        wrap=wrapped,
+        variants=variants,
+    )
+
+
+EFFECT = effect_with(
+    "Finite contact duration",
+    wrap,
+    (effect_with("Finite contact duration, slip as it turns", wrap_as_it_turns),),
 )
