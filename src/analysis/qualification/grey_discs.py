@@ -148,13 +148,19 @@ def _gather(frames: NDArray[np.uint8], starts: list[Place], *, shaded: bool) -> 
     )
 
 
+def _offsets(pixels: _Pixels, shape: _Shape) -> tuple[Floats, Floats]:
+    """Return row and column of each pixel from its disc's centre, in radii."""
+    u = (pixels.row - shape.centres[pixels.frame, 0]) / shape.radius
+    v = (pixels.column - shape.centres[pixels.frame, 1]) / shape.radius
+    return u, v
+
+
 def _linear(pixels: _Pixels, shape: _Shape) -> Floats:
     """Return what multiplies the linear unknowns: background, then the disc's brightness.
 
     Shape (pixels, unknowns).
     """
-    u = (pixels.row - shape.centres[pixels.frame, 0]) / shape.radius
-    v = (pixels.column - shape.centres[pixels.frame, 1]) / shape.radius
+    u, v = _offsets(pixels, shape)
     table = blurred_profiles(shape.blur).values
     rho = np.hypot(u, v)
     place = np.minimum(rho * STEPS_PER_RADIUS, len(table) - 1.001)
@@ -195,17 +201,17 @@ def _equations(pixels: _Pixels, shape: _Shape) -> tuple[Floats, Floats]:
         difference = _linear(pixels, ahead) - _linear(pixels, behind)
         return np.asarray(difference @ best / apart)
 
-    def nudged(row: float, column: float, radius: float, blur: float) -> _Shape:
-        centres = shape.centres + np.array([row, column])
-        return _Shape(centres, shape.radius + radius, shape.blur + blur)
+    def nudged(row: float, column: float, blur: float) -> _Shape:
+        return _Shape(shape.centres + np.array([row, column]), shape.radius, shape.blur + blur)
 
     h = NUDGE_PX
-    count = len(pixels.grey)
-    own = np.zeros((count, 2 * len(shape.centres)))
-    every = np.arange(count)
-    own[every, 2 * pixels.frame] = slope(nudged(h, 0, 0, 0), nudged(-h, 0, 0, 0), 2 * h)
-    own[every, 2 * pixels.frame + 1] = slope(nudged(0, h, 0, 0), nudged(0, -h, 0, 0), 2 * h)
-    by_radius = slope(nudged(0, 0, h, 0), nudged(0, 0, -h, 0), 2 * h)
-    by_blur = slope(nudged(0, 0, 0, NUDGE_BLUR), shape, NUDGE_BLUR)
-    common = np.stack([by_radius, by_blur], 1)
+    by_row = slope(nudged(h, 0, 0), nudged(-h, 0, 0), 2 * h)
+    by_column = slope(nudged(0, h, 0), nudged(0, -h, 0), 2 * h)
+    by_blur = slope(nudged(0, 0, NUDGE_BLUR), shape, NUDGE_BLUR)
+    # The picture depends on place and radius through their quotient alone.
+    u, v = _offsets(pixels, shape)
+    common = np.stack([u * by_row + v * by_column, by_blur], 1)
+    own = np.zeros((len(u), 2 * len(shape.centres)))
+    every = np.arange(len(u))
+    own[every, 2 * pixels.frame], own[every, 2 * pixels.frame + 1] = by_row, by_column
     return np.concatenate([common, own, linear], 1), pixels.grey - linear @ best

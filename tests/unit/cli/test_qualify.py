@@ -63,20 +63,22 @@ def test_the_depth_gives_every_velocity_with_and_without_the_mirror(
     (shot,) = found["shots"]
     assert set(shot) == set(found["thesis"])
     assert found["refused"] == []
+    for name in ("v_n", "v_n_after", "e"):
+        assert 0.0 < abs(shot[name]) < 0.01
     assert (tmp_path / "depth.png").exists()
 
 
 def test_a_person_gets_a_table(capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.run(["qualify", "disk", "--method", "thesis"]) == 0
+    assert cli.run(["qualify", "drop", "--method", "thesis"]) == 0
     said = capsys.readouterr().out
-    assert "thesis, table 6.2" in said
-    assert "41.874" in said
+    assert "thesis, table 6.1     10      384.47             0.89" in said
+    assert "ours, thesis" in said
 
 
 def test_a_folder_that_cannot_be_written_is_said(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     (tmp_path / "file").write_text("")
-    arguments = ["qualify", "disk", "--method", "thesis", "--out", str(tmp_path / "file" / "out")]
+    arguments = ["qualify", "drop", "--method", "thesis", "--out", str(tmp_path / "file" / "out")]
     assert cli.run(arguments) == cli.REFUSED
     assert "choose another folder" in capsys.readouterr().err

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from analysis.errors import ShotRefusedError
-from analysis.qualification.depth import QUANTITIES, BothWays, measure_both_ways, typical_errors
+from analysis.qualification.depth import measure_both_ways
 from analysis.qualification.disk import disk_markers, measure_disk, plane_angle
 from analysis.qualification.drop import gravity, measure_fall
 from analysis.qualification.locating import find_disc, locate
@@ -102,16 +102,6 @@ def test_a_circle_that_is_not_there_is_refused_by_the_hough_transform() -> None:
     frames = np.full((1, 96, 120), 40, np.uint8)
     with pytest.raises(ShotRefusedError, match="finds no circle"):
         locate(frames, [(48.0, 60.0, 20.0)], "aht")
-
-
-def test_a_constant_z_changes_the_normal_velocities_by_less_than_a_per_cent() -> None:
-    filmed = filmed_shot(0, 0)
-    both = measure_both_ways(filmed.frames, filmed.times_s, setup_of(filmed), "thesis")
-    assert isinstance(both, BothWays)
-    errors = typical_errors([both])
-    assert set(errors) == set(QUANTITIES)
-    for name in ("v_n", "v_n_after", "e"):
-        assert 0.0 < errors[name][0] == errors[name][1] < 0.01
 
 
 def test_frames_that_show_nothing_refuse_both_ways() -> None:
