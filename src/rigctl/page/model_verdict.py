@@ -39,9 +39,9 @@ class Verdict:
         look = "" if good is None else (" good" if good else " bad")
         with ui.element("div").classes(f"verdict{look}").props("data-testid=verdict role=status"):
             with ui.element("div").classes("beside"):
-                ui.label(lead).classes("lead")
-                ui.label(rest)
-                ui.space()
+                with ui.element("div").classes("said"):
+                    ui.label(lead).classes("lead")
+                    ui.label(rest)
                 self._offer()
             self._found()
 

@@ -27,10 +27,10 @@ class ModelView:
         self._state.take(())
         self._head()
         self._verdict = Verdict(self._state)
-        ChallengePanel(source)
         self._busy()
         self._steps()
         self._next = NextShots(desk, self._state)
+        ChallengePanel(source)
         ui.timer(TICK_S, self._follow)
 
     def _follow(self) -> None:
@@ -98,8 +98,8 @@ class ModelView:
         shown = state.present or known[-1]
         with ui.element("div").classes("columns model"):
             with ui.element("div").classes("stack"):
-                compare(shown)
                 grown_path(state, self._take)
+                compare(shown)
             with ui.element("div").classes("stack"):
                 Where(self._desk, state, shown)
                 missing(shown, self._add, waiting=state.present is None)

@@ -158,7 +158,11 @@ def residuals(points: Json, title: str) -> Json:
         [scatter, band, mean],
         330,
         f"{title}-residuals",
-        xaxis={"title": {"text": points["x_label"]}, "zeroline": False},
+        margin={"l": 56, "r": 12, "t": 12, "b": 58},
+        xaxis={
+            "title": {"text": points["x_label"].replace(", ", "<br>"), "font": {"size": 11.5}},
+            "zeroline": False,
+        },
         yaxis={"title": {"text": f"residual, {points['unit']}"}, "automargin": True},
     )
 
@@ -184,7 +188,7 @@ def error_path(labels: Sequence[str], errors: Sequence[float], bars: Sequence[fl
                 "cliponaxis": False,
             }
         ],
-        236,
+        204,
         "error-path",
         margin={"l": 52, "r": 14, "t": 10, "b": 46},
         shapes=[
