@@ -4,18 +4,25 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from analysis.document import overlay_document, shot_document
 from analysis.model.gather import measured_poses
 from analysis.setup import CameraSetup, Setup, SphereSetup
-from analysis.shot import AnalysisOptions, MeasuredShot, analyse_shot
+from analysis.shot import AnalysisOptions, MeasuredShot, RefusedShot, analyse_shot
 from analysis.slow_errors import slow_errors
 from rigctl.stored_poses import poses_document
 
+if TYPE_CHECKING:
+    from analysis.photometric.appearance import Knowledge
+
 Json = dict[str, Any]
+KEPT_SETUPS = 4
+_LEARNED: dict[Setup, Knowledge] = {}
+"""Of the set-ups analysed last in this process, which lives as long as the daemon."""
 
 
 def analyse_stored_shot(folder: Path, method: str) -> Json:
@@ -40,7 +47,7 @@ def analyse_stored_shot(folder: Path, method: str) -> Json:
     frames = np.load(folder / "frames.npy", allow_pickle=False)
     times_s = np.array(manifest["frames"]["times_s"])
     options = AnalysisOptions(method="photometric" if method == "photometric" else "thesis")
-    shot = analyse_shot(frames, times_s - times_s[:1], setup_of(manifest), options)
+    shot = measured(frames, times_s - times_s[:1], setup_of(manifest), options)
     document = {**about, **shot_document(shot)}
     if isinstance(shot, MeasuredShot):
         document["poses"] = poses_document(measured_poses(shot))
@@ -52,6 +59,22 @@ def analyse_stored_shot(folder: Path, method: str) -> Json:
         }
         document["overlay"] = overlay_document(shot)
     return document
+
+
+def measured(
+    frames: NDArray[np.uint8], times_s: NDArray[np.float64], setup: Setup, options: AnalysisOptions
+) -> MeasuredShot | RefusedShot:
+    """Measure a shot with what this process has learned of the spheres of its set-up.
+
+    The first shot teaches the photometric method; those that follow are only followed. One that
+    shows other spheres is learned from anew.
+    """
+    shot = analyse_shot(frames, times_s, setup, options, _LEARNED.get(setup))
+    if isinstance(shot, MeasuredShot) and shot.known is not None:
+        if setup not in _LEARNED and len(_LEARNED) == KEPT_SETUPS:
+            del _LEARNED[next(iter(_LEARNED))]
+        _LEARNED[setup] = shot.known
+    return shot
 
 
 def setup_of(manifest: Json) -> Setup:

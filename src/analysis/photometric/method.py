@@ -16,7 +16,7 @@ from analysis.photometric.compiled import kept_on_disk
 from analysis.photometric.film import Film, drop_misfits, settle_film
 from analysis.photometric.following import Follower
 from analysis.photometric.learning import learn, learn_together
-from analysis.photometric.pose import fit_pose
+from analysis.photometric.pose import fit_frames
 from analysis.photometric.result import tracking_of
 from analysis.photometric.start import first_film
 from analysis.setup import Setup
@@ -32,8 +32,8 @@ Frames = tuple[NDArray[np.uint8], Floats]
 
 
 def compiles_first() -> bool:
-    """Tell whether the next shot waits about a minute for its functions to be compiled."""
-    return not kept_on_disk(fit_pose)
+    """Tell whether the next shot waits about 15 s for its functions to be compiled."""
+    return not kept_on_disk(fit_frames)
 
 
 def teach(shots: Sequence[Frames], setup: Setup) -> Knowledge | None:
