@@ -133,19 +133,10 @@ def disk_figure(results: Mapping[Method, Sequence[Turn]]) -> Figure:
     for axes in (above, below, close):
         plain(axes, "both")
     above.plot([0, 45], [0, 45], color=FLOOR, linewidth=1.4)
-    below.axhline(0.0, color=FLOOR, linewidth=1.4)
-    close.axhline(0.0, color=FLOOR, linewidth=1.4)
-    printed = np.array(COMPUTED_DEG) - np.array(ANGLES_DEG)
+    for axes in (below, close):
+        axes.axhline(0.0, color=FLOOR, linewidth=1.4)
     above.plot(ANGLES_DEG, COMPUTED_DEG, "x", color=GREY)
-    below.errorbar(
-        ANGLES_DEG,
-        printed,
-        yerr=DEVIATIONS_DEG,
-        fmt="x",
-        color=GREY,
-        elinewidth=0.9,
-        label="thesis, table 6.2",
-    )
+    _printed_angles(below)
     for place, (method, turns) in enumerate(results.items(), start=1):
         actual = np.array([turn.actual for turn in turns])
         means = np.array([turn.mean for turn in turns])
@@ -163,6 +154,12 @@ def disk_figure(results: Mapping[Method, Sequence[Turn]]) -> Figure:
     below.set_ylim(-0.45, 0.33)
     below.legend(frameon=False, fontsize=9, loc="lower left", ncols=3)
     return figure
+
+
+def _printed_angles(axes: Axes) -> None:
+    printed = np.array(COMPUTED_DEG) - np.array(ANGLES_DEG)
+    style: dict[str, Any] = {"fmt": "x", "color": GREY, "elinewidth": 0.9}
+    axes.errorbar(ANGLES_DEG, printed, yerr=DEVIATIONS_DEG, label="thesis, table 6.2", **style)
 
 
 def depth_figure(results: Mapping[Method, Sequence[BothWays]]) -> Figure:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TypeVar, get_args
 
@@ -90,7 +91,7 @@ def stage(request: Request) -> None:
     for direction in _watched(DIRECTIONS, "stage"):
         run = apparatus().stage_run(direction, request.seed)
         ways = STAGE_WAYS[request.method]
-        results += _measured("stage", lambda: measure_stage(run.frames, run.moved_px, ways))  # noqa: B023
+        results += _measured("stage", partial(measure_stage, run.frames, run.moved_px, ways))
     _show(request, "stage", (stage_document(results), stage_lines(results)))
     _draw(request, "stage", lambda: stage_figure(results))
 
@@ -101,7 +102,7 @@ def drop(request: Request) -> None:
     found: dict[Method, Gravity] = {}
     for method in request.methods:
         falls = [
-            _measured("drop", lambda: measure_fall(one.frames, one.times_s, method))  # noqa: B023
+            _measured("drop", partial(measure_fall, one.frames, one.times_s, method))
             for one in _watched(drops, f"drop, {method}")
         ]
         found[method] = gravity(falls, drops[0].diameter_m, drops[0].gravity_m_per_s2)
@@ -114,7 +115,7 @@ def disk(request: Request) -> None:
     run = apparatus().turning_disk(request.seed)
     found: dict[Method, list[Turn]] = {}
     for method in _watched(request.methods, "disk"):
-        found[method] = _measured("disk", lambda: measure_disk(run.frames, run.turn_rad, method))  # noqa: B023
+        found[method] = _measured("disk", partial(measure_disk, run.frames, run.turn_rad, method))
     _show(request, "disk", (disk_document(found), disk_lines(found)))
     _draw(request, "disk", lambda: disk_figure(found))
 
