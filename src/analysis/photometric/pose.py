@@ -16,6 +16,8 @@ from analysis.photometric.sight import LIGHTS, Equations, Reel, Scene, Sight, St
 Floats = NDArray[np.float64]
 
 POSE = 6
+ONLY = np.zeros(1, dtype=np.intp)
+"""The frame of a reel of one."""
 LONGEST_STEP, LONGEST_TURN = 0.3, 0.15
 """Of one iteration, in radii and radians."""
 PRIOR_OFFSET, PRIOR_GAIN, PRIOR_SLOPE = 20.0, 0.3, 20.0
@@ -37,14 +39,18 @@ def into_world(optics: Optics, view: int) -> Floats:
 
 
 @part
-def add_view(
-    sight: Sight, stance: Stance, view: int, limit: float, whole: Equations
-) -> tuple[float, float, int]:
-    """Add one view to the equations of pose and light; return what `accumulate` returns."""
-    own = Equations(np.zeros((UNKNOWNS, UNKNOWNS)), np.zeros(UNKNOWNS))
-    squares, weights, count = accumulate(sight, stance, view, limit, own)
-    change = into_world(sight.optics, view)
-    at = POSE + LIGHTS * view
+def add_turned(own: Equations, change: Floats, at: int, whole: Equations) -> None:
+    """Add one view's equations to those of pose and light.
+
+    Parameters
+    ----------
+    own
+        Of the view's UNKNOWNS.
+    change
+        Of `into_world`.
+    at
+        Index of the view's light in the whole.
+    """
     half = np.zeros((UNKNOWNS, POSE))
     for a in range(UNKNOWNS):
         for b in range(5):
@@ -62,29 +68,6 @@ def add_view(
         whole.right[at + k] += own.right[5 + k]
         for n in range(k + 1):
             whole.normal[at + k, at + n] += own.normal[5 + k, 5 + n]
-    return squares, weights, count
-
-
-@part
-def pose_equations(
-    sight: Sight, stance: Stance, limit: float, whole: Equations
-) -> tuple[float, float, int]:
-    """Fill the full normal equations of pose and light over all views.
-
-    Returns
-    -------
-    Weighted squares over the variance, weights, and pixels looked at.
-    """
-    for a in range(whole.right.shape[0]):
-        whole.right[a] = 0.0
-        for b in range(whole.right.shape[0]):
-            whole.normal[a, b] = 0.0
-    squares, weights, count = 0.0, 0.0, 0
-    for view in range(sight.optics.scales.shape[0]):
-        more = add_view(sight, stance, view, limit, whole)
-        squares, weights, count = squares + more[0], weights + more[1], count + more[2]
-    add_priors(sight, stance, whole)
-    return squares, weights, count
 
 
 @compiled
@@ -146,7 +129,33 @@ def inverse_of(normal: Floats) -> Floats:
     return whole
 
 
-@compiled
+@part
+def take_steps(sight: Sight, stance: Stance, limits: Floats, covariance: Floats) -> Floats:
+    """Improve a stance in place, as `fit_pose` tells."""
+    views = sight.optics.scales.shape[0]
+    size = POSE + LIGHTS * views
+    step, out = np.zeros(size), np.zeros(5)
+    for limit in limits:
+        whole = Equations(np.zeros((size, size)), np.zeros(size))
+        out[0], out[1], out[2] = 0.0, 0.0, 0.0
+        for view in range(views):
+            own = Equations(np.zeros((UNKNOWNS, UNKNOWNS)), np.zeros(UNKNOWNS))
+            squares, weights, count = accumulate(sight, stance, view, limit, own)
+            out[0], out[1], out[2] = out[0] + squares, out[1] + weights, out[2] + count
+            add_turned(own, into_world(sight.optics, view), POSE + LIGHTS * view, whole)
+        add_priors(sight, stance, whole)
+        inverse = inverse_of(whole.normal)
+        for a in range(size):
+            step[a] = 0.0
+            for b in range(size):
+                step[a] += inverse[a, b] * whole.right[b]
+        out[3], out[4] = move(stance, step, sight.look.radius_m)
+        for a in range(POSE):
+            for b in range(POSE):
+                covariance[a, b] = inverse[a, b]
+    return out
+
+
 def fit_pose(sight: Sight, stance: Stance, limits: Floats, covariance: Floats) -> Floats:
     """Improve a stance in place, one Gauss-Newton step for each limit.
 
@@ -162,21 +171,23 @@ def fit_pose(sight: Sight, stance: Stance, limits: Floats, covariance: Floats) -
     Weighted chi-squared, weights, pixels looked at, and the last step's length in radii and
     radians, shape (5,).
     """
-    size = POSE + LIGHTS * sight.optics.scales.shape[0]
-    whole, out = Equations(np.zeros((size, size)), np.zeros(size)), np.zeros(5)
-    step = np.zeros(size)
-    for limit in limits:
-        out[0], out[1], out[2] = pose_equations(sight, stance, limit, whole)
-        inverse = inverse_of(whole.normal)
-        for a in range(size):
-            step[a] = 0.0
-            for b in range(size):
-                step[a] += inverse[a, b] * whole.right[b]
-        out[3], out[4] = move(stance, step, sight.look.radius_m)
-        for a in range(POSE):
-            for b in range(POSE):
-                covariance[a, b] = inverse[a, b]
-    return out
+    scene, quality = sight.scene, np.zeros((1, 5))
+    reel = Reel(
+        images=scene.image[None],
+        background=scene.background,
+        noise=scene.noise,
+        optics=sight.optics,
+        look=sight.look,
+        others=sight.others[None],
+        centre=stance.centre[None],
+        rotation=stance.rotation[None],
+        lights=stance.lights[None],
+        covariance=covariance[None],
+        quality=quality,
+    )
+    fit_frames(reel, ONLY, limits)
+    only: Floats = quality[0]
+    return only
 
 
 @part
@@ -213,6 +224,6 @@ def fit_frames(reel: Reel, frames: NDArray[np.intp], limits: Floats) -> None:
         scene = Scene(reel.images[k], reel.background, reel.noise)
         sight = Sight(scene, reel.optics, reel.look, reel.others[k])
         stance = Stance(reel.centre[k], reel.rotation[k], reel.lights[k])
-        out = fit_pose(sight, stance, limits, reel.covariance[k])
+        out = take_steps(sight, stance, limits, reel.covariance[k])
         for n in range(out.shape[0]):
             reel.quality[k, n] = out[n]
