@@ -21,6 +21,7 @@ from analysis.exchange.description import read_description
 from analysis.exchange.folder import Result, write_folder
 from analysis.exchange.shot_list import read_shot_list
 from analysis.shot import AnalysisOptions, MeasuredShot, RefusedShot
+from analysis.slow_errors import with_slow_errors
 from simulators.world import WorldDescription, write_campaign
 
 CORRUPT = 2
@@ -197,8 +198,16 @@ def test_a_sphere_on_a_plate_is_not_measured_from_frames(tmp_path: Path) -> None
         read_campaign(tmp_path)
 
 
-def test_a_written_folder_reads_back_equal(folder: Path, written: Path) -> None:
-    assert read_description(written / "campaign.toml") == read_description(folder / "campaign.toml")
+def test_a_written_folder_reads_back_equal_and_says_how_its_poses_err(
+    folder: Path, written: Path, results: list[Result]
+) -> None:
+    name, setup = read_description(folder / "campaign.toml")
+    measured = [shot for _, shot in results if isinstance(shot, MeasuredShot)]
+    assert read_description(written / "campaign.toml") == (name, with_slow_errors(setup, measured))
+    # 0.05 px at 1574.8 px/m, what decision 0004 found for the thesis's edges at 1.2 px.
+    slow = read_description(written / "campaign.toml")[1]
+    assert slow.slow_position_m == pytest.approx(0.05 / 1574.8, rel=0.02)
+    assert not slow.one_body_frame
     assert read_shot_list(written / "shots.csv") == read_shot_list(folder / "shots.csv")
 
 
