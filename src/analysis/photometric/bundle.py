@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from analysis.photometric.compiled import compiled, part
 from analysis.photometric.contour import LAYERS, add_cover
-from analysis.photometric.covers import cover_canvas, seen_from
+from analysis.photometric.covers import cover_canvas, into_view, seen_from
 from analysis.photometric.residual import (
     LOOK,
     UNKNOWNS,
@@ -142,7 +142,7 @@ def bundle_view(
     own = np.zeros((count, canvas.shape[0], LAYERS, canvas.shape[2]))
     covers = np.zeros((3, canvas.shape[0], LAYERS, canvas.shape[2]))
     nudged_covers(sight, stance, view, corner, (own, covers))
-    into, turns = np.dot(sight.optics.axes[view], stance.rotation), np.zeros((count, 2, 3))
+    into, turns = into_view(sight, stance, view), np.zeros((count, 2, 3))
     for m in range(count):
         for t in range(2):
             for a in range(3):

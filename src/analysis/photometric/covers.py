@@ -28,11 +28,21 @@ def window(place: tuple[float, float, float], shape: tuple[int, int]) -> tuple[i
 
 
 @part
+def into_view(sight: Sight, stance: Stance, view: int) -> Floats:
+    """Return the rotation from body axes to row, column and towards the eye, shape (3, 3)."""
+    turn = np.zeros((3, 3))
+    for a in range(3):
+        for b in range(3):
+            for k in range(3):
+                turn[a, b] += sight.optics.axes[view, a, k] * stance.rotation[k, b]
+    return turn
+
+
+@part
 def seen_from(sight: Sight, stance: Stance, view: int) -> Floats:
     """Return the markers as a view sees them: row, column, towards the eye, shape (markers, 3)."""
-    markers = sight.look.markers
+    markers, turn = sight.look.markers, into_view(sight, stance, view)
     directions = np.zeros(markers.shape)
-    turn = np.dot(sight.optics.axes[view], stance.rotation)
     for m in range(markers.shape[0]):
         for a in range(3):
             for k in range(3):
