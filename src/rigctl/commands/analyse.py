@@ -122,7 +122,7 @@ def _announce_compiling(method: Method) -> None:
     from analysis.photometric.method import compiles_first  # noqa: PLC0415
 
     if compiles_first():
-        note = "rigctl: first photometric analysis here; compiling takes about 15 s"
+        note = "rigctl: first photometric analysis here; compiling takes about half a minute"
         print(note, file=sys.stderr)  # noqa: T201
 
 
