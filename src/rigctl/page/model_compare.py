@@ -37,7 +37,13 @@ def compare(found: Json) -> None:
             "",
             Cell("p", CHANCE),
         ]
-        facts(headings, _lines(found), "agreement")
+        fails = [row for stage in found["stages"] for row in stage["quantities"] if _fails(row)]
+        count = sum(len(stage["quantities"]) for stage in found["stages"])
+        if fails:
+            facts(headings, [_line(row) for row in fails], "agreement")
+        ui.label(f"{count - len(fails)} of {count} quantities agree within the noise.")
+        with ui.expansion("All quantities").props("dense").classes("wide"):
+            facts(headings, _lines(found), "all-quantities")
         facts(["parameter", "value ± σ", ""], _parameters(found), "parameters")
 
 
@@ -50,7 +56,7 @@ def _lines(found: Json) -> list[Line]:
 
 
 def _line(row: Json) -> Line:
-    fails = row["p_familywise"] < ALARM
+    fails = _fails(row)
     hover = (
         f"{row['count']} numbers; the floor set by the noise is {row['floor']:.3g} {row['unit']}"
     )
@@ -68,6 +74,10 @@ def _line(row: Json) -> Line:
     )
 
 
+def _fails(row: Json) -> bool:
+    return bool(row["p_familywise"] < ALARM)
+
+
 def _parameters(found: Json) -> list[Line]:
     lines = []
     for name, value in found["parameters"].items():
@@ -79,7 +89,7 @@ def _parameters(found: Json) -> list[Line]:
 def _named(name: str) -> Cell:
     if name in PARAMETERS:
         about = PARAMETERS[name]
-        return Cell(f"{about.name}, {about.meaning.rstrip('.').lower()}", about.meaning)
+        return Cell(f"{about.name}, {about.meaning.rstrip('.')}", about.meaning)
     effect, _, symbol = name.rpartition(".")
     known = _EFFECTS.get(effect)
     meaning = next((p.meaning for p in known.parameters if p.symbol == symbol), "") if known else ""

@@ -98,8 +98,8 @@ class ModelView:
         shown = state.present or known[-1]
         with ui.element("div").classes("columns model"):
             with ui.element("div").classes("stack"):
-                grown_path(state, self._take)
                 compare(shown)
+                grown_path(state, self._take)
             with ui.element("div").classes("stack"):
                 Where(self._desk, state, shown)
                 missing(shown, self._add, waiting=state.present is None)

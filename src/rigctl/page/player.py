@@ -36,7 +36,7 @@ class Player:
     times_s
         Time of each frame from the mark, s.
     start
-        Frame shown first; None: the contact, or the middle.
+        Frame shown first; None: the contact. Without a contact the strip lies about it.
     keys
         Whether arrows and the space bar of the keyboard step and play.
     """
@@ -53,8 +53,9 @@ class Player:
     ) -> None:
         self._shot, self._overlays, self._times = shot, overlays, times_s
         self._count = len(times_s)
-        middle = overlays.contact_frame if overlays.contact_frame is not None else self._count // 2
-        self._frame = min(max(start if start is not None else middle, 0), self._count - 1)
+        contact = overlays.contact_frame
+        self._contact = self._within(start or 0 if contact is None else contact)
+        self._frame = self._contact if start is None else self._within(start)
         self._layers = [layer for layer in LAYERS if layer != "tracks"]
         self._picture = ui.interactive_image(size=size, sanitize=False).classes("film")
         self._picture.props("data-testid=film")
@@ -67,7 +68,7 @@ class Player:
 
     def show(self, frame: int) -> None:
         """Show a frame, counted from 0; one beyond the film is its last or first."""
-        self._frame = min(max(frame, 0), self._count - 1)
+        self._frame = self._within(frame)
         self._picture.set_source(frame_address(self._shot.id, self._frame))
         self._picture.set_content(self._overlays.drawing(self._frame, self._layers))
         self._where.set_text(self._said())
@@ -84,13 +85,12 @@ class Player:
 
     def _said(self) -> str:
         since = self._times[self._frame] - self._times[self._contact]
-        words = "from contact" if self._overlays.contact_frame is not None else "from the middle"
+        seen = self._overlays.contact_frame is not None
+        words = "from contact" if seen else f"from frame {self._contact}"
         return f"frame {self._frame} of 0–{self._count - 1}, {1e3 * since:+.1f} ms {words}"
 
-    @property
-    def _contact(self) -> int:
-        contact = self._overlays.contact_frame
-        return self._count // 2 if contact is None else min(contact, self._count - 1)
+    def _within(self, frame: int) -> int:
+        return min(max(frame, 0), self._count - 1)
 
     def _strip(self) -> None:
         """Show frames about the contact, farther apart the farther away."""

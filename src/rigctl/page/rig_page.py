@@ -126,13 +126,13 @@ def _interlock_table(status: RigStatus) -> str:
 
 
 def _interlock(found: Interlock, now: float) -> Line:
-    value = f"{found.value:.4g}" if isinstance(found.value, float) else found.value
+    value = f"{found.value:.5g}" if isinstance(found.value, float) else found.value
     unit = f" {found.unit}" if found.unit else ""
     name = f"{'●' if found.holds else '▲'} {found.name.replace('_', ' ')}"
     hover = f"{found.sentence()}"
     text = f"{value}{unit} of {found.limit}{unit}" if "±" in found.limit else f"{value}{unit}"
     return Line(
-        [Cell(name, hover), text, Cell(_age(found.age_s(now)), look="dim")],
+        [Cell(name, hover), Cell(text, look="wrap"), Cell(_age(found.age_s(now)), look="dim")],
         "" if found.holds else "fails",
     )
 

@@ -50,9 +50,15 @@ def film(
         ui.label(error.sentence()).classes("empty")
         return
     _, rows, columns = about["shape"]
-    if start is None and result.get("status") == "refused":
-        start = result.get("frame")
+    if start is None and "contact_time_s" not in result:
+        start = result.get("frame", _brightest(desk, shot))
     Player(shot, (columns, rows), Overlays.of(result), about["times_s"], start=start, keys=keys)
+
+
+def _brightest(desk: Desk, shot: ShotRecord) -> int:
+    """Return the frame in which most is seen: a film without a contact begins there."""
+    pixels = desk.daemon.store.frames(shot.id).pixels
+    return int(pixels.mean(axis=(1, 2)).argmax())
 
 
 def coefficients(shot: ShotRecord, result: Json) -> None:
