@@ -46,20 +46,6 @@ def test_from_the_first_start_to_the_first_measured_shot(page: Page) -> None:
     expect(page.get_by_test_id("events")).to_contain_text("shot 1 analysed")
 
 
-def test_a_shot_without_a_contact_is_refused_in_words_beside_its_film(page: Page) -> None:
-    page.get_by_test_id("offset_mm").fill("24")
-    page.get_by_test_id("delay_us").fill("-20000")
-    page.get_by_test_id("arm").click()
-    expect(page.get_by_test_id("arming")).to_contain_text("b after -20000 µs")
-    page.get_by_test_id("fire").click()
-    refusal = page.get_by_test_id("refusal")
-    refusal.wait_for(timeout=LONG_MS)
-    expect(refusal).to_contain_text("no contact is seen")
-    page.get_by_role("link", name="open").click()
-    expect(page.get_by_test_id("refusal")).to_contain_text("Not measured")
-    expect(page.get_by_test_id("where")).to_have_text(re.compile(r"frame \d+ of 0–124"))
-
-
 def test_the_stop_is_in_reach_by_button_and_key_and_is_left_with_a_reason(page: Page) -> None:
     page.get_by_test_id("arm").click()
     expect(page.get_by_test_id("fire")).to_be_enabled()

@@ -1,0 +1,23 @@
+"""A shot that cannot be measured, and what the page says of it."""
+
+from __future__ import annotations
+
+import re
+
+from playwright.sync_api import Page, expect
+
+LONG_MS = 60_000
+
+
+def test_a_shot_without_a_contact_is_refused_in_words_beside_its_film(page: Page) -> None:
+    page.get_by_test_id("offset_mm").fill("24")
+    page.get_by_test_id("delay_us").fill("-20000")
+    page.get_by_test_id("arm").click()
+    expect(page.get_by_test_id("arming")).to_contain_text("b after -20000 µs")
+    page.get_by_test_id("fire").click()
+    refusal = page.get_by_test_id("refusal")
+    refusal.wait_for(timeout=LONG_MS)
+    expect(refusal).to_contain_text("no contact is seen")
+    page.get_by_role("link", name="open").click()
+    expect(page.get_by_test_id("refusal")).to_contain_text("Not measured")
+    expect(page.get_by_test_id("where")).to_have_text(re.compile(r"frame \d+ of 0–124"))
