@@ -77,7 +77,10 @@ def daemon(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Daemon]:
 
 @pytest.fixture(scope="module")
 def app(daemon: Daemon) -> Any:
-    """Return the service over a campaign of four shots that are measured."""
+    """Return the service over a campaign of four shots, of which three at least are measured.
+
+    The laboratory draws its shots anew each time; one in sixty cannot be measured.
+    """
     app, ends = create_app(daemon, KEY, EventHub()), Ends(daemon.store)
     for number, offset in enumerate(OFFSETS_MM):
         settings = {"pressure_a_kpa": 40.0, "pressure_b_kpa": 40.0, "offset_mm": offset}
@@ -87,6 +90,14 @@ def app(daemon: Daemon) -> Any:
         assert daemon.rig.wait(fired.json()["shot"], BOUND_S).outcome is ShotState.STORED, number
     ends.wait(len(OFFSETS_MM))
     return app
+
+
+def measured(app: Any) -> int:
+    """Return how many of the shots were measured."""
+    states = call(app, "GET", NYLON).json()["states"]
+    assert sum(states.values()) == len(OFFSETS_MM)
+    assert states["analysed"] >= len(OFFSETS_MM) - 1
+    return int(states["analysed"])
 
 
 def result(app: Any, daemon: Daemon, method: str, path: str, **options: Any) -> Any:
@@ -99,11 +110,12 @@ def result(app: Any, daemon: Daemon, method: str, path: str, **options: Any) -> 
 
 
 def test_stored_shots_hold_the_poses_of_both_spheres(app: Any, daemon: Daemon) -> None:
-    assert call(app, "GET", NYLON).json()["states"] == {"analysed": len(OFFSETS_MM)}
     _, data = campaign_poses(daemon.store, "nylon")
-    np.testing.assert_array_equal(data.covariates["offset_mm"], OFFSETS_MM)
-    measured = np.isfinite(data.position_sigma).all(axis=(2, 3))
-    assert measured.sum(axis=1).min() > 10
+    offsets = data.covariates["offset_mm"].tolist()
+    assert len(offsets) == measured(app)
+    assert offsets == [offset for offset in OFFSETS_MM if offset in offsets]
+    seen = np.isfinite(data.position_sigma).all(axis=(2, 3))
+    assert seen.sum(axis=1).min() > 10
     turned = data.rotation @ np.swapaxes(data.rotation, -1, -2)
     np.testing.assert_allclose(turned, np.broadcast_to(np.eye(3), turned.shape), atol=1e-9)
 
@@ -111,7 +123,7 @@ def test_stored_shots_hold_the_poses_of_both_spheres(app: Any, daemon: Daemon) -
 def test_a_fit_finds_the_restitution_of_the_simulated_spheres(app: Any, daemon: Daemon) -> None:
     order = {"name": f"fit-{next(numbers)}"}
     found = result(app, daemon, "POST", f"{NYLON}/fits", json=order)
-    assert found["shots"] == len(OFFSETS_MM)
+    assert found["shots"] + len(found["rejected"]) == measured(app)
     assert found["parameters"]["e"]["value"] == pytest.approx(RESTITUTION, abs=0.02)
     saved = call(app, "GET", f"{NYLON}/fits/{order['name']}").json()
     assert saved["fit"]["parameters"] == found["parameters"]
@@ -138,7 +150,8 @@ def test_questions_are_answered_as_the_document_promises(
 def test_analysing_again_adds_results_and_asks_for_fresh_answers(app: Any, daemon: Daemon) -> None:
     before = call(app, "GET", f"{NYLON}/ranking").json()
     again = result(app, daemon, "POST", f"{NYLON}/reanalyse")
-    assert again == {"shots": 4, "analysed": 4, "refused": 0}
+    found = measured(app)
+    assert again == {"shots": 4, "analysed": found, "refused": 4 - found}
     assert {shot.results for shot in daemon.store.shots(campaign="nylon")} == {2}
     after = call(app, "GET", f"{NYLON}/ranking")
     assert after.status_code == 202
@@ -172,4 +185,4 @@ def test_the_command_reads_the_campaign_by_its_name_while_the_daemon_runs(
         check=False,
     )
     assert done.returncode == 0, done.stderr
-    assert done.stdout.startswith("nylon: 4 shots")
+    assert done.stdout.startswith(f"nylon: {measured(app)} shots")
