@@ -17,7 +17,7 @@ def test_a_shot_without_a_contact_is_refused_in_words_beside_its_film(page: Page
     page.get_by_test_id("fire").click()
     refusal = page.get_by_test_id("refusal")
     refusal.wait_for(timeout=LONG_MS)
-    expect(refusal).to_contain_text("no contact is seen")
+    expect(refusal).to_contain_text("Refused at the step “contact”")
     page.get_by_role("link", name="open").click()
     expect(page.get_by_test_id("refusal")).to_contain_text("Not measured")
     expect(page.get_by_test_id("where")).to_have_text(re.compile(r"frame \d+ of 0–124"))

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-KILLS_FOR_S = 40.0
+KILLS_FOR_S = 15.0
 LASTS_AT_MOST_S = 120.0
 
 
