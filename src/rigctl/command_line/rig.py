@@ -91,7 +91,7 @@ def demo(
     out: Annotated[Path, typer.Option(help="Folder for the frames, results and pictures.")] = Path(
         "out"
     ),
-    seed: Annotated[int, typer.Option(min=0, help="Another number, another effect hidden.")] = 1,
+    seed: Annotated[int, typer.Option(min=0, help="Another number, another effect hidden.")] = 8,
 ) -> None:
     """Find an effect that a simulated rig hides: fire, measure, compare; no daemon needed."""
     from rigctl.commands.demo import demo as run_demo

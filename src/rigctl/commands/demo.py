@@ -37,7 +37,7 @@ FRAMES_AFTER_MARK = 90
 """The slowest of the sweep meet 60 ms after the fire."""
 LONGEST_COLLECTION_S, LONGEST_ANALYSIS_S = 60.0, 120.0
 """On a machine that is busy with other things."""
-WORTH = 0.9
+WORTH = 0.95
 """An effect belongs to the answer if it leaves less than this of the error on shots left out: what
 asks for smaller corrections may be the measurement itself."""
 
