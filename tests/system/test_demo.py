@@ -27,7 +27,8 @@ def test_the_demonstration_finds_what_the_simulated_rig_hides(tmp_path: Path) ->
     assert done.returncode == 0, done.stderr
     said = done.stdout
     assert "right: answered torsional-friction; the truth is torsional-friction" in said
-    assert said.index("Committed: torsional-friction") < said.index("right:") < said.index("hidden:")
+    committed = said.index("Committed: torsional-friction")
+    assert committed < said.index("right:") < said.index("hidden:")
     errors = [
         float(line.split()[-1])
         for line in said.partition("Add, and see the error fall")[2].splitlines()[2:4]
