@@ -105,7 +105,8 @@ def weighed_again(
     if not changed:
         return replace(again, cleaned=replace(kept, data=again.data)), path
     refit = _refitter(again.data)
-    return again, [*(refit(stage) for stage in path[:-1]), stage_of(again.data, again.cleaned.fit)]
+    last = replace(again.cleaned.fit, scatter=path[-1].fit.scatter)
+    return again, [*(refit(stage) for stage in path[:-1]), stage_of(again.data, last)]
 
 
 def _estimated(data: Data) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,7 @@ from analysis.effects.effect import ScatterEffect
 from analysis.model.fit import Fit, fit_campaign
 from analysis.model.poses import PoseData
 from analysis.model.ranking import Candidate, Ranking, believed
+from analysis.model.scatter import with_jitter
 from analysis.model.tables import Data
 
 Floats = NDArray[np.float64]
@@ -142,7 +143,7 @@ def most_carried(shots: int) -> float:
 
 def _refit(data: Data, fit: Fit, candidate: Candidate) -> Leader:
     if isinstance(candidate.effect, ScatterEffect) and isinstance(data, PoseData):
-        return _with_scatter(data, fit, candidate)
+        return _with_scatter(data, fit, candidate, candidate.effect)
     refit = fit_campaign(data, fit.theory.with_effect(candidate.effect), fit)
     count = len(candidate.effect.parameters)
     fall = fit.chi2 - refit.chi2
@@ -160,13 +161,14 @@ def _refit(data: Data, fit: Fit, candidate: Candidate) -> Leader:
     )
 
 
-def _with_scatter(data: PoseData, fit: Fit, candidate: Candidate) -> Leader:
+def _with_scatter(data: PoseData, fit: Fit, candidate: Candidate, effect: ScatterEffect) -> Leader:
     """Fit with the scatter in the noise; its fall is that of the whole likelihood."""
-    jittered = replace(data, jitter_s=float(candidate.amplitudes[0]))
+    size, sigma = float(candidate.amplitudes[0]), float(candidate.sigmas[0])
+    jittered, refit = with_jitter(data, fit, effect, size, sigma)
     return Leader(
         candidate=candidate,
         data=jittered,
-        fit=fit_campaign(jittered, fit.theory, fit),
+        fit=refit,
         values=candidate.amplitudes,
         fall=candidate.fall * fit.chi2_per_dof,
         criterion=candidate.fall - float(np.log(max(len(data.shots), 2))),

@@ -13,6 +13,7 @@ from analysis.model.comparison import compare, rates
 from analysis.model.fit import Fit, fit_campaign, parts_of
 from analysis.model.jitter import by_frame
 from analysis.model.normal import solve_blocks
+from analysis.model.poses import PoseData
 from analysis.model.tables import ContactTable, Data
 from analysis.quantity import Quantity
 
@@ -48,11 +49,17 @@ def added(data: Data, fit: Fit, effect: Effect) -> tuple[Data, Fit]:
     score = timing_jitter(data, fit)
     if score is None or isinstance(data, ContactTable):
         return data, fit
+    return with_jitter(data, fit, effect, score.amplitude, score.sigma)
+
+
+def with_jitter(
+    data: PoseData, fit: Fit, effect: ScatterEffect, size: float, sigma: float
+) -> tuple[PoseData, Fit]:
+    """Fit again with a jitter of some size, s, in the noise; the fit keeps it as a parameter."""
     parameter = effect.parameters[0]
-    size = Quantity(score.amplitude, score.sigma, parameter.unit)
-    jittered = replace(data, jitter_s=score.amplitude)
-    again = fit_campaign(jittered, fit.theory, fit)
-    return jittered, replace(again, scatter={f"{effect.name}.{parameter.symbol}": size})
+    found = {f"{effect.name}.{parameter.symbol}": Quantity(size, sigma, parameter.unit)}
+    jittered = replace(data, jitter_s=size)
+    return jittered, fit_campaign(jittered, fit.theory, replace(fit, scatter=found))
 
 
 def _kernel(along: Floats, own: Floats) -> Floats:

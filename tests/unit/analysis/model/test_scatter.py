@@ -66,6 +66,8 @@ def test_where_frames_are_on_time_none_is_claimed() -> None:
 def test_it_is_the_verdict_where_it_is_hidden() -> None:
     verdict = explain(jittered(40, 5, JITTER_S), CATALOGUE)
     assert verdict.effects == ("timing-jitter",)
+    size = verdict.fit.parameters()["timing-jitter.s"]
+    assert size.value == pytest.approx(JITTER_S, rel=0.15)
     assert verdict.verdict == "effect"
 
 
