@@ -25,11 +25,13 @@ def write_campaign(
     description: WorldDescription | None = None,
     frame_rate_hz: float = 1000.0,
     frames: int = 24,
+    state_scale: bool = True,
 ) -> None:
     """Write an exchange folder of rendered shots, one for each pressure and offset.
 
     `campaign.toml`, `shots.csv` and `frames/0001.tiff` on as any laboratory would hand them over,
-    and `truth.json` beside them. Both tubes get the same pressure.
+    and `truth.json` beside them. Both tubes get the same pressure. Without `state_scale` the
+    scale is left to be found from the images.
 
     Raises
     ------
@@ -55,7 +57,8 @@ def write_campaign(
         writer.writerow(["shot", "time", "pressure_a_kpa", "pressure_b_kpa", "offset_mm"])
         writer.writerows(rows)
     (folder / "campaign.toml").write_text(
-        campaign_toml(folder.name, description, frame_rate_hz), encoding="utf-8"
+        campaign_toml(folder.name, description, frame_rate_hz, state_scale=state_scale),
+        encoding="utf-8",
     )
     truth = {"spheres": _marks(description, seed), "shots": truths}
     (folder / "truth.json").write_text(json.dumps(truth), encoding="utf-8")
@@ -70,7 +73,9 @@ def _marks(description: WorldDescription, seed: int) -> list[dict[str, object]]:
     ]
 
 
-def campaign_toml(name: str, description: WorldDescription, frame_rate_hz: float) -> str:
+def campaign_toml(
+    name: str, description: WorldDescription, frame_rate_hz: float, *, state_scale: bool = True
+) -> str:
     """Return the text of campaign.toml: camera, spheres and surroundings as stated."""
     optics, environment = description.optics, description.environment
     lines = [
@@ -80,7 +85,7 @@ def campaign_toml(name: str, description: WorldDescription, frame_rate_hz: float
         f"frame_rate_hz = {float(frame_rate_hz)!r}",
         f"width_px = {optics.columns}",
         f"height_px = {optics.rows}",
-        f"scale_px_per_m = {optics.scale_px_per_m!r}",
+        *([f"scale_px_per_m = {optics.scale_px_per_m!r}"] if state_scale else []),
         f"front_view_rows = {list(optics.front_rows)}",
         f"top_view_rows = {list(optics.top_rows)}",
         f"front_origin_px = {list(optics.front_origin_px)}",

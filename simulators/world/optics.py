@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
+
+from simulators.world.lamp import Lamp
+from simulators.world.sensor import Sensor
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,6 +53,14 @@ class Optics:
         Standard deviation of the read noise in grey levels.
     mirror_rad
         Turn of the mirror about Y from 45 degrees; what it shows turns by twice that.
+    distance_m
+        From the camera's pinhole to the plane Z = 0, along its axis, which meets the frame's
+        middle. The mirror then shows the spheres from farther away, and smaller (`pinhole`);
+        `scale_px_per_m` holds for the direct view at the origin. None: from infinity.
+    lamp
+        Light of the scene in rig axes; None: that of each view by itself.
+    sensor
+        What the sensor makes of the light.
     """
 
     rows: int = 192
@@ -68,6 +79,9 @@ class Optics:
     exposure_s: float = 1.0e-4
     noise_grey: float = 1.5
     mirror_rad: float = 0.0
+    distance_m: float | None = None
+    lamp: Lamp | None = None
+    sensor: Sensor = field(default_factory=Sensor)
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,21 +2,24 @@
 
 Each sphere is ray-cast on a grid of sub-pixels about its own image; the frame is the box average
 of the sub-pixels, blurred by the lens, averaged over the exposure, with read noise, rounded to
-8 bit. Orthographic, as the thesis assumes.
+8 bit. Orthographic, as the thesis assumes, unless the optics have a distance or a lamp.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from simulators.world.ball import Ball, Scene
 from simulators.world.description import Sphere
 from simulators.world.disc import SUBPIXELS, Disc
 from simulators.world.optics import Optics, front_view, picture_rows, top_view
+from simulators.world.pinhole import Eye, eyes, mirror_height_m
 from simulators.world.rotation import matrix
 from simulators.world.state import Pose
 
@@ -51,6 +54,7 @@ class Camera:
         self._spheres = tuple(spheres)
         self.markers = tuple(markers)
         self._front, self._top = front_view(optics), top_view(optics)
+        self._eyes = tuple(_within_margin(eye) for eye in eyes(optics))
         self._background = _background(optics)
 
     def expose(self, poses: Poses, time_s: float, rows: int | None = None) -> NDArray[np.float32]:
@@ -64,7 +68,7 @@ class Camera:
         light = np.zeros_like(self._background)
         for time in times:
             light += self._instant(poses(time))
-        light /= len(times)
+        light = self.optics.sensor.reached(light / np.float32(len(times)))
         blur = self.optics.blur_px
         seen = cv2.GaussianBlur(light, (0, 0), blur) if blur > 0.0 else light
         return np.asarray(
@@ -79,7 +83,8 @@ class Camera:
         rows: int | None = None,
     ) -> NDArray[np.uint8]:
         """Return the picture (rows, columns) with read noise, rounded and clipped to 8 bit."""
-        return digitised(self.expose(poses, time_s, rows), self.optics.noise_grey, rng)
+        seen = digitised(self.expose(poses, time_s, rows), self.optics.noise_grey, rng)
+        return self.optics.sensor.read(seen, picture_rows(self.optics, rows)[0])
 
     def _instants(self, poses: Poses, time_s: float) -> list[float]:
         """Spread instants over the exposure, so that no image moves far between two."""
@@ -98,7 +103,7 @@ class Camera:
     def _instant(self, poses: Sequence[Pose | None]) -> NDArray[np.float32]:
         """Return the scene at one instant, in pixels with a margin, before the lens."""
         frame = self._background.copy()
-        discs = [disc for disc in self._discs(poses) if disc.meets(frame.shape)]
+        discs = [disc for disc in self._images(poses) if disc.meets(frame.shape)]
         if not discs:
             return frame
         rows = slice(
@@ -121,6 +126,39 @@ class Camera:
             disc.paint(canvas, (rows.start, columns.start))
         frame[rows, columns] = cv2.resize(canvas, size, interpolation=cv2.INTER_AREA)
         return frame
+
+    def _images(self, poses: Sequence[Pose | None]) -> Sequence[Disc | Ball]:
+        """Return the images of the spheres in the order of painting, hidden ones first."""
+        plain = self.optics.distance_m is None and self.optics.lamp is None
+        return self._discs(poses) if plain else self._balls(poses)
+
+    def _balls(self, poses: Sequence[Pose | None]) -> list[Ball]:
+        """Return the images that a pinhole or a lamp makes."""
+        there = [
+            (pose, sphere, markers)
+            for pose, sphere, markers in zip(poses, self._spheres, self.markers, strict=True)
+            if pose is not None
+        ]
+        balls = []
+        for eye, view in zip(self._eyes[::-1], (self._top, self._front), strict=True):
+            for pose, sphere, markers in sorted(
+                there, key=lambda item: -float(np.linalg.norm(item[0].centre - eye.place))
+            ):
+                others = tuple((p.centre, s.radius_m) for p, s, _ in there if p is not pose)
+                height = mirror_height_m(self.optics)
+                balls.append(
+                    Ball(
+                        eye=eye,
+                        centre=pose.centre,
+                        radius_m=sphere.radius_m,
+                        markers=markers @ matrix(pose.orientation).T,
+                        marker_radius_rad=sphere.marker_radius_rad,
+                        marker_reflectance=sphere.marker_reflectance,
+                        light=view.light,
+                        scene=Scene(self.optics.lamp, others, height),
+                    )
+                )
+        return balls
 
     def _discs(self, poses: Sequence[Pose | None]) -> list[Disc]:
         """Return the images of the spheres in the order of painting, hidden ones first.
@@ -150,6 +188,12 @@ class Camera:
                     )
                 )
         return discs
+
+
+def _within_margin(eye: Eye) -> Eye:
+    """Return an eye in pixels of a frame with the margin about it."""
+    row, column = eye.middle_px
+    return replace(eye, middle_px=(row + _MARGIN, column + _MARGIN))
 
 
 def digitised(

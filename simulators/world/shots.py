@@ -11,7 +11,7 @@ from simulators.world.chance import marked_camera, noise_chance, shot_chance
 from simulators.world.description import WorldDescription
 from simulators.world.encounter import FLIGHT_LASTS_S, Encounter, simulate
 from simulators.world.launch import Launch
-from simulators.world.optics import View, front_view, top_view
+from simulators.world.pinhole import seen_at
 from simulators.world.state import Pose
 from simulators.world.truth import FilmedTruth, contact_truth
 
@@ -78,11 +78,9 @@ def _truth(
     if encounter.contact is not None:
         contact["contact_time_s"] = encounter.contact.start_s - float(times_s[0])
     poses = [encounter.poses(time) for time in times_s.tolist()]
-    scale = description.optics.scale_px_per_m
-    front, top = front_view(description.optics), top_view(description.optics)
 
-    def seen(view: View, pose: Pose | None) -> tuple[float, float] | None:
-        return None if pose is None else view.centre_px(pose.centre, scale)
+    def seen(pose: Pose | None, view: int) -> tuple[float, float] | None:
+        return None if pose is None else seen_at(description.optics, pose.centre)[view]
 
     return FilmedTruth(
         **contact,
@@ -92,8 +90,8 @@ def _truth(
         pressure_a_kpa=launch.pressure_a_kpa,
         pressure_b_kpa=launch.pressure_b_kpa,
         offset_m=launch.offset_m,
-        centres_front_px=[[seen(front, pose) for pose in pair] for pair in poses],
-        centres_top_px=[[seen(top, pose) for pose in pair] for pair in poses],
+        centres_front_px=[[seen(pose, 0) for pose in pair] for pair in poses],
+        centres_top_px=[[seen(pose, 1) for pose in pair] for pair in poses],
         rotation_quaternion=[
             [None if pose is None else pose.orientation.tolist() for pose in pair] for pair in poses
         ],
