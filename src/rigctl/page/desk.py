@@ -11,6 +11,7 @@ from nicegui import context, ui
 from rigctl.daemon import Daemon
 from rigctl.errors import RigError
 from rigctl.page.feed import Feed
+from rigctl.page.readings import Readings
 from rigctl.service.lanes import Lanes
 
 T = TypeVar("T")
@@ -26,11 +27,14 @@ class Desk:
         Threads for what blocks: a stop never waits for an arming.
     feed
         What happened last.
+    readings
+        What shots were measured to be.
     """
 
     daemon: Daemon
     lanes: Lanes
     feed: Feed
+    readings: Readings
 
     async def act(self, call: Callable[[], T]) -> T | None:
         """Run what moves the rig or writes; a refusal is shown in its own words and gives None."""

@@ -29,12 +29,18 @@ class Happening:
 
 
 class Feed:
-    """The last happenings of rig, shots, sweeps and jobs. Any thread may read it."""
+    """The last happenings of rig, shots, sweeps and jobs. Any thread may read it.
+
+    `told` is another number after each change of any of them, also where there is nothing to say:
+    who has seen it need not look again.
+    """
 
     def __init__(self, daemon: Daemon) -> None:
         self._kept: deque[Happening] = deque(maxlen=MOST_KEPT)
         self._numbers = itertools.count(1)
         self._said: dict[str, str] = {}
+        self._told = itertools.count(1)
+        self.told = 0
         self._read_back(daemon)
         daemon.rig.listeners.add(self._rig)
         daemon.store.listeners.add(self._shot)
@@ -58,20 +64,27 @@ class Feed:
                 self._keep("rig", f"{entry.after}: {entry.reason}", entry.at)
 
     def _rig(self, step: Transition) -> None:
+        self._tell()
         text = f"{step.after}: {step.reason}" if step.reason else str(step.after)
         self._keep("rig", text, step.at)
 
     def _shot(self, shot: ShotRecord) -> None:
+        self._tell()
         why = f": {shot.failure}" if shot.failure else ""
         self._keep("shot", f"shot {shot.number} {shot.state}{why}")
 
     def _sweep(self, status: SweepStatus) -> None:
+        self._tell()
         record = status.record
         self._once(f"sweep {record.id}", "sweep", f"sweep {record.id} {record.state}")
 
     def _job(self, job: Job) -> None:
+        self._tell()
         why = f": {job.failure}" if job.failure else ""
         self._once(f"job {job.id}", "job", f"{job.kind} of {job.subject} {job.state}{why}")
+
+    def _tell(self) -> None:
+        self.told = next(self._told)
 
     def _once(self, subject: str, kind: str, text: str) -> None:
         """Keep what is said of a subject, unless it was the last thing said of it."""

@@ -6,10 +6,11 @@ from typing import Any
 
 from nicegui import ui
 
-from rigctl.commands.model.next import sentence
+from rigctl.commands.model.next import sentence, sweep_of
 from rigctl.jobs import Job
 from rigctl.page.desk import Desk
 from rigctl.page.model_state import ModelState, Question
+from rigctl.page.sweep_form import form_address
 from rigctl.page.tables import Line, facts
 from rigctl.page.widgets import button
 
@@ -85,7 +86,29 @@ class NextShots:
                 )
                 for shot in answer["next_shots"]
             ]
-            facts(["pressure a, kPa", "pressure b, kPa", "offset, mm", "times"], lines)
+            facts(["pressure a, kPa", "pressure b, kPa", "offset, mm", "times"], lines, "chosen")
+            self._into_sweep(answer)
+
+    def _into_sweep(self, answer: Json) -> None:
+        """Offer the shots as a sweep, unless another laboratory fired this campaign."""
+        source = self._state.source
+        if source.folder is not None:
+            ui.label(
+                "These shots are for the rig that fired this campaign: `rigctl model next --out` "
+                "writes them as a sweep file."
+            ).classes("note")
+            return
+        sweep = sweep_of(answer).model_copy(update={"campaign": source.title})
+        with ui.element("div").classes("beside"):
+            button(
+                "Make a sweep of them",
+                lambda: ui.navigate.to(form_address(sweep)),
+                look="fill",
+                testid="into-sweep",
+            )
+            ui.label("Its form opens; nothing is fired before you press Start there.").classes(
+                "aside"
+            )
 
     def _start(self) -> None:
         self._asked.start()

@@ -122,7 +122,8 @@ class Where:
                 "poses; a film is kept of the rig's own shots only."
             )
             return
-        ui.navigate.to(f"/shots/{shot}" + (f"?frame={frame}" if frame >= 0 else ""))
+        place = f"&frame={frame}" if frame >= 0 else ""
+        ui.navigate.to(f"/shots/{shot}?effects={','.join(self._found['with'])}{place}")
 
     def _stored(self, number: int) -> str | None:
         source = self._state.source

@@ -15,6 +15,7 @@ from rigctl.page.door import PageDoor
 from rigctl.page.feed import Feed
 from rigctl.page.film import film_route
 from rigctl.page.model_pages import model_pages
+from rigctl.page.readings import Readings
 from rigctl.page.rig_page import rig_page
 from rigctl.page.shot_pages import shot_pages
 from rigctl.page.sweep_pages import sweep_pages
@@ -28,7 +29,7 @@ def with_page(api: FastAPI, daemon: Daemon, key: str) -> ASGIApp:
 
     Called once in a process: pages are registered in the page library's one table.
     """
-    desk = Desk(daemon, Lanes(), Feed(daemon))
+    desk = Desk(daemon, Lanes(), Feed(daemon), Readings(daemon.store))
     ui.add_css(STYLE, shared=True)
     for register in (rig_page, shot_pages, sweep_pages, campaign_pages, model_pages):
         register(desk)

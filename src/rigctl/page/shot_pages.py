@@ -10,6 +10,7 @@ from rigctl.errors import RigError
 from rigctl.page.desk import Desk
 from rigctl.page.layout import TICK_S, sheet
 from rigctl.page.order_form import words
+from rigctl.page.shot_residuals import ShotResiduals
 from rigctl.page.shot_view import coefficients, film, result_of
 from rigctl.page.tables import Line, facts
 from rigctl.page.widgets import button
@@ -42,7 +43,7 @@ def shot_pages(desk: Desk) -> None:
             shot_table(latest(desk, None))
 
     @ui.page("/shots/{shot}")
-    def one(shot: str, frame: int | None = None) -> None:
+    def one(shot: str, frame: int | None = None, effects: str | None = None) -> None:
         with sheet(desk, f"Shot {shot}", "/shots"):
             try:
                 desk.daemon.store.shot(shot)
@@ -50,7 +51,8 @@ def shot_pages(desk: Desk) -> None:
                 ui.label(error.sentence()).classes("verdict bad")
                 ui.link("All shots", "/shots")
                 return
-            _OneShot(desk, shot, frame)
+            added = None if effects is None else tuple(filter(None, effects.split(",")))
+            _OneShot(desk, shot, frame, added)
 
 
 def latest(desk: Desk, campaign: str | None) -> list[ShotRecord]:
@@ -94,8 +96,10 @@ def _row(shot: ShotRecord) -> dict[str, object]:
 class _OneShot:
     """One shot; drawn anew when it gets further."""
 
-    def __init__(self, desk: Desk, shot: str, frame: int | None) -> None:
-        self._desk, self._shot, self._frame = desk, shot, frame
+    def __init__(
+        self, desk: Desk, shot: str, frame: int | None, effects: tuple[str, ...] | None
+    ) -> None:
+        self._desk, self._shot, self._frame, self._effects = desk, shot, frame, effects
         self._seen = self._stands()
         self._show()
         ui.timer(TICK_S * 3, self._follow)
@@ -117,6 +121,7 @@ class _OneShot:
                     again = button("Analyse again", self._again, testid="analyse-again")
                     again.set_enabled(shot.state in ENDED)
                     again.tooltip("a further result is added; none is replaced")
+                ShotResiduals(self._desk, shot, self._effects)
                 _record(shot)
                 _notes(result.get("notes", []))
 

@@ -1,4 +1,4 @@
-"""The form of a sweep: ranges of pressure and offset, and what they cover before anything moves."""
+"""The form of a sweep: a grid of pressure and offset, or shots that somebody proposes."""
 
 from __future__ import annotations
 
@@ -6,42 +6,59 @@ import hashlib
 import math
 import secrets
 from typing import Any
+from urllib.parse import quote
 
 from nicegui import ui
 from pydantic import ValidationError
 
-from analysis.figures.palette import MEASURED
 from rigctl.config import Limits
 from rigctl.errors import RigError
 from rigctl.page.desk import Desk, actor
 from rigctl.page.fields import CampaignField, NumberField
-from rigctl.page.plots import figure
-from rigctl.page.quantities import Quantity
+from rigctl.page.quantities import SETTINGS, Quantity
+from rigctl.page.sweep_plots import covers, grid
+from rigctl.page.tables import Cell, Line, facts
 from rigctl.page.widgets import button, plot
-from rigctl.settings import ShotSettings
 from rigctl.sweeps.form import Sweep
 from rigctl.sweeps.plan import plan_of, require_possible
 
 Json = dict[str, Any]
-DIAMETER_MM = 25.4
 MOST_LEVELS = 50
 MOST_REPEATS = 100
+REPEAT = Quantity("Repeats", "", "How often all is fired.")
+
+
+def form_address(proposed: Sweep) -> str:
+    """Return where the page offers these shots: nothing is fired before somebody starts them."""
+    return f"/sweeps?form={quote(proposed.model_dump_json(exclude_defaults=True))}"
 
 
 class SweepForm:
-    """Fields, the preview of the shots they mean, and the start."""
+    """Fields, the preview of the shots they mean, and the start.
 
-    def __init__(self, desk: Desk) -> None:
+    Parameters
+    ----------
+    proposed
+        JSON text of a sweep whose listed shots stand in the place of a grid; empty: none.
+    """
+
+    def __init__(self, desk: Desk, proposed: str = "") -> None:
         self._desk = desk
-        limits = desk.daemon.configuration.limits
         self._key = secrets.token_hex(16)
+        limits = desk.daemon.configuration.limits
         with ui.element("div").classes("panel"):
             ui.label("New sweep").classes("title")
-            self._fields = _fields(limits)
-            self._campaign = CampaignField("sweep")
+            self._proposed = _proposed(proposed)
+            if self._proposed is None:
+                self._fields = _fields(limits)
+            else:
+                _listed(self._proposed)
+                self._fields = {"repeat": _repeat(float(self._proposed.repeat))}
+            known = None if self._proposed is None else self._proposed.campaign
+            self._campaign = CampaignField(known or "sweep")
             self._shuffle = ui.checkbox("in a drawn order", value=True).props("dense")
             self._shuffle.tooltip("so that a drift in time is no effect of a setting")
-            self._said = ui.label().classes("note").props("data-testid=sweep-says")
+            self._said = ui.label().classes("note").props("data-testid=sweep-says role=status")
             self._start = button("Start", self._on_start, look="main fill", testid="start-sweep")
         self._shown: Sweep | None = None
         ui.timer(0.3, self._follow)
@@ -49,15 +66,15 @@ class SweepForm:
     @ui.refreshable_method
     def preview(self) -> None:
         """Place the shots of the sweep in the plane of pressure and offset."""
-        with ui.element("div").classes("panel"):
+        with ui.element("div").classes("panel").props("data-testid=preview"):
             with ui.element("div").classes("title"):
                 ui.label("What it covers")
                 if self._shown is not None:
-                    ui.label(_covers(self._shown.steps())).classes("aside")
+                    ui.label(covers(self._shown.steps())).classes("aside")
             if self._shown is None:
                 ui.label("The fields do not make a sweep yet.").classes("empty")
                 return
-            plot(_grid(self._shown.steps(), self._desk.daemon.configuration.limits))
+            plot(grid(self._shown.steps(), self._desk.daemon.configuration.limits))
 
     def _follow(self) -> None:
         try:
@@ -68,28 +85,26 @@ class SweepForm:
             sweep, said = None, str(error.errors()[0]["msg"])
         except RigError as error:
             sweep, said = None, error.sentence()
-        valid = sweep is not None and self._campaign.valid
         self._said.set_text(said)
-        self._start.set_enabled(valid)
+        self._start.set_enabled(sweep is not None and self._campaign.valid)
         if sweep != self._shown:
             self._shown = sweep
             self.preview.refresh()
 
     def _sweep(self) -> Sweep:
         value = {name: field.value for name, field in self._fields.items()}
-        grid = {
+        common = {
+            "repeat": _whole(value["repeat"]),
+            "shuffle": bool(self._shuffle.value),
+            "campaign": self._campaign.value or None,
+        }
+        if self._proposed is not None:
+            return Sweep.model_validate({**self._proposed.model_dump(), **common})
+        levels = {
             "pressure_a_kpa": _levels(value["p0"], value["p1"], value["pn"], "root"),
             "offset_mm": _levels(value["o0"], value["o1"], value["on"], "linear"),
         }
-        return Sweep.model_validate(
-            {
-                "grid": grid,
-                "repeat": _whole(value["repeat"]),
-                "shuffle": bool(self._shuffle.value),
-                "campaign": self._campaign.value or None,
-                "note": "built on the page",
-            }
-        )
+        return Sweep.model_validate({**common, "grid": levels, "note": "built on the page"})
 
     async def _on_start(self) -> None:
         sweep, who, key = self._sweep(), actor(), self._key
@@ -99,28 +114,57 @@ class SweepForm:
         )
         if started is not None:
             self._key = secrets.token_hex(16)
-            ui.notify(f"Sweep {started.record.id} runs.")
+            ui.navigate.to(f"/sweeps/{started.record.id}")
+
+
+def _proposed(text: str) -> Sweep | None:
+    if not text:
+        return None
+    try:
+        return Sweep.model_validate_json(text)
+    except ValidationError as error:
+        first = error.errors()[0]
+        place = ".".join(map(str, first["loc"])) or "the form"
+        ui.label(f"The proposed shots are no sweep: {place}: {first['msg']}.").classes(
+            "verdict bad"
+        )
+        return None
+
+
+def _listed(proposed: Sweep) -> None:
+    """Place the shots of a proposal; they are fired as they stand."""
+    ui.label(f"Proposed: {proposed.note or 'listed shots'}.").classes("note")
+    names = ("pressure_a_kpa", "pressure_b_kpa", "offset_mm")
+    about = [SETTINGS[name] for name in names]
+    headings = [Cell(f"{one.name}, {one.unit}", one.meaning) for one in about]
+    lines = [
+        Line([*(f"{getattr(shot, name):g}" for name in names), str(shot.repeat)])
+        for shot in proposed.shots
+    ]
+    facts([*headings, Cell("times", "How often it is fired.")], lines, "proposed")
+    ui.link("build a grid instead", "/sweeps").classes("note")
+
+
+def _repeat(value: float) -> NumberField:
+    return NumberField(REPEAT, (1, MOST_REPEATS), value, "repeat")
 
 
 def _fields(limits: Limits) -> dict[str, NumberField]:
     low, high = limits.pressure_kpa
+    counted = (1.0, float(MOST_LEVELS))
     bounds = {
         "p0": (Quantity("Pressure from", "kPa", "Of both pushers alike."), (low, high), 20.0),
         "p1": (Quantity("Pressure to", "kPa", "Of both pushers alike."), (low, high), 80.0),
-        "pn": (
-            Quantity("Pressures", "", "Spaced so that speeds are."),
-            (1.0, float(MOST_LEVELS)),
-            4.0,
-        ),
+        "pn": (Quantity("Pressures", "", "Spaced so that speeds are even."), counted, 4.0),
         "o0": (Quantity("Offset from", "mm", "0 is head on."), limits.offset_mm, 0.0),
         "o1": (Quantity("Offset to", "mm", "Near 25.4 mm they graze."), limits.offset_mm, 22.0),
-        "on": (Quantity("Offsets", "", "Spaced evenly."), (1.0, float(MOST_LEVELS)), 6.0),
-        "repeat": (Quantity("Repeats", "", "How often all is fired."), (1, MOST_REPEATS), 1.0),
+        "on": (Quantity("Offsets", "", "Spaced evenly."), counted, 6.0),
     }
-    return {
+    placed = {
         name: NumberField(about, own, min(max(start, own[0]), own[1]), name)
         for name, (about, own, start) in bounds.items()
     }
+    return {**placed, "repeat": _repeat(1.0)}
 
 
 def _levels(first: float, last: float, count: float, spacing: str) -> object:
@@ -132,43 +176,3 @@ def _levels(first: float, last: float, count: float, spacing: str) -> object:
 def _whole(value: float) -> int:
     """Return a count; an empty field, which is not a number, counts nothing."""
     return 0 if math.isnan(value) else int(value)
-
-
-def _covers(steps: list[ShotSettings]) -> str:
-    """Say which incidence the offsets mean: without fall, its sine is offset over diameter."""
-    reach = [min(abs(step.offset_mm) / DIAMETER_MM, 0.999) for step in steps]
-    low, high = (share / (1 - share**2) ** 0.5 for share in (min(reach), max(reach)))
-    return f"{len(steps)} shots, v_s/v_n from about {low:.2f} to {high:.2f} before they fall"
-
-
-def _grid(steps: list[ShotSettings], limits: Limits) -> Json:
-    shots: dict[tuple[float, float], int] = {}
-    for step in steps:
-        place = step.pressure_a_kpa, step.offset_mm
-        shots[place] = shots.get(place, 0) + 1
-    points = {
-        "type": "scatter",
-        "mode": "markers",
-        "x": [pressure for pressure, _ in shots],
-        "y": [offset for _, offset in shots],
-        "customdata": list(shots.values()),
-        "marker": {"color": MEASURED, "size": 10},
-        "hovertemplate": "%{x:.1f} kPa, %{y:.2f} mm, %{customdata} times<extra></extra>",
-    }
-    room = 0.04 * (limits.pressure_kpa[1] - limits.pressure_kpa[0])
-    rise = 0.06 * (limits.offset_mm[1] - limits.offset_mm[0])
-    return figure(
-        [points],
-        330,
-        "sweep",
-        xaxis={
-            "title": {"text": "pressure, kPa"},
-            "range": [limits.pressure_kpa[0] - room, limits.pressure_kpa[1] + room],
-            "zeroline": False,
-        },
-        yaxis={
-            "title": {"text": "offset, mm"},
-            "range": [limits.offset_mm[0] - rise, limits.offset_mm[1] + rise],
-            "zeroline": False,
-        },
-    )

@@ -1,0 +1,71 @@
+"""What shots were measured to be, kept for all pages: a result on disk never changes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from rigctl.errors import RigError
+from rigctl.store import ShotRecord, ShotState, Store
+
+MOST_KEPT = 20_000
+
+
+@dataclass(frozen=True, slots=True)
+class Impact:
+    """The coefficients of a measured shot, each a value and its standard error.
+
+    `v_n` and `v_s` are before contact, m/s; `e` and `beta` are ratios. A coefficient that the shot
+    does not tell is None.
+    """
+
+    number: int
+    v_n: tuple[float, float] | None
+    v_s: tuple[float, float] | None
+    e: tuple[float, float] | None
+    beta: tuple[float, float] | None
+
+    @property
+    def incidence(self) -> float | None:
+        """v_s / |v_n| before contact; None where either is not told."""
+        if self.v_n is None or self.v_s is None or not self.v_n[0]:
+            return None
+        return self.v_s[0] / abs(self.v_n[0])
+
+
+class Readings:
+    """Reads results once. Any thread may call it; it blocks for the disk."""
+
+    def __init__(self, store: Store) -> None:
+        self._store = store
+        self._known: dict[tuple[str, int], Impact | None] = {}
+
+    def of(self, shots: Iterable[ShotRecord]) -> list[Impact]:
+        """Return what those of the shots that are measured were measured to be, in their order."""
+        found = (self._one(shot) for shot in shots if shot.state is ShotState.ANALYSED)
+        return [impact for impact in found if impact is not None]
+
+    def _one(self, shot: ShotRecord) -> Impact | None:
+        key = shot.id, shot.results
+        if key not in self._known:
+            while len(self._known) >= MOST_KEPT:
+                del self._known[next(iter(self._known))]
+            self._known[key] = self._read(shot)
+        return self._known[key]
+
+    def _read(self, shot: ShotRecord) -> Impact | None:
+        try:
+            result = self._store.result(shot.id, shot.results)
+        except RigError:
+            return None
+        if result.get("status") != "measured":
+            return None
+        told = {name: _told(result.get(name)) for name in ("v_n", "v_s", "e", "beta")}
+        return Impact(shot.number, **told)
+
+
+def _told(quantity: Mapping[str, Any] | None) -> tuple[float, float] | None:
+    if quantity is None or quantity.get("sigma") is None:
+        return None
+    return float(quantity["value"]), float(quantity["sigma"])

@@ -1,0 +1,135 @@
+"""One sweep: how far it is, its shots in the plane, and plots that grow with each shot."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from nicegui import run, ui
+
+from rigctl.page.desk import Desk
+from rigctl.page.layout import TICK_S
+from rigctl.page.readings import Impact
+from rigctl.page.sweep_orders import bar, how_far, orders
+from rigctl.page.sweep_plots import over_incidence, over_speed, progress
+from rigctl.page.sweep_steps import steps_table, what_became
+from rigctl.page.widgets import plot, save_csv
+from rigctl.settings import ShotSettings
+from rigctl.store import ShotRecord, ShotState, StepRecord
+from rigctl.sweeps.status import SweepStatus
+
+SETTLED = frozenset({ShotState.MISFIRE, ShotState.UNKNOWN_OUTCOME, ShotState.ABORTED})
+
+
+@dataclass(frozen=True, slots=True)
+class _Stand:
+    """A sweep at one moment, with its shots by their names and what they were measured to be."""
+
+    status: SweepStatus
+    steps: list[StepRecord]
+    shots: Mapping[str, ShotRecord]
+    impacts: list[Impact]
+
+
+class SweepView:
+    """Placed where it is made; follows the sweep."""
+
+    def __init__(self, desk: Desk, sweep: str) -> None:
+        self._desk, self._sweep = desk, sweep
+        self._limits = desk.daemon.configuration.limits
+        self._heard = -1
+        self._now = _Stand(desk.daemon.sweeps.status(sweep), [], {}, [])
+        self._head()
+        with ui.element("div").classes("columns half"):
+            with ui.element("div").classes("panel"):
+                ui.label("Where it is").classes("title")
+                self._plane = plot(progress({}, self._limits))
+            with ui.element("div").classes("panel"):
+                self._titled("Restitution over approach speed", "restitution")
+                self._speed = plot(over_speed([], sweep)).props("data-testid=grows")
+            with ui.element("div").classes("panel"):
+                self._titled("Tangential restitution over incidence", "tangential")
+                self._incidence = plot(over_incidence([], sweep))
+            with ui.element("div").classes("panel"):
+                ui.label("Steps").classes("title")
+                self._table()
+        ui.timer(TICK_S * 3, self._follow)
+
+    async def _follow(self) -> None:
+        heard = self._desk.feed.told
+        if heard == self._heard:
+            return
+        stand = await run.io_bound(self._stand)
+        if stand is None:
+            return
+        self._heard, before, self._now = heard, self._now, stand
+        if stand.status != before.status:
+            self._head.refresh()
+        if stand.steps != before.steps or stand.shots != before.shots:
+            self._table.refresh()
+            self._plane.update_figure(progress(self._by_fate(), self._limits))
+        if stand.impacts != before.impacts:
+            self._speed.update_figure(over_speed(stand.impacts, self._sweep))
+            self._incidence.update_figure(over_incidence(stand.impacts, self._sweep))
+
+    def _stand(self) -> _Stand:
+        """Read the sweep; blocks for the disk. A shot that has ended is not read again."""
+        status = self._desk.daemon.sweeps.status(self._sweep)
+        store = self._desk.daemon.store
+        steps = store.sweeps.steps(self._sweep)
+        shots = {
+            step.shot: store.shot(step.shot)
+            for step in steps
+            if step.shot is not None and step.shot not in self._ended()
+        }
+        shots = {**self._ended(), **shots}
+        return _Stand(status, steps, shots, self._desk.readings.of(shots.values()))
+
+    def _ended(self) -> dict[str, ShotRecord]:
+        ended = {ShotState.ANALYSED, ShotState.REFUSED, *SETTLED}
+        return {name: shot for name, shot in self._now.shots.items() if shot.state in ended}
+
+    def _by_fate(self) -> dict[str, list[tuple[int, ShotSettings]]]:
+        found: dict[str, list[tuple[int, ShotSettings]]] = {}
+        for step in self._now.steps:
+            fate = what_became(step, self._now.shots.get(step.shot or ""))
+            found.setdefault(fate, []).append((step.number, step.settings))
+        return found
+
+    @ui.refreshable_method
+    def _head(self) -> None:
+        status = self._now.status
+        record = status.record
+        with ui.element("div").classes("panel").props("data-testid=sweep"):
+            with ui.element("div").classes("beside"):
+                ui.html(f"<h1>Sweep {record.id}</h1>", sanitize=False).classes("head")
+                ui.label(f"{record.state}, {how_far(status)[2]}").props(
+                    "data-testid=sweep-state role=status"
+                )
+                if record.campaign:
+                    ui.link(f"campaign {record.campaign}", f"/campaigns/{record.campaign}")
+                ui.space()
+                orders(self._desk, status)
+            bar(status)
+            ui.label(record.reason).classes("note")
+
+    @ui.refreshable_method
+    def _table(self) -> None:
+        steps_table(self._now.steps, self._now.shots)
+
+    def _titled(self, title: str, name: str) -> None:
+        with ui.element("div").classes("title"):
+            ui.label(title)
+            ui.space()
+            save_csv(f"{self._sweep}-{name}", self._rows)
+
+    def _rows(self) -> list[list[object]]:
+        names = ("v_n", "v_s", "e", "beta")
+        heading: list[object] = ["shot"]
+        for name in names:
+            heading += [name, f"sigma of {name}"]
+        rows = [heading]
+        for one in self._now.impacts:
+            told = [getattr(one, name) or ("", "") for name in names]
+            rows.append([one.number, *(part for pair in told for part in pair)])
+        return rows
