@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from analysis.errors import InputError
-from analysis.exchange.shot_list import ShotRow
+from analysis.exchange.shot_list import EXCLUDED, ShotRow
 from analysis.model.gather import gather, gather_poses, pose_data
 from analysis.model.poses import PoseData
 from analysis.model.tables import Data
@@ -28,10 +28,14 @@ Json = dict[str, Any]
 
 @dataclass(frozen=True, slots=True)
 class MeasuredFiles:
-    """Where a measured shot lies: its manifest and the result that counts."""
+    """Where a measured shot lies: its manifest and the result that counts.
+
+    One that a person `excluded` is there to be named, and is left out of every fit.
+    """
 
     manifest: Path
     result: Path
+    excluded: bool = False
 
 
 def open_campaign(
@@ -94,14 +98,19 @@ def campaign_poses(store: Store | StoreReader, name: str) -> tuple[str, PoseData
 def measured_files(store: Store | StoreReader, name: str) -> list[MeasuredFiles]:
     """Return where the measured shots of a campaign lie, in the order of firing.
 
+    Those that a person excluded come last.
+
     Raises
     ------
     NotFoundError
-        There is no such campaign, or none of its shots is measured.
+        There is no such campaign, or none of its shots is measured and counts.
     """
+    campaigns = store.campaigns
+    listed = [(*each, False) for each in campaigns.measured(name)]
+    listed += [(*each, True) for each in campaigns.left_out(name)]
     return [
-        MeasuredFiles(folder / "manifest.json", folder / f"result-{number:04d}.json")
-        for shot, number in store.campaigns.measured(name)
+        MeasuredFiles(folder / "manifest.json", folder / f"result-{number:04d}.json", excluded)
+        for shot, number, excluded in listed
         for folder in [store.folders.folder(shot)]
     ]
 
@@ -121,7 +130,7 @@ def poses_from(name: str, files: Sequence[MeasuredFiles]) -> PoseData:
         try:
             number = int(manifest["number"])
             shots[number] = poses_of(result["poses"])
-            rows.append(_row(number, manifest))
+            rows.append(_row(number, manifest, excluded=own.excluded))
             if (errors := result.get("slow_errors")) is not None:
                 slow.append((float(errors["position_m"]), float(errors["rotation_rad"])))
             setups[str(manifest["shot"])] = setup_of(manifest)
@@ -136,12 +145,12 @@ def poses_from(name: str, files: Sequence[MeasuredFiles]) -> PoseData:
     return pose_data(shots, rows, typical(next(iter(setups.values())), slow, [False]))
 
 
-def _row(number: int, manifest: Json) -> ShotRow:
+def _row(number: int, manifest: Json, *, excluded: bool) -> ShotRow:
     """Return a shot's settings as a row of shots.csv: every number is a covariate."""
     fired_at = manifest["fired_at"]
     numbers = {key: float(v) for key, v in manifest["settings"].items() if v is not None}
     time = None if fired_at is None else datetime.fromisoformat(fired_at)
-    return ShotRow(number, time, numbers, {})
+    return ShotRow(number, time, numbers, {EXCLUDED: "by a person"} if excluded else {})
 
 
 def _require_one_setup(name: str, setups: dict[str, Setup]) -> None:

@@ -8,7 +8,6 @@ Each takes one JSON object and a function that says how far it is, and returns a
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -46,7 +45,10 @@ Say = Callable[[str, float | None], None]
 
 def request(title: str, files: Sequence[MeasuredFiles], effects: Sequence[str] = ()) -> Json:
     """Return the argument of the functions below."""
-    listed = [{key: str(path) for key, path in asdict(own).items()} for own in files]
+    listed = [
+        {"manifest": str(own.manifest), "result": str(own.result), "excluded": own.excluded}
+        for own in files
+    ]
     return {"campaign": title, "files": listed, "with": list(effects)}
 
 
@@ -139,7 +141,10 @@ def _poses(asked: Json, say: Say) -> PoseData:
     say("reading the poses", None)
     if "folder" in asked:
         return folder_poses(Path(asked["folder"]))[1]
-    files = [MeasuredFiles(Path(own["manifest"]), Path(own["result"])) for own in asked["files"]]
+    files = [
+        MeasuredFiles(Path(own["manifest"]), Path(own["result"]), bool(own["excluded"]))
+        for own in asked["files"]
+    ]
     return poses_from(asked["campaign"], files)
 
 

@@ -20,10 +20,10 @@ ENDS_WITHIN_S = 100.0
 STRETCH = 0.004
 FIT = {
     *("campaign", "shots", "with", "chi2_per_dof", "degrees_of_freedom", "converged", "parameters"),
-    *("faults", "noise", "rejected", "rejected_frames"),
+    *("faults", "noise", "excluded", "rejected", "rejected_frames"),
 }
 EXPLAIN = {
-    *("campaign", "shots", "used", "rejected", "rejected_frames", "verdict", "effects"),
+    *("campaign", "shots", "used", "excluded", "rejected", "rejected_frames", "verdict", "effects"),
     *("alias_set", "unexplained", "chi2_per_dof", "path", "parameters", "candidates"),
     *("noise", "structure", "next_shots", "faults"),
 }

@@ -13,6 +13,9 @@ from pathlib import Path
 from analysis.errors import InputError, counted
 
 EXPOSURE = "exposure_us"
+EXCLUDED, NOTE, TAGS = "excluded", "note", "tags"
+_WORDS = frozenset({EXCLUDED, NOTE, TAGS})
+"""Columns that the format defines as words, whatever stands in them."""
 _DEFINED = re.compile(rf"pressure_\w+_kpa|offset_mm|{EXPOSURE}")
 """Columns that the format defines as numbers."""
 
@@ -30,13 +33,18 @@ class ShotRow:
     numbers
         Numeric columns by name, units in the names; an empty field is absent.
     words
-        The other columns.
+        The other columns; `excluded` says why a person left the shot out of every fit.
     """
 
     shot: int
     time: datetime | None
     numbers: dict[str, float]
     words: dict[str, str]
+
+    @property
+    def is_excluded(self) -> bool:
+        """Whether a person left the shot out of every fit."""
+        return EXCLUDED in self.words
 
 
 def read_shot_list(path: Path) -> list[ShotRow]:
@@ -60,7 +68,7 @@ def read_shot_list(path: Path) -> list[ShotRow]:
     numeric = {
         name
         for i, name in enumerate(names)
-        if name not in {"shot", "time"}
+        if name not in {"shot", "time", *_WORDS}
         and (_DEFINED.fullmatch(name) or all(_number(row[i]) is not None for _, row in body))
     }
     shots = [

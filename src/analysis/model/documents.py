@@ -21,6 +21,7 @@ def fit_document(title: str, names: Sequence[str], found: Judged) -> Json:
     return {
         "campaign": title,
         "shots": len(fit.shot_chi2),
+        "excluded": found.excluded,
         "rejected": found.rejected,
         "rejected_frames": [list(frame) for frame in found.evidence.cleaned.frames],
         "noise": noise_document(found.evidence.noise),

@@ -95,7 +95,8 @@ def gather_poses(folder: Path) -> tuple[str, PoseData]:
         measured = [(j.shot, shot) for j, shot, _ in results if isinstance(shot, MeasuredShot)]
         shots = {number: measured_poses(shot) for number, shot in measured}
         setup = with_slow_errors(setup, [shot for _, shot in measured])
-    data = pose_data(shots, rows, setup) if shots else None
+    counting = set(shots) - {row.shot for row in rows if row.is_excluded}
+    data = pose_data(shots, rows, setup) if counting else None
     if data is None or not both_seen(data.position_sigma).any():
         raise InputError(folder, "no shot of this campaign has frames that show both spheres")
     return name, data
@@ -121,8 +122,22 @@ def measured_poses(shot: MeasuredShot) -> dict[str, list[PoseRow]]:
 
 
 def pose_data(shots: Shots, rows: Sequence[ShotRow], setup: Setup) -> PoseData:
-    """Put poses into arrays, frames of both spheres side by side, shots padded to the longest."""
-    numbers = sorted(shots)
+    """Put poses into arrays, frames of both spheres side by side, shots padded to the longest.
+
+    Shots that a person excluded are left out and named, and those whose frames do not show both
+    spheres. Errors that are not stated are guessed.
+    """
+    stated = stated_poses(shots, rows, setup)
+    position_sigma, guessed = with_guesses(stated.position_sigma, POSITION_GUESS)
+    rotation_sigma, guessed_too = with_guesses(stated.rotation_sigma, ROTATION_GUESS)
+    data = stated.with_sigmas(position_sigma, rotation_sigma)
+    return usable(replace(data, estimated=guessed or guessed_too))
+
+
+def stated_poses(shots: Shots, rows: Sequence[ShotRow], setup: Setup) -> PoseData:
+    """Put poses into arrays as they were stated: an error that is not stated is NaN."""
+    excluded = {row.shot for row in rows if row.is_excluded}
+    numbers = sorted(set(shots) - excluded)
     frames = {s: sorted({r.frame for rows_ in shots[s].values() for r in rows_}) for s in numbers}
     longest = max(len(own) for own in frames.values())
     shape = (len(numbers), longest)
@@ -142,16 +157,13 @@ def pose_data(shots: Shots, rows: Sequence[ShotRow], setup: Setup) -> PoseData:
                     quaternions[s, k, i] = row.quaternion
                     turn_sigma[s, k, i] = row.rotation_sigma
         times[s, len(place) :] = times[s, len(place) - 1]
-    position_sigma, guessed = with_guesses(position_sigma, POSITION_GUESS)
-    turn_sigma, guessed_too = with_guesses(turn_sigma, ROTATION_GUESS)
-    data = PoseData(
+    return PoseData(
         shots=np.array(numbers, dtype=np.intp),
         times_s=times,
         position=position,
         position_sigma=position_sigma,
         rotation=_matrices(quaternions),
         rotation_sigma=turn_sigma,
-        estimated=guessed or guessed_too,
         slow_position_m=setup.slow_position_m,
         slow_rotation_rad=setup.slow_rotation_rad,
         one_body_frame=setup.one_body_frame,
@@ -160,38 +172,50 @@ def pose_data(shots: Shots, rows: Sequence[ShotRow], setup: Setup) -> PoseData:
         air_density=setup.air_density_kg_per_m3,
         covariates=_covariates(numbers, rows),
         camera=_camera(setup.camera, numbers, rows),
+        excluded=tuple(sorted(excluded & set(shots))),
     )
-    return _usable(data)
 
 
 def _contacts(path: Path, rows: Sequence[ShotRow], setup: Setup) -> ContactTable:
     found = read_contacts(path, plate=setup.spheres[1].plate)
-    return _table(path, contacts_table(*_of_shots(path, found, rows, setup)))
+    table = contacts_table(*_of_shots(path, found, rows, setup))
+    return _table(path, table, _left_out(found, rows))
 
 
 def _impacts(path: Path, rows: Sequence[ShotRow], setup: Setup) -> ContactTable:
-    return _table(path, impacts_table(*_of_shots(path, read_impacts(path), rows, setup)))
+    found = read_impacts(path)
+    table = impacts_table(*_of_shots(path, found, rows, setup))
+    return _table(path, table, _left_out(found, rows))
+
+
+def _left_out(found: Sequence[Tabulated], rows: Sequence[ShotRow]) -> tuple[int, ...]:
+    """Return the numbers of the tabulated shots that a person excluded."""
+    excluded = {row.shot for row in rows if row.is_excluded}
+    return tuple(row.shot for row in found if row.shot in excluded)
 
 
 def _of_shots(
     path: Path, found: Sequence[T], rows: Sequence[ShotRow], setup: Setup
 ) -> tuple[Sequence[T], tuple[Body, Body], dict[str, Floats], float]:
-    """Return tabulated rows with what the other files say of them."""
+    """Return tabulated rows that count with what the other files say of them."""
+    excluded = _left_out(found, rows)
+    found = [row for row in found if row.shot not in excluded]
     if not found:
-        raise InputError(path, "holds no shots")
+        raise InputError(path, "holds no shots that count")
     bodies = (_body(setup.spheres[0]), _body(setup.spheres[1]))
     covariates = _covariates([row.shot for row in found], rows)
     return found, bodies, covariates, setup.gravity_m_per_s2
 
 
-def _table(path: Path, table: ContactTable) -> ContactTable:
+def _table(path: Path, table: ContactTable, excluded: tuple[int, ...]) -> ContactTable:
+    table = replace(table, excluded=excluded)
     try:
         return with_scatter_as_noise(table) if table.estimated else table
     except ValueError as error:
         raise InputError(path, f"no errors are stated, and {error}; state them") from error
 
 
-def _usable(data: PoseData) -> PoseData:
+def usable(data: PoseData) -> PoseData:
     """Leave out shots without frames that show both spheres; their numbers are kept."""
     usable = both_seen(data.position_sigma).sum(axis=1) >= LEAST_FRAMES
     if usable.all() or not usable.any():

@@ -38,9 +38,16 @@ class Judged:
         bad = [int(n) for n in stated.shots[~self.evidence.cleaned.kept]]
         return sorted([*stated.unusable, *bad])
 
+    @property
+    def excluded(self) -> list[int]:
+        """Numbers of the shots that a person left out."""
+        return list(self.evidence.stated.excluded)
+
     def remarks(self) -> list[str]:
         """Say what was left out, and where stated sigmas were not believed."""
         found = []
+        if self.excluded:
+            found.append(f"shots that a person excluded: {self.excluded}")
         if self.rejected:
             found.append(
                 f"shots left out, too far from the rest or not to be fitted: {self.rejected}"

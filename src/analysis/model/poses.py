@@ -68,6 +68,8 @@ class PoseData:
         Whether some errors were not stated, so that their scale is the scatter's.
     unusable
         Numbers of shots that are not here, having no frames that show both spheres.
+    excluded
+        Numbers of shots that are not here because a person left them out.
     slow_position_m, slow_rotation_rad
         Size of the error that the frames of one flight share, in place and in orientation.
     one_body_frame
@@ -89,6 +91,7 @@ class PoseData:
     camera: CameraSetup
     estimated: bool = False
     unusable: tuple[int, ...] = ()
+    excluded: tuple[int, ...] = ()
     slow_position_m: float = 0.0
     slow_rotation_rad: float = 0.0
     one_body_frame: bool = True

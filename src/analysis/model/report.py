@@ -26,6 +26,7 @@ def verdict_document(
         "campaign": campaign,
         "shots": len(data.shots) + len(data.unusable),
         "used": int(kept.sum()),
+        "excluded": list(data.excluded),
         "rejected": sorted([*data.unusable, *(int(number) for number in data.shots[~kept])]),
         "rejected_frames": [list(frame) for frame in verdict.cleaned.frames],
         "verdict": verdict.verdict,

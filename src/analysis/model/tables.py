@@ -46,6 +46,8 @@ class ContactTable:
         directions of every contact, and nothing is known across them.
     estimated
         Whether no errors are stated, and sigma is one scale taken from the scatter itself.
+    excluded
+        Numbers of shots that are not here because a person left them out.
     """
 
     shots: NDArray[np.intp]
@@ -61,6 +63,7 @@ class ContactTable:
     covariates: Mapping[str, Floats]
     scalars: bool
     estimated: bool = False
+    excluded: tuple[int, ...] = ()
 
     @property
     def jitter_s(self) -> float:

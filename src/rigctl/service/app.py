@@ -23,6 +23,7 @@ from rigctl.service.models import RigEvent, ShotView
 from rigctl.service.openapi import describe
 from rigctl.service.problems import Problem, answer, from_error, from_validation
 from rigctl.service.routes_campaigns import campaign_routes
+from rigctl.service.routes_edits import edit_routes
 from rigctl.service.routes_effects import effect_routes
 from rigctl.service.routes_events import event_routes
 from rigctl.service.routes_front import front_route
@@ -75,6 +76,7 @@ def create_app(daemon: Daemon, key: str, hub: EventHub) -> FastAPI:
     lanes = Lanes()
     app.include_router(rig_routes(daemon, lanes), prefix=PREFIX)
     app.include_router(shot_routes(daemon, lanes), prefix=PREFIX)
+    app.include_router(edit_routes(daemon), prefix=PREFIX)
     app.include_router(sweep_routes(daemon, lanes), prefix=PREFIX)
     app.include_router(campaign_routes(daemon), prefix=PREFIX)
     app.include_router(model_routes(daemon), prefix=PREFIX)

@@ -125,6 +125,7 @@ class CampaignView(BaseModel):
     campaign: str
     shots: int
     states: dict[ShotState, int] = Field(description="states without a shot are left out")
+    excluded: int = Field(description="how many of its shots are left out of every fit")
     first_at: datetime
     last_at: datetime
 
@@ -135,6 +136,7 @@ class CampaignView(BaseModel):
             campaign=record.name,
             shots=record.shots,
             states=record.states,
+            excluded=record.excluded,
             first_at=record.first_at,
             last_at=record.last_at,
         )

@@ -23,6 +23,12 @@ Line = Annotated[str, StringConstraints(min_length=1, max_length=500, pattern=r"
 """One line of text for the journal."""
 
 
+Tag = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,31}$")]
+"""A word by which shots are found again."""
+
+MOST_TAGS = 16
+
+
 class ShotOrder(BaseModel):
     """Fire once with the settings that the token was given for."""
 
@@ -45,6 +51,30 @@ class ReleaseOrder(BaseModel):
     reason: Line
 
 
+class ExcludeOrder(BaseModel):
+    """Why a shot is left out of every fit."""
+
+    model_config = _STRICT
+
+    reason: Line
+
+
+class NoteOrder(BaseModel):
+    """What is to be said of a shot; null takes the note away."""
+
+    model_config = _STRICT
+
+    note: Line | None
+
+
+class TagsOrder(BaseModel):
+    """The tags that a shot is to have, in the place of those it has."""
+
+    model_config = _STRICT
+
+    tags: list[Tag] = Field(max_length=MOST_TAGS)
+
+
 class ShotQuery(BaseModel):
     """Which shots to list; `after` is the id of the last shot of the page before."""
 
@@ -52,6 +82,8 @@ class ShotQuery(BaseModel):
 
     campaign: CampaignName | None = None
     state: ShotState | None = None
+    excluded: bool | None = None
+    tag: Tag | None = None
     limit: int = Field(default=100, ge=1, le=500)
     after: str | None = Field(default=None, pattern=r"^\d{8}-\d{6,12}$")
 
@@ -204,6 +236,9 @@ class ShotView(BaseModel):
     failure: str | None
     failure_code: str | None
     results: int = Field(description="how many measurements of it are stored")
+    excluded: str | None = Field(description="why it is left out of every fit; null: it counts")
+    tags: list[str]
+    imported_as: int | None = Field(description="its number in the folder it came from")
 
     @classmethod
     def of(cls, record: ShotRecord) -> Self:
@@ -227,6 +262,9 @@ class ShotView(BaseModel):
             failure=record.failure,
             failure_code=record.failure_code,
             results=record.results,
+            excluded=record.excluded,
+            tags=list(record.tags),
+            imported_as=record.imported_as,
         )
 
 

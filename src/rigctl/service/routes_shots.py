@@ -65,7 +65,12 @@ def shot_routes(daemon: Daemon, lanes: Lanes) -> APIRouter:
         """List shots, oldest first, page by page."""
         # One more than asked for tells whether a further page exists.
         found = store.shots(
-            campaign=query.campaign, state=query.state, limit=query.limit + 1, after=query.after
+            campaign=query.campaign,
+            state=query.state,
+            excluded=query.excluded,
+            tag=query.tag,
+            limit=query.limit + 1,
+            after=query.after,
         )
         page = found[: query.limit]
         return ShotList(

@@ -4,7 +4,7 @@ from rigctl.store.campaigns import CampaignRecord
 from rigctl.store.catalogue import Change
 from rigctl.store.listeners import Listeners
 from rigctl.store.reading import StoreReader, reading
-from rigctl.store.records import JournalEntry, NewShot, ShotRecord
+from rigctl.store.records import Edit, JournalEntry, NewShot, ShotRecord
 from rigctl.store.states import RUNNING, Fired, ShotState
 from rigctl.store.store import Store
 from rigctl.store.sweep_records import NewSweep, StepRecord, SweepRecord
@@ -14,6 +14,7 @@ __all__ = [
     "RUNNING",
     "CampaignRecord",
     "Change",
+    "Edit",
     "Fired",
     "JournalEntry",
     "Listeners",

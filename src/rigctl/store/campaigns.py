@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass
 from datetime import datetime
 
@@ -21,6 +22,8 @@ class CampaignRecord:
     ----------
     states
         How many of its shots stand in each state; states without a shot are left out.
+    excluded
+        How many of them a person left out of every fit.
     first_at, last_at
         When its first and its last shot were accepted, UTC.
     """
@@ -29,6 +32,7 @@ class CampaignRecord:
     states: dict[ShotState, int]
     first_at: datetime
     last_at: datetime
+    excluded: int = 0
 
     @property
     def shots(self) -> int:
@@ -57,7 +61,7 @@ class Campaigns:
     def measured(self, name: str) -> list[tuple[str, int]]:
         """Return the shots of a campaign that are measured, each with the number of its result.
 
-        In the order of firing.
+        In the order of firing, without those that a person left out.
 
         Raises
         ------
@@ -65,13 +69,7 @@ class Campaigns:
             No shot was fired under this name, or none of them has been measured.
         """
         campaign = self.one(name)
-        query = (
-            select(shots.c.id, shots.c.results)
-            .where(shots.c.campaign == name, shots.c.state == ShotState.ANALYSED)
-            .order_by(shots.c.number)
-        )
-        with self._database.reading() as connection:
-            found = [(row.id, row.results) for row in connection.execute(query)]
+        found = self._measured(name, excluded=False)
         if not found:
             raise NotFoundError(
                 "no shot of this campaign has been measured",
@@ -81,6 +79,20 @@ class Campaigns:
             )
         return found
 
+    def left_out(self, name: str) -> list[tuple[str, int]]:
+        """Return the shots that `measured` would have as well, had a person not left them out."""
+        return self._measured(name, excluded=True)
+
+    def _measured(self, name: str, *, excluded: bool) -> list[tuple[str, int]]:
+        query = (
+            select(shots.c.id, shots.c.results)
+            .where(shots.c.campaign == name, shots.c.state == ShotState.ANALYSED)
+            .where(shots.c.excluded.is_not(None) == excluded)
+            .order_by(shots.c.number)
+        )
+        with self._database.reading() as connection:
+            return [(row.id, row.results) for row in connection.execute(query)]
+
     def _records(self, name: str | None) -> list[CampaignRecord]:
         query = (
             select(
@@ -89,6 +101,7 @@ class Campaigns:
                 func.count().label("number"),
                 func.min(shots.c.accepted_at).label("first_at"),
                 func.max(shots.c.accepted_at).label("last_at"),
+                func.count(shots.c.excluded).label("excluded"),
             )
             .where(shots.c.campaign.is_not(None) if name is None else shots.c.campaign == name)
             .group_by(shots.c.campaign, shots.c.state)
@@ -96,12 +109,20 @@ class Campaigns:
         )
         states: dict[str, dict[ShotState, int]] = {}
         times: dict[str, list[datetime]] = {}
+        excluded = Counter[str]()
         with self._database.reading() as connection:
             for row in connection.execute(query):
                 states.setdefault(row.campaign, {})[ShotState(row.state)] = row.number
                 both = map(datetime.fromisoformat, (row.first_at, row.last_at))
                 times.setdefault(row.campaign, []).extend(both)
+                excluded[row.campaign] += row.excluded
         return [
-            CampaignRecord(campaign, found, min(times[campaign]), max(times[campaign]))
+            CampaignRecord(
+                campaign,
+                found,
+                min(times[campaign]),
+                max(times[campaign]),
+                excluded[campaign],
+            )
             for campaign, found in states.items()
         ]

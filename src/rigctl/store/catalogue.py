@@ -5,15 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import datetime
-from typing import Any
 
-from sqlalchemy import Connection, Row, func, insert, select, update
+from sqlalchemy import Connection, func, insert, select, update
 
-from rigctl.errors import KeyReusedError, KeyRunningError, NotFoundError, StoreError
-from rigctl.settings import ShotSettings
+from rigctl.errors import KeyReusedError, KeyRunningError, StoreError
 from rigctl.store.database import Database
 from rigctl.store.records import NewShot, ShotRecord
-from rigctl.store.schema import idempotency_keys, shots
+from rigctl.store.schema import idempotency_keys, shot_tags, shots
+from rigctl.store.shot_rows import one, records
 from rigctl.store.states import RUNNING, SHOT_TRANSITIONS, Fired, ShotState
 
 
@@ -76,11 +75,11 @@ class Catalogue:
             The table of states does not allow the move, or it is not on disk.
         """
         with self._database.writing() as connection:
-            present = _one(connection, shot)
+            present = one(connection, shot)
             if to not in SHOT_TRANSITIONS[present.state]:
                 raise StoreError(
                     f"a shot that is {present.state} cannot become {to}",
-                    part=str(self._database.path),
+                    part=self._database.name,
                     shot=shot,
                 )
             known: dict[str, object] = {
@@ -93,12 +92,12 @@ class Catalogue:
                 known["outcome"] = to
             statement = update(shots).where(shots.c.id == shot).values(state=to, **known)
             connection.execute(statement)
-            return _one(connection, shot)
+            return one(connection, shot)
 
     def shot(self, shot: str) -> ShotRecord:
         """Return one shot; raise `NotFoundError` if there is none of that name."""
         with self._database.reading() as connection:
-            return _one(connection, shot)
+            return one(connection, shot)
 
     def of_key(self, key: str) -> ShotRecord | None:
         """Return the shot that an idempotency key made; None while the key is free."""
@@ -108,52 +107,60 @@ class Catalogue:
             .where(idempotency_keys.c.key == key)
         )
         with self._database.reading() as connection:
-            row = connection.execute(query).one_or_none()
-        return None if row is None else _record(row)
+            return next(iter(records(connection, query)), None)
 
     def shots(
         self,
         *,
         campaign: str | None = None,
         state: ShotState | None = None,
+        excluded: bool | None = None,
+        tag: str | None = None,
         limit: int = 100,
         after: str | None = None,
     ) -> list[ShotRecord]:
-        """Return up to `limit` shots, oldest first, that come later than the shot `after`."""
+        """Return up to `limit` shots, oldest first, that come later than the shot `after`.
+
+        `excluded` tells those left out of every fit (True) from those that count (False).
+        """
         query = select(shots).order_by(shots.c.number).limit(limit)
         if campaign is not None:
             query = query.where(shots.c.campaign == campaign)
         if state is not None:
             query = query.where(shots.c.state == state)
+        if excluded is not None:
+            query = query.where(shots.c.excluded.is_not(None) == excluded)
+        if tag is not None:
+            query = query.join(shot_tags, shot_tags.c.shot == shots.c.number)
+            query = query.where(shot_tags.c.tag == tag)
         with self._database.reading() as connection:
             if after is not None:
-                query = query.where(shots.c.number > _one(connection, after).number)
-            return [_record(row) for row in connection.execute(query)]
+                query = query.where(shots.c.number > one(connection, after).number)
+            return records(connection, query)
 
     def last(self) -> ShotRecord | None:
         """Return the shot accepted last, or None."""
         query = select(shots).order_by(shots.c.number.desc()).limit(1)
         with self._database.reading() as connection:
-            row = connection.execute(query).one_or_none()
-        return _record(row) if row else None
+            return next(iter(records(connection, query)), None)
 
     def in_states(self, states: frozenset[ShotState]) -> list[ShotRecord]:
         """Return every shot that stands in one of these states, oldest first."""
         query = select(shots).where(shots.c.state.in_(states)).order_by(shots.c.number)
         with self._database.reading() as connection:
-            return [_record(row) for row in connection.execute(query)]
+            return records(connection, query)
 
 
 def _claimed(connection: Connection, key: str, body_hash: str) -> ShotRecord | None:
     query = (
-        select(shots, idempotency_keys.c.body_hash)
+        select(shots.c.id, idempotency_keys.c.body_hash)
         .join(idempotency_keys, idempotency_keys.c.shot == shots.c.number)
         .where(idempotency_keys.c.key == key)
     )
     row = connection.execute(query).one_or_none()
     if row is None:
         return None
-    record = _record(row)
+    record = one(connection, row.id)
     if row.body_hash != body_hash:
         raise KeyReusedError(
             "the idempotency key was used with another body",
@@ -188,44 +195,9 @@ def _created(connection: Connection, number: int, new: NewShot) -> ShotRecord:
             accepted_at=new.accepted_at.isoformat(),
         )
     )
-    return _one(connection, name)
-
-
-def _one(connection: Connection, shot: str) -> ShotRecord:
-    row = connection.execute(select(shots).where(shots.c.id == shot)).one_or_none()
-    if row is None:
-        raise NotFoundError("no such shot", value=repr(shot), todo="list the shots")
-    return _record(row)
+    return one(connection, name)
 
 
 def _columns(change: Change) -> list[tuple[str, object]]:
     values = ((name, getattr(change, name)) for name in Change.__slots__)
     return [(name, v.isoformat() if isinstance(v, datetime) else v) for name, v in values]
-
-
-def _moment(text: str | None) -> datetime | None:
-    return None if text is None else datetime.fromisoformat(text)
-
-
-def _record(row: Row[Any]) -> ShotRecord:
-    return ShotRecord(
-        id=row.id,
-        number=row.number,
-        state=ShotState(row.state),
-        outcome=None if row.outcome is None else ShotState(row.outcome),
-        fired=Fired(row.fired),
-        settings=ShotSettings.model_validate_json(row.settings),
-        campaign=row.campaign,
-        note=row.note,
-        actor=row.actor,
-        simulated=bool(row.simulated),
-        configuration=row.configuration,
-        accepted_at=datetime.fromisoformat(row.accepted_at),
-        fired_at=_moment(row.fired_at),
-        ended_at=_moment(row.ended_at),
-        frames=row.frames,
-        lost=row.lost,
-        failure=row.failure,
-        failure_code=row.failure_code,
-        results=row.results,
-    )

@@ -43,23 +43,32 @@ class Database:
         Longest wait for another program's lock, s.
     writable
         False: the file must be there, and `writing` fails.
+    migrate
+        Whether a catalogue of an earlier form is brought to the present one; otherwise refused.
 
     Raises
     ------
     StoreError
-        The file cannot be opened, or a later version of this program wrote it.
+        The file cannot be opened, or another version of this program wrote it.
     """
 
-    def __init__(self, path: Path, busy_timeout_s: float = 5.0, *, writable: bool = True) -> None:
-        self.path = path
+    def __init__(
+        self,
+        path: Path,
+        busy_timeout_s: float = 5.0,
+        *,
+        writable: bool = True,
+        migrate: bool = True,
+    ) -> None:
+        self.name = str(path)
         self._writer = threading.Lock()
         self._engine = _engine(path, busy_timeout_s, writable=writable)
         try:
-            if writable:
+            if writable and migrate:
                 self._create_or_refuse()
             else:
                 with self.reading() as connection:
-                    self._version(connection)
+                    self._require_present(self._version(connection))
         except BaseException:
             self.close()
             raise
@@ -85,7 +94,7 @@ class Database:
         if not self._writer.acquire(timeout=WRITER_WAIT_S):
             raise StoreError(
                 "another thread of this program has been writing for too long",
-                part=str(self.path),
+                part=self.name,
                 limit=f"{WRITER_WAIT_S:g} s",
                 todo="look at the disk",
             )
@@ -132,12 +141,22 @@ class Database:
         if version > schema.SCHEMA_VERSION:
             raise StoreError(
                 "was written by a later version of this program",
-                part=str(self.path),
+                part=self.name,
                 value=f"schema {version}",
                 limit=f"schema {schema.SCHEMA_VERSION}",
                 todo="install the later version, or name another store folder",
             )
         return version
+
+    def _require_present(self, version: int) -> None:
+        if version < schema.SCHEMA_VERSION:
+            raise StoreError(
+                "was written by an earlier version of this program",
+                part=self.name,
+                value=f"schema {version}",
+                limit=f"schema {schema.SCHEMA_VERSION}",
+                todo="start `rigctl serve` of this version once, which brings it up to date",
+            )
 
     @contextmanager
     def _in_words(self) -> Iterator[None]:
@@ -146,7 +165,7 @@ class Database:
         except (SQLAlchemyError, sqlite3.Error) as error:
             cause = str(getattr(error, "orig", None) or error)
             todo = next((text for word, text in _TODO.items() if word in cause), None)
-            raise StoreError(cause, part=str(self.path), todo=todo) from error
+            raise StoreError(cause, part=self.name, todo=todo) from error
 
 
 def _engine(path: Path, busy_timeout_s: float, *, writable: bool) -> Engine:

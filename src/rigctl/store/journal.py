@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 from datetime import datetime
 from typing import Any
 
-from sqlalchemy import Row, Select, insert, select
+from sqlalchemy import Row, Select, select
 
-from rigctl.errors import StoreError
+from rigctl.store import chain
 from rigctl.store.database import Database
 from rigctl.store.records import JournalEntry
 from rigctl.store.schema import transitions
-
-_START = "0" * 64
 
 
 class Journal:
@@ -40,15 +36,16 @@ class Journal:
         StoreError
             The entry could not be written.
         """
+        fields: dict[str, object] = {
+            "at": at.isoformat(),
+            "before": before,
+            "after": after,
+            "actor": actor,
+            "reason": reason,
+            "shot": shot,
+        }
         with self._database.writing() as connection:
-            last = connection.execute(_latest()).one_or_none()
-            number, previous = (last.number + 1, last.digest) if last else (1, _START)
-            fields = (number, at.isoformat(), before, after, actor, reason, shot)
-            digest = _digest(previous, fields)
-            names = ("number", "at", "before", "after", "actor", "reason", "shot")
-            row = dict(zip(names, fields, strict=True))
-            connection.execute(insert(transitions).values(**row, digest=digest))
-        return JournalEntry(number, at, before, after, actor, reason, shot, digest)
+            return _entry(chain.append(connection, transitions, fields))
 
     def last(self) -> JournalEntry | None:
         """Return the latest entry, or None when the rig has never moved."""
@@ -71,29 +68,13 @@ class Journal:
         StoreError
             An entry does not fit the one before it; the error names its number.
         """
-        previous, count = _START, 0
         with self._database.reading() as connection:
-            for row in connection.execute(select(transitions).order_by(transitions.c.number)):
-                count += 1
-                if row.number != count or row.digest != _digest(previous, tuple(row)[:-1]):
-                    raise StoreError(
-                        "the audit was altered",
-                        part=str(self._database.path),
-                        value=f"transition {row.number}",
-                        limit="the digest that was written with it",
-                        todo="compare with a backup before trusting later entries",
-                    )
-                previous = row.digest
-        return count
+            rows = connection.execute(select(transitions).order_by(transitions.c.number))
+            return chain.verify(rows, self._database.name, "transition")
 
 
 def _latest() -> Select[Any]:
     return select(transitions).order_by(transitions.c.number.desc()).limit(1)
-
-
-def _digest(previous: str, fields: tuple[object, ...]) -> str:
-    text = json.dumps([previous, *fields], separators=(",", ":"))
-    return hashlib.sha256(text.encode()).hexdigest()
 
 
 def _entry(row: Row[Any]) -> JournalEntry:

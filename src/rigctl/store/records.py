@@ -42,6 +42,12 @@ class ShotRecord:
         Why it did not come through, in one sentence, with the error's stable code.
     results
         How many results its folder holds.
+    excluded
+        Why a person left it out of every fit; None: it counts.
+    tags
+        Words a person gave it, in alphabetical order.
+    imported_as
+        Its number in the exchange folder it came from; None: it was fired here.
     """
 
     id: str
@@ -63,6 +69,35 @@ class ShotRecord:
     failure: str | None
     failure_code: str | None
     results: int
+    excluded: str | None = None
+    tags: tuple[str, ...] = ()
+    imported_as: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Edit:
+    """One change that a person made to what is known of a shot or a campaign.
+
+    Attributes
+    ----------
+    act
+        `excluded`, `included`, `noted`, `tagged` or `imported`.
+    subject
+        Name of the shot, or of the campaign.
+    before, after
+        What stood there and what stands there now; tags are joined by commas.
+    digest
+        As that of a `JournalEntry`.
+    """
+
+    number: int
+    at: datetime
+    actor: str
+    act: str
+    subject: str
+    before: str | None
+    after: str | None
+    digest: str
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,12 +4,22 @@ from __future__ import annotations
 
 from enum import StrEnum
 
-from sqlalchemy import REAL, CheckConstraint, Column, ForeignKey, Integer, MetaData, Table, Text
+from sqlalchemy import (
+    REAL,
+    CheckConstraint,
+    Column,
+    ForeignKey,
+    Index,
+    Integer,
+    MetaData,
+    Table,
+    Text,
+)
 
 from rigctl.store.states import Fired, ShotState
 from rigctl.store.sweep_states import StepState, SweepState
 
-SCHEMA_VERSION = 2
+SCHEMA_VERSION = 3
 """Number of the last migration; a catalogue carries its own as `user_version`."""
 
 metadata = MetaData()
@@ -25,11 +35,11 @@ shots = Table(
     metadata,
     Column("number", Integer, primary_key=True),
     Column("id", Text, nullable=False, unique=True),
-    Column("state", Text, nullable=False, index=True),
+    Column("state", Text, nullable=False),
     Column("outcome", Text),
     Column("fired", Text, nullable=False),
     Column("settings", Text, nullable=False),
-    Column("campaign", Text, index=True),
+    Column("campaign", Text),
     Column("note", Text),
     Column("actor", Text, nullable=False),
     Column("simulated", Integer, nullable=False),
@@ -42,8 +52,45 @@ shots = Table(
     Column("failure", Text),
     Column("failure_code", Text),
     Column("results", Integer, nullable=False, server_default="0"),
+    Column("excluded", Text),
+    Column("imported_as", Integer),
     _one_of("state", ShotState),
     _one_of("fired", Fired),
+    Index("ix_shots_state", "state", "number"),
+    Index("ix_shots_campaign", "campaign", "number"),
+    Index("ix_shots_campaign_state", "campaign", "state", "number"),
+    sqlite_strict=True,
+)
+
+shot_tags = Table(
+    "shot_tags",
+    metadata,
+    Column("tag", Text, primary_key=True),
+    Column("shot", Integer, ForeignKey("shots.number"), primary_key=True),
+    Index("ix_shot_tags_shot", "shot"),
+    sqlite_strict=True,
+)
+
+imports = Table(
+    "imports",
+    metadata,
+    Column("number", Integer, primary_key=True),
+    Column("campaign", Text, nullable=False, unique=True),
+    Column("digest", Text, nullable=False),
+    sqlite_strict=True,
+)
+
+edits = Table(
+    "edits",
+    metadata,
+    Column("number", Integer, primary_key=True),
+    Column("at", Text, nullable=False),
+    Column("actor", Text, nullable=False),
+    Column("act", Text, nullable=False),
+    Column("subject", Text, nullable=False),
+    Column("before", Text),
+    Column("after", Text),
+    Column("digest", Text, nullable=False),
     sqlite_strict=True,
 )
 

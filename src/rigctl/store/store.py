@@ -6,7 +6,7 @@ import errno
 import fcntl
 import os
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +16,7 @@ from rigctl.store.campaigns import Campaigns
 from rigctl.store.catalogue import Catalogue, Change
 from rigctl.store.database import Database
 from rigctl.store.durable import make_folders
+from rigctl.store.edits import Edits
 from rigctl.store.fits import Fits
 from rigctl.store.folders import ShotFolders
 from rigctl.store.journal import Journal
@@ -33,12 +34,15 @@ class Store:
     """Catalogue, audit and shot folders below one folder.
 
     One process owns it at a time: a second would take the first one's running shots for shots
-    left over from a crash.
+    left over from a crash. Whoever only edits, imports or copies may open it `shared`.
 
     Parameters
     ----------
     folder
         Created if it is absent.
+    shared
+        Own it no longer than opening takes, and not at all where another process does. The rig
+        must not be recovered or run on it.
     busy_timeout_s
         Longest wait for another program's lock on the catalogue, s.
     free_bytes
@@ -54,22 +58,28 @@ class Store:
         self,
         folder: Path,
         *,
+        shared: bool = False,
         busy_timeout_s: float = 5.0,
         free_bytes: Callable[[Path], int] = _free_bytes,
     ) -> None:
         self.path = folder.absolute()
         self.listeners: Listeners[ShotRecord] = Listeners()
         self._free_bytes = free_bytes
-        self._owned = _own(self.path)
+        self._owned = _own(self.path, shared=shared)
         try:
-            self._database = Database(self.path / "catalogue.db", busy_timeout_s)
+            self._database = Database(
+                self.path / "catalogue.db", busy_timeout_s, migrate=self._owned >= 0
+            )
         except BaseException:
-            os.close(self._owned)
+            self._disown()
             raise
+        if shared:
+            self._disown()
         self.catalogue = Catalogue(self._database)
         self.journal = Journal(self._database)
         self.campaigns = Campaigns(self._database)
         self.sweeps = Sweeps(self._database)
+        self.edits = Edits(self._database)
         self.folders = ShotFolders(self.path)
         self.fits = Fits(self.path)
 
@@ -84,9 +94,7 @@ class Store:
 
     def move(self, shot: str, to: ShotState, change: Change | None = None) -> ShotRecord:
         """Give a shot its next state, durably; as `Catalogue.move`. Listeners are told."""
-        record = self.catalogue.move(shot, to, change)
-        self.listeners.tell(record)
-        return record
+        return self._told(self.catalogue.move(shot, to, change))
 
     def shot(self, shot: str) -> ShotRecord:
         """Return one shot; raise `NotFoundError` if there is none of that name."""
@@ -97,11 +105,31 @@ class Store:
         *,
         campaign: str | None = None,
         state: ShotState | None = None,
+        excluded: bool | None = None,
+        tag: str | None = None,
         limit: int = 100,
         after: str | None = None,
     ) -> list[ShotRecord]:
         """Return shots, oldest first; as `Catalogue.shots`."""
-        return self.catalogue.shots(campaign=campaign, state=state, limit=limit, after=after)
+        return self.catalogue.shots(
+            campaign=campaign, state=state, excluded=excluded, tag=tag, limit=limit, after=after
+        )
+
+    def exclude(self, shot: str, reason: str, actor: str) -> ShotRecord:
+        """Leave a shot out of every fit; as `Edits.exclude`. Listeners are told."""
+        return self._told(self.edits.exclude(shot, reason, actor))
+
+    def include(self, shot: str, actor: str) -> ShotRecord:
+        """Let a shot count again; as `Edits.include`. Listeners are told."""
+        return self._told(self.edits.include(shot, actor))
+
+    def annotate(self, shot: str, note: str | None, actor: str) -> ShotRecord:
+        """Give a shot another note, or none; as `Edits.annotate`. Listeners are told."""
+        return self._told(self.edits.annotate(shot, note, actor))
+
+    def tag(self, shot: str, tags: Collection[str], actor: str) -> ShotRecord:
+        """Give a shot exactly these tags; as `Edits.tag`. Listeners are told."""
+        return self._told(self.edits.tag(shot, tags, actor))
 
     def frames(self, shot: str) -> FrameSequence:
         """Return a shot's frames; as `ShotFolders.frames`."""
@@ -140,12 +168,20 @@ class Store:
     def close(self) -> None:
         """Close the catalogue and give up the folder. Safe to call twice."""
         self._database.close()
+        self._disown()
+
+    def _disown(self) -> None:
         if self._owned >= 0:
             os.close(self._owned)
             self._owned = -1
 
+    def _told(self, record: ShotRecord) -> ShotRecord:
+        self.listeners.tell(record)
+        return record
 
-def _own(folder: Path) -> int:
+
+def _own(folder: Path, *, shared: bool) -> int:
+    """Return the descriptor that holds the store; -1 where another process does and may."""
     descriptor = -1
     try:
         make_folders(folder)
@@ -154,6 +190,8 @@ def _own(folder: Path) -> int:
     except OSError as error:
         if descriptor >= 0:
             os.close(descriptor)
+        if shared and error.errno == errno.EWOULDBLOCK:
+            return -1
         raise _refused(folder, error) from error
     return descriptor
 

@@ -117,7 +117,7 @@ class Sweeps:
             if to not in SWEEP_TRANSITIONS[present.state]:
                 raise StoreError(
                     f"a sweep that is {present.state} cannot become {to}",
-                    part=str(self._database.path),
+                    part=self._database.name,
                     value=sweep,
                 )
             ended_at = None

@@ -10,6 +10,7 @@ import pytest
 
 from rigctl.errors import StoreError
 from rigctl.store import NewShot, ShotRecord, ShotState, Store
+from rigctl.store.schema import metadata
 
 
 def pragma(folder: Path, name: str) -> object:
@@ -36,8 +37,7 @@ def test_the_catalogue_is_written_ahead_and_its_tables_are_strict(
     file.close()
     ours = {row[1]: row[5] for row in found if not row[1].startswith("sqlite_")}
     assert ours.pop("alembic_version") == 0
-    tables = {"shots", "idempotency_keys", "transitions", "probe", "sweeps", "sweep_steps"}
-    assert set(ours) == tables
+    assert set(ours) == set(metadata.tables)
     assert set(ours.values()) == {1}
 
 
@@ -54,7 +54,7 @@ def test_a_catalogue_of_a_later_version_is_refused_with_both_versions(
     file = sqlite3.connect(tmp_path / "data" / "catalogue.db")
     file.execute("PRAGMA user_version = 7")
     file.close()
-    with pytest.raises(StoreError, match=r"schema 7.*schema 2"):
+    with pytest.raises(StoreError, match=r"schema 7.*schema 3"):
         Store(tmp_path / "data")
     assert pragma(tmp_path / "data", "user_version") == 7
 

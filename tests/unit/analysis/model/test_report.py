@@ -16,7 +16,7 @@ from tests.unit.analysis.model.chosen import EFFECTS
 from tests.unit.analysis.model.hard_spheres import Hidden, campaign
 
 KEYS = {
-    *("campaign", "shots", "used", "rejected", "rejected_frames", "verdict", "effects"),
+    *("campaign", "shots", "used", "excluded", "rejected", "rejected_frames", "verdict", "effects"),
     *("alias_set", "unexplained", "chi2_per_dof", "path", "parameters", "candidates"),
     *("noise", "structure", "next_shots"),
 }

@@ -1,0 +1,140 @@
+"""What people change afterwards: exclusions, notes, tags; each change with its line of audit."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection
+from dataclasses import asdict, dataclass
+from datetime import UTC, datetime
+from typing import Any
+
+from sqlalchemy import Connection, Row, delete, insert, select, update
+
+from rigctl.errors import SettingsError
+from rigctl.store import chain
+from rigctl.store.database import Database
+from rigctl.store.records import Edit, ShotRecord
+from rigctl.store.schema import edits, shot_tags, shots
+from rigctl.store.shot_rows import one
+
+
+def utc_now() -> datetime:
+    """Return the time, UTC."""
+    return datetime.now(UTC)
+
+
+@dataclass(frozen=True, slots=True)
+class _Change:
+    """The columns of an entry, in the order of the table, that are not given by its place."""
+
+    actor: str
+    act: str
+    subject: str
+    before: str | None
+    after: str | None
+
+
+class Edits:
+    """Changes to what is known of shots. Any thread may call any of the methods.
+
+    A change and its audit are on disk together or not at all, and no shot is ever deleted. What
+    changes nothing is not written down.
+
+    Parameters
+    ----------
+    now
+        The clock, UTC.
+    """
+
+    def __init__(self, database: Database, now: Callable[[], datetime] = utc_now) -> None:
+        self._database, self._now = database, now
+
+    def exclude(self, shot: str, reason: str, actor: str) -> ShotRecord:
+        """Leave a shot out of every fit, for a reason; one that is left out gets another reason.
+
+        Raises
+        ------
+        NotFoundError
+            There is no such shot.
+        SettingsError
+            No reason is given.
+        StoreError
+            It is not on disk.
+        """
+        if not reason.strip():
+            raise SettingsError(
+                "is empty", part="reason", todo="say why the shot does not count", shot=shot
+            )
+        with self._database.writing() as connection:
+            before = one(connection, shot).excluded
+            self._set(connection, shot, excluded=reason)
+            self._note(connection, _Change(actor, "excluded", shot, before, reason))
+            return one(connection, shot)
+
+    def include(self, shot: str, actor: str) -> ShotRecord:
+        """Let a shot count again; raise as `exclude`."""
+        with self._database.writing() as connection:
+            before = one(connection, shot).excluded
+            self._set(connection, shot, excluded=None)
+            self._note(connection, _Change(actor, "included", shot, before, None))
+            return one(connection, shot)
+
+    def annotate(self, shot: str, note: str | None, actor: str) -> ShotRecord:
+        """Put a note in the place of a shot's note, or take it away; raise as `exclude`."""
+        with self._database.writing() as connection:
+            before = one(connection, shot).note
+            self._set(connection, shot, note=note)
+            self._note(connection, _Change(actor, "noted", shot, before, note))
+            return one(connection, shot)
+
+    def tag(self, shot: str, tags: Collection[str], actor: str) -> ShotRecord:
+        """Give a shot exactly these tags; raise as `exclude`."""
+        with self._database.writing() as connection:
+            present = one(connection, shot)
+            connection.execute(delete(shot_tags).where(shot_tags.c.shot == present.number))
+            wanted = sorted(set(tags))
+            if wanted:
+                rows = [{"shot": present.number, "tag": tag} for tag in wanted]
+                connection.execute(insert(shot_tags), rows)
+            before, after = ",".join(present.tags) or None, ",".join(wanted) or None
+            self._note(connection, _Change(actor, "tagged", shot, before, after))
+            return one(connection, shot)
+
+    def entries(self, *, after: int = 0, limit: int = 100) -> list[Edit]:
+        """Return up to `limit` changes with numbers above `after`, oldest first."""
+        query = select(edits).where(edits.c.number > after).order_by(edits.c.number).limit(limit)
+        with self._database.reading() as connection:
+            return [_edit(row) for row in connection.execute(query)]
+
+    def verify(self) -> int:
+        """Recompute the chain and return the number of changes.
+
+        Raises
+        ------
+        StoreError
+            An entry does not fit the one before it; the error names its number.
+        """
+        with self._database.reading() as connection:
+            rows = connection.execute(select(edits).order_by(edits.c.number))
+            return chain.verify(rows, self._database.name, "edit")
+
+    def _set(self, connection: Connection, shot: str, **values: str | None) -> None:
+        connection.execute(update(shots).where(shots.c.id == shot).values(values))
+
+    def _note(self, connection: Connection, change: _Change) -> None:
+        if change.before == change.after:
+            return
+        fields: dict[str, object] = {"at": self._now().isoformat(), **asdict(change)}
+        chain.append(connection, edits, fields)
+
+
+def _edit(row: Row[Any]) -> Edit:
+    return Edit(
+        row.number,
+        datetime.fromisoformat(row.at),
+        row.actor,
+        row.act,
+        row.subject,
+        row.before,
+        row.after,
+        row.digest,
+    )

@@ -1,0 +1,49 @@
+"""Exclusions, tags, imported campaigns, and the audit of what people changed afterwards."""
+
+import sqlalchemy as sa
+from alembic import op
+
+revision = "0003"
+down_revision = "0002"
+
+
+def upgrade() -> None:
+    """Add them, and the indexes that a filtered page of a large catalogue needs."""
+    op.add_column("shots", sa.Column("excluded", sa.Text))
+    op.add_column("shots", sa.Column("imported_as", sa.Integer))
+    op.drop_index("ix_shots_state", "shots")
+    op.drop_index("ix_shots_campaign", "shots")
+    op.create_index("ix_shots_state", "shots", ["state", "number"])
+    op.create_index("ix_shots_campaign", "shots", ["campaign", "number"])
+    op.create_index("ix_shots_campaign_state", "shots", ["campaign", "state", "number"])
+    op.create_table(
+        "shot_tags",
+        sa.Column("tag", sa.Text, primary_key=True),
+        sa.Column("shot", sa.Integer, sa.ForeignKey("shots.number"), primary_key=True),
+        sqlite_strict=True,
+    )
+    op.create_index("ix_shot_tags_shot", "shot_tags", ["shot"])
+    op.create_table(
+        "imports",
+        sa.Column("number", sa.Integer, primary_key=True),
+        sa.Column("campaign", sa.Text, nullable=False, unique=True),
+        sa.Column("digest", sa.Text, nullable=False),
+        sqlite_strict=True,
+    )
+    op.create_table(
+        "edits",
+        sa.Column("number", sa.Integer, primary_key=True),
+        sa.Column("at", sa.Text, nullable=False),
+        sa.Column("actor", sa.Text, nullable=False),
+        sa.Column("act", sa.Text, nullable=False),
+        sa.Column("subject", sa.Text, nullable=False),
+        sa.Column("before", sa.Text),
+        sa.Column("after", sa.Text),
+        sa.Column("digest", sa.Text, nullable=False),
+        sqlite_strict=True,
+    )
+    for act in ("UPDATE", "DELETE"):
+        op.execute(
+            f"CREATE TRIGGER edits_no_{act.lower()} BEFORE {act} ON edits "
+            "BEGIN SELECT RAISE(ABORT, 'edits are append-only'); END"
+        )
