@@ -1,0 +1,105 @@
+"""The measured impacts of a campaign: four velocities a shot, with their covariance.
+
+No law of contact enters: what follows is regression as in the thesis, section 7.1, and the fit to
+all poses stands beside it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.collision.operator import Body, gives
+
+Floats = NDArray[np.float64]
+
+V_N, V_S, V_N_AFTER, V_S_AFTER = range(4)
+"""Where the velocities stand in a row."""
+TOLD_SIGMAS = 3.0
+"""An approach that is not so many standard errors from zero is no measured impact."""
+
+
+@dataclass(frozen=True, slots=True)
+class LeftOut:
+    """A shot that the results do not use, and why, in one clause."""
+
+    shot: int
+    reason: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Impacts:
+    """S measured impacts.
+
+    Attributes
+    ----------
+    shots
+        Numbers of the shots, shape (S,).
+    velocities
+        v_n, v_s, v_n', v_s' of section 7.1, m/s, shape (S, 4): v_n negative, v_s a length. Not a
+        number where spins, and with them v_s and v_s', were not measured.
+    covariance
+        Of these, (m/s)^2, shape (S, 4, 4).
+    lever
+        By how much friction changes the surface velocity more than the velocity along: 1 + 1/K of
+        the thesis, 3.5 for solid spheres.
+    left_out
+        Shots that are not here.
+    """
+
+    shots: NDArray[np.intp]
+    velocities: Floats
+    covariance: Floats
+    lever: float
+    left_out: tuple[LeftOut, ...] = ()
+
+    @property
+    def surface(self) -> NDArray[np.bool_]:
+        """Return in which shots v_s and v_s' are measured, shape (S,)."""
+        return np.asarray(np.isfinite(self.velocities[:, [V_S, V_S_AFTER]]).all(axis=1))
+
+    @property
+    def approach(self) -> Floats:
+        """Return the approach speed -v_n, m/s, shape (S,)."""
+        return np.asarray(-self.velocities[:, V_N])
+
+
+def lever_of(bodies: tuple[Body, Body]) -> float:
+    """Return 1 + 1/K: what a unit impulse gives across the normal, over what it gives along it."""
+    along, across = gives(bodies)
+    return across / along
+
+
+def told(
+    shots: NDArray[np.intp],
+    velocities: Floats,
+    covariance: Floats,
+    bodies: tuple[Body, Body],
+) -> Impacts:
+    """Return the impacts whose normal velocities are measured; the others are left out, and named.
+
+    Parameters
+    ----------
+    velocities, covariance
+        Shapes (S, 4) and (S, 4, 4); a row without a finite v_n has no impact.
+    """
+    touching = np.isfinite(velocities[:, V_N])
+    sigma = np.sqrt(np.where(touching, covariance[:, V_N, V_N], 0.0))
+    approaching = touching & (-velocities[:, V_N] > TOLD_SIGMAS * sigma)
+    parting = np.isfinite(velocities[:, V_N_AFTER])
+    left_out = []
+    for row in np.flatnonzero(~(approaching & parting)):
+        if not touching[row]:
+            reason = "on their paths before contact the spheres pass each other by"
+        elif not approaching[row]:
+            found = f"{-velocities[row, V_N]:.4f} ± {sigma[row]:.4f} m/s"
+            reason = f"its approach, {found}, is not told from zero"
+        else:
+            reason = "the velocity after contact was not measured"
+        left_out.append(LeftOut(int(shots[row]), reason))
+    kept = approaching & parting
+    return Impacts(
+        shots[kept], velocities[kept], covariance[kept], lever_of(bodies), tuple(left_out)
+    )

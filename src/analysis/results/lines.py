@@ -1,0 +1,176 @@
+"""The regression of section 7.1: e, mu and beta0 from the two lines, whatever shot lies on which.
+
+The likelihood of `analysis.results.likelihood` is maximised. Where only one regime is seen its own
+parameter is fitted and the other one is not given: a second line must lower chi-squared by more
+than chance and its freedom explain.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import chi2 as chi2_distribution
+
+from analysis.collision.operator import WaltonLaw
+from analysis.quantity import Quantity
+from analysis.results.impacts import V_N, V_N_AFTER, V_S, V_S_AFTER, Impacts
+from analysis.results.likelihood import Likelihood, friction_reach, likelihood
+from analysis.results.minimum import minimum
+
+Floats = NDArray[np.float64]
+
+NAMES = ("e", "mu", "beta0")
+LEAST_GAIN = 12.0
+"""By which a second regime must lower chi-squared: one more parameter, and any shot may begin it
+(1 in 500 by chance among 30 shots)."""
+NO_SLIDING, NO_STICKING = 10.0, 1.0
+"""mu and beta0 that put the transition beyond all shots, and as near zero as a contact can."""
+CONTRADICTED = 0.01
+"""Below this p the stated errors are too small for the scatter, and the fit's are enlarged."""
+UNITS = np.array([1e-3, 1e-3, 1e-2])
+"""About the errors that a campaign gives e, mu and beta0: units of the search."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Lines:
+    """The regression of a campaign.
+
+    Attributes
+    ----------
+    law
+        e, mu, beta0; one that these shots do not determine stands at a bound and is not `fitted`.
+    fitted
+        Names of what the shots determine.
+    covariance
+        Of these, in their order, as the shots' errors give it.
+    held
+        The shots against this law.
+    chi2, freedom
+        -2 log likelihood, and measured constraints less fitted parameters.
+    """
+
+    law: WaltonLaw
+    fitted: tuple[str, ...]
+    covariance: Floats
+    held: Likelihood
+    chi2: float
+    freedom: int
+
+    @property
+    def p_value(self) -> float:
+        """Return the chance of so much scatter by the shots' own errors."""
+        return float(chi2_distribution.sf(self.chi2, self.freedom)) if self.freedom > 0 else 1.0
+
+    @property
+    def scatter(self) -> float:
+        """Return by what errors are enlarged: the root of chi-squared per degree of freedom.
+
+        1 while the shots' own errors explain the scatter (R. T. Birge, Phys. Rev. 40, 207 (1932)).
+        """
+        if self.freedom < 1 or self.p_value > CONTRADICTED:
+            return 1.0
+        return float(np.sqrt(self.chi2 / self.freedom))
+
+    def parameters(self) -> dict[str, Quantity]:
+        """Return what the shots determine, errors enlarged by the scatter."""
+        sigma = self.scatter * np.sqrt(np.diag(self.covariance))
+        return {
+            name: Quantity(getattr(self.law, name), float(s), "1")
+            for name, s in zip(self.fitted, sigma, strict=True)
+        }
+
+
+class TooFewShotsError(ValueError):
+    """No shot has a measured impact."""
+
+
+def fit_lines(impacts: Impacts) -> Lines:
+    """Fit e, mu and beta0 to all impacts.
+
+    Raises
+    ------
+    TooFewShotsError
+        There is no impact.
+    """
+    if len(impacts.shots) == 0:
+        raise TooFewShotsError("no shot of this campaign has a measured impact")
+    e = _restitution(impacts)
+    if not impacts.surface.any():
+        return _fitted(impacts, WaltonLaw(e, NO_SLIDING, 0.0), ("e",))
+    friction, beta0, both = _starts(impacts, e)
+    one = [
+        _fitted(impacts, WaltonLaw(e, NO_SLIDING, beta0), ("e", "beta0")),
+        _fitted(impacts, WaltonLaw(e, friction, NO_STICKING), ("e", "mu")),
+    ]
+    single = min(one, key=lambda found: found.chi2)
+    if both is None:
+        return single
+    double = _fitted(impacts, both, NAMES)
+    return double if double.chi2 + LEAST_GAIN < single.chi2 else single
+
+
+def _restitution(impacts: Impacts) -> float:
+    """Return e of all shots, weighted by errors at a first guess: where the search begins."""
+    before, after = impacts.velocities[:, V_N], impacts.velocities[:, V_N_AFTER]
+    guess = float(np.median(-after / before))
+    row = np.zeros(4)
+    row[[V_N, V_N_AFTER]] = guess, 1.0
+    weight = 1.0 / np.einsum("i,sij,j->s", row, impacts.covariance, row)
+    return float(-(weight * before * after).sum() / (weight * before**2).sum())
+
+
+def _starts(impacts: Impacts, e: float) -> tuple[float, float, WaltonLaw | None]:
+    """Return mu if all slide, beta0 if all stick, and the law at the best place of a transition.
+
+    Every place between two shots in the order of v_s / |v_n| is tried, both lines fitted on their
+    sides by sums that run along.
+    """
+    told = impacts.surface
+    v = impacts.velocities[told]
+    v = v[np.argsort(-v[:, V_S] / v[:, V_N])]
+    n, s, after = -v[:, V_N], v[:, V_S], v[:, V_S_AFTER]
+    lost = s - after
+    stick = [np.cumsum(part) for part in (s * s, s * after, after * after)]
+    slide = [np.cumsum(part[::-1])[::-1] for part in (n * n, n * lost, lost * lost)]
+    per_friction = (1 + e) * impacts.lever
+    mu = float(slide[1][0] / slide[0][0] / per_friction)
+    beta0 = float(-stick[1][-1] / stick[0][-1])
+    if len(v) < 2:
+        return mu, beta0, None
+    below = stick[2][:-1] - stick[1][:-1] ** 2 / stick[0][:-1]
+    beyond = slide[2][1:] - slide[1][1:] ** 2 / slide[0][1:]
+    best = int(np.argmin(below + beyond))
+    law = WaltonLaw(
+        e,
+        float(slide[1][best + 1] / slide[0][best + 1] / per_friction),
+        float(-stick[1][best] / stick[0][best]),
+    )
+    return mu, beta0, law if friction_reach(law, impacts.lever) > 0 else None
+
+
+def _fitted(impacts: Impacts, start: WaltonLaw, names: tuple[str, ...]) -> Lines:
+    """Minimise -2 log likelihood over some of the parameters."""
+    where = [NAMES.index(name) for name in names]
+    base, unit = np.array([start.e, start.mu, start.beta0])[where], UNITS[where]
+
+    def law_at(step: Floats) -> WaltonLaw:
+        values = map(float, base + unit * step)
+        return replace(start, **dict(zip(names, values, strict=True)))
+
+    def cost(step: Floats) -> float:
+        return float(likelihood(impacts, law_at(step)).chi2.sum())
+
+    step, curvature = minimum(cost, len(where))
+    law = law_at(step)
+    held = likelihood(impacts, law)
+    told = len(impacts.shots) + int(impacts.surface.sum())
+    return Lines(
+        law=law,
+        fitted=names,
+        covariance=np.asarray(2 * np.linalg.pinv(curvature) * np.outer(unit, unit)),
+        held=held,
+        chi2=float(held.chi2.sum()),
+        freedom=told - len(names),
+    )

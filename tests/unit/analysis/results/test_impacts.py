@@ -1,0 +1,115 @@
+"""Impacts measured from poses and tables, against the collisions that made them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from analysis.model.fit import fit_campaign
+from analysis.model.gather import gather
+from analysis.model.inside import without_contact_frames
+from analysis.model.tables import ContactTable
+from analysis.results.from_poses import pose_impacts
+from analysis.results.from_table import table_impacts
+from analysis.results.impacts import told
+from tests.unit.analysis.model.hard_spheres import RADIUS, campaign, collided, draw
+from tests.unit.analysis.model.tabulated import PLATE, contacts
+from tests.unit.analysis.model.tabulated import impacts as scalar_folder
+
+Floats = NDArray[np.float64]
+
+LAW = (0.74, 0.08, 0.5)
+SHOTS, SEED = 80, 23
+
+
+def velocities_of(seed: int, shots: int) -> Floats:
+    """Return the true v_n, v_s, v_n', v_s' of a drawn campaign, shot by shot in plain vectors."""
+    drawn = draw(np.random.default_rng(seed), shots)
+    velocity, spin = collided(drawn.velocity, drawn.spin, drawn.normal, LAW)
+    rows = []
+    for s, n in enumerate(drawn.normal):
+        sides = []
+        for v, w in ((drawn.velocity[s], drawn.spin[s]), (velocity[s], spin[s])):
+            relative = v[1] - v[0]
+            surface = relative - (relative @ n) * n + RADIUS * np.cross(n, w[0] + w[1])
+            sides.append((relative @ n, surface))
+        (v_n, surface), (v_n_after, leaving) = sides
+        v_s = np.linalg.norm(surface)
+        rows.append([v_n, v_s, v_n_after, leaving @ surface / v_s])
+    return np.array(rows)
+
+
+def whitened(found: Floats, truth: Floats, covariance: Floats) -> Floats:
+    return np.linalg.solve(np.linalg.cholesky(covariance), (found - truth)[..., None])[..., 0]
+
+
+def test_velocities_from_poses_err_as_their_covariance_says() -> None:
+    data = without_contact_frames(campaign(SHOTS, SEED, LAW))
+    found = pose_impacts(data, fit_campaign(data))
+    truth = velocities_of(SEED, SHOTS)[found.shots - 1]
+    white = whitened(found.velocities, truth, found.covariance)
+    np.testing.assert_allclose((white**2).mean(axis=0), 1, atol=4 * np.sqrt(2 / len(truth)))
+    np.testing.assert_allclose(white.mean(axis=0), 0, atol=4 / np.sqrt(len(truth)))
+    assert found.lever == pytest.approx(3.5)
+
+
+def test_impacts_are_free_of_the_law_about_which_they_are_measured() -> None:
+    """The same poses about a fit of another law give the same velocities, well within errors."""
+    data = without_contact_frames(campaign(20, SEED, LAW))
+    fit = fit_campaign(data)
+    wrong = replace(fit.theory, law=replace(fit.theory.law, e=0.6, mu=0.2))
+    one, other = pose_impacts(data, fit), pose_impacts(data, replace(fit, theory=wrong))
+    sigma = np.sqrt(np.diagonal(one.covariance, axis1=1, axis2=2))
+    assert (np.abs(one.velocities - other.velocities) < 0.1 * sigma).all()
+
+
+def test_a_shot_without_orientations_has_its_normal_velocities_alone() -> None:
+    data = without_contact_frames(campaign(12, SEED, LAW))
+    rotation_sigma = data.rotation_sigma.copy()
+    rotation_sigma[3, :, 1] = np.inf
+    blind = data.with_sigmas(data.position_sigma, rotation_sigma)
+    found = pose_impacts(blind, fit_campaign(blind))
+    assert list(np.flatnonzero(~found.surface)) == [3]
+    truth = velocities_of(SEED, 12)[3]
+    off = (found.velocities[3] - truth)[[0, 2]]
+    assert (np.abs(off) < 4 * np.sqrt(np.diag(found.covariance[3])[[0, 2]])).all()
+
+
+def test_a_table_of_contacts_gives_the_velocities_with_their_errors(tmp_path: Path) -> None:
+    _, table = gather(contacts(tmp_path, SHOTS, SEED, LAW))
+    assert isinstance(table, ContactTable)
+    found = table_impacts(table)
+    white = whitened(found.velocities, velocities_of(SEED, SHOTS), found.covariance)
+    np.testing.assert_allclose((white**2).mean(axis=0), 1, atol=4 * np.sqrt(2 / SHOTS))
+
+
+def test_published_scalars_are_taken_as_they_stand(tmp_path: Path) -> None:
+    _, table = gather(scalar_folder(tmp_path, 6, 3, sigma=0.02))
+    assert isinstance(table, ContactTable)
+    found = table_impacts(table)
+    np.testing.assert_array_equal(found.velocities, table.numbers)
+    np.testing.assert_allclose(found.covariance, np.tile(4e-4 * np.eye(4), (6, 1, 1)))
+
+
+def test_on_a_plate_friction_has_the_lever_of_one_sphere(tmp_path: Path) -> None:
+    _, table = gather(scalar_folder(tmp_path, 6, 3, description=PLATE))
+    assert isinstance(table, ContactTable)
+    assert table_impacts(table).lever == pytest.approx(3.5)
+
+
+def test_what_is_no_measured_impact_is_left_out_with_its_reason() -> None:
+    data = campaign(4, SEED)
+    velocities = np.array(
+        [[-2.0, 1, 1.4, 0.2], [np.nan] * 4, [-0.01, 2, 0.01, 2], [-1, 1, np.nan, np.nan]]
+    )
+    covariance = np.tile(1e-4 * np.eye(4), (4, 1, 1))
+    found = told(data.shots, velocities, covariance, data.bodies)
+    assert list(found.shots) == [1]
+    reasons = {one.shot: one.reason for one in found.left_out}
+    assert "pass each other by" in reasons[2]
+    assert reasons[3] == "its approach, 0.0100 ± 0.0100 m/s, is not told from zero"
+    assert "after contact" in reasons[4]
