@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -150,13 +151,15 @@ def _outcome(
 ) -> Floats:
     """Return time, normal (3), v_n, v_s, v_n', v_s', e, beta, and both states (24 numbers)."""
     scale = state[-1]
+    certain = np.zeros((6, 6))
     paths = [
-        FlightPath(reference, scale * row[:3], scale * row[3:], acceleration, np.zeros((6, 6)), 1.0)
+        FlightPath(reference, scale * row[:3], scale * row[3:], acceleration, certain, 1.0)
         for row, acceleration in zip(state[:24].reshape(4, 6), accelerations, strict=True)
     ]
     time = first_touch(paths[0], paths[1], radii)
     (position_a, velocity_a), (position_b, velocity_b) = paths[0].at(time), paths[1].at(time)
-    normal = (position_b - position_a) / np.linalg.norm(position_b - position_a)
+    between = position_b - position_a
+    normal = between / math.sqrt(float(between @ between))
     spin = state[24:36].reshape(4, 3)
     before = ContactState(velocity_a, velocity_b, spin[0], spin[1])
     after = ContactState(paths[2].at(time)[1], paths[3].at(time)[1], spin[2], spin[3])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -54,7 +55,14 @@ def surface_velocity(state: ContactState, normal: Floats, radii: tuple[float, fl
     relative = state.velocity_b - state.velocity_a
     tangential = relative - (relative @ normal) * normal
     turning = radii[0] * state.spin_a + radii[1] * state.spin_b
-    return np.asarray(tangential + np.cross(normal, turning))
+    return np.asarray(tangential + _cross(normal, turning))
+
+
+def _cross(a: Floats, b: Floats) -> Floats:
+    # The library's product of two single vectors takes ten times as long.
+    return np.array(
+        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    )
 
 
 def impact_velocities(
@@ -62,7 +70,7 @@ def impact_velocities(
 ) -> ImpactVelocities:
     """Return v_n, v_s, v_n', v_s' about the normal (unit vector from a to b)."""
     incident = surface_velocity(before, normal, radii)
-    v_s = float(np.linalg.norm(incident))
+    v_s = math.sqrt(float(incident @ incident))
     along = incident / v_s if v_s > 0 else np.zeros(3)
     leaving = surface_velocity(after, normal, radii)
     return ImpactVelocities(
@@ -70,5 +78,5 @@ def impact_velocities(
         v_s=v_s,
         v_n_after=float((after.velocity_b - after.velocity_a) @ normal),
         v_s_after=float(leaving @ along),
-        v_s_across=float(leaving @ np.cross(normal, along)),
+        v_s_across=float(leaving @ _cross(normal, along)),
     )

@@ -8,6 +8,10 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 
 
+TINY_RAD = 1e-150
+"""Stands for no turn at all, where sin(angle) / angle is 1 and not 0 / 0."""
+
+
 def rotation_from_directions(
     before: Floats, after: Floats, weights: Floats | None = None
 ) -> Floats:
@@ -74,38 +78,35 @@ def axis_angle(rotation: Floats) -> tuple[Floats, float]:
 
 def rotation_vector(rotation: Floats) -> Floats:
     """Return axis times angle (radians) of rotation matrices, shape (..., 3, 3) to (..., 3)."""
-    skew = np.stack(
-        [
-            rotation[..., 2, 1] - rotation[..., 1, 2],
-            rotation[..., 0, 2] - rotation[..., 2, 0],
-            rotation[..., 1, 0] - rotation[..., 0, 1],
-        ],
-        axis=-1,
-    )
-    twice_sin = np.linalg.norm(skew, axis=-1)
-    twice_cos = np.trace(rotation, axis1=-2, axis2=-1) - 1.0
+    skew = rotation[..., (2, 0, 1), (1, 2, 0)] - rotation[..., (1, 2, 0), (2, 0, 1)]
+    twice_sin = np.sqrt((skew * skew).sum(axis=-1))
+    twice_cos = rotation[..., 0, 0] + rotation[..., 1, 1] + rotation[..., 2, 2] - 1.0
     angle = np.arctan2(twice_sin, twice_cos)
     small = twice_sin < 1e-9
     vector = skew * np.where(small, 0.5, angle / np.where(small, 1.0, twice_sin))[..., None]
     # Beyond a quarter turn the differences vanish with the sine; the sums tell the axis.
-    for index in map(tuple, np.argwhere(angle > np.pi / 2)):
-        axis, exact = axis_angle(rotation[index])
-        vector[index] = axis * exact
+    beyond = twice_cos < 0.0
+    if beyond.any():
+        for index in map(tuple, np.argwhere(beyond)):
+            axis, exact = axis_angle(rotation[index])
+            vector[index] = axis * exact
     return np.asarray(vector)
 
 
 def rotation_matrix(vector: Floats) -> Floats:
     """Return the rotation by |vector| radians about vector, shape (..., 3) to (..., 3, 3)."""
     vector = np.asarray(vector, dtype=np.float64)
-    angle = np.linalg.norm(vector, axis=-1)[..., None, None]
-    x, y, z = np.moveaxis(vector, -1, 0)
-    zero = np.zeros_like(x)
-    cross = np.stack(
-        [np.stack([zero, -z, y], -1), np.stack([z, zero, -x], -1), np.stack([-y, x, zero], -1)], -2
-    )
-    sin_ratio = np.sinc(angle / np.pi)
-    vers_ratio = 0.5 * np.sinc(angle / (2 * np.pi)) ** 2
-    return np.asarray(np.eye(3) + sin_ratio * cross + vers_ratio * (cross @ cross))
+    square = np.asarray((vector * vector).sum(axis=-1))
+    angle = np.maximum(np.sqrt(square), TINY_RAD)
+    sine, versine = np.sin(angle) / angle, 0.5 * (np.sin(angle / 2) / (angle / 2)) ** 2
+    matrix = versine[..., None, None] * (vector[..., :, None] * vector[..., None, :])
+    cosine, turned = 1.0 - versine * square, sine[..., None] * vector
+    for k in range(3):
+        i, j = (k + 1) % 3, (k + 2) % 3
+        matrix[..., k, k] += cosine
+        matrix[..., j, i] += turned[..., k]
+        matrix[..., i, j] -= turned[..., k]
+    return np.asarray(matrix)
 
 
 def quaternion(rotation: Floats) -> Floats:

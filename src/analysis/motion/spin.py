@@ -12,7 +12,7 @@ from analysis.motion.rotation import rotation_matrix, rotation_vector
 
 Floats = NDArray[np.float64]
 
-ITERATIONS = 8
+ITERATIONS, SETTLED_RAD = 8, 1e-10
 HUBER_LIMIT = 3.0
 
 
@@ -61,23 +61,27 @@ def fit_spin(times_s: Floats, rotations: Floats, covariances: Floats, drift: Dri
     steps = rotation_vector(rotations[1:] @ rotations[:-1].transpose(0, 2, 1))
     omega = np.median(steps / np.diff(times_s)[:, None], axis=0)
     start = rotation_matrix(-omega * tau[middle]) @ start
-    inverse = np.eye(6)
+    inverse, longest = np.eye(6), float(np.abs(tau).max())
     squares, weight = np.zeros(len(tau)), np.ones(len(tau))
     jacobian = np.concatenate([whiten, whiten * tau[:, None, None]], axis=2)
+    across = jacobian.transpose(0, 2, 1)
     for _ in range(ITERATIONS):
         predicted = rotation_matrix(omega * tau[:, None]) @ start
         residual = rotation_vector(rotations @ predicted.transpose(0, 2, 1))
-        white = np.einsum("nij,nj->ni", whiten, residual)
+        white = (whiten @ residual[..., None])[..., 0]
         squares = (white**2).sum(axis=1)
         weight = np.minimum(1.0, HUBER_LIMIT / np.sqrt(np.maximum(squares, 1e-12)))
-        inverse = np.linalg.inv(np.einsum("n,nij,nik->jk", weight, jacobian, jacobian))
-        step = inverse @ np.einsum("n,nij,ni->j", weight, jacobian, white)
+        weighted = weight[:, None, None] * across
+        inverse = np.linalg.inv((weighted @ jacobian).sum(axis=0))
+        step = inverse @ (weighted @ white[..., None]).sum(axis=0)[:, 0]
         start = rotation_matrix(step[:3]) @ start
         omega = omega + step[3:]
+        if np.abs(step[:3]).max() + np.abs(step[3:]).max() * longest < SETTLED_RAD:
+            break
     freedom = 3 * len(tau) - 6
     chi2 = float(squares.sum() / freedom) if freedom else float("nan")
-    gain = np.einsum("jk,nik,nil,n->njl", inverse, jacobian, whiten, weight)
-    slow = np.einsum("njl,nm,mkl->jk", gain, drift.covariance(times_s), gain)
+    gain = inverse @ (weight[:, None, None] * across) @ whiten
+    slow = np.tensordot(gain, np.tensordot(drift.covariance(times_s), gain, 1), ((0, 2), (0, 2)))
     fresh = inverse * (max(1.0, chi2) if freedom else 1.0)
     return Spin(omega, (fresh + slow)[3:, 3:], chi2)
 

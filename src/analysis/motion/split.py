@@ -39,12 +39,12 @@ def split_at_contact(a: Centres, b: Centres, times_s: Floats, gravity: float) ->
     drop = 0.5 * gravity * DOWN * (times[:, None] - times[0]) ** 2
     lines = [(position[chosen] - drop, sigma[chosen]) for position, sigma, chosen in pairs]
     splits = range(LEAST_FRAMES, common.size - LEAST_FRAMES + 1)
-    costs = [
-        sum(_cost(times[part], p[part], s[part]) for p, s in lines for part in _sides(split))
-        for split in splits
-    ]
+    before = np.arange(common.size) < np.array(splits)[:, None]
+    parts = np.concatenate([before, ~before, np.ones((1, common.size), dtype=np.bool_)])
+    a_cost, b_cost = (_costs(parts, times, p, s) for p, s in lines)
+    cost = a_cost + b_cost
+    costs, whole = cost[: len(splits)] + cost[len(splits) : -1], cost[-1]
     best = int(np.argmin(costs))
-    whole = sum(_cost(times, p, s) for p, s in lines)
     freedom = 6 * common.size - 24
     excess = (whole - costs[best]) / 12 / max(costs[best] / max(freedom, 1), 1e-12)
     if excess < LEAST_IMPROVEMENT**2:
@@ -56,18 +56,25 @@ def split_at_contact(a: Centres, b: Centres, times_s: Floats, gravity: float) ->
     return int(common[splits[best]])
 
 
-def _sides(split: int) -> tuple[slice, slice]:
-    return slice(None, split), slice(split, None)
+def _costs(parts: NDArray[np.bool_], times: Floats, position: Floats, sigma: Floats) -> Floats:
+    """Return the weighted squares about the best straight line through each choice of frames.
 
+    Parameters
+    ----------
+    parts
+        Shape (choices, frames).
+    position, sigma
+        Shape (frames, 3); a coordinate with an infinite sigma was not measured.
 
-def _cost(times: Floats, position: Floats, sigma: Floats) -> float:
-    design = np.stack([np.ones_like(times), times - times.mean()], 1)
-    cost = 0.0
-    for axis in range(3):
-        seen = np.isfinite(sigma[:, axis])
-        weight = 1.0 / sigma[seen, axis]
-        white = weight * position[seen, axis]
-        own = weight[:, None] * design[seen]
-        fit, *_ = np.linalg.lstsq(own, white, rcond=None)
-        cost += float(((white - own @ fit) ** 2).sum())
-    return cost
+    Returns
+    -------
+    Shape (choices,).
+    """
+    weight = parts[:, :, None] * sigma**-2.0
+    seen = np.where(np.isfinite(sigma), position, 0.0)
+    total = np.maximum(weight.sum(axis=1), np.finfo(np.float64).tiny)[:, None]
+    tau = times[:, None] - (weight * times[:, None]).sum(axis=1, keepdims=True) / total
+    off = seen - (weight * seen).sum(axis=1, keepdims=True) / total
+    spread = (weight * tau**2).sum(axis=1, keepdims=True)
+    slope = (weight * tau * off).sum(axis=1, keepdims=True) / np.where(spread > 0, spread, 1.0)
+    return np.asarray((weight * (off - slope * tau) ** 2).sum(axis=(1, 2)))

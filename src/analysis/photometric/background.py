@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -31,24 +33,24 @@ def uncovered_sums(
     sums, squares, counts
         Filled, shape (rows, columns).
     """
-    for k in range(frames.shape[0]):
-        for i in range(frames.shape[1]):
-            reached = False
+    width = frames.shape[2]
+    clear = np.empty(width)
+    for i in range(frames.shape[1]):
+        for k in range(frames.shape[0]):
+            clear[:] = 1.0
             for n in range(discs.shape[1]):
-                if abs(i - discs[k, n, 0]) < discs[k, n, 2] + KEEP_OFF_PX:
-                    reached = True
-            for j in range(frames.shape[2]):
-                covered = False
-                if reached:
-                    for n in range(discs.shape[1]):
-                        d_r, d_c = i - discs[k, n, 0], j - discs[k, n, 1]
-                        reach = discs[k, n, 2] + KEEP_OFF_PX
-                        covered = covered or d_r * d_r + d_c * d_c < reach * reach
-                if not covered:
-                    grey = float(frames[k, i, j])
-                    sums[i, j] += grey
-                    squares[i, j] += grey * grey
-                    counts[i, j] += 1.0
+                off, reach = i - discs[k, n, 0], discs[k, n, 2] + KEEP_OFF_PX
+                if abs(off) >= reach:
+                    continue
+                half = math.sqrt(reach * reach - off * off)
+                first = max(math.floor(discs[k, n, 1] - half) + 1, 0)
+                for j in range(first, min(math.ceil(discs[k, n, 1] + half), width)):
+                    clear[j] = 0.0
+            for j in range(width):
+                grey = clear[j] * frames[k, i, j]
+                sums[i, j] += grey
+                squares[i, j] += grey * grey
+                counts[i, j] += clear[j]
 
 
 def background_of(frames: NDArray[np.uint8], discs: Floats) -> tuple[Floats, float]:
@@ -90,11 +92,12 @@ def _surface(mean: Floats, counts: Floats, shape: tuple[int, ...]) -> Floats:
     along = np.polynomial.chebyshev.chebvander(rows, DEGREE)
     across = np.polynomial.chebyshev.chebvander(columns, DEGREE)
     thin = np.s_[::EVERY, ::EVERY]
-    weight = np.sqrt(counts[thin]).ravel()
     design = np.stack(
-        [np.outer(along[::EVERY, i], across[::EVERY, j]).ravel() for i, j in powers], 1
+        [np.outer(along[::EVERY, i], across[::EVERY, j]).ravel() for i, j in powers]
     )
-    solution = np.linalg.lstsq(design * weight[:, None], mean[thin].ravel() * weight, rcond=None)[0]
+    weighted = design * counts[thin].ravel()
+    # Chebyshev's polynomials are nearly at right angles: their squares stay well conditioned.
+    solution = np.linalg.lstsq(weighted @ design.T, weighted @ mean[thin].ravel(), rcond=None)[0]
     grid = np.zeros((DEGREE + 1, DEGREE + 1))
     for (i, j), value in zip(powers, solution, strict=True):
         grid[i, j] = value

@@ -21,118 +21,109 @@ from analysis.photometric.surface import SPAN, SQUARE_STEPS
 
 Floats = NDArray[np.float64]
 
-BAND = 512
+BAND = 256
 RESIDUAL, ROOT = np.uint64(UNKNOWNS * BAND), np.uint64((UNKNOWNS + 1) * BAND)
-DISC, DISC_U, DISC_V, LIGHT, LIGHT_U, LIGHT_V, ACROSS = (
-    np.uint64((UNKNOWNS + 2 + k) * BAND) for k in range(7)
+DISC, DISC_U, DISC_V, LIGHT, LIGHT_U, LIGHT_V, ACROSS, DOWN = (
+    np.uint64((UNKNOWNS + 2 + k) * BAND) for k in range(8)
 )
-LANES = UNKNOWNS + 9
+LANES = UNKNOWNS + 10
 LANE = [np.uint64(k * BAND) for k in range(UNKNOWNS)]
 L0, L1, L2, L3, L4, L5, L6, L7, L8 = LANE
 ONE = np.uint64(1)
 
 
 @part
-def look_along(
-    disc: Floats, surface: Floats, u: float, v: tuple[float, float], piece: tuple[Floats, int, int]
+def lay_along(
+    rows: tuple[Floats, Floats, NDArray[np.uint8]],
+    u: float,
+    v: tuple[float, float],
+    piece: tuple[Floats, int, int],
 ) -> None:
-    """Look a row of pixels up (`residual.shade`).
+    """Lay a row of pixels into a band: place, covers, background and grey levels.
 
     Parameters
     ----------
-    v
-        Of the first pixel, and from pixel to pixel.
+    rows
+        Covers, background and grey levels, shapes (LAYERS, width), (width,) and (width,).
+    u, v
+        Row from the centre in radii; column of the first pixel, and from pixel to pixel.
     piece
         The band, where the row starts in it, and its number of pixels.
     """
-    band, at, width = piece[0], np.uint64(piece[1]), np.uint64(piece[2])
-    half = (surface.shape[0] - 1) * 0.5
-    per_radius = half / SPAN
-    a = min(max(u * per_radius + half, 0.0), 1.999999 * half)
-    i = int(a)
-    a -= i
-    low, high = surface[i], surface[i + 1]
-    furthest = disc.shape[0] - 1.000001
-    for n in range(width):
-        x = v[0] + v[1] * np.float64(n)
-        square = min((u * u + x * x) * SQUARE_STEPS, furthest)
-        k = np.uint64(square)
-        start = disc[k]
-        rise = disc[k + ONE] - start
-        band[DISC + at + n] = start + (square - np.float64(k)) * rise
-        band[DISC_U + at + n] = 2.0 * SQUARE_STEPS * rise * u
-        band[DISC_V + at + n] = 2.0 * SQUARE_STEPS * rise * x
-        b = min(max(x * per_radius + half, 0.0), 1.999999 * half)
-        j = np.uint64(b)
-        b -= np.float64(j)
-        near, far = low[j], high[j]
-        across, beyond = low[j + ONE] - near, high[j + ONE] - far
-        near += b * across
-        far += b * beyond
-        band[LIGHT + at + n] = near + a * (far - near)
-        band[LIGHT_U + at + n] = (far - near) * per_radius
-        band[LIGHT_V + at + n] = (across + a * (beyond - across)) * per_radius
-        band[ACROSS + at + n] = x
-
-
-@part
-def copy_along(
-    covers: Floats, behind: Floats, grey: NDArray[np.uint8], piece: tuple[Floats, int, int]
-) -> None:
-    """Copy a row's covers, background and grey levels to where its derivatives will stand.
-
-    Parameters
-    ----------
-    covers, behind, grey
-        Shapes (LAYERS, width), (width,) and (width,).
-    """
+    covers, behind, grey = rows
     band, at, width = piece[0], np.uint64(piece[1]), np.uint64(piece[2])
     for layer in range(LAYERS):
         first = np.uint64(layer * BAND) + at
         for n in range(width):
             band[first + n] = covers[layer, n]
     for n in range(width):
+        band[DOWN + at + n] = u
+        band[ACROSS + at + n] = v[0] + v[1] * np.float64(n)
         band[L6 + at + n] = behind[n]
-    for n in range(width):
         band[RESIDUAL + at + n] = np.float64(grey[n])
 
 
 @part
-def derive_along(
-    paint: tuple[Floats, float, float], u: float, piece: tuple[Floats, int, int]
-) -> None:
-    """Fill a row's residuals and derivatives (`residual.pixel_row`) from what was looked up.
+def look_up(disc: Floats, surface: Floats, band: Floats, count: int) -> None:
+    """Look the first pixels of a band up (`residual.shade`)."""
+    flat, line = surface.reshape(-1), np.uint64(surface.shape[1])
+    half = (surface.shape[0] - 1) * 0.5
+    per_radius, widest = half / SPAN, 1.999999 * half
+    furthest = disc.shape[0] - 1.000001
+    for n in range(np.uint64(count)):
+        u, x = band[DOWN + n], band[ACROSS + n]
+        square = min((u * u + x * x) * SQUARE_STEPS, furthest)
+        k = np.uint64(square)
+        start = disc[k]
+        rise = disc[k + ONE] - start
+        band[DISC + n] = start + (square - np.float64(k)) * rise
+        band[DISC_U + n] = 2.0 * SQUARE_STEPS * rise * u
+        band[DISC_V + n] = 2.0 * SQUARE_STEPS * rise * x
+        a = min(max(u * per_radius + half, 0.0), widest)
+        b = min(max(x * per_radius + half, 0.0), widest)
+        i, j = np.uint64(a), np.uint64(b)
+        a, b = a - np.float64(i), b - np.float64(j)
+        low = i * line + j
+        near, far = flat[low], flat[low + line]
+        across, beyond = flat[low + ONE] - near, flat[low + line + ONE] - far
+        near += b * across
+        far += b * beyond
+        band[LIGHT + n] = near + a * (far - near)
+        band[LIGHT_U + n] = (far - near) * per_radius
+        band[LIGHT_V + n] = (across + a * (beyond - across)) * per_radius
+
+
+@part
+def derive(paint: tuple[Floats, float, float], band: Floats, count: int) -> None:
+    """Fill residuals and derivatives (`residual.pixel_row`) from what was looked up.
 
     Parameters
     ----------
     paint
         Light of the view, darkness of the markers, radius of the disc in pixels.
-    u
-        Of the row.
     """
-    band, at, width = piece[0], np.uint64(piece[1]), np.uint64(piece[2])
     light, darkness, radius = paint
     offset, gain, down, across = light[0], light[1], light[2], light[3]
-    for n in range(width):
-        disc, x = band[DISC + at + n], band[ACROSS + at + n]
-        back = band[L6 + at + n] + offset
-        own = gain * band[LIGHT + at + n] + down * u + across * x
-        left = disc - darkness * band[L0 + at + n]
+    for n in range(np.uint64(count)):
+        disc, u, x = band[DISC + n], band[DOWN + n], band[ACROSS + n]
+        back = band[L6 + n] + offset
+        own = gain * band[LIGHT + n] + down * u + across * x
+        left = disc - darkness * band[L0 + n]
         shadow = own * darkness
         edge, inner = (back - own) / radius, left / radius
-        moved_u = gain * band[LIGHT_U + at + n] + down
-        moved_v = gain * band[LIGHT_V + at + n] + across
-        to_row, to_column = shadow * band[L1 + at + n], shadow * band[L2 + at + n]
-        band[L0 + at + n] = edge * band[DISC_U + at + n] - moved_u * inner - to_row
-        band[L1 + at + n] = edge * band[DISC_V + at + n] - moved_v * inner - to_column
-        band[L2 + at + n] = -shadow * band[L3 + at + n]
-        band[L3 + at + n] = -shadow * band[L4 + at + n]
-        band[L4 + at + n] = -shadow * band[L5 + at + n]
-        band[L5 + at + n] = 1.0 - disc
-        band[L6 + at + n] = band[LIGHT + at + n] * left
-        band[L7 + at + n] = u * left
-        band[L8 + at + n] = x * left
-        band[RESIDUAL + at + n] -= back * (1.0 - disc) + own * left
+        moved_u = gain * band[LIGHT_U + n] + down
+        moved_v = gain * band[LIGHT_V + n] + across
+        to_row, to_column = shadow * band[L1 + n], shadow * band[L2 + n]
+        band[L0 + n] = edge * band[DISC_U + n] - moved_u * inner - to_row
+        band[L1 + n] = edge * band[DISC_V + n] - moved_v * inner - to_column
+        band[L2 + n] = -shadow * band[L3 + n]
+        band[L3 + n] = -shadow * band[L4 + n]
+        band[L4 + n] = -shadow * band[L5 + n]
+        band[L5 + n] = 1.0 - disc
+        band[L6 + n] = band[LIGHT + n] * left
+        band[L7 + n] = u * left
+        band[L8 + n] = x * left
+        band[RESIDUAL + n] -= back * (1.0 - disc) + own * left
 
 
 @part
@@ -166,15 +157,21 @@ def hide_along(row: int, first: int, others: Floats, piece: tuple[Floats, int, i
 
 
 @part
-def weigh(band: Floats, count: int, noise: float, limit: float) -> tuple[float, float]:
+def weigh(band: Floats, count: int, spread: tuple[float, float]) -> tuple[float, float]:
     """Weight a band's pixels (`residual.biweight`), and put each over its error.
+
+    Parameters
+    ----------
+    spread
+        Noise of a pixel, and the residual that counts no more, grey levels.
 
     Returns
     -------
-    Weighted sum of squares over the noise's variance, and sum of weights.
+    Weighted sum of squares over the second's square, and sum of weights.
     """
     filled = np.uint64(count)
-    squares, weights, widest = 0.0, 0.0, limit * noise
+    noise, widest = spread
+    squares, weights = 0.0, 0.0
     for n in range(filled):
         x = band[RESIDUAL + n] / widest
         root = max(1.0 - x * x, 0.0) if band[ROOT + n] > 0.0 else 0.0
@@ -187,7 +184,7 @@ def weigh(band: Floats, count: int, noise: float, limit: float) -> tuple[float, 
             band[first + n] *= band[ROOT + n]
         for n in range(filled, np.uint64(BAND)):
             band[first + n] = 0.0
-    return squares * limit * limit, weights
+    return squares, weights
 
 
 @part
@@ -199,6 +196,35 @@ def add_products(band: Floats, equations: Equations) -> None:
         for b in range(a + 1):
             equations.normal[a, b] += products[a, b]
         equations.right[a] += products[a, UNKNOWNS]
+
+
+@part
+def settle(
+    seen: tuple[Floats, Floats],
+    paint: tuple[Floats, float, float],
+    filled: tuple[Floats, int],
+    spread: tuple[float, float],
+    equations: Equations,
+) -> tuple[float, float]:
+    """Add a filled band to the normal equations; return what `weigh` returns.
+
+    Parameters
+    ----------
+    seen
+        Disc and surface of the view (`sight.Look`).
+    paint
+        As for `derive`.
+    filled
+        The band and its number of pixels.
+    spread
+        As for `weigh`.
+    """
+    band, count = filled
+    look_up(seen[0], seen[1], band, count)
+    derive(paint, band, count)
+    sums = weigh(band, count, spread)
+    add_products(band, equations)
+    return sums
 
 
 @part
@@ -221,7 +247,8 @@ def accumulate(
     scene, disc, surface = sight.scene, sight.look.discs[view], sight.look.surfaces[view]
     canvas, corner, place = cover_canvas(sight, stance, view)
     rows, reach2 = sight.optics.rows[view], (disc.shape[0] - 1) / SQUARE_STEPS
-    band = np.empty(LANES * BAND)
+    seen, paint = (disc, surface), (stance.lights[view], sight.look.darkness, place[2])
+    band, widest = np.empty(LANES * BAND), limit * scene.noise
     squares, weights, count, filled = 0.0, 0.0, 0, 0
     first_row = max(rows[0] - corner[0], 0)
     for i in range(first_row, min(canvas.shape[0], rows[1] - corner[0])):
@@ -234,23 +261,18 @@ def accumulate(
         while start < end:
             width = min(end - start, BAND)
             if filled + width > BAND:
-                part = weigh(band, filled, scene.noise, limit)
-                squares, weights = squares + part[0], weights + part[1]
-                add_products(band, equations)
-                filled = 0
+                part = settle(seen, paint, (band, filled), (scene.noise, widest), equations)
+                squares, weights, filled = squares + part[0], weights + part[1], 0
             x, y = corner[1] + start, corner[0] + i
             piece = (band, filled, width)
-            look_along(disc, surface, u, ((x - place[1]) / place[2], 1.0 / place[2]), piece)
-            copy_along(
+            lines = (
                 canvas[i, :, start : start + width],
                 scene.background[y, x : x + width],
                 scene.image[y, x : x + width],
-                piece,
             )
-            derive_along((stance.lights[view], sight.look.darkness, place[2]), u, piece)
+            lay_along(lines, u, ((x - place[1]) / place[2], 1.0 / place[2]), piece)
             count += width - hide_along(y, x, sight.others[view], piece)
             filled += width
             start += width
-    part = weigh(band, filled, scene.noise, limit)
-    add_products(band, equations)
-    return squares + part[0], weights + part[1], count
+    part = settle(seen, paint, (band, filled), (scene.noise, widest), equations)
+    return (squares + part[0]) * limit * limit, weights + part[1], count

@@ -102,13 +102,14 @@ class Film:
 
         Those of sphere a first; far away and without size where there is no pose.
         """
-        optics, placed = known.camera.optics, self.placed[:, frames].T[:, :, None]
-        places = np.einsum("vak,ifk->fiva", optics.axes[:, :2], self.centre[:, frames])
-        places = optics.scales[:, None] * places + optics.origins
-        radii = np.outer([sphere.radius_m for sphere in known.spheres], optics.scales)
-        discs = np.empty((*places.shape[:3], 3))
-        discs[..., :2] = np.where(placed[..., None], places, FAR)
-        discs[..., 2] = np.where(placed, radii, 0.0)
+        optics, own = known.camera.optics, self.centre[:, frames]
+        into = (optics.scales[:, None, None] * optics.axes[:, :2]).reshape(-1, 3)
+        discs = np.empty((own.shape[1], 2, len(optics.scales), 3))
+        for i, sphere in enumerate(known.spheres):
+            places = (own[i] @ into.T).reshape(len(discs), -1, 2)
+            discs[:, i, :, :2] = places + optics.origins
+            discs[:, i, :, 2] = sphere.radius_m * optics.scales
+            discs[~self.placed[i, frames], i] = (FAR, FAR, 0.0)
         return discs.reshape(len(discs), -1, 3)
 
     def reel(self, known: Knowledge, sphere: int) -> Reel:

@@ -26,6 +26,8 @@ Floats = NDArray[np.float64]
 
 LAST_LIMIT = 6.0
 LEAST_PLACED = 6
+NOISE_FRAMES = 3
+"""Of the first guess of the noise."""
 
 Frames = tuple[NDArray[np.uint8], Floats]
 """Grey levels (frames, rows, columns) and times, s (frames,), of one shot."""
@@ -88,7 +90,8 @@ def followed_film(frames: NDArray[np.uint8], times_s: Floats, known: Knowledge) 
         No frame shows the spheres as they are known.
     """
     film = Film.blank(frames, len(known.camera.views))
-    film.background, film.noise = first_background(frames), noise_sd(frames)
+    film.background = first_background(frames)
+    film.noise = noise_sd(frames[:: max(1, len(frames) // NOISE_FRAMES)])
     Follower(film, known).run(times_s)
     film.refresh(known)
     settle_film(film, known, LAST_LIMIT)

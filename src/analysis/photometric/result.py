@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -93,26 +95,24 @@ def _markers(film: Film, known: Knowledge, sphere: int) -> dict[int, list[tuple[
     """Return by frame the markers that face a view, each with its index in the pattern."""
     optics, own = known.camera.optics, known.spheres[sphere]
     seen: dict[int, list[tuple[int, SeenMarker]]] = {}
+    deep, wide = math.cos(own.alpha), math.sin(own.alpha)
     for k in map(int, np.flatnonzero(film.placed[sphere])):
         seen[k] = []
         directions = own.markers @ film.rotation[sphere, k].T
         for v, view in enumerate(known.camera.views):
-            place = disc_of(optics, v, film.centre[sphere, k], own.radius_m)
-            for name, direction in enumerate(directions):
-                at = optics.axes[v] @ direction
-                if at[2] < LEAST_FACING:
+            y, x, radius = map(float, disc_of(optics, v, film.centre[sphere, k], own.radius_m))
+            for name, (down, across, facing) in enumerate((directions @ optics.axes[v].T).tolist()):
+                if facing < LEAST_FACING:
                     continue
-                size = place[2] * np.sin(own.alpha)
-                row, column = place[:2] + place[2] * np.cos(own.alpha) * at[:2]
                 ellipse = Ellipse(
-                    row=float(row),
-                    column=float(column),
-                    semi_major=float(size),
-                    semi_minor=float(size * at[2]),
-                    angle=float(np.arctan2(at[0], -at[1])),
+                    row=y + radius * deep * down,
+                    column=x + radius * deep * across,
+                    semi_major=radius * wide,
+                    semi_minor=radius * wide * facing,
+                    angle=math.atan2(down, -across),
                     rms_px=0.0,
                 )
-                marker = Marker(ellipse, direction, float(at[2]))
+                marker = Marker(ellipse, directions[name], facing)
                 seen[k].append((name, SeenMarker(view, marker)))
     return seen
 
