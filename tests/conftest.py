@@ -18,6 +18,7 @@ LONG = {
     "test_runs.py",
     "test_selection_power.py",
     "test_signature.py",
+    "test_sweep_page.py",
     "test_sweeps_live.py",
 }
 """Files whose tests take more than a few seconds each; everything else stays in the short run."""

@@ -1,23 +1,34 @@
-"""Campaigns: which there are, and one with its shots, figure 7.4 and restitution over speed."""
+"""Campaigns: which there are, and the page of one."""
 
 from __future__ import annotations
 
-from typing import Any
-
-from nicegui import ui
+from nicegui import events, ui
 
 from rigctl.errors import RigError
-from rigctl.page.campaign_plots import plane, restitution
+from rigctl.page.campaign_view import CampaignView
 from rigctl.page.desk import Desk
-from rigctl.page.layout import TICK_S, sheet
-from rigctl.page.model_state import Question
-from rigctl.page.shot_pages import latest, shot_table
-from rigctl.page.shot_view import result_of
-from rigctl.page.source import Source
-from rigctl.page.widgets import plot, save_csv
+from rigctl.page.layout import sheet
+from rigctl.page.shot_table import column, explain_headings
 from rigctl.store import CampaignRecord, ShotState
 
-Json = dict[str, Any]
+COLUMNS = [
+    column("name", "campaign", "left"),
+    column("shots", "shots"),
+    column("measured", "measured"),
+    column("refused", "refused"),
+    column("other", "not analysed"),
+    column("first", "first shot", "left"),
+    column("last", "last shot", "left"),
+]
+HEADINGS = {
+    "name": "Shots of one campaign are fitted together.",
+    "shots": "All that were accepted under this name, whatever became of them.",
+    "measured": "Shots that have coefficients.",
+    "refused": "Shots whose frames could not be measured; each says why.",
+    "other": "Shots under way, and those that came to nothing.",
+    "first": "When the first shot was accepted.",
+    "last": "When the latest shot was accepted.",
+}
 
 
 def campaign_pages(desk: Desk) -> None:
@@ -27,101 +38,52 @@ def campaign_pages(desk: Desk) -> None:
     def campaigns() -> None:
         with sheet(desk, "Campaigns", "/campaigns"), ui.element("div").classes("panel"):
             ui.label("Campaigns").classes("title")
-            found = desk.daemon.store.campaigns.all()
-            if not found:
-                ui.label(
-                    "There is none yet: fire a shot on the page Rig with the field Campaign filled "
-                    "in, or run a sweep."
-                ).classes("empty")
-            for campaign in found:
-                _listed(campaign)
+            _listed(desk.daemon.store.campaigns.all())
 
     @ui.page("/campaigns/{campaign}")
     def one(campaign: str) -> None:
         with sheet(desk, f"Campaign {campaign}", "/campaigns"):
             try:
-                record = desk.daemon.store.campaigns.one(campaign)
+                desk.daemon.store.campaigns.one(campaign)
             except RigError as error:
                 ui.label(error.sentence()).classes("verdict bad")
+                ui.link("All campaigns", "/campaigns")
                 return
-            with ui.element("div").classes("head"):
-                ui.label(record.name).classes("title")
-                ui.label(_counts(record)).classes("aside")
-                ui.space()
-                ui.link("compare with the model", f"/model/{record.name}")
-            _Plots(desk, campaign)
-            with ui.element("div").classes("panel"):
-                ui.label("Shots").classes("title")
-                shot_table(latest(desk, campaign))
+            CampaignView(desk, campaign)
 
 
-def _listed(campaign: CampaignRecord) -> None:
+def _listed(found: list[CampaignRecord]) -> None:
+    if not found:
+        ui.label(
+            "There is none yet: fire a shot on the page Rig with the field Campaign filled in, or "
+            "run a sweep."
+        ).classes("empty")
+        return
     with ui.element("div").classes("beside"):
-        ui.link(campaign.name, f"/campaigns/{campaign.name}")
-        ui.label(_counts(campaign)).classes("aside")
-        ui.space()
-        ui.label(f"last shot {campaign.last_at.astimezone():%Y-%m-%d %H:%M}").classes("aside")
-        ui.link("model", f"/model/{campaign.name}")
+        given = ui.input(placeholder="Filter: a part of the name, a date …")
+        given.props('outlined dense clearable data-testid=filter aria-label="Filter"')
+        given.classes("filter")
+    rows = [_row(campaign) for campaign in found]
+    table = ui.table(rows=rows, columns=COLUMNS, pagination=20, row_key="name")
+    table.props("dense flat data-testid=campaigns").classes("wide").bind_filter_from(given, "value")
+
+    explain_headings(table, HEADINGS)
+
+    def open_one(event: events.GenericEventArguments) -> None:
+        ui.navigate.to(f"/campaigns/{event.args[1]['name']}")
+
+    table.on("rowClick", open_one)
 
 
-def _counts(campaign: CampaignRecord) -> str:
-    states = ", ".join(f"{count} {state}" for state, count in campaign.states.items())
-    return f"{campaign.shots} shots: {states}"
-
-
-class _Plots:
-    """Figure 7.4 from the fit, and restitution over speed from the shots' own coefficients."""
-
-    def __init__(self, desk: Desk, campaign: str) -> None:
-        self._desk, self._campaign = desk, campaign
-        source = Source(desk.daemon, campaign)
-        self._fitted = Question(lambda: source.ask("picture"), desk.daemon.jobs.job)
-        self._fitted.start()
-        with ui.element("div").classes("columns half"):
-            with ui.element("div").classes("panel"):
-                self._plane()
-            with ui.element("div").classes("panel"):
-                self._restitution()
-        ui.timer(TICK_S, self._follow)
-
-    def _follow(self) -> None:
-        if self._fitted.follow():
-            self._plane.refresh()
-
-    @ui.refreshable_method
-    def _plane(self) -> None:
-        answer = self._fitted.answer
-        with ui.element("div").classes("title"):
-            ui.label("Rebound of the surface velocity")
-            ui.label("figure 7.4 of the thesis").classes("aside")
-            ui.space()
-            if answer is not None:
-                found: Json = answer["plane"]
-                names = ("shots", "x", "y", "sigma")
-                columns = zip(*(found[name] for name in names), strict=True)
-                rows = [list(names), *map(list, columns)]
-                save_csv(f"{self._campaign}-figure-7-4", lambda: rows)
-        if answer is not None:
-            plot(plane(answer["plane"], self._campaign))
-        elif self._fitted.failure:
-            ui.label(self._fitted.failure).classes("empty")
-        else:
-            ui.label("Fitting …").classes("empty")
-
-    def _restitution(self) -> None:
-        found = [
-            (shot.number, result["v_n"], result["e"])
-            for shot in latest(self._desk, self._campaign)
-            if shot.state is ShotState.ANALYSED
-            and (result := result_of(self._desk, shot)).get("status") == "measured"
-        ]
-        rows: list[list[object]] = [["shot", "v_n, m/s", "e", "sigma of e"]]
-        rows += [[n, v["value"], e["value"], e["sigma"]] for n, v, e in found]
-        with ui.element("div").classes("title"):
-            ui.label("Restitution over approach speed")
-            ui.space()
-            save_csv(f"{self._campaign}-restitution", lambda: rows)
-        if found:
-            plot(restitution(found, self._campaign))
-        else:
-            ui.label("No shot of this campaign is measured yet.").classes("empty")
+def _row(campaign: CampaignRecord) -> dict[str, object]:
+    measured = campaign.states.get(ShotState.ANALYSED, 0)
+    refused = campaign.states.get(ShotState.REFUSED, 0)
+    return {
+        "name": campaign.name,
+        "shots": campaign.shots,
+        "measured": measured,
+        "refused": refused,
+        "other": campaign.shots - measured - refused,
+        "first": f"{campaign.first_at.astimezone():%Y-%m-%d %H:%M}",
+        "last": f"{campaign.last_at.astimezone():%Y-%m-%d %H:%M}",
+    }

@@ -1,16 +1,14 @@
-"""Plots of a campaign: figure 7.4 of the thesis, and restitution over speed."""
+"""Figure 7.4 of the thesis: a campaign's rebound of the surface velocity."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 from analysis.figures.palette import FAILS, FLOOR, MEASURED
+from rigctl.page.impact_plots import ERROR_BAR, HEIGHT
 from rigctl.page.plots import figure
 
 Json = dict[str, Any]
-HEIGHT = 340
-ERROR_BAR = {"type": "data", "thickness": 0.9, "width": 0, "color": "rgba(0,114,178,0.4)"}
 
 
 def plane(found: Json, title: str) -> Json:
@@ -45,28 +43,6 @@ def plane(found: Json, title: str) -> Json:
             "title": {"text": "v_s′ / |v_n| after contact"},
             "range": [low - room, high + room],
         },
-    )
-
-
-def restitution(found: Sequence[tuple[int, Json, Json]], title: str) -> Json:
-    """Return e over |v_n|; `found` has the number, v_n and e of each shot."""
-    return figure(
-        [
-            {
-                "type": "scatter",
-                "mode": "markers",
-                "x": [-v["value"] for _, v, _ in found],
-                "y": [e["value"] for _, _, e in found],
-                "error_y": {**ERROR_BAR, "array": [e["sigma"] for _, _, e in found]},
-                "customdata": [number for number, _, _ in found],
-                "marker": {"color": MEASURED, "size": 7},
-                "hovertemplate": "shot %{customdata}: %{x:.3f} m/s, %{y:.4f}<extra></extra>",
-            }
-        ],
-        HEIGHT,
-        f"{title}-restitution",
-        xaxis={"title": {"text": "|v_n| before contact, m/s"}, "zeroline": False},
-        yaxis={"title": {"text": "normal restitution e"}, "zeroline": False, "automargin": True},
     )
 
 

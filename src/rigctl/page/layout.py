@@ -7,6 +7,7 @@ from contextlib import contextmanager
 
 from nicegui import events, ui
 
+from rigctl.page.asking import ask_reason
 from rigctl.page.desk import Desk, actor
 from rigctl.page.widgets import button
 from rigctl.rig.states import LATCHED, RigState
@@ -129,20 +130,14 @@ def _latch(status: RigStatus) -> str:
 
 
 def _ask_release(desk: Desk) -> None:
-    async def go() -> None:
-        who, why = actor(), str(reason.value).strip()
-        if await desk.done(lambda: desk.daemon.rig.release(who, why)):
-            dialog.close()
+    async def release(why: str) -> bool:
+        who = actor()
+        return await desk.done(lambda: desk.daemon.rig.release(who, why))
 
-    with ui.dialog(value=True) as dialog, ui.card().classes("ask"):
-        ui.label("Release the rig").classes("title")
-        ui.label(
-            "Power comes back. Say what was found at the rig and what was done; the reason is "
-            "journalled."
-        )
-        reason = ui.input("Reason").classes("wide").props("autofocus data-testid=reason outlined")
-        with ui.element("div").classes("beside ends"):
-            button("Cancel", dialog.close)
-            release = button("Release", go, look="fill", testid="release-now")
-            release.bind_enabled_from(reason, "value", lambda text: bool((text or "").strip()))
-    dialog.on("hide", dialog.delete)
+    ask_reason(
+        "Release the rig",
+        "Power comes back. Say what was found at the rig and what was done; the reason is "
+        "journalled.",
+        "Release",
+        release,
+    )

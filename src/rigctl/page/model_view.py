@@ -17,6 +17,8 @@ from rigctl.page.model_where import Where
 from rigctl.page.source import Source
 from rigctl.page.widgets import button
 
+LEFT_OUT = {"rejected": "left out as too far from the rest", "excluded": "excluded by a person"}
+
 
 class ModelView:
     """The page of one campaign's model. Long work runs as jobs; the page asks how far they are."""
@@ -106,8 +108,9 @@ class ModelView:
 
 
 def _counted(found: dict[str, object]) -> str:
-    shots, rejected = found["shots"], found["rejected"]
-    text = f"{shots} shots used"
-    if isinstance(rejected, list) and rejected:
-        text += f", left out as too far from the rest: {', '.join(map(str, rejected))}"
+    text = f"{found['shots']} shots used"
+    for key, why in LEFT_OUT.items():
+        numbers = found[key]
+        if isinstance(numbers, list) and numbers:
+            text += f", {why}: {', '.join(map(str, numbers))}"
     return text

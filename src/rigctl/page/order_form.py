@@ -111,8 +111,10 @@ class OrderForm:
         await self._desk.done(lambda: self._rig.disarm(who, "disarmed on the page"))
 
 
-def words(settings: ShotSettings) -> str:
-    """Return settings as a person says them."""
+def words(settings: ShotSettings | None) -> str:
+    """Return settings as a person says them; of an imported shot they may not be known."""
+    if settings is None:
+        return "settings not stated"
     text = (
         f"{settings.pressure_a_kpa:g} and {settings.pressure_b_kpa:g} kPa, "
         f"offset {settings.offset_mm:g} mm"

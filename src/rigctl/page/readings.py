@@ -10,6 +10,7 @@ from rigctl.errors import RigError
 from rigctl.store import ShotRecord, ShotState, Store
 
 MOST_KEPT = 20_000
+WORDS = ("", "sigma of ")
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,6 +33,19 @@ class Impact:
         if self.v_n is None or self.v_s is None or not self.v_n[0]:
             return None
         return self.v_s[0] / abs(self.v_n[0])
+
+
+def rows_of(impacts: Iterable[Impact]) -> list[list[object]]:
+    """Return coefficients as rows of a CSV, its heading first; what a shot does not tell is empty.
+
+    Velocities in m/s.
+    """
+    names = ("v_n", "v_s", "e", "beta")
+    rows: list[list[object]] = [["shot", *(f"{word}{name}" for name in names for word in WORDS)]]
+    for one in impacts:
+        told = [getattr(one, name) or ("", "") for name in names]
+        rows.append([one.number, *(part for pair in told for part in pair)])
+    return rows
 
 
 class Readings:

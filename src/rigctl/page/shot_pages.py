@@ -2,35 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Any
+from nicegui import run, ui
 
-from nicegui import events, ui
-
-from rigctl.errors import RigError
 from rigctl.page.desk import Desk
 from rigctl.page.layout import TICK_S, sheet
 from rigctl.page.order_form import words
+from rigctl.page.shot_judging import Judging
 from rigctl.page.shot_residuals import ShotResiduals
+from rigctl.page.shot_table import ShotTable, latest, stored
 from rigctl.page.shot_view import coefficients, film, result_of
-from rigctl.page.tables import Line, facts
+from rigctl.page.tables import Cell, Line, facts
 from rigctl.page.widgets import button
 from rigctl.reanalysing import ENDED
 from rigctl.store import ShotRecord
-
-MOST_LISTED = 500
-COLUMNS: list[dict[str, Any]] = [
-    {"name": name, "label": label, "field": name, "sortable": True, "align": align}
-    for name, label, align in (
-        ("number", "shot", "right"),
-        ("state", "state", "left"),
-        ("campaign", "campaign", "left"),
-        ("pressure_a", "pressure a, kPa", "right"),
-        ("pressure_b", "pressure b, kPa", "right"),
-        ("offset", "offset, mm", "right"),
-        ("at", "accepted", "left"),
-        ("failure", "why not", "left"),
-    )
-]
 
 
 def shot_pages(desk: Desk) -> None:
@@ -40,118 +24,115 @@ def shot_pages(desk: Desk) -> None:
     def shots() -> None:
         with sheet(desk, "Shots", "/shots"), ui.element("div").classes("panel"):
             ui.label("Shots").classes("title")
-            shot_table(latest(desk, None))
+            _Shots(desk)
 
     @ui.page("/shots/{shot}")
     def one(shot: str, frame: int | None = None, effects: str | None = None) -> None:
         with sheet(desk, f"Shot {shot}", "/shots"):
-            try:
-                desk.daemon.store.shot(shot)
-            except RigError as error:
-                ui.label(error.sentence()).classes("verdict bad")
-                ui.link("All shots", "/shots")
+            if stored(desk, shot) is None:
                 return
             added = None if effects is None else tuple(filter(None, effects.split(",")))
             _OneShot(desk, shot, frame, added)
 
 
-def latest(desk: Desk, campaign: str | None) -> list[ShotRecord]:
-    """Return the latest shots, of one campaign or of all, the last first."""
-    after = None
-    found: list[ShotRecord] = []
-    while page := desk.daemon.store.shots(campaign=campaign, limit=MOST_LISTED, after=after):
-        found, after = [*found, *page][-MOST_LISTED:], page[-1].id
-    return found[::-1]
+class _Shots:
+    """The latest shots; the table grows when something has happened to one."""
 
+    def __init__(self, desk: Desk) -> None:
+        self._desk = desk
+        self._heard = -1
+        self._table = ShotTable(measured=False)
+        ui.timer(TICK_S * 5, self._follow)
 
-def shot_table(shots: list[ShotRecord]) -> None:
-    """Place a table of shots with a filter; a click opens one."""
-    if not shots:
-        ui.label("No shot has been fired yet: arm and fire one on the page Rig.").classes("empty")
-        return
-    given = ui.input("Filter").props("outlined dense clearable data-testid=filter")
-    table = ui.table(rows=[_row(shot) for shot in shots], columns=COLUMNS, pagination=20)
-    table.props("dense flat data-testid=shots").classes("wide").bind_filter_from(given, "value")
-
-    def open_one(event: events.GenericEventArguments) -> None:
-        ui.navigate.to(f"/shots/{event.args[1]['id']}")
-
-    table.on("rowClick", open_one)
-
-
-def _row(shot: ShotRecord) -> dict[str, object]:
-    return {
-        "id": shot.id,
-        "number": shot.number,
-        "state": str(shot.state).replace("_", " "),
-        "campaign": shot.campaign or "",
-        "pressure_a": shot.settings.pressure_a_kpa,
-        "pressure_b": shot.settings.pressure_b_kpa,
-        "offset": shot.settings.offset_mm,
-        "at": f"{shot.accepted_at.astimezone():%Y-%m-%d %H:%M:%S}",
-        "failure": shot.failure or "",
-    }
+    async def _follow(self) -> None:
+        heard = self._desk.feed.told
+        if heard == self._heard:
+            return
+        found = await run.io_bound(latest, self._desk, None)
+        if found is not None:
+            self._heard = heard
+            self._table.show(found)
 
 
 class _OneShot:
-    """One shot; drawn anew when it gets further."""
+    """One shot; what of it has changed is drawn anew, so that the film keeps its place."""
 
     def __init__(
         self, desk: Desk, shot: str, frame: int | None, effects: tuple[str, ...] | None
     ) -> None:
-        self._desk, self._shot, self._frame, self._effects = desk, shot, frame, effects
-        self._seen = self._stands()
-        self._show()
+        self._desk, self._frame, self._effects = desk, frame, effects
+        self._shot = desk.daemon.store.shot(shot)
+        with ui.element("div").classes("columns shot"):
+            with ui.element("div").classes("panel"):
+                self._film()
+            with ui.element("div").classes("stack"):
+                self._measured()
+                self._judged()
+                self._compared()
+                self._recorded()
         ui.timer(TICK_S * 3, self._follow)
 
     @ui.refreshable_method
-    def _show(self) -> None:
-        shot = self._desk.daemon.store.shot(self._shot)
-        result = result_of(self._desk, shot)
-        with ui.element("div").classes("columns shot"):
-            with ui.element("div").classes("panel"):
-                with ui.element("div").classes("title"):
-                    ui.label(f"Shot {shot.number}")
-                    ui.label(f"{shot.state}, {words(shot.settings)}").classes("aside")
-                film(self._desk, shot, result, start=self._frame, keys=True)
-            with ui.element("div").classes("stack"):
-                with ui.element("div").classes("panel"):
-                    ui.label("Coefficients").classes("title")
-                    coefficients(shot, result)
-                    again = button("Analyse again", self._again, testid="analyse-again")
-                    again.set_enabled(shot.state in ENDED)
-                    again.tooltip("a further result is added; none is replaced")
-                ShotResiduals(self._desk, shot, self._effects)
-                _record(shot)
-                _notes(result.get("notes", []))
+    def _film(self) -> None:
+        shot = self._shot
+        with ui.element("div").classes("title"):
+            ui.label(f"Shot {shot.number}")
+            ui.label(f"{shot.state}, {words(shot.settings)}").classes("aside")
+        film(self._desk, shot, result_of(self._desk, shot), start=self._frame, keys=True)
+
+    @ui.refreshable_method
+    def _measured(self) -> None:
+        with ui.element("div").classes("panel"):
+            ui.label("Coefficients").classes("title")
+            coefficients(self._shot, result_of(self._desk, self._shot))
+            again = button("Analyse again", self._again, testid="analyse-again")
+            again.set_enabled(self._shot.state in ENDED)
+            again.tooltip("a further result is added; none is replaced")
+
+    @ui.refreshable_method
+    def _judged(self) -> None:
+        Judging(self._desk, self._shot)
+
+    @ui.refreshable_method
+    def _compared(self) -> None:
+        ShotResiduals(self._desk, self._shot, self._effects)
+
+    @ui.refreshable_method
+    def _recorded(self) -> None:
+        _record(self._shot)
+        _notes(result_of(self._desk, self._shot).get("notes", []))
 
     def _again(self) -> None:
-        self._desk.daemon.analyse(self._shot)
+        self._desk.daemon.analyse(self._shot.id)
         ui.notify("Its analysis is queued.")
 
-    def _stands(self) -> object:
-        shot = self._desk.daemon.store.shot(self._shot)
-        return shot.state, shot.results
-
     def _follow(self) -> None:
-        stands = self._stands()
-        if stands != self._seen:
-            self._seen = stands
-            self._show.refresh()
+        before, self._shot = self._shot, self._desk.daemon.store.shot(self._shot.id)
+        now = self._shot
+        further = (now.state, now.results) != (before.state, before.results)
+        if further:
+            self._film.refresh()
+            self._measured.refresh()
+            self._recorded.refresh()
+        if (now.excluded, now.note, now.tags) != (before.excluded, before.note, before.tags):
+            self._judged.refresh()
+        if further or now.excluded != before.excluded:
+            self._compared.refresh()
 
 
 def _record(shot: ShotRecord) -> None:
     lines = [
-        Line(["fired", str(shot.fired)]),
-        Line(["campaign", shot.campaign or "none"]),
-        Line(["simulated", "yes" if shot.simulated else "no, real"]),
-        Line(["frames", "none" if shot.frames is None else f"{shot.frames}, {shot.lost} lost"]),
-        Line(["results", str(shot.results)]),
-        Line(["by", shot.actor]),
+        ("fired", str(shot.fired)),
+        ("accepted", f"{shot.accepted_at.astimezone():%Y-%m-%d %H:%M:%S}"),
+        ("campaign", shot.campaign or "none"),
+        ("simulated", "yes" if shot.simulated else "no, real"),
+        ("frames", "none" if shot.frames is None else f"{shot.frames}, {shot.lost} lost"),
+        ("results", str(shot.results)),
+        ("by", shot.actor),
     ]
     with ui.element("div").classes("panel"):
         ui.label("Record").classes("title")
-        facts([], lines)
+        facts([], [Line([name, Cell(said, look="wrap")]) for name, said in lines])
 
 
 def _notes(notes: list[str]) -> None:

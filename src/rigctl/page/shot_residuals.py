@@ -124,6 +124,9 @@ def _compared(shot: ShotRecord, answer: Json) -> None:
             "verdict bad"
         )
         return
+    if shot.number in answer["excluded"]:
+        ui.label("The fit left this shot out: a person excluded it.").classes("empty")
+        return
     found = residuals_of(shot.number, answer["cells"])
     if not found:
         ui.label("The fit did not use this shot.").classes("empty")

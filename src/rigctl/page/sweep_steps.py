@@ -3,22 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 from nicegui import events, ui
 
+from rigctl.page.shot_table import WHY, column, explain_headings
 from rigctl.store import ShotRecord, ShotState, StepRecord, StepState
 
-COLUMNS: list[dict[str, Any]] = [
-    {"name": name, "label": label, "field": name, "sortable": True, "align": align}
-    for name, label, align in (
-        ("step", "step", "right"),
-        ("fate", "what became of it", "left"),
-        ("pressure", "pressure a, kPa", "right"),
-        ("offset", "offset, mm", "right"),
-        ("shot", "shot", "right"),
-        ("why", "why not", "left"),
-    )
+COLUMNS = [
+    column("step", "step"),
+    column("fate", "what became of it", "left"),
+    column("pressure", "pressure a, kPa"),
+    column("offset", "offset, mm"),
+    column("shot", "shot"),
+    column("why", "why not", "left", **WHY),
 ]
 
 
@@ -36,17 +33,23 @@ def what_became(step: StepRecord, shot: ShotRecord | None) -> str:
     return "not measured"
 
 
-def steps_table(steps: Sequence[StepRecord], shots: Mapping[str, ShotRecord]) -> None:
-    """Place the steps in the order of firing; a click opens a step's shot."""
-    rows = [_row(step, shots.get(step.shot or "")) for step in steps]
-    table = ui.table(rows=rows, columns=COLUMNS, pagination=8, row_key="step")
-    table.props("dense flat data-testid=steps").classes("wide")
+class StepsTable:
+    """The steps in the order of firing, placed where it is made; a click opens a step's shot."""
 
-    def open_shot(event: events.GenericEventArguments) -> None:
-        if name := event.args[1]["id"]:
-            ui.navigate.to(f"/shots/{name}")
+    def __init__(self) -> None:
+        self._table = ui.table(rows=[], columns=COLUMNS, pagination=8, row_key="step")
+        self._table.props("dense flat data-testid=steps").classes("wide")
+        self._table.on("rowClick", _open_shot)
+        explain_headings(self._table)
 
-    table.on("rowClick", open_shot)
+    def show(self, steps: Sequence[StepRecord], shots: Mapping[str, ShotRecord]) -> None:
+        """Show steps with their shots, by the shots' names."""
+        self._table.rows = [_row(step, shots.get(step.shot or "")) for step in steps]
+
+
+def _open_shot(event: events.GenericEventArguments) -> None:
+    if name := event.args[1]["id"]:
+        ui.navigate.to(f"/shots/{name}")
 
 
 def _row(step: StepRecord, shot: ShotRecord | None) -> dict[str, object]:

@@ -8,11 +8,12 @@ from dataclasses import dataclass
 from nicegui import run, ui
 
 from rigctl.page.desk import Desk
+from rigctl.page.impact_plots import over_incidence, over_speed
 from rigctl.page.layout import TICK_S
-from rigctl.page.readings import Impact
+from rigctl.page.readings import Impact, rows_of
 from rigctl.page.sweep_orders import bar, how_far, orders
-from rigctl.page.sweep_plots import over_incidence, over_speed, progress
-from rigctl.page.sweep_steps import steps_table, what_became
+from rigctl.page.sweep_plots import progress
+from rigctl.page.sweep_steps import StepsTable, what_became
 from rigctl.page.widgets import plot, save_csv
 from rigctl.settings import ShotSettings
 from rigctl.store import ShotRecord, ShotState, StepRecord
@@ -40,7 +41,7 @@ class SweepView:
         self._heard = -1
         self._now = _Stand(desk.daemon.sweeps.status(sweep), [], {}, [])
         self._head()
-        with ui.element("div").classes("columns half"):
+        with ui.element("div").classes("columns third"):
             with ui.element("div").classes("panel"):
                 ui.label("Where it is").classes("title")
                 self._plane = plot(progress({}, self._limits))
@@ -50,9 +51,9 @@ class SweepView:
             with ui.element("div").classes("panel"):
                 self._titled("Tangential restitution over incidence", "tangential")
                 self._incidence = plot(over_incidence([], sweep))
-            with ui.element("div").classes("panel"):
-                ui.label("Steps").classes("title")
-                self._table()
+        with ui.element("div").classes("panel"):
+            ui.label("Steps").classes("title")
+            self._table = StepsTable()
         ui.timer(TICK_S * 3, self._follow)
 
     async def _follow(self) -> None:
@@ -66,7 +67,7 @@ class SweepView:
         if stand.status != before.status:
             self._head.refresh()
         if stand.steps != before.steps or stand.shots != before.shots:
-            self._table.refresh()
+            self._table.show(stand.steps, stand.shots)
             self._plane.update_figure(progress(self._by_fate(), self._limits))
         if stand.impacts != before.impacts:
             self._speed.update_figure(over_speed(stand.impacts, self._sweep))
@@ -101,8 +102,8 @@ class SweepView:
         status = self._now.status
         record = status.record
         with ui.element("div").classes("panel").props("data-testid=sweep"):
-            with ui.element("div").classes("beside"):
-                ui.html(f"<h1>Sweep {record.id}</h1>", sanitize=False).classes("head")
+            with ui.element("div").classes("head"):
+                ui.html(f"<h1>Sweep {record.id}</h1>", sanitize=False)
                 ui.label(f"{record.state}, {how_far(status)[2]}").props(
                     "data-testid=sweep-state role=status"
                 )
@@ -113,23 +114,8 @@ class SweepView:
             bar(status)
             ui.label(record.reason).classes("note")
 
-    @ui.refreshable_method
-    def _table(self) -> None:
-        steps_table(self._now.steps, self._now.shots)
-
     def _titled(self, title: str, name: str) -> None:
         with ui.element("div").classes("title"):
             ui.label(title)
             ui.space()
-            save_csv(f"{self._sweep}-{name}", self._rows)
-
-    def _rows(self) -> list[list[object]]:
-        names = ("v_n", "v_s", "e", "beta")
-        heading: list[object] = ["shot"]
-        for name in names:
-            heading += [name, f"sigma of {name}"]
-        rows = [heading]
-        for one in self._now.impacts:
-            told = [getattr(one, name) or ("", "") for name in names]
-            rows.append([one.number, *(part for pair in told for part in pair)])
-        return rows
+            save_csv(f"{self._sweep}-{name}", lambda: rows_of(self._now.impacts))

@@ -1,0 +1,96 @@
+"""A sweep on the page: built, watched, paused, resumed, given up, and stopped in its middle."""
+
+from __future__ import annotations
+
+import re
+
+from playwright.sync_api import Page, expect
+
+LONG_MS = 60_000
+
+
+def test_a_sweep_is_previewed_watched_paused_resumed_and_aborted(page: Page) -> None:
+    started(page, repeat=3)
+    expect(page.get_by_test_id("grows").locator(".scatterlayer .point")).not_to_have_count(
+        0, timeout=LONG_MS
+    )
+    page.get_by_test_id("pause").click()
+    state = page.get_by_test_id("sweep-state")
+    expect(state).to_contain_text("paused", timeout=LONG_MS)
+    fired = done(page)
+    assert 1 <= fired < 12
+    page.get_by_test_id("resume").click()
+    expect(state).to_contain_text("running")
+    expect(state).to_contain_text(f"{fired + 1} of 12 shots", timeout=LONG_MS)
+    page.get_by_test_id("abort").click()
+    expect(state).to_contain_text("aborted", timeout=LONG_MS)
+    expect(page.get_by_test_id("resume")).to_have_count(0)
+    expect(page.get_by_test_id("steps")).to_contain_text("skipped")
+
+
+def test_a_stop_in_the_middle_of_a_sweep_fires_nothing_more_until_a_person_says_so(
+    page: Page,
+) -> None:
+    started(page, repeat=2)
+    state = page.get_by_test_id("sweep-state")
+    expect(state).to_contain_text("1 of 8 shots", timeout=LONG_MS)
+    page.keyboard.press("Control+.")
+    expect(page.get_by_test_id("latched")).to_contain_text("stopped by the page's key")
+    expect(state).to_contain_text("paused", timeout=LONG_MS)
+    stopped_at = done(page)
+    page.get_by_test_id("resume").click()
+    expect(page.get_by_text("release the rig with a reason")).to_be_visible()
+    page.get_by_test_id("release").click()
+    page.get_by_test_id("reason").fill("tubes looked at: empty")
+    page.get_by_test_id("release-now").click()
+    expect(page.get_by_test_id("state")).to_have_text("idle", timeout=LONG_MS)
+    expect(state).to_contain_text(f"{stopped_at} of 8 shots")
+    page.get_by_test_id("abort").click()
+    expect(state).to_contain_text("aborted")
+
+
+def test_a_sweep_that_cannot_be_is_refused_before_anything_moves(page: Page) -> None:
+    page.get_by_role("link", name="Sweeps").click()
+    page.get_by_test_id("repeat").fill("100")
+    page.get_by_test_id("pn").fill("50")
+    expect(page.get_by_test_id("sweep-says")).to_contain_text("a sweep holds 1 to 10000 shots")
+    expect(page.get_by_test_id("start-sweep")).to_be_disabled()
+
+
+def test_a_shot_of_a_sweep_is_excluded_with_a_reason_and_counts_again(page: Page) -> None:
+    page.get_by_role("link", name="Campaigns").click()
+    page.get_by_test_id("campaigns").get_by_role("cell", name="sweep").click()
+    page.get_by_test_id("filter").fill("analysed")
+    row = page.get_by_test_id("shots").locator("tbody tr").first
+    expect(row).to_contain_text("0.7")
+    row.click()
+    page.get_by_test_id("exclude").click()
+    expect(page.get_by_test_id("exclude-now")).to_be_disabled()
+    page.get_by_test_id("reason").fill("the sphere was chipped")
+    page.get_by_test_id("exclude-now").click()
+    expect(page.get_by_test_id("excluded")).to_contain_text("the sphere was chipped")
+    page.get_by_test_id("include").click()
+    expect(page.get_by_test_id("excluded")).to_have_count(0)
+    expect(page.get_by_test_id("exclude")).to_be_visible()
+
+
+def started(page: Page, repeat: int) -> None:
+    """Start a sweep of two pressures and two offsets, and stay on its page."""
+    page.get_by_role("link", name="Sweeps").click()
+    fields = {"p0": 40, "p1": 60, "pn": 2, "o0": 6, "o1": 8, "on": 2, "repeat": repeat}
+    for field, value in fields.items():
+        page.get_by_test_id(field).fill(str(value))
+    expect(page.get_by_test_id("sweep-says")).to_have_text(f"{4 * repeat} shots")
+    preview = page.get_by_test_id("preview")
+    expect(preview).to_contain_text("v_s/v_n from about 0.24 to 0.33")
+    expect(preview.locator(".scatterlayer .point")).to_have_count(4)
+    page.get_by_test_id("start-sweep").click()
+    page.wait_for_url(re.compile(r"/sweeps/\d{8}-s\d{4}$"))
+
+
+def done(page: Page) -> int:
+    """Return how many steps the page says have ended."""
+    said = page.get_by_test_id("sweep-state").inner_text()
+    found = re.search(r"(\d+) of \d+ shots", said)
+    assert found is not None
+    return int(found[1])
