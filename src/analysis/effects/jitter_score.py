@@ -22,6 +22,7 @@ u = w / f, and f at its best for each u,
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -91,64 +92,104 @@ def jitter_score(
     ValueError
         There are no degrees of freedom, or nothing moves.
     """
-    if freedom <= 0:
-        raise ValueError(f"{freedom} degrees of freedom, 1 is needed")
-    shots, frames = residual.shape[:2]
-    rates = along_track.reshape(shots, frames, 12)
-    pull = np.einsum("sfl,sfl->sf", rates, residual.reshape(shots, frames, 12))
-    values, squares = _independent(kernel, pull)
-    if values.size == 0:
-        raise ValueError("no time error shows: nothing moves in these frames")
-    trace, trace2 = float(values.sum()), float((values**2).sum())
-    total = float((residual**2).sum())
-    push = float((squares * values).sum()) * freedom / total - trace
-    z = push / float(np.sqrt(2.0 * (trace2 - trace**2 / freedom)))
-    return _estimated(z, _Likelihood(values, squares, total - float(squares.sum()), freedom))
-
-
-def _independent(kernel: Floats, pull: Floats) -> tuple[Floats, Floats]:
-    """Return the eigenvalues l of all shots' K, and the squares of q along them over l."""
-    values, vectors = np.linalg.eigh((kernel + np.swapaxes(kernel, 1, 2)) / 2)
-    along = (np.swapaxes(vectors, 1, 2) @ pull[..., None])[..., 0]
-    kept = values > LEAST_EIGENVALUE * max(float(values.max()), 1e-300)
-    return values[kept], along[kept] ** 2 / values[kept]
+    return score_of([directions(residual, along_track, kernel)], freedom)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Likelihood:
-    """Directions that jitter moves, (M,): eigenvalues l and q^2 / l; the rest R; n in all."""
+class Directions:
+    """What the likelihood sees of some shots: directions that jitter moves, and all that is left.
+
+    Attributes
+    ----------
+    values
+        Eigenvalues l of the shots' K, shape (M,).
+    squares
+        q^2 along them, not yet over l, shape (M,).
+    total
+        Sum of the squares of all residuals.
+    """
 
     values: Floats
     squares: Floats
-    rest: float
-    freedom: int
+    total: float
+
+
+def directions(residual: Floats, along_track: Floats, kernel: Floats) -> Directions:
+    """Return the directions of some shots, arguments as of `jitter_score`."""
+    shots, frames = residual.shape[:2]
+    rates = along_track.reshape(shots, frames, 12)
+    pull = np.einsum("sfl,sfl->sf", rates, residual.reshape(shots, frames, 12))
+    values, vectors = np.linalg.eigh((kernel + np.swapaxes(kernel, 1, 2)) / 2)
+    along = (np.swapaxes(vectors, 1, 2) @ pull[..., None])[..., 0]
+    return Directions(values.reshape(-1), along.reshape(-1) ** 2, float((residual**2).sum()))
+
+
+def score_of(parts: Iterable[Directions], freedom: int) -> JitterScore:
+    """Return the score of all shots, handed over in parts that are read several times.
+
+    Raises
+    ------
+    ValueError
+        As `jitter_score`.
+    """
+    if freedom <= 0:
+        raise ValueError(f"{freedom} degrees of freedom, 1 is needed")
+    largest = max((float(part.values.max(initial=0.0)) for part in parts), default=0.0)
+    likelihood = _Likelihood(parts, LEAST_EIGENVALUE * max(largest, 1e-300), freedom)
+    if likelihood.count == 0:
+        raise ValueError("no time error shows: nothing moves in these frames")
+    return _estimated(likelihood.z, likelihood)
+
+
+class _Likelihood:
+    """Directions that jitter moves, eigenvalues l and q^2 / l; the rest R; n in all."""
+
+    def __init__(self, parts: Iterable[Directions], least: float, freedom: int) -> None:
+        self._parts, self._least, self.freedom = parts, least, freedom
+        self.total = sum(part.total for part in parts)
+        self.count = sum(len(values) for values, _ in self._kept())
+        self.push = sum(float(values @ squares) for values, squares in self._kept())
+        self.trace = sum(float(values.sum()) for values, _ in self._kept())
+        self.trace2 = sum(float(values @ values) for values, _ in self._kept())
+        self.moved = sum(float(squares.sum()) for _, squares in self._kept())
+
+    def _kept(self) -> Iterator[tuple[Floats, Floats]]:
+        """Return l and q^2 / l of directions of which something is left, part by part."""
+        for part in self._parts:
+            kept = part.values > self._least
+            values = part.values[kept]
+            yield values, part.squares[kept] / values
+
+    @property
+    def z(self) -> float:
+        """Return the score in its standard errors."""
+        push = self.push * self.freedom / self.total - self.trace
+        return push / float(np.sqrt(2.0 * (self.trace2 - self.trace**2 / self.freedom)))
 
     def noise(self, ratio: float) -> float:
         """Return f at u."""
-        along = float((self.squares / (1.0 + ratio * self.values)).sum())
-        return (self.rest + along) / self.freedom
+        along = sum(float((s / (1.0 + ratio * v)).sum()) for v, s in self._kept())
+        return (self.total - self.moved + along) / self.freedom
 
     def minus_twice_log(self, ratio: float) -> float:
         """Return -2 ln L at u, f at its best."""
-        widened = float(np.log1p(ratio * self.values).sum())
+        widened = sum(float(np.log1p(ratio * values).sum()) for values, _ in self._kept())
         return self.freedom * float(np.log(self.noise(ratio))) + widened
 
     def information(self, ratio: float) -> float:
         """Return the expected information on w at u, f fitted beside it, 1/s^4."""
         noise = self.noise(ratio)
-        weight = 1.0 / (noise * (1.0 + ratio * self.values)) ** 2
-        others = (self.freedom - len(self.values)) / noise**2
-        own, cross = float((weight * self.values**2).sum()), float((weight * self.values).sum())
-        return 0.5 * (own - cross**2 / (float(weight.sum()) + others))
+        sums = np.zeros(3)
+        for values, _ in self._kept():
+            weight = 1.0 / (noise * (1.0 + ratio * values)) ** 2
+            sums += [(weight * values**k).sum() for k in range(3)]
+        others = (self.freedom - self.count) / noise**2
+        return 0.5 * float(sums[2] - sums[1] ** 2 / (sums[0] + others))
 
 
 def _estimated(z: float, likelihood: _Likelihood) -> JitterScore:
     """Maximise the likelihood over u >= 0."""
-    most = (
-        TIMES_BEYOND
-        * float(likelihood.squares.sum())
-        / float(likelihood.noise(np.inf) * likelihood.values.sum() + 1e-300)
-    )
+    most = TIMES_BEYOND * likelihood.moved / (likelihood.noise(np.inf) * likelihood.trace + 1e-300)
     found = minimize_scalar(
         likelihood.minus_twice_log,
         bounds=(0.0, most),

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from itertools import groupby
 from pathlib import Path
 
-from analysis.exchange.rows import TableRow, read_rows
+from analysis.exchange.numbers_seen import NumbersSeen
+from analysis.exchange.rows import TableRow, each_row, read_rows
 from analysis.exchange.tables import POSES
 
 _POSITION = ("x_m", "y_m", "z_m")
@@ -41,7 +44,11 @@ class PoseRow:
     rotation_sigma: float
 
 
-def read_poses(path: Path) -> dict[int, dict[str, list[PoseRow]]]:
+Spheres = dict[str, list[PoseRow]]
+"""Rows of spheres a and b, in the order of their frames."""
+
+
+def read_poses(path: Path) -> dict[int, Spheres]:
     """Read poses.csv into shots and spheres, rows in the order of their frames.
 
     Raises
@@ -50,21 +57,48 @@ def read_poses(path: Path) -> dict[int, dict[str, list[PoseRow]]]:
         Absent, a column missing or unknown, a field that is no number, a sigma that is
         negative, a quaternion that is not of length 1, a frame that stands twice; with the line.
     """
-    shots: dict[int, dict[str, list[PoseRow]]] = defaultdict(lambda: {"a": [], "b": []})
-    seen: set[tuple[int, int, str]] = set()
+    rows: dict[int, list[TableRow]] = defaultdict(list)
     for row in read_rows(path, POSES):
+        rows[row.whole("shot")].append(row)
+    return {shot: _spheres(own) for shot, own in sorted(rows.items())}
+
+
+def each_shot(path: Path) -> Iterator[tuple[int, Spheres]]:
+    """Read poses.csv as `read_poses`, a shot at a time in the order of the file.
+
+    Raises
+    ------
+    InputError
+        As `read_poses`, and where the rows of a shot do not follow each other.
+    """
+    seen = NumbersSeen()
+    for shot, own in groupby(each_row(path, POSES), lambda row: row.whole("shot")):
+        rows = list(own)
+        if not seen.add(shot):
+            raise rows[0].fault(
+                f"shot {shot} goes on after others; sort the rows by shot to have them read a "
+                "shot at a time"
+            )
+        yield shot, _spheres(rows)
+
+
+def _spheres(rows: Iterable[TableRow]) -> Spheres:
+    """Return the poses of one shot."""
+    spheres: Spheres = {"a": [], "b": []}
+    seen: set[tuple[int, str]] = set()
+    for row in rows:
         sphere = row.fields["sphere"]
-        if sphere not in {"a", "b"}:
+        if sphere not in spheres:
             raise row.fault(f"sphere: {sphere!r} is neither a nor b")
-        shot, pose = row.whole("shot"), _pose(row)
-        if (shot, pose.frame, sphere) in seen:
+        pose = _pose(row)
+        if (pose.frame, sphere) in seen:
+            shot = row.whole("shot")
             raise row.fault(f"shot {shot}, frame {pose.frame}, sphere {sphere} twice")
-        seen.add((shot, pose.frame, sphere))
-        shots[shot][sphere].append(pose)
-    for spheres in shots.values():
-        for poses in spheres.values():
-            poses.sort(key=lambda pose: pose.frame)
-    return dict(sorted(shots.items()))
+        seen.add((pose.frame, sphere))
+        spheres[sphere].append(pose)
+    for poses in spheres.values():
+        poses.sort(key=lambda pose: pose.frame)
+    return spheres
 
 
 def _pose(row: TableRow) -> PoseRow:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Sequence
+from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -83,24 +83,47 @@ def read_rows(path: Path, columns: Sequence[str], optional: Sequence[str] = ()) 
         Absent, not CSV in UTF-8, a column missing, unknown or twice, or a line of another length;
         with the line.
     """
-    try:
-        with path.open(newline="", encoding="utf-8-sig") as file:
-            lines = list(csv.reader(file))
-    except FileNotFoundError as error:
-        raise InputError(path, "no such file") from error
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise InputError(path, f"not CSV in UTF-8: {error}") from error
-    names = [name.strip() for name in lines[0]] if lines else []
+    return list(each_row(path, columns, optional))
+
+
+def each_row(
+    path: Path, columns: Sequence[str], optional: Sequence[str] = ()
+) -> Iterator[TableRow]:
+    """Read a table as `read_rows`, a row at a time; faults are raised where they are met."""
+    lines = each_line(path)
+    names = [name.strip() for name in next(lines, (0, []))[1]]
     given = [name for name in names if name not in optional]
     if sorted(given) != sorted(columns) or len(set(names)) != len(names):
         further = f", and may be {','.join(optional)}" if optional else ""
         raise InputError(path, f"the columns must be {','.join(columns)}{further}", 1)
-    rows = []
-    for line, fields in enumerate(lines[1:], start=2):
+    for line, (_, fields) in enumerate(lines, start=2):
         if not fields:
             continue
         if len(fields) != len(names):
             found = counted(len(fields), "field")
             raise InputError(path, f"{found} for {len(names)} columns", line)
-        rows.append(TableRow(path, line, dict(zip(names, fields, strict=True))))
-    return rows
+        yield TableRow(path, line, dict(zip(names, fields, strict=True)))
+
+
+def each_line(path: Path, *, strict: bool = False) -> Generator[tuple[int, list[str]], None, None]:
+    """Read the fields of a CSV file, a line at a time, each with the number of its last line.
+
+    Parameters
+    ----------
+    strict
+        Whether a quote that is out of place is a fault.
+
+    Raises
+    ------
+    InputError
+        Absent, or not CSV in UTF-8.
+    """
+    try:
+        with path.open(newline="", encoding="utf-8-sig") as file:
+            reader = csv.reader(file, strict=strict)
+            for fields in reader:
+                yield reader.line_num, fields
+    except FileNotFoundError as error:
+        raise InputError(path, "no such file") from error
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise InputError(path, f"not CSV in UTF-8: {error}") from error

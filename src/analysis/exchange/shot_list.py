@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-import csv
 import math
 import re
 from collections import Counter
+from collections.abc import Iterator
+from contextlib import closing
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
 
 from analysis.errors import InputError, counted
+from analysis.exchange.numbers_seen import NumbersSeen
+from analysis.exchange.rows import each_line
 
 EXPOSURE = "exposure_us"
 EXCLUDED, NOTE, TAGS = "excluded", "note", "tags"
@@ -60,39 +63,42 @@ def read_shot_list(path: Path) -> list[ShotRow]:
         shot that is no whole number or stands twice, a time that is not ISO 8601, or no number
         where the format has one; with the line.
     """
-    (_, names), *body = _lines(path)
-    for number, row in body:
-        if len(row) != len(names):
-            reason = f"{counted(len(row), 'field')} for {counted(len(names), 'column')}"
+    return list(each_shot_row(path))
+
+
+def each_shot_row(path: Path) -> Iterator[ShotRow]:
+    """Read shots.csv as `read_shot_list`, a row at a time.
+
+    The file is read twice: whether a column is numeric shows in its last row.
+    """
+    names, numeric = _columns(path)
+    seen = NumbersSeen()
+    for number, fields in _body(path):
+        row = _shot(path, number, dict(zip(names, fields, strict=True)), numeric)
+        if not seen.add(row.shot):
+            raise InputError(path, f"shot {row.shot} stands twice", number)
+        yield row
+
+
+def _columns(path: Path) -> tuple[list[str], set[str]]:
+    """Return the names of all columns, and of the numeric ones."""
+    names = _names(path)
+    numeric = {name for name in names if name not in {"shot", "time", *_WORDS}}
+    for number, fields in _body(path):
+        if len(fields) != len(names):
+            reason = f"{counted(len(fields), 'field')} for {counted(len(names), 'column')}"
             raise InputError(path, reason, number)
-    numeric = {
-        name
-        for i, name in enumerate(names)
-        if name not in {"shot", "time", *_WORDS}
-        and (_DEFINED.fullmatch(name) or all(_number(row[i]) is not None for _, row in body))
-    }
-    shots = [
-        _shot(path, number, dict(zip(names, row, strict=True)), numeric) for number, row in body
-    ]
-    seen: set[int] = set()
-    for (number, _), shot in zip(body, shots, strict=True):
-        if shot.shot in seen:
-            raise InputError(path, f"shot {shot.shot} stands twice", number)
-        seen.add(shot.shot)
-    return shots
+        numeric -= {
+            name
+            for name, field in zip(names, fields, strict=True)
+            if name in numeric and not _DEFINED.fullmatch(name) and _number(field) is None
+        }
+    return names, numeric
 
 
-def _lines(path: Path) -> list[tuple[int, list[str]]]:
-    """Return the number and the fields of each line that is not blank, names of columns first."""
-    try:
-        with path.open(newline="", encoding="utf-8-sig") as file:
-            reader = csv.reader(file, strict=True)
-            lines = [(reader.line_num, row) for row in reader]
-    except FileNotFoundError as error:
-        raise InputError(path, "no such file") from error
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise InputError(path, f"not CSV in UTF-8: {error}") from error
-    names = [name.strip() for name in lines[0][1]] if lines else []
+def _names(path: Path) -> list[str]:
+    with closing(each_line(path, strict=True)) as lines:
+        names = [name.strip() for name in next(lines, (0, []))[1]]
     if "shot" not in names:
         raise InputError(
             path, "the first line must name the columns with commas between, 'shot' among them", 1
@@ -100,7 +106,14 @@ def _lines(path: Path) -> list[tuple[int, list[str]]]:
     if twice := [name for name, count in Counter(names).items() if count > 1]:
         listed = ", ".join(map(repr, twice))
         raise InputError(path, f"columns that stand more than once: {listed}", 1)
-    return [(1, names), *((number, row) for number, row in lines[1:] if row)]
+    return names
+
+
+def _body(path: Path) -> Iterator[tuple[int, list[str]]]:
+    """Return the number and the fields of each line that is not blank, but for the first."""
+    lines = each_line(path, strict=True)
+    next(lines, None)
+    return ((number, fields) for number, fields in lines if fields)
 
 
 def _number(field: str) -> float | None:

@@ -19,7 +19,7 @@ from analysis.launch.muzzle import LAW_NAMES
 from analysis.launch.result import LaunchFit
 from analysis.launch.theory import LaunchTheory
 from analysis.model.normal import inverse
-from analysis.model.promise import Block, Sums, block_of
+from analysis.model.promise import Block, ByShot, Sums, block_of
 from analysis.model.ranking import alias_matrix, believed, smallest_by_chance
 
 Floats = NDArray[np.float64]
@@ -161,7 +161,7 @@ def _sums(launch: LaunchFit, effects: Sequence[LaunchEffect]) -> Sums:
         matrix=columns.T @ columns,
         gradient=by_shot.sum(axis=0) + np.concatenate(held),
         raw=np.maximum((flat[:, owned] ** 2).sum(axis=0), LEAST_RAW),
-        by_shot=by_shot,
+        by_shot=ByShot([by_shot], np.eye(by_shot.shape[1])),
     )
 
 

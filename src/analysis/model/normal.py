@@ -46,12 +46,6 @@ class NormalEquations:
     state_gradient: Floats
     shared_gradient: Floats
 
-    def reduced(self, theory: Theory) -> tuple[Floats, Floats]:
-        """Return M (P, P) and g (P,) with every shot's own numbers eliminated, and the prior in."""
-        matrix, gradient = (part.sum(axis=0) for part in self.reduced_by_shot())
-        gradient[:3] -= (theory.vector[:3] - LAW_PRIOR) * prior_information()
-        return with_prior(matrix), gradient
-
     def reduced_by_shot(self) -> tuple[Floats, Floats]:
         """Return what each shot adds to M and g, shapes (S, P, P) and (S, P)."""
         eliminated = solve_blocks(self.states, self.coupling)

@@ -6,7 +6,7 @@ g' M^-1 g over its own block, along what these shots can see of it.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,8 +16,9 @@ from scipy.special import chdtrc, ndtr
 from analysis.effects.effect import Effect
 from analysis.model.columns import candidate_columns, theory_columns
 from analysis.model.comparison import compare
-from analysis.model.fit import Fit, parts_of
+from analysis.model.fit import Fit
 from analysis.model.normal import inverse, solve_blocks, with_prior
+from analysis.model.passes import Passes, passes_of
 from analysis.model.state import ShotStates
 from analysis.model.tables import Data
 from analysis.model.theory import Theory
@@ -28,8 +29,6 @@ LEAST_INFORMATION = 1e-6
 """A candidate with less than this share of its raw information left cannot be seen here."""
 LEAST_DIRECTION = 1e-5
 """The same for a direction in a block: below it stands the rounding of differences."""
-
-
 LEAST_FELT = 1e-9
 """A parameter whose whole plausible range moves chi-squared by less is only rounding."""
 
@@ -45,13 +44,64 @@ class Sums:
     raw
         Diagonal of M before anything was projected out, shape (C,).
     by_shot
-        What each shot adds to g, shape (S, C).
+        What each shot adds to g.
     """
 
     matrix: Floats
     gradient: Floats
     raw: Floats
-    by_shot: Floats
+    by_shot: ByShot
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ByShot:
+    """What each shot adds to the gradient of C columns, part by part.
+
+    Attributes
+    ----------
+    pulls
+        Of all columns before anything was projected out, those of what is fitted first; of the
+        shots of one part each, shape (S, P + C).
+    projection
+        Takes them to the C columns, shape (P + C, C).
+    """
+
+    pulls: Iterable[Floats]
+    projection: Floats
+
+    def loudest(self, amplitudes: Floats, count: int) -> list[Loud]:
+        """Return the shots with the largest part in each of several sums, the largest first.
+
+        Parameters
+        ----------
+        amplitudes
+            By which the columns are multiplied in each sum, shape (C, sums).
+        """
+        weights = self.projection @ amplitudes
+        kept: list[list[tuple[float, int, Floats]]] = [[] for _ in range(amplitudes.shape[1])]
+        start = 0
+        for pulls in self.pulls:
+            shares = pulls @ weights
+            first = np.argsort(-shares, axis=0, kind="stable")[:count]
+            for sum_, own in enumerate(kept):
+                own += [(float(shares[s, sum_]), start + int(s), pulls[s]) for s in first[:, sum_]]
+                own[:] = sorted(own, key=lambda entry: -entry[0])[:count]
+            start += len(pulls)
+        return [
+            Loud(
+                tuple(shot for _, shot, _ in own),
+                np.sum([pull for _, _, pull in own], axis=0) @ self.projection,
+            )
+            for own in kept
+        ]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Loud:
+    """The places of the loudest shots among all, and what they add to g together, shape (C,)."""
+
+    places: tuple[int, ...]
+    gradient: Floats
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -84,6 +134,10 @@ class Block:
             along = np.maximum(along, 0.0)
         return np.asarray((along**2).sum(axis=-1))
 
+    def amplitudes(self, scores: Floats) -> Floats:
+        """Return what the candidate's parameters would be for scores (C,), shape (B,)."""
+        return np.asarray(self.whitening @ (self.whitening.T @ scores[self.columns]))
+
     def p_values(self, falls: Floats) -> Floats:
         """Return the chance of such falls when nothing is missing."""
         return chance_of_falls(falls, self.freedom, one_sided=self.one_sided)
@@ -103,21 +157,31 @@ def chance_of_falls(falls: Floats, freedom: int, *, one_sided: bool) -> Floats:
 
 def candidate_sums(data: Data, fit: Fit, effects: Sequence[Effect]) -> Sums:
     """Sum up the columns of all parameters of the effects, in their order."""
-    pieces = [_piece(*part, fit.theory, effects) for part in parts_of(data, fit.states)]
-    matrix = sum((piece[0] for piece in pieces), np.zeros_like(pieces[0][0]))
-    raw = sum((piece[1] for piece in pieces), np.zeros_like(pieces[0][1]))
-    by_shot = np.concatenate([piece[2] for piece in pieces])
+    return sums_over(passes_of(data, fit), effects)
+
+
+def sums_over(passes: Passes, effects: Sequence[Effect]) -> Sums:
+    """Sum up the same in one pass over a campaign."""
+    theory = passes.fit.theory
+    fitted = len(theory.names)
+    count = fitted + sum(len(effect.parameters) for effect in effects)
+    matrix, raw, gradient = np.zeros((count, count)), np.zeros(count), np.zeros(count)
+    pulls = passes.keep(np.ndarray)
+    for part in passes.parts():
+        own, own_raw, pull = _piece(*part, theory, effects)
+        matrix += own
+        raw += own_raw
+        gradient += pull.sum(axis=0)
+        pulls.append(pull)
     matrix = with_prior(matrix)
-    fitted = len(fit.theory.names)
     inner = inverse(matrix[:fitted, :fitted]) @ matrix[:fitted, fitted:]
-    left = by_shot[:, fitted:] - by_shot[:, :fitted] @ inner
     ranges = [np.ptp(p.plausible) for effect in effects for p in effect.parameters]
     felt = raw[fitted:] * np.square(ranges) > LEAST_FELT
     return Sums(
         matrix=(matrix[fitted:, fitted:] - matrix[fitted:, :fitted] @ inner) * np.outer(felt, felt),
-        gradient=left.sum(axis=0) * felt,
+        gradient=(gradient[fitted:] - gradient[:fitted] @ inner) * felt,
         raw=raw[fitted:] * felt,
-        by_shot=left * felt,
+        by_shot=ByShot(pulls, np.concatenate([-inner, np.eye(count - fitted)]) * felt),
     )
 
 

@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 
 from analysis.effects.effect import Effect, ScatterEffect
 from analysis.model.fit import Fit
-from analysis.model.promise import Block, Sums, block_of, candidate_sums, chance_of_falls
-from analysis.model.scatter import timing_jitter
+from analysis.model.passes import Passes, passes_of
+from analysis.model.promise import Block, Sums, block_of, chance_of_falls, sums_over
+from analysis.model.scatter import jitter_over
 from analysis.model.tables import Data
 
 Floats = NDArray[np.float64]
@@ -140,16 +141,22 @@ def rank(data: Data, fit: Fit, effects: Sequence[Effect], seed: int = 0) -> Rank
     seed
         Of the simulated scores behind `p_familywise`.
     """
-    present = {active.effect.name for active in fit.theory.active}
-    inside = {name for active in fit.theory.active for name in active.effect.contains}
+    return rank_over(passes_of(data, fit), effects, seed)
+
+
+def rank_over(passes: Passes, effects: Sequence[Effect], seed: int = 0) -> Ranking:
+    """Score the same in three passes over a campaign."""
+    theory = passes.fit.theory
+    present = {active.effect.name for active in theory.active}
+    inside = {name for active in theory.active for name in active.effect.contains}
     free = [e for e in effects if e.name not in present | inside]
     wanted = [effect for effect in free if not isinstance(effect, ScatterEffect)]
     scatters = [effect for effect in free if isinstance(effect, ScatterEffect)]
-    scale = float(np.sqrt(max(fit.chi2_per_dof, 1e-12)))
+    scale = float(np.sqrt(max(passes.fit.chi2_per_dof, 1e-12)))
     if not free:
         return Ranking((), np.zeros((0, 0)), np.zeros((0, 0)), np.ones(DRAWS), scale)
     forms = [(k, form) for k, e in enumerate(wanted) for form in (e, *e.variants)]
-    sums = candidate_sums(data, fit, [form for _, form in forms])
+    sums = sums_over(passes, [form for _, form in forms])
     blocks = _blocks(sums, [form for _, form in forms])
     falls = np.array([float(block.falls(sums.gradient)) for block in blocks]) / scale**2
     p_values = np.array([float(b.p_values(f)) for b, f in zip(blocks, falls, strict=True)])
@@ -159,21 +166,29 @@ def rank(data: Data, fit: Fit, effects: Sequence[Effect], seed: int = 0) -> Rank
     ]
     rng = np.random.default_rng(seed)
     smallest = smallest_by_chance(sums.matrix, blocks, rng)
+    shown = [blocks[i] for i in best]
+    carried = _carried(sums, shown)
     chosen = [
         _candidate(
-            data, sums, scale, effect=forms[i][1], block=blocks[i], fall=falls[i], p=p_values[i]
+            sums,
+            scale,
+            effect=forms[i][1],
+            block=blocks[i],
+            fall=falls[i],
+            p=p_values[i],
+            carriers=tuple(int(n) for n in passes.shots[list(places)]),
+            share=share,
         )
-        for i in best
+        for i, (places, share) in zip(best, carried, strict=True)
     ]
-    if data.jitter_s == 0:
+    if passes.jitter_s == 0:
         for effect in scatters:
-            chosen.append(_scattered(data, fit, effect))
+            chosen.append(_scattered(passes, effect))
             chance = rng.random(DRAWS)
             smallest = np.minimum(smallest, np.where(chance < ONE_SIDED, chance, 1.0))
     scored = [_with_familywise(c, smallest) for c in chosen]
     order = sorted(range(len(scored)), key=lambda k: (not scored[k].seen, -scored[k].fall))
-    shifts = [k for k in order if k < len(best)]
-    shown = [blocks[best[k]] for k in shifts]
+    shown = [shown[k] for k in order if k < len(best)]
     among = np.array([place for place, k in enumerate(order) if k < len(best)], dtype=np.intp)
     aliases, imitated = np.zeros((2, len(order), len(order)))
     aliases[np.ix_(among, among)] = alias_matrix(sums.matrix, shown)
@@ -192,7 +207,6 @@ def _blocks(sums: Sums, forms: Sequence[Effect]) -> list[Block]:
 
 
 def _candidate(
-    data: Data,
     sums: Sums,
     scale: float,
     *,
@@ -200,15 +214,15 @@ def _candidate(
     block: Block,
     fall: float,
     p: float,
+    carriers: tuple[int, ...],
+    share: float,
 ) -> Candidate:
     count = len(effect.parameters)
     seen = block.freedom > 0
     amplitudes, sigmas = np.full(count, np.nan), np.full(count, np.nan)
     if seen:
-        covariance = block.whitening @ block.whitening.T
-        amplitudes = covariance @ sums.gradient[block.columns]
-        sigmas = scale * np.sqrt(np.diag(covariance))
-    carriers, share = _carried(sums, block, amplitudes)
+        amplitudes = block.amplitudes(sums.gradient)
+        sigmas = scale * np.sqrt((block.whitening**2).sum(axis=1))
     return Candidate(
         effect=effect,
         fall=float(fall),
@@ -218,13 +232,13 @@ def _candidate(
         p_value=float(p),
         p_familywise=1.0,
         seen=seen,
-        carriers=tuple(int(n) for n in data.shots[list(carriers)]),
+        carriers=carriers,
         carried_share=share,
     )
 
 
-def _scattered(data: Data, fit: Fit, effect: ScatterEffect) -> Candidate:
-    score = timing_jitter(data, fit)
+def _scattered(passes: Passes, effect: ScatterEffect) -> Candidate:
+    score = jitter_over(passes)
     return Candidate(
         effect=effect,
         fall=0.0 if score is None else score.fall,
@@ -239,17 +253,23 @@ def _scattered(data: Data, fit: Fit, effect: ScatterEffect) -> Candidate:
     )
 
 
-def _carried(sums: Sums, block: Block, amplitudes: Floats) -> tuple[list[int], float]:
-    """Return the two shots with the largest part in the fall, and the share that goes with them."""
-    if block.freedom == 0:
-        return [], 0.0
-    parts = sums.by_shot[:, block.columns] @ amplitudes
-    loudest = np.argsort(parts)[::-1][:CARRIERS]
-    whole = float(parts.sum())
-    if whole <= 0:
-        return [], 0.0
-    rest = (sums.gradient - sums.by_shot[loudest].sum(axis=0))[block.columns] @ block.whitening
-    return [int(s) for s in loudest], 1.0 - float((rest**2).sum()) / whole
+def _carried(sums: Sums, blocks: Sequence[Block]) -> list[tuple[tuple[int, ...], float]]:
+    """Return of each block the two shots with the largest part in its fall, and their share.
+
+    The share is what of the fall goes with them; none of a block without a fall.
+    """
+    amplitudes = np.zeros((len(sums.gradient), len(blocks)))
+    for k, block in enumerate(blocks):
+        amplitudes[block.columns, k] = block.amplitudes(sums.gradient)
+    carried: list[tuple[tuple[int, ...], float]] = []
+    loud = sums.by_shot.loudest(amplitudes, CARRIERS)
+    for block, whole, own in zip(blocks, sums.gradient @ amplitudes, loud, strict=True):
+        if whole <= 0:
+            carried.append(((), 0.0))
+            continue
+        rest = (sums.gradient - own.gradient)[block.columns] @ block.whitening
+        carried.append((own.places, 1.0 - float((rest**2).sum()) / float(whole)))
+    return carried
 
 
 def _with_familywise(candidate: Candidate, smallest: Floats) -> Candidate:
@@ -307,7 +327,7 @@ def imitated_shares(sums: Sums, blocks: Sequence[Block]) -> Floats:
     """
     shares = np.zeros((len(blocks), len(blocks)))
     for i, first in enumerate(blocks):
-        amplitudes = first.whitening @ (first.whitening.T @ sums.gradient[first.columns])
+        amplitudes = first.amplitudes(sums.gradient)
         done = sums.matrix[:, first.columns] @ amplitudes
         whole = float(amplitudes @ done[first.columns])
         if whole <= 0:

@@ -8,11 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.effects.effect import Effect, ScatterEffect
-from analysis.effects.jitter_score import JitterScore, jitter_score
+from analysis.effects.jitter_score import Directions, JitterScore, directions, score_of
 from analysis.model.comparison import compare, rates
-from analysis.model.fit import Fit, fit_campaign, parts_of
+from analysis.model.fit import Fit, fit_campaign
 from analysis.model.jitter import by_frame
 from analysis.model.normal import solve_blocks
+from analysis.model.passes import Passes, passes_of
 from analysis.model.poses import PoseData
 from analysis.model.tables import ContactTable, Data
 from analysis.quantity import Quantity
@@ -25,19 +26,24 @@ def timing_jitter(data: Data, fit: Fit) -> JitterScore | None:
 
     Each shot's own numbers are projected out; what all shots share takes too little to matter.
     """
-    pieces = []
-    for part, states in parts_of(data, fit.states):
-        line, here = compare(part, states, fit.theory)
-        if here.frames is None or isinstance(part, ContactTable):
+    return jitter_over(passes_of(data, fit))
+
+
+def jitter_over(passes: Passes) -> JitterScore | None:
+    """Test the same in one pass over a campaign."""
+    found = passes.keep(Directions)
+    for data, states in passes.parts():
+        line, here = compare(data, states, passes.fit.theory)
+        if here.frames is None or isinstance(data, ContactTable):
             return None
         shots, blocks, _, size = line.slopes.shape
         own = line.slopes @ line.by_state.reshape(shots, blocks, size, -1)
-        residual = by_frame(line.residual[..., None])
-        pieces.append((residual, rates(part, here.frames.flown), by_frame(own)))
-    residual, along, own = (np.concatenate(p) for p in zip(*pieces, strict=True))
-    kernel = _kernel(along.reshape(*along.shape[:2], -1), own)
+        along = rates(data, here.frames.flown)
+        residual = by_frame(line.residual[..., None]).reshape(along.shape)
+        kernel = _kernel(along.reshape(*along.shape[:2], -1), by_frame(own))
+        found.append(directions(residual, along, kernel))
     try:
-        return jitter_score(residual.reshape(along.shape), along, kernel, fit.freedom)
+        return score_of(found, passes.fit.freedom)
     except ValueError:
         return None
 

@@ -1,0 +1,154 @@
+"""Gauss-Newton on a campaign in parts: each shot's own numbers eliminated, what is shared stepped.
+
+Each shot's 24 numbers enter only its own residuals, so their block is eliminated shot by shot
+(Schur complement): M = C - B' A^-1 B, g = c - B' A^-1 a. The sums over shots are all that the joint
+step s needs; a shot's own step is then A^-1 a - A^-1 B s.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.model.columns import theory_columns
+from analysis.model.comparison import compare
+from analysis.model.normal import (
+    LAW_PRIOR,
+    NormalEquations,
+    inverse,
+    prior_cost,
+    prior_information,
+    solve_blocks,
+    sums_of,
+    with_prior,
+)
+from analysis.model.parts import Keeper, Kept
+from analysis.model.state import ShotStates
+from analysis.model.tables import Data
+from analysis.model.theory import Theory
+
+Floats = NDArray[np.float64]
+Summed = tuple[ShotStates, NormalEquations]
+"""States of the shots of a part, and the sums about them."""
+
+LARGEST_LAW_STEP = np.array([0.1, 0.05, 0.3])
+JOINT_ITERATIONS = 30
+ENOUGH_FALL = 0.01
+SHARES = (1.0, 0.5, 0.2, 0.05)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stand:
+    """Where the shots of one part stand, and which way is down.
+
+    Attributes
+    ----------
+    states
+        The shots' own numbers.
+    chi2
+        Shape (S,).
+    downhill
+        A^-1 a, shape (S, 24).
+    coupled
+        A^-1 B, shape (S, 24, P).
+    """
+
+    states: ShotStates
+    chi2: Floats
+    downhill: Floats
+    coupled: Floats
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Place:
+    """A campaign linearised about a theory.
+
+    Attributes
+    ----------
+    matrix, gradient
+        M (P, P) and g (P,), the prior in.
+    cost
+        Chi-squared and what the prior adds to it.
+    stands
+        Of the shots, part by part.
+    """
+
+    theory: Theory
+    matrix: Floats
+    gradient: Floats
+    cost: float
+    stands: Kept[Stand]
+
+    def step(self) -> Floats:
+        """Return the joint step, shape (P,), no longer than the law is believed to be linear."""
+        step = inverse(self.matrix) @ self.gradient
+        return np.asarray(step / max(1.0, float(np.abs(step[:3] / LARGEST_LAW_STEP).max())))
+
+
+def descended(data: Iterable[Data], place: Place, keep: Keeper) -> tuple[Place, bool]:
+    """Go down to the minimum of chi-squared.
+
+    Parameters
+    ----------
+    data
+        The parts, read anew at each pass.
+    keep
+        Where each part's own numbers are kept from pass to pass.
+
+    Returns
+    -------
+    The last place, and whether the last step lowered chi-squared by less than what matters.
+    """
+    for _ in range(JOINT_ITERATIONS):
+        lower = _searched(data, place, keep)
+        if place.cost - lower.cost < ENOUGH_FALL:
+            return lower, True
+        place = lower
+    return place, False
+
+
+def linearised(parts: Iterable[Summed], theory: Theory, keep: Keeper) -> Place:
+    """Add up parts that were linearised about a theory."""
+    count = len(theory.vector)
+    matrix, gradient = np.zeros((count, count)), np.zeros(count)
+    cost = prior_cost(theory)
+    stands = keep(Stand)
+    for states, sums in parts:
+        right = np.concatenate([sums.state_gradient[..., None], sums.coupling], axis=2)
+        solved = solve_blocks(sums.states, right)
+        taken = (np.swapaxes(sums.coupling, 1, 2) @ solved).sum(axis=0)
+        matrix += sums.shared.sum(axis=0) - taken[:, 1:]
+        gradient += sums.shared_gradient.sum(axis=0) - taken[:, 0]
+        cost += float(sums.chi2.sum())
+        stands.append(Stand(states, sums.chi2, solved[..., 0], solved[..., 1:]))
+    gradient[:3] -= (theory.vector[:3] - LAW_PRIOR) * prior_information()
+    return Place(theory, with_prior(matrix), gradient, cost, stands)
+
+
+def summed(data: Data, states: ShotStates, theory: Theory) -> Summed:
+    """Linearise the shots of one part about states and theory, and sum up by shot."""
+    line, here = compare(data, states, theory)
+    return states, sums_of(line, theory_columns(data, states, theory, line, here))
+
+
+def _searched(data: Iterable[Data], place: Place, keep: Keeper) -> Place:
+    """Take the longest share of the joint step that lowers chi-squared; none: stay."""
+    step = place.step()
+    for share in SHARES:
+        moved = place.theory.at(place.theory.vector + share * step)
+        tried = linearised(_stepped(data, place, (step, share), moved), moved, keep)
+        if tried.cost < place.cost:
+            return tried
+    return place
+
+
+def _stepped(
+    data: Iterable[Data], place: Place, stride: tuple[Floats, float], theory: Theory
+) -> Iterator[Summed]:
+    step, share = stride
+    for part, stand in zip(data, place.stands, strict=True):
+        own = share * (stand.downhill - stand.coupled @ step)
+        yield summed(part, stand.states.moved(own), theory)
