@@ -14,6 +14,7 @@ LONG = {
     "test_next_command.py",
     "test_next_shots.py",
     "test_own_effects.py",
+    "test_page_under_faults.py",
     "test_refused_shot.py",
     "test_runs.py",
     "test_selection_power.py",

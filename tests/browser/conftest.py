@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
+import signal
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -27,34 +28,49 @@ SWITCHES = [
 KEY = "a-key-for-the-page"
 WAIT_S = 60.0
 WIDE = {"width": 1280, "height": 800}
+PORT = ("--port", "0")
 LOOPBACK = {"127.0.0.1", None}
 
 
-@dataclass(frozen=True)
+@dataclass
 class Served:
-    """A running daemon: its address, and the folder that it runs in."""
+    """A running daemon: its address, the folder that it runs in, and its process."""
 
     url: str
     folder: Path
+    process: subprocess.Popen[str]
+
+    @classmethod
+    def start(cls, folder: Path, *options: str) -> Served:
+        """Start a daemon and wait for the address that it prints."""
+        process = subprocess.Popen(
+            [str(Path(sys.executable).with_name("rigctl")), "serve", *(options or PORT)],
+            cwd=folder,
+            env={**os.environ, "RIGCTL_KEY": KEY},
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        printed = process.stdout.readline()
+        assert "?key=" in printed
+        return cls(printed.split(" at ")[1].partition("/?key=")[0].strip(), folder, process)
+
+    def start_again(self) -> None:
+        """Start a daemon at the same address once this one has ended."""
+        self.end()
+        self.process = self.start(self.folder, "--port", str(urlsplit(self.url).port)).process
+
+    def end(self) -> None:
+        """End it; a killed or halted one as well."""
+        self.process.send_signal(signal.SIGCONT)
+        self.process.terminate()
+        self.process.communicate(timeout=WAIT_S)
 
 
 @pytest.fixture(scope="module")
 def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
-    folder = tmp_path_factory.mktemp("daemon")
-    process = subprocess.Popen(
-        [str(Path(sys.executable).with_name("rigctl")), "serve", "--port", "0"],
-        cwd=folder,
-        env={**os.environ, "RIGCTL_KEY": KEY},
-        stdout=subprocess.PIPE,
-        text=True,
-    )
-    try:
-        printed = process.stdout.readline()
-        assert "?key=" in printed
-        yield Served(printed.split(" at ")[1].partition("/?key=")[0].strip(), folder)
-    finally:
-        process.terminate()
-        process.communicate(timeout=WAIT_S)
+    running = Served.start(tmp_path_factory.mktemp("daemon"))
+    yield running
+    running.end()
 
 
 @pytest.fixture(scope="module")

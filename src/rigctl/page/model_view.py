@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from datetime import UTC, datetime
+
 from nicegui import ui
 
+from rigctl.jobs import Job
 from rigctl.page.challenge_panel import ChallengePanel
 from rigctl.page.desk import Desk
 from rigctl.page.layout import TICK_S
@@ -17,6 +20,7 @@ from rigctl.page.model_where import Where
 from rigctl.page.source import Source
 from rigctl.page.widgets import button
 
+WORTH_SAYING_S = 3.0
 LEFT_OUT = {"rejected": "left out as too far from the rest", "excluded": "excluded by a person"}
 
 
@@ -39,7 +43,7 @@ class ModelView:
         job = self._state.waits()
         self._working.set_visibility(job is not None)
         if job is not None:
-            self._doing.set_text(f"{job.kind}: {job.progress or job.state} …")
+            self._doing.set_text(f"{job.progress or job.state} …{_since(job)}")
         if self._state.follow():
             self._draw()
         self._verdict.follow()
@@ -86,6 +90,12 @@ class ModelView:
         with self._working:
             ui.spinner(size="sm")
             self._doing = ui.label()
+            button("Cancel", self._cancel, look="line tab", testid="cancel-job")
+
+    async def _cancel(self) -> None:
+        job = self._state.waits()
+        if job is not None:
+            await self._desk.act(lambda: self._desk.daemon.jobs.cancel(job.id))
 
     @ui.refreshable_method
     def _steps(self) -> None:
@@ -105,6 +115,14 @@ class ModelView:
             with ui.element("div").classes("stack"):
                 Where(self._desk, state, shown)
                 missing(shown, self._add, waiting=state.present is None)
+
+
+def _since(job: Job) -> str:
+    """Say how long a job runs, once that is worth saying."""
+    if job.started_at is None:
+        return ""
+    seconds = (datetime.now(UTC) - job.started_at).total_seconds()
+    return f" {seconds:.0f} s" if seconds >= WORTH_SAYING_S else ""
 
 
 def _counted(found: dict[str, object]) -> str:

@@ -125,14 +125,15 @@ def explain_headings(table: ui.table, meanings: Mapping[str, str] = HEADINGS) ->
 
 
 def _row(shot: ShotRecord) -> dict[str, object]:
+    asked = shot.settings
     return {
         "id": shot.id,
         "number": shot.number,
         "state": str(shot.state).replace("_", " "),
         "campaign": shot.campaign or "",
-        "pressure_a": round(shot.settings.pressure_a_kpa, 2),
-        "pressure_b": round(shot.settings.pressure_b_kpa, 2),
-        "offset": round(shot.settings.offset_mm, 3),
+        "pressure_a": None if asked is None else round(asked.pressure_a_kpa, 2),
+        "pressure_b": None if asked is None else round(asked.pressure_b_kpa, 2),
+        "offset": None if asked is None else round(asked.offset_mm, 3),
         "at": f"{shot.accepted_at.astimezone():%Y-%m-%d %H:%M:%S}",
         "failure": f"excluded: {shot.excluded}" if shot.excluded else shot.failure or "",
         "tags": ", ".join(shot.tags),

@@ -1,0 +1,86 @@
+"""What the page says when the daemon is silent, dies, is shared, or never gets an answer."""
+
+from __future__ import annotations
+
+import os
+import signal
+from pathlib import Path
+from typing import Any
+
+from playwright.sync_api import Page, expect
+
+LONG_MS = 60_000
+SILENT_MS = 15_000
+SILENCE = "nothing on this page is live"
+CONFIGURATION = Path(__file__).parents[2] / "config" / "simulated.toml"
+DEAF = 'method = "thesis"\ntimeout_s = 0.001'
+
+
+def test_a_daemon_that_hangs_covers_the_page_until_it_answers_again(
+    page: Page, served: Any
+) -> None:
+    cover = page.get_by_text(SILENCE)
+    expect(cover).to_be_hidden()
+    os.kill(served.process.pid, signal.SIGSTOP)
+    expect(cover).to_be_visible(timeout=SILENT_MS)
+    os.kill(served.process.pid, signal.SIGCONT)
+    expect(cover).to_be_hidden(timeout=SILENT_MS)
+    expect(page.get_by_test_id("state")).to_have_text("idle")
+
+
+def test_two_operators_see_each_other_and_only_who_armed_may_fire(page: Page, served: Any) -> None:
+    second = page.context.new_page()
+    second.goto(served.url)
+    page.get_by_test_id("arm").click()
+    expect(page.get_by_test_id("fire")).to_be_enabled(timeout=LONG_MS)
+    expect(second.get_by_test_id("arming")).to_contain_text("by somebody else")
+    expect(second.get_by_test_id("fire")).to_be_disabled()
+    second.get_by_test_id("stop").click()
+    expect(page.get_by_test_id("latched")).to_contain_text("stopped by the page's button")
+    expect(page.get_by_test_id("fire")).to_be_hidden()
+    page.get_by_test_id("release").click()
+    page.get_by_test_id("reason").fill("a drill")
+    page.get_by_test_id("release-now").click()
+    expect(second.get_by_test_id("state")).to_have_text("idle")
+    second.close()
+
+
+def test_a_daemon_killed_in_a_sweep_and_started_again_is_found_by_the_open_page(
+    page: Page, served: Any
+) -> None:
+    page.get_by_role("link", name="Sweeps").click()
+    page.get_by_test_id("start-sweep").click()
+    state = page.get_by_test_id("sweep-state")
+    expect(state).to_contain_text("1 of 24 shots", timeout=LONG_MS)
+    served.process.kill()
+    expect(page.get_by_text(SILENCE)).to_be_visible(timeout=SILENT_MS)
+    served.start_again()
+    expect(page.get_by_text(SILENCE)).to_be_hidden(timeout=LONG_MS)
+    expect(state).to_contain_text("paused")
+    expect(page.get_by_text("the daemon ended")).to_be_visible()
+    page.get_by_test_id("abort").click()
+    expect(state).to_contain_text("aborted")
+
+
+def test_an_analysis_that_does_not_end_is_said_and_offered_again(page: Page, served: Any) -> None:
+    text = CONFIGURATION.read_text()
+    assert 'method = "thesis"' in text
+    (served.folder / "rig.toml").write_text(text.replace('method = "thesis"', DEAF))
+    served.end()
+    deaf = served.start(served.folder, "--config", "rig.toml", *port(served))
+    served.process = deaf.process
+    page.goto(served.url)
+    if page.get_by_test_id("latched").is_visible():
+        page.get_by_test_id("release").click()
+        page.get_by_test_id("reason").fill("a drill")
+        page.get_by_test_id("release-now").click()
+    page.get_by_test_id("arm").click()
+    page.get_by_test_id("fire").click()
+    expect(page.get_by_test_id("refusal")).to_contain_text("took too long", timeout=LONG_MS)
+    page.get_by_role("link", name="open").click()
+    expect(page.get_by_test_id("analyse-again")).to_be_enabled()
+
+
+def port(served: Any) -> tuple[str, str]:
+    """Return the option that starts a daemon at the same address."""
+    return "--port", served.url.rpartition(":")[2]
