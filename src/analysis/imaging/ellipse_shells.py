@@ -8,17 +8,19 @@ matrix of determinant 1 and a radius.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.imaging.shells import FUZZIFIER, Ellipse, memberships
+from analysis.compiled import compiled
+from analysis.imaging.shells import FUZZIFIER, Ellipse, factor, memberships, solve
 
 Floats = NDArray[np.float64]
 
-LEAST_POINTS = 6
+LEAST_POINTS, SMALLEST_PX = 6, 1e-6
 LONGEST_STEP = 0.5
 """Of one iteration, in units of the points' spread."""
 
@@ -48,19 +50,10 @@ def fit_ellipse(
     """
     if row.size < LEAST_POINTS:
         return None
-    scaled = _scaled(row, column)
-    if scaled.size < 1e-6:
+    found = np.empty(6)
+    if not settle_ellipse(row, column, (iterations, tolerance), found):
         return None
-    state = np.array([0.0, 0.0, 1.0, 0.0, 1.0])
-    weight = np.ones(row.size)
-    for _ in range(iterations):
-        step = _step(scaled.points, state, weight)
-        if step is None:
-            return None
-        state = state + step
-        if np.abs(step).max() < tolerance:
-            break
-    return _ellipse(state, scaled, weight)
+    return Ellipse(*map(float, found))
 
 
 def fit_ellipses(
@@ -150,18 +143,82 @@ def _shares(scaled: _Scaled, states: Floats, noise_distance: float | None) -> Fl
 
 def _step(points: Floats, state: Floats, weight: Floats) -> Floats | None:
     """Return one Gauss-Newton step of centre and norm, None where the norm is none."""
-    square = _norm_square(points, state)
-    if (square <= 0).any():
-        return None
-    norm, q = np.sqrt(square), points - state[:2]
-    by_centre = -np.stack(
-        [state[2] * q[:, 0] + state[3] * q[:, 1], state[3] * q[:, 0] + state[4] * q[:, 1]], 1
-    )
-    by_norm = np.stack([q[:, 0] ** 2 / 2, q[:, 0] * q[:, 1], q[:, 1] ** 2 / 2], 1)
-    root = np.sqrt(weight)
-    jacobian = np.concatenate([by_centre, by_norm], 1) / norm[:, None] * root[:, None]
-    step = np.linalg.lstsq(jacobian, (1.0 - norm) * root, rcond=None)[0]
-    return np.clip(step, -LONGEST_STEP, LONGEST_STEP)
+    step = np.zeros(5)
+    return step if ellipse_step(points, state, weight, step) else None
+
+
+@compiled
+def ellipse_step(points: Floats, state: Floats, weight: Floats, step: Floats) -> bool:
+    """Fill one Gauss-Newton step of centre and norm; false where the norm is none.
+
+    Parameters
+    ----------
+    points
+        Shape (points, 2), scaled.
+    state
+        Centre and norm (a11, a12, a22), shape (5,).
+    """
+    normal, row = np.zeros((5, 5)), np.empty(5)
+    step[:] = 0.0
+    for k in range(points.shape[0]):
+        x, y = points[k, 0] - state[0], points[k, 1] - state[1]
+        a_x, a_y = state[2] * x + state[3] * y, state[3] * x + state[4] * y
+        square = a_x * x + a_y * y
+        if square <= 0.0:
+            return False
+        norm = math.sqrt(square)
+        row[0], row[1] = -a_x / norm, -a_y / norm
+        row[2], row[3], row[4] = 0.5 * x * x / norm, x * y / norm, 0.5 * y * y / norm
+        for a in range(5):
+            step[a] += weight[k] * row[a] * (1.0 - norm)
+            for b in range(a + 1):
+                normal[a, b] += weight[k] * row[a] * row[b]
+    if not factor(normal, 5):
+        return False
+    solve(normal, 5, step)
+    for a in range(5):
+        step[a] = min(max(step[a], -LONGEST_STEP), LONGEST_STEP)
+    return True
+
+
+@compiled
+def settle_ellipse(row: Floats, column: Floats, until: tuple[int, float], ellipse: Floats) -> bool:
+    """Fit an ellipse as `fit_ellipse` tells; false where the points do not close to one.
+
+    Parameters
+    ----------
+    until
+        Most iterations, and the step that is the last.
+    ellipse
+        Filled in the order of `shells.Ellipse`, shape (6,).
+    """
+    centre_r, centre_c = row.mean(), column.mean()
+    spread = math.sqrt(((row - centre_r) ** 2 + (column - centre_c) ** 2).mean())
+    if spread < SMALLEST_PX:
+        return False
+    points, weight = np.empty((row.size, 2)), np.ones(row.size)
+    points[:, 0], points[:, 1] = (row - centre_r) / spread, (column - centre_c) / spread
+    state, step = np.array([0.0, 0.0, 1.0, 0.0, 1.0]), np.zeros(5)
+    for _ in range(until[0]):
+        if not ellipse_step(points, state, weight, step):
+            return False
+        state += step
+        if np.abs(step).max() < until[1]:
+            break
+    middle, half = (state[2] + state[4]) / 2, (state[2] - state[4]) / 2
+    apart = math.hypot(half, state[3])
+    if middle - apart <= 0.0:
+        return False
+    squares = 0.0
+    for k in range(row.size):
+        x, y = points[k, 0] - state[0], points[k, 1] - state[1]
+        square = state[2] * x * x + 2 * state[3] * x * y + state[4] * y * y
+        squares += (math.sqrt(max(square, 0.0)) - 1.0) ** 2
+    ellipse[0], ellipse[1] = centre_r + spread * state[0], centre_c + spread * state[1]
+    ellipse[2], ellipse[3] = spread / math.sqrt(middle - apart), spread / math.sqrt(middle + apart)
+    ellipse[4] = 0.5 * (math.atan2(state[3], half) + math.pi)
+    ellipse[5] = math.sqrt(squares / row.size * ellipse[2] * ellipse[3])
+    return True
 
 
 def _ellipse(state: Floats, scaled: _Scaled, weight: Floats) -> Ellipse | None:

@@ -7,18 +7,26 @@ n points a pixel, as the thesis does, only rounds what its root gives exactly.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.compiled import compiled, part
 from analysis.imaging.edges import EdgeImage
+
+Floats = NDArray[np.float64]
+Filtered = tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]]
+"""Laplacian of the smoothed frame, and its gradient along rows and columns."""
 
 _T = np.array([[1.0, 1.0, 1.0], [-1.0, 0.0, 1.0], [1 / 3, -2 / 3, 1 / 3]])
 _NORM = (_T**2).sum(axis=1)
 NEWTON_STEPS = 4
 REACH_PX = 1.0
 LEAST_SLOPE = 0.25
+FLATTEST = 1e-9
+"""Slope of a facet below which it has no zero to go to."""
 BORDER_SIGMAS = 2.5
 
 
@@ -61,14 +69,36 @@ def zero_crossing_pixels(edges: EdgeImage, least_strength: float) -> NDArray[np.
     marked, so the crossing lies within half a pixel of it. Noise crosses zero everywhere;
     `least_strength` (grey levels per pixel) is what makes a crossing an edge.
     """
-    marked = beside_change_of_sign(edges.log)
-    strength = np.hypot(edges.gradient_row, edges.gradient_column)
-    marked &= strength >= least_strength
     # Nearer to the border the filter sees the frame's made-up continuation.
     border = max(1, round(BORDER_SIGMAS * edges.sigma_px))
-    inside = np.zeros_like(marked)
-    inside[border:-border, border:-border] = True
-    return marked & inside
+    return crossings((edges.log, edges.gradient_row, edges.gradient_column), least_strength, border)
+
+
+@compiled
+def crossings(edges: Filtered, least_strength: float, border: int) -> NDArray[np.bool_]:
+    """Mark as `zero_crossing_pixels` tells, `border` pixels within the frame."""
+    log, down, across = edges
+    rows, columns = log.shape
+    marked = np.zeros(log.shape, dtype=np.bool_)
+    for r in range(border - 1, rows - border):
+        for c in range(border - 1, columns - border):
+            here = log[r, c]
+            for y, x in ((r + 1, c), (r, c + 1)):
+                there = log[y, x]
+                if (here > 0.0) == (there > 0.0):
+                    continue
+                if abs(here) > abs(there):
+                    marked[y, x] = True
+                else:
+                    marked[r, c] = True
+    least = least_strength * least_strength
+    for r in range(rows):
+        for c in range(columns):
+            if marked[r, c]:
+                inside = border <= r < rows - border and border <= c < columns - border
+                square = float(down[r, c]) ** 2 + float(across[r, c]) ** 2
+                marked[r, c] = inside and square >= least
+    return marked
 
 
 def beside_change_of_sign(values: NDArray[np.floating]) -> NDArray[np.bool_]:
@@ -126,20 +156,86 @@ def facet_value(
     return value, by_r, by_c
 
 
-def _patches(
-    edges: EdgeImage, rows: NDArray[np.intp], columns: NDArray[np.intp]
-) -> NDArray[np.float64]:
-    """Return the filtered frame over its gradient about each pixel, shape (points, 3, 3), pixels.
+@part
+def facet_at(coefficients: Floats, r: float, c: float) -> tuple[float, float, float]:
+    """Return one facet's value and derivatives, as `facet_value` does, shape (3, 3)."""
+    value, by_r, by_c = 0.0, 0.0, 0.0
+    third = c * c - 2.0 / 3.0
+    for i in range(3):
+        basis = 1.0 if i == 0 else (r if i == 1 else r * r - 2.0 / 3.0)
+        slope = 0.0 if i == 0 else (1.0 if i == 1 else 2.0 * r)
+        own = coefficients[i, 0] + c * coefficients[i, 1] + third * coefficients[i, 2]
+        value += basis * own
+        by_r += slope * own
+        by_c += basis * (coefficients[i, 1] + 2.0 * c * coefficients[i, 2])
+    return value, by_r, by_c
+
+
+@part
+def slope_facet(edges: Filtered, row: int, column: int, facet: Floats) -> float:
+    """Fill the facet of the filtered frame over its gradient about a pixel; return its largest.
 
     Beside a small marker's edge the gradient may vanish; there it counts as `LEAST_SLOPE` of the
     middle pixel's.
     """
-    slope = np.hypot(
-        neighbourhoods(edges.gradient_row, rows, columns),
-        neighbourhoods(edges.gradient_column, rows, columns),
-    )
-    slope = np.maximum(slope, LEAST_SLOPE * slope[:, 1:2, 1:2])
-    return neighbourhoods(edges.log, rows, columns) / slope
+    log, down, across = edges
+    middle = math.hypot(float(down[row, column]), float(across[row, column]))
+    patch, along = np.empty((3, 3)), np.empty((3, 3))
+    largest = 0.0
+    for a in range(3):
+        for b in range(3):
+            y, x = row + a - 1, column + b - 1
+            slope = math.hypot(float(down[y, x]), float(across[y, x]))
+            patch[a, b] = float(log[y, x]) / max(slope, LEAST_SLOPE * middle)
+            largest = max(largest, abs(patch[a, b]))
+    for a in range(3):
+        for j in range(3):
+            along[a, j] = 0.0
+            for b in range(3):
+                along[a, j] += patch[a, b] * _T[j, b] / _NORM[j]
+    for i in range(3):
+        for j in range(3):
+            facet[i, j] = 0.0
+            for a in range(3):
+                facet[i, j] += _T[i, a] / _NORM[i] * along[a, j]
+    return largest
+
+
+@compiled
+def roots_along(
+    edges: Filtered,
+    rows: NDArray[np.intp],
+    columns: NDArray[np.intp],
+    points: Floats,
+) -> NDArray[np.bool_]:
+    """Go from each pixel along the gradient to the zero of its facet.
+
+    Parameters
+    ----------
+    points
+        Filled with offsets of row and column, unit normal and strength, shape (pixels, 5).
+
+    Returns
+    -------
+    Where a zero was found, shape (pixels,).
+    """
+    found = np.zeros(rows.size, dtype=np.bool_)
+    facet = np.empty((3, 3))
+    for n in range(rows.size):
+        largest = slope_facet(edges, rows[n], columns[n], facet) + 1e-12
+        g_r, g_c = float(edges[1][rows[n], columns[n]]), float(edges[2][rows[n], columns[n]])
+        strength = math.hypot(g_r, g_c)
+        u_r, u_c, along = g_r / strength, g_c / strength, 0.0
+        for _ in range(NEWTON_STEPS):
+            value, by_r, by_c = facet_at(facet, along * u_r, along * u_c)
+            slope = by_r * u_r + by_c * u_c
+            if abs(slope) > FLATTEST:
+                along = min(max(along - value / slope, -1.5 * REACH_PX), 1.5 * REACH_PX)
+        value, _, _ = facet_at(facet, along * u_r, along * u_c)
+        found[n] = abs(along) <= REACH_PX and abs(value) < 1e-3 * largest
+        points[n, 0], points[n, 1] = along * u_r, along * u_c
+        points[n, 2], points[n, 3], points[n, 4] = u_r, u_c, strength
+    return found
 
 
 def edge_points(
@@ -159,25 +255,20 @@ def edge_points(
     samples_per_pixel
         The thesis's 3 or 4: the root is rounded to that grid. None keeps it exact.
     """
-    rows, columns = np.nonzero(zero_crossing_pixels(edges, least_strength))
-    patches = _patches(edges, rows, columns)
-    coefficients = facet_coefficients(patches)
-    g_r = edges.gradient_row[rows, columns].astype(np.float64)
-    g_c = edges.gradient_column[rows, columns].astype(np.float64)
-    strength = np.hypot(g_r, g_c)
-    unit_r, unit_c = g_r / strength, g_c / strength
-    along = np.zeros(rows.size)
-    for _ in range(NEWTON_STEPS):
-        value, by_r, by_c = facet_value(coefficients, along * unit_r, along * unit_c)
-        slope = by_r * unit_r + by_c * unit_c
-        slope = np.where(np.abs(slope) > 1e-9, slope, np.inf)
-        along = np.clip(along - value / slope, -1.5 * REACH_PX, 1.5 * REACH_PX)
-    residual = facet_value(coefficients, along * unit_r, along * unit_c)[0]
-    scale = np.abs(patches).max(axis=(1, 2), initial=0.0) + 1e-12
-    found = (np.abs(along) <= REACH_PX) & (np.abs(residual) < 1e-3 * scale)
-    d_r, d_c = along * unit_r, along * unit_c
+    return points_in(edges, zero_crossing_pixels(edges, least_strength), samples_per_pixel)
+
+
+def points_in(
+    edges: EdgeImage, marked: NDArray[np.bool_], samples_per_pixel: int | None = None
+) -> EdgePoints:
+    """Find the edge points of pixels that `zero_crossing_pixels` has marked (`edge_points`)."""
+    rows, columns = np.nonzero(marked)
+    filled = np.empty((rows.size, 5))
+    filtered = (edges.log, edges.gradient_row, edges.gradient_column)
+    found = roots_along(filtered, rows, columns, filled)
+    rows, columns = rows[found], columns[found]
+    d_r, d_c, unit_r, unit_c, strength = np.ascontiguousarray(filled[found].T)
     if samples_per_pixel is not None:
         d_r = np.round(d_r * samples_per_pixel) / samples_per_pixel
         d_c = np.round(d_c * samples_per_pixel) / samples_per_pixel
-    points = EdgePoints(rows + d_r, columns + d_c, unit_r, unit_c, strength, rows, columns)
-    return points.where(found)
+    return EdgePoints(rows + d_r, columns + d_c, unit_r, unit_c, strength, rows, columns)

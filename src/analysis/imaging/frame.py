@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.imaging.edges import laplacian_of_gaussian
-from analysis.imaging.facet import EdgePoints, edge_points, zero_crossing_pixels
+from analysis.imaging.facet import EdgePoints, points_in, zero_crossing_pixels
 from analysis.imaging.labels import label_connected
 
 NOISE_BLOCK_PX = 8
@@ -76,7 +76,7 @@ def find_edges(
 ) -> FrameEdges:
     """Filter a frame, find its edge points and label its curves."""
     edges = laplacian_of_gaussian(frame, settings.sigma_px)
-    labels = label_connected(zero_crossing_pixels(edges, least_strength))
-    points = edge_points(edges, least_strength, settings.samples_per_pixel)
+    marked = zero_crossing_pixels(edges, least_strength)
+    labels, points = label_connected(marked), points_in(edges, marked, settings.samples_per_pixel)
     rows, columns = frame.shape
     return FrameEdges((rows, columns), points, labels[points.pixel_row, points.pixel_column])

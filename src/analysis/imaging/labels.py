@@ -5,7 +5,19 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.compiled import compiled, part
 
+
+@part
+def root_of(parent: NDArray[np.int32], label: int) -> int:
+    """Return the least label that a label is known to equal, and shorten the way to it."""
+    while parent[label] != label:
+        parent[label] = parent[parent[label]]
+        label = parent[label]
+    return label
+
+
+@compiled
 def label_connected(mask: NDArray[np.bool_]) -> NDArray[np.int32]:
     """Label the 8-connected components of a mask in one scan and one merge.
 
@@ -23,27 +35,35 @@ def label_connected(mask: NDArray[np.bool_]) -> NDArray[np.int32]:
     Shape (rows, columns): 0 outside the mask, else 1, 2, ... in the order of each component's
     first pixel.
     """
-    labels = np.zeros((mask.shape[0] + 1, mask.shape[1] + 2), dtype=np.int32)
-    parent = [0]
-
-    def root(label: int) -> int:
-        while parent[label] != label:
-            parent[label] = parent[parent[label]]
-            label = parent[label]
-        return label
-
-    for row, column in np.argwhere(mask):
-        r, c = row + 1, column + 1
-        seen = labels[r - 1, c - 1], labels[r - 1, c], labels[r - 1, c + 1], labels[r, c - 1]
-        roots = {root(int(label)) for label in seen if label}
-        if not roots:
-            parent.append(len(parent))
-            labels[r, c] = len(parent) - 1
-            continue
-        least = min(roots)
-        labels[r, c] = least
-        for other in roots:
-            parent[other] = least
-    roots_of = np.array([root(label) for label in range(len(parent))])
-    _, consecutive = np.unique(roots_of, return_inverse=True)
-    return np.asarray(consecutive[labels[1:, 1:-1]], dtype=np.int32)
+    rows, columns = mask.shape
+    labels = np.zeros((rows, columns), dtype=np.int32)
+    parent = np.zeros(mask.size // 2 + 2, dtype=np.int32)
+    last = 0
+    for r in range(rows):
+        for c in range(columns):
+            if not mask[r, c]:
+                continue
+            least = 0
+            for y, x in ((r - 1, c - 1), (r - 1, c), (r - 1, c + 1), (r, c - 1)):
+                if y < 0 or x < 0 or x >= columns or labels[y, x] == 0:
+                    continue
+                other = root_of(parent, labels[y, x])
+                if least > 0:
+                    parent[max(least, other)] = min(least, other)
+                least = min(least, other) if least > 0 else other
+            if least == 0:
+                last += 1
+                parent[last] = last
+                least = last
+            labels[r, c] = least
+    name = np.zeros(last + 1, dtype=np.int32)
+    count = 0
+    for label in range(1, last + 1):
+        if parent[label] == label:
+            count += 1
+            name[label] = count
+    for r in range(rows):
+        for c in range(columns):
+            if labels[r, c] != 0:
+                labels[r, c] = name[root_of(parent, labels[r, c])]
+    return labels

@@ -9,13 +9,20 @@ doi:10.1016/0167-8655(91)90002-4).
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.compiled import compiled, part
+
 FUZZIFIER = 2.0
 """Exponent m of the memberships; with m = 2 the update needs no further power."""
+NO_NOISE = 1e9
+"""Distance, pixels, of a noise cluster that takes no point."""
+NEAREST, LEAST_SQUARE, LONGEST_STEP_PX, SINGULAR = 1e-9, 1e-12, 3.0, 1e-13
+"""Keep quotients finite, one step within a marker's size, and an open direction where it is."""
 
 Floats = NDArray[np.float64]
 
@@ -52,7 +59,7 @@ def memberships(squared_distances: Floats, noise_distance: float | None) -> Floa
     squared distance `noise_distance`^2.
     """
     power = 1.0 / (FUZZIFIER - 1.0)
-    closeness = (1.0 / (squared_distances + 1e-12)) ** power
+    closeness = (1.0 / (squared_distances + LEAST_SQUARE)) ** power
     total = closeness.sum(axis=0)
     if noise_distance is not None:
         total = total + (1.0 / noise_distance**2) ** power
@@ -94,46 +101,158 @@ def fit_circles(
         Shape (circles, points).
     """
     state = np.array([[c.row, c.column, c.radius] for c in start])
-    for _ in range(iterations):
-        d_r, d_c, rho = _polar(row, column, state)
-        distance = rho - state[:, 2:]
-        u = memberships(distance**2, noise_distance)
-        steps = np.zeros_like(state)
-        for i in range(len(state)):
-            jacobian = _jacobian(d_r[i], d_c[i], rho[i], hold_radius)
-            weight = u[i] ** FUZZIFIER
-            normal = jacobian.T @ (weight[:, None] * jacobian)
-            steps[i] = np.linalg.lstsq(normal, jacobian.T @ (weight * distance[i]), rcond=None)[0]
-        state = state + np.clip(steps, -3.0, 3.0)
-        if np.abs(steps).max() < tolerance_px:
-            break
-    d_r, d_c, rho = _polar(row, column, state)
-    distance = rho - state[:, 2:]
-    u = memberships(distance**2, noise_distance)
-    circles = []
-    for i, (centre_row, centre_column, radius) in enumerate(state):
-        jacobian = _jacobian(d_r[i], d_c[i], rho[i], hold_radius)
-        covariance = _covariance(jacobian, distance[i], u[i])
-        circles.append(Circle(float(centre_row), float(centre_column), float(radius), covariance))
+    u, covariance = np.empty((len(state), row.size)), np.empty((len(state), 3, 3))
+    distance = NO_NOISE if noise_distance is None else noise_distance
+    until = (float(distance), iterations, tolerance_px)
+    settle_circles(row, column, (state, u, covariance), until, hold_radius)
+    circles = [
+        Circle(float(place[0]), float(place[1]), float(place[2]), own)
+        for place, own in zip(state, covariance, strict=True)
+    ]
     return circles, u
 
 
-def _polar(row: Floats, column: Floats, state: Floats) -> tuple[Floats, Floats, Floats]:
-    d_r = row[None, :] - state[:, 0:1]
-    d_c = column[None, :] - state[:, 1:2]
-    return d_r, d_c, np.maximum(np.hypot(d_r, d_c), 1e-9)
+@part
+def factor(normal: Floats, size: int) -> bool:
+    """Put a positive definite matrix's Cholesky root in its lower triangle; false where it is not.
+
+    Only the first `size` rows and columns take part.
+    """
+    for a in range(size):
+        for b in range(a + 1):
+            left = normal[a, b]
+            for k in range(b):
+                left -= normal[a, k] * normal[b, k]
+            if a != b:
+                normal[a, b] = left / normal[b, b]
+            elif left > SINGULAR * normal[a, a]:
+                normal[a, a] = math.sqrt(left)
+            else:
+                return False
+    return True
 
 
-def _jacobian(d_r: Floats, d_c: Floats, rho: Floats, hold_radius: bool) -> Floats:
-    by_radius = np.zeros_like(rho) if hold_radius else np.ones_like(rho)
-    return np.stack([d_r / rho, d_c / rho, by_radius], 1)
+@part
+def solve(root: Floats, size: int, right: Floats) -> None:
+    """Replace the right side by the solution of the equations that `factor` has prepared."""
+    for a in range(size):
+        for k in range(a):
+            right[a] -= root[a, k] * right[k]
+        right[a] /= root[a, a]
+    for a in range(size - 1, -1, -1):
+        for k in range(a + 1, size):
+            right[a] -= root[k, a] * right[k]
+        right[a] /= root[a, a]
 
 
-def _covariance(jacobian: Floats, distance: Floats, u: Floats) -> Floats:
-    weight = u**FUZZIFIER
-    normal = jacobian.T @ (weight[:, None] * jacobian)
-    freedom = max(weight.sum() - 3.0, 1.0)
-    variance = float((weight * distance**2).sum() / freedom)
-    spread = jacobian.T @ ((weight**2)[:, None] * jacobian)
-    inverse = np.linalg.pinv(normal)
-    return np.asarray(variance * inverse @ spread @ inverse)
+@part
+def share_out(row: Floats, column: Floats, state: Floats, noise: float, u: Floats) -> None:
+    """Fill each point's `memberships` in each circle, shape (circles, points)."""
+    noisy = 1.0 / noise**2
+    for k in range(row.size):
+        total = noisy
+        for i in range(state.shape[0]):
+            off = math.hypot(row[k] - state[i, 0], column[k] - state[i, 1]) - state[i, 2]
+            u[i, k] = 1.0 / (off * off + LEAST_SQUARE)
+            total += u[i, k]
+        for i in range(state.shape[0]):
+            u[i, k] /= total
+
+
+@part
+def add_circle(
+    points: tuple[Floats, Floats, Floats], circle: Floats, normal: Floats, right: Floats
+) -> tuple[float, float]:
+    """Add the weighted normal equations of a circle's centre and radius.
+
+    Parameters
+    ----------
+    points
+        Rows, columns and weights.
+
+    Returns
+    -------
+    Sum of weights, and weighted sum of squared distances.
+    """
+    total, squares = 0.0, 0.0
+    for k in range(points[0].size):
+        d_r, d_c, weight = points[0][k] - circle[0], points[1][k] - circle[1], points[2][k]
+        rho = max(math.hypot(d_r, d_c), NEAREST)
+        n_r, n_c, off = d_r / rho, d_c / rho, rho - circle[2]
+        normal[0, 0] += weight * n_r * n_r
+        normal[1, 0] += weight * n_r * n_c
+        normal[1, 1] += weight * n_c * n_c
+        normal[2, 0] += weight * n_r
+        normal[2, 1] += weight * n_c
+        right[0] += weight * n_r * off
+        right[1] += weight * n_c * off
+        right[2] += weight * off
+        total += weight
+        squares += weight * off * off
+    normal[2, 2] += total
+    return total, squares
+
+
+@part
+def sandwich(
+    points: tuple[Floats, Floats, Floats], circle: Floats, size: int, covariance: Floats
+) -> None:
+    """Fill the covariance of a circle: least squares with weights, by the points' own scatter."""
+    normal, spread, right = np.zeros((3, 3)), np.zeros((3, 3)), np.zeros(3)
+    total, squares = add_circle(points, circle, normal, right)
+    add_circle((points[0], points[1], points[2] ** 2), circle, spread, right)
+    variance = squares / max(total - 3.0, 1.0)
+    covariance[:] = 0.0
+    if not factor(normal, size):
+        return
+    inverse = np.zeros((3, 3))
+    for a in range(size):
+        inverse[a, a] = 1.0
+        solve(normal, size, inverse[a])
+    for a in range(size):
+        for b in range(size):
+            for p in range(size):
+                for q in range(size):
+                    middle = spread[max(p, q), min(p, q)]
+                    covariance[a, b] += variance * inverse[a, p] * middle * inverse[b, q]
+
+
+@compiled
+def settle_circles(
+    row: Floats,
+    column: Floats,
+    shells: tuple[Floats, Floats, Floats],
+    until: tuple[float, int, float],
+    hold_radius: bool,
+) -> None:
+    """Fit circles as `fit_circles` tells, in place.
+
+    Parameters
+    ----------
+    shells
+        Row, column and radius of each circle, improved, shape (circles, 3); filled: memberships,
+        shape (circles, points), and covariances, shape (circles, 3, 3).
+    until
+        Distance of the noise cluster, pixels; most iterations; and the step, pixels, that is the
+        last.
+    """
+    state, u, covariance = shells
+    noise, iterations, tolerance = until
+    size = 2 if hold_radius else 3
+    for _ in range(iterations):
+        share_out(row, column, state, noise, u)
+        longest = 0.0
+        for i in range(state.shape[0]):
+            normal, right = np.zeros((3, 3)), np.zeros(3)
+            add_circle((row, column, u[i] ** 2), state[i], normal, right)
+            if not factor(normal, size):
+                continue
+            solve(normal, size, right)
+            for a in range(size):
+                longest = max(longest, abs(right[a]))
+                state[i, a] += min(max(right[a], -LONGEST_STEP_PX), LONGEST_STEP_PX)
+        if longest < tolerance:
+            break
+    share_out(row, column, state, noise, u)
+    for i in range(state.shape[0]):
+        sandwich((row, column, u[i] ** 2), state[i], size, covariance[i])

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.photometric.compiled import compiled
+from analysis.compiled import compiled
 
 Floats = NDArray[np.float64]
 

@@ -12,7 +12,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.photometric.compiled import part
+from analysis.compiled import part
 from analysis.photometric.contour import LAYERS
 from analysis.photometric.covers import cover_canvas
 from analysis.photometric.residual import KEEP_OFF_PX, UNKNOWNS

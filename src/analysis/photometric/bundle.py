@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.photometric.compiled import compiled, part
+from analysis.compiled import compiled, part
 from analysis.photometric.contour import LAYERS, add_cover
 from analysis.photometric.covers import cover_canvas, into_view, seen_from
 from analysis.photometric.residual import (

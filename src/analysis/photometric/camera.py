@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.compiled import compiled
 from analysis.imaging.views import View, view_geometries
-from analysis.photometric.compiled import compiled
 from analysis.setup import CameraSetup
 
 Floats = NDArray[np.float64]

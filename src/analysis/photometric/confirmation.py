@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.compiled import compiled
 from analysis.photometric.camera import disc_of
-from analysis.photometric.compiled import compiled
 from analysis.photometric.covers import seen_from
 from analysis.photometric.residual import LOOK, hidden, lit, shade
 from analysis.photometric.sight import Sight, Stance

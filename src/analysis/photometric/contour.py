@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtr
 
-from analysis.photometric.compiled import compiled, part
+from analysis.compiled import compiled, part
 
 Floats = NDArray[np.float64]
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.compiled import part
 from analysis.photometric.camera import disc_of
-from analysis.photometric.compiled import part
 from analysis.photometric.contour import LAYERS, add_cover
 from analysis.photometric.sight import Sight, Stance
 

@@ -7,8 +7,8 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.compiled import compiled
 from analysis.photometric.appearance import Knowledge
-from analysis.photometric.compiled import compiled
 from analysis.photometric.covers import cover_canvas
 from analysis.photometric.residual import LOOK, hidden, model_pixel, shade
 from analysis.photometric.sight import Look, Sight, Stance

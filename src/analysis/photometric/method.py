@@ -8,11 +8,11 @@ from contextlib import suppress
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.compiled import kept_on_disk
 from analysis.errors import ShotRefusedError
 from analysis.imaging.frame import EdgeSettings, noise_sd
 from analysis.photometric.appearance import Knowledge
 from analysis.photometric.background import first_background
-from analysis.photometric.compiled import kept_on_disk
 from analysis.photometric.film import Film, drop_misfits, settle_film
 from analysis.photometric.following import Follower
 from analysis.photometric.learning import learn, learn_together

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from analysis.compiled import compiled
 from analysis.photometric.camera import disc_of
-from analysis.photometric.compiled import compiled
 from analysis.photometric.confirmation import shown_share
 from analysis.photometric.film import cost_of
 from analysis.photometric.pose import fit_pose

@@ -7,9 +7,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.compiled import compiled, part
 from analysis.photometric.bands import accumulate
 from analysis.photometric.camera import Optics
-from analysis.photometric.compiled import compiled, part
 from analysis.photometric.residual import UNKNOWNS
 from analysis.photometric.sight import LIGHTS, Equations, Reel, Scene, Sight, Stance
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
-from analysis.photometric.compiled import compiled
+from analysis.compiled import compiled
 from analysis.photometric.covers import cover_canvas
 from analysis.photometric.residual import (
     LEAST_DISC,

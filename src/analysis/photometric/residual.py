@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.photometric.compiled import part
+from analysis.compiled import part
 from analysis.photometric.surface import SPAN, SQUARE_STEPS
 
 Floats = NDArray[np.float64]

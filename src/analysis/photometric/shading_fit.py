@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.photometric.compiled import compiled, part
+from analysis.compiled import compiled, part
 from analysis.photometric.covers import cover_canvas
 from analysis.photometric.residual import (
     LEAST_DISC,

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.photometric.compiled import compiled, part
+from analysis.compiled import compiled, part
 from analysis.photometric.shading import DISC, ORDER, STEPS_PER_RADIUS
 
 Floats = NDArray[np.float64]

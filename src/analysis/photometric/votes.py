@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.photometric.compiled import compiled
+from analysis.compiled import compiled
 
 Floats = NDArray[np.float64]
 Single = NDArray[np.float32]
