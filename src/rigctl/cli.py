@@ -13,6 +13,7 @@ from rigctl.command_line.discs import finding
 from rigctl.command_line.effect import effect
 from rigctl.command_line.model import model
 from rigctl.command_line.qualify import qualify
+from rigctl.command_line.report import reporting
 from rigctl.command_line.rig import rig
 from rigctl.command_line.sweep import sweep
 from rigctl.errors import (
@@ -51,6 +52,7 @@ app.add_typer(rig)
 app.add_typer(sweep, name="sweep", no_args_is_help=True)
 app.add_typer(analysis)
 app.add_typer(finding)
+app.add_typer(reporting)
 app.add_typer(model, name="model", no_args_is_help=True)
 app.add_typer(effect, name="effect", no_args_is_help=True)
 app.add_typer(challenge, name="challenge", no_args_is_help=True)

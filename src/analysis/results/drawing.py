@@ -36,7 +36,7 @@ def plane_figure(found: Results) -> Figure:
         _shots(place, found)
         _fit_height(place, found, within)
         place.set_xlabel("$v_s / |v_n|$ before contact")
-    axes[0].set_ylabel("$v_s' / |v_n|$ after contact")
+    axes[0].set_ylabel("$v_s$′ / $|v_n|$ after contact")
     axes[1].legend(frameon=False, fontsize=9, loc="upper left")
     return figure
 
@@ -80,8 +80,8 @@ def residual_figure(found: Results) -> Figure:
     axes[0].set_xlabel("approach speed $|v_n|$, m/s")
     axes[1].set_xlabel("$v_s / |v_n|$ before contact")
     axes[0].set_ylabel("residual, standard errors")
-    axes[0].set_title("$v_n' + e v_n$", fontsize=10, loc="left")
-    axes[1].set_title("$v_s'$ less the nearer line", fontsize=10, loc="left")
+    axes[0].set_title("$v_n$′ + $e v_n$", fontsize=10, loc="left")
+    axes[1].set_title("$v_s$′ less the nearer line", fontsize=10, loc="left")
     return figure
 
 

@@ -30,6 +30,7 @@ from rigctl.service.routes_front import front_route
 from rigctl.service.routes_health import health_routes
 from rigctl.service.routes_jobs import job_routes
 from rigctl.service.routes_model import model_routes
+from rigctl.service.routes_report import report_routes
 from rigctl.service.routes_rig import rig_routes
 from rigctl.service.routes_shots import shot_routes
 from rigctl.service.routes_sweeps import sweep_routes
@@ -80,6 +81,7 @@ def create_app(daemon: Daemon, key: str, hub: EventHub) -> FastAPI:
     app.include_router(sweep_routes(daemon, lanes), prefix=PREFIX)
     app.include_router(campaign_routes(daemon), prefix=PREFIX)
     app.include_router(model_routes(daemon), prefix=PREFIX)
+    app.include_router(report_routes(daemon), prefix=PREFIX)
     app.include_router(effect_routes(), prefix=PREFIX)
     app.include_router(job_routes(daemon), prefix=PREFIX)
     app.include_router(event_routes(daemon, hub), prefix=PREFIX)

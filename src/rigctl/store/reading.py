@@ -9,6 +9,7 @@ from pathlib import Path
 
 from rigctl.errors import NotFoundError
 from rigctl.store.campaigns import Campaigns
+from rigctl.store.catalogue import Catalogue
 from rigctl.store.database import Database
 from rigctl.store.folders import ShotFolders
 
@@ -18,6 +19,7 @@ class StoreReader:
     """What can be read of a store without owning it."""
 
     campaigns: Campaigns
+    catalogue: Catalogue
     folders: ShotFolders
 
 
@@ -42,6 +44,6 @@ def reading(folder: Path) -> Iterator[StoreReader]:
         )
     database = Database(catalogue, writable=False)
     try:
-        yield StoreReader(Campaigns(database), ShotFolders(root))
+        yield StoreReader(Campaigns(database), Catalogue(database), ShotFolders(root))
     finally:
         database.close()

@@ -1,0 +1,62 @@
+"""`rigctl report`: the results of a campaign as one HTML file, and as tables."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from rich.console import Console
+
+from analysis.results.tables import tables
+from rigctl.config import load
+from rigctl.errors import StoreError
+from rigctl.reports.campaign import measured_results
+from rigctl.reports.html import csv_text
+from rigctl.reports.page import page
+from rigctl.reports.source import Source, folder_source, stored_source
+from rigctl.store import reading
+
+
+def report_campaign(
+    campaign: Path, out: Path, *, csv: Path | None, configuration: Path | None
+) -> None:
+    """Write the report of a campaign, and every table behind its figures into a folder.
+
+    Parameters
+    ----------
+    campaign
+        A folder, or the name of a campaign in the catalogue.
+
+    Raises
+    ------
+    AnalysisInputError
+        The campaign cannot be read, or no shot of it has a measured impact.
+    NotFoundError
+        There is neither such a folder nor such a campaign, or none of its shots is measured.
+    StoreError
+        The report cannot be written.
+    """
+    source = open_source(campaign, configuration)
+    found = measured_results(source)
+    try:
+        out.write_text(page(source, found), encoding="utf-8")
+        if csv is not None:
+            csv.mkdir(parents=True, exist_ok=True)
+            for name, rows in tables(found).items():
+                (csv / f"{name}.csv").write_text(csv_text(rows), encoding="utf-8")
+    except OSError as error:
+        raise StoreError(
+            f"cannot be written: {error.strerror or error}",
+            part=str(error.filename or out),
+            todo="free the disk, or choose another place with --out and --csv",
+        ) from error
+    Console(stderr=True).print(f"{out}", highlight=False, soft_wrap=True)
+    said = ", ".join(f"{name} = {q.concise()}" for name, q in found.lines.parameters().items())
+    print(said)  # noqa: T201
+
+
+def open_source(campaign: Path, configuration: Path | None) -> Source:
+    """Open a campaign's folder, or the campaign of that name in the catalogue."""
+    if campaign.exists() or len(campaign.parts) != 1:
+        return folder_source(campaign)
+    with reading(Path(load(configuration).store.folder)) as store:
+        return stored_source(store, str(campaign))

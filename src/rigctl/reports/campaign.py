@@ -1,0 +1,49 @@
+"""From a campaign to its report, and to the tables behind it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from analysis.results.campaign import Results, results
+from analysis.results.lines import TooFewShotsError
+from rigctl.errors import AnalysisInputError
+from rigctl.reports.page import page
+from rigctl.reports.source import Source, stored_source
+from rigctl.store import reading
+
+Json = dict[str, Any]
+
+
+def measured_results(source: Source) -> Results:
+    """Return the results of a campaign.
+
+    Raises
+    ------
+    AnalysisInputError
+        No shot has a measured impact.
+    """
+    try:
+        return results(source.data)
+    except TooFewShotsError as error:
+        raise AnalysisInputError(
+            str(error), part=source.title, todo="look at why its shots were left out"
+        ) from error
+
+
+def report_job(asked: Json, say: Callable[[str, float | None], None]) -> Json:
+    """Make the report of a campaign in the catalogue, in a process of its own.
+
+    Parameters
+    ----------
+    asked
+        `store`, the store's folder, and `campaign`.
+    """
+    say("reading the poses", 0.1)
+    with reading(Path(asked["store"])) as store:
+        source = stored_source(store, asked["campaign"])
+    say("fitting", 0.3)
+    found = measured_results(source)
+    say("drawing", 0.8)
+    return {"campaign": source.title, "html": page(source, found)}

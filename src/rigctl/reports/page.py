@@ -1,0 +1,167 @@
+"""The report as one HTML file: figures inline, nothing loaded from anywhere, light and dark."""
+
+from __future__ import annotations
+
+from html import escape
+from importlib.resources import files
+
+from analysis.quantity import Quantity
+from analysis.results.campaign import Results
+from analysis.results.drawing import plane_figure, residual_figure, restitution_figure
+from analysis.results.published import THESIS
+from analysis.results.tables import Table, tables
+from rigctl.reports.html import download, paragraph, picture, section, table
+from rigctl.reports.inline_svg import inline_svg
+from rigctl.reports.reproduce import reproduce
+from rigctl.reports.shots import every_shot, missing_shots
+from rigctl.reports.source import Source
+
+SYMBOLS = {"e": "e", "mu": "μ", "beta0": "β₀"}
+MEANINGS = {"e": "normal restitution", "mu": "sliding friction", "beta0": "rotational restitution"}
+
+
+def page(source: Source, found: Results) -> str:
+    """Return the report of a campaign; the same measurements give the same text."""
+    columns = tables(found)
+    style = files("rigctl.reports").joinpath("style.css").read_text(encoding="utf-8")
+    parts = (
+        _head(source, found),
+        _coefficients(source, found, columns),
+        _rebound(found, columns),
+        _restitution(found, columns),
+        _residuals(found, columns),
+        every_shot(found, columns),
+        missing_shots(source, found),
+        _apparatus(source),
+        reproduce(source),
+    )
+    return (
+        '<!doctype html>\n<html lang="en">\n<head><meta charset="utf-8">'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
+        f"<title>{escape(source.title)}: results</title>\n<style>\n{style}</style></head>\n"
+        f"<body>\n{chr(10).join(parts)}\n</body></html>\n"
+    )
+
+
+def _head(source: Source, found: Results) -> str:
+    mark = '<span class="simulated">simulated</span>' if source.simulated else ""
+    used = len(found.impacts.shots)
+    lines = [
+        f"<h1>{escape(source.title)}{mark}</h1>",
+        paragraph(
+            f"Collisions of two spheres: {used} of {source.listed} shots measured and used. Errors "
+            "are standard errors; 0.7401(2) is 0.7401 ± 0.0002.",
+            "aside",
+        ),
+        '<div class="key">',
+    ]
+    regression = found.lines.parameters()
+    for name, meaning in MEANINGS.items():
+        shown = regression[name].concise() if name in regression else "not determined"
+        lines.append(f"<div><b>{escape(shown)}</b><span>{SYMBOLS[name]}, {meaning}</span></div>")
+    return "\n".join([*lines, "</div>"])
+
+
+def _coefficients(source: Source, found: Results, columns: dict[str, Table]) -> str:
+    regression = found.lines.parameters()
+    rows = [
+        [
+            f"{SYMBOLS[name]}, {meaning}",
+            *(_shown(values.get(name)) for values in (regression, found.whole_fit)),
+            f"{THESIS[name]:.2f}",
+            _pull(regression.get(name), THESIS[name]),
+        ]
+        for name, meaning in MEANINGS.items()
+    ]
+    headings = (
+        "coefficient",
+        "two lines, by regression",
+        "fit to all that was measured",
+        "thesis, nylon",
+        "regression less thesis",
+    )
+    lines = found.lines
+    remark = (
+        f"Regression: χ² = {lines.chi2:.1f} for {lines.freedom} degrees of freedom, "
+        f"p = {lines.p_value:.2g}."
+    )
+    if lines.scatter > 1:
+        remark += (
+            f" The shots scatter {lines.scatter:.2f} times as much as their errors say; the errors "
+            "of the regression are enlarged by that. The hard-sphere operator may lack an effect: "
+            f"rigctl model explain {source.origin}"
+        )
+    said = [paragraph(remark), *(paragraph(text) for text in found.remarks)]
+    absent = [SYMBOLS[name] for name in MEANINGS if name not in regression]
+    if absent:
+        said.append(paragraph(f"Not determined by these shots: {', '.join(absent)}."))
+    link = f'<p class="download aside">{download("parameters", columns["parameters"])}</p>'
+    return section("Coefficients", table(headings, rows), *said, link)
+
+
+def _shown(quantity: Quantity | None) -> str:
+    return "–" if quantity is None else quantity.concise()
+
+
+def _pull(quantity: Quantity | None, published: float) -> str:
+    return "–" if quantity is None else f"{quantity.value - published:+.4f}"
+
+
+def _rebound(found: Results, columns: dict[str, Table]) -> str:
+    svg = inline_svg(
+        plane_figure(found),
+        "plane",
+        "surface velocity after contact against that before, both over the approach speed, with "
+        "the two lines and the curve of Maw, Barber and Fawcett",
+    )
+    caption = (
+        "Figure 7.4: rebound of the surface velocity; left where the lines meet, right all shots. "
+        "Bars are standard errors in both coordinates; their correlation stands in the table."
+    )
+    links = [download(name, columns[name]) for name in ("figure-7-4", "figure-7-4-curves")]
+    return section("Rebound of the surface velocity", picture(svg, caption, links))
+
+
+def _restitution(found: Results, columns: dict[str, Table]) -> str:
+    svg = inline_svg(
+        restitution_figure(found), "restitution", "normal restitution against approach speed"
+    )
+    caption = "Figure 3.1c: restitution of every shot against its approach speed."
+    line = found.speed
+    if line is not None:
+        slope = Quantity(line.slope, float(line.covariance[0, 0]) ** 0.5, "s/m")
+        share = abs(slope.value) / slope.sigma
+        caption += (
+            f" A line has the slope {slope.concise()} for each m/s, {share:.1f} standard errors "
+            f"from zero (χ² = {line.chi2:.1f} for {line.freedom} degrees of freedom)."
+        )
+    return section(
+        "Restitution against approach speed",
+        picture(svg, caption, [download("restitution", columns["restitution"])]),
+    )
+
+
+def _residuals(found: Results, columns: dict[str, Table]) -> str:
+    svg = inline_svg(
+        residual_figure(found), "residuals", "residuals of the regression in standard errors"
+    )
+    caption = (
+        "Distance of every shot from the regression in its standard errors, bands at 1 and 3: "
+        "left vₙ′ + e vₙ, right vₛ′ less the line of its regime. Structure here is physics "
+        "that the two lines lack."
+    )
+    return section(
+        "Residuals of the regression",
+        picture(svg, caption, [download("residuals", columns["residuals"])]),
+    )
+
+
+def _apparatus(source: Source) -> str:
+    parts = [
+        f"<div><h3>{escape(facts.heading.replace('_', ' '))}</h3>"
+        + table((), facts.rows, "words")
+        + "</div>"
+        for facts in source.facts
+        if facts.rows
+    ]
+    return section("Apparatus and settings", '<div class="columns">' + "\n".join(parts) + "</div>")

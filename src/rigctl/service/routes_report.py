@@ -1,0 +1,57 @@
+"""The report of a campaign: a job makes it, and asked again it is a page of HTML."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+from fastapi import APIRouter
+from starlette.responses import Response
+
+from rigctl.campaigns import measured_files
+from rigctl.daemon import Daemon
+from rigctl.jobs import JobState, in_process
+from rigctl.service.accepted import accepted, accepts
+from rigctl.service.models import CampaignName
+from rigctl.service.problems import documented
+
+FUNCTION = "rigctl.reports.campaign:report_job"
+MOST_SHOTS = 1_000_000
+ALONE = {
+    "Content-Security-Policy": "default-src 'none'; style-src 'unsafe-inline'",
+    "X-Content-Type-Options": "nosniff",
+}
+"""The page loads nothing and runs nothing."""
+
+_PAGE: dict[int | str, dict[str, Any]] = {
+    200: {
+        "description": "The report, for the shots as they are measured now",
+        "content": {"text/html": {"schema": {"type": "string"}}},
+    }
+}
+
+
+def report_routes(daemon: Daemon) -> APIRouter:
+    """Return the route of reports."""
+    router = APIRouter(prefix="/campaigns/{campaign}", tags=["campaigns"])
+
+    @router.get(
+        "/report",
+        responses=_PAGE | accepts() | documented(401, 404, 405, 409, 422, 503),
+        response_class=Response,
+    )
+    def report(campaign: CampaignName) -> Response:
+        """Give the results of a campaign as one HTML file.
+
+        202 with a job while nobody made it; asked again when that is done, the page.
+        """
+        measured_files(daemon.store, campaign)
+        shots = daemon.store.shots(campaign=campaign, limit=MOST_SHOTS)
+        asked = {"store": str(daemon.store.path), "campaign": campaign}
+        named = ("report", campaign, *map(repr, shots))
+        job = daemon.jobs.submit("report", campaign, in_process(FUNCTION, asked), named)
+        if job.state is not JobState.DONE or job.result is None:
+            return accepted(job)
+        return Response(json.loads(job.result)["html"], media_type="text/html", headers=ALONE)
+
+    return router
