@@ -119,7 +119,7 @@ def _campaign_folder(path: Path) -> Campaign:
         camera = setup.camera
         if (exposure := row.numbers.get(EXPOSURE)) is not None:
             camera = replace(camera, exposure_s=exposure * 1e-6)
-        frames = _frames_of(path / FRAMES, row.shot)
+        frames = frames_of(path / FRAMES, row.shot)
         jobs.append(ShotJob(row.shot, frames, replace(setup, camera=camera), row))
     if not jobs:
         raise InputError(path / SHOT_LIST, "names no shots")
@@ -138,7 +138,7 @@ def _unlisted(folder: Path, shots: Set[int]) -> tuple[Path, ...]:
     )
 
 
-def _frames_of(folder: Path, shot: int) -> Path:
+def frames_of(folder: Path, shot: int) -> Path:
     """Return where a shot's frames lie; the plain TIFF name where nothing is there."""
     stem = folder / f"{shot:04d}"
     candidates = [stem.with_suffix(suffix) for suffix in SUFFIXES]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from datetime import datetime
@@ -124,7 +124,8 @@ def poses_from(name: str, files: Sequence[MeasuredFiles]) -> PoseData:
         A file cannot be read or holds no poses, or two shots were fired under different set-ups:
         one model of camera and spheres would be wrong for one of them.
     """
-    shots, rows, setups, slow = {}, [], dict[str, Setup](), []
+    shots, rows, setups = {}, [], dict[str, Setup]()
+    slow, one_body_frame = [], []
     for own in files:
         manifest, result = _read(own.manifest), _read(own.result)
         try:
@@ -133,6 +134,7 @@ def poses_from(name: str, files: Sequence[MeasuredFiles]) -> PoseData:
             rows.append(_row(number, manifest, excluded=own.excluded))
             if (errors := result.get("slow_errors")) is not None:
                 slow.append((float(errors["position_m"]), float(errors["rotation_rad"])))
+                one_body_frame.append(bool(errors["one_body_frame"]))
             setups[str(manifest["shot"])] = setup_of(manifest)
         except (KeyError, TypeError, ValueError) as error:
             raise AnalysisInputError(
@@ -140,9 +142,8 @@ def poses_from(name: str, files: Sequence[MeasuredFiles]) -> PoseData:
                 part=str(own.result),
                 todo=f"have campaign {name} analysed again",
             ) from error
-    _require_one_setup(name, setups)
-    # Every stored shot is learned by itself, and so has body axes of its own.
-    return pose_data(shots, rows, typical(next(iter(setups.values())), slow, [False]))
+    require_one_setup(name, setups)
+    return pose_data(shots, rows, typical(next(iter(setups.values())), slow, one_body_frame))
 
 
 def _row(number: int, manifest: Json, *, excluded: bool) -> ShotRow:
@@ -153,7 +154,14 @@ def _row(number: int, manifest: Json, *, excluded: bool) -> ShotRow:
     return ShotRow(number, time, numbers, {EXCLUDED: "by a person"} if excluded else {})
 
 
-def _require_one_setup(name: str, setups: dict[str, Setup]) -> None:
+def require_one_setup(name: str, setups: Mapping[str, Setup]) -> None:
+    """Require the shots of a campaign, by their names, to have been fired under one set-up.
+
+    Raises
+    ------
+    AnalysisInputError
+        Two of them differ: one model of camera and spheres would be wrong for one of them.
+    """
     (first, common), *others = setups.items()
     if other := next((shot for shot, setup in others if setup != common), None):
         raise AnalysisInputError(

@@ -8,6 +8,7 @@ import typer
 from typer.exceptions import TyperException
 
 from rigctl.command_line.analysis import analysis
+from rigctl.command_line.campaigns import campaigns
 from rigctl.command_line.challenge import challenge
 from rigctl.command_line.discs import finding
 from rigctl.command_line.effect import effect
@@ -15,6 +16,7 @@ from rigctl.command_line.model import model
 from rigctl.command_line.qualify import qualify
 from rigctl.command_line.report import reporting
 from rigctl.command_line.rig import rig
+from rigctl.command_line.shots import shots
 from rigctl.command_line.sweep import sweep
 from rigctl.errors import (
     AnalysisInputError,
@@ -50,6 +52,8 @@ app = typer.Typer(
 )
 app.add_typer(rig)
 app.add_typer(sweep, name="sweep", no_args_is_help=True)
+app.add_typer(shots, name="shots", no_args_is_help=True)
+app.add_typer(campaigns)
 app.add_typer(analysis)
 app.add_typer(finding)
 app.add_typer(reporting)

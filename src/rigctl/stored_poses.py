@@ -1,6 +1,7 @@
 """Poses of a measured shot in its result file: what poses.csv has, one object a sphere and frame.
 
-What was not measured is null: JSON knows neither NaN nor infinity.
+What was not measured is null: JSON knows neither NaN nor infinity. An error that is not stated is
+0, as in the exchange folder.
 """
 
 from __future__ import annotations
@@ -27,9 +28,9 @@ def poses_document(spheres: Mapping[str, Sequence[PoseRow]]) -> list[Json]:
             "frame": row.frame,
             "t_s": row.t_s,
             "position_m": [_finite(x) for x in row.position],
-            "sigma_m": [_finite(x) for x in row.position_sigma],
+            "sigma_m": [_sigma(x) for x in row.position_sigma],
             "quaternion": None if row.quaternion is None else list(row.quaternion),
-            "sigma_rot_rad": None if row.quaternion is None else row.rotation_sigma,
+            "sigma_rot_rad": None if row.quaternion is None else _sigma(row.rotation_sigma),
         }
         for sphere, rows in spheres.items()
         for row in rows
@@ -47,7 +48,7 @@ def poses_of(document: Sequence[Mapping[str, Any]]) -> dict[str, list[PoseRow]]:
     spheres: dict[str, list[PoseRow]] = {"a": [], "b": []}
     for row in document:
         x, y, z = (math.nan if v is None else float(v) for v in row["position_m"])
-        u, v, w = (math.inf if s is None else float(s) for s in row["sigma_m"])
+        u, v, w = (_stated(s) for s in row["sigma_m"])
         turned = row["quaternion"]
         spheres[row["sphere"]].append(
             PoseRow(
@@ -56,7 +57,7 @@ def poses_of(document: Sequence[Mapping[str, Any]]) -> dict[str, list[PoseRow]]:
                 position=(x, y, z),
                 position_sigma=(u, v, w),
                 quaternion=None if turned is None else _four(turned),
-                rotation_sigma=math.inf if turned is None else float(row["sigma_rot_rad"]),
+                rotation_sigma=_stated(row["sigma_rot_rad"]),
             )
         )
     return spheres
@@ -64,6 +65,17 @@ def poses_of(document: Sequence[Mapping[str, Any]]) -> dict[str, list[PoseRow]]:
 
 def _finite(value: float) -> float | None:
     return value if math.isfinite(value) else None
+
+
+def _sigma(value: float) -> float | None:
+    return 0.0 if math.isnan(value) else _finite(value)
+
+
+def _stated(value: object) -> float:
+    """Return a standard error: infinite where nothing was measured, NaN where none is stated."""
+    if value is None:
+        return math.inf
+    return float(str(value)) or math.nan
 
 
 def _four(values: Sequence[float]) -> tuple[float, float, float, float]:

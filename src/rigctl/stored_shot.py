@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +15,7 @@ from analysis.model.gather import measured_poses
 from analysis.setup import CameraSetup, Setup, SphereSetup
 from analysis.shot import AnalysisOptions, MeasuredShot, RefusedShot, analyse_shot
 from analysis.slow_errors import slow_errors
+from rigctl.store.folders import read_pixels
 from rigctl.stored_poses import poses_document
 
 if TYPE_CHECKING:
@@ -44,10 +46,10 @@ def analyse_stored_shot(folder: Path, method: str) -> Json:
     if any("plate" in body for body in manifest["spheres"]):
         reason = "one body is a plate; two spheres are needed"
         return {**about, "status": "refused", "step": "setup", "reason": reason}
-    frames = np.load(folder / "frames.npy", allow_pickle=False)
+    frames = read_pixels(folder / manifest["frames"]["file"])
     times_s = np.array(manifest["frames"]["times_s"])
     options = AnalysisOptions(method="photometric" if method == "photometric" else "thesis")
-    shot = measured(frames, times_s - times_s[:1], setup_of(manifest), options)
+    shot = measured(frames, times_s - times_s[:1], _exposed(manifest), options)
     document = {**about, **shot_document(shot)}
     if isinstance(shot, MeasuredShot):
         document["poses"] = poses_document(measured_poses(shot))
@@ -75,6 +77,13 @@ def measured(
             del _LEARNED[next(iter(_LEARNED))]
         _LEARNED[setup] = shot.known
     return shot
+
+
+def _exposed(manifest: Json) -> Setup:
+    """Return the set-up with this shot's own exposure, where it is known."""
+    setup = setup_of(manifest)
+    camera = replace(setup.camera, exposure_s=float(manifest.get("exposure_s", 0.0)))
+    return replace(setup, camera=camera)
 
 
 def setup_of(manifest: Json) -> Setup:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from analysis.campaign import DESCRIPTION, SHOT_LIST, ShotJob
 from analysis.exchange.description import FORMAT
+from analysis.exchange.shot_list import ShotRow
 from analysis.exchange.tables import write_contacts, write_poses
 from analysis.setup import Setup
 from analysis.shot import MeasuredShot, RefusedShot
@@ -31,7 +32,8 @@ def write_folder(folder: Path, name: str, results: Sequence[Result]) -> None:
     measured = [(job.shot, shot) for job, shot in results if isinstance(shot, MeasuredShot)]
     setup = with_slow_errors(results[0][0].setup, [shot for _, shot in measured])
     (folder / DESCRIPTION).write_text(description(name, setup), encoding="utf-8")
-    _write_shot_list(folder / SHOT_LIST, [job for job, _ in results])
+    rows = [job.row or ShotRow(job.shot, None, {}, {}) for job, _ in results]
+    write_shot_list(folder / SHOT_LIST, rows)
     write_poses(folder / "poses.csv", measured)
     write_contacts(folder / "contacts.csv", measured)
 
@@ -65,7 +67,7 @@ def description(name: str, setup: Setup) -> str:
         f"gravity_m_per_s2 = {setup.gravity_m_per_s2}",
         f"air_density_kg_per_m3 = {setup.air_density_kg_per_m3}",
     ]
-    if setup.slow_position_m > 0 or setup.slow_rotation_rad > 0:
+    if setup.slow_position_m > 0 or setup.slow_rotation_rad > 0 or not setup.one_body_frame:
         lines += [
             "[measurement]",
             f"slow_position_m = {setup.slow_position_m}",
@@ -80,20 +82,16 @@ def _quoted(text: str) -> str:
     return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
-def _write_shot_list(path: Path, jobs: Sequence[ShotJob]) -> None:
-    rows = [job.row for job in jobs if job.row is not None]
+def write_shot_list(path: Path, rows: Sequence[ShotRow]) -> None:
+    """Write shots.csv: number and time, numeric columns and words, each in alphabetical order."""
     numbers = sorted({name for row in rows for name in row.numbers})
     words = sorted({name for row in rows for name in row.words})
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(["shot", "time", *numbers, *words])
-        for job in jobs:
-            row = job.row
-            if row is None:
-                writer.writerow([job.shot, "", *([""] * (len(numbers) + len(words)))])
-                continue
+        for row in rows:
             time = "" if row.time is None else row.time.isoformat()
             values = [row.numbers.get(n, "") for n in numbers] + [
                 row.words.get(w, "") for w in words
             ]
-            writer.writerow([job.shot, time, *values])
+            writer.writerow([row.shot, time, *values])

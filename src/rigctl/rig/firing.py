@@ -105,9 +105,9 @@ class ShotRun:
 
     def _prepare(self, shot: ShotRecord) -> _Ready:
         recording = self._capture.start()
-        conditions = self._conditions.all(shot.settings, recording)
+        conditions = self._conditions.all(shot.ordered, recording)
         require(conditions, shot.id)
-        self._trigger.arm(shot.number, shot.settings.delay_us)
+        self._trigger.arm(shot.number, shot.ordered.delay_us)
         return _Ready(recording, conditions)
 
     def _ask_what_happened(self, shot: ShotRecord) -> FireOutcome:

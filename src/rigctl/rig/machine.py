@@ -361,7 +361,7 @@ class Rig:
             return Armed(token, expires_at, lifetime_s, self._standing.status().warnings)
 
     def _start(self, shot: ShotRecord, actor: str) -> None:
-        self._standing.armed_for(shot.settings, None)
+        self._standing.armed_for(shot.ordered, None)
         try:
             self._standing.move(RigState.FIRING, actor, "fire accepted", shot.id)
         except RigError as error:

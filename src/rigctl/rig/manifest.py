@@ -36,7 +36,7 @@ def manifest(
         "note": shot.note,
         "accepted_at": shot.accepted_at.isoformat(),
         "fired_at": None if shot.fired_at is None else shot.fired_at.isoformat(),
-        "settings": shot.settings.model_dump(mode="json"),
+        "settings": shot.ordered.model_dump(mode="json"),
         "simulated": shot.simulated,
         "program": {"name": "rigctl", "version": version("rigctl")},
         "configuration": {

@@ -85,7 +85,7 @@ class ShotQuery(BaseModel):
     excluded: bool | None = None
     tag: Tag | None = None
     limit: int = Field(default=100, ge=1, le=500)
-    after: str | None = Field(default=None, pattern=r"^\d{8}-\d{6,12}$")
+    after: str | None = Field(default=None, pattern=r"^(\d{8}|i\d{4,8})-\d{6,12}$")
 
 
 class FrameQuery(BaseModel):
@@ -222,7 +222,7 @@ class ShotView(BaseModel):
     state: ShotState
     outcome: ShotState | None
     fired: Fired
-    settings: ShotSettings
+    settings: ShotSettings | None = Field(description="null: imported, and not all stated")
     campaign: str | None
     note: str | None
     actor: str

@@ -8,8 +8,9 @@ from datetime import datetime
 
 from sqlalchemy import Connection, func, insert, select, update
 
-from rigctl.errors import KeyReusedError, KeyRunningError, StoreError
+from rigctl.errors import KeyReusedError, KeyRunningError, NotFoundError, StoreError
 from rigctl.store.database import Database
+from rigctl.store.imports import require_own
 from rigctl.store.records import NewShot, ShotRecord
 from rigctl.store.schema import idempotency_keys, shot_tags, shots
 from rigctl.store.shot_rows import one, records
@@ -50,6 +51,8 @@ class Catalogue:
             The key's shot has not ended.
         KeyReusedError
             The key was used with another body.
+        RefusedError
+            The campaign was imported.
         StoreError
             The claim is not on disk.
         """
@@ -58,6 +61,7 @@ class Catalogue:
             if known is not None:
                 return known, True
             new = describe()
+            require_own(connection, new.campaign)
             number = connection.execute(select(func.max(shots.c.number))).scalar_one() or 0
             record = _created(connection, number + 1, new)
             row = {"key": key, "body_hash": body_hash, "shot": record.number}
@@ -98,6 +102,25 @@ class Catalogue:
         """Return one shot; raise `NotFoundError` if there is none of that name."""
         with self._database.reading() as connection:
             return one(connection, shot)
+
+    def numbered(self, number: int, campaign: str | None = None) -> ShotRecord:
+        """Return the shot of a number; in a campaign, of the number its fits name it by.
+
+        Raises
+        ------
+        NotFoundError
+            There is none.
+        """
+        query = select(shots).where(shots.c.number == number)
+        if campaign is not None:
+            own = func.coalesce(shots.c.imported_as, shots.c.number)
+            query = select(shots).where(shots.c.campaign == campaign, own == number)
+        with self._database.reading() as connection:
+            found = records(connection, query)
+        if not found:
+            part = None if campaign is None else f"campaign {campaign}"
+            raise NotFoundError("no such shot", part=part, value=f"{number}", todo="list the shots")
+        return found[0]
 
     def of_key(self, key: str) -> ShotRecord | None:
         """Return the shot that an idempotency key made; None while the key is free."""

@@ -5,6 +5,9 @@
     shots/20260131/20260131-000042/frames.npy         uint8, shape (frames, rows, columns)
                                    manifest.json      settings, times, digests, with units
                                    result-0001.json   one for each analysis
+          i0007/i0007-000017/      shot 17 of the seventh imported campaign: frames as they came
+                folder/            everything else of its exchange folder
+                import.json        every file of that folder, with its digest
 """
 
 from __future__ import annotations
@@ -26,7 +29,7 @@ from rigctl.cameras.frames import FrameSequence
 from rigctl.errors import NotFoundError, StoreError
 from rigctl.store.durable import make_folders, sync_folder, write_synced
 
-_NAME = re.compile(r"\d{8}-\d{6,}")
+_NAME = re.compile(r"(\d{8}|i\d{4,})-\d{6,}")
 _PARTIAL = ".partial"
 
 
@@ -85,10 +88,12 @@ class ShotFolders:
         StoreError
             The frames are not those that the manifest's digest was taken of.
         """
-        path = self.folder(shot) / "frames.npy"
         about = self.manifest(shot)["frames"]
+        if about is None:
+            raise NotFoundError("has no frames", part=f"shot {shot}", todo="see its poses")
+        path = self.folder(shot) / about["file"]
         with _in_words(shot, path):
-            found = _sha256(path)
+            found = sha256(path)
             if found != about["sha256"]:
                 raise StoreError(
                     "the frames on disk are not those that were recorded",
@@ -98,7 +103,7 @@ class ShotFolders:
                     todo="restore the folder from a backup",
                     shot=shot,
                 )
-            pixels: NDArray[np.uint8] = np.load(path, allow_pickle=False)
+            pixels = read_pixels(path)
         return FrameSequence(
             pixels=pixels,
             times_s=np.array(about["times_s"], dtype=np.float64),
@@ -162,6 +167,27 @@ class ShotFolders:
         return len(leftovers)
 
 
+def read_pixels(path: Path) -> NDArray[np.uint8]:
+    """Return frames as they are kept: an array file, or what an imported campaign came with.
+
+    Raises
+    ------
+    ValueError, OSError
+        They cannot be read.
+    """
+    if path.suffix == ".npy":
+        pixels: NDArray[np.uint8] = np.load(path, allow_pickle=False)
+        return pixels
+    # Readers of images are loaded only where frames are no arrays.
+    from analysis.errors import InputError  # noqa: PLC0415
+    from analysis.imaging.stack import read_stack  # noqa: PLC0415
+
+    try:
+        return read_stack(path).pixels
+    except InputError as error:
+        raise ValueError(str(error)) from error
+
+
 def _fill(folder: Path, frames: FrameSequence, manifest: Mapping[str, Any]) -> None:
     def save(file: BinaryIO) -> None:
         np.save(file, frames.pixels, allow_pickle=False)
@@ -169,7 +195,7 @@ def _fill(folder: Path, frames: FrameSequence, manifest: Mapping[str, Any]) -> N
     write_synced(folder / "frames.npy", save)
     about = {
         "file": "frames.npy",
-        "sha256": _sha256(folder / "frames.npy"),
+        "sha256": sha256(folder / "frames.npy"),
         "shape": list(frames.pixels.shape),
         "dtype": str(frames.pixels.dtype),
         "times_s": frames.times_s.tolist(),
@@ -182,7 +208,12 @@ def _fill(folder: Path, frames: FrameSequence, manifest: Mapping[str, Any]) -> N
     sync_folder(folder)
 
 
-def _sha256(path: Path) -> str:
+def sha256(path: Path) -> str:
+    """Return the SHA-256 of a file; of a folder, that of its files' names and digests."""
+    if path.is_dir():
+        files = sorted(file for file in path.rglob("*") if file.is_file())
+        lines = [f"{file.relative_to(path).as_posix()} {sha256(file)}\n" for file in files]
+        return hashlib.sha256("".join(lines).encode()).hexdigest()
     with path.open("rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
 

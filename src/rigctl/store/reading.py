@@ -11,7 +11,10 @@ from rigctl.errors import NotFoundError
 from rigctl.store.campaigns import Campaigns
 from rigctl.store.catalogue import Catalogue
 from rigctl.store.database import Database
+from rigctl.store.edits import Edits
 from rigctl.store.folders import ShotFolders
+from rigctl.store.imports import Imports
+from rigctl.store.journal import Journal
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,6 +24,9 @@ class StoreReader:
     campaigns: Campaigns
     catalogue: Catalogue
     folders: ShotFolders
+    imports: Imports
+    edits: Edits
+    journal: Journal
 
 
 @contextmanager
@@ -44,6 +50,13 @@ def reading(folder: Path) -> Iterator[StoreReader]:
         )
     database = Database(catalogue, writable=False)
     try:
-        yield StoreReader(Campaigns(database), Catalogue(database), ShotFolders(root))
+        yield StoreReader(
+            Campaigns(database),
+            Catalogue(database),
+            ShotFolders(root),
+            Imports(database, root),
+            Edits(database),
+            Journal(database),
+        )
     finally:
         database.close()

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from datetime import datetime
 
+from rigctl.errors import StoreError
 from rigctl.settings import ShotSettings
 from rigctl.store.states import Fired, ShotState
 
@@ -34,8 +35,10 @@ class ShotRecord:
     state, outcome
         Where the shot stands, and the state in which the rig left it (None: still running).
         The outcome is the stored answer of its idempotency key and never changes.
+    settings
+        None: it was imported, and they are not all stated.
     configuration
-        SHA-256 of the configuration it was fired under.
+        SHA-256 of the configuration it was fired under; empty where that is not known.
     frames, lost
         Frames stored, and pictures that the source skipped; None before `stored`.
     failure, failure_code
@@ -55,7 +58,7 @@ class ShotRecord:
     state: ShotState
     outcome: ShotState | None
     fired: Fired
-    settings: ShotSettings
+    settings: ShotSettings | None
     campaign: str | None
     note: str | None
     actor: str
@@ -72,6 +75,19 @@ class ShotRecord:
     excluded: str | None = None
     tags: tuple[str, ...] = ()
     imported_as: int | None = None
+
+    @property
+    def ordered(self) -> ShotSettings:
+        """The settings of a shot that this rig fires or has fired.
+
+        Raises
+        ------
+        StoreError
+            It was imported without them.
+        """
+        if self.settings is None:
+            raise StoreError("states no settings", part=f"shot {self.id}", todo="fire a fresh shot")
+        return self.settings
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from datetime import datetime
 from typing import Any
 
+from pydantic import TypeAdapter
 from sqlalchemy import Connection, Row, Select, select
 
 from rigctl.errors import NotFoundError
@@ -12,6 +13,8 @@ from rigctl.settings import ShotSettings
 from rigctl.store.records import ShotRecord
 from rigctl.store.schema import shot_tags, shots
 from rigctl.store.states import Fired, ShotState
+
+_SETTINGS: TypeAdapter[ShotSettings | None] = TypeAdapter(ShotSettings | None)
 
 
 def records(connection: Connection, query: Select[Any]) -> list[ShotRecord]:
@@ -41,7 +44,7 @@ def _record(row: Row[Any], tags: tuple[str, ...]) -> ShotRecord:
         state=ShotState(row.state),
         outcome=None if row.outcome is None else ShotState(row.outcome),
         fired=Fired(row.fired),
-        settings=ShotSettings.model_validate_json(row.settings),
+        settings=_SETTINGS.validate_json(row.settings),
         campaign=row.campaign,
         note=row.note,
         actor=row.actor,

@@ -19,6 +19,7 @@ from rigctl.store.durable import make_folders
 from rigctl.store.edits import Edits
 from rigctl.store.fits import Fits
 from rigctl.store.folders import ShotFolders
+from rigctl.store.imports import Imports
 from rigctl.store.journal import Journal
 from rigctl.store.listeners import Listeners
 from rigctl.store.records import NewShot, ShotRecord
@@ -80,6 +81,7 @@ class Store:
         self.campaigns = Campaigns(self._database)
         self.sweeps = Sweeps(self._database)
         self.edits = Edits(self._database)
+        self.imports = Imports(self._database, self.path)
         self.folders = ShotFolders(self.path)
         self.fits = Fits(self.path)
 

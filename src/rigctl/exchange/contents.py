@@ -1,0 +1,161 @@
+"""What an exchange folder holds, read to the last frame before anything of it is kept."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.campaign import DESCRIPTION, FRAMES, POSES, SHOT_LIST, frames_of
+from analysis.errors import InputError
+from analysis.exchange.contact_table import read_contacts
+from analysis.exchange.description import read_description
+from analysis.exchange.impact_table import read_impacts
+from analysis.exchange.pose_table import PoseRow, read_poses
+from analysis.exchange.shot_list import ShotRow, read_shot_list
+from analysis.imaging.stack import read_stack
+from analysis.model.gather import CONTACTS, IMPACTS
+from analysis.setup import Setup
+from rigctl.errors import AnalysisInputError
+
+Poses = Mapping[str, Sequence[PoseRow]]
+
+MOST_NAMED = 5
+"""So many faults of frames are named at once; of more, only the number."""
+
+
+@dataclass(frozen=True, slots=True)
+class Frames:
+    """The frames of one shot: where they lie, what was read of them, and their times in s."""
+
+    path: Path
+    shape: tuple[int, int, int]
+    times_s: tuple[float, ...]
+
+    @property
+    def files(self) -> list[Path]:
+        """Every file of them, in order; a file of their times among them."""
+        if self.path.is_dir():
+            return sorted(path for path in self.path.rglob("*") if path.is_file())
+        beside = self.path.with_suffix(".json")
+        return [self.path, beside] if beside.exists() else [self.path]
+
+
+@dataclass(frozen=True, slots=True)
+class Contents:
+    """An exchange folder in which everything could be read.
+
+    Attributes
+    ----------
+    folder, title, setup, rows
+        Where it is, the campaign's name, its set-up, and the lines of shots.csv.
+    frames, poses
+        What there is of each shot, by its number.
+    tabulated
+        Numbers of the shots in contacts.csv or impacts.csv.
+    """
+
+    folder: Path
+    title: str
+    setup: Setup
+    rows: tuple[ShotRow, ...]
+    frames: Mapping[int, Frames]
+    poses: Mapping[int, Poses]
+    tabulated: frozenset[int]
+
+
+def read_contents(folder: Path, say: Callable[[str, float | None], None]) -> Contents:
+    """Read a whole exchange folder.
+
+    Raises
+    ------
+    AnalysisInputError
+        A file is absent, of a later format, or cannot be read; frames that cannot are all named,
+        with their shots. Something in the folder is no plain file, or no shot has any stage.
+    """
+    with _in_words():
+        _require_plain(folder)
+        title, setup = read_description(folder / DESCRIPTION)
+        rows = tuple(read_shot_list(folder / SHOT_LIST))
+        if not rows:
+            raise InputError(folder / SHOT_LIST, "names no shots")
+        plate = any(sphere.plate for sphere in setup.spheres)
+        poses = read_poses(folder / POSES) if (folder / POSES).exists() else {}
+        tabulated: set[int] = set()
+        if (folder / CONTACTS).exists():
+            tabulated |= {row.shot for row in read_contacts(folder / CONTACTS, plate=plate)}
+        if (folder / IMPACTS).exists():
+            tabulated |= {row.shot for row in read_impacts(folder / IMPACTS)}
+        _require_listed(folder, {row.shot for row in rows}, {*poses, *tabulated})
+        frames = _frames(folder, setup, rows, say)
+        if not (frames or poses or tabulated):
+            stages = f"{FRAMES}, {POSES}, {CONTACTS}, {IMPACTS}"
+            raise InputError(folder, f"holds none of {stages}")
+    return Contents(folder, title, setup, rows, frames, poses, frozenset(tabulated))
+
+
+def _frames(
+    folder: Path,
+    setup: Setup,
+    rows: Sequence[ShotRow],
+    say: Callable[[str, float | None], None],
+) -> dict[int, Frames]:
+    found, faults = {}, []
+    for done, row in enumerate(rows):
+        say(f"reading shot {row.shot}", done / len(rows))
+        path = frames_of(folder / FRAMES, row.shot)
+        if not path.exists():
+            continue
+        try:
+            stack = read_stack(path)
+        except InputError as error:
+            faults.append(f"shot {row.shot}: {error}")
+            continue
+        times = stack.times_s
+        if times is None:
+            times = np.arange(len(stack.pixels)) / setup.camera.frame_rate_hz
+        found[row.shot] = Frames(path, stack.pixels.shape, _listed(times))
+    if faults:
+        rest = len(faults) - MOST_NAMED
+        more = f"; and {rest} more" if rest > 0 else ""
+        raise InputError(folder, f"{'; '.join(faults[:MOST_NAMED])}{more}")
+    return found
+
+
+def _listed(times: NDArray[np.float64]) -> tuple[float, ...]:
+    return tuple(map(float, times))
+
+
+def _require_plain(folder: Path) -> None:
+    """Refuse what a copy could not hold: a link may lead anywhere, and later somewhere else."""
+    if not folder.is_dir():
+        raise InputError(folder, "no such folder")
+    for path in folder.rglob("*"):
+        if path.is_symlink() or not (path.is_file() or path.is_dir()):
+            raise InputError(path, "is neither a file nor a folder; only these are imported")
+
+
+def _require_listed(folder: Path, listed: set[int], measured: set[int]) -> None:
+    if unknown := sorted(measured - listed):
+        raise InputError(folder / SHOT_LIST, f"has no line for the measured shots {unknown}")
+
+
+@contextmanager
+def _in_words() -> Iterator[None]:
+    try:
+        yield
+    except InputError as error:
+        place = error.path if error.line is None else f"{error.path}, line {error.line}"
+        raise AnalysisInputError(
+            error.reason, part=place, todo="nothing was imported; correct the folder"
+        ) from error
+    except OSError as error:
+        raise AnalysisInputError(
+            f"cannot be read: {error.strerror or error}",
+            part=str(error.filename),
+            todo="nothing was imported; correct the folder's rights",
+        ) from error

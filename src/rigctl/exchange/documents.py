@@ -1,0 +1,141 @@
+"""What stands beside an imported shot: its manifest, and the first result where it has poses."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from datetime import UTC, datetime
+from importlib.metadata import version
+from typing import Any
+
+from pydantic import ValidationError
+
+from analysis.exchange.shot_list import EXCLUDED, EXPOSURE, NOTE, TAGS, ShotRow
+from analysis.setup import Setup, SphereSetup
+from rigctl.exchange.amending import tags_in
+from rigctl.exchange.contents import Contents
+from rigctl.settings import ShotSettings
+from rigctl.store.imports import ImportedShot
+from rigctl.store.states import ShotState
+from rigctl.stored_poses import poses_document
+
+Json = dict[str, Any]
+
+FORMAT = 1
+METHOD = "imported"
+CONFIGURATION, SIMULATED = "configuration", "simulated"
+"""Words of shots.csv in which this program says more of its own shots."""
+
+_ASKED = tuple(ShotSettings.model_fields)
+
+
+def imported_shot(row: ShotRow, contents: Contents) -> ImportedShot:
+    """Return a line of shots.csv as a shot of the catalogue."""
+    frames = contents.frames.get(row.shot)
+    measured = row.shot in contents.poses or row.shot in contents.tabulated
+    failure = None
+    if measured:
+        state = ShotState.ANALYSED
+    elif frames is not None:
+        state = ShotState.STORED
+    else:
+        state, failure = ShotState.REFUSED, "its folder holds nothing of this shot but its line"
+    return ImportedShot(
+        number=row.shot,
+        settings=_settings(row),
+        fired_at=_utc(row.time),
+        state=state,
+        frames=None if frames is None else frames.shape[0],
+        failure=failure,
+        note=row.words.get(NOTE),
+        tags=tags_in(row.words.get(TAGS, "")),
+        excluded=row.words.get(EXCLUDED),
+        simulated=row.words.get(SIMULATED) == "yes",
+        configuration=row.words.get(CONFIGURATION, ""),
+    )
+
+
+def manifest(shot: str, row: ShotRow, contents: Contents, campaign: str, frames: Json) -> Json:
+    """Return the manifest of an imported shot, as far as its folder says what one needs.
+
+    `settings` has every numeric column of shots.csv, whatever it means.
+    """
+    setup = contents.setup
+    return {
+        "format": FORMAT,
+        "shot": shot,
+        "number": row.shot,
+        "campaign": campaign,
+        "fired_at": None if row.time is None else row.time.isoformat(),
+        "settings": row.numbers,
+        "words": row.words,
+        "imported": {"folder": contents.folder.name, "campaign": contents.title},
+        "program": {"name": "rigctl", "version": version("rigctl")},
+        **_scene(setup),
+        "exposure_s": row.numbers.get(EXPOSURE, 0.0) * 1e-6,
+        "frames": frames or None,
+    }
+
+
+def first_result(shot: str, row: ShotRow, contents: Contents) -> Json:
+    """Return the result that an imported shot comes with."""
+    setup = contents.setup
+    poses = contents.poses.get(row.shot)
+    return {
+        "shot": shot,
+        "method": METHOD,
+        "status": METHOD,
+        "frame_rate_hz": setup.camera.frame_rate_hz,
+        **({} if poses is None else {"poses": poses_document(poses)}),
+        "slow_errors": {
+            "position_m": setup.slow_position_m,
+            "rotation_rad": setup.slow_rotation_rad,
+            "one_body_frame": setup.one_body_frame,
+        },
+    }
+
+
+def _settings(row: ShotRow) -> ShotSettings | None:
+    """Return what a rig would have been asked for; None where that is not stated in full."""
+    asked: Mapping[str, float] = {name: row.numbers[name] for name in _ASKED if name in row.numbers}
+    try:
+        return ShotSettings.model_validate(asked)
+    except ValidationError:
+        return None
+
+
+def _utc(time: datetime | None) -> datetime | None:
+    """Return a time in UTC; one without a zone is taken as UTC (exchange-folder.md)."""
+    if time is None:
+        return None
+    return time.replace(tzinfo=UTC) if time.tzinfo is None else time.astimezone(UTC)
+
+
+def _scene(setup: Setup) -> Json:
+    camera = setup.camera
+    return {
+        "camera": {"rows": camera.height_px, "columns": camera.width_px},
+        "picture_rate_hz": camera.frame_rate_hz,
+        "optics": {
+            "front_view_rows": camera.front_view_rows,
+            "top_view_rows": camera.top_view_rows,
+            "front_origin_px": camera.front_origin_px,
+            "top_origin_px": camera.top_origin_px,
+            "scale_px_per_m": camera.scale_px_per_m,
+        },
+        "spheres": [_body(sphere) for sphere in setup.spheres],
+        "environment": {
+            "gravity_m_per_s2": setup.gravity_m_per_s2,
+            "air_density_kg_per_m3": setup.air_density_kg_per_m3,
+        },
+    }
+
+
+def _body(sphere: SphereSetup) -> Json:
+    if sphere.plate:
+        return {"name": sphere.name, "plate": True}
+    return {
+        "name": sphere.name,
+        "diameter_m": sphere.diameter_m,
+        "density_kg_per_m3": sphere.density_kg_per_m3,
+        "inertia_factor": sphere.inertia_factor,
+    }

@@ -1,0 +1,101 @@
+"""A campaign of the catalogue becomes an exchange folder, whole or not at all."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from analysis.campaign import SHOT_LIST
+from rigctl.errors import NotFoundError, StoreError
+from rigctl.exchange.amending import amended
+from rigctl.exchange.fired import write_fired
+from rigctl.exchange.fresh import fresh_folder
+from rigctl.store import ShotRecord, Store, StoreReader
+from rigctl.store.copying import copy_synced
+from rigctl.store.durable import write_synced
+from rigctl.store.folders import sha256
+from rigctl.store.imports import LISTING
+
+Json = dict[str, Any]
+Say = Callable[[str, float | None], None]
+ALL = 10_000_000
+
+
+@dataclass(frozen=True, slots=True)
+class Exported:
+    """A folder that was written: how many shots it holds, and how many without frames it lacks."""
+
+    campaign: str
+    folder: Path
+    shots: int
+    left_out: int
+
+
+def export_campaign(
+    store: Store | StoreReader, campaign: str, folder: Path, *, say: Say
+) -> Exported:
+    """Write a campaign as an exchange folder.
+
+    One that was imported comes out as it went in, byte for byte; where shots were excluded, noted
+    or tagged since, these columns of shots.csv alone are changed.
+
+    Raises
+    ------
+    NotFoundError
+        There is no such campaign, or none of its shots has frames.
+    AnalysisInputError
+        Its shots differ in camera, spheres or surroundings.
+    SettingsError
+        The folder is there already.
+    StoreError
+        The disk refuses, or what is stored is not what was stored; nothing is written.
+    """
+    store.campaigns.one(campaign)
+    shots = store.catalogue.shots(campaign=campaign, limit=ALL)
+    try:
+        home, digest = store.imports.of(campaign)
+    except NotFoundError:
+        kept = [shot for shot in shots if shot.frames is not None]
+        if not kept:
+            raise NotFoundError("has no frames to export", part=f"campaign {campaign}") from None
+        with fresh_folder(folder) as partial:
+            write_fired(partial, campaign, kept, store.folders, say)
+        return Exported(campaign, folder, len(kept), len(shots) - len(kept))
+    with fresh_folder(folder) as partial:
+        _copy_back(home, digest, partial, shots, say)
+    return Exported(campaign, folder, len(shots), 0)
+
+
+def _copy_back(
+    home: Path, digest: str, folder: Path, shots: Sequence[ShotRecord], say: Say
+) -> None:
+    files = _listing(home, digest)
+    for done, (name, about) in enumerate(files.items()):
+        say(f"writing {name}", done / len(files))
+        if name == SHOT_LIST:
+            continue
+        if copy_synced(home / about["kept"], folder / name) != about["sha256"]:
+            raise _altered(home / about["kept"])
+    listed = home / files[SHOT_LIST]["kept"]
+    if sha256(listed) != files[SHOT_LIST]["sha256"]:
+        raise _altered(listed)
+    by_number = {shot.imported_as: shot for shot in shots if shot.imported_as is not None}
+    content = amended(listed.read_bytes(), by_number)
+    write_synced(folder / SHOT_LIST, lambda file: file.write(content))
+
+
+def _listing(home: Path, digest: str) -> dict[str, Json]:
+    path = home / LISTING
+    if sha256(path) != digest:
+        raise _altered(path)
+    files: dict[str, Json] = json.loads(path.read_bytes())["files"]
+    return files
+
+
+def _altered(path: Path) -> StoreError:
+    return StoreError(
+        "is not the file that was imported", part=str(path), todo="restore it from a backup"
+    )

@@ -1,0 +1,120 @@
+"""An exchange folder from shots that were fired here."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import tifffile
+
+from analysis.campaign import DESCRIPTION, FRAMES, POSES, SHOT_LIST
+from analysis.exchange.folder import description, write_shot_list
+from analysis.exchange.pose_table import PoseRow
+from analysis.exchange.pose_writing import write_pose_rows
+from analysis.exchange.shot_list import EXCLUDED, NOTE, TAGS, ShotRow
+from analysis.setup import Setup
+from analysis.slow_errors import typical
+from rigctl.cameras.frames import FrameSequence
+from rigctl.campaigns import require_one_setup
+from rigctl.exchange.amending import tags_field
+from rigctl.exchange.documents import CONFIGURATION, SIMULATED
+from rigctl.store import ShotRecord
+from rigctl.store.folders import ShotFolders
+from rigctl.stored_poses import poses_of
+from rigctl.stored_shot import setup_of
+
+Json = dict[str, Any]
+Say = Callable[[str, float | None], None]
+NAME = "name"
+"""Column in which a shot keeps the name it had in the catalogue it was fired into."""
+
+
+@dataclass(frozen=True, slots=True)
+class Measured:
+    """Poses of one shot, with its slow errors: place in m, turn in rad, body frame shared."""
+
+    poses: Mapping[str, Sequence[PoseRow]]
+    slow: tuple[float, float]
+    one_body_frame: bool
+
+
+def write_fired(
+    folder: Path, campaign: str, shots: Sequence[ShotRecord], folders: ShotFolders, say: Say
+) -> None:
+    """Write campaign.toml, shots.csv, frames and, where there are any, poses.csv.
+
+    Parameters
+    ----------
+    shots
+        Those with frames, in the order of firing.
+
+    Raises
+    ------
+    AnalysisInputError
+        They differ in camera, spheres or surroundings: one description cannot be of all.
+    StoreError, NotFoundError
+        Frames or results on disk are not those that were stored.
+    OSError
+        The folder cannot be written.
+    """
+    (folder / FRAMES).mkdir()
+    setups: dict[str, Setup] = {}
+    measured: dict[int, Measured] = {}
+    for done, shot in enumerate(shots):
+        say(f"writing shot {shot.id}", done / len(shots))
+        setups[shot.id] = setup_of(folders.manifest(shot.id))
+        _write_frames(folder / FRAMES / f"{shot.number:04d}.tiff", folders.frames(shot.id))
+        if (found := _measured(shot, folders)) is not None:
+            measured[shot.number] = found
+    require_one_setup(campaign, setups)
+    setup = typical(
+        setups[shots[0].id],
+        [each.slow for each in measured.values()],
+        [each.one_body_frame for each in measured.values()],
+    )
+    (folder / DESCRIPTION).write_text(description(campaign, setup), encoding="utf-8")
+    write_shot_list(folder / SHOT_LIST, [_row(shot) for shot in shots])
+    if measured:
+        poses = ((number, each.poses) for number, each in measured.items())
+        write_pose_rows(folder / POSES, poses)
+
+
+def _write_frames(path: Path, frames: FrameSequence) -> None:
+    tifffile.imwrite(path, frames.pixels, photometric="minisblack")
+    times = {"times_s": (frames.times_s - frames.times_s[:1]).tolist()}
+    path.with_suffix(".json").write_text(json.dumps(times), encoding="utf-8")
+
+
+def _measured(shot: ShotRecord, folders: ShotFolders) -> Measured | None:
+    if shot.results == 0:
+        return None
+    result: Json = folders.result(shot.id, shot.results)
+    if "poses" not in result:
+        return None
+    slow = result.get("slow_errors") or {}
+    return Measured(
+        poses_of(result["poses"]),
+        (float(slow.get("position_m", 0.0)), float(slow.get("rotation_rad", 0.0))),
+        one_body_frame=bool(slow.get("one_body_frame", False)),
+    )
+
+
+def _row(shot: ShotRecord) -> ShotRow:
+    settings = shot.ordered.model_dump(mode="json")
+    words = {
+        NAME: shot.id,
+        SIMULATED: "yes" if shot.simulated else "no",
+        CONFIGURATION: shot.configuration,
+        EXCLUDED: shot.excluded or "",
+        NOTE: shot.note or "",
+        TAGS: tags_field(shot.tags),
+    }
+    return ShotRow(
+        shot.number,
+        shot.fired_at,
+        {name: float(value) for name, value in settings.items() if value is not None},
+        {name: word for name, word in words.items() if word},
+    )

@@ -1,0 +1,151 @@
+"""An exchange folder becomes a campaign of the catalogue, whole or not at all."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pydantic import TypeAdapter, ValidationError
+
+from analysis.exchange.shot_list import ShotRow
+from rigctl.errors import SettingsError
+from rigctl.exchange.contents import Contents, Frames
+from rigctl.exchange.documents import FORMAT, first_result, imported_shot, manifest
+from rigctl.service.models import CampaignName
+from rigctl.store import Store
+from rigctl.store.copying import copy_synced
+from rigctl.store.durable import sync_folder, write_synced
+from rigctl.store.folders import sha256
+from rigctl.store.imports import LISTING, Stage
+from rigctl.store.states import ShotState
+
+Json = dict[str, Any]
+Say = Callable[[str, float | None], None]
+
+OTHERS, FRAMES = "folder", "frames"
+_NAME: TypeAdapter[str] = TypeAdapter(CampaignName)
+
+
+@dataclass(frozen=True, slots=True)
+class Imported:
+    """A campaign that was imported: its name, its shots, and how many of them stand where."""
+
+    campaign: str
+    shots: int
+    measured: int
+    to_analyse: int
+
+
+def import_campaign(
+    store: Store, contents: Contents, actor: str, *, name: str | None = None, say: Say
+) -> Imported:
+    """Import an exchange folder that was read, under its own name or under another.
+
+    Every file is kept as it is, frames beside their shots, with its digest. Measured poses count
+    as the first result of their shots; shots with frames alone wait for their analysis.
+
+    Parameters
+    ----------
+    say
+        Told of each step in words, and of the part done from 0 to 1.
+
+    Raises
+    ------
+    SettingsError
+        The name could not be a folder's.
+    RefusedError
+        There is a campaign of this name.
+    StoreError
+        The disk or the catalogue refuses; nothing is imported.
+    """
+    campaign = _campaign_name(name or contents.title)
+    with store.imports.staged(campaign) as stage:
+        listing: dict[str, Json] = {}
+        for done, row in enumerate(contents.rows):
+            say(f"keeping shot {row.shot}", done / len(contents.rows))
+            _keep_shot(stage, row, contents, campaign, listing)
+        _keep_others(stage, contents, listing)
+        about = {"format": FORMAT, "campaign": campaign, "title": contents.title, "files": listing}
+        _write(stage.path / LISTING, about)
+        _sync(stage.path)
+        found = [imported_shot(row, contents) for row in contents.rows]
+        store.imports.publish(stage, campaign, found, actor)
+    states = [shot.state for shot in found]
+    return Imported(
+        campaign,
+        shots=len(found),
+        measured=states.count(ShotState.ANALYSED),
+        to_analyse=states.count(ShotState.STORED),
+    )
+
+
+def _campaign_name(name: str) -> str:
+    try:
+        return _NAME.validate_python(name)
+    except ValidationError as error:
+        raise SettingsError(
+            "cannot be the name of a campaign in the catalogue",
+            part="name",
+            value=repr(name),
+            limit="1 to 64 letters, digits, dots, hyphens or underscores, first a letter or digit",
+            todo="give it another with --name; the folder keeps its own",
+        ) from error
+
+
+def _keep_shot(
+    stage: Stage, row: ShotRow, contents: Contents, campaign: str, listing: dict[str, Json]
+) -> None:
+    shot = stage.shot(row.shot)
+    home = stage.path / shot
+    home.mkdir()
+    frames = contents.frames.get(row.shot)
+    about = {} if frames is None else _keep_frames(home, frames, contents.folder, listing)
+    _write(home / "manifest.json", manifest(shot, row, contents, campaign, about))
+    if row.shot in contents.poses or row.shot in contents.tabulated:
+        _write(home / "result-0001.json", first_result(shot, row, contents))
+
+
+def _keep_frames(home: Path, frames: Frames, folder: Path, listing: dict[str, Json]) -> Json:
+    """Copy the frames of a shot beside its manifest; return what the manifest says of them."""
+    for source in frames.files:
+        kept = home / FRAMES / source.relative_to(folder / FRAMES)
+        listing[source.relative_to(folder).as_posix()] = {
+            "kept": f"{home.name}/{kept.relative_to(home).as_posix()}",
+            "sha256": copy_synced(source, kept),
+        }
+    kept = home / FRAMES / frames.path.relative_to(folder / FRAMES)
+    return {
+        "file": kept.relative_to(home).as_posix(),
+        "sha256": sha256(kept),
+        "shape": list(frames.shape),
+        "dtype": "uint8",
+        "times_s": list(frames.times_s),
+        "sequence": list(range(frames.shape[0])),
+        "lost": [],
+        "source": f"imported from {frames.path.relative_to(folder).as_posix()}",
+    }
+
+
+def _keep_others(stage: Stage, contents: Contents, listing: dict[str, Json]) -> None:
+    """Copy what is no shot's frames: tables, and whatever else lies there."""
+    files = (path for path in contents.folder.rglob("*") if path.is_file())
+    for source in sorted(files):
+        name = source.relative_to(contents.folder).as_posix()
+        if name not in listing:
+            digest = copy_synced(source, stage.path / OTHERS / name)
+            listing[name] = {"kept": f"{OTHERS}/{name}", "sha256": digest}
+
+
+def _write(path: Path, document: Json) -> None:
+    text = json.dumps(document, allow_nan=False, indent=1).encode()
+    write_synced(path, lambda file: file.write(text))
+
+
+def _sync(folder: Path) -> None:
+    """Force the entries of a folder and of all below it to disk."""
+    inner: Iterable[Path] = (path for path in folder.rglob("*") if path.is_dir())
+    for path in (*inner, folder):
+        sync_folder(path)
