@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from analysis.model.judged import Judged
+from analysis.model.account import Accounted
 from analysis.model.ranking import Candidate, Ranking
 from analysis.quantity import Quantity
 
@@ -15,16 +15,16 @@ SHOWN_ALIAS = 0.9
 """Effects whose traces in the residuals correlate more than this are named as alike."""
 
 
-def fit_document(title: str, names: Sequence[str], found: Judged) -> Json:
+def fit_document(title: str, names: Sequence[str], found: Accounted) -> Json:
     """Return a campaign's fit with the effects that were added, by name."""
-    fit = found.fit
+    fit, account = found.fit, found.account
     return {
         "campaign": title,
         "shots": len(fit.shot_chi2),
-        "excluded": found.excluded,
-        "rejected": found.rejected,
-        "rejected_frames": [list(frame) for frame in found.evidence.cleaned.frames],
-        "noise": noise_document(found.evidence.noise),
+        "excluded": account.excluded,
+        "rejected": account.rejected,
+        "rejected_frames": [list(frame) for frame in account.frames],
+        "noise": noise_document(account.noise),
         "with": list(names),
         "chi2_per_dof": fit.chi2_per_dof,
         "degrees_of_freedom": fit.freedom,

@@ -12,9 +12,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from analysis.effects.timing_jitter import EFFECT as JITTER
+from analysis.model.account import AS_STATED
 from analysis.model.crossvalidation import PredictionError, prediction_error
 from analysis.model.fit import Fit, fit_campaign
-from analysis.model.noise import noise_scales
+from analysis.model.noise import NoiseScale, noise_scales
 from analysis.model.outliers import Cleaned, clean
 from analysis.model.poses import PoseData
 from analysis.model.tables import ContactTable, Data
@@ -22,7 +23,6 @@ from analysis.model.tables_noise import with_scatter_as_noise
 from analysis.model.theory import Theory
 
 CONTRADICTED_SIGMAS = 4.0
-AS_STATED = (1.0, 1.0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -63,17 +63,22 @@ def weighed(stated: Data, theory: Theory | None = None) -> Evidence:
     if isinstance(stated, ContactTable) and stated.estimated:
         stated = with_scatter_as_noise(stated, theory)
     cleaned = clean(stated, theory)
-    scales = noise_scales(cleaned.data, cleaned.fit)
-    position, rotation = (
-        scale.value if abs(scale.value - 1) > CONTRADICTED_SIGMAS * scale.sigma else 1.0
-        for scale in scales
-    )
+    position, rotation = corrections(noise_scales(cleaned.data, cleaned.fit))
     if (position, rotation) != AS_STATED and isinstance(stated, PoseData):
         scaled = stated.with_sigmas(
             position * stated.position_sigma, rotation * stated.rotation_sigma
         )
         cleaned = clean(scaled, cleaned.fit.theory)
     return Evidence(stated, cleaned, (position, rotation))
+
+
+def corrections(scales: tuple[NoiseScale, NoiseScale]) -> tuple[float, float]:
+    """Return by what to multiply sigmas: 1 where the scatter does not contradict them."""
+    position, rotation = (
+        scale.value if abs(scale.value - 1) > CONTRADICTED_SIGMAS * scale.sigma else 1.0
+        for scale in scales
+    )
+    return position, rotation
 
 
 def stage_of(data: Data, fit: Fit) -> Stage:

@@ -130,8 +130,11 @@ def pose_data(shots: Shots, rows: Sequence[ShotRow], setup: Setup) -> PoseData:
     stated = stated_poses(shots, rows, setup)
     position_sigma, guessed = with_guesses(stated.position_sigma, POSITION_GUESS)
     rotation_sigma, guessed_too = with_guesses(stated.rotation_sigma, ROTATION_GUESS)
-    data = stated.with_sigmas(position_sigma, rotation_sigma)
-    return usable(replace(data, estimated=guessed or guessed_too))
+    data = replace(
+        stated.with_sigmas(position_sigma, rotation_sigma), estimated=guessed or guessed_too
+    )
+    shown = usable(data)
+    return shown if len(shown.shots) > 0 else data
 
 
 def stated_poses(shots: Shots, rows: Sequence[ShotRow], setup: Setup) -> PoseData:
@@ -217,10 +220,8 @@ def _table(path: Path, table: ContactTable, excluded: tuple[int, ...]) -> Contac
 
 def usable(data: PoseData) -> PoseData:
     """Leave out shots without frames that show both spheres; their numbers are kept."""
-    usable = both_seen(data.position_sigma).sum(axis=1) >= LEAST_FRAMES
-    if usable.all() or not usable.any():
-        return data
-    return replace(data.of_shots(usable), unusable=tuple(int(n) for n in data.shots[~usable]))
+    shown = both_seen(data.position_sigma).sum(axis=1) >= LEAST_FRAMES
+    return replace(data.of_shots(shown), unusable=tuple(int(n) for n in data.shots[~shown]))
 
 
 def with_guesses(sigma: Floats, guess: float) -> tuple[Floats, bool]:

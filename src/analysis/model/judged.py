@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from analysis.effects.effect import Effect
-from analysis.model.evidence import AS_STATED, Evidence, stage_of, weighed, weighed_again
+from analysis.model.account import Account
+from analysis.model.evidence import Evidence, stage_of, weighed, weighed_again
 from analysis.model.fit import Fit
 from analysis.model.inside import without_contact_frames
 from analysis.model.scatter import added
@@ -43,25 +44,15 @@ class Judged:
         """Numbers of the shots that a person left out."""
         return list(self.evidence.stated.excluded)
 
+    @property
+    def account(self) -> Account:
+        """What was left out, and how large the noise was taken to be."""
+        evidence = self.evidence
+        return Account(self.excluded, self.rejected, evidence.cleaned.frames, evidence.noise)
+
     def remarks(self) -> list[str]:
         """Say what was left out, and where stated sigmas were not believed."""
-        found = []
-        if self.excluded:
-            found.append(f"shots that a person excluded: {self.excluded}")
-        if self.rejected:
-            found.append(
-                f"shots left out, too far from the rest or not to be fitted: {self.rejected}"
-            )
-        if self.evidence.cleaned.frames:
-            frames = [f"{frame} of shot {shot}" for shot, frame in self.evidence.cleaned.frames]
-            found.append(f"frames left out: {', '.join(frames)}")
-        if self.evidence.noise != AS_STATED:
-            position, rotation = self.evidence.noise
-            found.append(
-                f"the scatter about free flight is {position:.3g} times the stated sigmas of "
-                f"positions and {rotation:.3g} times those of orientations: these were used"
-            )
-        return found
+        return self.account.remarks()
 
 
 def judged(poses: Data, effects: Sequence[Effect] = ()) -> Judged:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from analysis.model.comparison import Comparison, compare
 from analysis.model.fit import Fit
+from analysis.model.passes import Passes, passes_of
 from analysis.model.tables import ContactTable, Data
 
 Floats = NDArray[np.float64]
@@ -36,10 +37,19 @@ def noise_scales(data: Data, fit: Fit) -> tuple[NoiseScale, NoiseScale]:
 
     1 with an infinite error where nothing is left over to tell, as in a table of contacts.
     """
-    if isinstance(data, ContactTable):
-        return UNTOLD, UNTOLD
-    line, _ = compare(data, fit.states, fit.theory)
-    squares, freedom = free_flight_misfit(line)
+    return scales_over(passes_of(data, fit))
+
+
+def scales_over(passes: Passes) -> tuple[NoiseScale, NoiseScale]:
+    """Return the same from one pass over a campaign."""
+    squares, freedom = np.zeros((2, 2))
+    for data, states in passes.parts():
+        if isinstance(data, ContactTable):
+            return UNTOLD, UNTOLD
+        line, _ = compare(data, states, passes.fit.theory)
+        left, free = free_flight_misfit(line)
+        squares += left
+        freedom += free
     return _scale(squares[0], freedom[0]), _scale(squares[1], freedom[1])
 
 

@@ -15,6 +15,8 @@ from analysis.model.fit import Fit, fit_campaign
 from analysis.model.linear import whitened_residual
 from analysis.model.poses import PoseData
 from analysis.model.prediction import predict
+from analysis.model.state import ShotStates
+from analysis.model.summary import FitSummary
 from analysis.model.tables import ContactTable, Data
 from analysis.model.theory import Theory
 
@@ -56,7 +58,10 @@ def clean(data: Data, theory: Theory | None = None) -> Cleaned:
     fit = _robust(data, theory)
     frames: list[tuple[int, int]] = []
     for _ in range(ROUNDS):
-        if isinstance(data, ContactTable) or not (wild := _wild_frames(data, fit)).any():
+        if isinstance(data, ContactTable):
+            break
+        wild = wild_frames(data, fit.states, fit.theory, bad_shots(fit))
+        if not wild.any():
             break
         frames += [(int(data.shots[s]), int(k)) for s, k in np.argwhere(wild)]
         data = data.without(wild)
@@ -76,7 +81,7 @@ def clean(data: Data, theory: Theory | None = None) -> Cleaned:
     return Cleaned(rest, fit, kept, tuple(f for f in frames if f[0] in names))
 
 
-def bad_shots(fit: Fit, gone: int = 0) -> NDArray[np.bool_]:
+def bad_shots(fit: FitSummary, gone: int = 0) -> NDArray[np.bool_]:
     """Return which shots lie too far from the model, by chi-squared against their own, shape (S,).
 
     Wilson-Hilferty normal deviate of chi-squared per degree of freedom, in units of the campaign's
@@ -101,33 +106,39 @@ def bad_shots(fit: Fit, gone: int = 0) -> NDArray[np.bool_]:
     return np.asarray(bad)
 
 
-def _quality(fit: Fit) -> tuple[Floats, Floats]:
+def _quality(fit: FitSummary) -> tuple[Floats, Floats]:
     freedom = np.maximum(fit.shot_residuals - fit.own_numbers, 1.0)
     return fit.shot_chi2 / freedom, freedom
 
 
 def _robust(data: Data, theory: Theory | None) -> Fit:
-    """Fit with bad shots held down, then each shot's own numbers and quality as stated.
-
-    Weights min(1, 1.5 median / quality)^2 on the squares: otherwise one bad shot moves the law,
-    and every good one looks bad.
-    """
+    """Fit with bad shots held down, then each shot's own numbers and quality as stated."""
     first = fit_campaign(data, theory)
-    quality, _ = _quality(first)
-    weight = np.minimum(1.0, 1.5 * np.median(quality) / quality)
+    weight = robust_weight(first)
     if (weight == 1.0).all():
         return first
     fit = fit_campaign(data.held_down(weight), first.theory)
     return replace(fit, shot_chi2=fit.shot_chi2 / weight**2)
 
 
-def _wild_frames(data: PoseData, fit: Fit) -> NDArray[np.bool_]:
-    """Return the worst frame of each suspicious shot, where it stands out, shape (S, F)."""
-    residual = whitened_residual(data, predict(data, fit.states, fit.theory))
+def robust_weight(fit: FitSummary) -> Floats:
+    """Return by what to divide the sigmas of each shot so that a bad one cannot move the law, (S,).
+
+    The squares are weighed by min(1, 1.5 median / quality)^2: otherwise every good shot looks bad.
+    """
+    quality, _ = _quality(fit)
+    return np.asarray(np.minimum(1.0, 1.5 * np.median(quality) / quality))
+
+
+def wild_frames(
+    data: PoseData, states: ShotStates, theory: Theory, bad: NDArray[np.bool_]
+) -> NDArray[np.bool_]:
+    """Return the worst frame of each bad shot, mask of shape (S,), where it stands out, (S, F)."""
+    residual = whitened_residual(data, predict(data, states, theory))
     squares = (residual.reshape(*data.times_s.shape, 12) ** 2).sum(axis=2)
     used = np.asarray(data.measured.any(axis=(2, 3)))
     wild = np.zeros(used.shape, dtype=np.bool_)
-    for s in np.flatnonzero(bad_shots(fit)):
+    for s in np.flatnonzero(bad):
         frames = np.flatnonzero(used[s])
         order = frames[np.argsort(squares[s, frames])]
         worst, following = squares[s, order[-1]], squares[s, order[-2]]

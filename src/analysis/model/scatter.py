@@ -62,10 +62,15 @@ def with_jitter(
     data: PoseData, fit: Fit, effect: ScatterEffect, size: float, sigma: float
 ) -> tuple[PoseData, Fit]:
     """Fit again with a jitter of some size, s, in the noise; the fit keeps it as a parameter."""
-    parameter = effect.parameters[0]
-    found = {f"{effect.name}.{parameter.symbol}": Quantity(size, sigma, parameter.unit)}
+    found = jitter_found(effect, size, sigma)
     jittered = replace(data, jitter_s=size)
     return jittered, fit_campaign(jittered, fit.theory, replace(fit, scatter=found))
+
+
+def jitter_found(effect: ScatterEffect, size: float, sigma: float) -> dict[str, Quantity]:
+    """Return a jitter's size with its error, s, as a parameter of a fit."""
+    parameter = effect.parameters[0]
+    return {f"{effect.name}.{parameter.symbol}": Quantity(size, sigma, parameter.unit)}
 
 
 def _kernel(along: Floats, own: Floats) -> Floats:

@@ -1,0 +1,117 @@
+"""Fitting a campaign of any length."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.model.descent import Stand, descended, linearised, summed
+from analysis.model.fit import START
+from analysis.model.normal import inverse
+from analysis.model.own_fit import own_states
+from analysis.model.parts import Kept
+from analysis.model.passes import Passes
+from analysis.model.poses import PoseData
+from analysis.model.start import first_states
+from analysis.model.state import ShotStates
+from analysis.model.streaming.spool import Spool
+from analysis.model.streaming.stream import PoseStream
+from analysis.model.summary import FitSummary
+from analysis.model.theory import Theory
+from analysis.model.unseen import fitted_numbers
+from analysis.quantity import Quantity
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class StreamedFit(FitSummary):
+    """A campaign fitted in parts.
+
+    Attributes
+    ----------
+    stands
+        The shots' own numbers, part by part.
+    """
+
+    stands: Kept[Stand]
+
+    def states(self, kept: NDArray[np.bool_] | None = None) -> Iterator[ShotStates]:
+        """Return the shots' own numbers part by part, none without a shot.
+
+        Parameters
+        ----------
+        kept
+            Mask of the shots that are wanted, shape (S,); None: all.
+        """
+        start = 0
+        for stand in self.stands:
+            own = slice(start, start + len(stand.chi2))
+            start = own.stop
+            if kept is None:
+                yield stand.states
+            elif kept[own].any():
+                yield stand.states.of_shots(kept[own])
+
+
+def fit_stream(
+    stream: PoseStream,
+    theory: Theory | None = None,
+    states: Iterable[ShotStates] | None = None,
+    *,
+    scatter: Mapping[str, Quantity] | None = None,
+) -> StreamedFit:
+    """Fit what all shots share together with every shot's own numbers, as `fit_campaign`.
+
+    Parameters
+    ----------
+    theory
+        Law and effects to start from; None: the hard-sphere operator alone.
+    states
+        Of the shots of each part, where they start; None: each shot is first fitted by itself.
+    scatter
+        Parameters of noise that the stream was given besides its sigmas.
+
+    Raises
+    ------
+    OSError
+        The temporary folder is full.
+    """
+    present = Theory(START) if theory is None else theory
+    if states is None:
+        states = (own_states(part, first_states(part), present) for part in stream)
+    parts = (summed(*part, present) for part in zip(stream, states, strict=True))
+    last, converged = descended(stream, linearised(parts, present, Spool), Spool)
+    chi2 = np.concatenate([stand.chi2 for stand in last.stands])
+    measured, own = _counts(stream)
+    return StreamedFit(
+        theory=last.theory,
+        stands=last.stands,
+        covariance=inverse(last.matrix),
+        chi2=float(chi2.sum()),
+        residuals=int(measured.sum()),
+        shot_chi2=chi2,
+        shot_residuals=measured,
+        own_numbers=own,
+        converged=converged,
+        scatter=scatter or {},
+    )
+
+
+def passes_of_stream(stream: PoseStream, fit: StreamedFit) -> Passes:
+    """Return the passes over a stream and its fit."""
+
+    def parts() -> Iterator[tuple[PoseData, ShotStates]]:
+        return zip(stream, fit.states(), strict=True)
+
+    return Passes(stream.shots, stream.jitter_s, fit, parts, Spool)
+
+
+def _counts(stream: PoseStream) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Return the measured numbers of each shot, and how many of its own they determine, (S,)."""
+    measured, own = [], []
+    for part in stream:
+        measured.append(part.measured.reshape(len(part.shots), -1).sum(axis=1))
+        own.append(fitted_numbers(part))
+    return np.concatenate(measured), np.concatenate(own)

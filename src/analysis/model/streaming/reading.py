@@ -1,0 +1,148 @@
+"""From the poses of a campaign, a shot at a time, to the parts that are fitted."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field, replace
+from itertools import islice
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.campaign import DESCRIPTION, SHOT_LIST
+from analysis.errors import InputError
+from analysis.exchange.description import read_description
+from analysis.exchange.pose_table import Spheres, each_shot
+from analysis.exchange.shot_list import each_shot_row
+from analysis.model.gather import POSES, POSITION_GUESS, ROTATION_GUESS, stated_poses, usable
+from analysis.model.parts import SHOTS_AT_ONCE
+from analysis.model.poses import PoseData
+from analysis.model.streaming.columns import ShotColumns
+from analysis.model.streaming.spool import Spool
+from analysis.model.streaming.stream import PoseStream
+from analysis.setup import Setup
+
+Floats = NDArray[np.float64]
+
+
+def stream_poses(campaign: Path) -> tuple[str, PoseStream]:
+    """Read the poses of a campaign of any length, whatever later stage there is.
+
+    Parameters
+    ----------
+    campaign
+        The folder, or poses.csv in it. The rows of a shot must follow each other there.
+
+    Returns
+    -------
+    The campaign's name, and its poses in a temporary file.
+
+    Raises
+    ------
+    InputError
+        A file cannot be read, a sphere is a plate, there is no poses.csv, or no shot has poses.
+    OSError
+        The temporary folder is full.
+    """
+    if campaign.is_file() and campaign.name != POSES:
+        raise InputError(campaign, f"only {POSES} is read a shot at a time")
+    folder = campaign.parent if campaign.is_file() else campaign
+    name, setup = read_description(folder / DESCRIPTION)
+    if any(sphere.plate for sphere in setup.spheres):
+        raise InputError(folder / DESCRIPTION, "spheres: poses are of two spheres, not of a plate")
+    if not (folder / POSES).exists():
+        reason = f"no such file; have the frames measured first: rigctl analyse {folder} --out"
+        raise InputError(folder / POSES, reason)
+    columns = ShotColumns(each_shot_row(folder / SHOT_LIST))
+    read = Reading()
+    for shots in parted(each_shot(folder / POSES)):
+        read.add(shots, columns, setup)
+    stream = read.finished(columns, setup)
+    if len(stream.shots) == 0:
+        raise InputError(folder, "no shot of this campaign has frames that show both spheres")
+    return name, stream
+
+
+def parted(shots: Iterable[tuple[int, Spheres]]) -> Iterator[dict[int, Spheres]]:
+    """Return so many shots at a time as make a part."""
+    left = iter(shots)
+    while part := dict(islice(left, SHOTS_AT_ONCE)):
+        yield part
+
+
+@dataclass(slots=True, eq=False)
+class Reading:
+    """Parts of a campaign as they were stated, until all is known that they share.
+
+    Attributes
+    ----------
+    parts
+        Errors that are not stated are NaN.
+    numbers
+        Of the shots of each part.
+    position_sigmas, rotation_sigmas
+        The median stated error of each part that states any, m and rad.
+    excluded
+        Numbers of shots that are not here because a person left them out.
+    """
+
+    parts: Spool[PoseData] = field(default_factory=lambda: Spool(PoseData))
+    numbers: list[NDArray[np.intp]] = field(default_factory=list)
+    position_sigmas: list[float] = field(default_factory=list)
+    rotation_sigmas: list[float] = field(default_factory=list)
+    excluded: set[int] = field(default_factory=set)
+
+    def add(self, shots: dict[int, Spheres], columns: ShotColumns, setup: Setup) -> None:
+        """Add the next shots, without those that a person excluded."""
+        self.excluded |= columns.excluded & shots.keys()
+        counting = {n: spheres for n, spheres in shots.items() if n not in columns.excluded}
+        if not counting:
+            return
+        part = stated_poses(counting, (), setup)
+        self.parts.append(part)
+        self.numbers.append(part.shots)
+        self.position_sigmas += _medians(part.position_sigma)
+        self.rotation_sigmas += _medians(part.rotation_sigma)
+
+    def finished(self, columns: ShotColumns, setup: Setup) -> PoseStream:
+        """Return the stream of all shots that show both spheres, with what they share."""
+        numbers = np.concatenate([np.zeros(0, dtype=np.intp), *self.numbers])
+        covariates = columns.covariates(numbers)
+        camera = replace(setup.camera, exposure_s=columns.exposure_s(numbers))
+
+        def parts() -> Iterator[PoseData]:
+            start = 0
+            for part in self.parts:
+                own = slice(start, start + len(part.shots))
+                start = own.stop
+                yield usable(
+                    replace(
+                        self._guessed(part),
+                        covariates={name: column[own] for name, column in covariates.items()},
+                        camera=camera,
+                        slow_position_m=setup.slow_position_m,
+                        slow_rotation_rad=setup.slow_rotation_rad,
+                        one_body_frame=setup.one_body_frame,
+                    )
+                )
+
+        return replace(PoseStream.of(parts()), excluded=tuple(sorted(self.excluded)))
+
+    def _guessed(self, part: PoseData) -> PoseData:
+        """Put the median of the parts' medians for errors that are not stated."""
+        position = float(np.median(self.position_sigmas or POSITION_GUESS))
+        rotation = float(np.median(self.rotation_sigmas or ROTATION_GUESS))
+        missing = np.isnan(part.position_sigma), np.isnan(part.rotation_sigma)
+        return replace(
+            part,
+            position_sigma=np.where(missing[0], position, part.position_sigma),
+            rotation_sigma=np.where(missing[1], rotation, part.rotation_sigma),
+            estimated=bool(missing[0].any() or missing[1].any()),
+        )
+
+
+def _medians(sigma: Floats) -> list[float]:
+    """Return the median of the errors that are stated, nothing where none are."""
+    stated = sigma[np.isfinite(sigma)]
+    return [float(np.median(stated))] if stated.size else []

@@ -1,0 +1,52 @@
+"""A list that lies in a file."""
+
+from __future__ import annotations
+
+import os
+import pickle
+from collections.abc import Iterator
+from tempfile import TemporaryFile
+from typing import Generic, TypeVar
+from weakref import finalize
+
+T = TypeVar("T")
+
+
+class Spool(Generic[T]):
+    """Things of one kind, added one after another and read in the same order, as often as wanted.
+
+    They lie in a temporary file without a name, in the folder that `TMPDIR` names, and go with the
+    object. `OSError`: the file cannot be written; its folder may be full.
+
+    Parameters
+    ----------
+    kind
+        What is kept, as `analysis.model.parts.Keeper` has it.
+    """
+
+    def __init__(self, kind: type[T]) -> None:
+        self._kind = kind
+        self._file = TemporaryFile()  # noqa: SIM115
+        self._count = 0
+        finalize(self, self._file.close)
+
+    def __len__(self) -> int:
+        return self._count
+
+    def append(self, item: T, /) -> None:
+        """Write what is to be kept at the end of the file."""
+        self._file.seek(0, os.SEEK_END)
+        pickle.dump(item, self._file, pickle.HIGHEST_PROTOCOL)
+        self._count += 1
+
+    def __iter__(self) -> Iterator[T]:
+        """Read what was kept, from the first on; several may read at once."""
+        place = 0
+        for _ in range(self._count):
+            self._file.seek(place)
+            # Nobody else can have written this file: it never had a name.
+            item = pickle.load(self._file)  # noqa: S301
+            place = self._file.tell()
+            if not isinstance(item, self._kind):
+                raise TypeError(f"{type(item).__name__} in a spool of {self._kind.__name__}")
+            yield item
