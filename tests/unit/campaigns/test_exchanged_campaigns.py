@@ -1,0 +1,105 @@
+"""A campaign gives the same poses as a folder, imported, and exported after it was fired."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from analysis.model.gather import gather, gather_poses
+from rigctl.campaigns import campaign_poses
+from rigctl.errors import AnalysisInputError
+from rigctl.exchange import export_campaign, import_campaign, read_contents
+from rigctl.store import Store
+from tests.unit.campaigns.test_campaign_poses import assert_same
+
+Keep = Callable[..., list[str]]
+
+
+def silent(_text: str, _share: float | None) -> None:
+    """Say nothing."""
+
+
+@pytest.fixture
+def other(tmp_path: Path) -> Iterator[Store]:
+    opened = Store(tmp_path / "other")
+    yield opened
+    opened.close()
+
+
+def take(store: Store, folder: Path) -> str:
+    contents = read_contents(folder, silent)
+    return import_campaign(store, contents, "anna", name="nylon", say=silent).campaign
+
+
+def test_an_imported_campaign_gives_the_poses_of_its_folder(store: Store, folder: Path) -> None:
+    wanted = gather(folder)[1]
+    found = campaign_poses(store, take(store, folder))[1]
+    assert_same(found, wanted)
+    assert found.covariates.keys() == wanted.covariates.keys()
+    for name in ("slow_position_m", "slow_rotation_rad", "one_body_frame", "estimated"):
+        assert getattr(found, name) == getattr(wanted, name), name
+
+
+def test_excluded_shots_are_left_out_and_named_in_the_catalogue_and_in_its_folder(
+    store: Store, folder: Path, tmp_path: Path
+) -> None:
+    take(store, folder)
+    store.exclude("i0001-000002", "the tube was dirty", "anna")
+    found = campaign_poses(store, "nylon")[1]
+    assert (list(found.shots), found.excluded) == ([1, 3, 4], (2,))
+    export_campaign(store, "nylon", tmp_path / "out", say=silent)
+    again = gather(tmp_path / "out")[1]
+    assert_same(found, again)
+    assert again.excluded == (2,)
+
+
+def test_a_campaign_that_was_fired_is_exported_with_its_poses_frames_and_settings(
+    store: Store, other: Store, keep: Keep, tmp_path: Path
+) -> None:
+    names = keep()
+    for name in names:
+        set_frames(store, name)
+    store.exclude(names[1], "why", "anna")
+    done = export_campaign(store, "nylon", tmp_path / "out", say=silent)
+    assert (done.shots, done.left_out) == (4, 0)
+    fired, exported = campaign_poses(store, "nylon")[1], gather_poses(tmp_path / "out")[1]
+    assert exported.excluded == fired.excluded == (2,)
+    assert_nearly_same(exported, fired)
+    take(other, tmp_path / "out")
+    assert_nearly_same(campaign_poses(other, "nylon")[1], fired)
+    pixels = other.frames("i0001-000001").pixels
+    np.testing.assert_array_equal(pixels, store.frames(names[0]).pixels)
+    export_campaign(other, "nylon", tmp_path / "again", say=silent)
+    for path in (path for path in (tmp_path / "out").rglob("*") if path.is_file()):
+        same = tmp_path / "again" / path.relative_to(tmp_path / "out")
+        assert same.read_bytes() == path.read_bytes(), path.name
+
+
+def test_shots_of_two_setups_are_not_exported_as_one_folder(
+    store: Store, keep: Keep, tmp_path: Path
+) -> None:
+    names = keep() + keep(picture_rate_hz=999.0)
+    for name in names:
+        set_frames(store, name)
+    with pytest.raises(AnalysisInputError, match="differ in camera"):
+        export_campaign(store, "nylon", tmp_path / "out", say=silent)
+    assert not (tmp_path / "out").exists()
+
+
+def set_frames(store: Store, shot: str) -> None:
+    """Say in the catalogue how many frames there are, as the rig does."""
+    with store._database.writing() as connection:
+        connection.exec_driver_sql("UPDATE shots SET frames = 1 WHERE id = ?", (shot,))
+
+
+def assert_nearly_same(found: Any, wanted: Any) -> None:
+    """Compare bit for bit what is written as it is; an orientation's length is rounded again."""
+    for name in ("shots", "times_s", "position", "position_sigma", "rotation_sigma"):
+        np.testing.assert_array_equal(getattr(found, name), getattr(wanted, name), err_msg=name)
+    np.testing.assert_allclose(found.rotation, wanted.rotation, rtol=0, atol=1e-14)
+    assert found.covariates.keys() == wanted.covariates.keys()
+    assert (found.camera, found.bodies) == (wanted.camera, wanted.bodies)
