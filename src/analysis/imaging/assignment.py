@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from analysis.errors import ShotRefusedError
 from analysis.imaging.discs import Disc, discs, nearest_peak, vote
@@ -25,9 +26,14 @@ KEEP_OFF_SIGMAS = 2.5
 
 
 def seed_frame(
-    frames: Sequence[FrameEdges], views: tuple[ViewGeometry, ...], radius_px: float
+    votes: Sequence[NDArray[np.float32]], views: tuple[ViewGeometry, ...], radius_px: float
 ) -> tuple[int, dict[View, tuple[Disc, Disc]]]:
     """Find the frame that shows both spheres best in every view.
+
+    Parameters
+    ----------
+    votes
+        Of each frame (`discs.vote`).
 
     Returns
     -------
@@ -40,8 +46,8 @@ def seed_frame(
     """
     best: tuple[float, int, dict[View, tuple[Disc, Disc]]] | None = None
     most_seen = (-1, 0, "")
-    for k, frame in enumerate(frames):
-        found = discs(vote(frame.points, radius_px, frame.shape), LEAST_RIM_SHARE, radius_px)
+    for k, own in enumerate(votes):
+        found = discs(own, LEAST_RIM_SHARE, radius_px)
         pairs: dict[View, tuple[Disc, Disc]] = {}
         seen = 0
         for geometry in views:
@@ -86,7 +92,8 @@ def follow(
     -------
     The tracks of sphere a (the one that comes from the left) and of sphere b.
     """
-    seed, pairs = seed_frame(frames, views, radius_px)
+    votes = [vote(frame.points, radius_px, frame.shape) for frame in frames]
+    seed, pairs = seed_frame(votes, views, radius_px)
     keep_off = KEEP_OFF_SIGMAS * sigma_px
     spheres: Spheres = ({}, {})
     places: list[tuple[Track, Place]] = []
@@ -98,7 +105,8 @@ def follow(
     for direction in (1, -1):
         k = seed + direction
         while 0 <= k < len(frames):
-            _fit_all(frames[k], k, _expected(frames[k], k, direction, spheres, radius_px), keep_off)
+            places = _expected(votes[k], k, direction, spheres, radius_px)
+            _fit_all(frames[k], k, places, keep_off)
             k += direction
     first, second = (_first_column(sphere[View.FRONT]) for sphere in spheres)
     return spheres if first <= second else (spheres[1], spheres[0])
@@ -109,10 +117,9 @@ def _first_column(track: Track) -> float:
 
 
 def _expected(
-    frame: FrameEdges, k: int, direction: int, spheres: Spheres, radius_px: float
+    votes: NDArray[np.float32], k: int, direction: int, spheres: Spheres, radius_px: float
 ) -> list[tuple[Track, Place]]:
     """Return where each track's disc should be: the best peak near its prediction, or that."""
-    votes = vote(frame.points, radius_px, frame.shape)
     places: list[tuple[Track, Place]] = []
     for track in (track for sphere in spheres for track in sphere.values()):
         predicted = track.predict(k, direction)

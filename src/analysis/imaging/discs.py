@@ -13,7 +13,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.compiled import compiled
 from analysis.imaging.facet import EdgePoints
+
+Floats = NDArray[np.float64]
 
 BLUR_PX = 1.3
 PADDING_PX = 24
@@ -41,23 +44,45 @@ def vote(points: EdgePoints, radius_px: float, shape: tuple[int, int]) -> NDArra
     (PADDING_PX, PADDING_PX).
     """
     rows, columns = shape[0] + 2 * PADDING_PX, shape[1] + 2 * PADDING_PX
-    side = np.array([1.0, -1.0])[:, None] * radius_px
-    r = np.rint(points.row + side * points.normal_row).astype(np.intp).ravel() + PADDING_PX
-    c = np.rint(points.column + side * points.normal_column).astype(np.intp).ravel() + PADDING_PX
-    inside = (r >= 0) & (r < rows) & (c >= 0) & (c < columns)
-    count = np.bincount(r[inside] * columns + c[inside], minlength=rows * columns)
-    image = count.reshape(rows, columns).astype(np.float32)
+    image = np.zeros((rows, columns), dtype=np.float32)
+    count_votes(
+        points.row,
+        points.column,
+        radius_px * points.normal_row,
+        radius_px * points.normal_column,
+        image,
+    )
     blurred = cv2.GaussianBlur(image, (0, 0), BLUR_PX, borderType=cv2.BORDER_CONSTANT)
     # The blur spreads a full rim's 2 pi R votes over 2 pi BLUR_PX^2 pixels.
     return np.asarray(blurred * (BLUR_PX**2 / radius_px), dtype=np.float32)
 
 
+@compiled
+def count_votes(
+    row: Floats, column: Floats, down: Floats, across: Floats, image: NDArray[np.float32]
+) -> None:
+    """Count for each pixel of a padded image the points that lie (down, across) from it."""
+    for k in range(row.size):
+        for side in (1.0, -1.0):
+            r = int(np.rint(row[k] + side * down[k])) + PADDING_PX
+            c = int(np.rint(column[k] + side * across[k])) + PADDING_PX
+            if 0 <= r < image.shape[0] and 0 <= c < image.shape[1]:
+                image[r, c] += 1.0
+
+
 def discs(votes: NDArray[np.float32], least_share: float, separation_px: float) -> list[Disc]:
     """Return the peaks of a vote image, strongest first, each to a fraction of a pixel."""
-    kernel = np.ones((2 * int(separation_px) + 1,) * 2, np.uint8)
-    peaks = (votes >= cv2.dilate(votes, kernel)) & (votes >= least_share)
-    found = [_peak(votes, int(r), int(c)) for r, c in np.argwhere(peaks)]
+    peaks = np.argwhere(_summits(votes, least_share, separation_px))
+    found = [_peak(votes, int(r), int(c)) for r, c in peaks]
     return sorted(found, key=lambda disc: -disc.rim_share)
+
+
+def _summits(
+    votes: NDArray[np.float32], least_share: float, separation_px: float
+) -> NDArray[np.bool_]:
+    """Mark pixels that no other within a distance exceeds, shape (rows, columns)."""
+    kernel = np.ones((2 * int(separation_px) + 1,) * 2, np.uint8)
+    return np.asarray((votes >= cv2.dilate(votes, kernel)) & (votes >= least_share))
 
 
 def nearest_peak(
@@ -98,6 +123,7 @@ def common_radius(
     radii = np.geomspace(smallest_px, largest_px, steps)
     scores = []
     for radius in radii:
-        peaks = discs(vote(points, float(radius), shape), 0.1, float(radius))
-        scores.append(sum(disc.rim_share for disc in peaks[:count]))
+        votes = vote(points, float(radius), shape)
+        shares = np.sort(votes[_summits(votes, 0.1, float(radius))])[::-1]
+        scores.append(float(shares[:count].sum(dtype=np.float64)))
     return float(radii[int(np.argmax(scores))])

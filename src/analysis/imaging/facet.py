@@ -80,24 +80,20 @@ def crossings(edges: Filtered, least_strength: float, border: int) -> NDArray[np
     log, down, across = edges
     rows, columns = log.shape
     marked = np.zeros(log.shape, dtype=np.bool_)
-    for r in range(border - 1, rows - border):
-        for c in range(border - 1, columns - border):
+    least = least_strength * least_strength
+    for r in range(border, rows - border):
+        for c in range(border, columns - border):
+            if float(down[r, c]) ** 2 + float(across[r, c]) ** 2 < least:
+                continue
             here = log[r, c]
-            for y, x in ((r + 1, c), (r, c + 1)):
+            for y, x in ((r + 1, c), (r, c + 1), (r - 1, c), (r, c - 1)):
                 there = log[y, x]
                 if (here > 0.0) == (there > 0.0):
                     continue
-                if abs(here) > abs(there):
-                    marked[y, x] = True
-                else:
+                # Of two that are as near to zero the first is marked.
+                later = y > r or x > c
+                if abs(here) < abs(there) or (later and abs(here) == abs(there)):
                     marked[r, c] = True
-    least = least_strength * least_strength
-    for r in range(rows):
-        for c in range(columns):
-            if marked[r, c]:
-                inside = border <= r < rows - border and border <= c < columns - border
-                square = float(down[r, c]) ** 2 + float(across[r, c]) ** 2
-                marked[r, c] = inside and square >= least
     return marked
 
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from analysis.errors import ShotRefusedError, counted
 from analysis.imaging.views import View
+from analysis.motion.alignment import rotation_from_directions
 from analysis.motion.pattern import (
     LEAST_COMMON,
     Orientations,
@@ -19,7 +20,6 @@ from analysis.motion.pattern import (
     orientation_covariances,
 )
 from analysis.motion.proximal import match_markers
-from analysis.motion.rotation import rotation_from_directions
 from analysis.motion.sightings import SeenMarker, sightings
 
 Floats = NDArray[np.float64]

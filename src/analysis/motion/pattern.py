@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.errors import ShotRefusedError, counted
-from analysis.motion.rotation import rotation_from_directions, rotation_matrix, rotation_vector
+from analysis.motion.alignment import nearest_within, rotation_from_directions
+from analysis.motion.rotation import rotation_matrix, rotation_vector
 
 Floats = NDArray[np.float64]
 
@@ -99,7 +100,7 @@ def orient(sightings: dict[int, Sightings], times_s: Floats, sphere: str) -> Ori
     matches: list[NDArray[np.intp]] = []
     for _ in range(ROUNDS):
         matches = [
-            _match(sightings[k].directions, pattern @ r.T, OUTLIER_ANGLE)
+            nearest_within(sightings[k].directions, pattern @ r.T, OUTLIER_ANGLE)
             for k, r in zip(frames, rotation, strict=True)
         ]
         pattern, index = average_pattern(sightings, frames, rotation, matches, len(pattern))
@@ -121,7 +122,10 @@ def orient(sightings: dict[int, Sightings], times_s: Floats, sphere: str) -> Ori
 def _first_pass(
     sightings: dict[int, Sightings], times_s: Floats, left_out: dict[int, str]
 ) -> tuple[list[int], Floats, list[Floats]]:
-    """Follow the pattern forward in time, adding markers as they come round the limb."""
+    """Follow the pattern forward in time, adding markers as they come round the limb.
+
+    Two sightings may share a marker: each view may show it.
+    """
     pattern = np.zeros((0, 3))
     frames: list[int] = []
     rotation: list[Floats] = []
@@ -134,20 +138,21 @@ def _first_pass(
             continue
         step = times_s[k] - times_s[frames[-1]]
         predicted = rotation_matrix(rate * step) @ rotation[-1]
-        match = _match(current.directions, pattern @ predicted.T, MATCH_ANGLE)
+        match = nearest_within(current.directions, pattern @ predicted.T, MATCH_ANGLE)
         for _ in range(3):
             if not _enough(match, k, left_out):
                 break
             predicted = _fit(current, pattern, match)
-            match = _match(current.directions, pattern @ predicted.T, MATCH_ANGLE)
+            match = nearest_within(current.directions, pattern @ predicted.T, MATCH_ANGLE)
         if k in left_out:
             continue
         rate = rotation_vector(predicted @ rotation[-1].T) / step
         frames.append(k)
         rotation.append(predicted)
-        separation = _angles(current.directions, pattern @ predicted.T)
-        strangers = current.directions[separation.min(axis=1) > NEW_MARKER_ANGLE]
-        pattern = np.concatenate([pattern, _distinct(strangers) @ predicted])
+        near = nearest_within(current.directions, pattern @ predicted.T, NEW_MARKER_ANGLE)
+        if (near < 0).any():
+            strangers = _distinct(current.directions[near < 0])
+            pattern = np.concatenate([pattern, strangers @ predicted])
     return frames, pattern, rotation
 
 
@@ -158,7 +163,7 @@ def _distinct(directions: Floats) -> Floats:
 
 
 def _enough(match: NDArray[np.intp], frame: int, left_out: dict[int, str]) -> bool:
-    common = np.unique(match[match >= 0]).size
+    common = len(set(match[match >= 0].tolist()))
     if common < LEAST_COMMON:
         left_out[frame] = (
             f"only {counted(common, 'marker')} in common with the frames before, "
@@ -170,16 +175,6 @@ def _enough(match: NDArray[np.intp], frame: int, left_out: dict[int, str]) -> bo
 def _angles(first: Floats, second: Floats) -> Floats:
     chord = np.linalg.norm(first[:, None, :] - second[None, :, :], axis=2)
     return np.asarray(2.0 * np.arcsin(np.clip(chord / 2.0, 0.0, 1.0)))
-
-
-def _match(directions: Floats, predicted: Floats, limit: float) -> NDArray[np.intp]:
-    """Return for each direction the nearest predicted marker, -1 beyond the limit.
-
-    Two sightings may share a marker: each view may show it.
-    """
-    angles = _angles(directions, predicted)
-    nearest = angles.argmin(axis=1)
-    return np.where(angles.min(axis=1) < limit, nearest, -1)
 
 
 def _fit(current: Sightings, pattern: Floats, match: NDArray[np.intp]) -> Floats:

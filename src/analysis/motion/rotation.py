@@ -12,32 +12,6 @@ TINY_RAD = 1e-150
 """Stands for no turn at all, where sin(angle) / angle is 1 and not 0 / 0."""
 
 
-def rotation_from_directions(
-    before: Floats, after: Floats, weights: Floats | None = None
-) -> Floats:
-    """Return the rotation R that takes `before` to `after`, by least squares over rotations.
-
-    Minimises sum_i w_i |after_i - R before_i|^2 with R orthogonal (W. Kabsch, Acta Cryst. A 34,
-    827-828 (1978), doi:10.1107/S0567739478001680). Three directions not in one plane, or two not
-    along one line, are needed.
-
-    Parameters
-    ----------
-    before, after
-        Unit vectors, shape (markers, 3).
-    weights
-        Shape (markers,); None: all alike.
-
-    Returns
-    -------
-    Shape (3, 3).
-    """
-    w = np.ones(len(before)) if weights is None else weights
-    u, _, vt = np.linalg.svd((w[:, None] * after).T @ before)
-    proper = np.diag([1.0, 1.0, np.linalg.det(u @ vt)])
-    return np.asarray(u @ proper @ vt)
-
-
 def linear_rotation(before: Floats, after: Floats) -> Floats:
     """Return the thesis's matrix: nine free elements by least squares, equations (5-27) to (5-31).
 

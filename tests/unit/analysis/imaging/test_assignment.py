@@ -1,9 +1,11 @@
 import numpy as np
 import pytest
 from drawings import SETTINGS, Place, draw, edges_of
+from numpy.typing import NDArray
 
 from analysis.errors import ShotRefusedError
 from analysis.imaging.assignment import follow, seed_frame
+from analysis.imaging.discs import vote
 from analysis.imaging.frame import FrameEdges
 from analysis.imaging.tracks import Spheres
 from analysis.imaging.views import View, view_geometries
@@ -82,10 +84,14 @@ def test_a_is_the_sphere_that_comes_from_the_left_even_where_it_ends_on_the_righ
     assert_followed(follow(film(truth), VIEWS, RADIUS, SETTINGS.sigma_px), truth)
 
 
+def votes_of(frames: list[FrameEdges]) -> list[NDArray[np.float32]]:
+    return [vote(frame.points, RADIUS, frame.shape) for frame in frames]
+
+
 def test_the_seed_is_the_frame_that_shows_both_spheres_in_both_views() -> None:
     truth = [places(k, (95.0, 110.0)) for k in range(5)]
     frames = film(truth[:2], hidden=("b",)) + film(truth[2:3]) + film(truth[3:], hidden=("a",))
-    seed, pairs = seed_frame(frames, VIEWS, RADIUS)
+    seed, pairs = seed_frame(votes_of(frames), VIEWS, RADIUS)
     assert seed == 2
     for view in View:
         for disc, name in zip(pairs[view], SPHERES, strict=True):
@@ -118,4 +124,4 @@ def test_views_whose_columns_disagree_do_not_show_the_same_spheres() -> None:
     }
     apart["b", View.TOP] = (26.0, 100.0, RADIUS)
     with pytest.raises(ShotRefusedError, match="columns of the views in agreement"):
-        seed_frame(film([apart]), VIEWS, RADIUS)
+        seed_frame(votes_of(film([apart])), VIEWS, RADIUS)

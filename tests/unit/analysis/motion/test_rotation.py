@@ -6,11 +6,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
+from analysis.motion.alignment import rotation_from_directions
 from analysis.motion.rotation import (
     axis_angle,
     linear_rotation,
     quaternion,
-    rotation_from_directions,
     rotation_matrix,
     rotation_vector,
 )
