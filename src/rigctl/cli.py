@@ -12,6 +12,7 @@ from rigctl.command_line.campaigns import campaigns
 from rigctl.command_line.challenge import challenge
 from rigctl.command_line.discs import finding
 from rigctl.command_line.effect import effect
+from rigctl.command_line.exports import exporting
 from rigctl.command_line.model import model
 from rigctl.command_line.qualify import qualify
 from rigctl.command_line.report import reporting
@@ -57,6 +58,7 @@ app.add_typer(campaigns)
 app.add_typer(analysis)
 app.add_typer(finding)
 app.add_typer(reporting)
+app.add_typer(exporting)
 app.add_typer(model, name="model", no_args_is_help=True)
 app.add_typer(effect, name="effect", no_args_is_help=True)
 app.add_typer(challenge, name="challenge", no_args_is_help=True)

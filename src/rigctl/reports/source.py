@@ -7,6 +7,7 @@ import json
 import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from datetime import datetime
 from pathlib import Path
 from typing import Any
 
@@ -57,6 +58,8 @@ class Source:
         Shots without a measurement that counts, and why.
     files
         Path and SHA-256 of all that was read, or that lies behind it.
+    fired
+        When each shot was fired, by its number, where that was noted.
     """
 
     title: str
@@ -67,6 +70,7 @@ class Source:
     listed: int
     missing: tuple[LeftOut, ...]
     files: tuple[tuple[str, str], ...]
+    fired: Mapping[int, datetime]
 
 
 def folder_source(folder: Path) -> Source:
@@ -101,6 +105,7 @@ def folder_source(folder: Path) -> Source:
         listed=len(rows),
         missing=_unmeasured(rows, data),
         files=hashes,
+        fired={row.shot: row.time for row in rows if row.time is not None},
     )
 
 
@@ -157,6 +162,11 @@ def stored_source(store: Store | StoreReader, name: str) -> Source:
             if (why := _why_missing(shot)) is not None
         ),
         files=tuple(files),
+        fired={
+            int(m["number"]): datetime.fromisoformat(m["fired_at"])
+            for m in manifests
+            if m["fired_at"] is not None
+        },
     )
 
 

@@ -1,0 +1,1 @@
+"""Campaigns in the forms of other systems: NeXus files, event-model documents."""
