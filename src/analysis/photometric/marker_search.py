@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 
 import numpy as np
@@ -84,15 +85,38 @@ def missed_markers(sights: Iterable[tuple[Sight, Stance]], known: Knowledge, sph
     return _peaks(body, darkness, often, look)
 
 
+@compiled
+def cap_means(body: Floats, darkness: Floats, often: NDArray[np.bool_], alpha: float) -> Floats:
+    """Return the mean darkness of the seen directions in a cap about each, 0 where it is not seen.
+
+    Parameters
+    ----------
+    body
+        Of `body_directions`: their third coordinate falls.
+    """
+    means = np.zeros(body.shape[0])
+    inside, first = math.cos(alpha), 0
+    for n in range(body.shape[0]):
+        while body[first, 2] - body[n, 2] > alpha:
+            first += 1
+        if not often[n]:
+            continue
+        total, count, k = 0.0, 0, first
+        while k < body.shape[0] and body[n, 2] - body[k, 2] <= alpha:
+            cosine = body[n, 0] * body[k, 0] + body[n, 1] * body[k, 1] + body[n, 2] * body[k, 2]
+            if often[k] and cosine > inside:
+                total += darkness[k]
+                count += 1
+            k += 1
+        means[n] = total / count
+    return means
+
+
 def _peaks(body: Floats, darkness: Floats, often: NDArray[np.bool_], look: Look) -> Floats:
     """Take the darkest caps one after another, away from the known markers and each other."""
     known = list(look.markers)
     found: list[Floats] = []
-    near = body @ body.T > np.cos(look.alpha)
-    seen = np.stack([np.where(often, darkness, 0.0), often]).astype(np.float32)
-    inside = near.astype(np.float32)
-    cap = (inside @ seen[0]) / np.maximum(inside @ seen[1], 1.0)
-    cap[~often] = 0.0
+    cap = cap_means(body, darkness, often, float(look.alpha))
     free = np.ones(len(body), dtype=np.bool_)
     if known:
         free &= (body @ np.array(known).T < np.cos(APART * look.alpha)).all(axis=1)
@@ -100,7 +124,7 @@ def _peaks(body: Floats, darkness: Floats, often: NDArray[np.bool_], look: Look)
         best = int(np.where(free, cap, 0.0).argmax())
         if not free[best] or cap[best] < LEAST_DARKNESS * look.darkness:
             break
-        around = near[best] & often
+        around = (body @ body[best] > np.cos(look.alpha)) & often
         direction = (np.maximum(darkness[around], 0.0)[:, None] * body[around]).sum(axis=0)
         direction /= np.linalg.norm(direction)
         found.append(direction)

@@ -28,26 +28,45 @@ Floats = NDArray[np.float64]
 ANGULAR = np.array([RADIALS[j].angular for j, _ in HARMONICS])
 SINE = np.array([sine for _, sine in HARMONICS])
 HARMONIC = np.array([j for j, _ in HARMONICS])
+BLOCK = 256
+"""Pixels whose products are added at a time."""
 COMMON = 4
 """Behind the harmonics: a shift of all frames along row and column, log radius, blur."""
 
 
 @part
-def basis(profiles: Floats, u: float, v: float, values: Floats) -> None:
-    """Fill the blurred harmonics at a point of the disc, shape (harmonics,)."""
+def basis(profiles: Floats, u: float, v: float, turns: Floats, values: Floats) -> None:
+    """Fill the blurred harmonics at a point of the disc, shape (harmonics,).
+
+    Parameters
+    ----------
+    turns
+        Room for cosines and sines, shape (2, ORDER + 1).
+    """
     rho = math.sqrt(u * u + v * v)
     place = rho * STEPS_PER_RADIUS
     i = int(place)
     t = place - i
     c, s = (u / rho, v / rho) if rho > 1e-9 else (1.0, 0.0)
-    cosines, sines = np.ones(ORDER + 1), np.zeros(ORDER + 1)
+    turns[0, 0], turns[1, 0] = 1.0, 0.0
     for m in range(1, ORDER + 1):
-        cosines[m] = cosines[m - 1] * c - sines[m - 1] * s
-        sines[m] = sines[m - 1] * c + cosines[m - 1] * s
+        turns[0, m] = turns[0, m - 1] * c - turns[1, m - 1] * s
+        turns[1, m] = turns[1, m - 1] * c + turns[0, m - 1] * s
     for h in range(HARMONIC.shape[0]):
         j = HARMONIC[h]
         value = (1 - t) * profiles[i, j] + t * profiles[i + 1, j]
-        values[h] = value * (sines[ANGULAR[h]] if SINE[h] else cosines[ANGULAR[h]])
+        values[h] = value * turns[SINE[h], ANGULAR[h]]
+
+
+@part
+def add_block(block: Floats, equations: Equations) -> None:
+    """Add the products of whitened rows, their residuals last, shape (pixels, unknowns + 1)."""
+    size = block.shape[1] - 1
+    products = np.dot(block.T, block)
+    for a in range(size):
+        equations.right[a] += products[size, a]
+        for b in range(a + 1):
+            equations.normal[a, b] += products[a, b]
 
 
 class Samples(NamedTuple):
@@ -85,7 +104,8 @@ def shading_equations(
     rows = sight.optics.rows[view]
     seen, nudged = np.zeros(LOOK), np.zeros(LOOK)
     size = HARMONIC.shape[0] + COMMON
-    row, own = np.zeros(size), np.zeros(UNKNOWNS)
+    block, turns, own = np.zeros((BLOCK, size + 1)), np.zeros((2, ORDER + 1)), np.zeros(UNKNOWNS)
+    filled = 0
     for i in range(canvas.shape[0]):
         y = corner[0] + i
         if y < rows[0] or y >= rows[1]:
@@ -106,7 +126,12 @@ def shading_equations(
             weight = biweight(residual, samples.limit) * max(left, 0.0) ** 2
             if weight == 0.0:
                 continue
-            basis(samples.profiles, u, v, row)
+            if filled == BLOCK:
+                add_block(block, equations)
+                filled = 0
+            row = block[filled]
+            filled += 1
+            basis(samples.profiles, u, v, turns, row)
             for h in range(size - COMMON):
                 row[h] *= light[1] * left
             row[size - 4], row[size - 3] = own[0], own[1]
@@ -116,8 +141,8 @@ def shading_equations(
             shade(samples.wider[0], samples.wider[1], u, v, nudged)
             there = model_pixel(nudged, cover, behind, light, darkness)
             row[size - 1] = (there - model) / NUDGE
-            for a in range(size):
-                scaled = weight * row[a] / scene.noise
-                equations.right[a] += scaled * residual
-                for b in range(a + 1):
-                    equations.normal[a, b] += scaled * row[b] / scene.noise
+            row[size] = residual * scene.noise
+            root = math.sqrt(weight) / scene.noise
+            for a in range(size + 1):
+                row[a] *= root
+    add_block(block[:filled], equations)
