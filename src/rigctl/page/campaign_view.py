@@ -12,6 +12,7 @@ from rigctl.page.desk import Desk
 from rigctl.page.impact_plots import over_incidence, over_speed
 from rigctl.page.layout import TICK_S
 from rigctl.page.model_state import Question
+from rigctl.page.quantities import INCIDENCE, REBOUND, SPEED
 from rigctl.page.readings import Impact, rows_of
 from rigctl.page.shot_table import ShotTable, latest
 from rigctl.page.source import Source
@@ -55,13 +56,13 @@ class CampaignView:
             with ui.element("div").classes("panel tall").props("data-testid=figure-7-4"):
                 self._plane()
             with ui.element("div").classes("panel"):
-                self._titled("Restitution over approach speed", "restitution")
+                self._titled("Restitution over approach speed", "restitution", SPEED)
                 self._speed = plot(over_speed([], campaign)).props("data-testid=restitution")
             with ui.element("div").classes("panel"):
-                self._titled("Tangential restitution over incidence", "tangential")
+                self._titled("Tangential restitution over incidence", "tangential", INCIDENCE)
                 self._incidence = plot(over_incidence([], campaign))
         with ui.element("div").classes("panel"):
-            self._titled("Shots", "coefficients")
+            self._titled("Shots", "coefficients", "A click opens one.")
             self._table = ShotTable(measured=True)
         ui.timer(TICK_S * 3, self._follow)
 
@@ -103,7 +104,7 @@ class CampaignView:
     def _plane(self) -> None:
         answer = self._fitted.answer
         with ui.element("div").classes("title"):
-            ui.label("Rebound of the surface")
+            ui.label("Rebound of the surface").tooltip(REBOUND)
             ui.label("figure 7.4 of the thesis").classes("aside")
             ui.space()
             if answer is not None:
@@ -130,9 +131,9 @@ class CampaignView:
         self._fitted.start()
         self._plane.refresh()
 
-    def _titled(self, title: str, name: str) -> None:
+    def _titled(self, title: str, name: str, meaning: str) -> None:
         with ui.element("div").classes("title"):
-            ui.label(title)
+            ui.label(title).tooltip(meaning)
             ui.space()
             save_csv(f"{self._campaign}-{name}", self._rows)
 

@@ -11,7 +11,7 @@ from rigctl.errors import RigError
 from rigctl.modelling import ALL_EFFECTS
 from rigctl.page.desk import Desk
 from rigctl.page.source import Source
-from rigctl.page.tables import Line, facts
+from rigctl.page.tables import Cell, Line, facts
 from rigctl.page.widgets import button
 
 FOLDER = "challenges"
@@ -105,7 +105,13 @@ class ChallengePanel:
                 for one in label.effects
             ]
             if lines:
-                facts(["hidden", "size", "unit", "what the number says"], lines)
+                headings: list[Cell | str] = [
+                    Cell("hidden", "Effect of the catalogue that was put into the shots."),
+                    Cell("size", "Of its first parameter."),
+                    "unit",
+                    "what the number says",
+                ]
+                facts(headings, lines)
             ui.label("The label is the one that was sealed when the campaign was made.").classes(
                 "note"
             )

@@ -9,12 +9,13 @@ from nicegui import ui
 
 from analysis.effects.effect import Effect
 from rigctl.modelling import ALL_EFFECTS
-from rigctl.page.quantities import CHANCE, CHI2, ERROR, PARAMETERS
+from rigctl.page.quantities import CHANCE, CHI2, ERROR, PARAMETERS, VALUE
 from rigctl.page.tables import Cell, Line, chance, facts, with_error
 from rigctl.page.widgets import save_csv
 
 Json = dict[str, Any]
 ALARM = 0.01
+PARAMETER = Cell("parameter", "What the fit is free to choose, from all shots together.")
 _EFFECTS: dict[str, Effect] = {effect.name: effect for effect in ALL_EFFECTS}
 
 
@@ -30,7 +31,7 @@ def compare(found: Json) -> None:
             ui.space()
             save_csv(f"{found['campaign']}-agreement", lambda: _rows(found))
         headings: list[Cell | str] = [
-            "quantity",
+            Cell("quantity", "What was measured and foretold; point at a line for its numbers."),
             Cell("χ²/dof", CHI2),
             Cell("error/noise", ERROR),
             Cell("error", "Root mean square error of the prediction in the quantity's unit."),
@@ -44,7 +45,7 @@ def compare(found: Json) -> None:
         ui.label(f"{count - len(fails)} of {count} quantities agree within the noise.")
         with ui.expansion("All quantities").props("dense").classes("wide"):
             facts(headings, _lines(found), "all-quantities")
-        facts(["parameter", "value ± σ", ""], _parameters(found), "parameters")
+        facts([PARAMETER, Cell("value ± σ", VALUE), ""], _parameters(found), "parameters")
 
 
 def _lines(found: Json) -> list[Line]:

@@ -10,7 +10,7 @@ from rigctl.commands.model.next import sentence, sweep_of
 from rigctl.jobs import Job
 from rigctl.page.desk import Desk
 from rigctl.page.model_state import ModelState, Question
-from rigctl.page.sweep_form import form_address
+from rigctl.page.sweep_form import form_address, shot_headings
 from rigctl.page.tables import Line, facts
 from rigctl.page.widgets import button
 
@@ -37,7 +37,9 @@ class NextShots:
     @ui.refreshable_method
     def show(self) -> None:
         """Place the question, and the answer if there is one."""
-        ui.label("Next shots").classes("title")
+        ui.label("Next shots").classes("title").tooltip(
+            "The settings within the rig's limits at which two effects foretell most differently."
+        )
         present = self._state.present
         if present is None:
             ui.label("Known once the model is fitted.").classes("note")
@@ -86,7 +88,7 @@ class NextShots:
                 )
                 for shot in answer["next_shots"]
             ]
-            facts(["pressure a, kPa", "pressure b, kPa", "offset, mm", "times"], lines, "chosen")
+            facts(shot_headings(), lines, "chosen")
             self._into_sweep(answer)
 
     def _into_sweep(self, answer: Json) -> None:

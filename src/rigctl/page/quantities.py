@@ -63,6 +63,20 @@ SETTINGS = {
     "angle_a_deg": Quantity("Tilt a", "°", "Tilt of tube a below the horizontal."),
     "angle_b_deg": Quantity("Tilt b", "°", "Tilt of tube b below the horizontal."),
 }
+VALUE = (
+    "Value with its standard error: were it measured again and again, two results of three would "
+    "lie so near the truth."
+)
+REBOUND = (
+    "Surface velocity after contact over that before, both in units of the approach speed |v_n|. "
+    "Where the spheres stick, -β₀ is the slope; where they slide, friction takes μ (1 + e) (1 + "
+    "1/K) away (section 7.1)."
+)
+SPEED = "e of each shot over |v_n|, the speed at which the spheres approach along the normal."
+INCIDENCE = (
+    "β of each shot over v_s / |v_n|: small where the spheres meet head on, large where they "
+    "graze. Dotted: β = -1, a contact without friction."
+)
 CHI2 = (
     "Sum of the squared residuals in units of their noise, by degree of freedom. 1 is what noise "
     "alone gives."

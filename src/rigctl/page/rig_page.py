@@ -122,7 +122,14 @@ def _read_when(status: RigStatus, limits: Limits) -> str:
 
 def _interlock_table(status: RigStatus) -> str:
     lines = [_interlock(each, status.read_at) for each in status.interlocks]
-    return facts_html(["condition", "found", Cell("age", "since it was read")], lines)
+    return facts_html(
+        [
+            Cell("condition", "Each must hold before a fire; point at one for its limit."),
+            Cell("found", "What was read, beside what is asked for."),
+            Cell("age", "Time since it was read."),
+        ],
+        lines,
+    )
 
 
 def _interlock(found: Interlock, now: float) -> Line:

@@ -11,8 +11,8 @@ from rigctl.errors import NotFoundError, RigError
 from rigctl.page.desk import Desk
 from rigctl.page.overlay import Overlays
 from rigctl.page.player import Player
-from rigctl.page.quantities import COEFFICIENTS
-from rigctl.page.tables import facts, measured
+from rigctl.page.quantities import COEFFICIENTS, VALUE
+from rigctl.page.tables import Cell, facts, measured
 from rigctl.store import ShotRecord, ShotState
 
 Json = Mapping[str, Any]
@@ -65,7 +65,12 @@ def coefficients(shot: ShotRecord, result: Json) -> None:
     """Place the table of coefficients, or say what is waited for or why there are none."""
     if result.get("status") == "measured":
         lines = [measured(COEFFICIENTS[name], result[name]) for name in COEFFICIENTS]
-        facts(["quantity", "value ± σ", ""], lines, "coefficients")
+        headings: list[Cell | str] = [
+            Cell("quantity", "Definitions: point at each."),
+            Cell("value ± σ", VALUE),
+            "",
+        ]
+        facts(headings, lines, "coefficients")
         return
     if why := refusal(shot, result):
         with ui.element("div").classes("verdict bad").props("data-testid=refusal"):

@@ -25,12 +25,20 @@ from rigctl.sweeps.plan import plan_of, require_possible
 Json = dict[str, Any]
 MOST_LEVELS = 50
 MOST_REPEATS = 100
+LISTED = ("pressure_a_kpa", "pressure_b_kpa", "offset_mm")
 REPEAT = Quantity("Repeats", "", "How often all is fired.")
 
 
 def form_address(proposed: Sweep) -> str:
     """Return where the page offers these shots: nothing is fired before somebody starts them."""
     return f"/sweeps?form={quote(proposed.model_dump_json(exclude_defaults=True))}"
+
+
+def shot_headings() -> list[Cell]:
+    """Return the headings of a table of listed shots."""
+    about = [SETTINGS[name] for name in LISTED]
+    headings = [Cell(f"{one.name}, {one.unit}", one.meaning) for one in about]
+    return [*headings, Cell("times", "How often it is fired.")]
 
 
 class SweepForm:
@@ -134,14 +142,11 @@ def _proposed(text: str) -> Sweep | None:
 def _listed(proposed: Sweep) -> None:
     """Place the shots of a proposal; they are fired as they stand."""
     ui.label(f"Proposed: {proposed.note or 'listed shots'}.").classes("note")
-    names = ("pressure_a_kpa", "pressure_b_kpa", "offset_mm")
-    about = [SETTINGS[name] for name in names]
-    headings = [Cell(f"{one.name}, {one.unit}", one.meaning) for one in about]
     lines = [
-        Line([*(f"{getattr(shot, name):g}" for name in names), str(shot.repeat)])
+        Line([*(f"{getattr(shot, name):g}" for name in LISTED), str(shot.repeat)])
         for shot in proposed.shots
     ]
-    facts([*headings, Cell("times", "How often it is fired.")], lines, "proposed")
+    facts(shot_headings(), lines, "proposed")
     ui.link("build a grid instead", "/sweeps").classes("note")
 
 

@@ -10,6 +10,7 @@ from nicegui import run, ui
 from rigctl.page.desk import Desk
 from rigctl.page.impact_plots import over_incidence, over_speed
 from rigctl.page.layout import TICK_S
+from rigctl.page.quantities import INCIDENCE, SPEED
 from rigctl.page.readings import Impact, rows_of
 from rigctl.page.sweep_orders import bar, how_far, orders
 from rigctl.page.sweep_plots import progress
@@ -46,10 +47,10 @@ class SweepView:
                 ui.label("Where it is").classes("title")
                 self._plane = plot(progress({}, self._limits))
             with ui.element("div").classes("panel"):
-                self._titled("Restitution over approach speed", "restitution")
+                self._titled("Restitution over approach speed", "restitution", SPEED)
                 self._speed = plot(over_speed([], sweep)).props("data-testid=grows")
             with ui.element("div").classes("panel"):
-                self._titled("Tangential restitution over incidence", "tangential")
+                self._titled("Tangential restitution over incidence", "tangential", INCIDENCE)
                 self._incidence = plot(over_incidence([], sweep))
         with ui.element("div").classes("panel"):
             ui.label("Steps").classes("title")
@@ -114,8 +115,8 @@ class SweepView:
             bar(status)
             ui.label(record.reason).classes("note")
 
-    def _titled(self, title: str, name: str) -> None:
+    def _titled(self, title: str, name: str, meaning: str) -> None:
         with ui.element("div").classes("title"):
-            ui.label(title)
+            ui.label(title).tooltip(meaning)
             ui.space()
             save_csv(f"{self._sweep}-{name}", lambda: rows_of(self._now.impacts))

@@ -1,0 +1,265 @@
+"""How fast the page is, and what it costs the rig: python -m benchmarks.page.
+
+A daemon of its own with the simulated rig, Chromium in front of it. Everything runs on one host, so
+that five browsers take their processor time from the daemon as well. Prints each number beside what
+is asked, writes out/page.json, and ends 1 where one is missed.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import shutil
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+import uuid
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass
+from datetime import datetime
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote, urlsplit
+
+import httpx
+from playwright.sync_api import Browser, Page, sync_playwright
+
+OUT = Path("out/page.json")
+KEY = "a-key-for-the-benchmark"
+RIGCTL = Path(sys.executable).with_name("rigctl")
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
+SWITCHES = [
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+]
+SETTINGS = {"pressure_a_kpa": 40.0, "pressure_b_kpa": 40.0, "offset_mm": 6.0}
+BROWSERS = 5
+OPENINGS = 5
+LONG_S = 120.0
+ADDED = "contact-time"
+WATCH = """() => {
+  const chip = document.querySelector('[data-testid=state]');
+  window.changes = [];
+  new MutationObserver(() => window.changes.push([Date.now(), chip.innerText]))
+    .observe(chip, {childList: true, characterData: true, subtree: true});
+}"""
+
+
+@dataclass(frozen=True, slots=True)
+class Number:
+    """One number beside what is asked of it; `asked` is None where nothing is."""
+
+    what: str
+    value: float
+    unit: str
+    asked: float | None = None
+
+    @property
+    def met(self) -> bool:
+        return self.asked is None or self.value <= self.asked
+
+    def line(self) -> str:
+        asked = "" if self.asked is None else f"at most {self.asked:g} {self.unit}"
+        mark = "" if self.met else "  MISSED"
+        return f"{self.what:<66} {self.value:9.3g} {self.unit:<3} {asked}{mark}"
+
+
+@dataclass(frozen=True, slots=True)
+class Served:
+    """A daemon: its address, and its REST."""
+
+    url: str
+    rest: httpx.Client
+
+    def fire(self) -> float:
+        """Fire one shot, wait for its end, and return how long the fire request took, s."""
+        token = self.rest.post("/api/v1/rig/arm", json=SETTINGS).raise_for_status().json()
+        body = {"arm_token": token["arm_token"]}
+        began = time.perf_counter()
+        fired = self.rest.post(
+            "/api/v1/shots", json=body, headers={"Idempotency-Key": uuid.uuid4().hex}
+        )
+        took = time.perf_counter() - began
+        fired.raise_for_status()
+        until = time.monotonic() + LONG_S
+        while self.rest.get("/api/v1/rig").json()["state"] != "idle":
+            if time.monotonic() > until:
+                raise TimeoutError(f"the shot did not end in {LONG_S:g} s")
+            time.sleep(0.05)
+        return took
+
+    def job(self) -> dict[str, Any]:
+        """Return the job that was submitted last."""
+        jobs: list[dict[str, Any]] = self.rest.get("/api/v1/jobs").json()["jobs"]
+        return jobs[-1]
+
+
+@contextmanager
+def served(folder: Path) -> Iterator[Served]:
+    """Run a daemon for the time of the block."""
+    process = subprocess.Popen(
+        [str(RIGCTL), "serve", "--port", "0"],
+        cwd=folder,
+        env={**os.environ, "RIGCTL_KEY": KEY},
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    try:
+        if process.stdout is None:
+            raise RuntimeError("the daemon has no standard output")
+        printed = process.stdout.readline()
+        url = printed.split(" at ")[1].partition("/?key=")[0].strip()
+        bearer = {"Authorization": f"Bearer {KEY}"}
+        with httpx.Client(base_url=url, headers=bearer, timeout=LONG_S) as rest:
+            yield Served(url, rest)
+    finally:
+        process.terminate()
+        process.communicate(timeout=60)
+
+
+def opened(browser: Browser, url: str, asked: list[str]) -> tuple[Page, float]:
+    """Open the page as one who never was there; return it, and when it could be used, s."""
+    page = browser.new_context(viewport={"width": 1280, "height": 800}).new_page()
+    page.set_default_timeout(1e3 * LONG_S)
+    page.on("request", lambda request: asked.append(request.url))
+    began = time.perf_counter()
+    page.goto(f"{url}/?key={KEY}", wait_until="commit")
+    page.wait_for_function("window.did_handshake && document.querySelector('[data-testid=arm]')")
+    return page, time.perf_counter() - began
+
+
+def first_page(browser: Browser, daemon: Served) -> list[Number]:
+    asked: list[str] = []
+    times = []
+    for _ in range(OPENINGS):
+        page, took = opened(browser, daemon.url, asked)
+        times.append(took)
+        page.context.close()
+    foreign = [
+        url
+        for url in asked
+        if urlsplit(url).scheme in {"http", "https", "ws", "wss"}
+        and urlsplit(url).hostname != "127.0.0.1"
+    ]
+    return [
+        Number("first page until it can be used, median", statistics.median(times), "s", 2.0),
+        Number("first page until it can be used, longest", max(times), "s"),
+        Number(f"requests beyond loopback, of {len(asked)}", len(foreign), "", 0),
+    ]
+
+
+def fire_delay(browser: Browser, daemon: Served, shots: int) -> list[Number]:
+    """Compare fire requests with and without browsers that follow the rig ten times a second."""
+    daemon.fire()
+    alone, watched, shown = [], [], []
+    for _ in range(2):
+        alone += [daemon.fire() for _ in range(shots // 2)]
+        pages = [opened(browser, daemon.url, [])[0] for _ in range(BROWSERS)]
+        watched += [daemon.fire() for _ in range(shots // 2)]
+        shown += [latency(page, daemon) for page in pages]
+        for page in pages:
+            page.context.close()
+    extra = statistics.median(watched) - statistics.median(alone)
+    return [
+        Number(f"fire request alone, median of {len(alone)}", 1e3 * statistics.median(alone), "ms"),
+        Number("fire request alone, longest", 1e3 * max(alone), "ms"),
+        Number(
+            f"fire request with {BROWSERS} browsers, median of {len(watched)}",
+            1e3 * statistics.median(watched),
+            "ms",
+        ),
+        Number(f"fire request with {BROWSERS} browsers, longest", 1e3 * max(watched), "ms"),
+        Number("delay of a fire request by browsers, medians", 1e3 * extra, "ms", 10.0),
+        Number("state shown after it changed, median", 1e3 * statistics.median(shown), "ms", 200.0),
+    ]
+
+
+def latency(page: Page, daemon: Served) -> float:
+    """Return how long after a stop the page shows it, s."""
+    page.evaluate(WATCH)
+    began = time.time()
+    daemon.rest.post("/api/v1/rig/estop", json={"reason": "the benchmark"}).raise_for_status()
+    page.wait_for_function("window.changes.length > 0")
+    at = page.evaluate("window.changes[0][0]") / 1e3
+    daemon.rest.post("/api/v1/rig/release", json={"reason": "the benchmark"}).raise_for_status()
+    page.get_by_text("idle", exact=True).wait_for()
+    return float(at - began)
+
+
+def model_page(browser: Browser, daemon: Served, folder: Path) -> list[Number]:
+    """Open the model of a large campaign unknown and known, and add an effect."""
+    address = f"{daemon.url}/model?folder={quote(str(folder))}"
+    page, _ = opened(browser, daemon.url, [])
+    reacts = _until(page, address, "window.did_handshake && document.querySelector('.busy')")
+    drawn = "document.querySelectorAll('[data-testid=heat-map] .main-svg').length > 0"
+    page.wait_for_function(drawn)
+    fitted = _lasted(daemon.job())
+    known = _until(page, address, drawn)
+    began = time.perf_counter()
+    page.get_by_test_id(f"add-{ADDED}").click()
+    page.wait_for_function(
+        f"document.querySelector('[data-testid=verdict]').innerText.includes('With {ADDED}')"
+    )
+    page.wait_for_function(drawn)
+    redrawn = time.perf_counter() - began - _lasted(daemon.job())
+    return [
+        Number("model page of 1000 shots reacts, nothing fitted yet", reacts, "s", 3.0),
+        Number("  its fit, agreement, structure and ranking", fitted, "s"),
+        Number("model page of 1000 shots drawn, fit known", known, "s", 3.0),
+        Number("effect added: redrawn after the fit's own time", redrawn, "s", 0.5),
+    ]
+
+
+def _until(page: Page, address: str, condition: str) -> float:
+    began = time.perf_counter()
+    page.goto(address, wait_until="commit")
+    page.wait_for_function(condition)
+    return time.perf_counter() - began
+
+
+def _lasted(job: dict[str, Any]) -> float:
+    """Return how long a job ran, s."""
+    began, ended = (datetime.fromisoformat(job[name]) for name in ("started_at", "ended_at"))
+    return float((ended - began).total_seconds())
+
+
+def told(found: list[Number]) -> list[Number]:
+    for number in found:
+        print(number.line(), flush=True)
+    return found
+
+
+def main() -> int:
+    """Measure, print, write."""
+    asked = argparse.ArgumentParser(description=__doc__.splitlines()[0])  # type: ignore[union-attr]
+    asked.add_argument("--fires", type=int, default=20, help="with browsers, and as many without")
+    asked.add_argument("--shots", type=int, default=1000, help="of the large campaign")
+    asked.add_argument("--out", type=Path, default=OUT)
+    options = asked.parse_args()
+    with tempfile.TemporaryDirectory() as name, sync_playwright() as playwright:
+        folder = Path(name)
+        large = folder / "large"
+        made = [str(RIGCTL), "challenge", "new", str(large), "--shots", str(options.shots)]
+        subprocess.run([*made, "--seed", "4"], check=True, capture_output=True)
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=SWITCHES)
+        with served(folder) as daemon:
+            found = told(first_page(browser, daemon))
+            found += told(fire_delay(browser, daemon, options.fires))
+            found += told(model_page(browser, daemon, large))
+        browser.close()
+    options.out.parent.mkdir(parents=True, exist_ok=True)
+    options.out.write_text(json.dumps([asdict(number) for number in found], indent=1) + "\n")
+    return 0 if all(number.met for number in found) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
