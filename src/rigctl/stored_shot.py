@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from dataclasses import replace
+from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -22,6 +24,9 @@ if TYPE_CHECKING:
     from analysis.photometric.appearance import Knowledge
 
 Json = dict[str, Any]
+Floats = NDArray[np.float64]
+Measure = Callable[[NDArray[np.uint8], Floats, Setup, AnalysisOptions], MeasuredShot | RefusedShot]
+
 KEPT_SETUPS = 4
 _LEARNED: dict[Setup, Knowledge] = {}
 """Of the set-ups analysed last in this process, which lives as long as the daemon."""
@@ -37,10 +42,46 @@ def analyse_stored_shot(folder: Path, method: str) -> Json:
     The result document (commands.md) with the shot's name, the method, the frame rate and,
     when it was measured, the poses of both spheres and what to draw over each frame.
     """
+    return _result(folder, method, measured)
+
+
+def analyse_stored_shot_as_taught(folder: Path, method: str, known: Knowledge | None) -> Json:
+    """Analyse as `analyse_stored_shot`, with nothing but what is handed over.
+
+    The same shot, method and knowledge give the same result, in whatever process and order.
+    """
+
+    def measure(
+        frames: NDArray[np.uint8], times_s: Floats, setup: Setup, options: AnalysisOptions
+    ) -> MeasuredShot | RefusedShot:
+        return analyse_shot(frames, times_s, setup, options, known)
+
+    return _result(folder, method, measure)
+
+
+def read_stored_shot(folder: Path) -> tuple[NDArray[np.uint8], Floats, Setup]:
+    """Return a shot's frames, their times in s from the first, and the set-up they were taken in.
+
+    Raises
+    ------
+    ValueError, OSError, KeyError
+        They cannot be read.
+    """
+    manifest = json.loads((folder / "manifest.json").read_bytes())
+    times_s = np.array(manifest["frames"]["times_s"])
+    return (
+        read_pixels(folder / manifest["frames"]["file"]),
+        times_s - times_s[:1],
+        setup_of(manifest),
+    )
+
+
+def _result(folder: Path, method: str, measure: Measure) -> Json:
     manifest = json.loads((folder / "manifest.json").read_bytes())
     about: Json = {
         "shot": manifest["shot"],
         "method": method,
+        "version": version("rigctl"),
         "frame_rate_hz": manifest["picture_rate_hz"],
     }
     if any("plate" in body for body in manifest["spheres"]):
@@ -49,7 +90,7 @@ def analyse_stored_shot(folder: Path, method: str) -> Json:
     frames = read_pixels(folder / manifest["frames"]["file"])
     times_s = np.array(manifest["frames"]["times_s"])
     options = AnalysisOptions(method="photometric" if method == "photometric" else "thesis")
-    shot = measured(frames, times_s - times_s[:1], _exposed(manifest), options)
+    shot = measure(frames, times_s - times_s[:1], _exposed(manifest), options)
     document = {**about, **shot_document(shot)}
     if isinstance(shot, MeasuredShot):
         document["poses"] = poses_document(measured_poses(shot))

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from rigctl.command_line.analysis import Method
 from rigctl.command_line.options import Config, Json
 
 campaigns = typer.Typer()
@@ -40,3 +41,24 @@ def export(
     from rigctl.commands.exchange import export_folder
 
     export_folder(campaign, folder, config, as_json=json)
+
+
+@campaigns.command()
+def reanalyse(
+    campaign: Campaign,
+    *,
+    method: Annotated[Method, typer.Option(help="How images are measured.")] = Method.PHOTOMETRIC,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(help="Address of a Dask scheduler; without it processes of this host."),
+    ] = None,
+    workers: Annotated[
+        int | None, typer.Option(min=1, max=256, help="Processes; default: one a processor.")
+    ] = None,
+    config: Config = None,
+    json: Json = False,
+) -> None:
+    """Analyse a stored campaign once more; results are added beside those there are."""
+    from rigctl.commands.reanalyse import reanalyse as run
+
+    run(campaign, method.value, config, scheduler=scheduler, workers=workers, as_json=json)

@@ -1,0 +1,64 @@
+"""The same campaign on a process pool and on a Dask cluster: the same results, to the bit."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+
+from rigctl.commands.challenge import new
+from rigctl.exchange import import_campaign, read_contents
+from rigctl.reanalysis import pool, reanalyse_campaign
+from rigctl.store import Store
+
+distributed = pytest.importorskip("distributed")
+pytestmark = [
+    pytest.mark.long,
+    pytest.mark.timeout(600),
+    # What the cluster's own loop warns of at its end says nothing of the shots.
+    pytest.mark.filterwarnings("default"),
+]
+
+
+def silent(_text: str, _share: float | None) -> None:
+    """Say nothing."""
+
+
+@pytest.fixture(scope="module")
+def store(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Store]:
+    folder = tmp_path_factory.mktemp("cluster")
+    new(folder / "nylon", seed=5, strength="full", shots=4, from_frames=True)
+    with closing(Store(folder / "data")) as opened:
+        contents = read_contents(folder / "nylon", silent)
+        import_campaign(opened, contents, "anna", name="nylon", say=silent)
+        yield opened
+
+
+@pytest.fixture(scope="module")
+def scheduler() -> Iterator[str]:
+    cluster = distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, dashboard_address=None, host="127.0.0.1"
+    )
+    with cluster:
+        yield str(cluster.scheduler_address)
+
+
+def results(store: Store, number: int) -> list[bytes]:
+    folders = [store.folders.folder(shot.id) for shot in store.shots(campaign="nylon")]
+    return [(Path(folder) / f"result-{number:04d}.json").read_bytes() for folder in folders]
+
+
+@pytest.mark.parametrize("method", ["thesis", "photometric"])
+def test_a_cluster_gives_the_results_of_this_host_to_the_bit(
+    store: Store, scheduler: str, method: str
+) -> None:
+    known = store.shots(campaign="nylon")[0].results
+    for address in (None, scheduler):
+        with pool(address, workers=2) as executor:
+            outcomes = reanalyse_campaign(store, "nylon", method, executor, silent)
+        assert [outcome.failure for outcome in outcomes] == [None] * 4
+    here, there = results(store, known + 1), results(store, known + 2)
+    assert here == there
+    assert all(b'"poses"' in result for result in here)
