@@ -28,10 +28,10 @@ Floats = NDArray[np.float64]
 
 MOST_FRAMES = 10
 """Of a film: more tell little more of the spheres, and learning takes as much longer."""
-LIMITS = (60.0, 30.0, 15.0, 8.0, 6.0, 6.0, 6.0, 6.0)
+LIMITS = (60.0, 30.0, 15.0, 8.0, 6.0, 6.0)
 FINISH_LIMITS = np.array([40.0, 15.0, 6.0])
 SEARCH_ROUNDS = (1, 2, 3)
-BUNDLE_FROM = 1
+SHARED_ROUNDS = (1, 3, 5)
 RELIEF_FROM = 2
 UNLIMITED = 1e3
 TOGETHER_LIMITS = (15.0, 8.0, 6.0, 6.0)
@@ -61,7 +61,7 @@ def learn(film: Film, start: Knowledge, *, hold_scale: bool) -> Knowledge:
             known = with_missed([few], known)
         if turn >= RELIEF_FROM:
             known = with_reliefs([few], known, limit)
-        if turn >= BUNDLE_FROM:
+        if turn in SHARED_ROUNDS:
             known = with_shared([few], known, limit)
         fit_film(few, known, np.full(2, limit))
     film.rescale(start.camera.optics, known.camera.optics.scales)
