@@ -1,0 +1,139 @@
+"""The rig as a device: set to a step it arms, triggered it fires that step once, read it tells."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from bluesky.protocols import Hints, Movable, Readable, Reading, Stageable, Status, Triggerable
+from event_model import DataKey
+
+from rigctl.bluesky_devices.readings import described, read_of
+from rigctl.bluesky_devices.status import WorkStatus
+from rigctl.bluesky_devices.step import Progress, Step
+from rigctl.commands.shot import Operable, measured
+from rigctl.errors import FireOutcomeUnknownError, RefusedError
+
+WAIT_S = 120.0
+"""Longest wait for the measurement of a shot."""
+
+
+class Rig(Readable[Any], Movable[Step], Triggerable, Stageable):
+    """The rig behind a daemon.
+
+    A step that has been fired is never fired again, however often a run engine hands it over: not
+    when it rewinds, and not when the daemon's answer was lost. It cannot be stopped by the run
+    engine; the emergency stop is the daemon's own. A rig that was armed and is not fired disarms
+    itself when its token expires.
+
+    Parameters
+    ----------
+    client
+        A daemon (`rigctl.commands.client.connected`), or a rig in this process.
+    name
+        Stands before the name of every reading.
+    campaign
+        That the shots belong to.
+    wait_s
+        Longest wait for the measurement of a shot, s.
+    clock, pause
+        For that wait.
+    """
+
+    parent = None
+
+    def __init__(
+        self,
+        client: Operable,
+        *,
+        name: str = "rig",
+        campaign: str | None = None,
+        wait_s: float = WAIT_S,
+        clock: Callable[[], float] = time.monotonic,
+        pause: Callable[[float], None] = time.sleep,
+    ) -> None:
+        self._client, self._name, self._campaign = client, name, campaign
+        self._wait_s, self._clock, self._pause = wait_s, clock, pause
+        # One act at a time; what is under way in a thread is not overtaken.
+        self._lock = threading.Lock()
+        self._progress: dict[str, Progress] = {}
+        self._step: Step | None = None
+        self._last: Mapping[str, Any] | None = None
+
+    @property
+    def name(self) -> str:
+        """The device's name."""
+        return self._name
+
+    @property
+    def hints(self) -> Hints:
+        """What is worth looking at."""
+        return {"fields": [f"{self._name}_e"]}
+
+    def stage(self) -> list[Any]:
+        """Forget the last reading; the rig itself is armed for each step."""
+        self._last = None
+        return [self]
+
+    def unstage(self) -> list[Any]:
+        """Do nothing: a rig that is not fired disarms itself."""
+        return [self]
+
+    def set(self, value: Step) -> Status:
+        """Arm the rig for a step; one that was fired already is left alone."""
+        return WorkStatus(f"arm {self._name}", lambda: self._arm(value))
+
+    def trigger(self) -> Status:
+        """Fire the step that was set, once, and wait for its measurement."""
+        return WorkStatus(f"fire {self._name}", self._fire)
+
+    def read(self) -> dict[str, Reading[Any]]:
+        """Return the shot that was fired last.
+
+        Raises
+        ------
+        RefusedError
+            Nothing was fired.
+        """
+        if self._last is None:
+            raise RefusedError("nothing was fired", part=self._name, todo="trigger it first")
+        return read_of(self._name, self._last)
+
+    def describe(self) -> dict[str, DataKey]:
+        """Return the data keys of `read`."""
+        return described(self._name)
+
+    def _arm(self, step: Step) -> None:
+        with self._lock:
+            progress = self._progress.setdefault(step.key, Progress())
+            self._step = step
+            if not progress.sent:
+                progress.token = self._client.arm(step.settings)
+
+    def _fire(self) -> None:
+        with self._lock:
+            shot = self._fired_once()
+            self._last = measured(
+                self._client, shot, self._wait_s, clock=self._clock, pause=self._pause
+            )
+
+    def _fired_once(self) -> str:
+        """Return the shot of the step that was set, and fire it if that was never tried."""
+        if self._step is None:
+            raise RefusedError("no step was set", part=self._name, todo="set it first")
+        progress = self._progress[self._step.key]
+        if progress.shot is not None:
+            return progress.shot
+        if progress.sent:
+            raise FireOutcomeUnknownError(
+                "the fire command was sent and its answer lost; it is not sent again",
+                part=self._name,
+                todo="look at the daemon's list of shots",
+            )
+        if progress.token is None:
+            raise RefusedError("is not armed", part=self._name, todo="set it to a fresh step")
+        progress.sent = True
+        progress.shot = self._client.fire(progress.token, self._step.key, self._campaign)
+        return progress.shot
