@@ -12,7 +12,6 @@ from typing import Any
 import pytest
 
 pytest.importorskip("bluesky")
-pytestmark = pytest.mark.long
 
 import event_model
 from bluesky import RunEngine
@@ -21,6 +20,8 @@ from bluesky.utils import RunEngineInterrupted
 from rigctl.bluesky_devices import Rig, fire_once
 from rigctl.commands.client import connected
 from rigctl.settings import ShotSettings
+
+pytestmark = pytest.mark.long
 
 SETTINGS = ShotSettings(pressure_a_kpa=60, pressure_b_kpa=60, offset_mm=6)
 WAIT_S = 60.0
