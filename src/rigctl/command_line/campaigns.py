@@ -62,3 +62,31 @@ def reanalyse(
     from rigctl.commands.reanalyse import reanalyse as run
 
     run(campaign, method.value, config, scheduler=scheduler, workers=workers, as_json=json)
+
+
+@campaigns.command()
+def verify(
+    campaign: Annotated[
+        str | None, typer.Argument(help="Only its shots; without it everything.")
+    ] = None,
+    *,
+    config: Config = None,
+    json: Json = False,
+) -> None:
+    """Compare all that is stored with its digests."""
+    from rigctl.commands.keeping import verify as run
+
+    run(campaign, config, as_json=json)
+
+
+@campaigns.command()
+def backup(
+    folder: Annotated[Path, typer.Argument(help="Folder that is not there yet.")],
+    *,
+    config: Config = None,
+    json: Json = False,
+) -> None:
+    """Copy the store, while a daemon fires or none does, and verify the copy."""
+    from rigctl.commands.keeping import backup as run
+
+    run(folder, config, as_json=json)

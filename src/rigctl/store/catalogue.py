@@ -29,6 +29,7 @@ class Change:
     failure: str | None = None
     failure_code: str | None = None
     results: int | None = None
+    manifest: str | None = None
 
 
 class Catalogue:
@@ -92,6 +93,9 @@ class Catalogue:
             if to is ShotState.ANALYSING:
                 # What an earlier analysis could not do says nothing of this one.
                 known |= {"failure": None, "failure_code": None}
+            if present.manifest is not None:
+                # What was stored first is what is to be found later.
+                known.pop("manifest", None)
             if to not in RUNNING and present.outcome is None:
                 known["outcome"] = to
             statement = update(shots).where(shots.c.id == shot).values(state=to, **known)
@@ -160,6 +164,11 @@ class Catalogue:
             if after is not None:
                 query = query.where(shots.c.number > one(connection, after).number)
             return records(connection, query)
+
+    def count(self) -> int:
+        """Return how many shots there are."""
+        with self._database.reading() as connection:
+            return int(connection.execute(select(func.count()).select_from(shots)).scalar_one())
 
     def last(self) -> ShotRecord | None:
         """Return the shot accepted last, or None."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sqlite3
 import threading
 import time
@@ -122,6 +123,26 @@ class Database:
             connection.exec_driver_sql(
                 "INSERT OR REPLACE INTO probe (id, monotonic_s) VALUES (1, ?)", (time.monotonic(),)
             )
+
+    def copy_to(self, path: Path) -> None:
+        """Copy the catalogue as it is at one moment into a file that is not there.
+
+        Nobody waits for it: in write-ahead mode a reader holds up no writer.
+
+        Raises
+        ------
+        StoreError
+            The catalogue cannot be read, or the copy not be written.
+        """
+        with self._in_words(), self._engine.connect() as connection:
+            source: Any = connection.connection.driver_connection
+            target = sqlite3.connect(path)
+            try:
+                source.backup(target)
+            finally:
+                target.close()
+        with path.open("rb") as file:
+            os.fsync(file.fileno())
 
     def close(self) -> None:
         """Close every connection. Safe to call twice."""

@@ -78,6 +78,24 @@ class ShotFolders:
             document: dict[str, Any] = json.loads(path.read_bytes())
         return document
 
+    def days(self) -> list[Path]:
+        """Return the folders in which shots lie, those of imports among them."""
+        if not self._shots.is_dir():
+            return []
+        return sorted(p for p in self._shots.iterdir() if p.is_dir() and p.name[0] != ".")
+
+    def digest(self, shot: str) -> str | None:
+        """Return the SHA-256 of a shot's manifest; None where there is none."""
+        path = self.folder(shot) / "manifest.json"
+        try:
+            return sha256(path)
+        except FileNotFoundError:
+            return None
+
+    def results(self, shot: str) -> list[Path]:
+        """Return the files of a shot's results, in order."""
+        return _results(self.folder(shot))
+
     def frames(self, shot: str) -> FrameSequence:
         """Return a shot's frames, as they came from the source.
 

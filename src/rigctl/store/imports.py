@@ -215,6 +215,7 @@ def _row(stage: Stage, shot: ImportedShot) -> dict[str, object]:
         "results": int(shot.state is ShotState.ANALYSED),
         "excluded": shot.excluded,
         "imported_as": shot.number,
+        "manifest": sha256(stage.path / stage.shot(shot.number) / "manifest.json"),
     }
 
 

@@ -21,6 +21,8 @@ from rigctl.store.journal import Journal
 class StoreReader:
     """What can be read of a store without owning it."""
 
+    folder: Path
+    database: Database
     campaigns: Campaigns
     catalogue: Catalogue
     folders: ShotFolders
@@ -51,6 +53,8 @@ def reading(folder: Path) -> Iterator[StoreReader]:
     database = Database(catalogue, writable=False)
     try:
         yield StoreReader(
+            root,
+            database,
             Campaigns(database),
             Catalogue(database),
             ShotFolders(root),

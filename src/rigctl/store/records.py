@@ -51,6 +51,9 @@ class ShotRecord:
         Words a person gave it, in alphabetical order.
     imported_as
         Its number in the exchange folder it came from; None: it was fired here.
+    manifest
+        SHA-256 of its manifest, which holds that of its frames; None: no frames are stored, or
+        they were before this was noted.
     """
 
     id: str
@@ -75,6 +78,7 @@ class ShotRecord:
     excluded: str | None = None
     tags: tuple[str, ...] = ()
     imported_as: int | None = None
+    manifest: str | None = None
 
     @property
     def ordered(self) -> ShotSettings:

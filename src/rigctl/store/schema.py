@@ -54,6 +54,7 @@ shots = Table(
     Column("results", Integer, nullable=False, server_default="0"),
     Column("excluded", Text),
     Column("imported_as", Integer),
+    Column("manifest", Text),
     _one_of("state", ShotState),
     _one_of("fired", Fired),
     Index("ix_shots_state", "state", "number"),

@@ -61,6 +61,7 @@ def _record(row: Row[Any], tags: tuple[str, ...]) -> ShotRecord:
         excluded=row.excluded,
         tags=tags,
         imported_as=row.imported_as,
+        manifest=row.manifest,
     )
 
 

@@ -7,6 +7,7 @@ import fcntl
 import os
 import shutil
 from collections.abc import Callable, Collection
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -95,7 +96,12 @@ class Store:
         return record, known
 
     def move(self, shot: str, to: ShotState, change: Change | None = None) -> ShotRecord:
-        """Give a shot its next state, durably; as `Catalogue.move`. Listeners are told."""
+        """Give a shot its next state, durably; as `Catalogue.move`. Listeners are told.
+
+        With `stored` the digest of its manifest goes into the catalogue.
+        """
+        if to is ShotState.STORED:
+            change = replace(change or Change(), manifest=self.folders.digest(shot))
         return self._told(self.catalogue.move(shot, to, change))
 
     def shot(self, shot: str) -> ShotRecord:

@@ -127,3 +127,20 @@ def test_a_folder_that_cannot_be_read_makes_no_store(folder: Path, ask: Answer) 
 def test_where_nothing_was_fired_there_are_no_shots(ask: Answer, folder: Path) -> None:
     code, said = ask("shots", "list")
     assert (code, "holds no shots" in said) == (NOT_FOUND, True)
+
+
+def test_the_store_is_verified_and_backed_up(folder: Path, ask: Answer, tmp_path: Path) -> None:
+    run(["import", str(folder)])
+    code, found = ask("verify", "--json")
+    assert (code, found["shots"], found["faults"]) == (0, 2, [])
+    code, found = ask("backup", "copy", "--json")
+    assert (code, found["shots"], found["folder"]) == (0, 2, "copy")
+    code, said = ask("backup", "copy")
+    assert (code, "is there already" in said) == (BAD_INPUT, True)
+    kept = tmp_path / "data" / "shots" / "i0001" / "folder" / "impacts.csv"
+    kept.write_text(kept.read_text() + "\n")
+    code, said = ask("verify")
+    assert (code, "not what was stored" in said) == (REFUSED, True)
+    code, said = ask("backup", "another")
+    assert (code, "impacts.csv" in said) == (REFUSED, True)
+    assert not (tmp_path / "another").exists()

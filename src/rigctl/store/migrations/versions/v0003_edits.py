@@ -11,6 +11,7 @@ def upgrade() -> None:
     """Add them, and the indexes that a filtered page of a large catalogue needs."""
     op.add_column("shots", sa.Column("excluded", sa.Text))
     op.add_column("shots", sa.Column("imported_as", sa.Integer))
+    op.add_column("shots", sa.Column("manifest", sa.Text))
     op.drop_index("ix_shots_state", "shots")
     op.drop_index("ix_shots_campaign", "shots")
     op.create_index("ix_shots_state", "shots", ["state", "number"])

@@ -1,0 +1,67 @@
+"""`rigctl verify` and `rigctl backup`: is everything there, and once more elsewhere."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict
+from pathlib import Path
+
+from rich.console import Console
+
+from rigctl.commands.bar import bar
+from rigctl.config import load
+from rigctl.errors import StoreError
+from rigctl.exchange.fresh import fresh_folder
+from rigctl.store import reading
+from rigctl.store.backup import back_up
+from rigctl.store.verifying import verify_store
+
+
+def verify(campaign: str | None, configuration: Path | None, *, as_json: bool) -> None:
+    """Compare all that is stored with its digests and print what is wrong.
+
+    Raises
+    ------
+    NotFoundError
+        There is no store, or no such campaign.
+    StoreError
+        Something is not as it was stored; all of it is printed first.
+    """
+    with reading(Path(load(configuration).store.folder)) as store, bar() as say:
+        found = verify_store(store, say, campaign)
+    if as_json:
+        _print(json.dumps(asdict(found)))
+    else:
+        for fault in found.faults:
+            _print(f"{fault.part}: {fault.what}")
+        _print(f"{found.shots} shots, {found.files} files, {found.entries} entries of the audit")
+    if found.faults:
+        raise StoreError(
+            "the store is not what was stored",
+            value=f"{len(found.faults)} faults",
+            todo="restore the files named from a backup",
+        )
+
+
+def backup(target: Path, configuration: Path | None, *, as_json: bool) -> None:
+    """Copy the store into a folder that is not there, verify the copy, and say what it holds.
+
+    Raises
+    ------
+    NotFoundError, SettingsError, StoreError
+        There is no store, the folder is there already, or the copy is not whole; nothing is left.
+    """
+    with (
+        reading(Path(load(configuration).store.folder)) as store,
+        fresh_folder(target) as partial,
+        bar() as say,
+    ):
+        done = back_up(store, partial, say)
+    if as_json:
+        _print(json.dumps({**asdict(done), "folder": str(target)}))
+    else:
+        _print(f"{target}: {done.shots} shots, {done.files} files, verified")
+
+
+def _print(text: str) -> None:
+    Console(highlight=False, soft_wrap=True, markup=False).print(text)

@@ -1,0 +1,165 @@
+"""Whether a store still is what was stored: every digest, every chain, nothing missing."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from rigctl.errors import NotFoundError, RigError, StoreError
+from rigctl.store.folders import sha256
+from rigctl.store.imports import LISTING
+from rigctl.store.reading import StoreReader
+from rigctl.store.records import ShotRecord
+
+Say = Callable[[str, float | None], None]
+
+_PAGE = 500
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """Something that is not as it was stored: which file or part, and what is wrong with it."""
+
+    part: str
+    what: str
+
+
+@dataclass(frozen=True, slots=True)
+class Verified:
+    """What was looked at, and all that is wrong with it.
+
+    Attributes
+    ----------
+    shots, files, entries
+        How many were looked at; entries are those of the two audits.
+    """
+
+    shots: int
+    files: int
+    entries: int
+    faults: tuple[Fault, ...]
+
+
+def verify_store(store: StoreReader, say: Say, campaign: str | None = None) -> Verified:
+    """Compare every stored file with its digest, and every audit with its chain.
+
+    It may run while shots are fired: what is stored meanwhile is not looked at.
+
+    Parameters
+    ----------
+    campaign
+        Only its shots; None: all of them, and whether the folder holds anything else.
+
+    Raises
+    ------
+    NotFoundError
+        There is no such campaign.
+    StoreError
+        The catalogue cannot be read.
+    """
+    shots, files, faults = 0, 0, list[Fault]()
+    total = store.campaigns.one(campaign).shots if campaign else store.catalogue.count()
+    known = set[str]()
+    for shot in each_shot(store, campaign):
+        say(f"shot {shot.id}", shots / max(total, 1))
+        shots += 1
+        known.add(shot.id)
+        looked_at, wrong = _verify_shot(store, shot)
+        files += looked_at
+        faults += wrong
+    for number, name in store.imports.numbers().items():
+        if campaign is None or campaign == name:
+            looked_at, wrong = _verify_import(store, name)
+            files += looked_at
+            faults += wrong
+            known.add(store.imports.folder(number).name)
+    entries = 0
+    if campaign is None:
+        faults += _strangers(store, known)
+    for audit in (store.journal, store.edits):
+        try:
+            entries += audit.verify()
+        except StoreError as error:
+            faults.append(Fault(str(error.part), f"{error.what} (found {error.value})"))
+    return Verified(shots, files, entries, tuple(faults))
+
+
+def each_shot(store: StoreReader, campaign: str | None = None) -> Iterator[ShotRecord]:
+    """Give every shot, page by page, oldest first."""
+    after: str | None = None
+    while page := store.catalogue.shots(campaign=campaign, limit=_PAGE, after=after):
+        yield from page
+        after = page[-1].id
+
+
+def _verify_shot(store: StoreReader, shot: ShotRecord) -> tuple[int, list[Fault]]:
+    """Return how many files of a shot were looked at, and what is wrong with them."""
+    if shot.manifest is None and shot.frames is None:
+        return 0, []
+    folder, faults, files = store.folders.folder(shot.id), list[Fault](), 1
+    digest = store.folders.digest(shot.id)
+    if digest is None or (shot.manifest is not None and digest != shot.manifest):
+        what = "is missing" if digest is None else "is not the one that was stored"
+        return 1, [Fault(str(folder / "manifest.json"), what)]
+    if shot.frames is not None:
+        files += 1
+        try:
+            about = store.folders.manifest(shot.id)["frames"]
+            if sha256(folder / about["file"]) != about["sha256"]:
+                faults.append(Fault(str(folder / about["file"]), "are not the frames recorded"))
+        except (RigError, OSError) as error:
+            faults.append(Fault(str(folder), f"its frames cannot be read: {error}"))
+    there = store.folders.results(shot.id)
+    if len(there) < shot.results:
+        what = f"holds {len(there)} results of {shot.results}"
+        faults.append(Fault(str(folder), what))
+    for path in there:
+        files += 1
+        try:
+            json.loads(path.read_bytes())
+        except (OSError, ValueError) as error:
+            faults.append(Fault(str(path), f"cannot be read: {error}"))
+    return files, faults
+
+
+def _verify_import(store: StoreReader, campaign: str) -> tuple[int, list[Fault]]:
+    home, digest = store.imports.of(campaign)
+    listing = home / LISTING
+    try:
+        if sha256(listing) != digest:
+            return 1, [Fault(str(listing), "is not the one that was stored")]
+        files: dict[str, dict[str, Any]] = json.loads(listing.read_bytes())["files"]
+    except OSError as error:
+        return 1, [Fault(str(listing), f"cannot be read: {error.strerror}")]
+    faults = [
+        Fault(str(home / about["kept"]), "is not the file that was imported")
+        for about in files.values()
+        if not _holds(home / about["kept"], about["sha256"])
+    ]
+    return len(files) + 1, faults
+
+
+def _holds(path: Path, digest: str) -> bool:
+    try:
+        return sha256(path) == digest
+    except OSError:
+        return False
+
+
+def _strangers(store: StoreReader, known: set[str]) -> Iterator[Fault]:
+    """Give the folders that belong to no shot and to no import."""
+    for day in store.folders.days():
+        if day.name.startswith("i"):
+            if day.name not in known:
+                yield Fault(str(day), "belongs to no campaign: an import was cut short")
+            continue
+        for folder in sorted(day.iterdir()):
+            if folder.name in known or folder.name.startswith("."):
+                continue
+            try:
+                store.catalogue.shot(folder.name)
+            except NotFoundError:
+                yield Fault(str(folder), "belongs to no shot of the catalogue")

@@ -1,0 +1,187 @@
+"""Is everything as it was stored, and a copy that can be trusted as much."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import sqlite3
+import threading
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rigctl.cameras.frames import FrameSequence
+from rigctl.errors import NotFoundError, StoreError
+from rigctl.store import Change, NewShot, ShotState, Store, reading
+from rigctl.store.backup import Backup, back_up
+from rigctl.store.verifying import Verified, verify_store
+
+Fire = Callable[..., str]
+
+
+def silent(_text: str, _share: float | None) -> None:
+    """Say nothing."""
+
+
+@pytest.fixture
+def fire(store: Store, new_shot: Callable[..., NewShot], frames: FrameSequence) -> Fire:
+    """Carry a shot to `analysed`, with frames and one result."""
+
+    def fired(key: str = "key", **changes: object) -> str:
+        shot = store.accept(key, "body", lambda: new_shot(**changes))[0].id
+        store.move(shot, ShotState.FIRING)
+        store.move(shot, ShotState.CAPTURING)
+        store.folders.write(shot, frames, {"shot": shot})
+        store.move(shot, ShotState.STORED, Change(frames=len(frames.pixels)))
+        store.move(shot, ShotState.ANALYSING)
+        number = store.folders.add_result(shot, {"e": 0.7})
+        store.move(shot, ShotState.ANALYSED, Change(results=number))
+        return shot
+
+    return fired
+
+
+def verified(store: Store, campaign: str | None = None) -> Verified:
+    with reading(store.path) as reader:
+        return verify_store(reader, silent, campaign)
+
+
+def copied(store: Store, target: Path) -> Backup:
+    target.mkdir()
+    with reading(store.path) as reader:
+        return back_up(reader, target, silent)
+
+
+def test_a_store_that_nobody_touched_has_no_faults(store: Store, fire: Fire) -> None:
+    first, _ = fire("1"), fire("2", campaign="brass")
+    store.exclude(first, "why", "anna")
+    assert verified(store) == Verified(shots=2, files=6, entries=1, faults=())
+    assert verified(store, "brass").shots == 1
+    with pytest.raises(NotFoundError, match="no such campaign"):
+        verified(store, "steel")
+
+
+def flip(path: Path) -> None:
+    content = bytearray(path.read_bytes())
+    content[len(content) // 2] ^= 1
+    path.write_bytes(content)
+
+
+def forge(folder: Path) -> None:
+    """Change frames and manifest so that they agree with each other."""
+    pixels = np.zeros((5, 16, 24), dtype=np.uint8)
+    np.save(folder / "frames.npy", pixels)
+    manifest = json.loads((folder / "manifest.json").read_bytes())
+    digest = hashlib.sha256((folder / "frames.npy").read_bytes()).hexdigest()
+    manifest["frames"]["sha256"] = digest
+    (folder / "manifest.json").write_text(json.dumps(manifest))
+
+
+@pytest.mark.parametrize(
+    ("spoil", "part", "words"),
+    [
+        (lambda f: flip(f / "frames.npy"), "frames.npy", "are not the frames recorded"),
+        (lambda f: flip(f / "manifest.json"), "manifest.json", "is not the one that was stored"),
+        (forge, "manifest.json", "is not the one that was stored"),
+        (lambda f: (f / "frames.npy").unlink(), "", "cannot be read"),
+        (lambda f: (f / "manifest.json").unlink(), "manifest.json", "is missing"),
+        (lambda f: (f / "result-0001.json").unlink(), "", "holds 0 results of 1"),
+        (lambda f: (f / "result-0001.json").write_text("{"), "result-0001.json", "cannot be read"),
+    ],
+)
+def test_whatever_was_altered_or_lost_is_named(
+    store: Store, fire: Fire, spoil: Callable[[Path], object], part: str, words: str
+) -> None:
+    fire("1")
+    folder = store.folders.folder(fire("2"))
+    spoil(folder)
+    (fault,) = verified(store).faults
+    assert fault.part == str(folder / part if part else folder)
+    assert words in fault.what
+
+
+def test_a_folder_that_belongs_to_nothing_is_named(store: Store, fire: Fire) -> None:
+    folder = store.folders.folder(fire())
+    (folder.parent / "20260131-000009").mkdir()
+    (folder.parents[1] / "i0004").mkdir()
+    assert [fault.what for fault in verified(store).faults] == [
+        "belongs to no shot of the catalogue",
+        "belongs to no campaign: an import was cut short",
+    ]
+
+
+def test_an_altered_audit_is_named(store: Store, fire: Fire) -> None:
+    store.exclude(fire(), "why", "anna")
+    file = sqlite3.connect(store.path / "catalogue.db")
+    file.execute("DROP TRIGGER edits_no_update")
+    file.execute("UPDATE edits SET after = 'other'")
+    file.commit()
+    file.close()
+    (fault,) = verified(store).faults
+    assert "altered (found edit 1)" in fault.what
+
+
+def test_a_backup_is_a_store_of_its_own(store: Store, fire: Fire, tmp_path: Path) -> None:
+    first, second = fire("1"), fire("2")
+    store.exclude(second, "why", "anna")
+    store.fits.add("nylon", "base", {"campaign": "nylon"})
+    (store.path / "estop.json").write_text("{}")
+    assert copied(store, tmp_path / "copy") == Backup(shots=2, files=7)
+    copy = Store(tmp_path / "copy")
+    assert [shot.id for shot in copy.shots()] == [first, second]
+    assert copy.shot(second) == store.shot(second)
+    np.testing.assert_array_equal(copy.frames(first).pixels, store.frames(first).pixels)
+    assert copy.result(first) == {"e": 0.7}
+    assert copy.fits.fit("nylon", "base") == (1, {"campaign": "nylon"})
+    assert (copy.path / "estop.json").read_text() == "{}"
+    assert verified(copy) == verified(store)
+    copy.close()
+
+
+def test_a_backup_taken_while_shots_are_fired_is_whole(
+    store: Store, fire: Fire, tmp_path: Path
+) -> None:
+    fire("first")
+    ended, going = threading.Event(), threading.Event()
+
+    def keep_firing() -> None:
+        number = 0
+        while not ended.is_set():
+            fire(f"key {number}")
+            number += 1
+            going.set()
+
+    thread = threading.Thread(target=keep_firing)
+    thread.start()
+    try:
+        assert going.wait(30)
+        for k in range(3):
+            assert copied(store, tmp_path / f"copy {k}").shots > 0
+    finally:
+        ended.set()
+        thread.join(30)
+    for k in range(3):
+        with reading(tmp_path / f"copy {k}") as copy:
+            assert verify_store(copy, silent).faults == ()
+            assert copy.catalogue.count() <= len(store.shots(limit=10_000))
+    assert verified(store).faults == ()
+
+
+def test_a_store_that_is_not_whole_is_not_backed_up_as_if_it_were(
+    store: Store, fire: Fire, tmp_path: Path
+) -> None:
+    flip(store.folders.folder(fire()) / "frames.npy")
+    with pytest.raises(StoreError, match=r"not what was stored.*frames\.npy"):
+        copied(store, tmp_path / "copy")
+
+
+def test_the_digest_of_a_manifest_is_kept_from_the_first_time(store: Store, fire: Fire) -> None:
+    shot = fire()
+    first = store.shot(shot).manifest
+    assert first == store.folders.digest(shot)
+    flip(store.folders.folder(shot) / "manifest.json")
+    store.move(shot, ShotState.ANALYSING)
+    store.move(shot, ShotState.STORED)
+    assert store.shot(shot).manifest == first
