@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from analysis.errors import InputError
+from analysis.exchange.pose_table import Spheres
 from analysis.exchange.shot_list import EXCLUDED, ShotRow
 from analysis.model.gather import gather, gather_poses, pose_data
 from analysis.model.poses import PoseData
@@ -62,7 +63,7 @@ def open_campaign(
         Configuration or store cannot be read.
     """
     if campaign.exists() or len(campaign.parts) != 1:
-        with _in_words():
+        with in_words():
             return gather_poses(campaign) if poses else gather(campaign)
     with reading(Path(load(configuration).store.folder)) as store:
         return campaign_poses(store, str(campaign))
@@ -76,7 +77,7 @@ def folder_poses(folder: Path) -> tuple[str, PoseData]:
     AnalysisInputError
         The folder cannot be read, or holds no poses.
     """
-    with _in_words():
+    with in_words():
         return gather_poses(folder)
 
 
@@ -105,14 +106,17 @@ def measured_files(store: Store | StoreReader, name: str) -> list[MeasuredFiles]
     NotFoundError
         There is no such campaign, or none of its shots is measured and counts.
     """
+    return list(each_measured(store, name))
+
+
+def each_measured(store: Store | StoreReader, name: str) -> Iterator[MeasuredFiles]:
+    """Return the same, a shot at a time."""
     campaigns = store.campaigns
-    listed = [(*each, False) for each in campaigns.measured(name)]
-    listed += [(*each, True) for each in campaigns.left_out(name)]
-    return [
-        MeasuredFiles(folder / "manifest.json", folder / f"result-{number:04d}.json", excluded)
-        for shot, number, excluded in listed
-        for folder in [store.folders.folder(shot)]
-    ]
+    for excluded, listed in ((False, campaigns.measured), (True, campaigns.left_out)):
+        for shot, number in listed(name):
+            folder = store.folders.folder(shot)
+            result = folder / f"result-{number:04d}.json"
+            yield MeasuredFiles(folder / "manifest.json", result, excluded)
 
 
 def poses_from(name: str, files: Sequence[MeasuredFiles]) -> PoseData:
@@ -124,26 +128,62 @@ def poses_from(name: str, files: Sequence[MeasuredFiles]) -> PoseData:
         A file cannot be read or holds no poses, or two shots were fired under different set-ups:
         one model of camera and spheres would be wrong for one of them.
     """
-    shots, rows, setups = {}, [], dict[str, Setup]()
-    slow, one_body_frame = [], []
-    for own in files:
-        manifest, result = _read(own.manifest), _read(own.result)
-        try:
-            number = int(manifest["number"])
-            shots[number] = poses_of(result["poses"])
-            rows.append(_row(number, manifest, excluded=own.excluded))
-            if (errors := result.get("slow_errors")) is not None:
-                slow.append((float(errors["position_m"]), float(errors["rotation_rad"])))
-                one_body_frame.append(bool(errors["one_body_frame"]))
-            setups[str(manifest["shot"])] = setup_of(manifest)
-        except (KeyError, TypeError, ValueError) as error:
-            raise AnalysisInputError(
-                f"holds no poses of this form: {error!r}",
-                part=str(own.result),
-                todo=f"have campaign {name} analysed again",
-            ) from error
+    shots = [stored_shot(name, own) for own in files]
+    setups = {shot.name: shot.setup for shot in shots}
     require_one_setup(name, setups)
-    return pose_data(shots, rows, typical(next(iter(setups.values())), slow, one_body_frame))
+    slow = [shot.slow for shot in shots if shot.slow is not None]
+    setup = typical(shots[0].setup, [s.sizes for s in slow], [s.one_body_frame for s in slow])
+    return pose_data({s.row.shot: s.spheres for s in shots}, [s.row for s in shots], setup)
+
+
+@dataclass(frozen=True, slots=True)
+class SlowErrors:
+    """Of a shot's poses, m and rad, and whether its body axes are those of other shots."""
+
+    sizes: tuple[float, float]
+    one_body_frame: bool
+
+
+@dataclass(frozen=True, slots=True)
+class StoredShot:
+    """A measured shot as its files have it: its name, settings, poses and set-up."""
+
+    name: str
+    row: ShotRow
+    spheres: Spheres
+    setup: Setup
+    slow: SlowErrors | None
+
+
+def stored_shot(campaign: str, files: MeasuredFiles) -> StoredShot:
+    """Read a measured shot.
+
+    Raises
+    ------
+    AnalysisInputError
+        A file cannot be read or holds no poses.
+    """
+    manifest, result = _read(files.manifest), _read(files.result)
+    try:
+        errors = result.get("slow_errors")
+        return StoredShot(
+            name=str(manifest["shot"]),
+            row=_row(int(manifest["number"]), manifest, excluded=files.excluded),
+            spheres=poses_of(result["poses"]),
+            setup=setup_of(manifest),
+            slow=None
+            if errors is None
+            else SlowErrors(
+                (float(errors["position_m"]), float(errors["rotation_rad"])),
+                bool(errors["one_body_frame"]),
+            ),
+        )
+    except (KeyError, TypeError, ValueError) as error:
+        raise AnalysisInputError(
+            f"holds no poses of this form: {error!r}",
+            part=str(files.result),
+            todo=f"have campaign {campaign} analysed again",
+        ) from error
 
 
 def _row(number: int, manifest: Json, *, excluded: bool) -> ShotRow:
@@ -182,7 +222,8 @@ def _read(path: Path) -> Json:
 
 
 @contextmanager
-def _in_words() -> Iterator[None]:
+def in_words() -> Iterator[None]:
+    """Say what is wrong with a folder as the commands do."""
     try:
         yield
     except InputError as error:

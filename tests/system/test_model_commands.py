@@ -90,6 +90,13 @@ def test_rank_leaves_out_what_is_in_the_fit(folder: Path) -> None:
     assert found["with"] == ["image-scale"]
 
 
+@pytest.mark.parametrize("command", ["fit", "rank"])
+def test_a_campaign_that_is_streamed_gives_the_same_document(folder: Path, command: str) -> None:
+    asked = (command, folder, "--with", "image-scale")
+    whole, streamed = answer(*asked), answer(*asked, "--stream")
+    assert streamed == whole
+
+
 def test_explain_gives_the_document_that_other_programs_rely_on(folder: Path) -> None:
     found = answer("explain", folder)
     assert set(found) == EXPLAIN

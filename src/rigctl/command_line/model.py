@@ -16,6 +16,10 @@ With = Annotated[
     list[str] | None,
     typer.Option("--with", help="Add this effect of the catalogue; may be given several times."),
 ]
+Streamed = Annotated[
+    bool,
+    typer.Option("--stream", help="Go over poses.csv in parts: memory for any number of shots."),
+]
 Pictures = Annotated[
     Path | None, typer.Option("--out", help="Write pictures (PNG and SVG) into this folder.")
 ]
@@ -42,12 +46,17 @@ def model_agreement(
 
 @model.command("fit")
 def model_fit(
-    campaign: Campaign, *, effects: With = None, folder: OwnEffects = None, json: Json = False
+    campaign: Campaign,
+    *,
+    effects: With = None,
+    folder: OwnEffects = None,
+    stream: Streamed = False,
+    json: Json = False,
 ) -> None:
     """Fit e, mu, beta0 and the effects added to all poses of a campaign."""
     from rigctl.commands.model.fit import fit
 
-    fit(campaign, effects or [], as_json=json, folder=folder)
+    fit(campaign, effects or [], as_json=json, folder=folder, stream=stream)
 
 
 @model.command("rank")
@@ -57,12 +66,13 @@ def model_rank(
     effects: With = None,
     folder: OwnEffects = None,
     out: Pictures = None,
+    stream: Streamed = False,
     json: Json = False,
 ) -> None:
     """Rank the effects of the catalogue by what they promise."""
     from rigctl.commands.model.rank import ranking
 
-    found = ranking(campaign, effects or [], as_json=json, folder=folder)
+    found = ranking(campaign, effects or [], as_json=json, folder=folder, stream=stream)
     if out is not None:
         from rigctl.commands.model.pictures import draw_ranking
 

@@ -95,7 +95,7 @@ def fit_stream(
         shot_residuals=measured,
         own_numbers=own,
         converged=converged,
-        scatter=scatter or {},
+        scatter=scatter if scatter is not None and stream.jitter_s > 0 else {},
     )
 
 

@@ -79,7 +79,7 @@ def agreement(
         print_json({**document, "faults": faults})
         return Compared(found.title, compared, left, plane)
     console = Console(width=TABLE_WIDTH)
-    console.print(headline(found), highlight=False)
+    console.print(headline(found.title, found.judged), highlight=False)
     console.print(_summary(compared), highlight=False)
     console.print(_table(compared))
     console.print(_cells(left.cells))

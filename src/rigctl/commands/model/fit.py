@@ -11,16 +11,25 @@ from rich.table import Table
 from analysis.model.documents import fit_document
 from rigctl.commands.effect import available, tell
 from rigctl.commands.model.printing import TABLE_WIDTH, headline, print_json
-from rigctl.commands.model.reading import fitted
+from rigctl.commands.model.reading import Fitted, FittedStream, fitted, fitted_stream
 
 
-def fit(campaign: Path, names: Sequence[str], *, as_json: bool, folder: Path | None = None) -> None:
+def fit(
+    campaign: Path,
+    names: Sequence[str],
+    *,
+    as_json: bool,
+    folder: Path | None = None,
+    stream: bool = False,
+) -> None:
     """Fit the base model and the named effects; print parameters with standard errors.
 
     Parameters
     ----------
     folder
         Where the user's own effects are.
+    stream
+        Whether poses.csv is gone over so many shots at a time.
 
     Raises
     ------
@@ -28,19 +37,22 @@ def fit(campaign: Path, names: Sequence[str], *, as_json: bool, folder: Path | N
         The campaign or the folder cannot be read, or a named effect has a fault.
     NotFoundError
         No effect has that name.
+    StoreError
+        The temporary folder is full.
     """
     known = available(folder)
-    found = fitted(campaign, names, known)
+    read = fitted_stream if stream else fitted
+    found: Fitted | FittedStream = read(campaign, names, known)
     faults = tell(known.faults)
     if as_json:
         document = fit_document(found.title, found.names, found.judged)
         print_json({**document, "faults": faults})
         return
     console = Console(width=TABLE_WIDTH)
-    console.print(headline(found), highlight=False)
+    console.print(headline(found.title, found.judged), highlight=False)
     table = Table(box=None)
     for heading in ("parameter", "value", "unit"):
         table.add_column(heading, justify="left" if heading != "value" else "right")
-    for name, quantity in found.fit.parameters().items():
+    for name, quantity in found.judged.fit.parameters().items():
         table.add_row(name, quantity.concise(), "" if quantity.unit == "1" else quantity.unit)
     console.print(table)

@@ -11,15 +11,20 @@ from rich.table import Table
 from analysis.effects.own.dropping import without_faulty
 from analysis.effects.own.fault import EffectFault
 from analysis.model.documents import SHOWN_ALIAS, alike, fit_document, ranking_document
-from analysis.model.ranking import Candidate, Ranking, rank
+from analysis.model.ranking import Candidate, Ranking
 from analysis.quantity import Quantity
 from rigctl.commands.effect import available, refused, tell
 from rigctl.commands.model.printing import TABLE_WIDTH, headline, print_json
-from rigctl.commands.model.reading import fitted
+from rigctl.commands.model.reading import Fitted, FittedStream, fitted, fitted_stream
 
 
 def ranking(
-    campaign: Path, names: Sequence[str], *, as_json: bool, folder: Path | None = None
+    campaign: Path,
+    names: Sequence[str],
+    *,
+    as_json: bool,
+    folder: Path | None = None,
+    stream: bool = False,
 ) -> tuple[str, Ranking]:
     """Fit the base model and the named effects, and rank what else the data ask for.
 
@@ -27,6 +32,8 @@ def ranking(
     ----------
     folder
         Where the user's own effects are. One with a fault is named and left out.
+    stream
+        Whether poses.csv is gone over so many shots at a time.
 
     Returns
     -------
@@ -38,13 +45,14 @@ def ranking(
         The campaign or the folder cannot be read, or a named effect has a fault.
     NotFoundError
         No effect has that name.
+    StoreError
+        The temporary folder is full.
     """
     known = available(folder)
-    found = fitted(campaign, names, known)
+    read = fitted_stream if stream else fitted
+    found: Fitted | FittedStream = read(campaign, names, known)
     try:
-        ranked, dropped = without_faulty(
-            known.effects, lambda left: rank(found.data, found.fit, left)
-        )
+        ranked, dropped = without_faulty(known.effects, found.ranked)
     except EffectFault as error:
         raise refused(error.fault) from error
     faults = tell([*known.faults, *dropped])
@@ -53,7 +61,7 @@ def ranking(
         print_json({**document, "candidates": ranking_document(ranked), "faults": faults})
         return found.title, ranked
     console = Console(width=TABLE_WIDTH)
-    console.print(headline(found), highlight=False)
+    console.print(headline(found.title, found.judged), highlight=False)
     table = Table(box=None)
     longest = max((len(candidate.effect.name) for candidate in ranked.candidates), default=0)
     table.add_column("effect", min_width=longest)

@@ -12,11 +12,13 @@ from analysis.effects.effect import Effect
 from analysis.effects.own.fault import EffectFault
 from analysis.model.fit import Fit
 from analysis.model.judged import Judged, judged
-from analysis.model.ranking import rank
+from analysis.model.ranking import Ranking, rank
+from analysis.model.streaming.judged import JudgedStream, judged_stream
 from analysis.model.tables import ContactTable, Data
 from rigctl.campaigns import open_campaign
 from rigctl.commands.effect import Available, refused
 from rigctl.errors import AnalysisInputError
+from rigctl.streamed_campaigns import open_stream, temporary_room
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -37,6 +39,30 @@ class Fitted:
         """The fit."""
         return self.judged.fit
 
+    def ranked(self, effects: Sequence[Effect]) -> Ranking:
+        """Score what else the data ask for."""
+        return rank(self.data, self.fit, effects)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FittedStream:
+    """The same of a campaign of any length."""
+
+    title: str
+    names: tuple[str, ...]
+    judged: JudgedStream
+
+    def ranked(self, effects: Sequence[Effect]) -> Ranking:
+        """Score what else the data ask for.
+
+        Raises
+        ------
+        StoreError
+            The temporary folder is full.
+        """
+        with temporary_room():
+            return self.judged.ranked(effects)
+
 
 def opened(campaign: Path) -> tuple[str, Data]:
     """Open a campaign; say on standard error where its noise is not stated.
@@ -56,11 +82,15 @@ def opened(campaign: Path) -> tuple[str, Data]:
             highlight=False,
         )
     elif data.estimated:
-        Console(stderr=True).print(
-            f"{title}: some errors are not stated; the scatter about free flight is taken for them",
-            highlight=False,
-        )
+        _say_estimated(title)
     return title, data
+
+
+def _say_estimated(title: str) -> None:
+    Console(stderr=True).print(
+        f"{title}: some errors are not stated; the scatter about free flight is taken for them",
+        highlight=False,
+    )
 
 
 def fitted(campaign: Path, names: Sequence[str], known: Available) -> Fitted:
@@ -81,6 +111,29 @@ def fitted(campaign: Path, names: Sequence[str], known: Available) -> Fitted:
             for effect in added:
                 _require_seen(base, effect)
         return Fitted(title, tuple(names), judged(found, added))
+    except EffectFault as error:
+        raise refused(error.fault) from error
+
+
+def fitted_stream(campaign: Path, names: Sequence[str], known: Available) -> FittedStream:
+    """Fit the same to a campaign of any length, its poses in a temporary file.
+
+    Raises
+    ------
+    AnalysisInputError
+        The campaign cannot be read or holds no poses.csv, or a named effect has a fault.
+    NotFoundError
+        No effect, or no campaign, has that name.
+    StoreError
+        The temporary folder is full.
+    """
+    added = [known.named(name, "--with") for name in names]
+    title, stream = open_stream(campaign)
+    if stream.estimated:
+        _say_estimated(title)
+    try:
+        with temporary_room():
+            return FittedStream(title, tuple(names), judged_stream(stream, added))
     except EffectFault as error:
         raise refused(error.fault) from error
 

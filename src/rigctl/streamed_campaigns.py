@@ -1,0 +1,108 @@
+"""From the name of a campaign of any length, or its folder, to the parts that are fitted."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from itertools import islice
+from pathlib import Path
+from tempfile import gettempdir
+
+from analysis.model.parts import SHOTS_AT_ONCE
+from analysis.model.streaming.columns import ShotColumns
+from analysis.model.streaming.reading import Reading, stream_poses
+from analysis.model.streaming.stream import PoseStream
+from analysis.slow_errors import typical
+from rigctl.campaigns import (
+    MeasuredFiles,
+    SlowErrors,
+    StoredShot,
+    each_measured,
+    in_words,
+    require_one_setup,
+    stored_shot,
+)
+from rigctl.config import load
+from rigctl.errors import NotFoundError, StoreError
+from rigctl.store import reading
+
+
+def open_stream(campaign: Path, configuration: Path | None = None) -> tuple[str, PoseStream]:
+    """Return title and poses of a campaign folder, or of a campaign in the catalogue.
+
+    Parameters
+    ----------
+    campaign
+        A folder with poses.csv, or that file; else a single word is looked up in the store.
+    configuration
+        File of the rig whose store is meant; None: the simulated rig's.
+
+    Raises
+    ------
+    AnalysisInputError
+        The folder cannot be read or holds no poses.csv, or the shots do not go together.
+    NotFoundError
+        There is neither such a folder nor such a campaign, or none of its shots is measured.
+    ConfigurationError, StoreError
+        Configuration or store cannot be read, or the temporary folder is full.
+    """
+    with temporary_room():
+        if campaign.exists() or len(campaign.parts) != 1:
+            with in_words():
+                return stream_poses(campaign)
+        with reading(Path(load(configuration).store.folder)) as store:
+            name = str(campaign)
+            return name, stream_from(name, each_measured(store, name))
+
+
+def stream_from(name: str, files: Iterable[MeasuredFiles]) -> PoseStream:
+    """Take up the poses of stored shots, so many at a time; shots are named by their numbers.
+
+    Raises
+    ------
+    AnalysisInputError
+        As `rigctl.campaigns.poses_from`.
+    NotFoundError
+        There are no shots, or none shows both spheres.
+    OSError
+        The temporary folder is full.
+    """
+    columns, read, slow = ShotColumns(), Reading(), list[SlowErrors]()
+    first: StoredShot | None = None
+    shots = (stored_shot(name, own) for own in files)
+    while part := list(islice(shots, SHOTS_AT_ONCE)):
+        first = first or part[0]
+        require_one_setup(name, {shot.name: shot.setup for shot in (first, *part)})
+        for shot in part:
+            columns.add(shot.row)
+        slow += [shot.slow for shot in part if shot.slow is not None]
+        read.add({shot.row.shot: shot.spheres for shot in part}, columns, first.setup)
+    if first is not None:
+        setup = typical(first.setup, [s.sizes for s in slow], [s.one_body_frame for s in slow])
+        stream = read.finished(columns, setup)
+        if len(stream.shots) > 0:
+            return stream
+    raise NotFoundError(
+        "no shot of this campaign has frames that show both spheres",
+        part=f"campaign {name}",
+        todo="look at why its shots were refused",
+    )
+
+
+@contextmanager
+def temporary_room() -> Iterator[None]:
+    """Say what to do where temporary files find no room.
+
+    Raises
+    ------
+    StoreError
+        One cannot be written.
+    """
+    try:
+        yield
+    except OSError as error:
+        raise StoreError(
+            f"poses cannot be kept in a temporary file: {error.strerror or error}",
+            part=gettempdir(),
+            todo="free the disk, or name a folder with room in TMPDIR",
+        ) from error
