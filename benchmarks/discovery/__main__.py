@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from benchmarks.discovery import blind, null, outside, pairs, power, removed, speed
+from benchmarks.discovery import blind, memory, null, outside, pairs, power, removed, speed
 from benchmarks.discovery.options import Options
 
 SECTIONS = {
@@ -15,6 +15,7 @@ SECTIONS = {
     "blind": blind.run,
     "removed": removed.run,
     "speed": speed.run,
+    "memory": memory.run,
 }
 
 
@@ -24,8 +25,9 @@ def main() -> None:
     parser.add_argument("--campaigns", type=int, default=100, help="in each cell")
     parser.add_argument("--shots", type=int, default=60, help="in each campaign")
     parser.add_argument("--processes", type=int, default=1)
+    parser.add_argument("--large", action="store_true", help="memory: 100 000 shots as well")
     wanted = parser.parse_args()
-    options = Options(wanted.campaigns, wanted.shots, wanted.processes)
+    options = Options(wanted.campaigns, wanted.shots, wanted.processes, wanted.large)
     for name, run in SECTIONS.items():
         if wanted.section in {name, "all"}:
             run(options)

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """Campaigns in each cell, shots in each campaign, processes at once."""
+    """Campaigns in each cell, shots in each campaign, processes at once; the largest too."""
 
     campaigns: int
     shots: int
     processes: int
+    large: bool = False
