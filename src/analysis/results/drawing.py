@@ -23,6 +23,8 @@ Floats = NDArray[np.float64]
 SURE = 0.9
 """Above this probability a shot is drawn as sliding, below one less it as sticking."""
 BAND = (1.0, 3.0)
+MOST_DRAWN = 1000
+"""More points than this are drawn as an image within the figure: lines would make it heavy."""
 
 
 def plane_figure(found: Results) -> Figure:
@@ -68,7 +70,7 @@ def residual_figure(found: Results) -> Figure:
     """Draw how far each shot lies from the regression, in its standard errors."""
     figure = _canvas(9.6, 3.2)
     axes = figure.subplots(1, 2, sharey=True)
-    held, surface = found.lines.held, found.impacts.surface
+    held, surface = found.lines.held, np.isfinite(found.lines.held.slides)
     slides = np.nan_to_num(held.slides) > 0.5
     along = np.where(
         slides,
@@ -110,7 +112,7 @@ def _shots(axes: Axes, found: Results) -> None:
     kinds = (
         ("sticks", slides <= 1 - SURE, MEASURED),
         ("slides", slides >= SURE, SPHERE_B),
-        ("either", (slides > 1 - SURE) & (slides < SURE), GREY),
+        ("either", ~((slides <= 1 - SURE) | (slides >= SURE)), GREY),
     )
     for name, chosen, colour in kinds:
         if chosen.any():
@@ -133,6 +135,7 @@ def _points(
         elinewidth=0.8,
         alpha=0.9,
         label=name,
+        rasterized=len(x[0]) > MOST_DRAWN,
     )
 
 
@@ -159,6 +162,14 @@ def _pulls(axes: Axes, x: Floats, pulls: Floats, found: Results) -> None:
     axes.axhline(0.0, color=GREY, linewidth=0.8)
     slides = np.nan_to_num(found.lines.held.slides) > 0.5
     for chosen, colour in ((~slides, MEASURED), (slides, SPHERE_B)):
-        axes.plot(x[chosen], pulls[chosen], "o", color=colour, markersize=3.8, alpha=0.9)
+        axes.plot(
+            x[chosen],
+            pulls[chosen],
+            "o",
+            color=colour,
+            markersize=3.8,
+            alpha=0.9,
+            rasterized=len(x) > MOST_DRAWN,
+        )
     far = max(3.5, 1.15 * float(np.nanmax(np.abs(pulls), initial=0.0)))
     axes.set_ylim(-far, far)

@@ -100,15 +100,28 @@ def fit_lines(impacts: Impacts) -> Lines:
     if not impacts.surface.any():
         return _fitted(impacts, WaltonLaw(e, NO_SLIDING, 0.0), ("e",))
     friction, beta0, both = _starts(impacts, e)
-    one = [
-        _fitted(impacts, WaltonLaw(e, NO_SLIDING, beta0), ("e", "beta0")),
-        _fitted(impacts, WaltonLaw(e, friction, NO_STICKING), ("e", "mu")),
-    ]
-    single = min(one, key=lambda found: found.chi2)
+    stick = _fitted(impacts, WaltonLaw(e, NO_SLIDING, beta0), ("e", "beta0"))
+    slide = _fitted(impacts, WaltonLaw(e, friction, NO_STICKING), ("e", "mu"))
+    single = _of_one_regime(impacts, stick, slide)
     if both is None:
         return single
     double = _fitted(impacts, both, NAMES)
-    return double if double.chi2 + LEAST_GAIN < single.chi2 else single
+    return double if double.chi2 + LEAST_GAIN < min(stick.chi2, slide.chi2) else single
+
+
+def _of_one_regime(impacts: Impacts, stick: Lines, slide: Lines) -> Lines:
+    """Return the regime in which all shots lie.
+
+    Shots at one setting lie on either line. Those that go on in their direction have slid; those
+    whose surface velocity is reversed may have done either, and then tell restitution alone.
+    """
+    if abs(stick.chi2 - slide.chi2) > LEAST_GAIN:
+        return stick if stick.chi2 < slide.chi2 else slide
+    if stick.law.beta0 < 0:
+        return slide
+    blind = impacts.velocities.copy()
+    blind[:, [V_S, V_S_AFTER]] = np.nan
+    return _fitted(replace(impacts, velocities=blind), WaltonLaw(stick.law.e, 0.0, 0.0), ("e",))
 
 
 def _restitution(impacts: Impacts) -> float:

@@ -130,7 +130,7 @@ def _residuals(found: Results) -> Table:
     slides = np.nan_to_num(held.slides) > 0.5
     along = np.where(slides, held.sliding.residual, held.sticking.residual)
     error = np.where(slides, held.sliding.sigma, held.sticking.sigma)
-    surface = found.impacts.surface
+    surface = np.isfinite(held.slides)
     columns = {
         "shot": found.impacts.shots,
         "normal_m_per_s": held.normal_residual,

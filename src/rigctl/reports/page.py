@@ -5,6 +5,8 @@ from __future__ import annotations
 from html import escape
 from importlib.resources import files
 
+import numpy as np
+
 from analysis.quantity import Quantity
 from analysis.results.campaign import Results
 from analysis.results.drawing import plane_figure, residual_figure, restitution_figure
@@ -95,6 +97,8 @@ def _coefficients(source: Source, found: Results, columns: dict[str, Table]) -> 
     absent = [SYMBOLS[name] for name in MEANINGS if name not in regression]
     if absent:
         said.append(paragraph(f"Not determined by these shots: {', '.join(absent)}."))
+    if bool(found.impacts.surface.any()) and not np.isfinite(lines.held.slides).any():
+        said.append(paragraph("They lie too close together to tell whether they stuck or slid."))
     link = f'<p class="download aside">{download("parameters", columns["parameters"])}</p>'
     return section("Coefficients", table(headings, rows), *said, link)
 

@@ -18,7 +18,7 @@ from rigctl.service.problems import documented
 FUNCTION = "rigctl.reports.campaign:report_job"
 MOST_SHOTS = 1_000_000
 ALONE = {
-    "Content-Security-Policy": "default-src 'none'; style-src 'unsafe-inline'",
+    "Content-Security-Policy": "default-src 'none'; style-src 'unsafe-inline'; img-src data:",
     "X-Content-Type-Options": "nosniff",
 }
 """The page loads nothing and runs nothing."""

@@ -123,3 +123,17 @@ def test_no_impact_at_all_is_said() -> None:
     none = Impacts(np.zeros(0, dtype=np.intp), np.zeros((0, 4)), np.zeros((0, 4, 4)), LEVER)
     with pytest.raises(TooFewShotsError, match="no shot"):
         fit_lines(none)
+
+
+def test_shots_at_one_setting_that_go_on_have_slid() -> None:
+    rng = np.random.default_rng(9)
+    found = fit_lines(impacts(rng, np.full(6, 2.0), approach=np.full(6, 2.0)))
+    assert found.fitted == ("e", "mu")
+    assert found.law.mu == pytest.approx(0.08, abs=0.005)
+
+
+def test_shots_at_one_setting_that_are_reversed_may_have_done_either() -> None:
+    rng = np.random.default_rng(9)
+    found = fit_lines(impacts(rng, np.full(6, 0.15), approach=np.full(6, 2.0)))
+    assert found.fitted == ("e",)
+    assert np.isnan(found.held.slides).all()
