@@ -60,12 +60,15 @@ class Knowledge:
         a and b.
     scale_sigma
         Relative standard error of the scale.
+    camera_sigma
+        Errors of `shared.Shared.camera` by the noise alone; infinite where nothing tells them.
     """
 
     camera: Camera
     sigma_px: Floats
     spheres: tuple[Sphere, Sphere]
     scale_sigma: float
+    camera_sigma: tuple[float, ...]
 
     def looks(self, wider_px: float = 0.0) -> tuple[Look, Look]:
         """Return both spheres in the form of the fit, the blur wider by some pixels."""

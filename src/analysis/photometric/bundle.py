@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.compiled import compiled, part
+from analysis.photometric.camera import disc_of
 from analysis.photometric.contour import LAYERS, add_cover
-from analysis.photometric.covers import cover_canvas, into_view, seen_from
+from analysis.photometric.covers import closeness, cover_canvas, into_view, seen_from
 from analysis.photometric.residual import (
     LOOK,
     UNKNOWNS,
@@ -29,10 +30,14 @@ from analysis.photometric.sight import Equations, Sight, Stance
 
 Floats = NDArray[np.float64]
 
-MARKERS_SHARE = 2
-"""Behind two turns of each marker: darkness and angular radius."""
+MARKERS_SHARE = 3
+"""Behind two turns of each marker: darkness, angular radius, log radius of the sphere they lie on.
+
+Markers at different distances from the middle, and the same ones seen in both views, tell the
+radius without the limb, whose shading may pass for another radius.
+"""
 VIEW_SHARE = 3
-"""Then of each view: log radius of the disc, blur, log of the scale at which it is placed."""
+"""Then of each view: log radius of the limb, blur, log of the scale at which it is placed."""
 ALPHA, RADIUS, BLUR = 0, 1, 2
 
 
@@ -73,18 +78,29 @@ def nudged_covers(
     look = sight.look
     directions = seen_from(sight, stance, view)
     sigma = look.sigma_px[view]
+    place = disc_of(sight.optics, view, stance.centre, look.radius_m)
+    bigger = (place[0], place[1], place[2] * (1.0 + NUDGE))
+    near = closeness(sight, stance, view)
     for m in range(directions.shape[0]):
-        row = sight.optics.origins[view, 0]
-        column = sight.optics.origins[view, 1]
-        for k in range(3):
-            row += sight.optics.scales[view] * sight.optics.axes[view, 0, k] * stance.centre[k]
-            column += sight.optics.scales[view] * sight.optics.axes[view, 1, k] * stance.centre[k]
-        radius = sight.optics.scales[view] * look.radius_m
-        place, bigger = (row, column, radius), (row, column, radius * (1.0 + NUDGE))
-        add_cover(own[m], corner, place, directions[m], (look.alpha, sigma))
-        add_cover(nudged[ALPHA], corner, place, directions[m], (look.alpha + NUDGE, sigma))
-        add_cover(nudged[RADIUS], corner, bigger, directions[m], (look.alpha, sigma))
-        add_cover(nudged[BLUR], corner, place, directions[m], (look.alpha, sigma + NUDGE))
+        size = 1.0 + near * directions[m, 2]
+        cap = (look.alpha * size, sigma)
+        add_cover(own[m], corner, place, directions[m], cap)
+        add_cover(nudged[ALPHA], corner, place, directions[m], (cap[0] + NUDGE * size, sigma))
+        add_cover(nudged[RADIUS], corner, bigger, directions[m], cap)
+        add_cover(nudged[BLUR], corner, place, directions[m], (cap[0], sigma + NUDGE))
+
+
+@part
+def turns_of(sight: Sight, stance: Stance, view: int, tangents: Floats) -> Floats:
+    """Return the markers' tangents as turns of a view, shape (markers, 2, 3)."""
+    into, turns = into_view(sight, stance, view), np.zeros(tangents.shape)
+    for m in range(tangents.shape[0]):
+        for t in range(2):
+            for a in range(3):
+                for k in range(3):
+                    turns[m, t, a] += into[a, k] * tangents[m, t, k]
+                turns[m, t, a] *= sight.optics.hands[view]
+    return turns
 
 
 @part
@@ -142,18 +158,12 @@ def bundle_view(
     own = np.zeros((count, canvas.shape[0], LAYERS, canvas.shape[2]))
     covers = np.zeros((3, canvas.shape[0], LAYERS, canvas.shape[2]))
     nudged_covers(sight, stance, view, corner, (own, covers))
-    into, turns = into_view(sight, stance, view), np.zeros((count, 2, 3))
-    for m in range(count):
-        for t in range(2):
-            for a in range(3):
-                for k in range(3):
-                    turns[m, t, a] += into[a, k] * lesson.tangents[m, t, k]
-                turns[m, t, a] *= sight.optics.hands[view]
+    turns = turns_of(sight, stance, view, lesson.tangents)
     off_r = place[0] - sight.optics.origins[view, 0]
     off_c = place[1] - sight.optics.origins[view, 1]
-    first = UNKNOWNS + 2 * count
-    row, seen, moved = np.zeros(first + 5), np.zeros(LOOK), np.zeros(LOOK)
-    used = np.arange(first + 5)
+    first, last = UNKNOWNS + 2 * count, MARKERS_SHARE + VIEW_SHARE
+    row, seen, moved = np.zeros(first + last), np.zeros(LOOK), np.zeros(LOOK)
+    used = np.arange(first + last)
     for i in range(canvas.shape[0]):
         y = corner[0] + i
         if y < rows[0] or y >= rows[1]:
@@ -175,16 +185,18 @@ def bundle_view(
             row[first] = -plain * canvas[i, 0, j]
             there = model_pixel(seen, covers[ALPHA, i, 0, j], behind, light, dark)
             row[first + 1] = (there - model) / NUDGE
-            shade(disc, surface, u / (1.0 + NUDGE), v / (1.0 + NUDGE), moved)
-            there = model_pixel(moved, covers[RADIUS, i, 0, j], behind, light, dark)
+            there = model_pixel(seen, covers[RADIUS, i, 0, j], behind, light, dark)
             row[first + 2] = (there - model) / NUDGE
+            shade(disc, surface, u / (1.0 + NUDGE), v / (1.0 + NUDGE), moved)
+            there = model_pixel(moved, canvas[i, 0, j], behind, light, dark)
+            row[first + 3] = (there - model) / NUDGE
             shade(wider, wider_surface, u, v, moved)
             there = model_pixel(moved, covers[BLUR, i, 0, j], behind, light, dark)
-            row[first + 3] = (there - model) / NUDGE
-            row[first + 4] = row[0] * off_r + row[1] * off_c
-            for k in range(5):
+            row[first + 4] = (there - model) / NUDGE
+            row[first + 5] = row[0] * off_r + row[1] * off_c
+            for k in range(last):
                 used[filled + k] = first + k
-            for a in range(filled + 5):
+            for a in range(filled + last):
                 p = used[a]
                 scaled = weight * row[p]
                 equations.right[p] += scaled * residual

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
 from analysis.compiled import part
-from analysis.photometric.camera import disc_of
+from analysis.photometric.camera import axes_at, disc_of, nearer, own_nearness
 from analysis.photometric.contour import LAYERS, add_cover
 from analysis.photometric.sight import Sight, Stance
 
@@ -30,24 +32,42 @@ def window(place: tuple[float, float, float], shape: tuple[int, int]) -> tuple[i
 @part
 def into_view(sight: Sight, stance: Stance, view: int) -> Floats:
     """Return the rotation from body axes to row, column and towards the eye, shape (3, 3)."""
-    turn = np.zeros((3, 3))
+    turn, axes = np.zeros((3, 3)), axes_at(sight.optics, view, stance.centre)
     for a in range(3):
         for b in range(3):
             for k in range(3):
-                turn[a, b] += sight.optics.axes[view, a, k] * stance.rotation[k, b]
+                turn[a, b] += axes[a, k] * stance.rotation[k, b]
     return turn
 
 
 @part
 def seen_from(sight: Sight, stance: Stance, view: int) -> Floats:
-    """Return the markers as a view sees them: row, column, towards the eye, shape (markers, 3)."""
+    """Return the markers as a view sees them: row, column, towards the eye, shape (markers, 3).
+
+    Those of the sphere that looks the same from infinity (`camera`).
+    """
     markers, turn = sight.look.markers, into_view(sight, stance, view)
     directions = np.zeros(markers.shape)
     for m in range(markers.shape[0]):
         for a in range(3):
             for k in range(3):
                 directions[m, a] += turn[a, k] * markers[m, k]
+    near = closeness(sight, stance, view)
+    if near > 0.0:
+        across = math.sqrt(1.0 - near * near)
+        for m in range(markers.shape[0]):
+            less = 1.0 - near * directions[m, 2]
+            directions[m, 0] *= across / less
+            directions[m, 1] *= across / less
+            directions[m, 2] = (directions[m, 2] - near) / less
     return directions
+
+
+@part
+def closeness(sight: Sight, stance: Stance, view: int) -> float:
+    """Return the radius of the sphere over its distance from the eye."""
+    optics = sight.optics
+    return sight.look.radius_m * own_nearness(optics, view) / nearer(optics, view, stance.centre)
 
 
 @part
@@ -66,7 +86,9 @@ def cover_canvas(
     first_r, last_r, first_c, last_c = window(place, shape)
     canvas = np.zeros((last_r - first_r, LAYERS, last_c - first_c))
     directions = seen_from(sight, stance, view)
-    cap = (sight.look.alpha, sight.look.sigma_px[view])
+    near = closeness(sight, stance, view)
     for m in range(directions.shape[0]):
+        # The conformal map enlarges a cap on the near side.
+        cap = (sight.look.alpha * (1.0 + near * directions[m, 2]), sight.look.sigma_px[view])
         add_cover(canvas, (first_r, first_c), place, directions[m], cap)
     return canvas, (first_r, first_c), place

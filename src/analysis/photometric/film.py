@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from analysis.photometric.appearance import Knowledge
 from analysis.photometric.background import background_of
-from analysis.photometric.camera import Camera, Optics
+from analysis.photometric.camera import Camera, Optics, discs_of, keep_places
 from analysis.photometric.confirmation import confirmed
 from analysis.photometric.pose import fit_frames
 from analysis.photometric.sight import LIGHTS, Reel, Scene, Sight, Stance
@@ -18,7 +18,6 @@ from analysis.photometric.sight import LIGHTS, Reel, Scene, Sight, Stance
 Floats = NDArray[np.float64]
 
 ALL = slice(None)
-FAR = -1e6
 MOST_STEPS, STILL = 4, 1e-3
 """Steps of the last fit, and their length in radii and radians from which another follows."""
 MISFIT = 1.7
@@ -89,28 +88,19 @@ class Film:
         """Take background and noise from the pixels that no disc comes near."""
         self.background, self.noise = background_of(self.frames, self.discs(known))
 
-    def rescale(self, old: Optics, scales: Floats) -> None:
-        """Move the centres so that the discs stay where they are at other scales, px/m (V,).
-
-        The front view places X and Y, the last view Z.
-        """
-        change = old.scales / scales
-        self.centre *= np.array([change[0], change[0], change[-1]])
+    def keep_places(self, old: Optics, new: Optics) -> None:
+        """Move the centres so that the discs stay where they are under another camera."""
+        for centres in self.centre:
+            keep_places(old, new, centres)
 
     def discs(self, known: Knowledge, frames: slice = ALL) -> Floats:
         """Return all discs of the frames (row, column, radius), shape (F, 2 V, 3).
 
         Those of sphere a first; far away and without size where there is no pose.
         """
-        optics, own = known.camera.optics, self.centre[:, frames]
-        into = (optics.scales[:, None, None] * optics.axes[:, :2]).reshape(-1, 3)
-        discs = np.empty((own.shape[1], 2, len(optics.scales), 3))
-        for i, sphere in enumerate(known.spheres):
-            places = (own[i] @ into.T).reshape(len(discs), -1, 2)
-            discs[:, i, :, :2] = places + optics.origins
-            discs[:, i, :, 2] = sphere.radius_m * optics.scales
-            discs[~self.placed[i, frames], i] = (FAR, FAR, 0.0)
-        return discs.reshape(len(discs), -1, 3)
+        radii = np.array([sphere.radius_m for sphere in known.spheres])
+        placed = self.placed[:, frames]
+        return discs_of(known.camera.optics, self.centre[:, frames], radii, placed)
 
     def reel(self, known: Knowledge, sphere: int) -> Reel:
         """Return the frames with the poses of a sphere, to be read or improved."""
@@ -188,8 +178,9 @@ def settle_film(film: Film, known: Knowledge, limit: float) -> None:
 def drop_outside(film: Film, camera: Camera) -> None:
     """Take away poses whose centre lies outside the frame in the front view."""
     rows, columns = film.frames.shape[1:]
-    optics = camera.optics
-    place = film.centre @ optics.axes[0, :2].T * optics.scales[0] + optics.origins[0]
+    everywhere = np.ones(film.placed.shape, dtype=np.bool_)
+    discs = discs_of(camera.optics, film.centre, np.zeros(2), everywhere)
+    place = discs[:, :: len(camera.views), :2].transpose(1, 0, 2)
     inside = (place >= -0.5).all(axis=2) & (place <= [rows - 0.5, columns - 0.5]).all(axis=2)
     film.placed &= inside
 

@@ -117,8 +117,7 @@ class Follower:
             return None
         centres = np.zeros((2, 3))
         for centre, (row, column, _) in zip(centres, sorted(front, key=_column), strict=True):
-            centre[0] = (row + split - self._optics.origins[0, 0]) / self._optics.scales[0]
-            centre[1] = (column - self._optics.origins[0, 1]) / self._optics.scales[0]
+            centre[:2] = self._known.camera.at_pixels(0, (row + split, column), 0.0)
             if len(self._optics.scales) > 1:
                 above = self._above(votes, column)
                 if above is None:
@@ -134,14 +133,14 @@ class Follower:
 
     def _above(self, votes: Single, column: float) -> float | None:
         """Return Z of the disc in the top view at a column of the front view."""
-        y = (column - self._optics.origins[0, 1]) / self._optics.scales[0]
-        expected = self._optics.origins[1, 1] + self._optics.scales[1] * y
+        y = float(self._known.camera.at_pixels(0, (0.0, column), 0.0)[1])
+        _, expected, _ = disc_of(self._optics, 1, np.array([0.0, y, 0.0]), 0.0)
         low = max(int(expected) - 3, 0)
         strip = votes[: self._front_from(), low : int(expected) + 5]
         best = peaks(strip, 1, self._radius) if strip.size else []
         if not best:
             return None
-        return float((self._optics.origins[1, 0] - best[0][0]) / self._optics.scales[1])
+        return float(-self._known.camera.at_pixels(1, best[0][:2], 0.0)[0])
 
     def _sight(self, i: int, k: int) -> Sight:
         film, known = self._film, self._known

@@ -29,6 +29,8 @@ Floats = NDArray[np.float64]
 MOST_FRAMES = 10
 """Of a film: more tell little more of the spheres, and learning takes as much longer."""
 LIMITS = (60.0, 30.0, 15.0, 8.0, 6.0, 6.0)
+MARKED_FROM = 2
+"""Turns from which the markers tell the radius."""
 FINISH_LIMITS = np.array([40.0, 15.0, 6.0])
 SEARCH_ROUNDS = (1, 2, 3)
 SHARED_ROUNDS = (1, 3, 5)
@@ -36,8 +38,14 @@ RELIEF_FROM = 2
 UNLIMITED = 1e3
 TOGETHER_LIMITS = (15.0, 8.0, 6.0, 6.0)
 NARROWEST_PX, WIDEST_PX = 0.35, 3.0
-SCALE_FLOOR = 7e-4
-"""Shading near the limb and the radius are one family: below this nothing tells them apart."""
+LIMB_SCALE_SIGMA, MARKER_SCALE_SIGMA = 5e-3, 1e-3
+"""What the scale is good to, relative, by the limb and by the markers.
+
+Light from one side passes for another radius at the limb. Markers move across the disc and are seen
+in both views at once, which tells the radius without the limb.
+"""
+OVERSTEP = 1.5
+"""Of the radius by the markers: shading that was learned with another radius holds it back."""
 
 
 def learn(film: Film, start: Knowledge, *, hold_scale: bool) -> Knowledge:
@@ -56,15 +64,16 @@ def learn(film: Film, start: Knowledge, *, hold_scale: bool) -> Knowledge:
     few, known = film.picked(MOST_FRAMES), start
     for turn, limit in enumerate(LIMITS):
         shading_limit = limit if turn else UNLIMITED
-        known = with_shading([few], known, shading_limit, hold_scale=hold_scale)
+        marked = turn >= MARKED_FROM and tells_radius(known)
+        known = with_shading([few], known, shading_limit, hold_radius=hold_scale or marked)
         if turn in SEARCH_ROUNDS:
             known = with_missed([few], known)
         if turn >= RELIEF_FROM:
             known = with_reliefs([few], known, limit)
         if turn in SHARED_ROUNDS:
-            known = with_shared([few], known, limit)
+            known = with_shared([few], known, limit, move_radius=marked and not hold_scale)
         fit_film(few, known, np.full(2, limit))
-    film.rescale(start.camera.optics, known.camera.optics.scales)
+    film.keep_places(start.camera.optics, known.camera.optics)
     fit_film(film, known, FINISH_LIMITS)
     film.refresh(known)
     return known
@@ -78,16 +87,17 @@ def learn_together(films: Sequence[Film], start: Knowledge, *, hold_scale: bool)
     few = [film.picked(MOST_FRAMES) for film in films]
     known = with_missed(few, start)
     for limit in TOGETHER_LIMITS:
-        known = with_shading(few, known, limit, hold_scale=hold_scale)
+        marked = tells_radius(known)
+        known = with_shading(few, known, limit, hold_radius=hold_scale or marked)
         known = with_reliefs(few, known, limit)
-        known = with_shared(few, known, limit)
+        known = with_shared(few, known, limit, move_radius=marked and not hold_scale)
         for film in few:
             fit_film(film, known, np.full(1, limit))
     return known
 
 
 def with_shading(
-    films: Sequence[Film], known: Knowledge, limit: float, *, hold_scale: bool
+    films: Sequence[Film], known: Knowledge, limit: float, *, hold_radius: bool
 ) -> Knowledge:
     """Return the knowledge with the shading, radius and blur that fit all frames best."""
     camera, wider = known.camera, known.looks(NUDGE)
@@ -109,17 +119,19 @@ def with_shading(
                 own = Equations(normal[i, view], right[i, view])
                 shading_equations(sight, stance, view, samples[view], own)
     present = np.stack([sphere.shading for sphere in known.spheres])
-    surface = solve_shading(normal, right, present, hold_radius=hold_scale)
+    surface = solve_shading(normal, right, present, hold_radius=hold_radius)
     a, b = (replace(s, shading=c) for s, c in zip(known.spheres, surface.shading, strict=True))
+    limb_sigma = float(np.hypot(LIMB_SCALE_SIGMA, surface.log_radius_sigma))
     scales = camera.optics.scales * np.exp(surface.log_radius)
+    changed = camera.with_scales(scales)
     for film in films:
-        film.rescale(camera.optics, scales)
+        film.keep_places(camera.optics, changed.optics)
     return replace(
         known,
         spheres=(a, b),
-        camera=camera.with_scales(scales),
+        camera=changed,
         sigma_px=np.clip(known.sigma_px + surface.blur_px, NARROWEST_PX, WIDEST_PX),
-        scale_sigma=0.0 if hold_scale else float(np.hypot(SCALE_FLOOR, surface.log_radius_sigma)),
+        scale_sigma=known.scale_sigma if hold_radius else limb_sigma,
     )
 
 
@@ -154,23 +166,45 @@ def with_missed(films: Sequence[Film], known: Knowledge) -> Knowledge:
     return replace(known, spheres=(a, b))
 
 
-def with_shared(films: Sequence[Film], known: Knowledge, limit: float) -> Knowledge:
-    """Return the knowledge with better markers and scales of the views against each other."""
+def tells_radius(known: Knowledge) -> bool:
+    """Tell whether the markers determine the radius."""
+    return known.camera_sigma[0] < MARKER_SCALE_SIGMA
+
+
+def with_shared(
+    films: Sequence[Film], known: Knowledge, limit: float, *, move_radius: bool
+) -> Knowledge:
+    """Return the knowledge with better markers, and what they and the tracks say of the camera.
+
+    Scales of the views against each other, the camera's nearness and, if it may move, the radius.
+    """
     camera, wider = known.camera, known.looks(NUDGE)
     views = len(camera.views)
     steps: list[Shared] = []
     for i, sphere in enumerate(known.spheres):
         size = shared_size(len(sphere.markers), views)
         equations = Equations(np.zeros((size, size)), np.zeros(size))
-        lesson = Lesson((wider[i].discs, wider[i].surfaces), tangents_of(sphere.markers), limit)
+        tangents = tangents_of(sphere.markers)
+        lesson = Lesson((wider[i].discs, wider[i].surfaces), tangents, limit)
         for sight, stance in sights_of(films, known, i):
             add_frame(sight, stance, lesson, equations)
-        steps.append(solve_shared(equations, len(sphere.markers), views))
+        steps.append(solve_shared(equations, tangents, views))
     a, b = (_changed(sphere, step) for sphere, step in zip(known.spheres, steps, strict=True))
-    scales = camera.optics.scales * np.exp(_ratios(steps))
+    change, sigma = _agreed(steps)
+    own = OVERSTEP * change[0] if move_radius else 0.0
+    scales = camera.optics.scales * np.exp(own + np.append(0.0, change[1:-1]))
+    nearness = max(camera.optics.nearness + float(change[-1]), 0.0)
+    changed = camera.with_scales(scales).with_nearness(nearness)
     for film in films:
-        film.rescale(camera.optics, scales)
-    return replace(known, spheres=(a, b), camera=camera.with_scales(scales))
+        film.keep_places(camera.optics, changed.optics)
+    told = float(np.hypot(MARKER_SCALE_SIGMA, sigma[0]))
+    return replace(
+        known,
+        spheres=(a, b),
+        camera=changed,
+        scale_sigma=told if move_radius else known.scale_sigma,
+        camera_sigma=tuple(map(float, sigma)),
+    )
 
 
 def _changed(sphere: Sphere, step: Shared) -> Sphere:
@@ -183,8 +217,9 @@ def _changed(sphere: Sphere, step: Shared) -> Sphere:
     )
 
 
-def _ratios(steps: list[Shared]) -> Floats:
-    """Average the views' scales against the front view's over both spheres, by their errors."""
-    logs = np.array([step.log_scale for step in steps])
-    weights = np.array([step.log_scale_sigma for step in steps]) ** -2.0
-    return np.asarray((weights * logs).sum(axis=0) / weights.sum(axis=0))
+def _agreed(steps: list[Shared]) -> tuple[Floats, Floats]:
+    """Average what both spheres say of the camera, by their weights; return it with its errors."""
+    weight = sum(step.camera_weight for step in steps)
+    covariance = np.linalg.inv(weight)
+    change = covariance @ sum(step.camera_weight @ step.camera for step in steps)
+    return np.asarray(change), np.sqrt(np.diag(covariance))

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from analysis.compiled import compiled
 from analysis.photometric.appearance import Knowledge
+from analysis.photometric.camera import axes_at
 from analysis.photometric.covers import cover_canvas
 from analysis.photometric.residual import LOOK, hidden, model_pixel, shade
 from analysis.photometric.sight import Look, Sight, Stance
@@ -52,7 +53,7 @@ def add_darkness(
     scene, look = sight.scene, sight.look
     canvas, corner, place = cover_canvas(sight, stance, view)
     light, rows = stance.lights[view], sight.optics.rows[view]
-    directions = (body @ stance.rotation.T) @ sight.optics.axes[view].T
+    directions = (body @ stance.rotation.T) @ axes_at(sight.optics, view, stance.centre).T
     seen = np.zeros(LOOK)
     for n in range(body.shape[0]):
         if directions[n, 2] < LEAST_FACING:

@@ -34,7 +34,7 @@ Frames = tuple[NDArray[np.uint8], Floats]
 
 
 def compiles_first() -> bool:
-    """Tell whether the next shot waits about half a minute for its functions to be compiled."""
+    """Tell whether the next shot waits about a minute for its functions to be compiled."""
     return not kept_on_disk(fit_frames)
 
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from analysis.compiled import compiled, part
 from analysis.photometric.bands import accumulate
-from analysis.photometric.camera import Optics
+from analysis.photometric.camera import Optics, axes_at, moved_by
 from analysis.photometric.residual import UNKNOWNS
 from analysis.photometric.sight import LIGHTS, Equations, Reel, Scene, Sight, Stance
 
@@ -27,14 +27,15 @@ WIDEST_PLACE, WIDEST_TURN = 10.0, 4.0
 
 
 @compiled
-def into_world(optics: Optics, view: int) -> Floats:
+def into_world(optics: Optics, view: int, centre: Floats) -> Floats:
     """Return the derivative of a view's row, column and turns to centre and turn, shape (5, 6)."""
     change = np.zeros((5, POSE))
+    axes, moved = axes_at(optics, view, centre), moved_by(optics, view, centre)
     for k in range(3):
         for a in range(2):
-            change[a, k] = optics.scales[view] * optics.axes[view, a, k]
+            change[a, k] = moved[a, k]
         for a in range(3):
-            change[2 + a, 3 + k] = optics.hands[view] * optics.axes[view, a, k]
+            change[2 + a, 3 + k] = optics.hands[view] * axes[a, k]
     return change
 
 
@@ -142,7 +143,8 @@ def take_steps(sight: Sight, stance: Stance, limits: Floats, covariance: Floats)
             own = Equations(np.zeros((UNKNOWNS, UNKNOWNS)), np.zeros(UNKNOWNS))
             squares, weights, count = accumulate(sight, stance, view, limit, own)
             out[0], out[1], out[2] = out[0] + squares, out[1] + weights, out[2] + count
-            add_turned(own, into_world(sight.optics, view), POSE + LIGHTS * view, whole)
+            change = into_world(sight.optics, view, stance.centre)
+            add_turned(own, change, POSE + LIGHTS * view, whole)
         add_priors(sight, stance, whole)
         inverse = inverse_of(whole.normal)
         for a in range(size):

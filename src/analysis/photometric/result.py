@@ -17,7 +17,7 @@ from analysis.motion.pattern import Orientations
 from analysis.motion.poses import Centres
 from analysis.motion.sightings import SeenMarker
 from analysis.photometric.appearance import Knowledge
-from analysis.photometric.camera import disc_of
+from analysis.photometric.camera import axes_at, disc_of, moved_by
 from analysis.photometric.film import Film
 from analysis.photometric.honesty import enlargement
 from analysis.tracking import Tracking
@@ -78,11 +78,11 @@ def _tracks(film: Film, known: Knowledge, sphere: int) -> dict[View, Track]:
     tracks = {}
     for v, view in enumerate(known.camera.views):
         track = Track(view)
-        into = optics.scales[v] * optics.axes[v, :2]
         for k in map(int, np.flatnonzero(film.placed[sphere])):
             row, column, radius = disc_of(
                 optics, v, film.centre[sphere, k], known.spheres[sphere].radius_m
             )
+            into = moved_by(optics, v, film.centre[sphere, k])
             errors = np.zeros((3, 3))
             errors[:2, :2] = into @ film.covariance[sphere, k, :3, :3] @ into.T
             circle = Circle(float(row), float(column), float(radius), errors)
@@ -101,7 +101,8 @@ def _markers(film: Film, known: Knowledge, sphere: int) -> dict[int, list[tuple[
         directions = own.markers @ film.rotation[sphere, k].T
         for v, view in enumerate(known.camera.views):
             y, x, radius = map(float, disc_of(optics, v, film.centre[sphere, k], own.radius_m))
-            for name, (down, across, facing) in enumerate((directions @ optics.axes[v].T).tolist()):
+            turned = (directions @ axes_at(optics, v, film.centre[sphere, k]).T).tolist()
+            for name, (down, across, facing) in enumerate(turned):
                 if facing < LEAST_FACING:
                     continue
                 ellipse = Ellipse(

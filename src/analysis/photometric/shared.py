@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.photometric.bundle import MARKERS_SHARE, VIEW_SHARE, Lesson, bundle_view
+from analysis.photometric.camera import by_nearness
 from analysis.photometric.pose import POSE, add_priors, into_world
 from analysis.photometric.residual import UNKNOWNS
 from analysis.photometric.sight import LIGHTS, Equations, Sight, Stance
@@ -16,6 +17,8 @@ Floats = NDArray[np.float64]
 
 MARKER_PRIOR, DARKNESS_PRIOR, ALPHA_PRIOR = 0.2, 0.2, 0.05
 RADIUS_PRIOR, BLUR_PRIOR, SCALE_PRIOR, HELD = 0.003, 0.05, 0.05, 1e-9
+NEARNESS_PRIOR, LOG_RADIUS_PRIOR = 1.0, 0.01
+GAUGE = 1e-4
 """Expected sizes of a correction; radius and blur come from the shading and only take part."""
 
 
@@ -29,20 +32,24 @@ class Shared:
         Turns about the two tangents of each marker, radians, shape (markers, 2).
     darkness, alpha
         Of the markers.
-    log_scale, log_scale_sigma
-        Of each view's scale against the front view's, as the tracks have it, shape (V,).
+    camera
+        Log radius of the sphere that the markers lie on, log of the scale of each view behind the
+        front view against that one's, as the tracks have it, and the camera's nearness, 1/m,
+        shape (V + 1,).
+    camera_weight
+        Inverse of their covariance, shape (V + 1, V + 1).
     """
 
     markers: Floats
     darkness: float
     alpha: float
-    log_scale: Floats
-    log_scale_sigma: Floats
+    camera: Floats
+    camera_weight: Floats
 
 
 def shared_size(markers: int, views: int) -> int:
     """Return the number of shared unknowns."""
-    return 2 * markers + MARKERS_SHARE + VIEW_SHARE * views
+    return 2 * markers + MARKERS_SHARE + VIEW_SHARE * views + 1
 
 
 def add_frame(sight: Sight, stance: Stance, lesson: Lesson, shared: Equations) -> None:
@@ -50,7 +57,7 @@ def add_frame(sight: Sight, stance: Stance, lesson: Lesson, shared: Equations) -
     views, markers = sight.optics.scales.shape[0], sight.look.markers.shape[0]
     common = 2 * markers + MARKERS_SHARE
     local = POSE + LIGHTS * views
-    total = local + common + VIEW_SHARE * views
+    total = local + common + VIEW_SHARE * views + 1
     whole = Equations(np.zeros((total, total)), np.zeros(total))
     size = UNKNOWNS + common + VIEW_SHARE
     for view in range(views):
@@ -58,13 +65,16 @@ def add_frame(sight: Sight, stance: Stance, lesson: Lesson, shared: Equations) -
         bundle_view(sight, stance, view, lesson, own)
         whole_view = own.normal + np.tril(own.normal, -1).T
         change = np.zeros((size, total))
-        change[:5, :POSE] = into_world(sight.optics, view)
+        change[:5, :POSE] = into_world(sight.optics, view, stance.centre)
         for k in range(LIGHTS):
             change[5 + k, POSE + LIGHTS * view + k] = 1.0
         for k in range(common):
             change[UNKNOWNS + k, local + k] = 1.0
         for k in range(VIEW_SHARE):
             change[UNKNOWNS + common + k, local + common + VIEW_SHARE * view + k] = 1.0
+        moved = by_nearness(sight.optics, view, stance.centre)
+        # Limb and markers alike are farther from the middle.
+        change[[0, 1, UNKNOWNS + common, UNKNOWNS + common - 1], -1] = moved[[0, 1, 2, 2]]
         whole.normal[:] += change.T @ whole_view @ change
         whole.right[:] += change.T @ own.right
     add_priors(sight, stance, whole)
@@ -74,25 +84,40 @@ def add_frame(sight: Sight, stance: Stance, lesson: Lesson, shared: Equations) -
     shared.right[:] += whole.right[local:] - gain.T @ whole.right[:local]
 
 
-def solve_shared(equations: Equations, markers: int, views: int) -> Shared:
-    """Solve for the shared unknowns; weak priors hold what no frame determines."""
+def solve_shared(equations: Equations, tangents: Floats, views: int) -> Shared:
+    """Solve for the shared unknowns; weak priors hold what no frame determines.
+
+    Parameters
+    ----------
+    tangents
+        Of the markers, as in the lesson, shape (markers, 2, 3).
+    """
+    markers = len(tangents)
     prior = np.concatenate(
         [
             np.full(2 * markers, MARKER_PRIOR),
-            [DARKNESS_PRIOR, ALPHA_PRIOR],
+            [DARKNESS_PRIOR, ALPHA_PRIOR, LOG_RADIUS_PRIOR],
             [RADIUS_PRIOR, BLUR_PRIOR, HELD],
             np.tile([RADIUS_PRIOR, BLUR_PRIOR, SCALE_PRIOR], views - 1),
+            [NEARNESS_PRIOR],
         ]
     )
-    inverse = np.linalg.inv(equations.normal + np.diag(prior**-2.0))
+    held = equations.normal + np.diag(prior**-2.0)
+    # All markers turned together are all poses turned back; near a camera that holds to first
+    # order only, and what is left over would set the pattern drifting.
+    together = tangents.reshape(2 * markers, 3) / GAUGE
+    held[: 2 * markers, : 2 * markers] += together @ together.T
+    inverse = np.linalg.inv(held)
     step = inverse @ equations.right
-    scales = slice(2 * markers + MARKERS_SHARE + VIEW_SHARE - 1, None, VIEW_SHARE)
+    views_from = 2 * markers + MARKERS_SHARE
+    ratios = range(views_from + 2 * VIEW_SHARE - 1, len(step) - 1, VIEW_SHARE)
+    camera = [views_from - 1, *ratios, len(step) - 1]
     return Shared(
         markers=step[: 2 * markers].reshape(markers, 2),
         darkness=float(step[2 * markers]),
         alpha=float(step[2 * markers + 1]),
-        log_scale=step[scales],
-        log_scale_sigma=np.sqrt(np.diag(inverse)[scales]),
+        camera=step[camera],
+        camera_weight=np.linalg.inv(inverse[np.ix_(camera, camera)]),
     )
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -58,6 +60,7 @@ def first_film(
         sigma_px=np.full(len(views), FIRST_BLUR_PX),
         spheres=(spheres[0], spheres[1]),
         scale_sigma=tracking.scale_sigma,
+        camera_sigma=(math.inf,) * (len(views) + 1),
     )
     return film, known
 
