@@ -90,12 +90,11 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--sigma-px", type=float, default=EdgeSettings().sigma_px)
     parser.add_argument("--three", action="store_true", help="three frames before and after")
-    parser.add_argument("--method", choices=["thesis", "photometric"], default="thesis")
+    parser.add_argument("--method", choices=["thesis", "photometric"], default="photometric")
     parser.add_argument("--json", type=Path, default=Path("out/accuracy.json"))
     chosen = parser.parse_args()
-    options = AnalysisOptions(
-        EdgeSettings(chosen.sigma_px), three_and_three=chosen.three, method=chosen.method
-    )
+    edges = EdgeSettings(chosen.sigma_px) if chosen.method == "thesis" else None
+    options = AnalysisOptions(edges, three_and_three=chosen.three, method=chosen.method)
     with tempfile.TemporaryDirectory() as scratch:
         folders = chosen.folders or [render(Path(scratch) / "rendered", chosen.shots, chosen.seed)]
         figures = [compare(folder, options) for folder in folders]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -35,22 +35,32 @@ class AnalysisOptions:
     Attributes
     ----------
     edges
-        Filter and subpixel method.
+        Filter and subpixel method of "thesis"; None: the defaults.
     matching
-        "pattern" matches every frame against one body pattern by rigid rotation, both views
-        together; "proximal" goes from frame to frame in the front view (appendix B).
-    method
-        "thesis" finds outlines and markers by their edges; "photometric" fits a rendered sphere
-        to every pixel (docs/explanation/photometric.md).
+        Of "thesis": "pattern" matches every frame against one body pattern by rigid rotation, both
+        views together; "proximal" goes from frame to frame in the front view (appendix B). None:
+        "pattern".
     three_and_three
         Use the thesis's three frames before and three after contact, 2 ms apart, with its
         equations (5-1) to (5-4) and (5-32), (5-33); otherwise all frames by least squares.
+    method
+        "photometric" fits a rendered sphere to every pixel (docs/explanation/photometric.md);
+        "thesis" finds outlines and markers by their edges.
+
+    Raises
+    ------
+    ValueError
+        Edges or matching for "photometric", which has neither.
     """
 
-    edges: EdgeSettings = field(default_factory=EdgeSettings)
-    matching: Matching = "pattern"
+    edges: EdgeSettings | None = None
+    matching: Matching | None = None
     three_and_three: bool = False
-    method: Method = "thesis"
+    method: Method = "photometric"
+
+    def __post_init__(self) -> None:
+        if self.method != "thesis" and (self.edges is not None or self.matching is not None):
+            raise ValueError(f"edges and matching mean nothing to the {self.method} method")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -128,7 +138,8 @@ def analyse_shot(
         check_frames(frames, times_s, setup)
         elapsed_s = times_s - times_s[0]
         if chosen.method == "thesis":
-            tracking = track_spheres(frames, elapsed_s, setup, chosen.edges, chosen.matching)
+            edges, matching = chosen.edges or EdgeSettings(), chosen.matching or "pattern"
+            tracking = track_spheres(frames, elapsed_s, setup, edges, matching)
             known = None
         else:
             tracking, known = _photometric(frames, elapsed_s, setup, known)

@@ -13,7 +13,7 @@ LONG_MS = 60_000
 SILENT_MS = 15_000
 SILENCE = "nothing on this page is live"
 CONFIGURATION = Path(__file__).parents[2] / "config" / "simulated.toml"
-DEAF = 'method = "thesis"\ntimeout_s = 0.001'
+DEAF = 'method = "photometric"\ntimeout_s = 0.001'
 
 
 def test_a_daemon_that_hangs_covers_the_page_until_it_answers_again(
@@ -64,8 +64,8 @@ def test_a_daemon_killed_in_a_sweep_and_started_again_is_found_by_the_open_page(
 
 def test_an_analysis_that_does_not_end_is_said_and_offered_again(page: Page, served: Any) -> None:
     text = CONFIGURATION.read_text()
-    assert 'method = "thesis"' in text
-    (served.folder / "rig.toml").write_text(text.replace('method = "thesis"', DEAF))
+    assert 'method = "photometric"' in text
+    (served.folder / "rig.toml").write_text(text.replace('method = "photometric"', DEAF))
     served.end()
     deaf = served.start(served.folder, "--config", "rig.toml", *port(served))
     served.process = deaf.process

@@ -33,22 +33,23 @@ def analyse(
         list[Path], typer.Argument(help="Campaign folders, or frames: TIFF, NPY, AVI, PNG folder.")
     ],
     *,
-    method: Annotated[Method, typer.Option(help="How images are measured.")] = Method.THESIS,
+    method: Annotated[Method, typer.Option(help="How images are measured.")] = Method.PHOTOMETRIC,
     setup: Annotated[
         Path | None,
         typer.Option(help="A campaign.toml for frames that belong to no campaign folder."),
     ] = None,
     sigma_px: Annotated[
         float | None,
-        typer.Option(min=0.5, max=8.0, help="Width of the edge filter in pixels; thesis: 2."),
+        typer.Option(min=0.5, max=8.0, help="Thesis method: width of the edge filter, pixels."),
     ] = None,
     samples: Annotated[
         int | None,
-        typer.Option(min=1, max=16, help="Facet samples a pixel; thesis: 3 or 4. Default: exact."),
+        typer.Option(min=1, max=16, help="Thesis method: facet samples a pixel. Default: exact."),
     ] = None,
     matching: Annotated[
-        MarkerMatching, typer.Option(help="Markers by rigid pattern, or frame to frame.")
-    ] = MarkerMatching.PATTERN,
+        MarkerMatching | None,
+        typer.Option(help="Thesis method: markers by rigid pattern, or frame to frame."),
+    ] = None,
     three: Annotated[
         bool, typer.Option("--three", help="Three frames before and three after, 2 ms apart.")
     ] = False,
@@ -72,7 +73,7 @@ def analyse(
         setup=setup,
         sigma_px=sigma_px,
         samples_per_pixel=samples,
-        matching=matching.value,
+        matching=None if matching is None else matching.value,
         three_and_three=three,
         out=out,
         figures=figures,

@@ -14,12 +14,14 @@ from rich.progress import Progress
 from rich.table import Table
 
 from analysis.campaign import SHOT_LIST, Campaign, ShotJob, analyse_campaign, read_campaign
+from analysis.compiled import kept_on_disk
 from analysis.document import shot_document
 from analysis.errors import InputError
 from analysis.exchange.description import read_description
 from analysis.exchange.folder import write_folder
 from analysis.figures.shot import draw_shot
 from analysis.imaging.frame import EdgeSettings
+from analysis.imaging.markers import dark_ellipses
 from analysis.imaging.stack import read_stack
 from analysis.quantity import Quantity
 from analysis.shot import AnalysisOptions, MeasuredShot, Method, RefusedShot
@@ -45,11 +47,11 @@ class Request:
     setup
         A campaign.toml for frames that belong to no campaign.
     sigma_px
-        Width of the edge filter; None: the default.
+        Width of the edge filter, thesis method alone; None: the default.
     samples_per_pixel
-        Facet samples; None: the exact root.
+        Facet samples, thesis method alone; None: the exact root.
     matching
-        How markers are matched.
+        How markers are matched, thesis method alone; None: the default.
     three_and_three
         The thesis's three frames before and after.
     out, figures
@@ -64,12 +66,12 @@ class Request:
     setup: Path | None = None
     sigma_px: float | None = None
     samples_per_pixel: int | None = None
-    matching: Matching = "pattern"
+    matching: Matching | None = None
     three_and_three: bool = False
     out: Path | None = None
     figures: Path | None = None
     workers: int | None = None
-    method: Method = "thesis"
+    method: Method = "photometric"
 
 
 def analyse(request: Request, *, as_json: bool) -> None:
@@ -78,15 +80,16 @@ def analyse(request: Request, *, as_json: bool) -> None:
     Raises
     ------
     AnalysisInputError
-        A path, a set-up or a campaign file cannot be read, or no shot's frames can; the refusal
-        of each shot is printed first.
+        An option belongs to the other method; a path, a set-up or a campaign file cannot be read,
+        or no shot's frames can. Then the refusal of each shot is printed first.
     """
     _keep_sources(request)
+    options = _options(request)
     try:
         campaign = _gather(request)
         _announce_compiling(request.method)
         started = time.perf_counter()
-        results, frames = _run(campaign, request)
+        results, frames = _run(campaign, options, request.workers)
         elapsed = time.perf_counter() - started
         if request.out is not None and frames > 0:
             write_folder(request.out, campaign.name, results)
@@ -115,14 +118,16 @@ def analyse(request: Request, *, as_json: bool) -> None:
 
 
 def _announce_compiling(method: Method) -> None:
-    """Say why the first photometric analysis on a machine is slow."""
-    if method != "photometric":
-        return
-    # Compiled functions are loaded only where they are wanted.
-    from analysis.photometric.method import compiles_first  # noqa: PLC0415
+    """Say why the first analysis on a machine is slow."""
+    if method == "photometric":
+        # Compiled functions are loaded only where they are wanted.
+        from analysis.photometric.method import compiles_first  # noqa: PLC0415
 
-    if compiles_first():
-        note = "rigctl: first photometric analysis here; compiling takes about half a minute"
+        first, wait = compiles_first(), "about a minute"
+    else:
+        first, wait = not kept_on_disk(dark_ellipses), "about ten seconds"
+    if first:
+        note = f"rigctl: first {method} analysis here; compiling takes {wait}, once"
         print(note, file=sys.stderr)  # noqa: T201
 
 
@@ -162,15 +167,31 @@ def _gather(request: Request) -> Campaign:
     return Campaign("+".join(names), tuple(jobs), unlisted)
 
 
+def _options(request: Request) -> AnalysisOptions:
+    """Return the analysis's options; refuse those that the method does not have."""
+    if request.method == "thesis":
+        edges = EdgeSettings(samples_per_pixel=request.samples_per_pixel)
+        if request.sigma_px is not None:
+            edges = replace(edges, sigma_px=request.sigma_px)
+        return AnalysisOptions(edges, request.matching, request.three_and_three, "thesis")
+    given = {
+        "--sigma-px": request.sigma_px,
+        "--samples": request.samples_per_pixel,
+        "--matching": request.matching,
+    }
+    for name, value in given.items():
+        if value is not None:
+            raise AnalysisInputError(
+                f"means nothing to the {request.method} method, which finds no edges",
+                part=name,
+                todo=f"leave {name} out, or add --method thesis",
+            )
+    return AnalysisOptions(three_and_three=request.three_and_three, method=request.method)
+
+
 def _run(
-    campaign: Campaign, request: Request
+    campaign: Campaign, options: AnalysisOptions, workers: int | None
 ) -> tuple[list[tuple[ShotJob, MeasuredShot | RefusedShot]], int]:
-    edges = EdgeSettings(samples_per_pixel=request.samples_per_pixel)
-    if request.sigma_px is not None:
-        edges = replace(edges, sigma_px=request.sigma_px)
-    options = AnalysisOptions(
-        edges, request.matching, request.three_and_three, method=request.method
-    )
     console = Console(stderr=True)
     results, frames = [], 0
     with Progress(console=console, transient=True, disable=not sys.stderr.isatty()) as bar:
@@ -178,7 +199,7 @@ def _run(
         done = analyse_campaign(
             campaign,
             options,
-            request.workers,
+            workers,
             progress=lambda count, _: bar.update(task, completed=count),
         )
         for job, shot, count in done:

@@ -1,6 +1,7 @@
 import json
 import re
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -74,8 +75,8 @@ def test_the_centres_of_every_frame_are_those_of_the_truth(
 @pytest.mark.parametrize(
     ("options", "share"),
     [
-        (AnalysisOptions(EdgeSettings(samples_per_pixel=4)), 0.01),
-        (AnalysisOptions(EdgeSettings(sigma_px=1.0)), 0.01),
+        (AnalysisOptions(EdgeSettings(samples_per_pixel=4), method="thesis"), 0.01),
+        (AnalysisOptions(EdgeSettings(sigma_px=1.0), method="thesis"), 0.01),
         (AnalysisOptions(three_and_three=True), 0.06),
     ],
     ids=["four samples a pixel", "narrow filter", "three and three"],
@@ -91,7 +92,7 @@ def test_each_way_of_the_thesis_measures_the_same_shot(
 def test_markers_matched_from_frame_to_frame_measure_the_same_shot() -> None:
     # Front view only: four markers in sight on average, so not every shot can be done this way.
     plain = shot(50.0, 8.0, seed=1)
-    options = AnalysisOptions(matching="proximal")
+    options = AnalysisOptions(matching="proximal", method="thesis")
     assert_true(found(analyse_shot(plain.frames, plain.times_s, SETUP, options)), plain.truth)
 
 
@@ -267,3 +268,9 @@ def test_the_overlay_document_has_every_frame_and_is_json(
             assert marker["sphere"] in {"a", "b"}
             named += marker["marker"] is not None
     assert named > 100
+
+
+@pytest.mark.parametrize("options", [{"edges": EdgeSettings()}, {"matching": "pattern"}])
+def test_rendering_has_no_edges_to_choose(options: dict[str, Any]) -> None:
+    with pytest.raises(ValueError, match="mean nothing to the photometric method"):
+        AnalysisOptions(**options)

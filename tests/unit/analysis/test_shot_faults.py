@@ -9,7 +9,7 @@ import pytest
 
 from analysis.exchange.tables import POSES, write_poses
 from analysis.setup import Setup
-from analysis.shot import MeasuredShot, RefusedShot, analyse_shot
+from analysis.shot import AnalysisOptions, MeasuredShot, RefusedShot, analyse_shot
 from simulators.world import Launch, WorldDescription, render_shot
 from tests.unit.analysis.rendered import setup_of
 
@@ -24,8 +24,10 @@ def frames() -> np.ndarray:
     return render_shot(WorldDescription(), Launch(55.0, 55.0, 0.008), 11).frames
 
 
-def analysed(frames: np.ndarray, setup: Setup) -> MeasuredShot | RefusedShot:
-    return analyse_shot(frames, np.arange(len(frames)) * 1e-3, setup)
+def analysed(
+    frames: np.ndarray, setup: Setup, options: AnalysisOptions | None = None
+) -> MeasuredShot | RefusedShot:
+    return analyse_shot(frames, np.arange(len(frames)) * 1e-3, setup, options)
 
 
 def test_the_shot_itself_is_measured(frames, setup) -> None:
@@ -88,10 +90,22 @@ def test_times_that_disagree_with_the_frame_rate_are_believed_and_noted(frames, 
     assert any("1.05 ms apart" in note for note in shot.notes)
 
 
-def test_a_sphere_hidden_in_the_mirror_keeps_its_front_view(frames, setup, tmp_path) -> None:
+def test_frames_that_no_rendering_explains_are_left_out(frames, setup) -> None:
     hidden = frames.copy()
     hidden[18:, :88] = 40
     shot = analysed(hidden, setup)
+    assert isinstance(shot, MeasuredShot)
+    assert shot.centres[0].frames[-1] < 18
+    whole = analysed(frames, setup)
+    assert isinstance(whole, MeasuredShot)
+    off = shot.impact.e.value - whole.impact.e.value
+    assert abs(off) < 5 * np.hypot(shot.impact.e.sigma, whole.impact.e.sigma)
+
+
+def test_a_sphere_hidden_in_the_mirror_keeps_its_front_view(frames, setup, tmp_path) -> None:
+    hidden = frames.copy()
+    hidden[18:, :88] = 40
+    shot = analysed(hidden, setup, AnalysisOptions(method="thesis"))
     assert isinstance(shot, MeasuredShot)
     last = int(shot.centres[0].frames[-1])
     assert last >= 18

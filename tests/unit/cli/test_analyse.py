@@ -74,3 +74,15 @@ def test_one_shot_that_can_be_read_is_enough(
     assert cli.run(["analyse", str(shot), str(broken), "--json"]) == 0
     shots = json.loads(capsys.readouterr().out)["shots"]
     assert [each["status"] for each in shots] == ["measured", "refused"]
+
+
+@pytest.mark.parametrize(
+    "option", [("--sigma-px", "1.5"), ("--samples", "4"), ("--matching", "pattern")]
+)
+def test_an_option_of_the_edges_is_refused_where_none_are_sought(
+    campaign: Path, capsys: pytest.CaptureFixture[str], option: tuple[str, str]
+) -> None:
+    assert cli.run(["analyse", str(campaign), *option]) == 2
+    told = capsys.readouterr().err
+    assert option[0] in told
+    assert "--method thesis" in told
