@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import os
+from collections import deque
 from collections.abc import Callable, Iterator, Sequence, Set
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import Future, ProcessPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from itertools import islice
 from multiprocessing import get_context
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -32,6 +34,8 @@ FRAMES = "frames"
 POSES = "poses.csv"
 TEACHING_SHOTS = 3
 """Shots from which the photometric method learns the spheres before it measures any."""
+AHEAD = 4
+"""Shots under way for each process: results of no more are held."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -208,7 +212,7 @@ def analyse_campaign(
     workers: int | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Iterator[tuple[ShotJob, MeasuredShot | RefusedShot, int]]:
-    """Analyse all shots, in their order.
+    """Analyse all shots, in their order; few results are held at any time.
 
     Parameters
     ----------
@@ -232,13 +236,13 @@ def analyse_campaign(
             yield job, result, frames
         return
     with ProcessPoolExecutor(count, mp_context=get_context("spawn")) as pool:
-        futures = [
-            pool.submit(analyse_job, job, options, own)
-            for job, own in zip(jobs, known, strict=True)
-        ]
-        for done, _ in enumerate(as_completed(futures), start=1):
+        left = zip(jobs, known, strict=True)
+        waiting: deque[tuple[ShotJob, Future[tuple[MeasuredShot | RefusedShot, int]]]] = deque()
+        for done in range(1, total + 1):
+            for job, own in islice(left, count * AHEAD - len(waiting)):
+                waiting.append((job, pool.submit(analyse_job, job, options, own)))
+            job, future = waiting.popleft()
+            result, frames = future.result()
             if progress is not None:
                 progress(done, total)
-        for job, future in zip(jobs, futures, strict=True):
-            result, frames = future.result()
             yield job, result, frames

@@ -1,6 +1,7 @@
 import csv
 import json
 import shutil
+from collections.abc import Iterator
 from pathlib import Path
 
 import cv2
@@ -11,7 +12,10 @@ from rendered import setup_of
 from scipy.spatial.transform import Rotation
 
 from analysis.campaign import (
+    AHEAD,
     THESIS_SETUP,
+    Campaign,
+    ShotJob,
     analyse_campaign,
     analyse_job,
     read_campaign,
@@ -85,6 +89,27 @@ def test_several_processes_give_the_same_results_in_the_same_order(
         if isinstance(here, MeasuredShot):
             assert isinstance(there, MeasuredShot)
             assert there.impact.v_n == here.impact.v_n
+
+
+class Drawn(tuple[ShotJob, ...]):
+    """Jobs that count how many of them were asked for."""
+
+    count = 0
+
+    def __iter__(self) -> Iterator[ShotJob]:
+        for job in super().__iter__():
+            Drawn.count += 1
+            yield job
+
+
+def test_no_more_shots_are_under_way_than_the_processes_need(tmp_path: Path) -> None:
+    jobs = Drawn(ShotJob(k, tmp_path / f"{k}.tiff", THESIS_SETUP) for k in range(1, 41))
+    done = analyse_campaign(Campaign("empty", jobs), THESIS, workers=2)
+    for k, (job, result, _) in enumerate(done):
+        assert job.shot == k + 1
+        assert isinstance(result, RefusedShot)
+        assert Drawn.count <= k + 2 * AHEAD
+    assert k == 39
 
 
 def test_a_campaign_takes_set_up_and_settings_from_its_files(folder: Path) -> None:
