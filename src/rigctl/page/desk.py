@@ -11,6 +11,7 @@ from nicegui import context, ui
 from rigctl.daemon import Daemon
 from rigctl.errors import RigError
 from rigctl.page.feed import Feed
+from rigctl.page.films import Films
 from rigctl.page.readings import Readings
 from rigctl.service.lanes import Lanes
 
@@ -29,12 +30,15 @@ class Desk:
         What happened last.
     readings
         What shots were measured to be.
+    films
+        What of a shot's folder is shown.
     """
 
     daemon: Daemon
     lanes: Lanes
     feed: Feed
     readings: Readings
+    films: Films
 
     async def act(self, call: Callable[[], T]) -> T | None:
         """Run what moves the rig or writes; a refusal is shown in its own words and gives None."""

@@ -9,7 +9,7 @@ from urllib.parse import parse_qs, urlsplit
 
 from starlette.datastructures import Headers
 from starlette.responses import PlainTextResponse, RedirectResponse, Response
-from starlette.types import ASGIApp, Receive, Scope, Send
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from rigctl.service.auth import PREFIX
 
@@ -50,13 +50,30 @@ class PageDoor:
         if path.startswith((f"{PREFIX}/", *OPEN)):
             await self._api(scope, receive, send)
         elif self._is_own(scope) and not (path == FRONT and _key_of(scope)):
-            await self._page(scope, receive, send)
+            await self._shown(scope, receive, send)
         elif scope["type"] == "websocket":
             await send({"type": "websocket.close", "code": 4401})
         elif path == FRONT:
             await self._front(scope, receive, send)
         else:
             await RedirectResponse(FRONT, 303)(scope, receive, send)
+
+    async def _shown(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Let the page answer; whoever left meanwhile needs no answer, and none is a fault."""
+        gone = False
+
+        async def received() -> Message:
+            nonlocal gone
+            message = await receive()
+            gone = gone or message["type"] == "http.disconnect"
+            return message
+
+        try:
+            await self._page(scope, received, send)
+        except RuntimeError:
+            # Starlette's middleware raises it where the page gave up a request without answer.
+            if not gone:
+                raise
 
     async def _front(self, scope: Scope, receive: Receive, send: Send) -> None:
         given = _key_of(scope)

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+import asyncio
 from datetime import datetime
+from html import escape
 
 from nicegui import ui
 
 from rigctl.config import Limits
 from rigctl.page.desk import Desk
-from rigctl.page.feed import Feed
+from rigctl.page.feed import Feed, Happening
 from rigctl.page.layout import TICK_S, sheet
 from rigctl.page.order_form import OrderForm, words
-from rigctl.page.shot_view import coefficients, film, result_of
+from rigctl.page.shot_view import coefficients, film, read
 from rigctl.page.tables import Cell, Line, facts_html
 from rigctl.rig.interlocks import Interlock
 from rigctl.rig.status import RigStatus
+from rigctl.store import ShotRecord
 
 SHOWN_EVENTS = 14
 
@@ -44,47 +47,58 @@ class LastShot:
 
     def __init__(self, desk: Desk) -> None:
         self._desk = desk
-        self._seen = self._stands()
+        self._shot = desk.daemon.rig.status().last_shot
+        self._head()
         self.film()
         ui.timer(TICK_S, self._follow)
 
     @ui.refreshable_method
-    def film(self) -> None:
-        """Place its film, with what it was fired with."""
-        shot = self._desk.daemon.rig.status().last_shot
+    def _head(self) -> None:
+        shot = self._shot
         with ui.element("div").classes("title"):
             ui.label("Last shot" if shot is None else f"Shot {shot.number}")
             if shot is not None:
                 ui.label(f"{shot.state}, {words(shot.settings)}").classes("aside")
                 ui.link("open", f"/shots/{shot.id}").classes("aside")
-        if shot is None:
+
+    @ui.refreshable_method
+    def film(self) -> None:
+        """Place its film."""
+        if self._shot is None:
             ui.label(
                 "No shot has been fired yet. Choose pressure and offset on the left, press Arm, "
                 "then Fire: film and coefficients appear here."
             ).classes("empty")
             return
-        film(self._desk, shot, result_of(self._desk, shot))
+        film(self._desk, self._shot)
 
     @ui.refreshable_method
     def beside(self) -> None:
         """Place its coefficients."""
-        shot = self._desk.daemon.rig.status().last_shot
         ui.label("Coefficients").classes("title")
-        if shot is None:
+        if self._shot is None:
             ui.label("Measured a few seconds after the first shot.").classes("empty")
             return
-        coefficients(shot, result_of(self._desk, shot))
+        coefficients(self._shot, self._desk.films.result(self._shot))
 
-    def _stands(self) -> object:
-        shot = self._desk.daemon.rig.status().last_shot
-        return None if shot is None else (shot.id, shot.state, shot.results)
-
-    def _follow(self) -> None:
-        stands = self._stands()
-        if stands != self._seen:
-            self._seen = stands
+    async def _follow(self) -> None:
+        before, now = self._shot, self._desk.daemon.rig.status().last_shot
+        if now is None or now == before:
+            return
+        await read(self._desk, now)
+        self._shot = now
+        self._head.refresh()
+        # Others come in between: a fire request waits for one part of one page at most.
+        await asyncio.sleep(0)
+        self.beside.refresh()
+        await asyncio.sleep(0)
+        # A film is drawn when its frames are there, and again when something is found in them.
+        if before is None or _film_of(now) != _film_of(before):
             self.film.refresh()
-            self.beside.refresh()
+
+
+def _film_of(shot: ShotRecord) -> object:
+    return shot.id, shot.state if shot.frames is None else None, shot.results
 
 
 def _order(desk: Desk) -> None:
@@ -153,7 +167,7 @@ def _age(seconds: float) -> str:
 def _events(feed: Feed) -> None:
     with ui.element("div").classes("panel"):
         ui.label("Events").classes("title")
-        listed = ui.element("div").classes("happenings").props("data-testid=events")
+        listed = ui.html("", sanitize=False).classes("wide").props("data-testid=events")
     shown = -1
 
     def show() -> None:
@@ -161,14 +175,18 @@ def _events(feed: Feed) -> None:
         if feed.last == shown:
             return
         shown = feed.last
-        listed.clear()
-        with listed:
-            for one in feed.latest(SHOWN_EVENTS):
-                ui.label(_clock(one.at)).classes("at")
-                ui.label(one.text).classes("what")
+        listed.set_content(_happenings(feed.latest(SHOWN_EVENTS)))
 
     show()
     ui.timer(TICK_S, show)
+
+
+def _happenings(found: list[Happening]) -> str:
+    lines = (
+        f'<div class="at">{_clock(one.at)}</div><div class="what">{escape(one.text)}</div>'
+        for one in found
+    )
+    return f'<div class="happenings">{"".join(lines)}</div>'
 
 
 def _clock(at: datetime) -> str:

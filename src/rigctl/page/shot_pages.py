@@ -10,7 +10,7 @@ from rigctl.page.order_form import words
 from rigctl.page.shot_judging import Judging
 from rigctl.page.shot_residuals import ShotResiduals
 from rigctl.page.shot_table import ShotTable, latest, stored
-from rigctl.page.shot_view import coefficients, film, result_of
+from rigctl.page.shot_view import coefficients, film, read
 from rigctl.page.tables import Cell, Line, facts
 from rigctl.page.widgets import button
 from rigctl.reanalysing import ENDED
@@ -61,6 +61,7 @@ class _OneShot:
         self, desk: Desk, shot: str, frame: int | None, effects: tuple[str, ...] | None
     ) -> None:
         self._desk, self._frame, self._effects = desk, frame, effects
+        self._heard = desk.feed.told
         self._shot = desk.daemon.store.shot(shot)
         with ui.element("div").classes("columns shot"):
             with ui.element("div").classes("panel"):
@@ -78,13 +79,13 @@ class _OneShot:
         with ui.element("div").classes("title"):
             ui.label(f"Shot {shot.number}")
             ui.label(f"{shot.state}, {words(shot.settings)}").classes("aside")
-        film(self._desk, shot, result_of(self._desk, shot), start=self._frame, keys=True)
+        film(self._desk, shot, start=self._frame, keys=True)
 
     @ui.refreshable_method
     def _measured(self) -> None:
         with ui.element("div").classes("panel"):
             ui.label("Coefficients").classes("title")
-            coefficients(self._shot, result_of(self._desk, self._shot))
+            coefficients(self._shot, self._desk.films.result(self._shot))
             again = button("Analyse again", self._again, testid="analyse-again")
             again.set_enabled(self._shot.state in ENDED)
             again.tooltip("a further result is added; none is replaced")
@@ -100,15 +101,19 @@ class _OneShot:
     @ui.refreshable_method
     def _recorded(self) -> None:
         _record(self._shot)
-        _notes(result_of(self._desk, self._shot).get("notes", []))
+        _notes(self._desk.films.result(self._shot).get("notes", []))
 
     def _again(self) -> None:
         self._desk.daemon.analyse(self._shot.id)
         ui.notify("Its analysis is queued.")
 
-    def _follow(self) -> None:
-        before, self._shot = self._shot, self._desk.daemon.store.shot(self._shot.id)
-        now = self._shot
+    async def _follow(self) -> None:
+        heard = self._desk.feed.told
+        if heard == self._heard:
+            return
+        before, now = self._shot, self._desk.daemon.store.shot(self._shot.id)
+        await read(self._desk, now)
+        self._heard, self._shot = heard, now
         further = (now.state, now.results) != (before.state, before.results)
         if further:
             self._film.refresh()

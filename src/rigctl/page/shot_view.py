@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from typing import Any
 
-from nicegui import ui
+from nicegui import run, ui
 
-from rigctl.errors import NotFoundError, RigError
+from rigctl.errors import RigError
 from rigctl.page.desk import Desk
-from rigctl.page.overlay import Overlays
 from rigctl.page.player import Player
 from rigctl.page.quantities import COEFFICIENTS, VALUE
 from rigctl.page.tables import Cell, facts, measured
@@ -25,17 +25,19 @@ WAITED_FOR = {
 }
 
 
-def result_of(desk: Desk, shot: ShotRecord) -> Json:
-    """Return the latest result of a shot, empty while there is none."""
-    try:
-        return desk.daemon.store.result(shot.id)
-    except NotFoundError:
-        return {}
+async def read(desk: Desk, shot: ShotRecord) -> None:
+    """Have a shot's folder read by a thread, so that drawing it afterwards waits for no disk."""
+    await run.io_bound(_read, desk, shot)
 
 
-def film(
-    desk: Desk, shot: ShotRecord, result: Json, *, start: int | None = None, keys: bool = False
-) -> None:
+def _read(desk: Desk, shot: ShotRecord) -> None:
+    with suppress(RigError):
+        desk.films.result(shot)
+        if shot.frames:
+            desk.films.film(shot)
+
+
+def film(desk: Desk, shot: ShotRecord, *, start: int | None = None, keys: bool = False) -> None:
     """Place the film of a shot, or say why there is none.
 
     It begins at frame `start`; without it where the shot was refused, or at the contact.
@@ -45,20 +47,13 @@ def film(
         ui.label(f"No film: {waiting}.").classes("empty")
         return
     try:
-        about = desk.daemon.store.folders.manifest(shot.id)["frames"]
+        result, found = desk.films.result(shot), desk.films.film(shot)
     except RigError as error:
         ui.label(error.sentence()).classes("empty")
         return
-    _, rows, columns = about["shape"]
-    if start is None and "contact_time_s" not in result:
-        start = result.get("frame", _brightest(desk, shot))
-    Player(shot, (columns, rows), Overlays.of(result), about["times_s"], start=start, keys=keys)
-
-
-def _brightest(desk: Desk, shot: ShotRecord) -> int:
-    """Return the frame in which most is seen: a film without a contact begins there."""
-    pixels = desk.daemon.store.frames(shot.id).pixels
-    return int(pixels.mean(axis=(1, 2)).argmax())
+    if start is None and found.overlays.contact_frame is None:
+        start = result.get("frame", found.brightest)
+    Player(shot, found.size, found.overlays, found.times_s, start=start, keys=keys)
 
 
 def coefficients(shot: ShotRecord, result: Json) -> None:
