@@ -19,6 +19,7 @@ from analysis.model.passes import Passes, passes_of
 from analysis.model.promise import Block, Sums, block_of, chance_of_falls, sums_over
 from analysis.model.scatter import jitter_over
 from analysis.model.tables import Data
+from analysis.model.theory import Theory
 
 Floats = NDArray[np.float64]
 
@@ -145,16 +146,47 @@ def rank(data: Data, fit: Fit, effects: Sequence[Effect], seed: int = 0) -> Rank
 
 
 def rank_over(passes: Passes, effects: Sequence[Effect], seed: int = 0) -> Ranking:
-    """Score the same in three passes over a campaign."""
-    theory = passes.fit.theory
+    """Score the same in two passes over a campaign, one of them for noise alone."""
+    wanted, scatters = _free(passes.fit.theory, effects)
+    scale = float(np.sqrt(max(passes.fit.chi2_per_dof, 1e-12)))
+    if not wanted and not scatters:
+        return Ranking((), np.zeros((0, 0)), np.zeros((0, 0)), np.ones(DRAWS), scale)
+    shifts = _shifts(passes, wanted, scale)
+    rng = np.random.default_rng(seed)
+    smallest = smallest_by_chance(shifts.sums.matrix, shifts.blocks, rng)
+    chosen = [*shifts.candidates]
+    if passes.jitter_s == 0:
+        for effect in scatters:
+            chosen.append(_scattered(passes, effect))
+            chance = rng.random(DRAWS)
+            smallest = np.minimum(smallest, np.where(chance < ONE_SIDED, chance, 1.0))
+    scored = [_with_familywise(c, smallest) for c in chosen]
+    order = sorted(range(len(scored)), key=lambda k: (not scored[k].seen, -scored[k].fall))
+    ranked = tuple(scored[k] for k in order)
+    return Ranking(ranked, *_likeness(shifts, order), np.sort(smallest), scale)
+
+
+def _free(theory: Theory, effects: Sequence[Effect]) -> tuple[list[Effect], list[ScatterEffect]]:
+    """Return the effects that are not in the theory: those that shift poses, those of the noise."""
     present = {active.effect.name for active in theory.active}
     inside = {name for active in theory.active for name in active.effect.contains}
     free = [e for e in effects if e.name not in present | inside]
-    wanted = [effect for effect in free if not isinstance(effect, ScatterEffect)]
     scatters = [effect for effect in free if isinstance(effect, ScatterEffect)]
-    scale = float(np.sqrt(max(passes.fit.chi2_per_dof, 1e-12)))
-    if not free:
-        return Ranking((), np.zeros((0, 0)), np.zeros((0, 0)), np.ones(DRAWS), scale)
+    return [effect for effect in free if not isinstance(effect, ScatterEffect)], scatters
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Shifts:
+    """Effects that shift poses: blocks of all their variants, and each one's likeliest."""
+
+    sums: Sums
+    blocks: list[Block]
+    shown: list[Block]
+    candidates: list[Candidate]
+
+
+def _shifts(passes: Passes, wanted: Sequence[Effect], scale: float) -> _Shifts:
+    """Score effects in all their variants; p-values are of each by itself."""
     forms = [(k, form) for k, e in enumerate(wanted) for form in (e, *e.variants)]
     sums = sums_over(passes, [form for _, form in forms])
     blocks = _blocks(sums, [form for _, form in forms])
@@ -164,11 +196,8 @@ def rank_over(passes: Passes, effects: Sequence[Effect], seed: int = 0) -> Ranki
         min((i for i, (owner, _) in enumerate(forms) if owner == k), key=lambda i: p_values[i])
         for k in range(len(wanted))
     ]
-    rng = np.random.default_rng(seed)
-    smallest = smallest_by_chance(sums.matrix, blocks, rng)
     shown = [blocks[i] for i in best]
-    carried = _carried(sums, shown)
-    chosen = [
+    candidates = [
         _candidate(
             sums,
             scale,
@@ -179,22 +208,20 @@ def rank_over(passes: Passes, effects: Sequence[Effect], seed: int = 0) -> Ranki
             carriers=tuple(int(n) for n in passes.shots[list(places)]),
             share=share,
         )
-        for i, (places, share) in zip(best, carried, strict=True)
+        for i, (places, share) in zip(best, _carried(sums, shown), strict=True)
     ]
-    if passes.jitter_s == 0:
-        for effect in scatters:
-            chosen.append(_scattered(passes, effect))
-            chance = rng.random(DRAWS)
-            smallest = np.minimum(smallest, np.where(chance < ONE_SIDED, chance, 1.0))
-    scored = [_with_familywise(c, smallest) for c in chosen]
-    order = sorted(range(len(scored)), key=lambda k: (not scored[k].seen, -scored[k].fall))
-    shown = [shown[k] for k in order if k < len(best)]
-    among = np.array([place for place, k in enumerate(order) if k < len(best)], dtype=np.intp)
+    return _Shifts(sums, blocks, shown, candidates)
+
+
+def _likeness(shifts: _Shifts, order: Sequence[int]) -> tuple[Floats, Floats]:
+    """Return aliases and imitated shares of candidates in an order, shifts before noise, (K, K)."""
+    count = len(shifts.shown)
+    shown = [shifts.shown[k] for k in order if k < count]
+    among = np.array([place for place, k in enumerate(order) if k < count], dtype=np.intp)
     aliases, imitated = np.zeros((2, len(order), len(order)))
-    aliases[np.ix_(among, among)] = alias_matrix(sums.matrix, shown)
-    imitated[np.ix_(among, among)] = imitated_shares(sums, shown)
-    ranked = tuple(scored[k] for k in order)
-    return Ranking(ranked, aliases, imitated, np.sort(smallest), scale)
+    aliases[np.ix_(among, among)] = alias_matrix(shifts.sums.matrix, shown)
+    imitated[np.ix_(among, among)] = imitated_shares(shifts.sums, shown)
+    return aliases, imitated
 
 
 def _blocks(sums: Sums, forms: Sequence[Effect]) -> list[Block]:
