@@ -23,6 +23,9 @@ Floats = NDArray[np.float64]
 SURE = 0.9
 """Above this probability a shot is drawn as sliding, below one less it as sticking."""
 BAND = (1.0, 3.0)
+OUT = "#CC79A7"
+WORTH_SHOWING = 0.02
+"""An error of e with which a shot may widen the axis, however good the others are."""
 MOST_DRAWN = 1000
 """More points than this are drawn as an image within the figure: lines would make it heavy."""
 
@@ -58,7 +61,7 @@ def restitution_figure(found: Results) -> Figure:
         axes.plot(grid, line, color=FLOOR, linestyle="--", linewidth=1.6, label="line, ± σ")
         axes.fill_between(grid, line - band, line + band, color=FLOOR, alpha=0.18, linewidth=0)
     _points(axes, (speed, across), (each.value, each.sigma), MEASURED, "shots")
-    near = each.sigma < 5 * np.median(each.sigma)
+    near = each.sigma < max(5 * float(np.median(each.sigma)), WORTH_SHOWING)
     _limit(axes, each.value[near], each.sigma[near])
     axes.set_xlabel("approach speed $|v_n|$, m/s")
     axes.set_ylabel("normal restitution e")
@@ -108,11 +111,14 @@ def _laws(axes: Axes, found: Results, x: Floats) -> None:
 
 
 def _shots(axes: Axes, found: Results) -> None:
-    slides, each = found.lines.held.slides, found.ratios
+    slides, each, used = found.lines.held.slides, found.ratios, found.lines.used
+    sticks = used & (slides <= 1 - SURE)
+    slid = used & (slides >= SURE)
     kinds = (
-        ("sticks", slides <= 1 - SURE, MEASURED),
-        ("slides", slides >= SURE, SPHERE_B),
-        ("either", ~((slides <= 1 - SURE) | (slides >= SURE)), GREY),
+        ("sticks", sticks, MEASURED),
+        ("slides", slid, SPHERE_B),
+        ("either", used & ~sticks & ~slid, GREY),
+        ("not in the regression", ~used, OUT),
     )
     for name, chosen, colour in kinds:
         if chosen.any():

@@ -2,7 +2,8 @@
 
 The flights are those of `analysis.model.sides`, 48 numbers a shot. About the fitted campaign the
 poses are linear in them, so that one step sets them free of any law, slow errors in their
-covariance. The normal is that of first touch on the paths before contact.
+covariance. The normal is that of first touch on the paths before contact. A shot is left out when
+its poses are no free flight, never because its impact is unlike the others.
 """
 
 from __future__ import annotations
@@ -11,18 +12,23 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.stats import chi2 as chi2_distribution
 
-from analysis.model.comparison import KINDS, compare
+from analysis.model.comparison import KINDS, Comparison, compare
 from analysis.model.fit import Fit
 from analysis.model.poses import PoseData
 from analysis.model.sides import NUMBERS, Flights
 from analysis.model.unseen import spins_unknown
-from analysis.results.impacts import V_S, V_S_AFTER, Impacts, told
+from analysis.results.impacts import V_S, V_S_AFTER, Impacts, LeftOut, told
 
 Floats = NDArray[np.float64]
 
 LEAST_INFORMATION = 1e-9
 """Of the largest in its block, each scaled to one: less is the rounding of what was not seen."""
+ALARM_SHARE = 0.005
+"""Of campaigns without a bad shot this share has one whose flights are called no free ones."""
+PHYSICS_SHARE = 0.15
+"""If more shots than this look bad, it is the air, gravity or the camera, and all stay."""
 STEP = 0.1
 """Of each number's standard error, for derivatives."""
 
@@ -46,7 +52,30 @@ def pose_impacts(data: PoseData, fit: Fit) -> Impacts:
     covariance = _carried(numbers, blocks, radii)
     unknown = spins_unknown(data).any(axis=1)
     velocities[unknown, V_S] = velocities[unknown, V_S_AFTER] = np.nan
-    return told(data.shots, velocities, covariance, data.bodies)
+    bent = _bent(data, line, blocks)
+    straight = ~np.isin(data.shots, [one.shot for one in bent])
+    found = told(data.shots[straight], velocities[straight], covariance[straight], data.bodies)
+    return replace(found, left_out=(*bent, *found.left_out))
+
+
+def _bent(data: PoseData, line: Comparison, blocks: Floats) -> list[LeftOut]:
+    """Return the shots whose poses no free flights can be: mis-tracked, by all that can be told."""
+    pulled = line.pulled.reshape(len(data.shots), KINDS, -1, 1)
+    taken = (np.swapaxes(pulled, 2, 3) @ blocks @ pulled).sum(axis=(1, 2, 3))
+    chi2 = line.chi2 - taken
+    fitted = (np.diagonal(blocks, axis1=2, axis2=3) > 0).sum(axis=(1, 2))
+    freedom = np.maximum(data.measured.sum(axis=(1, 2, 3)) - fitted, 1)
+    bad = chi2_distribution.sf(chi2, freedom) < ALARM_SHARE / len(chi2)
+    if bad.sum() > PHYSICS_SHARE * len(bad):
+        return []
+    return [
+        LeftOut(
+            int(data.shots[row]),
+            f"its poses are no free flights: chi-squared {chi2[row]:.0f} for {freedom[row]} "
+            "degrees of freedom; look at its frames",
+        )
+        for row in np.flatnonzero(bad)
+    ]
 
 
 def scalars(numbers: Floats, radii: tuple[float, float]) -> Floats:

@@ -6,7 +6,7 @@ all poses stands beside it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -59,6 +59,21 @@ class Impacts:
     def surface(self) -> NDArray[np.bool_]:
         """Return in which shots v_s and v_s' are measured, shape (S,)."""
         return np.asarray(np.isfinite(self.velocities[:, [V_S, V_S_AFTER]]).all(axis=1))
+
+    def of_shots(self, chosen: NDArray[np.bool_]) -> Impacts:
+        """Return some impacts, mask of shape (S,)."""
+        return replace(
+            self,
+            shots=self.shots[chosen],
+            velocities=self.velocities[chosen],
+            covariance=self.covariance[chosen],
+        )
+
+    def without_surface(self) -> Impacts:
+        """Return the same with the normal velocities alone."""
+        velocities = self.velocities.copy()
+        velocities[:, [V_S, V_S_AFTER]] = np.nan
+        return replace(self, velocities=velocities)
 
     @property
     def approach(self) -> Floats:

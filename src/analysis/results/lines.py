@@ -2,7 +2,7 @@
 
 The likelihood of `analysis.results.likelihood` is maximised. Where only one regime is seen its own
 parameter is fitted and the other one is not given: a second line must lower chi-squared by more
-than chance and its freedom explain.
+than chance and its freedom explain. Shots far from both lines do not count; they are named.
 """
 
 from __future__ import annotations
@@ -27,6 +27,9 @@ LEAST_GAIN = 12.0
 (1 in 500 by chance among 30 shots)."""
 NO_SLIDING, NO_STICKING = 10.0, 1.0
 """mu and beta0 that put the transition beyond all shots, and as near zero as a contact can."""
+FAR, MOST_FAR = 10.0, 0.15
+"""Standard errors, times the scatter of the median shot, beyond which a shot does not count: a
+marker took another's name. If more shots than this share lie there it is physics, and all do."""
 CONTRADICTED = 0.01
 """Below this p the stated errors are too small for the scatter, and the fit's are enlarged."""
 UNITS = np.array([1e-3, 1e-3, 1e-2])
@@ -46,15 +49,18 @@ class Lines:
     covariance
         Of these, in their order, as the shots' errors give it.
     held
-        The shots against this law.
+        All shots against this law.
+    used
+        Which of them the fit used, shape (S,).
     chi2, freedom
-        -2 log likelihood, and measured constraints less fitted parameters.
+        -2 log likelihood, and measured constraints less fitted parameters, of those.
     """
 
     law: WaltonLaw
     fitted: tuple[str, ...]
     covariance: Floats
     held: Likelihood
+    used: NDArray[np.bool_]
     chi2: float
     freedom: int
 
@@ -96,6 +102,25 @@ def fit_lines(impacts: Impacts) -> Lines:
     """
     if len(impacts.shots) == 0:
         raise TooFewShotsError("no shot of this campaign has a measured impact")
+    first = _of_all(impacts)
+    near = ~_far(first)
+    if near.all():
+        return first
+    second = _of_all(impacts.of_shots(near))
+    known = impacts if len(second.fitted) > 1 else impacts.without_surface()
+    return replace(second, held=likelihood(known, second.law), used=near)
+
+
+def _far(found: Lines) -> NDArray[np.bool_]:
+    """Return which shots lie too far from both lines, shape (S,)."""
+    chi2 = found.held.chi2
+    typical = max(1.0, float(np.median(chi2)) / float(chi2_distribution.median(2)))
+    far = np.asarray(chi2 > FAR**2 * typical)
+    return far if far.sum() <= MOST_FAR * len(far) else np.zeros_like(far)
+
+
+def _of_all(impacts: Impacts) -> Lines:
+    """Fit the regimes that the shots show."""
     e = _restitution(impacts)
     if not impacts.surface.any():
         return _fitted(impacts, WaltonLaw(e, NO_SLIDING, 0.0), ("e",))
@@ -119,9 +144,7 @@ def _of_one_regime(impacts: Impacts, stick: Lines, slide: Lines) -> Lines:
         return stick if stick.chi2 < slide.chi2 else slide
     if stick.law.beta0 < 0:
         return slide
-    blind = impacts.velocities.copy()
-    blind[:, [V_S, V_S_AFTER]] = np.nan
-    return _fitted(replace(impacts, velocities=blind), WaltonLaw(stick.law.e, 0.0, 0.0), ("e",))
+    return _fitted(impacts.without_surface(), WaltonLaw(stick.law.e, 0.0, 0.0), ("e",))
 
 
 def _restitution(impacts: Impacts) -> float:
@@ -184,6 +207,7 @@ def _fitted(impacts: Impacts, start: WaltonLaw, names: tuple[str, ...]) -> Lines
         fitted=names,
         covariance=np.asarray(2 * np.linalg.pinv(curvature) * np.outer(unit, unit)),
         held=held,
+        used=np.ones(len(impacts.shots), dtype=np.bool_),
         chi2=float(held.chi2.sum()),
         freedom=told - len(names),
     )

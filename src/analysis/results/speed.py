@@ -12,16 +12,18 @@ from analysis.results.york import Line, york_line
 Floats = NDArray[np.float64]
 
 
-def speed_line(impacts: Impacts, found: Ratios) -> Line | None:
+def speed_line(impacts: Impacts, found: Ratios, used: NDArray[np.bool_]) -> Line | None:
     """Fit e = e_0 + slope |v_n|, errors of both and their correlation by the shared v_n.
 
     A line is the first order of whatever law holds over the speeds of a campaign; slope in s/m.
-    None where the shots do not tell one.
+    None where the shots do not tell one. `used`, shape (S,), says which shots count.
     """
     sigma_speed = np.sqrt(impacts.covariance[:, V_N, V_N])
-    return york_line(
-        impacts.approach, found.e.value, sigma_speed, found.e.sigma, _correlation(impacts, found)
+    columns = (
+        *(impacts.approach, found.e.value, sigma_speed, found.e.sigma),
+        _correlation(impacts, found),
     )
+    return york_line(*(column[used] for column in columns))
 
 
 def _correlation(impacts: Impacts, found: Ratios) -> Floats:

@@ -37,8 +37,13 @@ def tables(found: Results) -> dict[str, Table]:
         "figure-7-4-curves": _curves(found),
         "restitution": _restitution(found),
         "residuals": _residuals(found),
-        "left-out": [["shot", "reason"], *([one.shot, one.reason] for one in found.left_out)],
+        "left-out": _left_out(found),
     }
+
+
+def _left_out(found: Results) -> Table:
+    both = sorted([*found.left_out, *found.far], key=lambda one: one.shot)
+    return [["shot", "reason"], *([one.shot, one.reason] for one in both)]
 
 
 def _coefficients(found: Results) -> Table:
@@ -56,6 +61,7 @@ def _coefficients(found: Results) -> Table:
     for name, ratio in (("e", each.e), ("beta", each.beta), ("f", each.f)):
         columns |= _pair(name, ratio)
     columns["probability_of_sliding"] = found.lines.held.slides
+    columns["in_regression"] = found.lines.used.astype(int)
     return _table(columns)
 
 

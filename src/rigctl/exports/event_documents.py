@@ -56,7 +56,7 @@ def campaign_documents(source: Source, found: Results) -> Iterator[Document]:
     """
     rows = _by_time(source, found)
     times = [source.fired[int(found.impacts.shots[row])].timestamp() for row in rows]
-    left_out = [(one.shot, one.reason) for one in (*source.missing, *found.left_out)]
+    left_out = [(one.shot, one.reason) for one in (*source.missing, *found.left_out, *found.far)]
     behind = [version("rigctl"), source.title, source.files, left_out]
     run = uuid.uuid5(SPACE, json.dumps(behind))
     yield "start", _start(source, found, run, times[0])
@@ -124,7 +124,7 @@ def _by_time(source: Source, found: Results) -> list[int]:
 
 
 def _start(source: Source, found: Results, run: uuid.UUID, time: float) -> Json:
-    left_out = [*source.missing, *found.left_out]
+    left_out = [*source.missing, *found.left_out, *found.far]
     return {
         "uid": str(run),
         "time": time,

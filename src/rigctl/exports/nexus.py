@@ -162,7 +162,7 @@ def _parameters(group: h5py.Group, parameters: Mapping[str, Quantity]) -> None:
 
 
 def _left_out(group: h5py.Group, source: Source, found: Results) -> None:
-    left_out = sorted([*source.missing, *found.left_out], key=lambda one: one.shot)
+    left_out = sorted([*source.missing, *found.left_out, *found.far], key=lambda one: one.shot)
     _number(group, "shot", np.array([one.shot for one in left_out], dtype=np.int64), RATIO)
     group["reason"] = _texts([one.reason for one in left_out])
 

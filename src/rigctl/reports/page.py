@@ -19,6 +19,8 @@ from rigctl.reports.shots import every_shot, missing_shots
 from rigctl.reports.source import Source
 
 SYMBOLS = {"e": "e", "mu": "μ", "beta0": "β₀"}
+LEAST_CHANCE = 1e-99
+"""Less is not told apart."""
 MEANINGS = {"e": "normal restitution", "mu": "sliding friction", "beta0": "rotational restitution"}
 
 
@@ -85,7 +87,7 @@ def _coefficients(source: Source, found: Results, columns: dict[str, Table]) -> 
     lines = found.lines
     remark = (
         f"Regression: χ² = {lines.chi2:.1f} for {lines.freedom} degrees of freedom, "
-        f"p = {lines.p_value:.2g}."
+        f"p {_chance(lines.p_value)}."
     )
     if lines.scatter > 1:
         remark += (
@@ -93,7 +95,10 @@ def _coefficients(source: Source, found: Results, columns: dict[str, Table]) -> 
             "of the regression are enlarged by that. The hard-sphere operator may lack an effect: "
             f"rigctl model explain {source.origin}"
         )
-    said = [paragraph(remark), *(paragraph(text) for text in found.remarks)]
+    said = [
+        paragraph(remark),
+        *(paragraph(f"Fit to all that was measured: {text}.") for text in found.remarks),
+    ]
     absent = [SYMBOLS[name] for name in MEANINGS if name not in regression]
     if absent:
         said.append(paragraph(f"Not determined by these shots: {', '.join(absent)}."))
@@ -101,6 +106,10 @@ def _coefficients(source: Source, found: Results, columns: dict[str, Table]) -> 
         said.append(paragraph("They lie too close together to tell whether they stuck or slid."))
     link = f'<p class="download aside">{download("parameters", columns["parameters"])}</p>'
     return section("Coefficients", table(headings, rows), *said, link)
+
+
+def _chance(p: float) -> str:
+    return f"= {p:.2g}" if p > LEAST_CHANCE else f"< {LEAST_CHANCE:g}"
 
 
 def _shown(quantity: Quantity | None) -> str:

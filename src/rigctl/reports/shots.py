@@ -48,7 +48,7 @@ def every_shot(found: Results, columns: dict[str, Table]) -> str:
 
 def missing_shots(source: Source, found: Results) -> str:
     """Return the table of shots that nothing was made of, each with its reason."""
-    left_out = sorted([*source.missing, *found.left_out], key=lambda one: one.shot)
+    left_out = sorted([*source.missing, *found.left_out, *found.far], key=lambda one: one.shot)
     if not left_out:
         return section("Shots left out", paragraph("None: every shot was measured and used."))
     rows = [(one.shot, one.reason) for one in left_out]

@@ -101,7 +101,7 @@ def folder_source(folder: Path) -> Source:
         origin=str(folder),
         data=data,
         simulated=None,
-        facts=(*_facts(described), Facts("settings", settings)),
+        facts=(*_facts(described, "campaign"), Facts("settings", settings)),
         listed=len(rows),
         missing=_unmeasured(rows, data),
         files=hashes,
@@ -151,7 +151,7 @@ def stored_source(store: Store | StoreReader, name: str) -> Source:
         data=data,
         simulated=any(shot.simulated for shot in shots),
         facts=(
-            *_facts({**first.get("configuration", {}), **about}),
+            *_facts({**first.get("configuration", {}), **about}, "configuration"),
             Facts("settings", _ranges([_numbers(m["settings"]) for m in manifests])),
             Facts("when and by what", _when(shots, manifests)),
         ),
@@ -212,10 +212,10 @@ def _numbers(settings: Mapping[str, Any]) -> dict[str, float]:
     return {name: float(value) for name, value in settings.items() if value is not None}
 
 
-def _facts(document: Mapping[str, Any]) -> list[Facts]:
-    """Return a document's sections as facts; single values stand together under the first."""
+def _facts(document: Mapping[str, Any], heading: str) -> list[Facts]:
+    """Return a document's sections as facts; single values stand together under a heading."""
     single = [(name, _text(v)) for name, v in document.items() if not _nested(v)]
-    parts = [Facts("campaign", tuple(single))] if single else []
+    parts = [Facts(heading, tuple(single))] if single else []
     for name, value in document.items():
         if isinstance(value, Mapping):
             parts.append(Facts(name, tuple(_flat(value))))

@@ -57,7 +57,7 @@ def test_results_and_manifests_are_hashed_as_they_lie_on_disk(
 
 def test_configuration_spheres_and_settings_are_shown(store: Store, shots: list[str]) -> None:
     facts = {one.heading: dict(one.rows) for one in stored_source(store, "nylon").facts}
-    assert facts["campaign"]["sha256"] == "c0ffee"
+    assert facts["configuration"]["sha256"] == "c0ffee"
     assert facts["spheres 1"]["diameter_m"] == "0.0254"
     assert set(facts["settings"]) >= {"pressure_a_kpa", "offset_mm"}
     assert facts["when and by what"]["first shot accepted (UTC)"].endswith("+00:00")

@@ -111,3 +111,13 @@ def test_figures_and_tables_are_there_for_few_shots(tmp_path: Path, shots: int) 
         figure.canvas.draw()
         assert figure.axes
     assert len(tables(found)["coefficients"]) == 1 + len(found.impacts.shots)
+
+
+def test_a_shot_that_the_fit_to_all_poses_drops_is_measured_all_the_same(tmp_path: Path) -> None:
+    """That fit judges by its law; a compliant contact near the corner is no bad measurement."""
+    write_challenge(tmp_path / "nylon", {"tangential-compliance": 1.0}, 7, 60)
+    found = results(gather(tmp_path / "nylon")[1])
+    assert any("shots left out" in remark for remark in found.remarks)
+    assert list(found.impacts.shots) == list(range(1, 61))
+    assert found.far == ()
+    assert found.lines.scatter > 1.5

@@ -16,7 +16,7 @@ from analysis.model.tables import ContactTable
 from analysis.results.from_poses import pose_impacts
 from analysis.results.from_table import table_impacts
 from analysis.results.impacts import told
-from tests.unit.analysis.model.hard_spheres import RADIUS, campaign, collided, draw
+from tests.unit.analysis.model.hard_spheres import RADIUS, Hidden, campaign, collided, draw
 from tests.unit.analysis.model.tabulated import PLATE, contacts
 from tests.unit.analysis.model.tabulated import impacts as scalar_folder
 
@@ -113,3 +113,26 @@ def test_what_is_no_measured_impact_is_left_out_with_its_reason() -> None:
     assert "pass each other by" in reasons[2]
     assert reasons[3] == "its approach, 0.0100 ± 0.0100 m/s, is not told from zero"
     assert "after contact" in reasons[4]
+
+
+def test_a_shot_whose_poses_are_no_free_flights_is_left_out_with_its_misfit() -> None:
+    data = without_contact_frames(campaign(SHOTS, SEED, LAW))
+    fit = fit_campaign(data)
+    sound = pose_impacts(data, fit)
+    assert sound.left_out == ()
+    position = data.position.copy()
+    position[7, 3, 0, 1] += 4e-4
+    found = pose_impacts(replace(data, position=position), fit)
+    (bent,) = found.left_out
+    assert bent.shot == 8
+    assert "no free flights" in bent.reason
+    # The other shots are measured as before.
+    others = sound.shots != 8
+    np.testing.assert_allclose(found.velocities, sound.velocities[others])
+
+
+def test_where_most_flights_are_bent_it_is_physics_and_none_is_left_out() -> None:
+    data = without_contact_frames(campaign(20, SEED, LAW, hidden=Hidden(drag=3.0)))
+    found = pose_impacts(data, fit_campaign(data))
+    assert found.left_out == ()
+    assert len(found.shots) == 20

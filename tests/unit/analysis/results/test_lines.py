@@ -137,3 +137,24 @@ def test_shots_at_one_setting_that_are_reversed_may_have_done_either() -> None:
     found = fit_lines(impacts(rng, np.full(6, 0.15), approach=np.full(6, 2.0)))
     assert found.fitted == ("e",)
     assert np.isnan(found.held.slides).all()
+
+
+def test_a_shot_with_a_slipped_marker_does_not_move_the_law_and_is_named() -> None:
+    rng = np.random.default_rng(12)
+    sound = impacts(rng, both_regimes(rng, 30))
+    slipped = replace(sound, velocities=sound.velocities.copy())
+    slipped.velocities[4, 3] += 3.0
+    before, after = fit_lines(sound), fit_lines(slipped)
+    assert list(np.flatnonzero(~after.used)) == [4]
+    assert after.freedom == before.freedom - 2
+    for name, quantity in before.parameters().items():
+        assert abs(getattr(after.law, name) - quantity.value) < quantity.sigma
+
+
+def test_many_shots_off_the_lines_are_physics_and_all_count() -> None:
+    rng = np.random.default_rng(13)
+    found = impacts(rng, both_regimes(rng, 30))
+    found.velocities[:8, 3] += 3.0
+    lines = fit_lines(found)
+    assert lines.used.all()
+    assert lines.scatter > 3

@@ -53,7 +53,7 @@ def test_restitution_that_falls_with_speed_is_seen_as_a_slope() -> None:
         found = impacts(rng, both_regimes(rng, 25), law=(1.0, 0.08, 0.69), approach=speed)
         # e = 1 was drawn; e = 0.8 - 0.02 |v_n| is put in its place, errors as they are.
         found.velocities[:, 2] += (0.8 - 0.02 * speed - 1.0) * speed
-        line = speed_line(found, ratios(found))
+        line = speed_line(found, ratios(found), np.ones(25, dtype=np.bool_))
         assert line is not None
         pulls.append((line.slope + 0.02) / np.sqrt(line.covariance[0, 0]))
     assert np.mean(pulls) == pytest.approx(0, abs=4 / np.sqrt(60))
