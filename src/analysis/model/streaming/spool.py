@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import pickle
 from collections.abc import Iterator
 from tempfile import TemporaryFile
@@ -27,16 +26,17 @@ class Spool(Generic[T]):
     def __init__(self, kind: type[T]) -> None:
         self._kind = kind
         self._file = TemporaryFile()  # noqa: SIM115
-        self._count = 0
+        self._count, self._end = 0, 0
         finalize(self, self._file.close)
 
     def __len__(self) -> int:
         return self._count
 
     def append(self, item: T, /) -> None:
-        """Write what is to be kept at the end of the file."""
-        self._file.seek(0, os.SEEK_END)
+        """Write what is to be kept after the last that was written whole."""
+        self._file.seek(self._end)
         pickle.dump(item, self._file, pickle.HIGHEST_PROTOCOL)
+        self._end = self._file.tell()
         self._count += 1
 
     def __iter__(self) -> Iterator[T]:
