@@ -92,9 +92,7 @@ def _surface(mean: Floats, counts: Floats, shape: tuple[int, ...]) -> Floats:
     along = np.polynomial.chebyshev.chebvander(rows, DEGREE)
     across = np.polynomial.chebyshev.chebvander(columns, DEGREE)
     thin = np.s_[::EVERY, ::EVERY]
-    design = np.stack(
-        [np.outer(along[::EVERY, i], across[::EVERY, j]).ravel() for i, j in powers]
-    )
+    design = np.stack([np.outer(along[::EVERY, i], across[::EVERY, j]).ravel() for i, j in powers])
     weighted = design * counts[thin].ravel()
     # Chebyshev's polynomials are nearly at right angles: their squares stay well conditioned.
     solution = np.linalg.lstsq(weighted @ design.T, weighted @ mean[thin].ravel(), rcond=None)[0]
