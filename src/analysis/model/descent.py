@@ -25,6 +25,7 @@ from analysis.model.normal import (
     sums_of,
     with_prior,
 )
+from analysis.model.own_fit import own_states
 from analysis.model.parts import Keeper, Kept
 from analysis.model.state import ShotStates
 from analysis.model.tables import Data
@@ -36,8 +37,12 @@ Summed = tuple[ShotStates, NormalEquations]
 
 LARGEST_LAW_STEP = np.array([0.1, 0.05, 0.3])
 JOINT_ITERATIONS = 30
-ENOUGH_FALL = 0.01
-SHARES = (1.0, 0.5, 0.2, 0.05)
+LITTLE_FALL, NO_FALL = 0.1, 0.01
+"""Two steps that bring little, or one that brings nothing, are the last ones; a step that promises
+nothing is not taken."""
+SHARES = (1.0, 0.4, 0.1)
+WORSE, MOST_AT_CORNER = 0.5, 0.25
+"""Rise of a shot's chi-squared that tells of a corner; where many rise, a step is too long."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -72,6 +77,8 @@ class Place:
         M (P, P) and g (P,), the prior in.
     cost
         Chi-squared and what the prior adds to it.
+    own_promise
+        By how much the shots' own numbers alone could lower it, to first order.
     stands
         Of the shots, part by part.
     """
@@ -80,12 +87,17 @@ class Place:
     matrix: Floats
     gradient: Floats
     cost: float
+    own_promise: float
     stands: Kept[Stand]
 
     def step(self) -> Floats:
         """Return the joint step, shape (P,), no longer than the law is believed to be linear."""
         step = inverse(self.matrix) @ self.gradient
         return np.asarray(step / max(1.0, float(np.abs(step[:3] / LARGEST_LAW_STEP).max())))
+
+    def promise(self, step: Floats) -> float:
+        """Return by how much a joint step and the shots' own would lower the cost, if linear."""
+        return float(self.gradient @ step) + self.own_promise
 
 
 def descended(data: Iterable[Data], place: Place, keep: Keeper) -> tuple[Place, bool]:
@@ -100,13 +112,15 @@ def descended(data: Iterable[Data], place: Place, keep: Keeper) -> tuple[Place, 
 
     Returns
     -------
-    The last place, and whether the last step lowered chi-squared by less than what matters.
+    The last place, and whether the last steps lowered chi-squared by less than what matters.
     """
+    before = np.inf
     for _ in range(JOINT_ITERATIONS):
         lower = _searched(data, place, keep)
-        if place.cost - lower.cost < ENOUGH_FALL:
+        fall = place.cost - lower.cost
+        if max(fall, before) < LITTLE_FALL or fall < NO_FALL:
             return lower, True
-        place = lower
+        place, before = lower, fall
     return place, False
 
 
@@ -114,7 +128,7 @@ def linearised(parts: Iterable[Summed], theory: Theory, keep: Keeper) -> Place:
     """Add up parts that were linearised about a theory."""
     count = len(theory.vector)
     matrix, gradient = np.zeros((count, count)), np.zeros(count)
-    cost = prior_cost(theory)
+    cost, promise = prior_cost(theory), 0.0
     stands = keep(Stand)
     for states, sums in parts:
         right = np.concatenate([sums.state_gradient[..., None], sums.coupling], axis=2)
@@ -123,9 +137,10 @@ def linearised(parts: Iterable[Summed], theory: Theory, keep: Keeper) -> Place:
         matrix += sums.shared.sum(axis=0) - taken[:, 1:]
         gradient += sums.shared_gradient.sum(axis=0) - taken[:, 0]
         cost += float(sums.chi2.sum())
+        promise += float((sums.state_gradient * solved[..., 0]).sum())
         stands.append(Stand(states, sums.chi2, solved[..., 0], solved[..., 1:]))
     gradient[:3] -= (theory.vector[:3] - LAW_PRIOR) * prior_information()
-    return Place(theory, with_prior(matrix), gradient, cost, stands)
+    return Place(theory, with_prior(matrix), gradient, cost, promise, stands)
 
 
 def summed(data: Data, states: ShotStates, theory: Theory) -> Summed:
@@ -137,12 +152,16 @@ def summed(data: Data, states: ShotStates, theory: Theory) -> Summed:
 def _searched(data: Iterable[Data], place: Place, keep: Keeper) -> Place:
     """Take the longest share of the joint step that lowers chi-squared; none: stay."""
     step = place.step()
+    if place.promise(step) < NO_FALL:
+        return place
     for share in SHARES:
         moved = place.theory.at(place.theory.vector + share * step)
         tried = linearised(_stepped(data, place, (step, share), moved), moved, keep)
         if tried.cost < place.cost:
             return tried
-    return place
+    if any(_at_corner(*both).any() for both in _both(place, tried)):
+        tried = linearised(_held_back(data, place, tried), moved, keep)
+    return tried if tried.cost < place.cost else place
 
 
 def _stepped(
@@ -152,3 +171,27 @@ def _stepped(
     for part, stand in zip(data, place.stands, strict=True):
         own = share * (stand.downhill - stand.coupled @ step)
         yield summed(part, stand.states.moved(own), theory)
+
+
+def _held_back(data: Iterable[Data], place: Place, tried: Place) -> Iterator[Summed]:
+    """Fit the few shots that a step makes worse by themselves, from where they stood.
+
+    Where rolling turns to sliding the law has a corner, and its slopes hold on one side only. A
+    single shot that lies there would hold up the step of all.
+    """
+    for part, (stand, moved) in zip(data, _both(place, tried), strict=True):
+        worse, states = _at_corner(stand, moved), moved.states
+        if worse.any():
+            own = own_states(part.of_shots(worse), stand.states.of_shots(worse), tried.theory)
+            states = states.replaced(worse, own)
+        yield summed(part, states, tried.theory)
+
+
+def _both(place: Place, tried: Place) -> Iterator[tuple[Stand, Stand]]:
+    return zip(place.stands, tried.stands, strict=True)
+
+
+def _at_corner(stand: Stand, moved: Stand) -> NDArray[np.bool_]:
+    """Return which shots a step has made worse, shape (S,); none if it is many."""
+    worse = moved.chi2 > stand.chi2 + WORSE
+    return np.asarray(worse & (worse.mean() < MOST_AT_CORNER))

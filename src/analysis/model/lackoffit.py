@@ -25,6 +25,9 @@ from analysis.model.tables import Data
 Floats = NDArray[np.float64]
 
 SMOOTH = 5
+OWN_PENALTY = 3.0
+"""An effect's own cells have a chance to alarm for each effect accepted: it is a third of the
+level, so that true effects with company are not called unexplained more often than nothing is."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,6 +45,8 @@ class Cell:
         fit show most, whichever is less.
     carried_share
         Share of the fall that is gone without the two shots that speak loudest for it.
+    p_rest
+        `p_holm` without these two, every cell counted.
     own_of
         Names of the fit's effects that show in this cell most.
     """
@@ -53,6 +58,7 @@ class Cell:
     p_value: float
     p_holm: float
     carried_share: float
+    p_rest: float
     own_of: tuple[str, ...] = ()
 
 
@@ -94,7 +100,7 @@ def cells_of(data: Data, fit: Fit, sums: Projector) -> tuple[Cell, ...]:
     looked_at = holm(p_values)
     own = own_cells(data, fit, sums, falls)
     few = np.unique(np.concatenate([np.zeros(0, dtype=np.intp), *own.values()]))
-    looked_at[few] = np.minimum(looked_at[few], holm(p_values[few]))
+    looked_at[few] = np.minimum(looked_at[few], OWN_PENALTY * holm(p_values[few]))
     cells = [
         Cell(
             channel=channel,
@@ -104,6 +110,7 @@ def cells_of(data: Data, fit: Fit, sums: Projector) -> tuple[Cell, ...]:
             p_value=float(p_values[k]),
             p_holm=float(looked_at[k]),
             carried_share=solved.carried_share,
+            p_rest=min(1.0, len(found) * _chance(solved, scale2 / (1 - solved.carried_share))),
             own_of=tuple(name for name, chosen in own.items() if k in chosen),
         )
         for k, (channel, covariate, solved) in enumerate(found)

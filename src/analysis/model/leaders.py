@@ -22,6 +22,8 @@ ALIAS_WITHIN = (2 * 1.2816) ** 2
 """Refits this close in deviance are told apart rightly in less than nine of ten campaigns."""
 SMALL_FALL = 64.0
 """Eight standard errors: refits then bring what scores promise."""
+LEAST_PROMISED = 0.1
+"""Share of the best promise below which no refit comes out first, however large the effect."""
 BELIEVED_SHARE = 0.2
 """A plausible effect goes before an implausible one if it has this share of its fall."""
 MOST_CARRIED, MOST_CARRIED_OF_FEW, MANY, FEW = 0.6, 0.85, 60, 12
@@ -68,20 +70,27 @@ class Leader:
 def refitted(data: Data, fit: Fit, ranking: Ranking, level: float) -> list[Leader]:
     """Refit every candidate whose promise passes a family-wise level and is not carried by two.
 
-    Those whose likelihood ratio, after the refit, no longer passes are left out.
+    It is not carried if the other shots alone promise enough. Those whose likelihood ratio, after
+    the refit, no longer passes are left out.
     """
     invited = [c for c in ranking.candidates if c.seen and c.p_familywise < level]
-    trusted = [c for c in invited if c.carried_share < most_carried(len(data.shots))]
+    threshold, carried = ranking.threshold(level), most_carried(len(data.shots))
+    trusted = [c for c in invited if c.carried_share < carried or _by_others(c) <= threshold]
     leaders = [_refit(data, fit, candidate) for candidate in _worth_it(trusted, len(data.shots))]
     if not leaders:
         return []
     noise = min(leader.fit.chi2_per_dof for leader in leaders)
-    threshold = ranking.threshold(level)
     return [
         leader
         for leader in leaders
         if leader.candidate.chance_of(leader.fall / noise, leader.values) <= threshold
     ]
+
+
+def _by_others(candidate: Candidate) -> float:
+    """Return the chance of what a candidate promises without its two loudest shots."""
+    fall = candidate.fall * (1 - candidate.carried_share)
+    return candidate.chance_of(fall, candidate.amplitudes)
 
 
 def _worth_it(candidates: Sequence[Candidate], shots: int) -> Sequence[Candidate]:
@@ -90,7 +99,11 @@ def _worth_it(candidates: Sequence[Candidate], shots: int) -> Sequence[Candidate
     Scores of small effects are exact, and tell by themselves who is far behind; those of large
     ones are not, nor does one of them take second place to a doubtful one.
     """
-    if not candidates or candidates[0].fall > SMALL_FALL or not candidates[0].plausible:
+    if not candidates:
+        return candidates
+    least = LEAST_PROMISED * candidates[0].fall
+    candidates = [candidate for candidate in candidates if candidate.fall > least]
+    if candidates[0].fall > SMALL_FALL or not candidates[0].plausible:
         return candidates[:MOST_REFITTED]
     worth = [c.fall - c.freedom * float(np.log(max(shots, 2))) for c in candidates]
     near = [c for c, w in zip(candidates, worth, strict=True) if w > max(worth) - 2 * ALIAS_WITHIN]
@@ -114,13 +127,15 @@ def alias_set(chosen: Leader, leaders: Sequence[Leader], ranking: Ranking) -> tu
     """Return all effects that these shots cannot tell from the chosen one, it first.
 
     Those whose refit comes as near as a wrong one would in one campaign of ten, and those that the
-    scores foretell to. One that contains the chosen effect is no alias of it but a larger model.
+    scores foretell to. What a simpler one has fewer parameters for counts in full, ln(shots) each:
+    it is not ruled out by luck with more of them. One that contains the chosen effect is no alias
+    of it but a larger model.
     """
     fall = chosen.unbiased_fall
     rivals = [c.effect.name for c in ranking.candidates]
     here = rivals.index(chosen.name)
     foretold = dict(zip(rivals, fall * (1 - ranking.imitated[here]), strict=True))
-    behind = {x.name: fall - x.unbiased_fall for x in leaders}
+    behind = {x.name: min(fall - x.unbiased_fall, chosen.criterion - x.criterion) for x in leaders}
     near = [
         candidate.effect.name
         for candidate in ranking.candidates

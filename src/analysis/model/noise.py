@@ -53,23 +53,48 @@ def scales_over(passes: Passes) -> tuple[NoiseScale, NoiseScale]:
     return _scale(squares[0], freedom[0]), _scale(squares[1], freedom[1])
 
 
-def free_flight_misfit(line: Comparison) -> tuple[Floats, Floats]:
-    """Return chi-squared about free flight and its degrees of freedom, (positions, orientations).
+@dataclass(frozen=True, slots=True, eq=False)
+class FreeFlight:
+    """Residuals about two free flights of each sphere, whatever the law between them.
 
-    A residual's share of the degrees of freedom is one less its leverage.
+    Attributes
+    ----------
+    left
+        Whitened residuals with the flights fitted, shape (S, B, L).
+    basis
+        What fitting them took, unit columns across each other, shape (S, B, L, 48 / B).
+    share
+        One less the leverage of each residual, zero where nothing was measured, shape (S, B, L):
+        they add up to the degrees of freedom.
     """
+
+    left: Floats
+    basis: Floats
+    share: Floats
+
+
+def about_free_flight(line: Comparison) -> FreeFlight:
+    """Fit the numbers of both flights of each sphere, and nothing else."""
     scale = np.sqrt(np.maximum(np.diagonal(line.gram, axis1=2, axis2=3), _LEAST))
     values, vectors = np.linalg.eigh(line.gram / scale[..., :, None] / scale[..., None, :])
     root = np.where(values > _LEAST, 1 / np.sqrt(np.maximum(values, _LEAST)), 0.0)
     basis = line.slopes @ (vectors * root[..., None, :] / scale[..., :, None])
     taken = np.swapaxes(basis, 2, 3) @ line.residual[..., None]
-    left = line.residual - (basis @ taken)[..., 0]
     measured = np.abs(line.slopes).sum(axis=3) > 0
-    share = np.where(measured, 1 - (basis**2).sum(axis=3), 0.0)
+    return FreeFlight(
+        left=line.residual - (basis @ taken)[..., 0],
+        basis=basis,
+        share=np.where(measured, 1 - (basis**2).sum(axis=3), 0.0),
+    )
+
+
+def free_flight_misfit(line: Comparison) -> tuple[Floats, Floats]:
+    """Return chi-squared about free flight and its freedom, each (positions, orientations)."""
+    flight = about_free_flight(line)
     kinds = (~line.orientations, line.orientations)
     return (
-        np.array([(left**2)[:, kind].sum() for kind in kinds]),
-        np.array([share[:, kind].sum() for kind in kinds]),
+        np.array([(flight.left**2)[:, kind].sum() for kind in kinds]),
+        np.array([flight.share[:, kind].sum() for kind in kinds]),
     )
 
 

@@ -32,6 +32,7 @@ def verdict_document(
         "verdict": verdict.verdict,
         "effects": list(verdict.effects),
         "alias_set": list(verdict.alias_set),
+        "alias_sets": {name: list(alike) for name, alike in verdict.alias_sets.items()},
         "unexplained": verdict.verdict == "unexplained",
         "chi2_per_dof": verdict.fit.chi2_per_dof,
         "path": [

@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from analysis.effects.effect import Effect, ScatterEffect
 from analysis.effects.jitter_score import Directions, JitterScore, directions, score_of
-from analysis.model.comparison import compare, rates
+from analysis.model.comparison import compare, rates, spread
 from analysis.model.fit import Fit, fit_campaign
 from analysis.model.jitter import by_frame
-from analysis.model.normal import solve_blocks
+from analysis.model.noise import about_free_flight
 from analysis.model.passes import Passes, passes_of
 from analysis.model.poses import PoseData
 from analysis.model.tables import ContactTable, Data
@@ -24,7 +24,8 @@ Floats = NDArray[np.float64]
 def timing_jitter(data: Data, fit: Fit) -> JitterScore | None:
     """Test a fit for a time error that all numbers of a frame share; None: nothing could show.
 
-    Each shot's own numbers are projected out; what all shots share takes too little to matter.
+    Judged by the scatter about free flight: a law of contact that is wrong shifts flights as a
+    whole, and would pass for jitter.
     """
     return jitter_over(passes_of(data, fit))
 
@@ -32,18 +33,19 @@ def timing_jitter(data: Data, fit: Fit) -> JitterScore | None:
 def jitter_over(passes: Passes) -> JitterScore | None:
     """Test the same in one pass over a campaign."""
     found = passes.keep(Directions)
+    freedom = 0.0
     for data, states in passes.parts():
         line, here = compare(data, states, passes.fit.theory)
         if here.frames is None or isinstance(data, ContactTable):
             return None
-        shots, blocks, _, size = line.slopes.shape
-        own = line.slopes @ line.by_state.reshape(shots, blocks, size, -1)
+        flight = about_free_flight(line)
+        freedom += float(flight.share.sum())
         along = rates(data, here.frames.flown)
-        residual = by_frame(line.residual[..., None]).reshape(along.shape)
-        kernel = _kernel(along.reshape(*along.shape[:2], -1), by_frame(own))
+        residual = by_frame(flight.left[..., None]).reshape(along.shape)
+        kernel = _kernel(along.reshape(*along.shape[:2], -1), by_frame(spread(flight.basis)))
         found.append(directions(residual, along, kernel))
     try:
-        return score_of(found, passes.fit.freedom)
+        return score_of(found, round(freedom))
     except ValueError:
         return None
 
@@ -73,15 +75,14 @@ def jitter_found(effect: ScatterEffect, size: float, sigma: float) -> dict[str, 
     return {f"{effect.name}.{parameter.symbol}": Quantity(size, sigma, parameter.unit)}
 
 
-def _kernel(along: Floats, own: Floats) -> Floats:
-    """Return D' P D, (S, F, F), from D's frames (S, F, 12) and what each shot fitted (S, 12 F, 24).
+def _kernel(along: Floats, basis: Floats) -> Floats:
+    """Return D' P D, (S, F, F), from D's frames (S, F, 12) and what each shot fitted (S, 12 F, 48).
 
     D has a frame's numbers in that frame's column, so D'D is diagonal.
     """
     shots, frames, length = along.shape
-    coupling = np.einsum("sfl,sflp->spf", along, own.reshape(shots, frames, length, -1))
-    states = np.swapaxes(own, 1, 2) @ own
-    kernel = -np.swapaxes(coupling, 1, 2) @ solve_blocks(states, coupling)
+    coupling = np.einsum("sfl,sflp->spf", along, basis.reshape(shots, frames, length, -1))
+    kernel = -np.swapaxes(coupling, 1, 2) @ coupling
     index = np.arange(frames)
     kernel[:, index, index] += (along**2).sum(axis=2)
     return np.asarray(kernel)

@@ -7,7 +7,7 @@ falls.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,6 +16,7 @@ from scipy.stats import chi2 as chi2_distribution
 from analysis.effects.effect import Effect
 from analysis.effects.timing_jitter import EFFECT as JITTER
 from analysis.model.evidence import Stage, stage_of, weighed, weighed_again
+from analysis.model.exchange import AliasSets, exchanged
 from analysis.model.fit import Fit, fit_campaign
 from analysis.model.inside import without_contact_frames
 from analysis.model.lackoffit import Cell, lack_of_fit
@@ -42,9 +43,8 @@ class Verdict:
         none, effect, alias or unexplained.
     effects
         Names of the accepted effects; when unexplained, what explains part.
-    alias_set
-        All that these shots cannot tell from an accepted effect, itself first: of the first that
-        has company, else of the first.
+    alias_sets
+        All that these shots cannot tell from each accepted effect, itself first.
     path
         From the base model on.
     ranking
@@ -60,13 +60,20 @@ class Verdict:
 
     verdict: str
     effects: tuple[str, ...]
-    alias_set: tuple[str, ...]
+    alias_sets: Mapping[str, tuple[str, ...]]
     path: tuple[Stage, ...]
     ranking: Ranking
     first_ranking: Ranking
     cells: tuple[Cell, ...]
     cleaned: Cleaned
     noise: tuple[float, float]
+
+    @property
+    def alias_set(self) -> tuple[str, ...]:
+        """All that may be meant: the sets of the effects that have company, else of the first."""
+        sets = [self.alias_sets[name] for name in self.effects]
+        ambiguous = [alike for alike in sets if len(alike) > 1] or sets[:1]
+        return tuple(dict.fromkeys(name for alike in ambiguous for name in alike))
 
     @property
     def fit(self) -> Fit:
@@ -84,7 +91,7 @@ def explain(
     evidence = weighed(without_contact_frames(data))
     path = [stage_of(evidence.data, evidence.cleaned.fit)]
     first_ranking = ranking = rank(evidence.data, path[-1].fit, effects)
-    alias_sets: dict[str, tuple[str, ...]] = {}
+    alias_sets: AliasSets = {}
     while len(path) <= MOST_ACCEPTED:
         progress(f"refitting the leaders, {len(path) - 1} effects accepted")
         level = FIRST_LEVEL if len(path) == 1 else LATER_LEVEL
@@ -93,18 +100,21 @@ def explain(
         if accepted is None:
             break
         leader, stage = accepted
-        alias_sets[leader.name] = alias_set(leader, leaders, ranking)
+        alias_sets = {**alias_sets, leader.name: alias_set(leader, leaders, ranking)}
         evidence, path = weighed_again(evidence, [*path, stage], leader.data.jitter_s)
         ranking = rank(evidence.data, path[-1].fit, effects)
     path = _backward(evidence.data, path)
+    if len(path[-1].fit.theory.active) > 1:
+        progress("weighing accepted effects against the others")
+        last, alias_sets = exchanged(evidence.data, path[-1], effects, LATER_LEVEL, alias_sets)
+        path = path if last is path[-1] else [*path, last]
     progress("testing what is left")
     cells = _unmasked(path, lack_of_fit(evidence.data, path[-1].fit), evidence.data)
     names = path[-1].effects
-    ambiguous = [name for name in names if len(alias_sets[name]) > 1]
     return Verdict(
         verdict=_word(names, alias_sets, cells, most_carried(len(evidence.data.shots))),
         effects=names,
-        alias_set=next((alias_sets[name] for name in (*ambiguous, *names)), ()),
+        alias_sets={name: alias_sets[name] for name in names},
         path=tuple(path),
         ranking=ranking,
         first_ranking=first_ranking,
@@ -128,15 +138,21 @@ def _accepted(present: Stage, leaders: Sequence[Leader]) -> tuple[Leader, Stage]
 
 def _word(
     accepted: tuple[str, ...],
-    alias_sets: dict[str, tuple[str, ...]],
+    alias_sets: AliasSets,
     cells: tuple[Cell, ...],
     carried: float,
 ) -> str:
-    if any(cell.p_holm < UNEXPLAINED_LEVEL and cell.carried_share < carried for cell in cells):
+    if any(_alarms(cell, carried) for cell in cells):
         return "unexplained"
     if not accepted:
         return "none"
     return "alias" if any(len(alias_sets[name]) > 1 for name in accepted) else "effect"
+
+
+def _alarms(cell: Cell, carried: float) -> bool:
+    """Whether a cell stands out, and not by the word of two shots alone."""
+    believed = cell.carried_share < carried or cell.p_rest < UNEXPLAINED_LEVEL
+    return cell.p_holm < UNEXPLAINED_LEVEL and believed
 
 
 def _unmasked(path: Sequence[Stage], cells: tuple[Cell, ...], data: Data) -> tuple[Cell, ...]:

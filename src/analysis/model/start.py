@@ -47,14 +47,13 @@ def first_states(data: Data) -> ShotStates:
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     share = data.bodies[0].radius / reach
     spin, rotation = _turning(data, before, time)
-    unknown = spins_unknown(data)
     return ShotStates(
         time_s=time,
         point=(1 - share) * centres[:, 0] + share * centres[:, 1],
         normal=normal,
         before=States(slope[:, 0], slope[:, 1], spin[:, 0], spin[:, 1]),
         rotation=rotation,
-        kick=Kick(np.zeros_like(normal), unknown) if unknown.any() else None,
+        kick=_kick(data),
     )
 
 
@@ -66,7 +65,13 @@ def _tabulated(table: ContactTable) -> ShotStates:
         normal=table.normal,
         before=table.start,
         rotation=np.tile(np.eye(3), (shots, 2, 1, 1)),
+        kick=_kick(table),
     )
+
+
+def _kick(data: Data) -> Kick | None:
+    unknown = spins_unknown(data)
+    return Kick(np.zeros((len(unknown), 3)), unknown) if unknown.any() else None
 
 
 def both_seen(position_sigma: Floats) -> NDArray[np.bool_]:

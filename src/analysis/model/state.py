@@ -27,6 +27,10 @@ TIME, POINT, TILT, MOTION, TURN_A, TURN_B = (
 (m/s, rad/s), rotations of both orientations at contact (rad, rig axes)."""
 
 
+KICK_NUMBERS = 2
+"""Of a kick, across the normal, that a shot determines."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Kick:
     """An impulse across the normal beyond what the law gives, in shots without a known spin.

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from analysis.collision.operator import Body, States
 from analysis.model.poses import PoseData
+from analysis.model.state import KICK_NUMBERS
 
 Floats = NDArray[np.float64]
 
@@ -86,12 +87,23 @@ class ContactTable:
         return np.where(self.measured, 1.0 / self.sigma, 0.0)
 
     @property
+    def spins_unknown(self) -> NDArray[np.bool_]:
+        """Return which bodies have a spin before contact that is not tabulated, shape (S, 2)."""
+        if self.scalars:
+            return np.zeros((len(self.shots), 2), dtype=np.bool_)
+        spins = self.sigma[:, 6:12].reshape(-1, 2, 3)
+        moves = np.array([not body.is_plate for body in self.bodies])
+        return np.asarray(np.isinf(spins).any(axis=2) & moves)
+
+    @property
     def own_numbers(self) -> NDArray[np.intp]:
         """Return how many of each shot's own numbers are determined, shape (S,).
 
-        Each that is tabulated of the state before contact determines one.
+        Each that is tabulated of the state before contact determines one; where a spin is not, two
+        more are those of a kick.
         """
-        return np.asarray(self.measured[:, ~self.after].sum(axis=1))
+        kicked = KICK_NUMBERS * self.spins_unknown.any(axis=1)
+        return np.asarray(self.measured[:, ~self.after].sum(axis=1) + kicked)
 
     def before(self) -> ContactTable:
         """Return the table with all that tells of the state after contact taken out."""

@@ -18,8 +18,6 @@ Floats = NDArray[np.float64]
 
 FIRST_GUESS = 0.01
 """m/s: the scale of errors that are not stated, before it is estimated."""
-UNKNOWN_SPIN = 60.0
-"""rad/s: a spin before contact that was not measured is 0 within this, as from a launch tube."""
 NORMAL, ALONG = np.array([0.0, 1.0, 0.0]), np.array([1.0, 0.0, 0.0])
 """Directions that stand for every normal and incident surface velocity where scalars are given."""
 
@@ -47,8 +45,10 @@ def contacts_table(
     )
     sigma = np.tile(sigma, 2)
     sigma[np.isnan(numbers)] = np.inf
-    held = np.isnan(before[:, 6:]) & np.repeat([not body.is_plate for body in bodies], 3)
-    sigma[:, 6:12][held] = UNKNOWN_SPIN
+    # What a spin became says nothing where it is not known what it was.
+    unknown = np.isnan(before[:, 6:]).reshape(-1, 2, 3).any(axis=2)
+    for spins in (sigma[:, 6:12], sigma[:, 18:24]):
+        spins[np.repeat(unknown, 3, axis=1)] = np.inf
     before = np.nan_to_num(before)
     return ContactTable(
         shots=np.array([row.shot for row in rows], dtype=np.intp),

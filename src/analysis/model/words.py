@@ -24,11 +24,7 @@ def verdict_sentence(document: Json) -> str:
         what = "missing effects are" if several else "missing effect is"
         return f"{name}: the {what} {_listed(document['effects'])}; {_fall(document)}."
     if document["verdict"] == "alias":
-        alike = " or ".join(document["alias_set"])
-        others = [effect for effect in document["effects"] if effect not in document["alias_set"]]
-        verb = "are" if len(others) > 1 else "is"
-        sure = f"{_listed(others)} {verb} missing, and" if others else "the missing effect is"
-        return f"{name}: {sure} one of {alike}: these shots cannot tell; {_fall(document)}."
+        return f"{name}: {_alike(document)}: these shots cannot tell; {_fall(document)}."
     return _unexplained(document)
 
 
@@ -60,6 +56,17 @@ def _doubt(candidate: Json) -> str:
         f"{candidate['effect']} by itself would promise as much, but with {size}{unit}, where "
         f"{low:g} to {high:g}{unit} is believed."
     )
+
+
+def _alike(document: Json) -> str:
+    """Say what is sure, and of what is not which one of which."""
+    sets = document["alias_sets"]
+    sure = [name for name in document["effects"] if len(sets[name]) == 1]
+    open_ = [f"one of {' or '.join(alike)}" for alike in sets.values() if len(alike) > 1]
+    if not sure:
+        verb = "are" if len(open_) > 1 else "is"
+        return f"the missing effect{'s' * (len(open_) > 1)} {verb} {_listed(open_)}"
+    return f"{_listed(sure)} {'are' if len(sure) > 1 else 'is'} missing, and {_listed(open_)}"
 
 
 def _fall(document: Json) -> str:

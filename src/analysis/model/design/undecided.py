@@ -21,11 +21,11 @@ from analysis.model.selection import Verdict
 def next_after(
     verdict: Verdict, effects: Sequence[Effect], limits: Limits | None = None
 ) -> Telling | None:
-    """Return the shots that tell the members of a verdict's alias set apart.
+    """Return the shots that tell apart what a verdict leaves open.
 
-    The first is held against each other one; the answer is the pair that needs most shots. None
-    where there is nothing to tell apart, the settings of the campaign do not let shots be
-    foretold, or it holds no poses.
+    Of its effects the first that has company is held against each other one; the answer is the
+    pair that needs most shots. None where there is nothing to tell apart, the settings of the
+    campaign do not let shots be foretold, or it holds no poses.
 
     Parameters
     ----------
@@ -34,7 +34,8 @@ def next_after(
     limits
         What the rig allows; None: what the campaign has used.
     """
-    names = [n for n in verdict.alias_set if not isinstance(_named(effects, n), ScatterEffect)]
+    alike = next((alike for alike in verdict.alias_sets.values() if len(alike) > 1), ())
+    names = [n for n in alike if not isinstance(_named(effects, n), ScatterEffect)]
     if verdict.verdict != "alias" or len(names) < 2:
         return None
     data, theory = verdict.cleaned.data, verdict.fit.theory

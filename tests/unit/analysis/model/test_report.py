@@ -17,7 +17,7 @@ from tests.unit.analysis.model.hard_spheres import Hidden, campaign
 
 KEYS = {
     *("campaign", "shots", "used", "excluded", "rejected", "rejected_frames", "verdict", "effects"),
-    *("alias_set", "unexplained", "chi2_per_dof", "path", "parameters", "candidates"),
+    *("alias_set", "alias_sets", "unexplained", "chi2_per_dof", "path", "parameters", "candidates"),
     *("noise", "structure", "next_shots"),
 }
 CANDIDATE = {
@@ -103,8 +103,18 @@ def test_an_effect_that_is_sure_is_said_beside_those_that_are_not(
     documents: dict[str, dict[str, Any]],
 ) -> None:
     found = documents["alias"]
-    said = verdict_sentence({**found, "effects": ["drag", *found["effects"]]})
+    sets = {"drag": ["drag"], **found["alias_sets"]}
+    said = verdict_sentence({**found, "effects": list(sets), "alias_sets": sets})
     assert said.startswith("nylon: drag is missing, and one of ")
+
+
+def test_two_effects_that_both_have_company_are_said_each_with_its_own(
+    documents: dict[str, dict[str, Any]],
+) -> None:
+    sets = {"drag": ["drag", "wind"], "frame-rate": ["frame-rate", "gravity-value"]}
+    said = verdict_sentence({**documents["alias"], "effects": list(sets), "alias_sets": sets})
+    whole = "the missing effects are one of drag or wind and one of frame-rate or gravity-value"
+    assert whole in said
 
 
 def test_a_candidate_of_a_size_that_is_not_believed_is_said_and_not_hidden(

@@ -96,6 +96,7 @@ def test_the_alias_set_is_that_of_the_effect_that_has_company() -> None:
     assert verdict.effects[0] == "image-scale"
     assert verdict.verdict == "alias"
     assert set(verdict.alias_set) == {"frame-rate", "gravity-value"}
+    assert verdict.alias_sets["image-scale"] == ("image-scale",)
 
 
 def test_an_attraction_in_flight_is_unexplained() -> None:

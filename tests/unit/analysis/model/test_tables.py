@@ -14,6 +14,7 @@ from analysis.model.gather import gather, gather_poses
 from analysis.model.inside import without_contact_frames
 from analysis.model.lackoffit import lack_of_fit
 from analysis.model.noise import noise_scales
+from analysis.model.normal import LAW_PRIOR_SIGMA
 from analysis.model.outliers import clean
 from analysis.model.tables import ContactTable
 from tests.unit.analysis.model.exchange_folder import DESCRIPTION, write_campaign
@@ -161,7 +162,7 @@ def test_one_setting_leaves_open_what_it_does_not_show(tmp_path: Path) -> None:
     assert fit.chi2_per_dof == pytest.approx(1.0, abs=4 * np.sqrt(2 / fit.freedom))
 
 
-def test_spins_that_were_not_measured_are_held_and_not_counted(tmp_path: Path) -> None:
+def test_contacts_without_spins_tell_of_restitution_and_nothing_of_friction(tmp_path: Path) -> None:
     written = contacts(tmp_path, 60, 10)
     path = written / "contacts.csv"
     head, *lines = path.read_text(encoding="utf-8").splitlines()
@@ -174,9 +175,13 @@ def test_spins_that_were_not_measured_are_held_and_not_counted(tmp_path: Path) -
     path.write_text("\n".join([head, *kept]) + "\n", encoding="utf-8")
     data = table(written)
     fit = fit_campaign(data)
-    # A spin of 0 +- 60 rad/s is one number more and one fitted.
-    assert fit.freedom == 60 * (12 - 6) - 3
-    assert_law(fit)
+    # Six velocities after contact of each shot, less the two numbers of its kick.
+    assert fit.freedom == 60 * (6 - 2) - 3
+    assert fit.chi2_per_dof == pytest.approx(1.0, abs=4 * np.sqrt(2 / fit.freedom))
+    found = fit.parameters()
+    assert found["e"].value == pytest.approx(LAW[0], abs=4 * found["e"].sigma)
+    assert found["e"].sigma < 0.001
+    assert found["mu"].sigma == pytest.approx(LAW_PRIOR_SIGMA[1])
 
 
 def test_errors_that_are_not_stated_are_one_scale_taken_from_the_scatter(tmp_path: Path) -> None:
