@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tracemalloc
 from collections.abc import Callable
 from pathlib import Path
 
@@ -72,6 +73,24 @@ def assert_as_a_whole(folder: Path) -> PoseData:
 def test_all_poses_come_back_in_parts(folder: Path) -> None:
     assert_as_a_whole(folder)
     assert [len(part.shots) for part in stream_poses(folder)[1]] == [4, 4, 1]
+
+
+def test_reading_many_shots_takes_no_more_memory_than_reading_few(tmp_path: Path) -> None:
+    few, many = (
+        peak(write_campaign(tmp_path / str(shots), campaign(shots, 12))) for shots in (8, 40)
+    )
+    # The rows of 32 further shots have 2 MB as text, and as much as numbers.
+    assert many < few + 2e5
+
+
+def peak(folder: Path) -> int:
+    """Return the most memory that reading allocates, bytes."""
+    tracemalloc.start()
+    try:
+        stream_poses(folder)
+        return tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
 
 
 def test_poses_csv_may_be_named_itself(folder: Path) -> None:
