@@ -84,7 +84,11 @@ class ByShot:
             shares = pulls @ weights
             first = np.argsort(-shares, axis=0, kind="stable")[:count]
             for sum_, own in enumerate(kept):
-                own += [(float(shares[s, sum_]), start + int(s), pulls[s]) for s in first[:, sum_]]
+                # Copies: a view would hold the whole part in memory.
+                own += [
+                    (float(shares[s, sum_]), start + int(s), pulls[s].copy())
+                    for s in first[:, sum_]
+                ]
                 own[:] = sorted(own, key=lambda entry: -entry[0])[:count]
             start += len(pulls)
         return [
