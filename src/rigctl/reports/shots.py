@@ -42,7 +42,7 @@ def every_shot(found: Results, columns: dict[str, Table]) -> str:
         "contact slides. All errors with their correlations stand in the file."
     )
     link = f'<p class="download aside">{download("coefficients", columns["coefficients"])}</p>'
-    body = f'<div class="wide">{table(headings, rows)}</div>'
+    body = table(headings, rows)
     return section("Coefficients of every shot", body, paragraph(note, "aside"), link)
 
 
