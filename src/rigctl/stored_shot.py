@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import logging
 from collections.abc import Callable
 from dataclasses import replace
+from functools import lru_cache
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,19 +19,21 @@ from analysis.model.gather import measured_poses
 from analysis.setup import CameraSetup, Setup, SphereSetup
 from analysis.shot import AnalysisOptions, MeasuredShot, RefusedShot, analyse_shot
 from analysis.slow_errors import slow_errors
+from rigctl.learned_pairs import LearnedPairs
 from rigctl.store.folders import read_pixels
 from rigctl.stored_poses import poses_document
 
 if TYPE_CHECKING:
     from analysis.photometric.appearance import Knowledge
 
+_log = logging.getLogger(__name__)
+
 Json = dict[str, Any]
 Floats = NDArray[np.float64]
 Measure = Callable[[NDArray[np.uint8], Floats, Setup, AnalysisOptions], MeasuredShot | RefusedShot]
 
-KEPT_SETUPS = 4
-_LEARNED: dict[Setup, Knowledge] = {}
-"""Of the set-ups analysed last in this process, which lives as long as the daemon."""
+LEARNED = "learned"
+"""Folder beside the shots, for what is learned of their spheres."""
 
 
 def analyse_stored_shot(folder: Path, method: str) -> Json:
@@ -42,7 +46,25 @@ def analyse_stored_shot(folder: Path, method: str) -> Json:
     The result document (commands.md) with the shot's name, the method, the frame rate and,
     when it was measured, the poses of both spheres and what to draw over each frame.
     """
-    return _result(folder, method, measured)
+    campaign = json.loads((folder / "manifest.json").read_bytes()).get("campaign")
+    pairs = pairs_beside(folder)
+
+    def measure(
+        frames: NDArray[np.uint8], times_s: Floats, setup: Setup, options: AnalysisOptions
+    ) -> MeasuredShot | RefusedShot:
+        return measured((frames, times_s), setup, options, pairs, campaign)
+
+    return _result(folder, method, measure)
+
+
+@lru_cache(maxsize=1)
+def _pairs_in(folder: Path) -> LearnedPairs:
+    return LearnedPairs(folder)
+
+
+def pairs_beside(folder: Path) -> LearnedPairs:
+    """Return the learned pairs of the store that a shot's folder belongs to."""
+    return _pairs_in(folder.parents[2] / LEARNED)
 
 
 def analyse_stored_shot_as_taught(folder: Path, method: str, known: Knowledge | None) -> Json:
@@ -105,18 +127,31 @@ def _result(folder: Path, method: str, measure: Measure) -> Json:
 
 
 def measured(
-    frames: NDArray[np.uint8], times_s: NDArray[np.float64], setup: Setup, options: AnalysisOptions
+    film: tuple[NDArray[np.uint8], Floats],
+    setup: Setup,
+    options: AnalysisOptions,
+    pairs: LearnedPairs,
+    campaign: str | None,
 ) -> MeasuredShot | RefusedShot:
-    """Measure a shot with what this process has learned of the spheres of its set-up.
+    """Measure a shot with what any process has learned of the spheres of its campaign.
 
     The first shot teaches the photometric method; those that follow are only followed. One that
-    shows other spheres is learned from anew.
+    shows other spheres is learned from anew, and teaches those after it.
+
+    Parameters
+    ----------
+    film
+        Frames and their times in s.
     """
-    shot = analyse_shot(frames, times_s, setup, options, _LEARNED.get(setup))
-    if isinstance(shot, MeasuredShot) and shot.known is not None:
-        if setup not in _LEARNED and len(_LEARNED) == KEPT_SETUPS:
-            del _LEARNED[next(iter(_LEARNED))]
-        _LEARNED[setup] = shot.known
+    if options.method != "photometric":
+        return analyse_shot(*film, setup, options)
+    known = pairs.recall(campaign, setup)
+    shot = analyse_shot(*film, setup, options, known)
+    if isinstance(shot, MeasuredShot) and shot.known is not None and shot.known is not known:
+        try:
+            pairs.remember(campaign, setup, shot.known)
+        except OSError as error:
+            _log.warning("other processes will learn these spheres anew: %s", error)
     return shot
 
 

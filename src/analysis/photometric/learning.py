@@ -33,7 +33,7 @@ MARKED_FROM = 2
 """Turns from which the markers tell the radius."""
 FINISH_LIMITS = np.array([40.0, 15.0, 6.0])
 SEARCH_ROUNDS = (1, 2, 3)
-SHARED_ROUNDS = (1, 3, 5)
+SHARED_FROM = 1
 RELIEF_FROM = 2
 UNLIMITED = 1e3
 TOGETHER_LIMITS = (15.0, 8.0, 6.0, 6.0)
@@ -70,7 +70,7 @@ def learn(film: Film, start: Knowledge, *, hold_scale: bool) -> Knowledge:
             known = with_missed([few], known)
         if turn >= RELIEF_FROM:
             known = with_reliefs([few], known, limit)
-        if turn in SHARED_ROUNDS:
+        if turn >= SHARED_FROM:
             known = with_shared([few], known, limit, move_radius=marked and not hold_scale)
         fit_film(few, known, np.full(2, limit))
     film.keep_places(start.camera.optics, known.camera.optics)

@@ -13,6 +13,7 @@ from analysis.errors import ShotRefusedError
 from analysis.imaging.frame import EdgeSettings, noise_sd
 from analysis.photometric.appearance import Knowledge
 from analysis.photometric.background import first_background
+from analysis.photometric.confirmation import shown_share
 from analysis.photometric.film import Film, drop_misfits, settle_film
 from analysis.photometric.following import Follower
 from analysis.photometric.learning import learn, learn_together
@@ -26,6 +27,8 @@ Floats = NDArray[np.float64]
 
 LAST_LIMIT = 6.0
 LEAST_PLACED = 6
+LEAST_SHARE_OF_FILM = 0.92
+"""Median over a film's frames: the learned spheres show 0.96 to 1.01, others 0.7 to 0.9."""
 NOISE_FRAMES = 3
 """Of the first guess of the noise."""
 
@@ -95,9 +98,33 @@ def followed_film(frames: NDArray[np.uint8], times_s: Floats, known: Knowledge) 
     Follower(film, known).run(times_s)
     film.refresh(known)
     settle_film(film, known, LAST_LIMIT)
+    refuse_strangers(film, known)
     drop_misfits(film, known, LAST_LIMIT)
     refuse_few(film)
     return film
+
+
+def refuse_strangers(film: Film, known: Knowledge) -> None:
+    """Refuse a film of other spheres than the known ones.
+
+    A strange pattern can be turned so that most of its markers fall on dark places of each frame;
+    over a whole film too little of them does.
+
+    Raises
+    ------
+    ShotRefusedError
+        With the sphere and what its markers show.
+    """
+    for i, name in enumerate("ab"):
+        shown = [shown_share(sight, stance) for sight, stance in film.sights(known, i)]
+        shares = [share for share, count in shown if count]
+        middle = float(np.median(shares)) if shares else 1.0
+        if middle < LEAST_SHARE_OF_FILM:
+            raise ShotRefusedError(
+                "assignment",
+                f"sphere {name} is not the one that was learned: its markers' places show "
+                f"{middle:.2f} of their darkness, {LEAST_SHARE_OF_FILM:g} are needed",
+            )
 
 
 def refuse_few(film: Film) -> None:

@@ -1,77 +1,158 @@
-"""What an analysing process remembers from shot to shot."""
+"""What the analysing processes of a store remember from shot to shot."""
 
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 from analysis.campaign import THESIS_SETUP
+from analysis.photometric.appearance import Knowledge, Sphere
+from analysis.photometric.camera import camera_of
 from analysis.setup import Setup
 from analysis.shot import AnalysisOptions, MeasuredShot, RefusedShot
 from rigctl import stored_shot
+from rigctl.learned_pairs import LearnedPairs
 
 FRAMES, TIMES = np.zeros((6, 4, 4), np.uint8), np.linspace(0.0, 5e-3, 6)
-PHOTOMETRIC = AnalysisOptions(method="photometric")
+
+
+def lesson(darkness: float) -> Knowledge:
+    camera = camera_of(THESIS_SETUP.camera, np.array([1574.8, 1574.8]))
+    sphere = Sphere(0.0127, np.eye(3), 0.16, darkness, np.zeros((2, 16)), np.zeros((2, 5, 5)))
+    numbers: dict[str, Any] = {"sigma_px": np.full(2, 0.85), "scale_sigma": 7e-4}
+    numbers["camera_sigma"] = (0.0, 0.0)
+    own = {name: numbers[name] for name in Knowledge.__slots__ if name in numbers}
+    return Knowledge(camera=camera, spheres=(sphere, sphere), **own)
 
 
 class Analysis:
-    """Stands for `analyse_shot`: notes what was known, and teaches `lesson` unless it refuses."""
+    """Stands for `analyse_shot`: notes what was known, and teaches where it does not believe it."""
 
     def __init__(self) -> None:
-        self.known: list[object] = []
-        self.lesson: Any = "first"
+        self.known: list[float | None] = []
+        self.shown = 0.5
         self.refuses = False
 
     def __call__(self, *arguments: Any) -> MeasuredShot | RefusedShot:
-        self.known.append(arguments[4])
+        known = arguments[4]
+        self.known.append(None if known is None else known.spheres[0].darkness)
         if self.refuses:
             return RefusedShot("frames", "dark", None)
+        if known is None or known.spheres[0].darkness != self.shown:
+            known = lesson(self.shown)
         nothing: Any = None
         empty = (nothing, nothing)
-        return MeasuredShot(
-            nothing, empty, empty, nothing, TIMES, (), (), (), arguments[4] or self.lesson
-        )
+        return MeasuredShot(nothing, empty, empty, nothing, TIMES, (), (), (), known)
 
 
 @pytest.fixture
 def analysis(monkeypatch: pytest.MonkeyPatch) -> Analysis:
     double = Analysis()
     monkeypatch.setattr(stored_shot, "analyse_shot", double)
-    monkeypatch.setattr(stored_shot, "_LEARNED", {})
     return double
 
 
-def measure(setup: Setup = THESIS_SETUP) -> None:
-    stored_shot.measured(FRAMES, TIMES, setup, PHOTOMETRIC)
+@pytest.fixture
+def process(tmp_path: Path) -> LearnedPairs:
+    return LearnedPairs(tmp_path / "learned")
 
 
-def test_the_spheres_of_a_set_up_are_learned_once(analysis: Analysis) -> None:
+@pytest.fixture
+def other_process(tmp_path: Path) -> LearnedPairs:
+    return LearnedPairs(tmp_path / "learned")
+
+
+def measure(
+    pairs: LearnedPairs, setup: Setup = THESIS_SETUP, campaign: str | None = "nylon"
+) -> None:
+    stored_shot.measured((FRAMES, TIMES), setup, AnalysisOptions(), pairs, campaign)
+
+
+def test_the_spheres_of_a_campaign_are_learned_once(
+    analysis: Analysis, process: LearnedPairs
+) -> None:
     for _ in range(3):
-        measure()
-    assert analysis.known == [None, "first", "first"]
+        measure(process)
+    assert analysis.known == [None, 0.5, 0.5]
 
 
-def test_another_set_up_is_learned_on_its_own(analysis: Analysis) -> None:
-    measure()
-    measure(replace(THESIS_SETUP, gravity_m_per_s2=9.7))
+def test_what_one_process_learns_serves_the_others(
+    analysis: Analysis, process: LearnedPairs, other_process: LearnedPairs
+) -> None:
+    measure(process)
+    measure(other_process)
+    assert analysis.known == [None, 0.5]
+
+
+def test_changed_spheres_teach_anew_and_their_lesson_goes_to_all_processes(
+    analysis: Analysis, process: LearnedPairs, other_process: LearnedPairs
+) -> None:
+    measure(process)
+    measure(other_process)
+    analysis.shown = 0.7
+    measure(process)
+    measure(other_process)
+    assert analysis.known == [None, 0.5, 0.5, 0.7]
+
+
+@pytest.mark.parametrize(
+    ("setup", "campaign"),
+    [(replace(THESIS_SETUP, gravity_m_per_s2=9.7), "nylon"), (THESIS_SETUP, "brass")],
+)
+def test_another_set_up_and_another_campaign_are_learned_on_their_own(
+    analysis: Analysis, process: LearnedPairs, setup: Setup, campaign: str
+) -> None:
+    measure(process)
+    measure(process, setup, campaign)
     assert analysis.known == [None, None]
 
 
-def test_a_refused_shot_teaches_nothing(analysis: Analysis) -> None:
+def test_another_exposure_needs_no_other_lesson(analysis: Analysis, process: LearnedPairs) -> None:
+    measure(process)
+    measure(process, replace(THESIS_SETUP, camera=replace(THESIS_SETUP.camera, exposure_s=2e-4)))
+    assert analysis.known == [None, 0.5]
+
+
+def test_a_refused_shot_teaches_nothing(analysis: Analysis, process: LearnedPairs) -> None:
     analysis.refuses = True
-    measure()
+    measure(process)
     analysis.refuses = False
-    measure()
+    measure(process)
     assert analysis.known == [None, None]
 
 
-def test_only_the_latest_set_ups_are_kept(analysis: Analysis) -> None:
-    setups = [replace(THESIS_SETUP, gravity_m_per_s2=9.0 + 0.1 * n) for n in range(5)]
-    for setup in setups:
-        measure(setup)
-    measure(setups[0])
-    measure(setups[4])
-    assert analysis.known == [None] * 6 + ["first"]
+def test_a_spoilt_lesson_is_told_and_learned_anew(
+    analysis: Analysis,
+    process: LearnedPairs,
+    other_process: LearnedPairs,
+    tmp_path: Path,
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    measure(process)
+    (path,) = (tmp_path / "learned").glob("*.npz")
+    path.write_bytes(path.read_bytes()[:100])
+    measure(other_process)
+    assert analysis.known == [None, None]
+    assert "learned anew" in caplog.text
+
+
+def test_a_process_holds_few_lessons_and_reads_the_others_again(
+    analysis: Analysis, process: LearnedPairs
+) -> None:
+    names = [f"campaign {n}" for n in range(6)]
+    for name in [*names, *names]:
+        measure(process, campaign=name)
+    assert analysis.known == [None] * 6 + [0.5] * 6
+
+
+def test_a_folder_that_cannot_be_written_costs_a_warning_and_no_result(
+    analysis: Analysis, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    (tmp_path / "learned").write_bytes(b"in the way")
+    measure(LearnedPairs(tmp_path / "learned"))
+    assert analysis.known == [None]
+    assert "learn these spheres anew" in caplog.text

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -103,6 +105,24 @@ def test_other_spheres_are_refused_as_not_those_that_were_learned(known):
     strangers = render_shot(WORLD, Launch(60.0, 60.0, 4e-3), SEED + 1)
     with pytest.raises(ShotRefusedError, match="learned"):
         followed_film(strangers.frames, strangers.times_s, known)
+
+
+@pytest.mark.parametrize("changed", ["sides", "a", "b"])
+def test_spheres_that_were_changed_are_refused_too(second, known, changed):
+    a, b = known.spheres
+    mirrored = [replace(s, markers=s.markers * [-1.0, 1.0, 1.0]) for s in (a, b)]
+    others = {"sides": (b, a), "a": (mirrored[0], b), "b": (a, mirrored[1])}
+    with pytest.raises(ShotRefusedError, match="learned"):
+        followed_film(second.frames, second.times_s, replace(known, spheres=others[changed]))
+
+
+def test_changed_spheres_are_learned_anew(second, known):
+    a, b = known.spheres
+    _, learned = measure_poses(second.frames, second.times_s, SETUP, replace(known, spheres=(b, a)))
+    assert learned is not known
+    assert learned.spheres[0].markers.shape[1] == 3
+    _, kept = measure_poses(second.frames, second.times_s, SETUP, learned)
+    assert kept is learned
 
 
 def test_empty_frames_are_refused(known):

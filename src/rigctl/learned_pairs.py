@@ -1,0 +1,89 @@
+"""What the photometric method has learned, shared by all analysing processes of a store.
+
+A file for each campaign and set-up, `learned/<digest>.npz` beside the shots: a cache that may be
+deleted at any time. Whether it still holds is not decided here: a shot that does not show the
+learned spheres refuses them (`analysis.photometric.confirmation`), teaches anew, and its lesson
+takes the place of the one before.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import logging
+import os
+import tempfile
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from analysis.errors import InputError
+from analysis.setup import Setup
+
+if TYPE_CHECKING:
+    from analysis.photometric.appearance import Knowledge
+
+_log = logging.getLogger(__name__)
+
+KEPT = 4
+"""Lessons that a process holds in memory."""
+
+
+class LearnedPairs:
+    """Lessons in a folder, each read once by a process until another one has replaced it.
+
+    For one thread of each process; processes may read and write at any time.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._held: dict[Path, tuple[int, Knowledge]] = {}
+
+    def recall(self, campaign: str | None, setup: Setup) -> Knowledge | None:
+        """Return what was learned of the pair of a campaign; None where nothing can be read."""
+        path = self._path(campaign, setup)
+        try:
+            stamp = path.stat().st_mtime_ns
+        except OSError:
+            return None
+        if path in self._held and self._held[path][0] == stamp:
+            return self._held[path][1]
+        # Compiled functions are loaded only where they are wanted.
+        from analysis.photometric.record import read_knowledge  # noqa: PLC0415
+
+        try:
+            known = read_knowledge(path)
+        except InputError as error:
+            _log.warning("learned anew: %s", error)
+            return None
+        self._hold(path, stamp, known)
+        return known
+
+    def remember(self, campaign: str | None, setup: Setup, known: Knowledge) -> None:
+        """Let all processes have what was learned; a lesson before it is replaced as a whole.
+
+        Raises
+        ------
+        OSError
+            It cannot be written.
+        """
+        from analysis.photometric.record import write_knowledge  # noqa: PLC0415
+
+        path = self._path(campaign, setup)
+        self._folder.mkdir(exist_ok=True)
+        with tempfile.NamedTemporaryFile(dir=self._folder, prefix=".", delete=False) as file:
+            write_knowledge(file, known)
+        os.replace(file.name, path)
+        self._hold(path, path.stat().st_mtime_ns, known)
+
+    def _hold(self, path: Path, stamp: int, known: Knowledge) -> None:
+        self._held.pop(path, None)
+        if len(self._held) == KEPT:
+            del self._held[next(iter(self._held))]
+        self._held[path] = (stamp, known)
+
+    def _path(self, campaign: str | None, setup: Setup) -> Path:
+        """Return a lesson's file; the exposure, which may change from shot to shot, has no part."""
+        still = replace(setup, camera=replace(setup.camera, exposure_s=0.0))
+        text = json.dumps([campaign, asdict(still)], sort_keys=True)
+        return self._folder / f"{hashlib.sha256(text.encode()).hexdigest()[:16]}.npz"
