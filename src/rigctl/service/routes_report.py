@@ -10,7 +10,7 @@ from starlette.responses import Response
 
 from rigctl.campaigns import measured_files
 from rigctl.daemon import Daemon
-from rigctl.jobs import JobState, in_process
+from rigctl.jobs import Job, JobState, in_process
 from rigctl.service.accepted import accepted, accepts
 from rigctl.service.models import CampaignName
 from rigctl.service.problems import documented
@@ -31,6 +31,23 @@ _PAGE: dict[int | str, dict[str, Any]] = {
 }
 
 
+def report_of(daemon: Daemon, campaign: str) -> Job:
+    """Return the job that reports a campaign as its shots stand now; its result has `html`.
+
+    Raises
+    ------
+    NotFoundError
+        There is no such campaign, or none of its shots is measured and counts.
+    JobsFullError
+        Too many jobs wait.
+    """
+    measured_files(daemon.store, campaign)
+    shots = daemon.store.shots(campaign=campaign, limit=MOST_SHOTS)
+    asked = {"store": str(daemon.store.path), "campaign": campaign}
+    named = ("report", campaign, *map(repr, shots))
+    return daemon.jobs.submit("report", campaign, in_process(FUNCTION, asked), named)
+
+
 def report_routes(daemon: Daemon) -> APIRouter:
     """Return the route of reports."""
     router = APIRouter(prefix="/campaigns/{campaign}", tags=["campaigns"])
@@ -45,11 +62,7 @@ def report_routes(daemon: Daemon) -> APIRouter:
 
         202 with a job while nobody made it; asked again when that is done, the page.
         """
-        measured_files(daemon.store, campaign)
-        shots = daemon.store.shots(campaign=campaign, limit=MOST_SHOTS)
-        asked = {"store": str(daemon.store.path), "campaign": campaign}
-        named = ("report", campaign, *map(repr, shots))
-        job = daemon.jobs.submit("report", campaign, in_process(FUNCTION, asked), named)
+        job = report_of(daemon, campaign)
         if job.state is not JobState.DONE or job.result is None:
             return accepted(job)
         return Response(json.loads(job.result)["html"], media_type="text/html", headers=ALONE)
