@@ -18,9 +18,9 @@ from analysis.model.poses import PoseData
 from analysis.model.tables import Data
 from analysis.setup import Setup
 from analysis.slow_errors import typical
-from rigctl.config import load
 from rigctl.errors import AnalysisInputError
-from rigctl.store import Store, StoreReader, reading
+from rigctl.opening import read_store
+from rigctl.store import Store, StoreReader
 from rigctl.stored_poses import poses_of
 from rigctl.stored_shot import setup_of
 
@@ -65,7 +65,7 @@ def open_campaign(
     if campaign.exists() or len(campaign.parts) != 1:
         with in_words():
             return gather_poses(campaign) if poses else gather(campaign)
-    with reading(Path(load(configuration).store.folder)) as store:
+    with read_store(configuration) as store:
         return campaign_poses(store, str(campaign))
 
 

@@ -22,9 +22,8 @@ from rigctl.campaigns import (
     require_one_setup,
     stored_shot,
 )
-from rigctl.config import load
 from rigctl.errors import NotFoundError, StoreError
-from rigctl.store import reading
+from rigctl.opening import read_store
 
 
 def open_stream(campaign: Path, configuration: Path | None = None) -> tuple[str, PoseStream]:
@@ -50,7 +49,7 @@ def open_stream(campaign: Path, configuration: Path | None = None) -> tuple[str,
         if campaign.exists() or len(campaign.parts) != 1:
             with in_words():
                 return stream_poses(campaign)
-        with reading(Path(load(configuration).store.folder)) as store:
+        with read_store(configuration) as store:
             name = str(campaign)
             return name, stream_from(name, each_measured(store, name))
 

@@ -3,6 +3,8 @@
 import sqlalchemy as sa
 from alembic import op
 
+from rigctl.store.migrations.append_only import forbid_changes
+
 revision = "0003"
 down_revision = "0002"
 
@@ -43,8 +45,4 @@ def upgrade() -> None:
         sa.Column("digest", sa.Text, nullable=False),
         sqlite_strict=True,
     )
-    for act in ("UPDATE", "DELETE"):
-        op.execute(
-            f"CREATE TRIGGER edits_no_{act.lower()} BEFORE {act} ON edits "
-            "BEGIN SELECT RAISE(ABORT, 'edits are append-only'); END"
-        )
+    forbid_changes("edits")
