@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 SEEN_SIGMAS = 3.0
@@ -40,6 +41,11 @@ class Estimate:
     effect: str
     in_poses: bool
     how: str
+
+    @property
+    def told(self) -> bool:
+        """Whether the shots say anything at all."""
+        return math.isfinite(self.sigma)
 
     @property
     def determined(self) -> bool:
