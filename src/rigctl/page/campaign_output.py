@@ -63,7 +63,7 @@ class Output:
                     ui.label(asked.failure).classes("note fails")
             if self._report.answer is not None:
                 address = f"/reports/{self._job}.html"
-                ui.link("report", address, new_tab=True).props("data-testid=report-link")
+                ui.link("open the report", address, new_tab=True).props("data-testid=report-link")
             if self._export.answer is not None:
                 said = f"{self._export.answer['shots']} shots in {self._export.answer['folder']}"
                 ui.label(said).classes("note").props("data-testid=exported")

@@ -96,7 +96,7 @@ class NextShots:
         source = self._state.source
         if source.folder is not None:
             ui.label(
-                "These shots are for the rig that fired this campaign: `rigctl model next --out` "
+                "These shots are for the rig that fired this campaign: rigctl model next --out "
                 "writes them as a sweep file."
             ).classes("note")
             return

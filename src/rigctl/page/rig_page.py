@@ -19,7 +19,7 @@ from rigctl.rig.interlocks import Interlock
 from rigctl.rig.status import RigStatus
 from rigctl.store import ShotRecord
 
-SHOWN_EVENTS = 14
+SHOWN_EVENTS = 12
 
 
 def rig_page(desk: Desk) -> None:
@@ -128,7 +128,7 @@ def _interlocks(desk: Desk) -> None:
     def show() -> None:
         status = desk.daemon.rig.status()
         said.set_text(_read_when(status, limits))
-        table.set_content(_interlock_table(status))
+        table.set_content(_interlock_table(status) if status.interlocks else "")
 
     show()
     ui.timer(TICK_S * 5, show)
