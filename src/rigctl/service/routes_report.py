@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 from typing import Any
 
@@ -11,12 +12,12 @@ from starlette.responses import Response
 from rigctl.campaigns import measured_files
 from rigctl.daemon import Daemon
 from rigctl.jobs import Job, JobState, in_process
+from rigctl.reports.source import MOST_SHOTS
 from rigctl.service.accepted import accepted, accepts
 from rigctl.service.models import CampaignName
 from rigctl.service.problems import documented
 
 FUNCTION = "rigctl.reports.campaign:report_job"
-MOST_SHOTS = 1_000_000
 ALONE = {
     "Content-Security-Policy": "default-src 'none'; style-src 'unsafe-inline'; img-src data:",
     "X-Content-Type-Options": "nosniff",
@@ -42,9 +43,8 @@ def report_of(daemon: Daemon, campaign: str) -> Job:
         Too many jobs wait.
     """
     measured_files(daemon.store, campaign)
-    shots = daemon.store.shots(campaign=campaign, limit=MOST_SHOTS)
     asked = {"store": str(daemon.store.path), "campaign": campaign}
-    named = ("report", campaign, *map(repr, shots))
+    named = ("report", campaign, _as_they_are(daemon, campaign))
     return daemon.jobs.submit("report", campaign, in_process(FUNCTION, asked), named)
 
 
@@ -68,3 +68,11 @@ def report_routes(daemon: Daemon) -> APIRouter:
         return Response(json.loads(job.result)["html"], media_type="text/html", headers=ALONE)
 
     return router
+
+
+def _as_they_are(daemon: Daemon, campaign: str) -> str:
+    """Return a digest of all that the catalogue says of a campaign's shots."""
+    digest = hashlib.sha256()
+    for shot in daemon.store.shots(campaign=campaign, limit=MOST_SHOTS):
+        digest.update(repr(shot).encode())
+    return digest.hexdigest()
