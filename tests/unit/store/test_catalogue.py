@@ -192,6 +192,8 @@ def test_shots_are_listed_by_campaign_and_state_page_by_page(
     assert [s.id for s in store.shots(state=ShotState.ABORTED)] == [names[2]]
     assert [s.id for s in store.shots(limit=2)] == names[:2]
     assert [s.id for s in store.shots(limit=2, after=names[1])] == names[2:4]
+    assert [s.id for s in store.catalogue.latest(2)] == names[:3:-1]
+    assert [s.id for s in store.catalogue.latest(2, "a")] == [names[4], names[2]]
 
 
 @pytest.mark.parametrize("name", ["20260131-000009", "x", "", "../../etc"])
