@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 import tifffile
 
-from rigctl.exchange import import_campaign, read_contents
+from rigctl.exchange import import_campaign
+from rigctl.exchange.contents import read_contents
 from rigctl.exchange.importing import Imported
 from rigctl.store import Store
 
