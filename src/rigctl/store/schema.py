@@ -59,7 +59,7 @@ shots = Table(
     _one_of("fired", Fired),
     Index("ix_shots_state", "state", "number"),
     Index("ix_shots_campaign", "campaign", "number"),
-    Index("ix_shots_campaign_state", "campaign", "state", "number"),
+    Index("ix_shots_campaign_state", "campaign", "state", "number", "accepted_at", "excluded"),
     sqlite_strict=True,
 )
 

@@ -18,7 +18,9 @@ def upgrade() -> None:
     op.drop_index("ix_shots_campaign", "shots")
     op.create_index("ix_shots_state", "shots", ["state", "number"])
     op.create_index("ix_shots_campaign", "shots", ["campaign", "number"])
-    op.create_index("ix_shots_campaign_state", "shots", ["campaign", "state", "number"])
+    # Its last two columns let campaigns be counted without a look at their shots.
+    counted = ["campaign", "state", "number", "accepted_at", "excluded"]
+    op.create_index("ix_shots_campaign_state", "shots", counted)
     op.create_table(
         "shot_tags",
         sa.Column("tag", sa.Text, primary_key=True),
