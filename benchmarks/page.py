@@ -45,7 +45,6 @@ SETTINGS = {"pressure_a_kpa": 40.0, "pressure_b_kpa": 40.0, "offset_mm": 6.0}
 BROWSERS = 5
 OPENINGS = 5
 LONG_S = 300.0
-ADDED = "contact-time"
 WATCH = """() => {
   const chip = document.querySelector('[data-testid=state]');
   window.changes = [];
@@ -204,10 +203,12 @@ def model_page(browser: Browser, daemon: Served, folder: Path) -> list[Number]:
     page.wait_for_function(drawn)
     fitted = _lasted(daemon.job())
     known = _until(page, address, drawn)
+    best = page.locator("[data-testid^=add-]").first.get_attribute("data-testid") or ""
+    added = f"With {best.removeprefix('add-')}"
     began = time.perf_counter()
-    page.get_by_test_id(f"add-{ADDED}").click()
+    page.get_by_test_id(best).click()
     page.wait_for_function(
-        f"document.querySelector('[data-testid=verdict]').innerText.includes('With {ADDED}')"
+        f"document.querySelector('[data-testid=verdict]').innerText.includes('{added}')"
     )
     page.wait_for_function(drawn)
     redrawn = time.perf_counter() - began - _lasted(daemon.job())

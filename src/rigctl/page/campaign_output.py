@@ -15,6 +15,7 @@ from rigctl.errors import RigError
 from rigctl.exchange import export_campaign
 from rigctl.jobs import Job, Task
 from rigctl.page.desk import Desk
+from rigctl.page.following import following
 from rigctl.page.layout import TICK_S
 from rigctl.page.model_state import Question
 from rigctl.page.widgets import button
@@ -49,7 +50,7 @@ class Output:
         self._export = Question(self._ask_export, jobs.job)
         self._folder = str(desk.daemon.store.path / EXPORTS / campaign)
         self._show()
-        ui.timer(TICK_S * 3, self._follow)
+        following(TICK_S * 3, self._follow)
 
     def _follow(self) -> None:
         if self._report.follow() | self._export.follow():

@@ -10,6 +10,7 @@ from nicegui import run, ui
 from rigctl.page.campaign_output import Output
 from rigctl.page.campaign_plots import plane
 from rigctl.page.desk import Desk
+from rigctl.page.following import following
 from rigctl.page.impact_plots import over_incidence, over_speed
 from rigctl.page.layout import TICK_S
 from rigctl.page.model_state import Question
@@ -70,7 +71,7 @@ class CampaignView:
         with ui.element("div").classes("panel"):
             self._titled("Shots", "coefficients", "A click opens one.")
             self._table = ShotTable(measured=True)
-        ui.timer(TICK_S * 3, self._follow)
+        following(TICK_S * 3, self._follow)
 
     async def _follow(self) -> None:
         if self._fitted.follow():

@@ -6,7 +6,7 @@ from typing import Any
 
 from nicegui import ui
 
-from rigctl.commands.model.next import sentence, sweep_of
+from rigctl.commands.model.next_words import sentence, sweep_of
 from rigctl.jobs import Job
 from rigctl.page.desk import Desk
 from rigctl.page.model_state import ModelState, Question

@@ -11,6 +11,7 @@ from nicegui import ui
 from rigctl.config import Limits
 from rigctl.page.desk import Desk
 from rigctl.page.feed import Feed, Happening
+from rigctl.page.following import following
 from rigctl.page.layout import TICK_S, sheet
 from rigctl.page.order_form import OrderForm, words
 from rigctl.page.shot_view import coefficients, film, read
@@ -50,7 +51,7 @@ class LastShot:
         self._shot = self._filmed = desk.daemon.rig.status().last_shot
         self._head()
         self.film()
-        ui.timer(TICK_S, self._follow)
+        following(TICK_S, self._follow)
 
     @ui.refreshable_method
     def _head(self) -> None:
