@@ -13,16 +13,9 @@ from analysis.model.streaming.columns import ShotColumns
 from analysis.model.streaming.reading import Reading, stream_poses
 from analysis.model.streaming.stream import PoseStream
 from analysis.slow_errors import typical
-from rigctl.campaigns import (
-    MeasuredFiles,
-    SlowErrors,
-    StoredShot,
-    each_measured,
-    in_words,
-    require_one_setup,
-    stored_shot,
-)
+from rigctl.campaigns import SlowErrors, StoredShot, in_words, require_one_setup, stored_shot
 from rigctl.errors import NotFoundError, StoreError
+from rigctl.measured import MeasuredFiles, each_measured
 from rigctl.opening import read_store
 
 

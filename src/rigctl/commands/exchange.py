@@ -12,8 +12,9 @@ from rich.console import Console
 from rigctl.commands.bar import bar
 from rigctl.commands.shots import actor
 from rigctl.config import load
-from rigctl.exchange import export_campaign, import_campaign
+from rigctl.exchange import export_campaign
 from rigctl.exchange.contents import read_contents
+from rigctl.exchange.importing import import_campaign
 from rigctl.opening import own_store, read_store
 
 

@@ -16,13 +16,13 @@ from analysis.exchange.shot_list import EXCLUDED, ShotRow, read_shot_list
 from analysis.model.gather import CONTACTS, IMPACTS, POSES, gather
 from analysis.model.tables import Data
 from analysis.results.impacts import LeftOut
-from rigctl.campaigns import MeasuredFiles, in_words, measured_files, poses_from
+from rigctl.campaigns import in_words, poses_from
 from rigctl.errors import AnalysisInputError
+from rigctl.measured import MOST_SHOTS, MeasuredFiles, measured_files
 from rigctl.store import ShotRecord, ShotState, Store, StoreReader
 
 Json = dict[str, Any]
 
-MOST_SHOTS = 1_000_000
 SCENE = ("camera", "optics", "spheres", "environment", "picture_rate_hz")
 """What a manifest says of the apparatus, in the order in which it is shown."""
 

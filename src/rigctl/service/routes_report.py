@@ -9,10 +9,9 @@ from typing import Any
 from fastapi import APIRouter
 from starlette.responses import Response
 
-from rigctl.campaigns import measured_files
 from rigctl.daemon import Daemon
 from rigctl.jobs import Job, JobState, in_process
-from rigctl.reports.source import MOST_SHOTS
+from rigctl.measured import MOST_SHOTS, measured_files
 from rigctl.service.accepted import accepted, accepts
 from rigctl.service.models import CampaignName
 from rigctl.service.problems import documented
