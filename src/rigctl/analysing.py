@@ -62,7 +62,7 @@ class Analyser:
         function: str = ANALYSE,
     ) -> None:
         self._store, self._method, self._timeout_s = store, method, timeout_s
-        self._waiting: SimpleQueue[str | None] = SimpleQueue()
+        self._waiting: SimpleQueue[tuple[str, str] | None] = SimpleQueue()
         self._workers = [_Worker(function) for _ in range(workers)]
         self._threads = [
             threading.Thread(target=self._serve, args=(worker,), name="analysis", daemon=True)
@@ -73,7 +73,11 @@ class Analyser:
 
     def submit(self, shot: str) -> None:
         """Queue a stored shot, or one to be analysed again; returns at once."""
-        self._waiting.put(shot)
+        self.submit_by(shot, self._method)
+
+    def submit_by(self, shot: str, method: str) -> None:
+        """Queue a shot to be analysed by another method; returns at once."""
+        self._waiting.put((shot, method))
 
     def close(self) -> None:
         """End the workers; a shot under way is taken up again at the next start."""
@@ -84,17 +88,20 @@ class Analyser:
             thread.join(CLOSE_WAIT_S)
 
     def _serve(self, worker: _Worker) -> None:
-        while not worker.ended and (shot := self._waiting.get()) is not None:
+        while not worker.ended and (asked := self._waiting.get()) is not None:
+            shot, method = asked
             try:
-                self._analyse(worker, shot)
+                self._analyse(worker, shot, method)
             except Exception:  # noqa: BLE001 - the shots behind this one must still be analysed
                 _log.exception("shot %s: its analysis could not be stored", shot)
 
-    def _analyse(self, worker: _Worker, shot: str) -> None:
+    def _analyse(self, worker: _Worker, shot: str, method: str) -> None:
+        if self._store.shot(shot).is_without_frames:
+            return
         self._store.move(shot, ShotState.ANALYSING)
         folder = self._store.folders.folder(shot)
         try:
-            result = worker.ask(folder, self._method, self._timeout_s)
+            result = worker.ask(folder, method, self._timeout_s)
         except Exception as error:  # noqa: BLE001 - whatever breaks is this shot's failure alone
             if not worker.ended:
                 _log.warning("shot %s: %s", shot, error, exc_info=error)

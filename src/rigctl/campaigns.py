@@ -24,6 +24,7 @@ from rigctl.opening import read_store
 from rigctl.store import Store, StoreReader
 from rigctl.stored_poses import poses_of
 from rigctl.stored_shot import setup_of
+from rigctl.tabulated_campaigns import is_tabulated, tabulated
 
 Json = dict[str, Any]
 
@@ -54,8 +55,12 @@ def open_campaign(
     if campaign.exists() or len(campaign.parts) != 1:
         with in_words():
             return gather_poses(campaign) if poses else gather(campaign)
+    name = str(campaign)
     with read_store(configuration) as store:
-        return campaign_poses(store, str(campaign))
+        if not poses and is_tabulated(store, name):
+            with in_words():
+                return name, tabulated(store, name)
+        return campaign_poses(store, name)
 
 
 def folder_poses(folder: Path) -> tuple[str, PoseData]:

@@ -38,8 +38,8 @@ class Daemon:
     """A running rig: what it is, what acts, what survives, and what the start had to clear up.
 
     `laboratory` is what stands behind a simulated rig, None on a real one; `analyse` queues a
-    stored shot for analysis and returns at once; `jobs` is whatever else takes long; `offered` are
-    the sweeps that wait to be resumed.
+    stored shot for analysis and returns at once, `analyse_by` by a method of choice; `jobs` is
+    whatever else takes long; `offered` are the sweeps that wait to be resumed.
     """
 
     configuration: Configuration
@@ -48,6 +48,7 @@ class Daemon:
     recovery: Recovery
     laboratory: Laboratory | None
     analyse: Callable[[str], None]
+    analyse_by: Callable[[str, str], None]
     jobs: Jobs
     sweeps: SweepRunner
     offered: tuple[SweepRecord, ...]
@@ -98,6 +99,7 @@ def open_daemon(configuration: Configuration) -> Iterator[Daemon]:
             recovery=recovery,
             laboratory=laboratory,
             analyse=analyser.submit,
+            analyse_by=analyser.submit_by,
             jobs=jobs,
             sweeps=sweeps,
             offered=offered,

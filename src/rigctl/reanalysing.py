@@ -23,7 +23,11 @@ def analysed_before(store: Store, campaign: str) -> list[str]:
         There is no such campaign, or no analysis of its shots has ended.
     """
     limit = store.campaigns.one(campaign).shots
-    found = [s.id for s in store.shots(campaign=campaign, limit=limit) if s.state in ENDED]
+    found = [
+        shot.id
+        for shot in store.shots(campaign=campaign, limit=limit)
+        if shot.state in ENDED and not shot.is_without_frames
+    ]
     if not found:
         raise NotFoundError(
             "no analysis of its shots has ended",

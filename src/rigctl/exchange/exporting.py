@@ -74,7 +74,7 @@ def export_campaign(
 def _copy_back(
     home: Path, digest: str, folder: Path, shots: Sequence[ShotRecord], say: Say
 ) -> None:
-    files = _listing(home, digest)
+    files = listing(home, digest)
     for done, (name, about) in enumerate(files.items()):
         say(f"writing {name}", done / len(files))
         if name == SHOT_LIST:
@@ -89,7 +89,14 @@ def _copy_back(
     write_synced(folder / SHOT_LIST, lambda file: file.write(content))
 
 
-def _listing(home: Path, digest: str) -> dict[str, Json]:
+def listing(home: Path, digest: str) -> dict[str, Json]:
+    """Return the files of an imported folder by name: where each is kept, and its digest.
+
+    Raises
+    ------
+    StoreError
+        The list is not the one that was stored.
+    """
     path = home / LISTING
     if sha256(path) != digest:
         raise _altered(path)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from datetime import datetime
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import (
     AfterValidator,
@@ -59,6 +59,14 @@ class EffectsQuery(BaseModel):
     model_config = ConfigDict(extra="forbid")
 
     effects: Effects = Field(alias="with")
+
+
+class ReanalyseQuery(BaseModel):
+    """By which method; without it the configuration's."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    method: Literal["thesis", "photometric"] | None = None
 
 
 class FitOrder(BaseModel):

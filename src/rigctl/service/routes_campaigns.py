@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from fastapi import APIRouter
+from functools import partial
+from typing import Annotated
+
+from fastapi import APIRouter, Query
 from starlette.responses import Response
 
 from rigctl.daemon import Daemon
 from rigctl.reanalysing import analysed_before, reanalysis
 from rigctl.service.accepted import accepted, accepts
-from rigctl.service.campaign_models import CampaignList, CampaignView
+from rigctl.service.campaign_models import CampaignList, CampaignView, ReanalyseQuery
 from rigctl.service.models import CampaignName
 from rigctl.service.problems import documented
 
@@ -36,11 +39,18 @@ def campaign_routes(daemon: Daemon) -> APIRouter:
         status_code=202,
         responses=accepts() | documented(401, 404, 405, 409, 411, 413, 422, 503),
     )
-    def reanalyse(campaign: CampaignName) -> Response:
+    def reanalyse(campaign: CampaignName, query: Annotated[ReanalyseQuery, Query()]) -> Response:
         """Analyse every shot again whose analysis has ended; results are added, none is lost."""
         shots = analysed_before(daemon.store, campaign)
         patience_s = daemon.configuration.analysis.timeout_s + PATIENCE_S
-        work = reanalysis(daemon.store, daemon.analyse, shots, patience_s)
+        analyse = daemon.analyse
+        if (method := query.method) is not None:
+            analyse = partial(_by, daemon, method)
+        work = reanalysis(daemon.store, analyse, shots, patience_s)
         return accepted(daemon.jobs.submit("reanalyse", campaign, work))
 
     return router
+
+
+def _by(daemon: Daemon, method: str, shot: str) -> None:
+    daemon.analyse_by(shot, method)

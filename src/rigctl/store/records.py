@@ -81,6 +81,11 @@ class ShotRecord:
     manifest: str | None = None
 
     @property
+    def is_without_frames(self) -> bool:
+        """Whether it was imported with poses or tables alone, which nobody can analyse."""
+        return self.imported_as is not None and self.frames is None
+
+    @property
     def ordered(self) -> ShotSettings:
         """The settings of a shot that this rig fires or has fired.
 

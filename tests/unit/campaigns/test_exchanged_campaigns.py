@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from analysis.model.gather import gather, gather_poses
-from rigctl.campaigns import campaign_poses
+from rigctl.campaigns import campaign_poses, open_campaign
 from rigctl.errors import AnalysisInputError
 from rigctl.exchange import export_campaign
 from rigctl.exchange.contents import read_contents
@@ -105,3 +105,24 @@ def assert_nearly_same(found: Any, wanted: Any) -> None:
     np.testing.assert_allclose(found.rotation, wanted.rotation, rtol=0, atol=1e-14)
     assert found.covariates.keys() == wanted.covariates.keys()
     assert (found.camera, found.bodies) == (wanted.camera, wanted.bodies)
+
+
+def test_a_campaign_of_tables_is_fitted_by_its_name_as_by_its_folder(
+    store: Store, folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    tables = tmp_path / "tables"
+    tables.mkdir()
+    (tables / "campaign.toml").write_text((folder / "campaign.toml").read_text())
+    (tables / "shots.csv").write_text("shot\n1\n2\n3\n")
+    head = "shot,v_n,v_s,v_n_after,v_s_after,sigma_v_n,sigma_v_s,sigma_v_n_after,sigma_v_s_after"
+    lines = (f"{k},-{3 + k},{k},2,0.5,0.01,0.01,0.01,0.01" for k in (1, 2, 3))
+    (tables / "impacts.csv").write_text("\n".join([head, *lines]) + "\n")
+    take(store, tables)
+    store.exclude("i0001-000002", "why", "anna")
+    store.close()
+    monkeypatch.chdir(tmp_path)
+    title, found = open_campaign(Path("nylon"))
+    assert (title, list(found.shots), found.excluded) == ("nylon", [1, 3], (2,))
+    wanted = gather(tables)[1]
+    np.testing.assert_array_equal(found.numbers, wanted.numbers[[0, 2]])
+    np.testing.assert_array_equal(found.sigma, wanted.sigma[[0, 2]])

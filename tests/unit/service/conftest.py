@@ -171,6 +171,7 @@ def app(rig: FakeRig, store: Store, hub: EventHub, jobs: Jobs, handed_over: list
         jobs=jobs,
         sweeps=SimpleNamespace(listeners=Listeners()),
         analyse=handed_over.append,
+        analyse_by=lambda shot, method: handed_over.append(f"{shot} by {method}"),
     )
     return create_app(daemon, KEY, hub)  # type: ignore[arg-type]
 

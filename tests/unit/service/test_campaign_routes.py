@@ -55,6 +55,21 @@ def test_analysing_again_hands_shots_over_one_by_one_and_leaves_out_those_not_an
     assert handed_over == shots[:2]
 
 
+def test_a_campaign_is_analysed_again_by_a_method_of_choice(
+    ask: Any, jobs: Jobs, store: Store, shoot: Shoot, handed_over: list[str]
+) -> None:
+    shot = shoot("nylon")
+    store.move(shot, ShotState.ANALYSING)
+    store.move(shot, ShotState.REFUSED)
+    begun = SimpleQueue[str]()
+    jobs.listeners.add(lambda job: begun.put(job.progress) if job.progress else None)
+    assert ask("POST", f"{CAMPAIGNS}/nylon/reanalyse?method=guess").status_code == 422
+    answer = ask("POST", f"{CAMPAIGNS}/nylon/reanalyse?method=thesis")
+    assert begun.get(timeout=WAIT_S) == f"analysing shot {shot}"
+    ask("DELETE", answer.headers["location"])
+    assert handed_over == [f"{shot} by thesis"]
+
+
 def test_every_effect_of_the_catalogue_and_of_the_launch_is_described(ask: Any) -> None:
     listed = ask("GET", EFFECTS).json()["effects"]
     assert [one["effect"] for one in listed] == [e.name for e in (*CATALOGUE, *LAUNCH_CATALOGUE)]
