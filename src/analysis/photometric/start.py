@@ -13,6 +13,7 @@ from analysis.photometric.appearance import Knowledge, Sphere
 from analysis.photometric.camera import Camera, camera_of
 from analysis.photometric.film import Film, drop_outside
 from analysis.photometric.relief import nodes_for
+from analysis.photometric.saturation import refuse_full
 from analysis.photometric.shading import HARMONICS
 from analysis.setup import Setup
 from analysis.tracking import Tracking
@@ -30,7 +31,14 @@ BEYOND = 3
 def first_film(
     frames: NDArray[np.uint8], times_s: Floats, tracking: Tracking, setup: Setup
 ) -> tuple[Film, Knowledge]:
-    """Return a film with the tracking's poses, gaps filled, and a first guess of the spheres."""
+    """Return a film with the tracking's poses, gaps filled, and a first guess of the spheres.
+
+    Raises
+    ------
+    ShotRefusedError
+        Most of the light is beyond what the sensor holds.
+    """
+    refuse_full(frames)
     views = tuple(tracking.scales_px_per_m)
     camera = camera_of(setup.camera, np.array([tracking.scales_px_per_m[v] for v in views]))
     film = Film.blank(frames, len(views))
