@@ -176,13 +176,30 @@ class ShotFolders:
 
     def remove_partial(self) -> int:
         """Remove what a killed writer left behind; return how many there were."""
-        leftovers = list(self._shots.rglob(f".*{_PARTIAL}"))
+        leftovers = list(self._leftovers())
         for path in leftovers:
             if path.is_dir():
                 shutil.rmtree(path, ignore_errors=True)
             else:
                 path.unlink(missing_ok=True)
         return len(leftovers)
+
+    def _leftovers(self) -> Iterator[Path]:
+        """Give every half-written file and folder, without listing what lies in each shot's."""
+        days = list(os.scandir(self._shots)) if self._shots.is_dir() else []
+        for day in days:
+            if _is_partial(day.name):
+                yield Path(day.path)
+            elif day.is_dir():
+                for shot in os.scandir(day.path):
+                    if _is_partial(shot.name):
+                        yield Path(shot.path)
+                    elif os.path.exists(begun := f"{shot.path}/.result{_PARTIAL}"):
+                        yield Path(begun)
+
+
+def _is_partial(name: str) -> bool:
+    return name.startswith(".") and name.endswith(_PARTIAL)
 
 
 def read_pixels(path: Path) -> NDArray[np.uint8]:
