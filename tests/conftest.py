@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from hypothesis import settings
 
 LONG = {
     "test_agreement.py",
@@ -23,6 +24,11 @@ LONG = {
     "test_sweeps_live.py",
 }
 """Files whose tests take more than a few seconds each; everything else stays in the short run."""
+
+
+# An example that compiles a function takes seconds, once; each test has a time-out of its own.
+settings.register_profile("compiling", deadline=None)
+settings.load_profile("compiling")
 
 
 @pytest.hookimpl(tryfirst=True)

@@ -15,8 +15,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.cholesky import factor, solve
 from analysis.compiled import compiled
-from analysis.imaging.shells import FUZZIFIER, Ellipse, factor, memberships, solve
+from analysis.imaging.shells import FUZZIFIER, Ellipse, memberships
 
 Floats = NDArray[np.float64]
 

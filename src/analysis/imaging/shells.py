@@ -15,14 +15,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.cholesky import factor, solve
 from analysis.compiled import compiled, part
 
 FUZZIFIER = 2.0
 """Exponent m of the memberships; with m = 2 the update needs no further power."""
 NO_NOISE = 1e9
 """Distance, pixels, of a noise cluster that takes no point."""
-NEAREST, LEAST_SQUARE, LONGEST_STEP_PX, SINGULAR = 1e-9, 1e-12, 3.0, 1e-13
-"""Keep quotients finite, one step within a marker's size, and an open direction where it is."""
+NEAREST, LEAST_SQUARE, LONGEST_STEP_PX = 1e-9, 1e-12, 3.0
+"""Keep quotients finite, and one step within a marker's size."""
 
 Floats = NDArray[np.float64]
 
@@ -110,39 +111,6 @@ def fit_circles(
         for place, own in zip(state, covariance, strict=True)
     ]
     return circles, u
-
-
-@part
-def factor(normal: Floats, size: int) -> bool:
-    """Put a positive definite matrix's Cholesky root in its lower triangle; false where it is not.
-
-    Only the first `size` rows and columns take part.
-    """
-    for a in range(size):
-        for b in range(a + 1):
-            left = normal[a, b]
-            for k in range(b):
-                left -= normal[a, k] * normal[b, k]
-            if a != b:
-                normal[a, b] = left / normal[b, b]
-            elif left > SINGULAR * normal[a, a]:
-                normal[a, a] = math.sqrt(left)
-            else:
-                return False
-    return True
-
-
-@part
-def solve(root: Floats, size: int, right: Floats) -> None:
-    """Replace the right side by the solution of the equations that `factor` has prepared."""
-    for a in range(size):
-        for k in range(a):
-            right[a] -= root[a, k] * right[k]
-        right[a] /= root[a, a]
-    for a in range(size - 1, -1, -1):
-        for k in range(a + 1, size):
-            right[a] -= root[k, a] * right[k]
-        right[a] /= root[a, a]
 
 
 @part

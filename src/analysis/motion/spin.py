@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.cholesky import factor, solve
+from analysis.compiled import compiled
 from analysis.motion.drift import Drift
-from analysis.motion.rotation import rotation_matrix, rotation_vector
+from analysis.motion.rotation import rotation_vector
+from analysis.motion.turning import turn_between, turned
 
 Floats = NDArray[np.float64]
 
@@ -55,35 +59,75 @@ def fit_spin(times_s: Floats, rotations: Floats, covariances: Floats, drift: Dri
         Slow error of the orientation about each axis, rad.
     """
     tau = times_s - times_s.mean()
-    whiten = np.linalg.cholesky(np.linalg.inv(covariances)).transpose(0, 2, 1)
+    roots = np.linalg.cholesky(np.linalg.inv(covariances))
+    whiten = np.ascontiguousarray(roots.transpose(0, 2, 1))
     middle = int(np.abs(tau).argmin())
     start = rotations[middle]
     steps = rotation_vector(rotations[1:] @ rotations[:-1].transpose(0, 2, 1))
     omega = np.median(steps / np.diff(times_s)[:, None], axis=0)
-    start = rotation_matrix(-omega * tau[middle]) @ start
-    inverse, longest = np.eye(6), float(np.abs(tau).max())
-    squares, weight = np.zeros(len(tau)), np.ones(len(tau))
+    start = turned(-omega * tau[middle], start)
+    inverse, squares, weight = settle_spin((tau, rotations, whiten), start, omega)
     jacobian = np.concatenate([whiten, whiten * tau[:, None, None]], axis=2)
     across = jacobian.transpose(0, 2, 1)
-    for _ in range(ITERATIONS):
-        predicted = rotation_matrix(omega * tau[:, None]) @ start
-        residual = rotation_vector(rotations @ predicted.transpose(0, 2, 1))
-        white = (whiten @ residual[..., None])[..., 0]
-        squares = (white**2).sum(axis=1)
-        weight = np.minimum(1.0, HUBER_LIMIT / np.sqrt(np.maximum(squares, 1e-12)))
-        weighted = weight[:, None, None] * across
-        inverse = np.linalg.inv((weighted @ jacobian).sum(axis=0))
-        step = inverse @ (weighted @ white[..., None]).sum(axis=0)[:, 0]
-        start = rotation_matrix(step[:3]) @ start
-        omega = omega + step[3:]
-        if np.abs(step[:3]).max() + np.abs(step[3:]).max() * longest < SETTLED_RAD:
-            break
     freedom = 3 * len(tau) - 6
     chi2 = float(squares.sum() / freedom) if freedom else float("nan")
     gain = inverse @ (weight[:, None, None] * across) @ whiten
     slow = np.tensordot(gain, np.tensordot(drift.covariance(times_s), gain, 1), ((0, 2), (0, 2)))
     fresh = inverse * (max(1.0, chi2) if freedom else 1.0)
     return Spin(omega, (fresh + slow)[3:, 3:], chi2)
+
+
+@compiled
+def settle_spin(
+    seen: tuple[Floats, Floats, Floats], start: Floats, omega: Floats
+) -> tuple[Floats, Floats, Floats]:
+    """Improve orientation and angular velocity in place, as `fit_spin` tells.
+
+    Parameters
+    ----------
+    seen
+        Times about their mean, s, rotations, and what whitens their errors, shapes (frames,),
+        (frames, 3, 3) and (frames, 3, 3).
+    start, omega
+        Orientation at the mean time and rad/s, shapes (3, 3) and (3,).
+
+    Returns
+    -------
+    Inverse of the normal equations of both, shape (6, 6); squares of the whitened residuals and
+    weights, shape (frames,).
+    """
+    tau, rotations, whiten = seen
+    inverse, squares, weight = np.zeros((6, 6)), np.zeros(tau.size), np.ones(tau.size)
+    longest, row = np.abs(tau).max(), np.empty(6)
+    for _ in range(ITERATIONS):
+        normal, right = np.zeros((6, 6)), np.zeros(6)
+        for n in range(tau.size):
+            residual = turn_between(turned(omega * tau[n], start), rotations[n])
+            white = np.zeros(3)
+            for a in range(3):
+                for b in range(3):
+                    white[a] += whiten[n, a, b] * residual[b]
+            squares[n] = white[0] ** 2 + white[1] ** 2 + white[2] ** 2
+            weight[n] = min(1.0, HUBER_LIMIT / math.sqrt(max(squares[n], 1e-12)))
+            for a in range(3):
+                for b in range(3):
+                    row[b], row[3 + b] = whiten[n, a, b], whiten[n, a, b] * tau[n]
+                for p in range(6):
+                    right[p] += weight[n] * row[p] * white[a]
+                    for q in range(p + 1):
+                        normal[p, q] += weight[n] * row[p] * row[q]
+        if not factor(normal, 6):
+            break
+        for a in range(6):
+            inverse[a] = 0.0
+            inverse[a, a] = 1.0
+            solve(normal, 6, inverse[a])
+        step = inverse @ right
+        start[:] = turned(step[:3], start)
+        omega += step[3:]
+        if np.abs(step[:3]).max() + np.abs(step[3:]).max() * longest < SETTLED_RAD:
+            break
+    return inverse, squares, weight
 
 
 def three_frame_spin(

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from analysis.errors import ShotRefusedError
 from analysis.imaging.views import View
-from analysis.motion.rotation import rotation_matrix, rotation_vector
+from analysis.motion.turning import turn_between, turned
 from analysis.photometric.appearance import Knowledge
 from analysis.photometric.camera import disc_of
 from analysis.photometric.confirmation import confirmed
@@ -33,7 +33,7 @@ SAME_COLUMN_PX = 2.0
 LEAST_APART = 2.3
 """Radii between the centres in the frame where the pair is looked for."""
 TRIED_FRAMES = 4
-LOOKED_AT = 6
+LOOKED_AT = 4
 """Frames that are looked at before all are."""
 
 
@@ -214,8 +214,8 @@ class Follower:
         if self._has_velocity(i, k, step):
             share = (times_s[k] - times_s[last]) / (times_s[last] - times_s[before])
             film.centre[i, k] += share * (film.centre[i, last] - film.centre[i, before])
-            turn = rotation_vector(film.rotation[i, last] @ film.rotation[i, before].T)
-            film.rotation[i, k] = rotation_matrix(share * turn) @ film.rotation[i, last]
+            turn = turn_between(film.rotation[i, before], film.rotation[i, last])
+            film.rotation[i, k] = turned(share * turn, film.rotation[i, last])
 
     def _has_velocity(self, i: int, k: int, step: int) -> bool:
         before = k - 2 * step

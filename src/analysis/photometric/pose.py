@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.compiled import compiled, part
+from analysis.motion.turning import turned
 from analysis.photometric.bands import accumulate
 from analysis.photometric.camera import Optics, axes_at, moved_by
 from analysis.photometric.residual import UNKNOWNS
@@ -84,23 +85,6 @@ def add_priors(sight: Sight, stance: Stance, whole: Equations) -> None:
             expected = 1.0 if k == 1 else 0.0
             whole.normal[at + k, at + k] += 1.0 / width**2
             whole.right[at + k] += (expected - stance.lights[view, k]) / width**2
-
-
-@compiled
-def turned(vector: Floats, rotation: Floats) -> Floats:
-    """Return exp([vector]) rotation."""
-    x, y, z = vector[0], vector[1], vector[2]
-    angle = math.sqrt(x * x + y * y + z * z)
-    one = math.sin(angle) / angle if angle > 1e-9 else 1.0
-    two = (1 - math.cos(angle)) / angle**2 if angle > 1e-5 else 0.5
-    result = np.empty((3, 3))
-    for k in range(3):
-        a, b, c = rotation[0, k], rotation[1, k], rotation[2, k]
-        p, q, r = y * c - z * b, z * a - x * c, x * b - y * a
-        result[0, k] = a + one * p + two * (y * r - z * q)
-        result[1, k] = b + one * q + two * (z * p - x * r)
-        result[2, k] = c + one * r + two * (x * q - y * p)
-    return result
 
 
 @part

@@ -1,0 +1,48 @@
+"""Small positive definite systems inside compiled functions (A. L. Cholesky)."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.compiled import part
+
+Floats = NDArray[np.float64]
+
+SINGULAR = 1e-13
+"""Share of a diagonal element that must be left: else its direction is open."""
+
+
+@part
+def factor(normal: Floats, size: int) -> bool:
+    """Put a positive definite matrix's Cholesky root in its lower triangle; false where it is not.
+
+    Only the first `size` rows and columns take part.
+    """
+    for a in range(size):
+        for b in range(a + 1):
+            left = normal[a, b]
+            for k in range(b):
+                left -= normal[a, k] * normal[b, k]
+            if a != b:
+                normal[a, b] = left / normal[b, b]
+            elif left > SINGULAR * normal[a, a]:
+                normal[a, a] = math.sqrt(left)
+            else:
+                return False
+    return True
+
+
+@part
+def solve(root: Floats, size: int, right: Floats) -> None:
+    """Replace the right side by the solution of the equations that `factor` has prepared."""
+    for a in range(size):
+        for k in range(a):
+            right[a] -= root[a, k] * right[k]
+        right[a] /= root[a, a]
+    for a in range(size - 1, -1, -1):
+        for k in range(a + 1, size):
+            right[a] -= root[k, a] * right[k]
+        right[a] /= root[a, a]
