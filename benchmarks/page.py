@@ -17,7 +17,7 @@ import sys
 import tempfile
 import time
 import uuid
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from datetime import datetime
@@ -194,30 +194,27 @@ def latency(page: Page, daemon: Served) -> float:
     return float(at - began)
 
 
-def model_page(browser: Browser, daemon: Served, folder: Path) -> list[Number]:
+def model_page(browser: Browser, daemon: Served, folder: Path) -> Iterator[Number]:
     """Open the model of a large campaign unknown and known, and add an effect."""
     address = f"{daemon.url}/model?folder={quote(str(folder))}"
     page, _ = opened(browser, daemon.url, [])
     reacts = _until(page, address, "window.did_handshake && document.querySelector('.busy')")
+    yield Number("model page of 1000 shots reacts, nothing fitted yet", reacts, "s", 3.0)
     drawn = "document.querySelectorAll('[data-testid=heat-map] .main-svg').length > 0"
     page.wait_for_function(drawn)
-    fitted = _lasted(daemon.job())
+    yield Number("  its fit, agreement, structure and ranking", _lasted(daemon.job()), "s")
     known = _until(page, address, drawn)
+    yield Number("model page of 1000 shots drawn, fit known", known, "s", 3.0)
     best = page.locator("[data-testid^=add-]").first.get_attribute("data-testid") or ""
-    added = f"With {best.removeprefix('add-')}"
+    said = f"With {best.removeprefix('add-')}"
     began = time.perf_counter()
     page.get_by_test_id(best).click()
     page.wait_for_function(
-        f"document.querySelector('[data-testid=verdict]').innerText.includes('{added}')"
+        f"document.querySelector('[data-testid=verdict]')?.innerText.includes('{said}')"
     )
     page.wait_for_function(drawn)
     redrawn = time.perf_counter() - began - _lasted(daemon.job())
-    return [
-        Number("model page of 1000 shots reacts, nothing fitted yet", reacts, "s", 3.0),
-        Number("  its fit, agreement, structure and ranking", fitted, "s"),
-        Number("model page of 1000 shots drawn, fit known", known, "s", 3.0),
-        Number("effect added: redrawn after the fit's own time", redrawn, "s", 0.5),
-    ]
+    yield Number("effect added: redrawn after the fit's own time", redrawn, "s", 0.5)
 
 
 def _until(page: Page, address: str, condition: str) -> float:
@@ -233,10 +230,13 @@ def _lasted(job: dict[str, Any]) -> float:
     return float((ended - began).total_seconds())
 
 
-def told(found: list[Number]) -> list[Number]:
+def told(found: Iterable[Number]) -> list[Number]:
+    """Print each number as soon as it is known, and return them all."""
+    kept = []
     for number in found:
         print(number.line(), flush=True)
-    return found
+        kept.append(number)
+    return kept
 
 
 def main() -> int:

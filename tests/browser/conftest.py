@@ -13,7 +13,7 @@ from pathlib import Path
 from urllib.parse import urlsplit
 
 import pytest
-from playwright.sync_api import Browser, Page, Request, sync_playwright
+from playwright.sync_api import Browser, Page, Request, expect, sync_playwright
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 SWITCHES = [
@@ -27,6 +27,9 @@ SWITCHES = [
 ]
 KEY = "a-key-for-the-page"
 WAIT_S = 60.0
+EXPECT_MS = 20_000
+"""A busy host draws slowly; what is expected sooner says so."""
+expect.set_options(timeout=EXPECT_MS)
 WIDE = {"width": 1280, "height": 800}
 PORT = ("--port", "0")
 LOOPBACK = {"127.0.0.1", None}

@@ -53,6 +53,8 @@ def test_a_stop_in_the_middle_of_a_sweep_fires_nothing_more_until_a_person_says_
 
 def test_a_sweep_that_cannot_be_is_refused_before_anything_moves(page: Page) -> None:
     page.get_by_role("link", name="Sweeps").click()
+    page.get_by_test_id("preview").wait_for()
+    page.wait_for_function("window.did_handshake")
     page.get_by_test_id("repeat").fill("100")
     page.get_by_test_id("pn").fill("50")
     expect(page.get_by_test_id("sweep-says")).to_contain_text("a sweep holds 1 to 10000 shots")
@@ -94,6 +96,9 @@ def test_a_shot_of_a_sweep_is_excluded_with_a_reason_and_counts_again(page: Page
 def started(page: Page, repeat: int) -> None:
     """Start a sweep of two pressures and two offsets, and stay on its page."""
     page.get_by_role("link", name="Sweeps").click()
+    # What is typed before the page is connected is not heard.
+    page.get_by_test_id("preview").wait_for()
+    page.wait_for_function("window.did_handshake")
     fields = {"p0": 40, "p1": 60, "pn": 2, "o0": 6, "o1": 8, "on": 2, "repeat": repeat}
     for field, value in fields.items():
         page.get_by_test_id(field).fill(str(value))
