@@ -99,9 +99,13 @@ def started(page: Page, repeat: int) -> None:
     # What is typed before the page is connected is not heard.
     page.get_by_test_id("preview").wait_for()
     page.wait_for_function("window.did_handshake")
-    fields = {"p0": 40, "p1": 60, "pn": 2, "o0": 6, "o1": 8, "on": 2, "repeat": repeat}
+    page.get_by_test_id("repeat").fill(str(repeat))
+    expect(page.get_by_test_id("sweep-says")).to_have_text(f"{24 * repeat} shots")
+    fields = {"p0": 40, "p1": 60, "pn": 2, "o0": 6, "o1": 8, "on": 2}
     for field, value in fields.items():
         page.get_by_test_id(field).fill(str(value))
+    for field, value in fields.items():
+        expect(page.get_by_test_id(field)).to_have_value(str(value))
     expect(page.get_by_test_id("sweep-says")).to_have_text(f"{4 * repeat} shots")
     preview = page.get_by_test_id("preview")
     expect(preview).to_contain_text("v_s/v_n from about 0.24 to 0.33")
