@@ -164,7 +164,7 @@ def analyse_job(
     The result, and how many frames were read.
     """
     try:
-        pixels, times, notes = _read(job)
+        pixels, times, notes = read_job(job)
     except InputError as error:
         return RefusedShot("frames", str(error), None), 0
     result = analyse_shot(pixels, times, job.setup, options, known)
@@ -173,7 +173,7 @@ def analyse_job(
     return result, len(pixels)
 
 
-def _read(job: ShotJob) -> tuple[NDArray[np.uint8], Floats, tuple[str, ...]]:
+def read_job(job: ShotJob) -> tuple[NDArray[np.uint8], Floats, tuple[str, ...]]:
     """Read the frames of a shot, their times in s, and what there is to say of them."""
     stack = read_stack(job.frames)
     times = stack.times_s
@@ -195,7 +195,7 @@ def _known(jobs: Sequence[ShotJob]) -> list[Knowledge | None]:
         shots = []
         for job in own[:TEACHING_SHOTS]:
             with suppress(InputError, ShotRefusedError):
-                pixels, times, _ = _read(job)
+                pixels, times, _ = read_job(job)
                 check_frames(pixels, times, job.setup)
                 shots.append((pixels, times - times[0]))
         known[setup] = teach(shots, setup) if len(own) > 1 else None

@@ -114,6 +114,8 @@ def analyse_shot(
     setup: Setup,
     options: AnalysisOptions | None = None,
     known: Knowledge | None = None,
+    *,
+    extend: bool = False,
 ) -> MeasuredShot | RefusedShot:
     """Measure the collision in the frames of one shot.
 
@@ -127,6 +129,8 @@ def analyse_shot(
         Camera, spheres and surroundings.
     known
         What an earlier shot of the same spheres and camera has taught the photometric method.
+    extend
+        Let this shot add to it: markers on a side of a sphere that no shot has shown before.
 
     Returns
     -------
@@ -142,7 +146,7 @@ def analyse_shot(
             tracking = track_spheres(frames, elapsed_s, setup, edges, matching)
             known = None
         else:
-            tracking, known = _photometric(frames, elapsed_s, setup, known)
+            tracking, known = _photometric(frames, elapsed_s, setup, known, extend=extend)
         sides = measure_two_sides(tracking, elapsed_s, setup, chosen.three_and_three)
     except ShotRefusedError as refusal:
         return RefusedShot(refusal.step, refusal.reason, refusal.frame)
@@ -160,12 +164,17 @@ def analyse_shot(
 
 
 def _photometric(
-    frames: NDArray[np.uint8], elapsed_s: Floats, setup: Setup, known: Knowledge | None
+    frames: NDArray[np.uint8],
+    elapsed_s: Floats,
+    setup: Setup,
+    known: Knowledge | None,
+    *,
+    extend: bool,
 ) -> tuple[Tracking, Knowledge]:
     # Compiled functions are loaded only where they are wanted.
     from analysis.photometric.method import measure_poses  # noqa: PLC0415
 
-    return measure_poses(frames, elapsed_s, setup, known)
+    return measure_poses(frames, elapsed_s, setup, known, extend=extend)
 
 
 def _odd_times(times_s: Floats, setup: Setup) -> tuple[str, ...]:

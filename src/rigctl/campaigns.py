@@ -18,25 +18,14 @@ from analysis.model.poses import PoseData
 from analysis.model.tables import Data
 from analysis.setup import Setup
 from analysis.slow_errors import typical
-from rigctl.config import load
 from rigctl.errors import AnalysisInputError
-from rigctl.store import Store, StoreReader, reading
+from rigctl.measured import MeasuredFiles, measured_files
+from rigctl.opening import read_store
+from rigctl.store import Store, StoreReader
 from rigctl.stored_poses import poses_of
 from rigctl.stored_shot import setup_of
 
 Json = dict[str, Any]
-
-
-@dataclass(frozen=True, slots=True)
-class MeasuredFiles:
-    """Where a measured shot lies: its manifest and the result that counts.
-
-    One that a person `excluded` is there to be named, and is left out of every fit.
-    """
-
-    manifest: Path
-    result: Path
-    excluded: bool = False
 
 
 def open_campaign(
@@ -65,7 +54,7 @@ def open_campaign(
     if campaign.exists() or len(campaign.parts) != 1:
         with in_words():
             return gather_poses(campaign) if poses else gather(campaign)
-    with reading(Path(load(configuration).store.folder)) as store:
+    with read_store(configuration) as store:
         return campaign_poses(store, str(campaign))
 
 
@@ -94,29 +83,6 @@ def campaign_poses(store: Store | StoreReader, name: str) -> tuple[str, PoseData
         The catalogue cannot be read.
     """
     return name, poses_from(name, measured_files(store, name))
-
-
-def measured_files(store: Store | StoreReader, name: str) -> list[MeasuredFiles]:
-    """Return where the measured shots of a campaign lie, in the order of firing.
-
-    Those that a person excluded come last.
-
-    Raises
-    ------
-    NotFoundError
-        There is no such campaign, or none of its shots is measured and counts.
-    """
-    return list(each_measured(store, name))
-
-
-def each_measured(store: Store | StoreReader, name: str) -> Iterator[MeasuredFiles]:
-    """Return the same, a shot at a time."""
-    campaigns = store.campaigns
-    for excluded, listed in ((False, campaigns.measured), (True, campaigns.left_out)):
-        for shot, number in listed(name):
-            folder = store.folders.folder(shot)
-            result = folder / f"result-{number:04d}.json"
-            yield MeasuredFiles(folder / "manifest.json", result, excluded)
 
 
 def poses_from(name: str, files: Sequence[MeasuredFiles]) -> PoseData:

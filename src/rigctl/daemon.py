@@ -16,6 +16,7 @@ from rigctl.devices import build
 from rigctl.devices.roles import Actuators
 from rigctl.errors import ConfigurationError
 from rigctl.jobs import Jobs
+from rigctl.opening import own_store
 from rigctl.rig.machine import Rig
 from rigctl.rig.recovery import Recovery
 from rigctl.store import Store, SweepRecord
@@ -69,7 +70,7 @@ def open_daemon(configuration: Configuration) -> Iterator[Daemon]:
         A device is absent, busy or forbidden.
     """
     with ExitStack() as opened:
-        store = Store(Path(configuration.store.folder))
+        store = own_store(configuration)
         opened.callback(store.close)
         laboratory = _open_laboratory(configuration.simulation, store.path / LABORATORY_FOLDER)
         if laboratory is not None:

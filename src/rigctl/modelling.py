@@ -7,12 +7,11 @@ Each takes one JSON object and a function that says how far it is, and returns a
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from analysis.effects.catalogue import CATALOGUE, LAUNCH_CATALOGUE
-from analysis.effects.effect import Effect
+from analysis.effects.catalogue import CATALOGUE
 from analysis.errors import LaunchRefusedError
 from analysis.launch.prediction import Limits
 from analysis.model.agreement.agree import agree
@@ -32,36 +31,14 @@ from analysis.model.report import verdict_document
 from analysis.model.selection import explain
 from analysis.model.structure import structure
 from analysis.model.tables import Data
-from rigctl.campaigns import MeasuredFiles, folder_poses, poses_from
-from rigctl.errors import AnalysisInputError, NotFoundError
+from rigctl.campaigns import folder_poses, poses_from
+from rigctl.errors import AnalysisInputError
+from rigctl.known_effects import effect_named
+from rigctl.measured import MeasuredFiles
 from rigctl.next_shots import Known, Question, answer
-
-ALL_EFFECTS: tuple[Effect, ...] = (*CATALOGUE, *LAUNCH_CATALOGUE)
-"""Those that poses can show, and those of the launch."""
 
 Json = dict[str, Any]
 Say = Callable[[str, float | None], None]
-
-
-def request(title: str, files: Sequence[MeasuredFiles], effects: Sequence[str] = ()) -> Json:
-    """Return the argument of the functions below."""
-    listed = [
-        {"manifest": str(own.manifest), "result": str(own.result), "excluded": own.excluded}
-        for own in files
-    ]
-    return {"campaign": title, "files": listed, "with": list(effects)}
-
-
-def effect_named(name: str, effects: Sequence[Effect] = CATALOGUE) -> Effect:
-    """Return an effect; `NotFoundError`, if there is none of that name, lists those there are."""
-    known = {effect.name: effect for effect in effects}
-    if name not in known:
-        raise NotFoundError(
-            "no effect of the catalogue has this name",
-            value=repr(name),
-            todo=f"choose one of {', '.join(sorted(known))}",
-        )
-    return known[name]
 
 
 def fit_job(asked: Json, say: Say) -> Json:

@@ -135,8 +135,9 @@ def measured(
 ) -> MeasuredShot | RefusedShot:
     """Measure a shot with what any process has learned of the spheres of its campaign.
 
-    The first shot teaches the photometric method; those that follow are only followed. One that
-    shows other spheres is learned from anew, and teaches those after it.
+    The first shot teaches the photometric method; those that follow are only followed, and add
+    markers on sides that were not seen before. One that shows other spheres is learned from anew,
+    and teaches those after it.
 
     Parameters
     ----------
@@ -146,7 +147,7 @@ def measured(
     if options.method != "photometric":
         return analyse_shot(*film, setup, options)
     known = pairs.recall(campaign, setup)
-    shot = analyse_shot(*film, setup, options, known)
+    shot = analyse_shot(*film, setup, options, known, extend=True)
     if isinstance(shot, MeasuredShot) and shot.known is not None and shot.known is not known:
         try:
             pairs.remember(campaign, setup, shot.known)

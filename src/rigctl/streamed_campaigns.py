@@ -13,18 +13,10 @@ from analysis.model.streaming.columns import ShotColumns
 from analysis.model.streaming.reading import Reading, stream_poses
 from analysis.model.streaming.stream import PoseStream
 from analysis.slow_errors import typical
-from rigctl.campaigns import (
-    MeasuredFiles,
-    SlowErrors,
-    StoredShot,
-    each_measured,
-    in_words,
-    require_one_setup,
-    stored_shot,
-)
-from rigctl.config import load
+from rigctl.campaigns import SlowErrors, StoredShot, in_words, require_one_setup, stored_shot
 from rigctl.errors import NotFoundError, StoreError
-from rigctl.store import reading
+from rigctl.measured import MeasuredFiles, each_measured
+from rigctl.opening import read_store
 
 
 def open_stream(campaign: Path, configuration: Path | None = None) -> tuple[str, PoseStream]:
@@ -50,7 +42,7 @@ def open_stream(campaign: Path, configuration: Path | None = None) -> tuple[str,
         if campaign.exists() or len(campaign.parts) != 1:
             with in_words():
                 return stream_poses(campaign)
-        with reading(Path(load(configuration).store.folder)) as store:
+        with read_store(configuration) as store:
             name = str(campaign)
             return name, stream_from(name, each_measured(store, name))
 

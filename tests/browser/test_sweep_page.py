@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+from typing import Any
+from urllib.parse import quote
 
 from playwright.sync_api import Page, expect
 
@@ -55,6 +57,21 @@ def test_a_sweep_that_cannot_be_is_refused_before_anything_moves(page: Page) -> 
     page.get_by_test_id("pn").fill("50")
     expect(page.get_by_test_id("sweep-says")).to_contain_text("a sweep holds 1 to 10000 shots")
     expect(page.get_by_test_id("start-sweep")).to_be_disabled()
+
+
+def test_proposed_shots_open_as_a_form_and_fire_nothing_by_themselves(
+    page: Page, served: Any
+) -> None:
+    shots = '[{"pressure_a_kpa": 50, "pressure_b_kpa": 50, "offset_mm": 9, "repeat": 3}]'
+    form = f'{{"note": "tells a from b", "campaign": "next", "shots": {shots}}}'
+    page.goto(f"{served.url}/sweeps?form={quote(form)}")
+    expect(page.get_by_test_id("proposed")).to_contain_text("50")
+    expect(page.get_by_test_id("sweep-says")).to_have_text("3 shots")
+    expect(page.get_by_test_id("preview").locator(".scatterlayer .point")).to_have_count(1)
+    expect(page.get_by_test_id("start-sweep")).to_be_enabled()
+    expect(page.get_by_test_id("state")).to_have_text("idle")
+    page.goto(f"{served.url}/sweeps?form={quote(form.replace('50', '-5'))}")
+    expect(page.get_by_text("The proposed shots are no sweep")).to_be_visible()
 
 
 def test_a_shot_of_a_sweep_is_excluded_with_a_reason_and_counts_again(page: Page) -> None:

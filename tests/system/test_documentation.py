@@ -44,6 +44,7 @@ DOCS = ROOT / "docs"
 TUTORIAL = DOCS / "tutorials" / "first-shot.md"
 ANALYSE = DOCS / "how-to" / "analyse-frames.md"
 REAL_RIG = DOCS / "how-to" / "real-rig.md"
+KEEPING = DOCS / "how-to" / "keep-a-campaign.md"
 SWEEPS = DOCS / "how-to" / "run-a-sweep.md"
 LESSONS = sorted([*DOCS.glob("tutorials/*.md"), *DOCS.glob("how-to/*.md")])
 PAGES = sorted([*ROOT.glob("*.md"), *DOCS.rglob("*.md")])
@@ -197,6 +198,16 @@ def test_the_guide_to_sweeps_starts_pauses_resumes_and_ends_them(tmp_path: Path)
     for state in ("completed", "paused", "running", "aborted"):
         assert re.search(rf"^sweep \d{{8}}-s\d{{4}}: {state}", said, re.MULTILINE), state
     assert 4 + 2 <= fires(tmp_path) <= 4 + 27 + 8
+
+
+@needs_shell
+@pytest.mark.timeout(300)
+def test_the_guide_to_keeping_a_campaign_hands_one_on_and_back(tmp_path: Path) -> None:
+    said = perform(KEEPING, tmp_path)
+    assert "campaign nylon, thesis: 1 of 1 shots measured" in said
+    assert "verified" in said.splitlines()[-1]
+    assert (tmp_path / "nylon-exported" / "poses.csv").exists()
+    assert fires(tmp_path) == 1
 
 
 @pytest.mark.parametrize("page", LESSONS, ids=lambda page: page.stem)

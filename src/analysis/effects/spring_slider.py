@@ -16,7 +16,6 @@ from importlib.resources import files
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 Floats = NDArray[np.float64]
 
@@ -168,6 +167,8 @@ def dashpot(e: float, pressing: Pressing = line_of_springs) -> float:
     """Return the damping that gives a normal restitution, 0.3 to 1."""
     if e >= 1.0:
         return 0.0
+    # Whoever only lists effects starts without it.
+    from scipy.optimize import brentq  # noqa: PLC0415
 
     def excess(damping: float) -> float:
         return impact(np.zeros(1), 1.0, 3.5, damping, pressing)[1] - e

@@ -36,8 +36,11 @@ MARKERS_SHARE = 3
 Markers at different distances from the middle, and the same ones seen in both views, tell the
 radius without the limb, whose shading may pass for another radius.
 """
-VIEW_SHARE = 3
-"""Then of each view: log radius of the limb, blur, log of the scale at which it is placed."""
+VIEW_SHARE = 4
+"""Then of each view: log radius of the limb, blur, log of the scale at which it is placed,
+stretch of the markers' places along the rows."""
+SCALE, STRETCH = 2, 3
+"""Of these."""
 ALPHA, RADIUS, BLUR = 0, 1, 2
 
 
@@ -159,8 +162,7 @@ def bundle_view(
     covers = np.zeros((3, canvas.shape[0], LAYERS, canvas.shape[2]))
     nudged_covers(sight, stance, view, corner, (own, covers))
     turns = turns_of(sight, stance, view, lesson.tangents)
-    off_r = place[0] - sight.optics.origins[view, 0]
-    off_c = place[1] - sight.optics.origins[view, 1]
+    off = place[0] - sight.optics.origins[view, 0], place[1] - sight.optics.origins[view, 1]
     first, last = UNKNOWNS + 2 * count, MARKERS_SHARE + VIEW_SHARE
     row, seen, moved = np.zeros(first + last), np.zeros(LOOK), np.zeros(LOOK)
     used = np.arange(first + last)
@@ -193,7 +195,8 @@ def bundle_view(
             shade(wider, wider_surface, u, v, moved)
             there = model_pixel(moved, covers[BLUR, i, 0, j], behind, light, dark)
             row[first + 4] = (there - model) / NUDGE
-            row[first + 5] = row[0] * off_r + row[1] * off_c
+            row[first + 5] = row[0] * off[0] + row[1] * off[1]
+            row[first + 6] = -plain * dark * canvas[i, 1, j] * (y - place[0])
             for k in range(last):
                 used[filled + k] = first + k
             for a in range(filled + last):

@@ -23,6 +23,9 @@ from analysis.setup import CameraSetup
 Floats = NDArray[np.float64]
 
 FAR = -1e6
+BENT = 7
+"""What a fault of the camera changes in a view of a sphere: row, column, turns about row, column
+and eye, log radius of the limb and of the sphere that the markers lie on."""
 KEPT_ROUNDS = 4
 """Each leaves some hundredth of the error before it."""
 
@@ -198,12 +201,15 @@ def keep_places(old: Optics, new: Optics, centres: Floats) -> None:
 
 
 def by_nearness(optics: Optics, view: int, centre: Floats) -> Floats:
-    """Return the change of a disc's row, column and log radius with the nearness, (3,), per 1/m."""
+    """Return the change of an image with the camera's nearness, per 1/m, shape (BENT, 1)."""
     row, column, _ = disc_of(optics, view, centre, 0.0)
     towards = float(optics.axes[view, 2] @ centre) / nearer(optics, view, centre)
     share = towards * optics.scales[view] / optics.scales[0]
-    moved = [(row - optics.middle[0]) * share, (column - optics.middle[1]) * share, share]
-    return np.array(moved)
+    change = np.zeros((BENT, 1))
+    change[:2, 0] = (row - optics.middle[0]) * share, (column - optics.middle[1]) * share
+    # Limb and markers alike are farther from the middle.
+    change[BENT - 2 :, 0] = share
+    return change
 
 
 @compiled

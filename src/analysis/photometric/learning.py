@@ -37,6 +37,7 @@ SHARED_FROM = 1
 RELIEF_FROM = 2
 UNLIMITED = 1e3
 TOGETHER_LIMITS = (15.0, 8.0, 6.0, 6.0)
+EXTENDING_LIMITS = (15.0, 6.0, 6.0)
 NARROWEST_PX, WIDEST_PX = 0.35, 3.0
 LIMB_SCALE_SIGMA, MARKER_SCALE_SIGMA = 5e-3, 1e-3
 """What the scale is good to, relative, by the limb and by the markers.
@@ -94,6 +95,22 @@ def learn_together(films: Sequence[Film], start: Knowledge, *, hold_scale: bool)
         for film in few:
             fit_film(film, known, np.full(1, limit))
     return known
+
+
+def extended(film: Film, known: Knowledge) -> Knowledge:
+    """Return the knowledge with markers added that a film of the known pair shows.
+
+    One film alone does not turn every side of a sphere to the camera. The same object comes back
+    where nothing is added.
+    """
+    few = film.picked(MOST_FRAMES)
+    more, before = with_missed([few], known), [len(s.markers) for s in known.spheres]
+    if [len(s.markers) for s in more.spheres] == before:
+        return known
+    for limit in EXTENDING_LIMITS:
+        fit_film(few, more, np.full(1, limit))
+        more = with_shared([few], more, limit, move_radius=False)
+    return more
 
 
 def with_shading(

@@ -16,7 +16,7 @@ from analysis.photometric.background import first_background
 from analysis.photometric.confirmation import shown_share
 from analysis.photometric.film import Film, drop_misfits, settle_film
 from analysis.photometric.following import Follower
-from analysis.photometric.learning import learn, learn_together
+from analysis.photometric.learning import extended, learn, learn_together
 from analysis.photometric.pose import fit_frames
 from analysis.photometric.result import tracking_of
 from analysis.photometric.start import first_film
@@ -27,8 +27,8 @@ Floats = NDArray[np.float64]
 
 LAST_LIMIT = 6.0
 LEAST_PLACED = 6
-LEAST_SHARE_OF_FILM = 0.92
-"""Median over a film's frames: the learned spheres show 0.96 to 1.01, others 0.7 to 0.9."""
+LEAST_SHARE_OF_FILM = 0.88
+"""Median over a film's frames: the learned spheres show 0.96 to 1.01, others 0.7 to 0.85."""
 NOISE_FRAMES = 3
 """Of the first guess of the noise."""
 
@@ -145,9 +145,23 @@ def refuse_few(film: Film) -> None:
 
 
 def measure_poses(
-    frames: NDArray[np.uint8], times_s: Floats, setup: Setup, known: Knowledge | None
+    frames: NDArray[np.uint8],
+    times_s: Floats,
+    setup: Setup,
+    known: Knowledge | None,
+    *,
+    extend: bool = False,
 ) -> tuple[Tracking, Knowledge]:
     """Measure the poses of a pair: as it is known, or learned from this shot where it is not.
+
+    Parameters
+    ----------
+    extend
+        Let the shot add markers to what is known: those on a side that none has shown before.
+
+    Returns
+    -------
+    The poses, and what serves the next shot: `known` itself, where this one adds nothing.
 
     Raises
     ------
@@ -161,4 +175,9 @@ def measure_poses(
             film = followed_film(frames, times_s, known)
     if film is None or known is None:
         film, known = learned_film(frames, times_s, setup)
+    elif extend and (more := extended(film, known)) is not known:
+        known = more
+        settle_film(film, known, LAST_LIMIT)
+        drop_misfits(film, known, LAST_LIMIT)
+        refuse_few(film)
     return tracking_of(film, known, times_s, setup.gravity_m_per_s2), known

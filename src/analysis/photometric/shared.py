@@ -2,24 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.photometric.bundle import MARKERS_SHARE, VIEW_SHARE, Lesson, bundle_view
-from analysis.photometric.camera import by_nearness
+from analysis.photometric.bundle import MARKERS_SHARE, SCALE, VIEW_SHARE, Lesson, bundle_view
+from analysis.photometric.camera import Optics, by_nearness
 from analysis.photometric.pose import POSE, add_priors, into_world
 from analysis.photometric.residual import UNKNOWNS
 from analysis.photometric.sight import LIGHTS, Equations, Sight, Stance
 
 Floats = NDArray[np.float64]
 
+Bending = Callable[[Optics, int, Floats], Floats]
+"""What unknowns of the camera change in a view of a sphere at a centre, shape (BENT, unknowns)."""
+
 MARKER_PRIOR, DARKNESS_PRIOR, ALPHA_PRIOR = 0.2, 0.2, 0.05
 RADIUS_PRIOR, BLUR_PRIOR, SCALE_PRIOR, HELD = 0.003, 0.05, 0.05, 1e-9
-NEARNESS_PRIOR, LOG_RADIUS_PRIOR = 1.0, 0.01
-GAUGE = 1e-4
+NEARNESS_PRIOR, LOG_RADIUS_PRIOR = np.array([1.0]), 0.01
 """Expected sizes of a correction; radius and blur come from the shading and only take part."""
+GAUGE = 1e-4
+"""Most that all markers turn together, radians."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -47,17 +52,20 @@ class Shared:
     camera_weight: Floats
 
 
-def shared_size(markers: int, views: int) -> int:
-    """Return the number of shared unknowns."""
-    return 2 * markers + MARKERS_SHARE + VIEW_SHARE * views + 1
+def shared_size(markers: int, views: int, bends: int = 1) -> int:
+    """Return the number of shared unknowns, the last of them what bends the camera."""
+    return 2 * markers + MARKERS_SHARE + VIEW_SHARE * views + bends
 
 
-def add_frame(sight: Sight, stance: Stance, lesson: Lesson, shared: Equations) -> None:
+def add_frame(
+    sight: Sight, stance: Stance, lesson: Lesson, shared: Equations, bending: Bending = by_nearness
+) -> None:
     """Add one frame to the full equations of the shared unknowns, its own eliminated (Schur)."""
     views, markers = sight.optics.scales.shape[0], sight.look.markers.shape[0]
     common = 2 * markers + MARKERS_SHARE
     local = POSE + LIGHTS * views
-    total = local + common + VIEW_SHARE * views + 1
+    total = local + len(shared.right)
+    bent = [0, 1, 2, 3, 4, UNKNOWNS + common, UNKNOWNS + common - 1]
     whole = Equations(np.zeros((total, total)), np.zeros(total))
     size = UNKNOWNS + common + VIEW_SHARE
     for view in range(views):
@@ -72,9 +80,8 @@ def add_frame(sight: Sight, stance: Stance, lesson: Lesson, shared: Equations) -
             change[UNKNOWNS + k, local + k] = 1.0
         for k in range(VIEW_SHARE):
             change[UNKNOWNS + common + k, local + common + VIEW_SHARE * view + k] = 1.0
-        moved = by_nearness(sight.optics, view, stance.centre)
-        # Limb and markers alike are farther from the middle.
-        change[[0, 1, UNKNOWNS + common, UNKNOWNS + common - 1], -1] = moved[[0, 1, 2, 2]]
+        bends = bending(sight.optics, view, stance.centre)
+        change[bent, total - bends.shape[1] :] += bends
         whole.normal[:] += change.T @ whole_view @ change
         whole.right[:] += change.T @ own.right
     add_priors(sight, stance, whole)
@@ -93,24 +100,12 @@ def solve_shared(equations: Equations, tangents: Floats, views: int) -> Shared:
         Of the markers, as in the lesson, shape (markers, 2, 3).
     """
     markers = len(tangents)
-    prior = np.concatenate(
-        [
-            np.full(2 * markers, MARKER_PRIOR),
-            [DARKNESS_PRIOR, ALPHA_PRIOR, LOG_RADIUS_PRIOR],
-            [RADIUS_PRIOR, BLUR_PRIOR, HELD],
-            np.tile([RADIUS_PRIOR, BLUR_PRIOR, SCALE_PRIOR], views - 1),
-            [NEARNESS_PRIOR],
-        ]
-    )
-    held = equations.normal + np.diag(prior**-2.0)
-    # All markers turned together are all poses turned back; near a camera that holds to first
-    # order only, and what is left over would set the pattern drifting.
-    together = tangents.reshape(2 * markers, 3) / GAUGE
-    held[: 2 * markers, : 2 * markers] += together @ together.T
+    held = equations.normal + np.diag(shared_prior(markers, views, NEARNESS_PRIOR) ** -2.0)
+    held[: 2 * markers, : 2 * markers] += together(tangents)
     inverse = np.linalg.inv(held)
     step = inverse @ equations.right
     views_from = 2 * markers + MARKERS_SHARE
-    ratios = range(views_from + 2 * VIEW_SHARE - 1, len(step) - 1, VIEW_SHARE)
+    ratios = range(views_from + VIEW_SHARE + SCALE, len(step) - 1, VIEW_SHARE)
     camera = [views_from - 1, *ratios, len(step) - 1]
     return Shared(
         markers=step[: 2 * markers].reshape(markers, 2),
@@ -119,6 +114,29 @@ def solve_shared(equations: Equations, tangents: Floats, views: int) -> Shared:
         camera=step[camera],
         camera_weight=np.linalg.inv(inverse[np.ix_(camera, camera)]),
     )
+
+
+def shared_prior(markers: int, views: int, bends: Floats) -> Floats:
+    """Return the expected sizes of the shared unknowns, those of the camera's bends given."""
+    return np.concatenate(
+        [
+            np.full(2 * markers, MARKER_PRIOR),
+            [DARKNESS_PRIOR, ALPHA_PRIOR, LOG_RADIUS_PRIOR],
+            [RADIUS_PRIOR, BLUR_PRIOR, HELD, HELD],
+            np.tile([RADIUS_PRIOR, BLUR_PRIOR, SCALE_PRIOR, HELD], views - 1),
+            bends,
+        ]
+    )
+
+
+def together(tangents: Floats) -> Floats:
+    """Return the weights that keep all markers from turning together, shape (2 M, 2 M).
+
+    That is all poses turned back; near a camera it holds to first order only, and what is left
+    over would set the pattern drifting.
+    """
+    common = tangents.reshape(-1, 3) / GAUGE
+    return np.asarray(common @ common.T)
 
 
 def tangents_of(markers: Floats) -> Floats:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -20,7 +20,6 @@ from analysis.results.speed import speed_line
 from analysis.results.york import Line
 
 NO_BOTH = "no frames show both spheres"
-TOO_FAR = "it lies too far from the fit of all rows of the table"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -93,17 +92,12 @@ def _far(impacts: Impacts, lines: Lines) -> tuple[LeftOut, ...]:
 def _impacts(found: Judged) -> Impacts:
     """Measure the impacts of all shots, also of those that the fit to all poses leaves out.
 
-    That fit drops shots which are unlike its law; here no law may choose. A table has nothing but
-    the law by which a slip of the pen could be told.
+    That fit drops shots which are unlike its law; here no law may choose.
     """
     evidence = found.evidence
-    if isinstance(found.data, ContactTable):
-        measured = table_impacts(found.data)
-        dropped = tuple(LeftOut(number, TOO_FAR) for number in found.rejected)
-        return replace(measured, left_out=(*dropped, *measured.left_out))
     stated = evidence.stated
     if isinstance(stated, ContactTable):
-        raise TypeError("poses were judged, and a table came of them")
+        return table_impacts(stated)
     position, rotation = evidence.noise
     scaled = stated.with_sigmas(position * stated.position_sigma, rotation * stated.rotation_sigma)
     wild = np.zeros(scaled.times_s.shape, dtype=np.bool_)

@@ -26,6 +26,8 @@ from analysis.results.impacts import V_N, V_N_AFTER, V_S, V_S_AFTER, Impacts
 
 Floats = NDArray[np.float64]
 
+LEAST_OPENING = 1e-3
+"""Of the angle between the lines: at beta0 = -1 they are parallel."""
 UNREACHED = -1e9
 """Logarithm of a chance that counts as none."""
 
@@ -87,7 +89,7 @@ def friction_reach(law: WaltonLaw, lever: float) -> float:
 
 def transition(law: WaltonLaw, lever: float) -> float:
     """Return the v_s / |v_n| at which Walton's two lines meet."""
-    return friction_reach(law, lever) / (1 + law.beta0)
+    return friction_reach(law, lever) / max(1 + law.beta0, LEAST_OPENING)
 
 
 def likelihood(impacts: Impacts, law: WaltonLaw) -> Likelihood:

@@ -32,6 +32,10 @@ FAR, MOST_FAR = 10.0, 0.15
 marker took another's name. If more shots than this share lie there it is physics, and all do."""
 CONTRADICTED = 0.01
 """Below this p the stated errors are too small for the scatter, and the fit's are enlarged."""
+LEAST_SQUARE = 1e-18
+"""(m/s)^2, far below any error."""
+LEAST_CURVATURE = 1e-6
+"""Of the likelihood in these units: a parameter that is flatter is not determined."""
 UNITS = np.array([1e-3, 1e-3, 1e-2])
 """About the errors that a campaign gives e, mu and beta0: units of the search."""
 
@@ -78,6 +82,11 @@ class Lines:
         if self.freedom < 1 or self.p_value > CONTRADICTED:
             return 1.0
         return float(np.sqrt(self.chi2 / self.freedom))
+
+    @property
+    def determined(self) -> bool:
+        """Whether the shots determine everything that was fitted."""
+        return bool(np.isfinite(self.covariance).all())
 
     def parameters(self) -> dict[str, Quantity]:
         """Return what the shots determine, errors enlarged by the scatter."""
@@ -131,7 +140,8 @@ def _of_all(impacts: Impacts) -> Lines:
     if both is None:
         return single
     double = _fitted(impacts, both, NAMES)
-    return double if double.chi2 + LEAST_GAIN < min(stick.chi2, slide.chi2) else single
+    gains = double.chi2 + LEAST_GAIN < min(stick.chi2, slide.chi2)
+    return double if gains and double.determined else single
 
 
 def _of_one_regime(impacts: Impacts, stick: Lines, slide: Lines) -> Lines:
@@ -140,9 +150,10 @@ def _of_one_regime(impacts: Impacts, stick: Lines, slide: Lines) -> Lines:
     Shots at one setting lie on either line. Those that go on in their direction have slid; those
     whose surface velocity is reversed may have done either, and then tell restitution alone.
     """
-    if abs(stick.chi2 - slide.chi2) > LEAST_GAIN:
-        return stick if stick.chi2 < slide.chi2 else slide
-    if stick.law.beta0 < 0:
+    better = stick if stick.chi2 < slide.chi2 else slide
+    if abs(stick.chi2 - slide.chi2) > LEAST_GAIN and better.determined:
+        return better
+    if stick.determined and slide.determined and stick.law.beta0 < 0:
         return slide
     return _fitted(impacts.without_surface(), WaltonLaw(stick.law.e, 0.0, 0.0), ("e",))
 
@@ -168,7 +179,8 @@ def _starts(impacts: Impacts, e: float) -> tuple[float, float, WaltonLaw | None]
     v = v[np.argsort(-v[:, V_S] / v[:, V_N])]
     n, s, after = -v[:, V_N], v[:, V_S], v[:, V_S_AFTER]
     lost = s - after
-    stick = [np.cumsum(part) for part in (s * s, s * after, after * after)]
+    # A head-on shot may have no surface velocity at all.
+    stick = [np.cumsum(part) for part in (s * s + LEAST_SQUARE, s * after, after * after)]
     slide = [np.cumsum(part[::-1])[::-1] for part in (n * n, n * lost, lost * lost)]
     per_friction = (1 + e) * impacts.lever
     mu = float(slide[1][0] / slide[0][0] / per_friction)
@@ -199,13 +211,15 @@ def _fitted(impacts: Impacts, start: WaltonLaw, names: tuple[str, ...]) -> Lines
         return float(likelihood(impacts, law_at(step)).chi2.sum())
 
     step, curvature = minimum(cost, len(where))
+    flat = np.linalg.eigvalsh(curvature).min() < LEAST_CURVATURE
+    inverse = np.full_like(curvature, np.inf) if flat else np.linalg.inv(curvature)
     law = law_at(step)
     held = likelihood(impacts, law)
     told = len(impacts.shots) + int(impacts.surface.sum())
     return Lines(
         law=law,
         fitted=names,
-        covariance=np.asarray(2 * np.linalg.pinv(curvature) * np.outer(unit, unit)),
+        covariance=np.asarray(2 * inverse * np.outer(unit, unit)),
         held=held,
         used=np.ones(len(impacts.shots), dtype=np.bool_),
         chi2=float(held.chi2.sum()),

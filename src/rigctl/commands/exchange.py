@@ -12,8 +12,10 @@ from rich.console import Console
 from rigctl.commands.bar import bar
 from rigctl.commands.shots import actor
 from rigctl.config import load
-from rigctl.exchange import export_campaign, import_campaign, read_contents
-from rigctl.store import Store, reading
+from rigctl.exchange import export_campaign
+from rigctl.exchange.contents import read_contents
+from rigctl.exchange.importing import import_campaign
+from rigctl.opening import own_store, read_store
 
 
 def import_folder(
@@ -26,11 +28,11 @@ def import_folder(
     AnalysisInputError, SettingsError, RefusedError, StoreError
         As `import_campaign`; nothing is imported.
     """
-    kept = Path(load(configuration).store.folder)
+    kept = load(configuration)
     with bar() as say:
         # Read before a store is opened, which may be the first one here.
         contents = read_contents(folder, say)
-        with closing(Store(kept, shared=True)) as store:
+        with closing(own_store(kept, shared=True)) as store:
             found = import_campaign(store, contents, actor(), name=name, say=say)
     if as_json:
         _print(json.dumps(asdict(found)))
@@ -50,7 +52,7 @@ def export_folder(
     NotFoundError, AnalysisInputError, SettingsError, StoreError
         As `export_campaign`; nothing is written.
     """
-    with reading(Path(load(configuration).store.folder)) as store, bar() as say:
+    with read_store(configuration) as store, bar() as say:
         found = export_campaign(store, campaign, folder, say=say)
     if as_json:
         _print(json.dumps({**asdict(found), "folder": str(found.folder)}))

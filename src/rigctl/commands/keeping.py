@@ -9,10 +9,9 @@ from pathlib import Path
 from rich.console import Console
 
 from rigctl.commands.bar import bar
-from rigctl.config import load
 from rigctl.errors import StoreError
 from rigctl.exchange.fresh import fresh_folder
-from rigctl.store import reading
+from rigctl.opening import read_store
 from rigctl.store.backup import back_up
 from rigctl.store.verifying import verify_store
 
@@ -27,7 +26,7 @@ def verify(campaign: str | None, configuration: Path | None, *, as_json: bool) -
     StoreError
         Something is not as it was stored; all of it is printed first.
     """
-    with reading(Path(load(configuration).store.folder)) as store, bar() as say:
+    with read_store(configuration) as store, bar() as say:
         found = verify_store(store, say, campaign)
     if as_json:
         _print(json.dumps(asdict(found)))
@@ -52,7 +51,7 @@ def backup(target: Path, configuration: Path | None, *, as_json: bool) -> None:
         There is no store, the folder is there already, or the copy is not whole; nothing is left.
     """
     with (
-        reading(Path(load(configuration).store.folder)) as store,
+        read_store(configuration) as store,
         fresh_folder(target) as partial,
         bar() as say,
     ):

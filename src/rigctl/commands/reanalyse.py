@@ -14,8 +14,9 @@ from rich.table import Table
 
 from rigctl.commands.bar import bar
 from rigctl.config import load
+from rigctl.opening import own_store, read_store
 from rigctl.reanalysis import Comparison, Outcome, compared, pool, reanalyse_campaign
-from rigctl.store import ShotState, Store, reading
+from rigctl.store import ShotState
 
 
 def reanalyse(
@@ -34,11 +35,10 @@ def reanalyse(
     NotFoundError, ConfigurationError, StoreError
         As `reanalyse_campaign` and `pool`.
     """
-    folder = Path(load(configuration).store.folder)
-    with reading(folder) as reader:
+    with read_store(configuration) as reader:
         reader.campaigns.one(campaign)
     with (
-        closing(Store(folder, shared=True)) as store,
+        closing(own_store(load(configuration), shared=True)) as store,
         pool(scheduler, workers) as executor,
         bar() as say,
     ):

@@ -15,6 +15,7 @@ from rich.table import Table
 
 from rigctl.config import load
 from rigctl.errors import NotFoundError, SettingsError
+from rigctl.opening import own_store
 from rigctl.service.models import ShotView, Tag
 from rigctl.store import ShotRecord, ShotState, Store
 
@@ -43,14 +44,15 @@ def kept(configuration: Path | None) -> Iterator[Store]:
     ConfigurationError, StoreError
         Configuration or store cannot be read.
     """
-    folder = Path(load(configuration).store.folder)
+    found = load(configuration)
+    folder = Path(found.store.folder)
     if not folder.is_dir():
         raise NotFoundError(
             "holds no shots",
             part=str(folder),
             todo="start in the folder the daemon was started in, or name its --config",
         )
-    store = Store(folder, shared=True)
+    store = own_store(found, shared=True)
     try:
         yield store
     finally:

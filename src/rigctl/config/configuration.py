@@ -36,6 +36,11 @@ class StoreSection(StrictModel):
     """Where shots are kept; a relative folder counts from the working directory."""
 
     folder: str = Field(min_length=1)
+    database: str | None = Field(
+        default=None,
+        pattern=r"^postgresql(\+psycopg)?://",
+        description="catalogue on a server; without it a SQLite file in the folder",
+    )
 
 
 class ServiceSection(StrictModel):

@@ -1,14 +1,9 @@
-"""Campaigns in and out of the catalogue, as exchange folders."""
+"""Campaigns in and out of the catalogue, as exchange folders.
 
-from rigctl.exchange.contents import Contents, read_contents
+Reading a folder loads the analysis, writing one does not: only what writes is named here, and the
+rest is taken from `contents` and `importing`.
+"""
+
 from rigctl.exchange.exporting import Exported, export_campaign
-from rigctl.exchange.importing import Imported, import_campaign
 
-__all__ = [
-    "Contents",
-    "Exported",
-    "Imported",
-    "export_campaign",
-    "import_campaign",
-    "read_contents",
-]
+__all__ = ["Exported", "export_campaign"]

@@ -5,18 +5,20 @@ from __future__ import annotations
 from collections.abc import Mapping
 from datetime import UTC, datetime
 from importlib.metadata import version
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
 from analysis.exchange.shot_list import EXCLUDED, EXPOSURE, NOTE, TAGS, ShotRow
 from analysis.setup import Setup, SphereSetup
 from rigctl.exchange.amending import tags_in
-from rigctl.exchange.contents import Contents
 from rigctl.settings import ShotSettings
 from rigctl.store.imports import ImportedShot
 from rigctl.store.states import ShotState
 from rigctl.stored_poses import poses_document
+
+if TYPE_CHECKING:
+    from rigctl.exchange.contents import Contents
 
 Json = dict[str, Any]
 

@@ -8,10 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from analysis.campaign import SHOT_LIST
 from rigctl.errors import NotFoundError, StoreError
 from rigctl.exchange.amending import amended
-from rigctl.exchange.fired import write_fired
 from rigctl.exchange.fresh import fresh_folder
 from rigctl.store import ShotRecord, Store, StoreReader
 from rigctl.store.copying import copy_synced
@@ -22,6 +20,7 @@ from rigctl.store.imports import LISTING
 Json = dict[str, Any]
 Say = Callable[[str, float | None], None]
 ALL = 10_000_000
+SHOT_LIST = "shots.csv"
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,6 +60,9 @@ def export_campaign(
         kept = [shot for shot in shots if shot.frames is not None]
         if not kept:
             raise NotFoundError("has no frames to export", part=f"campaign {campaign}") from None
+        # The daemon starts without the analysis.
+        from rigctl.exchange.fired import write_fired  # noqa: PLC0415
+
         with fresh_folder(folder) as partial:
             write_fired(partial, campaign, kept, store.folders, say)
         return Exported(campaign, folder, len(kept), len(shots) - len(kept))

@@ -6,13 +6,12 @@ import json
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pydantic import TypeAdapter, ValidationError
 
 from analysis.exchange.shot_list import ShotRow
 from rigctl.errors import SettingsError
-from rigctl.exchange.contents import Contents, Frames
 from rigctl.exchange.documents import FORMAT, first_result, imported_shot, manifest
 from rigctl.service.models import CampaignName
 from rigctl.store import Store
@@ -21,6 +20,9 @@ from rigctl.store.durable import sync_folder, write_synced
 from rigctl.store.folders import sha256
 from rigctl.store.imports import LISTING, Stage
 from rigctl.store.states import ShotState
+
+if TYPE_CHECKING:
+    from rigctl.exchange.contents import Contents, Frames
 
 Json = dict[str, Any]
 Say = Callable[[str, float | None], None]

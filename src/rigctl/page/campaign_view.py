@@ -7,8 +7,10 @@ from typing import Any
 
 from nicegui import run, ui
 
+from rigctl.page.campaign_output import Output
 from rigctl.page.campaign_plots import plane
 from rigctl.page.desk import Desk
+from rigctl.page.following import following
 from rigctl.page.impact_plots import over_incidence, over_speed
 from rigctl.page.layout import TICK_S
 from rigctl.page.model_state import Question
@@ -51,7 +53,12 @@ class CampaignView:
         source = Source(desk.daemon, campaign)
         self._fitted = Question(lambda: source.ask("picture"), desk.daemon.jobs.job)
         self._fitted.start()
-        self._head()
+        with ui.element("div").classes("head"):
+            self._head()
+            ui.space()
+            Output(desk, campaign)
+            address = f"/model/{campaign}"
+            button("Compare with the model", lambda: ui.navigate.to(address), testid="to-model")
         with ui.element("div").classes("columns third"):
             with ui.element("div").classes("panel tall").props("data-testid=figure-7-4"):
                 self._plane()
@@ -64,7 +71,7 @@ class CampaignView:
         with ui.element("div").classes("panel"):
             self._titled("Shots", "coefficients", "A click opens one.")
             self._table = ShotTable(measured=True)
-        ui.timer(TICK_S * 3, self._follow)
+        following(TICK_S * 3, self._follow)
 
     async def _follow(self) -> None:
         if self._fitted.follow():
@@ -92,13 +99,9 @@ class CampaignView:
 
     @ui.refreshable_method
     def _head(self) -> None:
-        with ui.element("div").classes("head"):
-            ui.html(f"<h1>{self._campaign}</h1>", sanitize=True)
-            if self._now is not None:
-                ui.label(_counts(self._now.record)).classes("aside")
-            ui.space()
-            address = f"/model/{self._campaign}"
-            button("Compare with the model", lambda: ui.navigate.to(address), testid="to-model")
+        ui.html(f"<h1>{self._campaign}</h1>", sanitize=True)
+        if self._now is not None:
+            ui.label(_counts(self._now.record)).classes("aside")
 
     @ui.refreshable_method
     def _plane(self) -> None:

@@ -8,7 +8,7 @@ from typing import Any
 from nicegui import ui
 
 from analysis.effects.effect import Effect
-from rigctl.modelling import ALL_EFFECTS
+from rigctl.known_effects import ALL_EFFECTS
 from rigctl.page.quantities import CHANCE, CHI2, ERROR, PARAMETERS, VALUE
 from rigctl.page.tables import Cell, Line, chance, facts, with_error
 from rigctl.page.widgets import save_csv

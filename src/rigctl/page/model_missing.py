@@ -9,7 +9,7 @@ from typing import Any
 from nicegui import ui
 
 from analysis.effects.effect import Effect
-from rigctl.modelling import ALL_EFFECTS
+from rigctl.known_effects import ALL_EFFECTS
 from rigctl.page.quantities import CHANCE, FALL, LIKE, PLAUSIBLE, SCORE
 from rigctl.page.tables import chance, minus, with_error
 from rigctl.page.widgets import button, save_csv

@@ -6,7 +6,7 @@ from typing import Any
 
 from nicegui import ui
 
-from rigctl.commands.model.next import sentence, sweep_of
+from rigctl.commands.model.next_words import sentence, sweep_of
 from rigctl.jobs import Job
 from rigctl.page.desk import Desk
 from rigctl.page.model_state import ModelState, Question
@@ -96,7 +96,7 @@ class NextShots:
         source = self._state.source
         if source.folder is not None:
             ui.label(
-                "These shots are for the rig that fired this campaign: `rigctl model next --out` "
+                "These shots are for the rig that fired this campaign: rigctl model next --out "
                 "writes them as a sweep file."
             ).classes("note")
             return

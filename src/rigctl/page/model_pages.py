@@ -61,7 +61,7 @@ def _choice(desk: Desk) -> None:
             with ui.element("div").classes("panel"):
                 ui.label("A campaign's folder").classes("title")
                 ui.label(
-                    "As `rigctl challenge new`, `rigctl analyse --out` or another laboratory wrote "
+                    "As rigctl challenge new, rigctl analyse --out or another laboratory wrote "
                     "it; it is used as it is."
                 ).classes("note")
                 path = ui.input("Path of the folder").props("outlined dense data-testid=folder")

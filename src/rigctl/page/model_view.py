@@ -9,6 +9,7 @@ from nicegui import ui
 from rigctl.jobs import Job
 from rigctl.page.challenge_panel import ChallengePanel
 from rigctl.page.desk import Desk
+from rigctl.page.following import following
 from rigctl.page.layout import TICK_S
 from rigctl.page.model_compare import compare
 from rigctl.page.model_missing import missing
@@ -37,7 +38,7 @@ class ModelView:
         self._steps()
         self._next = NextShots(desk, self._state)
         ChallengePanel(source)
-        ui.timer(TICK_S, self._follow)
+        following(TICK_S, self._follow)
 
     def _follow(self) -> None:
         job = self._state.waits()

@@ -10,6 +10,7 @@ from nicegui import ui
 from starlette.types import ASGIApp
 
 from rigctl.daemon import Daemon
+from rigctl.page.campaign_output import report_route
 from rigctl.page.campaign_pages import campaign_pages
 from rigctl.page.desk import Desk
 from rigctl.page.door import PageDoor
@@ -37,6 +38,7 @@ def with_page(api: FastAPI, daemon: Daemon, key: str) -> ASGIApp:
         register(desk)
     shell = FastAPI(openapi_url=None, lifespan=api.router.lifespan_context)
     film_route(shell, desk)
+    report_route(shell, desk)
     ui.run_with(shell, title="rigctl", dark=None, tailwind=False, show_welcome_message=False)
     # What is loaded by now is never garbage; to look through it holds everything up for 0.2 s.
     gc.collect()

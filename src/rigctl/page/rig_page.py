@@ -11,6 +11,7 @@ from nicegui import ui
 from rigctl.config import Limits
 from rigctl.page.desk import Desk
 from rigctl.page.feed import Feed, Happening
+from rigctl.page.following import following
 from rigctl.page.layout import TICK_S, sheet
 from rigctl.page.order_form import OrderForm, words
 from rigctl.page.shot_view import coefficients, film, read
@@ -19,7 +20,7 @@ from rigctl.rig.interlocks import Interlock
 from rigctl.rig.status import RigStatus
 from rigctl.store import ShotRecord
 
-SHOWN_EVENTS = 14
+SHOWN_EVENTS = 12
 
 
 def rig_page(desk: Desk) -> None:
@@ -47,10 +48,10 @@ class LastShot:
 
     def __init__(self, desk: Desk) -> None:
         self._desk = desk
-        self._shot = desk.daemon.rig.status().last_shot
+        self._shot = self._filmed = desk.daemon.rig.status().last_shot
         self._head()
         self.film()
-        ui.timer(TICK_S, self._follow)
+        following(TICK_S, self._follow)
 
     @ui.refreshable_method
     def _head(self) -> None:
@@ -64,13 +65,17 @@ class LastShot:
     @ui.refreshable_method
     def film(self) -> None:
         """Place its film."""
-        if self._shot is None:
+        if self._filmed is None:
             ui.label(
                 "No shot has been fired yet. Choose pressure and offset on the left, press Arm, "
                 "then Fire: film and coefficients appear here."
             ).classes("empty")
             return
-        film(self._desk, self._shot)
+        if self._shot is not None and self._shot.id != self._filmed.id:
+            ui.label(f"Film of shot {self._filmed.number}, until this one has frames.").classes(
+                "note"
+            )
+        film(self._desk, self._filmed)
 
     @ui.refreshable_method
     def beside(self) -> None:
@@ -92,13 +97,18 @@ class LastShot:
         await asyncio.sleep(0)
         self.beside.refresh()
         await asyncio.sleep(0)
-        # A film is drawn when its frames are there, and again when something is found in them.
-        if before is None or _film_of(now) != _film_of(before):
+        filmed = now if now.frames or now.outcome or self._filmed is None else self._filmed
+        if _film_of(filmed, now) != _film_of(self._filmed, before):
+            self._filmed = filmed
             self.film.refresh()
 
 
-def _film_of(shot: ShotRecord) -> object:
-    return shot.id, shot.state if shot.frames is None else None, shot.results
+def _film_of(filmed: ShotRecord | None, shot: ShotRecord | None) -> object:
+    """Return what a drawn film depends on: whose it is, and what was found in it."""
+    if filmed is None or shot is None:
+        return None
+    state = filmed.state if filmed.frames is None else None
+    return filmed.id, filmed.id == shot.id, state, filmed.results
 
 
 def _order(desk: Desk) -> None:
@@ -119,7 +129,7 @@ def _interlocks(desk: Desk) -> None:
     def show() -> None:
         status = desk.daemon.rig.status()
         said.set_text(_read_when(status, limits))
-        table.set_content(_interlock_table(status))
+        table.set_content(_interlock_table(status) if status.interlocks else "")
 
     show()
     ui.timer(TICK_S * 5, show)

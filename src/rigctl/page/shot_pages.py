@@ -5,6 +5,7 @@ from __future__ import annotations
 from nicegui import run, ui
 
 from rigctl.page.desk import Desk
+from rigctl.page.following import following
 from rigctl.page.layout import TICK_S, sheet
 from rigctl.page.order_form import words
 from rigctl.page.shot_judging import Judging
@@ -42,7 +43,7 @@ class _Shots:
         self._desk = desk
         self._heard = -1
         self._table = ShotTable(measured=False)
-        ui.timer(TICK_S * 5, self._follow)
+        following(TICK_S * 5, self._follow)
 
     async def _follow(self) -> None:
         heard = self._desk.feed.told
@@ -71,7 +72,7 @@ class _OneShot:
                 self._judged()
                 self._compared()
                 self._recorded()
-        ui.timer(TICK_S * 3, self._follow)
+        following(TICK_S * 3, self._follow)
 
     @ui.refreshable_method
     def _film(self) -> None:

@@ -9,6 +9,7 @@ from nicegui import ui
 
 from analysis.figures.palette import FAILS, MEASURED
 from rigctl.page.desk import Desk
+from rigctl.page.following import following
 from rigctl.page.layout import TICK_S
 from rigctl.page.model_compare import parsed
 from rigctl.page.model_state import Question
@@ -74,7 +75,7 @@ class ShotResiduals:
             self._show()
         if effects is not None and shot.campaign and shot.state is ShotState.ANALYSED:
             self._start()
-        ui.timer(TICK_S * 2, self._follow)
+        following(TICK_S * 2, self._follow)
 
     def _start(self) -> None:
         self._asked.start()

@@ -14,7 +14,8 @@ from rigctl.page.quantities import COEFFICIENTS, SETTINGS
 from rigctl.page.readings import Impact
 from rigctl.store import ShotRecord
 
-MOST_LISTED = 500
+MOST_LISTED = 2000
+"""Earlier shots are found by REST, or by their campaign."""
 Column = dict[str, Any]
 
 
@@ -75,11 +76,7 @@ HEADINGS = {
 
 def latest(desk: Desk, campaign: str | None) -> list[ShotRecord]:
     """Return the latest shots, of one campaign or of all, the last first; blocks for the disk."""
-    after = None
-    found: list[ShotRecord] = []
-    while page := desk.daemon.store.shots(campaign=campaign, limit=MOST_LISTED, after=after):
-        found, after = [*found, *page][-MOST_LISTED:], page[-1].id
-    return found[::-1]
+    return desk.daemon.store.catalogue.latest(MOST_LISTED, campaign)
 
 
 class ShotTable:

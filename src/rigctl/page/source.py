@@ -8,11 +8,11 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-from rigctl.campaigns import measured_files
 from rigctl.daemon import Daemon
 from rigctl.errors import AnalysisInputError
 from rigctl.jobs import Job, in_process
-from rigctl.modelling import effect_named, request
+from rigctl.known_effects import effect_named
+from rigctl.measured import measured_files, request
 
 Json = dict[str, Any]
 FUNCTIONS = "rigctl.modelling"

@@ -25,7 +25,7 @@ from rigctl.sweeps.plan import plan_of, require_possible
 Json = dict[str, Any]
 MOST_LEVELS = 50
 MOST_REPEATS = 100
-LISTED = ("pressure_a_kpa", "pressure_b_kpa", "offset_mm")
+LISTED = {"pressure_a_kpa": "a", "pressure_b_kpa": "b", "offset_mm": "offset"}
 REPEAT = Quantity("Repeats", "", "How often all is fired.")
 
 
@@ -36,8 +36,10 @@ def form_address(proposed: Sweep) -> str:
 
 def shot_headings() -> list[Cell]:
     """Return the headings of a table of listed shots."""
-    about = [SETTINGS[name] for name in LISTED]
-    headings = [Cell(f"{one.name}, {one.unit}", one.meaning) for one in about]
+    headings = [
+        Cell(f"{short}, {SETTINGS[name].unit}", f"{SETTINGS[name].name}. {SETTINGS[name].meaning}")
+        for name, short in LISTED.items()
+    ]
     return [*headings, Cell("times", "How often it is fired.")]
 
 

@@ -6,6 +6,7 @@ from nicegui import ui
 
 from rigctl.errors import RigError
 from rigctl.page.desk import Desk
+from rigctl.page.following import following
 from rigctl.page.layout import TICK_S, sheet
 from rigctl.page.sweep_form import SweepForm
 from rigctl.page.sweep_orders import bar, how_far, orders
@@ -47,7 +48,7 @@ class _Listed:
         with ui.element("div").classes("panel").props("data-testid=sweeps"):
             ui.label("Sweeps").classes("title")
             self._show()
-        ui.timer(TICK_S * 5, self._follow)
+        following(TICK_S * 5, self._follow)
 
     def _stand(self) -> list[SweepStatus]:
         self._heard = self._desk.feed.told

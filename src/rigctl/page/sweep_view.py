@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from nicegui import run, ui
 
 from rigctl.page.desk import Desk
+from rigctl.page.following import following
 from rigctl.page.impact_plots import over_incidence, over_speed
 from rigctl.page.layout import TICK_S
 from rigctl.page.quantities import INCIDENCE, SPEED
@@ -55,7 +56,7 @@ class SweepView:
         with ui.element("div").classes("panel"):
             ui.label("Steps").classes("title")
             self._table = StepsTable()
-        ui.timer(TICK_S * 3, self._follow)
+        following(TICK_S * 3, self._follow)
 
     async def _follow(self) -> None:
         heard = self._desk.feed.told

@@ -10,6 +10,10 @@ from importlib.metadata import version
 from rigctl.reports.html import paragraph, section, table
 from rigctl.reports.source import Source
 
+WHERE = (
+    " Run them in the folder in which the daemon was started; if that was not with the simulated "
+    "rig, give report --config and the file whose SHA-256 stands under configuration."
+)
 LIBRARIES = ("numpy", "scipy", "matplotlib")
 
 
@@ -29,7 +33,7 @@ def reproduce(source: Source) -> str:
         paragraph(
             "The first makes this file anew, byte for byte, with the same program, libraries and "
             "measurements, and writes the table behind every figure; the second prints the fit to "
-            "all that was measured.",
+            "all that was measured." + (WHERE if source.stored else ""),
             "aside",
         ),
         table(("program", "version"), programs, "words"),

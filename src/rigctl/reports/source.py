@@ -7,23 +7,22 @@ import json
 import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from datetime import datetime
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from analysis.campaign import DESCRIPTION, SHOT_LIST
-from analysis.errors import InputError
+from analysis.campaign import DESCRIPTION, FRAMES, SHOT_LIST
 from analysis.exchange.shot_list import EXCLUDED, ShotRow, read_shot_list
 from analysis.model.gather import CONTACTS, IMPACTS, POSES, gather
 from analysis.model.tables import Data
 from analysis.results.impacts import LeftOut
-from rigctl.campaigns import measured_files, poses_from
+from rigctl.campaigns import in_words, poses_from
 from rigctl.errors import AnalysisInputError
+from rigctl.measured import MOST_SHOTS, MeasuredFiles, measured_files
 from rigctl.store import ShotRecord, ShotState, Store, StoreReader
 
 Json = dict[str, Any]
 
-MOST_SHOTS = 1_000_000
 SCENE = ("camera", "optics", "spheres", "environment", "picture_rate_hz")
 """What a manifest says of the apparatus, in the order in which it is shown."""
 
@@ -46,6 +45,8 @@ class Source:
         Of the campaign.
     origin
         What the commands of this program call it: its name, or its folder.
+    stored
+        Whether it is in a catalogue.
     data
         Poses, or tabulated contacts.
     simulated
@@ -64,6 +65,7 @@ class Source:
 
     title: str
     origin: str
+    stored: bool
     data: Data
     simulated: bool | None
     facts: tuple[Facts, ...]
@@ -81,31 +83,38 @@ def folder_source(folder: Path) -> Source:
     AnalysisInputError
         It cannot be read.
     """
-    try:
+    home = folder.parent if folder.is_file() else folder
+    with in_words():
         title, data = gather(folder)
-        home = folder.parent if folder.is_file() else folder
         rows = read_shot_list(home / SHOT_LIST)
-        named = [home / name for name in (DESCRIPTION, SHOT_LIST, POSES, CONTACTS, IMPACTS)]
-        frames = [path for path in sorted((home / "frames").glob("*")) if path.is_file()]
+    try:
         described = tomllib.loads((home / DESCRIPTION).read_text(encoding="utf-8"))
-        files = [(path.relative_to(home), path) for path in (*named, *frames) if path.is_file()]
-        hashes = tuple((str(name), _sha256(path)) for name, path in files)
-    except InputError as error:
-        place = error.path if error.line is None else f"{error.path}, line {error.line}"
-        raise AnalysisInputError(error.reason, part=place) from error
+        hashes = _hashes(home)
     except OSError as error:
         raise AnalysisInputError(f"cannot be read: {error}", part=str(folder)) from error
     settings = _ranges([row.numbers for row in rows])
     return Source(
         title=title,
         origin=str(folder),
+        stored=False,
         data=data,
         simulated=None,
         facts=(*_facts(described, "campaign"), Facts("settings", settings)),
         listed=len(rows),
         missing=_unmeasured(rows, data),
         files=hashes,
-        fired={row.shot: row.time for row in rows if row.time is not None},
+        fired={row.shot: _utc(row.time) for row in rows if row.time is not None},
+    )
+
+
+def _hashes(home: Path) -> tuple[tuple[str, str], ...]:
+    """Return the files of a campaign's folder with their hashes."""
+    named = [home / name for name in (DESCRIPTION, SHOT_LIST, POSES, CONTACTS, IMPACTS)]
+    frames = sorted((home / FRAMES).rglob("*"))
+    return tuple(
+        (path.relative_to(home).as_posix(), _sha256(path))
+        for path in (*named, *frames)
+        if path.is_file()
     )
 
 
@@ -135,19 +144,16 @@ def stored_source(store: Store | StoreReader, name: str) -> Source:
     shots = store.catalogue.shots(campaign=name, limit=MOST_SHOTS)
     manifests = [_json(own.manifest) for own in measured]
     files = [
-        (f"{manifest['shot']}/{entry}", digest)
+        entry
         for own, manifest in zip(measured, manifests, strict=True)
-        for entry, digest in (
-            ("frames.npy", manifest["frames"]["sha256"]),
-            ("manifest.json", _sha256(own.manifest)),
-            (own.result.name, _sha256(own.result)),
-        )
+        for entry in _behind(own, manifest)
     ]
     first = manifests[0]
     about = {name: first[name] for name in SCENE if name in first}
     return Source(
         title=name,
         origin=name,
+        stored=True,
         data=data,
         simulated=any(shot.simulated for shot in shots),
         facts=(
@@ -163,11 +169,24 @@ def stored_source(store: Store | StoreReader, name: str) -> Source:
         ),
         files=tuple(files),
         fired={
-            int(m["number"]): datetime.fromisoformat(m["fired_at"])
+            int(m["number"]): _utc(datetime.fromisoformat(m["fired_at"]))
             for m in manifests
             if m["fired_at"] is not None
         },
     )
+
+
+def _behind(files: MeasuredFiles, manifest: Json) -> list[tuple[str, str]]:
+    """Return the files of a measured shot with their hashes; one of poses alone has no frames."""
+    shot, frames = manifest["shot"], manifest["frames"]
+    kept = [] if frames is None else [(f"{shot}/{frames['file']}", str(frames["sha256"]))]
+    read = (files.manifest, files.result)
+    return [*kept, *((f"{shot}/{path.name}", _sha256(path)) for path in read)]
+
+
+def _utc(time: datetime) -> datetime:
+    """Return a time in UTC; one without a zone is taken as UTC (exchange-folder.md)."""
+    return time.replace(tzinfo=UTC) if time.tzinfo is None else time.astimezone(UTC)
 
 
 def _why_missing(shot: ShotRecord) -> str | None:

@@ -25,7 +25,7 @@ from rigctl.rig.interlocks import require
 from rigctl.rig.lines import reopen
 from rigctl.rig.parts import Bench
 from rigctl.rig.recovery import Recovery, start
-from rigctl.rig.running import ACTOR, RunningShot
+from rigctl.rig.running import ACTOR, RunningShot, in_thread, leave_unanalysed
 from rigctl.rig.standing import Standing
 from rigctl.rig.states import LATCHED, RigState, ShotState
 from rigctl.rig.status import RigStatus
@@ -39,14 +39,6 @@ _log = logging.getLogger(__name__)
 _ARMABLE = frozenset({RigState.IDLE, RigState.ARMED})
 _ENDING = frozenset({RigState.STORED, RigState.ABORTED, RigState.MISFIRE})
 _DEVICES_WAIT_S = 10.0
-
-
-def _in_thread(work: Callable[[], None]) -> None:
-    threading.Thread(target=work, name="shot", daemon=True).start()
-
-
-def _leave_unanalysed(_shot: str) -> None:
-    """Without an analyser a stored shot waits for the next start."""
 
 
 class Rig:
@@ -78,8 +70,8 @@ class Rig:
         store: Store,
         *,
         clock: Clock = SYSTEM_CLOCK,
-        analyse: Callable[[str], None] = _leave_unanalysed,
-        spawn: Callable[[Callable[[], None]], None] = _in_thread,
+        analyse: Callable[[str], None] = leave_unanalysed,
+        spawn: Callable[[Callable[[], None]], None] = in_thread,
     ) -> None:
         self._bench = Bench(configuration, devices, capture, store, clock)
         self._configuration, self._devices, self._store = configuration, devices, store
@@ -97,8 +89,7 @@ class Rig:
         self._running = RunningShot(self._standing, store, self._stop, clock)
         self._run = ShotRun(self._bench, self._conditions, self._stop, self._running)
         self._token = ArmToken(self._limits.arm_lifetime_s, clock.monotonic)
-        self._acting = threading.Lock()
-        self.listeners = self._standing.listeners
+        self._acting, self.listeners = threading.Lock(), self._standing.listeners
 
     def status(self) -> RigStatus:
         """Return where the rig stands, at once; a token whose time is over is withdrawn by it."""
@@ -152,6 +143,15 @@ class Rig:
             if self._standing.state is RigState.ARMED:
                 self._standing.move(RigState.IDLE, actor, reason)
                 self._standing.armed_for(self._standing.status().settings, None)
+
+    def rest(self) -> str:
+        """Vent and stop the slide unless somebody uses the rig; say what became of each."""
+        try:
+            with self._alone():
+                self._await_safe_state()
+                return "; ".join(halt(self._devices)) if self.status().state == "idle" else ""
+        except RefusedError:
+            return ""
 
     def accept(
         self,

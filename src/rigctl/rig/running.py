@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import threading
+from collections.abc import Callable
 
 from rigctl.errors import RefusedError, RigError, StoreError
 from rigctl.rig.clock import Clock
@@ -21,6 +22,15 @@ ACTOR = "rig"
 
 _OPEN = frozenset({RigState.FIRING, RigState.CAPTURING})
 _ENDED = frozenset({RigState.STORED, RigState.ABORTED, RigState.MISFIRE})
+
+
+def in_thread(work: Callable[[], None]) -> None:
+    """Run a shot's work in a thread of its own."""
+    threading.Thread(target=work, name="shot", daemon=True).start()
+
+
+def leave_unanalysed(_shot: str) -> None:
+    """Without an analyser a stored shot waits for the next start."""
 
 
 class RunningShot:

@@ -8,7 +8,7 @@ from fastapi import APIRouter
 from pydantic import BaseModel, Field
 
 from analysis.effects.effect import Effect, Parameter
-from rigctl.modelling import ALL_EFFECTS, effect_named
+from rigctl.known_effects import ALL_EFFECTS, effect_named
 from rigctl.service.campaign_models import EffectName
 from rigctl.service.problems import documented
 

@@ -9,11 +9,10 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Query
 from starlette.responses import Response
 
-from analysis.model.design.document import NONE
-from rigctl.campaigns import measured_files
 from rigctl.daemon import Daemon
 from rigctl.jobs import Job, JobState, Task, Work, in_process
-from rigctl.modelling import effect_named, request
+from rigctl.known_effects import effect_named
+from rigctl.measured import measured_files, request
 from rigctl.service.accepted import accepted, accepts
 from rigctl.service.bodies import StrictRoute
 from rigctl.service.campaign_models import (
@@ -77,6 +76,9 @@ def model_routes(daemon: Daemon) -> APIRouter:
     @router.post("/next", status_code=202, responses=accepts() | documented(*_POST))
     def next_shots(campaign: CampaignName, order: NextOrder) -> Response:
         """Choose the next shots: they tell two effects apart, or sharpen a parameter."""
+        # The daemon starts without the model.
+        from analysis.model.design.document import NONE  # noqa: PLC0415
+
         asked = order.asked()
         for name in set(asked["between"] or ()) - {NONE}:
             effect_named(name)

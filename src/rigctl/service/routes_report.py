@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 from typing import Any
 
 from fastapi import APIRouter
 from starlette.responses import Response
 
-from rigctl.campaigns import measured_files
 from rigctl.daemon import Daemon
-from rigctl.jobs import JobState, in_process
+from rigctl.jobs import Job, JobState, in_process
+from rigctl.measured import MOST_SHOTS, measured_files
 from rigctl.service.accepted import accepted, accepts
 from rigctl.service.models import CampaignName
 from rigctl.service.problems import documented
 
 FUNCTION = "rigctl.reports.campaign:report_job"
-MOST_SHOTS = 1_000_000
 ALONE = {
     "Content-Security-Policy": "default-src 'none'; style-src 'unsafe-inline'; img-src data:",
     "X-Content-Type-Options": "nosniff",
@@ -29,6 +29,22 @@ _PAGE: dict[int | str, dict[str, Any]] = {
         "content": {"text/html": {"schema": {"type": "string"}}},
     }
 }
+
+
+def report_of(daemon: Daemon, campaign: str) -> Job:
+    """Return the job that reports a campaign as its shots stand now; its result has `html`.
+
+    Raises
+    ------
+    NotFoundError
+        There is no such campaign, or none of its shots is measured and counts.
+    JobsFullError
+        Too many jobs wait.
+    """
+    measured_files(daemon.store, campaign)
+    asked = {"store": str(daemon.store.path), "campaign": campaign}
+    named = ("report", campaign, _as_they_are(daemon, campaign))
+    return daemon.jobs.submit("report", campaign, in_process(FUNCTION, asked), named)
 
 
 def report_routes(daemon: Daemon) -> APIRouter:
@@ -45,13 +61,17 @@ def report_routes(daemon: Daemon) -> APIRouter:
 
         202 with a job while nobody made it; asked again when that is done, the page.
         """
-        measured_files(daemon.store, campaign)
-        shots = daemon.store.shots(campaign=campaign, limit=MOST_SHOTS)
-        asked = {"store": str(daemon.store.path), "campaign": campaign}
-        named = ("report", campaign, *map(repr, shots))
-        job = daemon.jobs.submit("report", campaign, in_process(FUNCTION, asked), named)
+        job = report_of(daemon, campaign)
         if job.state is not JobState.DONE or job.result is None:
             return accepted(job)
         return Response(json.loads(job.result)["html"], media_type="text/html", headers=ALONE)
 
     return router
+
+
+def _as_they_are(daemon: Daemon, campaign: str) -> str:
+    """Return a digest of all that the catalogue says of a campaign's shots."""
+    digest = hashlib.sha256()
+    for shot in daemon.store.shots(campaign=campaign, limit=MOST_SHOTS):
+        digest.update(repr(shot).encode())
+    return digest.hexdigest()

@@ -170,6 +170,14 @@ class Catalogue:
         with self._database.reading() as connection:
             return int(connection.execute(select(func.count()).select_from(shots)).scalar_one())
 
+    def latest(self, limit: int, campaign: str | None = None) -> list[ShotRecord]:
+        """Return up to `limit` shots, of one campaign or of all, the latest first."""
+        query = select(shots).order_by(shots.c.number.desc()).limit(limit)
+        if campaign is not None:
+            query = query.where(shots.c.campaign == campaign)
+        with self._database.reading() as connection:
+            return records(connection, query)
+
     def last(self) -> ShotRecord | None:
         """Return the shot accepted last, or None."""
         query = select(shots).order_by(shots.c.number.desc()).limit(1)

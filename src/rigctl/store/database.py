@@ -1,45 +1,37 @@
-"""The SQLite file: durable settings, one writer at a time, and errors in words."""
+"""The catalogue's transactions: one writer at a time, and errors in words."""
 
 from __future__ import annotations
 
-import os
 import sqlite3
 import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
-from sqlalchemy import URL, Connection, Engine, create_engine, event
+from sqlalchemy import Connection, insert, update
 from sqlalchemy.exc import SQLAlchemyError
 
 from rigctl.errors import StoreError
 from rigctl.store import schema
+from rigctl.store.sqlite import Sqlite
 
-_TODO = {
-    "locked": "end the program that holds the file, then arm again",
-    "full": "free disk space, then arm again",
-    "readonly": "give the daemon write access to the file and its folder",
-    "unable to open": "give the daemon write access to the folder",
-    "malformed": "restore the file from a backup; the shot folders are whole without it",
-    "not a database": "name another store folder, or restore the file from a backup",
-}
+if TYPE_CHECKING:
+    from rigctl.store.postgresql import Postgresql
 
 WRITER_WAIT_S = 20.0
 
-_DURABLE = ("journal_mode = WAL", "synchronous = FULL", "foreign_keys = ON")
-
 
 class Database:
-    """One SQLite file in write-ahead mode, every commit forced to disk (synchronous FULL).
-
-    Write-ahead logging does not work on network file systems: keep the store on a local disk.
+    """A SQLite file, or a schema of a PostgreSQL server; every commit is forced to disk.
 
     Parameters
     ----------
     path
         The file.
+    address
+        URL of a PostgreSQL database, in the place of the file.
     busy_timeout_s
         Longest wait for another program's lock, s.
     writable
@@ -50,7 +42,9 @@ class Database:
     Raises
     ------
     StoreError
-        The file cannot be opened, or another version of this program wrote it.
+        The catalogue cannot be opened, or another version of this program wrote it.
+    ConfigurationError
+        The address cannot be used.
     """
 
     def __init__(
@@ -58,12 +52,13 @@ class Database:
         path: Path,
         busy_timeout_s: float = 5.0,
         *,
+        address: str | None = None,
         writable: bool = True,
         migrate: bool = True,
     ) -> None:
-        self.name = str(path)
         self._writer = threading.Lock()
-        self._engine = _engine(path, busy_timeout_s, writable=writable)
+        self._server = _server(path, address, busy_timeout_s, writable=writable)
+        self.name, self._engine = self._server.name, self._server.engine
         try:
             if writable and migrate:
                 self._create_or_refuse()
@@ -119,33 +114,43 @@ class Database:
 
     def check(self) -> None:
         """Commit one row to prove that commits come through; raise `StoreError` if they do not."""
+        values = {"id": 1, "monotonic_s": time.monotonic()}
         with self.writing() as connection:
-            connection.exec_driver_sql(
-                "INSERT OR REPLACE INTO probe (id, monotonic_s) VALUES (1, ?)", (time.monotonic(),)
-            )
+            if connection.execute(update(schema.probe).values(values)).rowcount == 0:
+                connection.execute(insert(schema.probe).values(values))
 
     def copy_to(self, path: Path) -> None:
-        """Copy the catalogue as it is at one moment into a file that is not there.
+        """Copy the catalogue as it is at one moment into a SQLite file that is not there.
 
-        Nobody waits for it: in write-ahead mode a reader holds up no writer.
+        Nobody who writes waits for it.
 
         Raises
         ------
         StoreError
             The catalogue cannot be read, or the copy not be written.
         """
-        with self._in_words(), self._engine.connect() as connection:
-            source: Any = connection.connection.driver_connection
-            target = sqlite3.connect(path)
-            try:
-                source.backup(target)
-            finally:
-                target.close()
-        with path.open("rb") as file:
-            os.fsync(file.fileno())
+        with self._in_words():
+            self._server.copy_to(path)
+
+    def own(self) -> bool:
+        """Keep other processes from owning the catalogue until `close`; say whether it was free.
+
+        Raises
+        ------
+        StoreError
+            The catalogue cannot be asked.
+        """
+        with self._in_words():
+            return self._server.own()
+
+    def disown(self) -> None:
+        """Let another process own the catalogue. Safe to call twice."""
+        with self._in_words():
+            self._server.disown()
 
     def close(self) -> None:
-        """Close every connection. Safe to call twice."""
+        """Give up the catalogue and close every connection. Safe to call twice."""
+        self._server.disown()
         self._engine.dispose()
 
     def _create_or_refuse(self) -> None:
@@ -158,7 +163,7 @@ class Database:
                 upgrade(connection, version, schema.SCHEMA_VERSION)
 
     def _version(self, connection: Connection) -> int:
-        version = int(connection.exec_driver_sql("PRAGMA user_version").scalar_one())
+        version = self._server.version(connection)
         if version > schema.SCHEMA_VERSION:
             raise StoreError(
                 "was written by a later version of this program",
@@ -184,27 +189,17 @@ class Database:
         try:
             yield
         except (SQLAlchemyError, sqlite3.Error) as error:
-            cause = str(getattr(error, "orig", None) or error)
-            todo = next((text for word, text in _TODO.items() if word in cause), None)
-            raise StoreError(cause, part=self.name, todo=todo) from error
+            cause = str(getattr(error, "orig", None) or error).strip()
+            todo = next((text for word, text in self._server.todo.items() if word in cause), None)
+            raise StoreError(cause.partition("\n")[0], part=self.name, todo=todo) from error
 
 
-def _engine(path: Path, busy_timeout_s: float, *, writable: bool) -> Engine:
-    address = URL.create("sqlite", database=str(path))
-    if not writable:
-        address = address.set(database=path.as_uri(), query={"mode": "ro", "uri": "true"})
-    engine = create_engine(address, connect_args={"timeout": busy_timeout_s})
+def _server(
+    path: Path, address: str | None, busy_timeout_s: float, *, writable: bool
+) -> Sqlite | Postgresql:
+    if address is None:
+        return Sqlite(path, busy_timeout_s, writable=writable)
+    # Few installations have a server.
+    from rigctl.store.postgresql import Postgresql  # noqa: PLC0415
 
-    @event.listens_for(engine, "connect")
-    def _configure(connection: Any, _record: object) -> None:  # noqa: ANN401
-        # The driver would begin a transaction only at the first change, too late for a claim.
-        connection.isolation_level = None
-        for pragma in _DURABLE if writable else ():
-            connection.execute(f"PRAGMA {pragma}")
-
-    @event.listens_for(engine, "begin")
-    def _begin(connection: Connection) -> None:
-        reading = connection.get_execution_options().get("reading", False)
-        connection.exec_driver_sql("BEGIN" if reading else "BEGIN IMMEDIATE")
-
-    return engine
+    return Postgresql(address, busy_timeout_s, writable=writable)

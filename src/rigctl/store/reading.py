@@ -32,8 +32,13 @@ class StoreReader:
 
 
 @contextmanager
-def reading(folder: Path) -> Iterator[StoreReader]:
+def reading(folder: Path, database: str | None = None) -> Iterator[StoreReader]:
     """Open a store for reading, while a daemon runs on it or none does.
+
+    Parameters
+    ----------
+    database
+        URL of a PostgreSQL database with the catalogue; None: the SQLite file in the folder.
 
     Raises
     ------
@@ -44,23 +49,23 @@ def reading(folder: Path) -> Iterator[StoreReader]:
     """
     root = folder.absolute()
     catalogue = root / "catalogue.db"
-    if not catalogue.is_file():
+    if database is None and not catalogue.is_file():
         raise NotFoundError(
             "holds no catalogue of shots",
             part=str(folder),
             todo="name a campaign folder, or start in the folder the daemon was started in",
         )
-    database = Database(catalogue, writable=False)
+    opened = Database(catalogue, address=database, writable=False)
     try:
         yield StoreReader(
             root,
-            database,
-            Campaigns(database),
-            Catalogue(database),
+            opened,
+            Campaigns(opened),
+            Catalogue(opened),
             ShotFolders(root),
-            Imports(database, root),
-            Edits(database),
-            Journal(database),
+            Imports(opened, root),
+            Edits(opened),
+            Journal(opened),
         )
     finally:
-        database.close()
+        opened.close()

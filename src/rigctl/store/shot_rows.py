@@ -23,10 +23,10 @@ def records(connection: Connection, query: Select[Any]) -> list[ShotRecord]:
     tags: dict[int, list[str]] = {}
     if rows:
         numbers = [row.number for row in rows]
-        listed = select(shot_tags).where(shot_tags.c.shot.in_(numbers)).order_by(shot_tags.c.tag)
+        listed = select(shot_tags).where(shot_tags.c.shot.in_(numbers))
         for tagged in connection.execute(listed):
             tags.setdefault(tagged.shot, []).append(tagged.tag)
-    return [_record(row, tuple(tags.get(row.number, ()))) for row in rows]
+    return [_record(row, tuple(sorted(tags.get(row.number, ())))) for row in rows]
 
 
 def one(connection: Connection, shot: str) -> ShotRecord:

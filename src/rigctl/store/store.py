@@ -42,6 +42,8 @@ class Store:
     ----------
     folder
         Created if it is absent.
+    database
+        URL of a PostgreSQL database for the catalogue; None: a SQLite file in the folder.
     shared
         Own it no longer than opening takes, and not at all where another process does. The rig
         must not be recovered or run on it.
@@ -60,23 +62,30 @@ class Store:
         self,
         folder: Path,
         *,
+        database: str | None = None,
         shared: bool = False,
         busy_timeout_s: float = 5.0,
         free_bytes: Callable[[Path], int] = _free_bytes,
     ) -> None:
-        self.path = folder.absolute()
+        self.path, self.address = folder.absolute(), database
         self.listeners: Listeners[ShotRecord] = Listeners()
         self._free_bytes = free_bytes
         self._owned = _own(self.path, shared=shared)
         try:
             self._database = Database(
-                self.path / "catalogue.db", busy_timeout_s, migrate=self._owned >= 0
+                self.path / "catalogue.db",
+                busy_timeout_s,
+                address=database,
+                migrate=self._owned >= 0,
             )
         except BaseException:
             self._disown()
             raise
         if shared:
             self._disown()
+        elif not self._database.own():
+            self.close()
+            raise _owned_elsewhere(self._database.name)
         self.catalogue = Catalogue(self._database)
         self.journal = Journal(self._database)
         self.campaigns = Campaigns(self._database)
@@ -206,13 +215,17 @@ def _own(folder: Path, *, shared: bool) -> int:
 
 def _refused(folder: Path, error: OSError) -> StoreError:
     if error.errno == errno.EWOULDBLOCK:
-        return StoreError(
-            "another process owns the store",
-            part=str(folder),
-            todo="end the other daemon, or name another store folder",
-        )
+        return _owned_elsewhere(str(folder))
     return StoreError(
         f"cannot be written: {error.strerror or error}",
         part=str(folder),
         todo="free disk space or correct the folder's rights, then arm again",
+    )
+
+
+def _owned_elsewhere(part: str) -> StoreError:
+    return StoreError(
+        "another process owns the store",
+        part=part,
+        todo="end the other daemon, or name another store folder",
     )

@@ -146,7 +146,9 @@ class SweepRunner:
         return self._told(sweep)
 
     def abort(self, sweep: str, actor: str) -> SweepStatus:
-        """Give a sweep up; a shot under way still ends, and nothing stays armed.
+        """Give a sweep up; a shot under way still ends, and the pressure is taken away.
+
+        Where somebody else arms or uses the rig meanwhile, it is left to them.
 
         Raises
         ------
@@ -156,6 +158,8 @@ class SweepRunner:
             It is not on disk.
         """
         reason = f"aborted by {actor}"
+        if self.status(sweep).record.state is SweepState.PAUSED:
+            reason = self._rested(reason)
         with self._lock:
             if not self._order(sweep, Order(Wish.ABORT, reason)):
                 present = self.status(sweep).record.state
@@ -265,6 +269,8 @@ class SweepRunner:
         except Exception as error:  # noqa: BLE001 - the sweep must be seen to have stopped
             _log.exception("sweep %s", run.sweep)
             ending = Ending(SweepState.PAUSED, f"an error in the program: {error!r}")
+        if ending.state is SweepState.ABORTED:
+            ending = replace(ending, reason=self._rested(ending.reason))
         with self._lock:
             self._run = None
             try:
@@ -275,6 +281,11 @@ class SweepRunner:
                 why = f"{ending.reason} (not on disk: {error})"
                 self._unstored[run.sweep] = Ending(SweepState.PAUSED, why)
         self._tell(run.sweep)
+
+    def _rested(self, reason: str) -> str:
+        """Bring the rig to rest; return the reason with what became of its devices."""
+        done = self._rig.rest()
+        return f"{reason}; {done}" if done else reason
 
     def _tell(self, sweep: str) -> None:
         try:

@@ -12,7 +12,9 @@ import pytest
 from analysis.model.gather import gather, gather_poses
 from rigctl.campaigns import campaign_poses
 from rigctl.errors import AnalysisInputError
-from rigctl.exchange import export_campaign, import_campaign, read_contents
+from rigctl.exchange import export_campaign
+from rigctl.exchange.contents import read_contents
+from rigctl.exchange.importing import import_campaign
 from rigctl.store import Store
 from tests.unit.campaigns.test_campaign_poses import assert_same
 

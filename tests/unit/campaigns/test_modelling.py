@@ -10,9 +10,10 @@ import pytest
 from analysis.effects.catalogue import CATALOGUE
 from analysis.model.gather import gather
 from analysis.model.judged import judged
-from rigctl.campaigns import measured_files
 from rigctl.errors import NotFoundError
-from rigctl.modelling import effect_named, fit_job, ranking_job, request
+from rigctl.known_effects import effect_named
+from rigctl.measured import measured_files, request
+from rigctl.modelling import fit_job, ranking_job
 from rigctl.store import Store
 
 Keep = Callable[..., list[str]]

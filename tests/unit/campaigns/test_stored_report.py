@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import hashlib
+import re
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
+from rigctl.cli import run
 from rigctl.reports.campaign import measured_results, report_job
 from rigctl.reports.page import page
 from rigctl.reports.source import stored_source
@@ -75,3 +77,16 @@ def test_the_daemons_job_writes_what_the_command_writes(
     assert document == {"campaign": "nylon", "html": page(source, measured_results(source))}
     assert said == ["reading the poses", "fitting", "drawing"]
     assert '<span class="simulated">simulated</span>' in document["html"]
+
+
+def test_an_imported_campaign_of_poses_alone_is_reported(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert run(["import", str(folder), "--name", "theirs"]) == 0
+    assert run(["report", "theirs", "--out", "theirs.html"]) == 0
+    assert run(["report", str(folder), "--out", "ours.html"]) == 0
+    theirs, ours = (Path(f"{name}.html").read_text(encoding="utf-8") for name in ("theirs", "ours"))
+    numbers = re.compile(r'<div class="key">.*?</table>', re.DOTALL)
+    assert numbers.findall(theirs) == numbers.findall(ours) != []
+    assert "frames.npy" not in theirs

@@ -11,8 +11,9 @@ import pytest
 
 import rigctl.streamed_campaigns as streamed
 from analysis.model.poses import PoseData
-from rigctl.campaigns import MeasuredFiles, campaign_poses, measured_files
+from rigctl.campaigns import campaign_poses
 from rigctl.errors import AnalysisInputError, NotFoundError, StoreError
+from rigctl.measured import MeasuredFiles, measured_files
 from rigctl.store import Store
 from rigctl.streamed_campaigns import open_stream, stream_from, temporary_room
 

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 import tifffile
 
-from rigctl.exchange import import_campaign, read_contents
-from rigctl.exchange.importing import Imported
+from rigctl.exchange.contents import read_contents
+from rigctl.exchange.importing import Imported, import_campaign
 from rigctl.store import Store
 
 DESCRIPTION = """# made by hand

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from rigctl.errors import AnalysisInputError, RefusedError, RigError, SettingsError, StoreError
-from rigctl.exchange import Imported
+from rigctl.exchange.importing import Imported
 from rigctl.settings import ShotSettings
 from rigctl.store import NewShot, Store
 from rigctl.store.imports import Imports

@@ -11,7 +11,8 @@ import pytest
 
 from analysis.exchange.shot_list import read_shot_list
 from rigctl.errors import NotFoundError, SettingsError, StoreError
-from rigctl.exchange import Imported, export_campaign
+from rigctl.exchange import export_campaign
+from rigctl.exchange.importing import Imported
 from rigctl.store import Fired, ShotState, Store, reading
 from tests.unit.exchange.conftest import frames, silent
 

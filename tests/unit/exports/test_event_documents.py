@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -15,7 +16,7 @@ from analysis.results.impacts import LeftOut
 from rigctl.cli import run
 from rigctl.errors import AnalysisInputError, StoreError
 from rigctl.exports.event_documents import campaign_documents, write_documents
-from rigctl.reports.source import Source
+from rigctl.reports.source import Source, folder_source
 
 Json = dict[str, Any]
 
@@ -105,6 +106,18 @@ def test_a_file_that_is_there_is_kept(tmp_path: Path, source: Source, found: Res
     with pytest.raises(StoreError, match="is there already"):
         write_documents(path, source, found)
     assert path.read_text() == "old"
+
+
+def test_a_time_without_a_zone_is_utc(folder: Path, tmp_path: Path) -> None:
+    place = tmp_path / "nylon"
+    place.mkdir()
+    for file in folder.glob("*.*"):
+        (place / file.name).write_bytes(file.read_bytes())
+    text = (place / "shots.csv").read_text()
+    naive = re.sub(r"(T\d\d:\d\d:\d\d[.\d]*)(Z|\+00:00)", r"\1", text)
+    assert naive != text
+    (place / "shots.csv").write_text(naive)
+    assert folder_source(place).fired == folder_source(folder).fired
 
 
 def test_a_shot_without_a_time_is_refused_by_number(source: Source, found: Results) -> None:

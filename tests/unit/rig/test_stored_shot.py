@@ -37,7 +37,8 @@ class Analysis:
         self.shown = 0.5
         self.refuses = False
 
-    def __call__(self, *arguments: Any) -> MeasuredShot | RefusedShot:
+    def __call__(self, *arguments: Any, extend: bool) -> MeasuredShot | RefusedShot:
+        assert extend
         known = arguments[4]
         self.known.append(None if known is None else known.spheres[0].darkness)
         if self.refuses:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import sqlite3
 import threading
 from collections.abc import Callable
 from datetime import UTC, datetime
@@ -13,7 +12,7 @@ from typing import Never
 import pytest
 
 from rigctl.errors import KeyReusedError, KeyRunningError, NotFoundError, StoreError
-from rigctl.store import Change, Fired, NewShot, ShotRecord, ShotState, Store
+from rigctl.store import Change, Fired, NewShot, ShotRecord, ShotState, Store, reading
 
 WAYS = {
     ShotState.ACCEPTED: [],
@@ -62,11 +61,10 @@ def test_numbers_rise_through_restarts(
     store: Store,
     accepted: Callable[..., ShotRecord],
     new_shot: Callable[..., NewShot],
-    tmp_path: Path,
 ) -> None:
     first = accepted("one")
     store.close()
-    again = Store(tmp_path / "data")
+    again = Store(store.path, database=store.address)
     second, _ = again.accept("two", "body", new_shot)
     again.close()
     assert second.number == first.number + 1
@@ -194,6 +192,8 @@ def test_shots_are_listed_by_campaign_and_state_page_by_page(
     assert [s.id for s in store.shots(state=ShotState.ABORTED)] == [names[2]]
     assert [s.id for s in store.shots(limit=2)] == names[:2]
     assert [s.id for s in store.shots(limit=2, after=names[1])] == names[2:4]
+    assert [s.id for s in store.catalogue.latest(2)] == names[:3:-1]
+    assert [s.id for s in store.catalogue.latest(2, "a")] == [names[4], names[2]]
 
 
 @pytest.mark.parametrize("name", ["20260131-000009", "x", "", "../../etc"])
@@ -207,14 +207,13 @@ def test_a_shot_that_is_not_there_is_not_found(store: Store, name: str) -> None:
 
 
 def test_listeners_hear_of_each_step_after_it_is_on_disk(
-    store: Store, accepted: Callable[..., ShotRecord], tmp_path: Path
+    store: Store, accepted: Callable[..., ShotRecord]
 ) -> None:
     heard = []
 
     def listen(record: ShotRecord) -> None:
-        with sqlite3.connect(tmp_path / "data" / "catalogue.db") as file:
-            on_disk = file.execute("SELECT state FROM shots").fetchone()[0]
-        file.close()
+        with reading(store.path, store.address) as other:
+            on_disk = str(other.catalogue.shot(record.id).state)
         heard.append((str(record.state), on_disk))
 
     remove = store.listeners.add(listen)

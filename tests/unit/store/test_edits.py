@@ -9,6 +9,7 @@ import pytest
 
 from rigctl.errors import NotFoundError, SettingsError, StoreError
 from rigctl.store import ShotRecord, ShotState, Store
+from tests.unit.store.conftest import perform, sqlite_alone, without_guard
 
 Accepted = Callable[..., ShotRecord]
 
@@ -116,13 +117,11 @@ def test_the_audit_of_changes_cannot_be_altered_unseen(store: Store, accepted: A
     store.exclude(shot, "why", "anna")
     store.include(shot, "anna")
     assert store.edits.verify() == 2
-    file = sqlite3.connect(store.path / "catalogue.db")
-    with pytest.raises(sqlite3.IntegrityError, match="append-only"):
-        file.execute("UPDATE edits SET actor = 'ben'")
-    file.execute("DROP TRIGGER edits_no_update")
-    file.execute("UPDATE edits SET actor = 'ben' WHERE number = 2")
-    file.commit()
-    file.close()
+    alter = "UPDATE edits SET actor = 'ben' WHERE number = 2"
+    with pytest.raises(StoreError, match="append-only"):
+        perform(store, alter)
+    without_guard(store, "edits")
+    perform(store, alter)
     with pytest.raises(StoreError, match=r"altered.*edit 2"):
         store.edits.verify()
 
@@ -131,7 +130,7 @@ def test_a_store_that_another_process_owns_can_be_edited_beside_it(
     store: Store, accepted: Accepted
 ) -> None:
     shot = accepted().id
-    beside = Store(store.path, shared=True)
+    beside = Store(store.path, database=store.address, shared=True)
     beside.exclude(shot, "why", "anna")
     beside.close()
     assert store.shot(shot).excluded == "why"
@@ -139,14 +138,15 @@ def test_a_store_that_another_process_owns_can_be_edited_beside_it(
 
 def test_whoever_edits_does_not_keep_the_daemon_out(store: Store) -> None:
     store.close()
-    beside = Store(store.path, shared=True)
-    Store(store.path).close()
+    beside = Store(store.path, database=store.address, shared=True)
+    Store(store.path, database=store.address).close()
     beside.close()
 
 
+@sqlite_alone
 def test_a_catalogue_of_an_earlier_form_is_not_changed_under_its_owner(store: Store) -> None:
     file = sqlite3.connect(store.path / "catalogue.db")
     file.execute("PRAGMA user_version = 1")
     file.close()
     with pytest.raises(StoreError, match=r"earlier version.*schema 1.*rigctl serve"):
-        Store(store.path, shared=True)
+        Store(store.path, database=store.address, shared=True)

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-import sqlite3
 from datetime import UTC, datetime
-from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -14,6 +12,7 @@ from hypothesis import strategies as st
 
 from rigctl.errors import StoreError
 from rigctl.store import Store
+from tests.unit.store.conftest import perform, without_guard
 
 AT = datetime(2026, 1, 31, 12, 0, tzinfo=UTC)
 
@@ -21,14 +20,6 @@ AT = datetime(2026, 1, 31, 12, 0, tzinfo=UTC)
 def written(store: Store, entries: int = 4) -> None:
     for n in range(entries):
         store.journal.append(at=AT, before="idle", after="estop", actor="anna", reason=f"no. {n}")
-
-
-def tampered(folder: Path, statement: str) -> None:
-    with sqlite3.connect(folder / "catalogue.db") as file:
-        for name in ("update", "delete"):
-            file.execute(f"DROP TRIGGER transitions_no_{name}")
-        file.execute(statement)
-    file.close()
 
 
 def test_entries_come_back_in_order_with_what_was_given(store: Store) -> None:
@@ -52,14 +43,11 @@ def test_the_digest_is_that_of_the_entry_before_and_of_all_fields(store: Store) 
 
 
 @pytest.mark.parametrize("act", ["UPDATE transitions SET actor = 'x'", "DELETE FROM transitions"])
-def test_the_database_itself_refuses_to_change_an_entry(
-    store: Store, tmp_path: Path, act: str
-) -> None:
+def test_the_database_itself_refuses_to_change_an_entry(store: Store, act: str) -> None:
     written(store)
-    file = sqlite3.connect(tmp_path / "data" / "catalogue.db")
-    with pytest.raises(sqlite3.IntegrityError, match="append-only"):
-        file.execute(act)
-    file.close()
+    with pytest.raises(StoreError, match="append-only"):
+        perform(store, act)
+    assert store.journal.verify() == 4
 
 
 @pytest.mark.parametrize(
@@ -73,18 +61,19 @@ def test_the_database_itself_refuses_to_change_an_entry(
     ],
 )
 def test_an_alteration_behind_the_programs_back_breaks_the_chain(
-    store: Store, tmp_path: Path, statement: str
+    store: Store, statement: str
 ) -> None:
     written(store)
-    tampered(tmp_path / "data", statement)
+    without_guard(store, "transitions")
+    perform(store, statement)
     with pytest.raises(StoreError, match="altered"):
         store.journal.verify()
 
 
-def test_the_chain_goes_on_after_a_restart(store: Store, tmp_path: Path) -> None:
+def test_the_chain_goes_on_after_a_restart(store: Store) -> None:
     written(store)
     store.close()
-    again = Store(tmp_path / "data")
+    again = Store(store.path, database=store.address)
     written(again)
     assert again.journal.verify() == 8
     again.close()

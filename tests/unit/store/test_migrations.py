@@ -61,7 +61,7 @@ def tables(path: Path) -> set[str]:
 def test_the_migrations_lead_to_the_tables_that_the_program_declares(store: Store) -> None:
     with store._database.reading() as connection:
         assert compare_metadata(MigrationContext.configure(connection), metadata) == []
-        assert connection.exec_driver_sql("PRAGMA user_version").scalar_one() == SCHEMA_VERSION
+        assert store._database._version(connection) == SCHEMA_VERSION
 
 
 def test_a_catalogue_of_the_first_form_keeps_its_shots_and_keys(

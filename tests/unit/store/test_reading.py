@@ -11,24 +11,25 @@ from sqlalchemy import text
 from rigctl.errors import NotFoundError, StoreError
 from rigctl.store import ShotRecord, Store, reading
 from rigctl.store.database import Database
+from tests.unit.store.conftest import sqlite_alone
 
 
 def test_what_its_owner_writes_is_seen_while_it_runs_and_after_it(
     store: Store, accepted: Callable[..., ShotRecord]
 ) -> None:
     accepted()
-    with reading(store.path) as reader:
+    with reading(store.path, store.address) as reader:
         assert reader.campaigns.one("nylon").shots == 1
         accepted("another")
         assert reader.campaigns.one("nylon").shots == 2
     store.close()
-    with reading(store.path) as reader:
+    with reading(store.path, store.address) as reader:
         assert reader.campaigns.one("nylon").shots == 2
 
 
 def test_a_reader_cannot_write(store: Store) -> None:
-    database = Database(store.path / "catalogue.db", writable=False)
-    with pytest.raises(StoreError, match="readonly"):
+    database = Database(store.path / "catalogue.db", address=store.address, writable=False)
+    with pytest.raises(StoreError, match=r"read-?only"):
         database.check()
     database.close()
 
@@ -49,6 +50,7 @@ def test_a_folder_without_a_store_is_left_as_it_is(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
+@sqlite_alone
 def test_a_store_of_a_later_version_is_refused(store: Store) -> None:
     with Database(store.path / "catalogue.db").writing() as connection:
         connection.execute(text("PRAGMA user_version = 99"))

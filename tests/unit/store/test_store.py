@@ -11,6 +11,7 @@ import pytest
 from rigctl.errors import StoreError
 from rigctl.store import NewShot, ShotRecord, ShotState, Store
 from rigctl.store.schema import metadata
+from tests.unit.store.conftest import sqlite_alone
 
 
 def pragma(folder: Path, name: str) -> object:
@@ -21,13 +22,14 @@ def pragma(folder: Path, name: str) -> object:
         file.close()
 
 
-def test_a_second_owner_is_refused_until_the_first_has_closed(store: Store, tmp_path: Path) -> None:
+def test_a_second_owner_is_refused_until_the_first_has_closed(store: Store) -> None:
     with pytest.raises(StoreError, match="another process owns the store"):
-        Store(tmp_path / "data")
+        Store(store.path, database=store.address)
     store.close()
-    Store(tmp_path / "data").close()
+    Store(store.path, database=store.address).close()
 
 
+@sqlite_alone
 def test_the_catalogue_is_written_ahead_and_its_tables_are_strict(
     store: Store, tmp_path: Path
 ) -> None:
@@ -41,12 +43,14 @@ def test_the_catalogue_is_written_ahead_and_its_tables_are_strict(
     assert set(ours.values()) == {1}
 
 
+@sqlite_alone
 def test_every_commit_is_forced_to_disk_and_keys_refer_to_shots(store: Store) -> None:
     with store._database.writing() as connection:
         assert connection.exec_driver_sql("PRAGMA synchronous").scalar_one() == 2
         assert connection.exec_driver_sql("PRAGMA foreign_keys").scalar_one() == 1
 
 
+@sqlite_alone
 def test_a_catalogue_of_a_later_version_is_refused_with_both_versions(
     store: Store, tmp_path: Path
 ) -> None:
@@ -72,6 +76,7 @@ def test_a_folder_that_is_a_file_is_refused(tmp_path: Path) -> None:
         Store(tmp_path / "data")
 
 
+@sqlite_alone
 def test_a_locked_catalogue_is_an_error_in_bounded_time(
     store: Store, accepted: Callable[..., ShotRecord], tmp_path: Path
 ) -> None:
@@ -89,6 +94,7 @@ def test_a_locked_catalogue_is_an_error_in_bounded_time(
     assert store.move(shot.id, ShotState.FIRING).state is ShotState.FIRING
 
 
+@sqlite_alone
 def test_a_full_catalogue_is_an_error_that_says_what_to_free(
     store: Store, new_shot: Callable[..., NewShot]
 ) -> None:

@@ -12,6 +12,7 @@ import pytest
 from rigctl.errors import KeyReusedError, NotFoundError, StoreError
 from rigctl.settings import ShotSettings
 from rigctl.store import NewSweep, ShotRecord, StepState, Store, SweepRecord, SweepState
+from tests.unit.store.conftest import sqlite_alone
 
 NOW = datetime(2026, 1, 31, 12, 0, tzinfo=UTC)
 
@@ -90,7 +91,7 @@ def test_two_steps_never_share_a_shot(
     for step in (1, 2):
         store.sweeps.take(sweep.id, step, NOW)
     store.sweeps.end(sweep.id, 1, StepState.STORED, NOW, shot=shot.id)
-    with pytest.raises(StoreError, match="UNIQUE"):
+    with pytest.raises(StoreError, match=r"(?i)unique"):
         store.sweeps.end(sweep.id, 2, StepState.STORED, NOW, shot=shot.id)
 
 
@@ -135,6 +136,7 @@ def test_sweeps_are_listed_latest_first_page_by_page(store: Store) -> None:
         store.sweeps.sweep("20260131-s0009")
 
 
+@sqlite_alone
 def test_a_catalogue_that_another_program_locks_leaves_no_part_of_a_sweep(
     store: Store, tmp_path: Path
 ) -> None:
@@ -148,6 +150,7 @@ def test_a_catalogue_that_another_program_locks_leaves_no_part_of_a_sweep(
     assert store.sweeps.accept("key", "body", new_sweep)[0].steps == 3
 
 
+@sqlite_alone
 def test_a_sweep_that_does_not_fit_on_the_disk_leaves_no_part_of_itself(store: Store) -> None:
     with store._database.reading() as connection:
         pages = connection.exec_driver_sql("PRAGMA page_count").scalar_one()

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import sqlite3
 import threading
 from collections.abc import Callable
 from pathlib import Path
@@ -17,6 +16,7 @@ from rigctl.errors import NotFoundError, StoreError
 from rigctl.store import Change, NewShot, ShotState, Store, reading
 from rigctl.store.backup import Backup, back_up
 from rigctl.store.verifying import Verified, verify_store
+from tests.unit.store.conftest import perform, without_guard
 
 Fire = Callable[..., str]
 
@@ -44,13 +44,13 @@ def fire(store: Store, new_shot: Callable[..., NewShot], frames: FrameSequence) 
 
 
 def verified(store: Store, campaign: str | None = None) -> Verified:
-    with reading(store.path) as reader:
+    with reading(store.path, store.address) as reader:
         return verify_store(reader, silent, campaign)
 
 
 def copied(store: Store, target: Path) -> Backup:
     target.mkdir()
-    with reading(store.path) as reader:
+    with reading(store.path, store.address) as reader:
         return back_up(reader, target, silent)
 
 
@@ -114,11 +114,8 @@ def test_a_folder_that_belongs_to_nothing_is_named(store: Store, fire: Fire) -> 
 
 def test_an_altered_audit_is_named(store: Store, fire: Fire) -> None:
     store.exclude(fire(), "why", "anna")
-    file = sqlite3.connect(store.path / "catalogue.db")
-    file.execute("DROP TRIGGER edits_no_update")
-    file.execute("UPDATE edits SET after = 'other'")
-    file.commit()
-    file.close()
+    without_guard(store, "edits")
+    perform(store, "UPDATE edits SET after = 'other'")
     (fault,) = verified(store).faults
     assert "altered (found edit 1)" in fault.what
 

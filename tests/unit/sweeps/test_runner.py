@@ -25,6 +25,8 @@ from rigctl.sweeps.orders import Wish
 from rigctl.sweeps.plan import Plan, Rules, Until
 from rigctl.sweeps.runner import SweepRunner
 
+RESTED = "aborted by berta; slide (stand-in): stopped; regulator (stand-in): set to 0 kPa"
+
 
 def test_every_step_is_fired_once_in_its_order(bench: Bench) -> None:
     done = bench.run(plan([3.0, 1.0, 2.0]))
@@ -118,7 +120,7 @@ def test_an_abort_ends_the_shot_under_way_skips_the_rest_and_leaves_nothing_arme
 ) -> None:
     bench.at_fire(1, lambda: bench.runner.abort("20260131-s0001", "berta"))
     status = bench.run()
-    assert (status.record.state, status.record.reason) == (SweepState.ABORTED, "aborted by berta")
+    assert (status.record.state, status.record.reason) == (SweepState.ABORTED, RESTED)
     assert bench.states(status.record.id) == ["stored", "skipped", "skipped"]
     assert (bench.lab.state, bench.lab.trigger.armed) == ("idle", None)
     again = bench.runner.abort(status.record.id, "berta")
@@ -130,8 +132,19 @@ def test_an_abort_ends_the_shot_under_way_skips_the_rest_and_leaves_nothing_arme
 def test_a_paused_sweep_can_be_aborted(bench: Bench) -> None:
     bench.at_fire(1, lambda: bench.runner.pause("20260131-s0001", "anna"))
     status = bench.run()
+    assert "regulator.vent" not in bench.lab.regulator.log
     ended = bench.runner.abort(status.record.id, "berta")
+    assert ended.record.reason == RESTED
     assert ended.record.counts == {StepState.STORED: 1, StepState.SKIPPED: 2}
+
+
+def test_an_abort_leaves_the_rig_to_whoever_has_armed_it(bench: Bench) -> None:
+    bench.at_fire(1, lambda: bench.runner.pause("20260131-s0001", "anna"))
+    status = bench.run()
+    bench.lab.arm()
+    ended = bench.runner.abort(status.record.id, "berta")
+    assert (ended.record.reason, bench.lab.state) == ("aborted by berta", "armed")
+    assert "regulator.vent" not in bench.lab.regulator.log
 
 
 def test_a_second_sweep_is_refused_while_one_runs(bench: Bench) -> None:

@@ -22,7 +22,9 @@ def upgrade(connection: Connection, version: int, to: int) -> None:
     # A percent sign in a path would be read as an interpolation.
     config.set_main_option("script_location", str(Path(__file__).parent).replace("%", "%%"))
     config.attributes["connection"] = connection
-    if version == 1:
+    if version == 1 and connection.dialect.name == "sqlite":
         command.stamp(config, FIRST)
     command.upgrade(config, f"{to:04d}")
-    connection.exec_driver_sql(f"PRAGMA user_version = {to}")
+    if connection.dialect.name == "sqlite":
+        # Told without loading Alembic, at every start.
+        connection.exec_driver_sql(f"PRAGMA user_version = {to}")

@@ -125,6 +125,23 @@ def test_changed_spheres_are_learned_anew(second, known):
     assert kept is learned
 
 
+def test_a_shot_adds_the_markers_that_the_first_has_not_shown(second, known):
+    tracking, more = measure_poses(second.frames, second.times_s, SETUP, known, extend=True)
+    for i, sphere in enumerate(more.spheres):
+        before = known.spheres[i].markers
+        assert len(before) < len(sphere.markers) <= 16
+        moved = np.degrees(np.arccos((sphere.markers[: len(before)] * before).sum(axis=1)))
+        assert np.median(moved) < 1.0
+    whole, _ = measure_poses(second.frames, second.times_s, SETUP, known)
+    for better, plain in zip(tracking.orientations, whole.orientations, strict=True):
+        assert (
+            better.covariance.trace(axis1=1, axis2=2).mean()
+            < plain.covariance.trace(axis1=1, axis2=2).mean()
+        )
+    _, same = measure_poses(second.frames, second.times_s, SETUP, more, extend=True)
+    assert [len(s.markers) for s in same.spheres] == [len(s.markers) for s in more.spheres]
+
+
 def test_empty_frames_are_refused(known):
     empty = np.full((12, 192, 240), 33, dtype=np.uint8)
     with pytest.raises(ShotRefusedError, match="no frame shows"):

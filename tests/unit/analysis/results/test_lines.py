@@ -158,3 +158,19 @@ def test_many_shots_off_the_lines_are_physics_and_all_count() -> None:
     lines = fit_lines(found)
     assert lines.used.all()
     assert lines.scatter > 3
+
+
+def test_head_on_shots_tell_restitution_alone() -> None:
+    rng = np.random.default_rng(3)
+    found = impacts(rng, np.zeros(8))
+    found.velocities[:, [1, 3]] = 0.0
+    lines = fit_lines(found)
+    assert lines.fitted == ("e",)
+    assert lines.law.e == pytest.approx(0.74, abs=0.01)
+
+
+def test_a_head_on_shot_among_others_is_no_hindrance() -> None:
+    rng = np.random.default_rng(3)
+    found = impacts(rng, both_regimes(rng, 30))
+    found.velocities[0, [1, 3]] = 0.0
+    assert fit_lines(found).fitted == ("e", "mu", "beta0")

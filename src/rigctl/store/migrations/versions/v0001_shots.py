@@ -3,6 +3,8 @@
 import sqlalchemy as sa
 from alembic import op
 
+from rigctl.store.migrations.append_only import forbid_changes
+
 revision = "0001"
 down_revision = None
 
@@ -64,8 +66,4 @@ def upgrade() -> None:
         sa.Column("monotonic_s", sa.REAL, nullable=False),
         sqlite_strict=True,
     )
-    for act in ("UPDATE", "DELETE"):
-        op.execute(
-            f"CREATE TRIGGER transitions_no_{act.lower()} BEFORE {act} ON transitions "
-            "BEGIN SELECT RAISE(ABORT, 'transitions are append-only'); END"
-        )
+    forbid_changes("transitions")

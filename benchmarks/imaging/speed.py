@@ -1,0 +1,69 @@
+"""Speed on one core, warm: whole frames with two spheres in two views and all markers."""
+
+from __future__ import annotations
+
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from analysis.campaign import read_campaign
+from analysis.imaging.frame import EdgeSettings
+from analysis.imaging.stack import read_stack
+from analysis.photometric.film import fit_film
+from analysis.photometric.method import compiles_first, followed_film, teach
+from analysis.shot import AnalysisOptions, Method, analyse_shot
+from analysis.tracking import track_spheres
+from benchmarks.imaging.goals import Sheet
+from simulators.world import write_campaign
+
+FRAMES = 24
+
+
+def run(seed: int) -> None:
+    """Time learning, fitting and whole shots; each is the best of several runs."""
+    sheet = Sheet("speed")
+    with tempfile.TemporaryDirectory() as scratch:
+        write_campaign(Path(scratch), [60.0, 40.0], [5.0, 9.0], seed, frames=FRAMES)
+        jobs = read_campaign(Path(scratch)).jobs
+        first, second = (read_stack(job.frames).pixels for job in jobs)
+    setup, times_s = jobs[0].setup, np.arange(FRAMES) / jobs[0].setup.camera.frame_rate_hz
+    print(f"\nprocessor time, {'compiling' if compiles_first() else 'compiled before'}")
+    started = time.process_time()
+    known = teach([(first, times_s)], setup)
+    if known is None:
+        raise SystemExit("the rendered pair cannot be learned")
+    film = followed_film(second, times_s, known)
+    sheet.at_most("first use", time.process_time() - started, 15.0, "s")
+    start, whole = film.centre.copy(), int(film.placed.all(axis=0).sum())
+
+    def fit() -> None:
+        film.centre[:] = start + 0.1 / known.camera.optics.scales[0]
+        fit_film(film, known, np.array([6.0, 6.0]))
+
+    def shot(method: Method) -> float:
+        options = AnalysisOptions(method=method)
+        return 1e3 * best_of(15, lambda: analyse_shot(second, times_s, setup, options, known))
+
+    def track() -> None:
+        track_spheres(second, times_s, setup, EdgeSettings(), "pattern")
+
+    sheet.at_least("photometric, from predictions", whole / best_of(30, fit), 1000.0, "frames/s")
+    sheet.at_least("thesis, pixels to poses", FRAMES / best_of(15, track), 2000.0, "frames/s")
+    sheet.at_most(f"a shot of {FRAMES} frames, known pair", shot("photometric"), 60.0, "ms")
+    print(f"  the same by edges: {shot('thesis'):.0f} ms")
+    learning = 1e3 * best_of(5, lambda: teach([(first, times_s)], setup))
+    sheet.at_most("learning a pair", learning, 500.0, "ms")
+    sheet.write()
+
+
+def best_of(runs: int, task: Callable[[], object]) -> float:
+    """Return the shortest of several processor times, s; what else the machine does only adds."""
+    times = []
+    for _ in range(runs):
+        started = time.process_time()
+        task()
+        times.append(time.process_time() - started)
+    return min(times)

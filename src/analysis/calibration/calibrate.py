@@ -1,0 +1,139 @@
+"""From the frames of a campaign to its camera: each number with its error and its effect."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.calibration.estimate import Estimate
+from analysis.calibration.fall import Fall, falls_of, sideways
+from analysis.calibration.say import Said, listen, said
+from analysis.calibration.table import estimates_of
+from analysis.campaign import TEACHING_SHOTS, Campaign, ShotJob, read_job
+from analysis.errors import InputError, ShotRefusedError
+from analysis.photometric.appearance import Knowledge
+from analysis.photometric.method import Frames, followed_film, teach
+from analysis.photometric.result import tracking_of
+from analysis.photometric.sight import Equations
+from analysis.setup import Setup
+from analysis.shot import check_frames
+
+Floats = NDArray[np.float64]
+
+LEAST_SHOTS = 3
+"""From which the scatter between shots tells the errors."""
+ALONE = 3.0
+"""By how much the pixels' noise understates the errors of fewer shots."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Calibration:
+    """What a campaign says of its camera.
+
+    Attributes
+    ----------
+    estimates
+        In the order of a table.
+    used
+        Shots that had their say.
+    refused
+        The others, each with the reason.
+    """
+
+    estimates: tuple[Estimate, ...]
+    used: tuple[int, ...]
+    refused: dict[int, str]
+
+
+def calibrate(
+    campaign: Campaign, progress: Callable[[int, int], None] | None = None
+) -> Calibration:
+    """Estimate what the shots of a campaign tell of the camera that filmed them.
+
+    Each shot has its say by its pixels, everything else being free (`say`); errors are those of the
+    scatter between shots where that is larger than the noise.
+
+    Parameters
+    ----------
+    campaign
+        With frames, all shots under one set-up but for the exposure.
+    progress
+        Called with the number of shots done and of all shots.
+
+    Raises
+    ------
+    InputError
+        Shots under different set-ups, or none that can be used.
+    """
+    setup = _setup_of(campaign)
+    known = teach(list(_first_shots(campaign.jobs, setup)), setup)
+    heard: list[tuple[Equations, Equations]] = []
+    falls: list[Fall] = []
+    used: list[int] = []
+    refused: dict[int, str] = {}
+    for count, job in enumerate(campaign.jobs, start=1):
+        try:
+            frames, times_s = _frames(job, setup)
+            if known is None:
+                raise ShotRefusedError("assignment", "no spheres could be learned")
+            film = followed_film(frames, times_s, known)
+        except (InputError, ShotRefusedError) as refusal:
+            refused[job.shot] = str(refusal)
+            continue
+        heard.append(listen(film, known))
+        centres = tracking_of(film, known, times_s, setup.gravity_m_per_s2).centres
+        falls += falls_of(centres, times_s, setup.gravity_m_per_s2)
+        used.append(job.shot)
+        if progress is not None:
+            progress(count, len(campaign.jobs))
+    if known is None or not heard:
+        first = next(iter(refused.items()))
+        raise InputError(
+            campaign.name, f"no shot can be used for calibration; shot {first[0]}: {first[1]}"
+        )
+    plumb = sideways(falls, setup.gravity_m_per_s2)
+    stated = setup.camera.scale_px_per_m is not None
+    estimates = estimates_of(_with_scatter(heard, known), known, plumb, stated=stated)
+    return Calibration(estimates, tuple(used), refused)
+
+
+def _setup_of(campaign: Campaign) -> Setup:
+    setups = {
+        replace(job.setup, camera=replace(job.setup.camera, exposure_s=0.0))
+        for job in campaign.jobs
+    }
+    if len(setups) != 1:
+        raise InputError(
+            campaign.name,
+            f"shots under {len(setups)} different set-ups; a camera is calibrated from one",
+        )
+    return setups.pop()
+
+
+def _frames(job: ShotJob, setup: Setup) -> Frames:
+    pixels, times, _ = read_job(job)
+    check_frames(pixels, times, setup)
+    return pixels, times - times[0]
+
+
+def _first_shots(jobs: tuple[ShotJob, ...], setup: Setup) -> Iterator[Frames]:
+    for job in jobs[:TEACHING_SHOTS]:
+        with suppress(InputError, ShotRefusedError):
+            yield _frames(job, setup)
+
+
+def _with_scatter(heard: list[tuple[Equations, Equations]], known: Knowledge) -> Said:
+    """Return what all shots say, its errors not below those by leaving out one shot at a time."""
+    whole = said(heard, known)
+    if len(heard) < LEAST_SHOTS:
+        return Said(whole.change, whole.covariance * ALONE**2)
+    parts = np.stack([said(heard[:k] + heard[k + 1 :], known).change for k in range(len(heard))])
+    count = len(heard)
+    scatter = (count - 1) / count * ((parts - parts.mean(axis=0)) ** 2).sum(axis=0)
+    noise = np.diag(whole.covariance)
+    enlarged = np.sqrt(np.maximum(scatter / noise, 1.0))
+    return Said(whole.change, whole.covariance * np.outer(enlarged, enlarged))

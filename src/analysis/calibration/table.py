@@ -1,0 +1,200 @@
+"""The estimates of a calibration in words, with their units and effects."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.calibration.bending import DISTORTION, FAULTS, MIRROR, NEARNESS, ROLL
+from analysis.calibration.estimate import Estimate
+from analysis.calibration.say import Said
+from analysis.photometric.appearance import Knowledge
+
+Floats = NDArray[np.float64]
+
+SCALE_FLOOR, RATIO_FLOOR = 1e-3, 2e-4
+NEARNESS_FLOOR, NEARNESS_LEAST = 0.04, 0.02
+"""The nearness is good to this share of itself, and to the second, 1/m, at best."""
+PLUMB_FLOOR_RAD = 0.02
+"""Shadows of spheres that near each other bend their tracks alike in all shots."""
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """How a fault shows in what the pixels say, as measured on rendered images of every kind.
+
+    Attributes
+    ----------
+    share
+        What is left of it once pattern, shading and poses have been learned with the fault there.
+    floor
+        What shading and shadows leave, common to all shots.
+    loose
+        Relative error of `share`.
+    """
+
+    share: float
+    floor: float
+    loose: float = 0.1
+
+    def of(self, change: float, sigma: float) -> tuple[float, float]:
+        """Return the fault and its error."""
+        value = float(change) / self.share
+        return value, math.hypot(sigma / self.share, self.floor, self.loose * value)
+
+
+ASPECT, DISTORTED = Answer(0.83, 1.5e-3), Answer(0.85, 3e-3)
+MIRRORED, ROLLED = Answer(0.62, 3e-3), Answer(0.90, 1.5e-3)
+USEFUL_SCALE, USEFUL_ASPECT, USEFUL_ANGLE_RAD = 0.01, 0.02, 0.02
+USEFUL_DISTORTION, USEFUL_NEARNESS, USEFUL_PLUMB_RAD = 0.05, 2.0, 0.035
+"""Half the plausible ranges of the effects: a larger error says nothing."""
+
+
+def estimates_of(
+    told: Said, known: Knowledge, plumb: tuple[Floats, Floats], *, stated: bool
+) -> tuple[Estimate, ...]:
+    """Return all estimates of a camera.
+
+    Parameters
+    ----------
+    told
+        Changes to what is known, with errors.
+    plumb
+        Of `fall.sideways`.
+    stated
+        The set-up gives the scale; the estimate is then that of the markers against it.
+    """
+    views = len(known.camera.views)
+    sigma = np.sqrt(np.diag(told.covariance))
+    faults = slice(len(told.change) - FAULTS, len(told.change))
+    change, error = told.change[faults], sigma[faults]
+    return (
+        *_scales(told, sigma, known, stated=stated),
+        _aspect(told, slice(views, 2 * views)),
+        *([_mirror(change[MIRROR], error[MIRROR])] if views > 1 else []),
+        *([_roll(change[ROLL], error[ROLL])] if views > 1 else []),
+        _plumb("roll against gravity", plumb[0][0], plumb[1][0], "camera-roll"),
+        _plumb("tilt against gravity", plumb[0][1], plumb[1][1], "gravity-direction"),
+        _distortion(change[DISTORTION], error[DISTORTION]),
+        _nearness(known.camera.optics.nearness, change[NEARNESS], error[NEARNESS]),
+    )
+
+
+def _scales(told: Said, sigma: Floats, known: Knowledge, *, stated: bool) -> list[Estimate]:
+    scales, views = known.camera.optics.scales, known.camera.views
+    own = math.hypot(sigma[0], SCALE_FLOOR)
+    estimates = []
+    for v, view in enumerate(views):
+        shift = told.change[0] + (told.change[v] if v else 0.0)
+        error = math.hypot(own, math.hypot(sigma[v], RATIO_FLOOR) if v else 0.0)
+        value = scales[v] * math.exp(shift)
+        estimates.append(
+            Estimate(
+                name=f"scale of the {view.value} view",
+                value=value,
+                sigma=value * error,
+                unit="px/m",
+                useful=value * USEFUL_SCALE,
+                none=float(scales[v]) if stated else None,
+                effect="image-scale",
+                in_poses=not stated,
+                how="markers that cross the disc, with the stated diameter; common to all shots",
+            )
+        )
+    return estimates
+
+
+def _aspect(told: Said, stretches: slice) -> Estimate:
+    weight = np.linalg.inv(told.covariance[stretches, stretches])
+    variance = 1.0 / weight.sum()
+    mean = variance * (weight @ told.change[stretches]).sum()
+    value, sigma = ASPECT.of(mean, math.sqrt(variance))
+    return Estimate(
+        name="pixel aspect",
+        value=value,
+        sigma=sigma,
+        unit="1",
+        useful=USEFUL_ASPECT,
+        none=0.0,
+        effect="pixel-aspect",
+        in_poses=False,
+        how="rigid pattern of markers, longer along rows than along columns",
+    )
+
+
+def _mirror(change: float, error: float) -> Estimate:
+    value, sigma = MIRRORED.of(change, error)
+    return Estimate(
+        name="mirror angle",
+        value=value,
+        sigma=sigma,
+        unit="rad",
+        useful=USEFUL_ANGLE_RAD,
+        none=0.0,
+        effect="mirror-angle",
+        in_poses=False,
+        how="turn of the markers in one view against the other",
+    )
+
+
+def _roll(change: float, error: float) -> Estimate:
+    value, sigma = ROLLED.of(change, error)
+    return Estimate(
+        name="roll against the mirror",
+        value=value,
+        sigma=sigma,
+        unit="rad",
+        useful=USEFUL_ANGLE_RAD,
+        none=0.0,
+        effect="camera-roll",
+        in_poses=False,
+        how="turn of the markers in one view against the other",
+    )
+
+
+def _plumb(name: str, value: float, sigma: float, effect: str) -> Estimate:
+    return Estimate(
+        name=name,
+        value=float(value),
+        sigma=math.hypot(sigma, PLUMB_FLOOR_RAD),
+        unit="rad",
+        useful=USEFUL_PLUMB_RAD,
+        none=0.0,
+        effect=effect,
+        in_poses=False,
+        how="free fall before and after the contact",
+    )
+
+
+def _distortion(change: float, error: float) -> Estimate:
+    value, sigma = DISTORTED.of(change, error)
+    return Estimate(
+        name="radial distortion",
+        value=value,
+        sigma=sigma,
+        unit="1",
+        useful=USEFUL_DISTORTION,
+        none=0.0,
+        effect="radial-distortion",
+        in_poses=False,
+        how="size and place in the frame; columns of one view against the other's",
+    )
+
+
+def _nearness(known: float, change: float, sigma: float) -> Estimate:
+    value = max(known + float(change), 0.0)
+    floor = max(NEARNESS_FLOOR * value, NEARNESS_LEAST)
+    return Estimate(
+        name="perspective",
+        value=value,
+        sigma=math.hypot(sigma, floor),
+        unit="1/m",
+        useful=USEFUL_NEARNESS,
+        none=0.0,
+        effect="perspective",
+        in_poses=True,
+        how="columns of one view against the other's, by depth and height",
+    )

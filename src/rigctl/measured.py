@@ -1,0 +1,59 @@
+"""Where the measured shots of a campaign lie; the daemon asks this without the analysis."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from rigctl.store import Store, StoreReader
+
+Json = dict[str, Any]
+
+MOST_SHOTS = 1_000_000
+"""So many shots of one campaign are looked at."""
+
+
+@dataclass(frozen=True, slots=True)
+class MeasuredFiles:
+    """Where a measured shot lies: its manifest and the result that counts.
+
+    One that a person `excluded` is there to be named, and is left out of every fit.
+    """
+
+    manifest: Path
+    result: Path
+    excluded: bool = False
+
+
+def measured_files(store: Store | StoreReader, name: str) -> list[MeasuredFiles]:
+    """Return where the measured shots of a campaign lie, in the order of firing.
+
+    Those that a person excluded come last.
+
+    Raises
+    ------
+    NotFoundError
+        There is no such campaign, or none of its shots is measured and counts.
+    """
+    return list(each_measured(store, name))
+
+
+def each_measured(store: Store | StoreReader, name: str) -> Iterator[MeasuredFiles]:
+    """Return the same, a shot at a time."""
+    campaigns = store.campaigns
+    for excluded, listed in ((False, campaigns.measured), (True, campaigns.left_out)):
+        for shot, number in listed(name):
+            folder = store.folders.folder(shot)
+            result = folder / f"result-{number:04d}.json"
+            yield MeasuredFiles(folder / "manifest.json", result, excluded)
+
+
+def request(title: str, files: Sequence[MeasuredFiles], effects: Sequence[str] = ()) -> Json:
+    """Return the argument of the functions of `modelling`."""
+    listed = [
+        {"manifest": str(own.manifest), "result": str(own.result), "excluded": own.excluded}
+        for own in files
+    ]
+    return {"campaign": title, "files": listed, "with": list(effects)}

@@ -1,0 +1,85 @@
+"""The plane of a sweep: what it covers, and what became of its steps."""
+
+from __future__ import annotations
+
+import math
+from types import SimpleNamespace
+from urllib.parse import parse_qs, urlsplit
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rigctl.config import load
+from rigctl.page.sweep_form import form_address
+from rigctl.page.sweep_plots import LOOKS, covers, grid, incidence, progress
+from rigctl.page.sweep_steps import what_became
+from rigctl.settings import ShotSettings
+from rigctl.store import ShotState, StepState
+from rigctl.sweeps.form import Sweep
+
+LIMITS = load().limits
+
+
+def settings(pressure: float, offset: float) -> ShotSettings:
+    return ShotSettings(pressure_a_kpa=pressure, pressure_b_kpa=pressure, offset_mm=offset)
+
+
+@given(st.floats(0, math.radians(85)))
+def test_the_incidence_is_the_tangent_of_the_angle_between_flight_and_normal(angle: float) -> None:
+    assert incidence(25.4 * math.sin(angle)) == pytest.approx(math.tan(angle), abs=1e-9)
+
+
+def test_what_a_sweep_covers_is_said_from_its_least_to_its_largest_offset() -> None:
+    said = covers([settings(40, 0), settings(40, 25.4 * math.sin(math.pi / 4))])
+    assert said.startswith("2 shots, v_s/v_n from about 0.00 to 1.00")
+
+
+def test_a_setting_that_is_repeated_is_one_point_that_says_how_often() -> None:
+    points = grid([settings(40, 6), settings(40, 6), settings(60, 6)], LIMITS)["data"][0]
+    assert list(zip(points["x"], points["y"], points["customdata"], strict=True)) == [
+        (40, 6, 2),
+        (60, 6, 1),
+    ]
+
+
+def test_fates_are_told_apart_by_form_and_not_by_colour_alone() -> None:
+    forms = {
+        (look.get("symbol", "circle"), look["color"] == "rgba(0,0,0,0)") for look in LOOKS.values()
+    }
+    assert len(forms) == len(LOOKS)
+
+
+def test_only_fates_that_occur_are_drawn() -> None:
+    drawn = progress({"measured": [(1, settings(40, 6))], "waits": []}, LIMITS)
+    assert [trace["name"] for trace in drawn["data"] if "name" in trace] == ["measured"]
+
+
+@pytest.mark.parametrize(
+    ("step", "shot", "fate"),
+    [
+        (StepState.WAITING, None, "waits"),
+        (StepState.SKIPPED, None, "skipped"),
+        (StepState.TAKEN, None, "under way"),
+        (StepState.STORED, ShotState.STORED, "under way"),
+        (StepState.STORED, ShotState.ANALYSED, "measured"),
+        (StepState.STORED, ShotState.REFUSED, "not measured"),
+        (StepState.LOST, ShotState.ABORTED, "not measured"),
+        (StepState.NOT_FIRED, None, "not measured"),
+        (StepState.UNKNOWN, ShotState.UNKNOWN_OUTCOME, "not measured"),
+    ],
+)
+def test_every_state_of_a_step_has_a_fate_that_is_drawn(
+    step: StepState, shot: ShotState | None, fate: str
+) -> None:
+    record = None if shot is None else SimpleNamespace(state=shot)
+    assert what_became(SimpleNamespace(state=step), record) == fate
+    assert fate in LOOKS
+
+
+def test_proposed_shots_come_back_from_the_address_as_they_were() -> None:
+    proposed = Sweep.model_validate(
+        {"note": "tells a from b & c?", "shots": [{**settings(40, 6).model_dump(), "repeat": 3}]}
+    )
+    asked = parse_qs(urlsplit(form_address(proposed)).query)["form"][0]
+    assert Sweep.model_validate_json(asked) == proposed
