@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from benchmarks.discovery import blind, memory, null, outside, pairs, power, removed, speed
+from benchmarks.discovery import blind, frames, memory, null, outside, pairs, power, removed, speed
 from benchmarks.discovery.options import Options
 
 SECTIONS = {
@@ -14,6 +14,7 @@ SECTIONS = {
     "outside": outside.run,
     "blind": blind.run,
     "removed": removed.run,
+    "frames": frames.run,
     "speed": speed.run,
     "memory": memory.run,
 }

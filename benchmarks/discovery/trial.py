@@ -7,7 +7,7 @@ import os
 import time
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from analysis.model.fit import fit_campaign
 from analysis.model.inside import without_contact_frames
 from analysis.model.selection import Verdict, explain
 from benchmarks.discovery.campaigns import campaign
+from benchmarks.discovery.filming import filmed_campaign
 from benchmarks.discovery.strength import amplitude_at
 from benchmarks.discovery.treatments import TREATMENTS
 from simulators.challenge.effects import HIDDEN
@@ -36,6 +37,8 @@ class Task:
         What was done to its data.
     with_floor
         Whether the error is wanted that the same campaign has with nothing hidden.
+    filmed
+        Whether it is rendered and its poses are measured from the frames.
     """
 
     seed: int
@@ -45,6 +48,7 @@ class Task:
     treatment: str = "as stated"
     one_setting: bool = False
     with_floor: bool = False
+    filmed: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -59,6 +63,8 @@ class Trial:
         The same of the campaign with nothing hidden; NaN where it was not wanted.
     cell
         The most striking cell: channel, covariate, chi-squared, p with all looked at.
+    strength
+        d of all that is hidden, in the noise that was measured; NaN where it was not wanted.
     """
 
     task: Task
@@ -72,6 +78,7 @@ class Trial:
     cell: tuple[str, str, float, float]
     dropped: int
     seconds: float
+    strength: float = float("nan")
 
     @property
     def named(self) -> set[str]:
@@ -93,11 +100,15 @@ def judge(task: Task) -> Trial:
     amplitudes = dict(task.amplitudes)
     for name, d in task.wanted.items():
         amplitudes[name] = amplitude_at(name, d, task.seed, task.shots)
-    data = campaign(amplitudes, task.seed, task.shots, one_setting=task.one_setting)
+    if task.filmed:
+        data, d = filmed_campaign(amplitudes, task.seed, task.shots)
+    else:
+        data, d = campaign(amplitudes, task.seed, task.shots, one_setting=task.one_setting), np.nan
     data = TREATMENTS[task.treatment](data, np.random.default_rng([task.seed, 7]))
     start = time.process_time()
     verdict = explain(data, CATALOGUE)
-    return _trial(task, amplitudes, verdict, time.process_time() - start)
+    trial = _trial(task, amplitudes, verdict, time.process_time() - start)
+    return replace(trial, strength=d)
 
 
 def _trial(task: Task, amplitudes: Mapping[str, float], verdict: Verdict, seconds: float) -> Trial:

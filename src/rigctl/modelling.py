@@ -20,6 +20,8 @@ from analysis.model.agreement.document import (
     cells_document,
     structure_document,
 )
+from analysis.model.agreement.launch import launch_stage
+from analysis.model.agreement.table import Stage
 from analysis.model.design.undecided import next_after
 from analysis.model.documents import fit_document, ranking_document
 from analysis.model.fit import Fit
@@ -57,7 +59,7 @@ def agreement_job(asked: Json, say: Say) -> Json:
     """Fit the base model and the named effects, and say by stage where they agree."""
     data, fitted, document = _fitted(asked, say)
     say("comparing", None)
-    return {**document, **agreement_document(agree(data, fitted))}
+    return {**document, **_compared(data, fitted)}
 
 
 def structure_job(asked: Json, say: Say) -> Json:
@@ -105,13 +107,23 @@ def picture_job(asked: Json, say: Say) -> Json:
     """
     data, fitted, document = _fitted(asked, say)
     say("comparing", 0.3)
-    compared = agreement_document(agree(data, fitted))
+    compared = _compared(data, fitted)
     say("testing what is left", 0.5)
     cells = cells_document(structure(data, fitted))
     say("ranking the catalogue", 0.7)
     candidates = ranking_document(rank(data, fitted, CATALOGUE))
     plane = impact_plane(data, fitted).to_json()
     return {**document, **compared, "cells": cells, "candidates": candidates, "plane": plane}
+
+
+def _compared(data: Data, fitted: Fit) -> Json:
+    """Compare by stage, the launch first; `launch_left_out` says why where there is none."""
+    launch, refused = list[Stage](), None
+    try:
+        launch.append(launch_stage(data, fitted))
+    except LaunchRefusedError as error:
+        refused = str(error)
+    return {**agreement_document(agree(data, fitted, launch)), "launch_left_out": refused}
 
 
 def _poses(asked: Json, say: Say) -> PoseData:

@@ -32,12 +32,12 @@ class Contact:
     by_state: Floats
 
 
-def _kicked(data: Observations, states: ShotStates, outcome: Floats) -> Floats:
-    """Add to outcomes (S, 25) what kicks do, momentum and its moment kept."""
+def _kicked(data: Observations, states: ShotStates, outcome: Floats, normal: Floats) -> Floats:
+    """Add to outcomes (S, 25) what kicks across a normal do, momentum and its moment kept."""
     kick = states.kick
     if kick is None:
         return outcome
-    response = _by_kick(data, states.normal, kick.unknown)
+    response = _by_kick(data, normal, kick.unknown)
     return outcome + (response @ kick.change[..., None])[..., 0]
 
 
@@ -61,7 +61,8 @@ def _by_kick(data: Observations, normal: Floats, unknown: NDArray[np.bool_]) -> 
 
 def contact_outcome(data: Observations, states: ShotStates, theory: Theory) -> Floats:
     """Return the outcome of every contact, shape (S, 25)."""
-    return _kicked(data, states, _outcomes(data, theory, states, _motion(states), states.normal))
+    outcome = _outcomes(data, theory, states, _motion(states), states.normal)
+    return _kicked(data, states, outcome, states.normal)
 
 
 def differentiated_contact(data: Observations, states: ShotStates, theory: Theory) -> Contact:
@@ -76,6 +77,11 @@ def differentiated_contact(data: Observations, states: ShotStates, theory: Theor
         motions[3 + k, :, k] += _STEPS[2 + k]
     outcomes = _outcomes(data, theory, states, motions.reshape(-1, 12), normals.reshape(-1, 3))
     outcomes = outcomes.reshape(15, shots, -1)
+    unkicked = outcomes[0].copy()
+    for k in range(3):
+        outcomes[k] = _kicked(data, states, outcomes[k], normals[k])
+    # A kick is across the normal: velocities and spins change nothing of it, a tilt does.
+    outcomes[3:] += outcomes[0] - unkicked
     by_state = (outcomes[1:] - outcomes[0]) / _STEPS[:, None, None]
     derivative = np.moveaxis(by_state, 0, 2)
     if states.kick is not None:
@@ -83,7 +89,7 @@ def differentiated_contact(data: Observations, states: ShotStates, theory: Theor
         kicks = _by_kick(data, states.normal[rows], unknown[rows])
         for k in range(3):
             derivative[rows, :, _FIRST_SPIN + 3 * states.kick.sphere + k] = kicks[..., k]
-    return Contact(_kicked(data, states, outcomes[0]), derivative)
+    return Contact(outcomes[0], derivative)
 
 
 def _outcomes(

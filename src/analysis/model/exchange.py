@@ -53,6 +53,6 @@ def exchanged(
 def _better(data: Data, last: Stage, name: str, leaders: Sequence[Leader]) -> Leader | None:
     """Return the first leader if it is another effect and shots left out agree."""
     first = next(iter(in_order(leaders)), None)
-    if first is None or first.name == name or not first.fit.converged:
+    if first is None or first.name == name or first.carried or not first.fit.converged:
         return None
     return first if stage_of(data, first.fit).error.value < last.error.value else None

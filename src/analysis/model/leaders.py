@@ -46,6 +46,8 @@ class Leader:
         Fall in units of the noise, less ln(shots) for each parameter: half of BIC's difference.
     plausible
         Whether its values are believed.
+    carried
+        Whether it rests on two shots alone.
     """
 
     candidate: Candidate
@@ -55,6 +57,7 @@ class Leader:
     fall: float
     criterion: float
     plausible: bool
+    carried: bool
 
     @property
     def name(self) -> str:
@@ -68,15 +71,17 @@ class Leader:
 
 
 def refitted(data: Data, fit: Fit, ranking: Ranking, level: float) -> list[Leader]:
-    """Refit every candidate whose promise passes a family-wise level and is not carried by two.
+    """Refit every candidate whose promise passes a family-wise level, and mark the carried ones.
 
-    It is not carried if the other shots alone promise enough. Those whose likelihood ratio, after
-    the refit, no longer passes are left out.
+    One is carried if two shots hold most of it and the others alone do not promise enough. Those
+    whose likelihood ratio, after the refit, no longer passes are left out.
     """
     invited = [c for c in ranking.candidates if c.seen and c.p_familywise < level]
-    threshold, carried = ranking.threshold(level), most_carried(len(data.shots))
-    trusted = [c for c in invited if c.carried_share < carried or _by_others(c) <= threshold]
-    leaders = [_refit(data, fit, candidate) for candidate in _worth_it(trusted, len(data.shots))]
+    threshold, most = ranking.threshold(level), most_carried(len(data.shots))
+    leaders = [
+        _refit(data, fit, c, carried=c.carried_share >= most and _by_others(c) > threshold)
+        for c in _worth_it(invited, len(data.shots))
+    ]
     if not leaders:
         return []
     noise = min(leader.fit.chi2_per_dof for leader in leaders)
@@ -156,7 +161,7 @@ def most_carried(shots: int) -> float:
     return float(np.interp(np.log(max(shots, 1)), ends, [MOST_CARRIED_OF_FEW, MOST_CARRIED]))
 
 
-def _refit(data: Data, fit: Fit, candidate: Candidate) -> Leader:
+def _refit(data: Data, fit: Fit, candidate: Candidate, *, carried: bool) -> Leader:
     if isinstance(candidate.effect, ScatterEffect) and isinstance(data, PoseData):
         return _with_scatter(data, fit, candidate, candidate.effect)
     refit = fit_campaign(data, fit.theory.with_effect(candidate.effect), fit)
@@ -173,6 +178,7 @@ def _refit(data: Data, fit: Fit, candidate: Candidate) -> Leader:
         fall=fall,
         criterion=fall / max(refit.chi2_per_dof, 1e-12) - penalty,
         plausible=believed(candidate.effect, values, sigmas),
+        carried=carried,
     )
 
 
@@ -188,4 +194,5 @@ def _with_scatter(data: PoseData, fit: Fit, candidate: Candidate, effect: Scatte
         fall=candidate.fall * fit.chi2_per_dof,
         criterion=candidate.fall - float(np.log(max(len(data.shots), 2))),
         plausible=candidate.plausible,
+        carried=False,
     )

@@ -8,27 +8,24 @@ falls.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.stats import chi2 as chi2_distribution
 
 from analysis.effects.effect import Effect
 from analysis.effects.timing_jitter import EFFECT as JITTER
-from analysis.model.evidence import Stage, stage_of, weighed, weighed_again
+from analysis.model.evidence import Stage, stage_of, weighed
 from analysis.model.exchange import AliasSets, exchanged
 from analysis.model.fit import Fit, fit_campaign
+from analysis.model.forward import LATER_LEVEL, Found, forward
 from analysis.model.inside import without_contact_frames
 from analysis.model.lackoffit import Cell, lack_of_fit
-from analysis.model.leaders import Leader, alias_set, in_order, most_carried, refitted
+from analysis.model.leaders import most_carried
 from analysis.model.outliers import Cleaned
 from analysis.model.ranking import Ranking, rank
 from analysis.model.tables import Data
 
-FIRST_LEVEL, LATER_LEVEL = 0.03, 0.01
-"""Family-wise level of the first acceptance and of each later one: the stricter keeps out shadows
-of an effect already accepted."""
-MOST_ACCEPTED, MOST_TRIED = 5, 3
 DROP_LEVEL = 0.0015
 UNEXPLAINED_LEVEL = 0.01
 
@@ -89,64 +86,63 @@ def explain(
     """Go the whole way from the base model to a verdict."""
     progress("fitting the base model")
     evidence = weighed(without_contact_frames(data))
-    path = [stage_of(evidence.data, evidence.cleaned.fit)]
-    first_ranking = ranking = rank(evidence.data, path[-1].fit, effects)
-    alias_sets: AliasSets = {}
-    while len(path) <= MOST_ACCEPTED:
-        progress(f"refitting the leaders, {len(path) - 1} effects accepted")
-        level = FIRST_LEVEL if len(path) == 1 else LATER_LEVEL
-        leaders = refitted(evidence.data, path[-1].fit, ranking, level)
-        accepted = _accepted(path[-1], leaders)
-        if accepted is None:
-            break
-        leader, stage = accepted
-        alias_sets = {**alias_sets, leader.name: alias_set(leader, leaders, ranking)}
-        evidence, path = weighed_again(evidence, [*path, stage], leader.data.jitter_s)
-        ranking = rank(evidence.data, path[-1].fit, effects)
-    path = _backward(evidence.data, path)
-    if len(path[-1].fit.theory.active) > 1:
-        progress("weighing accepted effects against the others")
-        last, alias_sets = exchanged(evidence.data, path[-1], effects, LATER_LEVEL, alias_sets)
-        path = path if last is path[-1] else [*path, last]
+    base = stage_of(evidence.data, evidence.cleaned.fit)
+    first_ranking = rank(evidence.data, base.fit, effects)
+    start = Found(evidence, (base,), first_ranking, {})
+    found = _searched(start, effects, progress, trusting=False)
     progress("testing what is left")
-    cells = _unmasked(path, lack_of_fit(evidence.data, path[-1].fit), evidence.data)
-    names = path[-1].effects
+    cells = _left(found)
+    if _alarmed(found, cells):
+        # Structure that is there for sure may be believed to be what two shots show most.
+        again = _searched(found, effects, progress, trusting=True)
+        if len(again.path) > len(found.path) and not _alarmed(again, _left(again)):
+            found, cells = again, _left(again)
+    names = found.path[-1].effects
+    alias_sets = {name: found.alias_sets[name] for name in names}
     return Verdict(
-        verdict=_word(names, alias_sets, cells, most_carried(len(evidence.data.shots))),
+        verdict="unexplained" if _alarmed(found, cells) else _word(alias_sets),
         effects=names,
-        alias_sets={name: alias_sets[name] for name in names},
-        path=tuple(path),
-        ranking=ranking,
+        alias_sets=alias_sets,
+        path=found.path,
+        ranking=found.ranking,
         first_ranking=first_ranking,
         cells=cells,
-        cleaned=evidence.cleaned,
-        noise=evidence.noise,
+        cleaned=found.evidence.cleaned,
+        noise=found.evidence.noise,
     )
 
 
-def _accepted(present: Stage, leaders: Sequence[Leader]) -> tuple[Leader, Stage] | None:
-    """Return the first leader that brings down the error on shots left out, at convergence."""
-    for leader in in_order(leaders)[:MOST_TRIED]:
-        fit = leader.fit
-        if not fit.converged:
-            fit = fit_campaign(leader.data, fit.theory, fit)
-        stage = stage_of(leader.data, fit)
-        if stage.error.value < present.error.value:
-            return leader, stage
-    return None
+def _searched(
+    start: Found, effects: Sequence[Effect], progress: Callable[[str], None], *, trusting: bool
+) -> Found:
+    """Go forward, drop what has become superfluous, and weigh the rest beside each other."""
+    found = forward(start, effects, progress, trusting=trusting)
+    data, path = found.evidence.data, _backward(found.evidence.data, list(found.path))
+    last, alike = path[-1], found.alias_sets
+    if len(last.fit.theory.active) > 1:
+        progress("weighing accepted effects beside each other")
+        last, alike = exchanged(data, last, effects, LATER_LEVEL, alike)
+    if last is found.path[-1]:
+        return replace(found, alias_sets=alike)
+    path = path if last is path[-1] else [*path, last]
+    return Found(found.evidence, tuple(path), rank(data, last.fit, effects), alike)
 
 
-def _word(
-    accepted: tuple[str, ...],
-    alias_sets: AliasSets,
-    cells: tuple[Cell, ...],
-    carried: float,
-) -> str:
-    if any(_alarms(cell, carried) for cell in cells):
-        return "unexplained"
-    if not accepted:
+def _left(found: Found) -> tuple[Cell, ...]:
+    """Return the structure that is left."""
+    last = found.path[-1]
+    return _unmasked(found.path, lack_of_fit(found.evidence.data, last.fit), found.evidence.data)
+
+
+def _alarmed(found: Found, cells: Sequence[Cell]) -> bool:
+    carried = most_carried(len(found.evidence.data.shots))
+    return any(_alarms(cell, carried) for cell in cells)
+
+
+def _word(alias_sets: AliasSets) -> str:
+    if not alias_sets:
         return "none"
-    return "alias" if any(len(alias_sets[name]) > 1 for name in accepted) else "effect"
+    return "alias" if any(len(alike) > 1 for alike in alias_sets.values()) else "effect"
 
 
 def _alarms(cell: Cell, carried: float) -> bool:

@@ -57,11 +57,16 @@ class Kick:
         """In the place of whose spin it stands in each of these shots, shape (K,)."""
         return np.asarray(self.unknown[self.shots].argmax(axis=1))
 
-    def taken(self, motion: Floats) -> tuple[Kick, Floats]:
-        """Take the kick out of a step of velocities and spins (S, 4, 3), and hold unknown spins."""
+    def taken(self, motion: Floats, normal: Floats) -> tuple[Kick, Floats]:
+        """Take the kick out of a step of velocities and spins (S, 4, 3), and hold unknown spins.
+
+        What the step has along the new normal (S, 3) is dropped: nothing determines it, and with
+        the next tilt it would be felt.
+        """
         rows, slots = self.shots, 2 + self.sphere
         change, motion = self.change.copy(), motion.copy()
         change[rows] += motion[rows, slots]
+        change -= (change * normal).sum(axis=1, keepdims=True) * normal
         motion[rows, slots] = 0.0
         return Kick(change, self.unknown), motion
 
@@ -118,13 +123,14 @@ class ShotStates:
         first, second = self.tangents()
         normal = self.normal + step[:, 4:5] * first + step[:, 5:6] * second
         motion, kick = step[:, MOTION].reshape(-1, 4, 3), self.kick
+        normal /= np.linalg.norm(normal, axis=1, keepdims=True)
         if kick is not None:
-            kick, motion = kick.taken(motion)
+            kick, motion = kick.taken(motion, normal)
         turns = np.stack([step[:, TURN_A], step[:, TURN_B]], axis=1)
         return ShotStates(
             time_s=self.time_s + step[:, 0],
             point=self.point + step[:, POINT],
-            normal=normal / np.linalg.norm(normal, axis=1, keepdims=True),
+            normal=normal,
             before=States(
                 velocity_a=self.before.velocity_a + motion[:, 0],
                 velocity_b=self.before.velocity_b + motion[:, 1],

@@ -1,0 +1,93 @@
+"""Effects accepted one after the other, what is left ranked anew after each."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from analysis.effects.effect import Effect
+from analysis.model.evidence import Evidence, Stage, stage_of, weighed_again
+from analysis.model.exchange import AliasSets
+from analysis.model.fit import fit_campaign
+from analysis.model.leaders import Leader, alias_set, in_order, refitted
+from analysis.model.ranking import Ranking, rank
+
+FIRST_LEVEL, LATER_LEVEL = 0.03, 0.01
+"""Family-wise level of the first acceptance and of each later one: the stricter keeps out shadows
+of an effect already accepted."""
+MOST_ACCEPTED, MOST_TRIED = 5, 3
+SHADOW = 0.5
+"""Share of an effect's promise that a better one, not believed, could bring in its stead."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Found:
+    """How far a search has come.
+
+    Attributes
+    ----------
+    path
+        From the base model on.
+    ranking
+        What is asked for beside the effects of its last stage.
+    alias_sets
+        What looks like each accepted effect, itself first.
+    """
+
+    evidence: Evidence
+    path: tuple[Stage, ...]
+    ranking: Ranking
+    alias_sets: AliasSets
+
+
+def forward(
+    found: Found, effects: Sequence[Effect], progress: Callable[[str], None], *, trusting: bool
+) -> Found:
+    """Accept effects until no leader passes its refit and brings the error left out down.
+
+    Parameters
+    ----------
+    trusting
+        Whether an effect is accepted that two shots carry.
+    """
+    while len(found.path) <= MOST_ACCEPTED:
+        progress(f"refitting the leaders, {len(found.path) - 1} effects accepted")
+        last, data = found.path[-1], found.evidence.data
+        level = FIRST_LEVEL if len(found.path) == 1 else LATER_LEVEL
+        leaders = refitted(data, last.fit, found.ranking, level)
+        accepted = _accepted(last, leaders, found.ranking, trusting=trusting)
+        if accepted is None:
+            break
+        leader, stage = accepted
+        alike = alias_set(leader, leaders, found.ranking)
+        jitter_s = leader.data.jitter_s
+        evidence, path = weighed_again(found.evidence, [*found.path, stage], jitter_s)
+        ranking = rank(evidence.data, path[-1].fit, effects)
+        found = Found(evidence, tuple(path), ranking, {**found.alias_sets, leader.name: alike})
+    return found
+
+
+def _accepted(
+    present: Stage, leaders: Sequence[Leader], ranking: Ranking, *, trusting: bool
+) -> tuple[Leader, Stage] | None:
+    """Return the first leader that brings down the error on shots left out, at convergence.
+
+    What two shots carry is passed over, and so is what only stands in for it.
+    """
+    passed = [x for x in in_order(leaders) if x.carried and not trusting]
+    believed = [x for x in in_order(leaders) if x not in passed and not _shadow(x, passed, ranking)]
+    for leader in believed[:MOST_TRIED]:
+        fit = leader.fit
+        if not fit.converged:
+            fit = fit_campaign(leader.data, fit.theory, fit)
+        stage = stage_of(leader.data, fit)
+        if stage.error.value < present.error.value:
+            return leader, stage
+    return None
+
+
+def _shadow(leader: Leader, passed: Sequence[Leader], ranking: Ranking) -> bool:
+    """Whether a better effect that was passed over could bring most of what this one does."""
+    names = [candidate.effect.name for candidate in ranking.candidates]
+    own = ranking.imitated[names.index(leader.name)]
+    return any(x.criterion > leader.criterion and own[names.index(x.name)] > SHADOW for x in passed)
