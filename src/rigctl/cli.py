@@ -8,8 +8,8 @@ import typer
 from typer.exceptions import TyperException
 
 from rigctl.command_line.analysis import analysis
-from rigctl.command_line.campaigns import campaigns
 from rigctl.command_line.calibrate import calibration
+from rigctl.command_line.campaigns import campaigns
 from rigctl.command_line.challenge import challenge
 from rigctl.command_line.discs import finding
 from rigctl.command_line.effect import effect
