@@ -77,8 +77,13 @@ def clean(data: Data, theory: Theory | None = None) -> Cleaned:
     rest = data.of_shots(kept)
     names = {int(n) for n in rest.shots}
     # Afresh, now that the law is known: near its corner a shot may have begun on the wrong side.
-    fit = fit_campaign(rest, fit.theory)
+    fit = min((fit_campaign(rest, begun) for begun in _starts(fit)), key=lambda one: one.chi2)
     return Cleaned(rest, fit, kept, tuple(f for f in frames if f[0] in names))
+
+
+def _starts(fit: Fit) -> list[Theory | None]:
+    """Return from where to fit afresh: the law as it is, and for the base model any other."""
+    return [fit.theory] if fit.theory.active else [fit.theory, None]
 
 
 def bad_shots(fit: FitSummary, gone: int = 0) -> NDArray[np.bool_]:

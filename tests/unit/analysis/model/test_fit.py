@@ -3,11 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from analysis.model.fit import Fit, fit_campaign
+from analysis.model.gather import gather_poses
+from analysis.model.inside import without_contact_frames
+from analysis.model.outliers import clean
+from simulators.challenge.campaign import run_campaign
+from simulators.challenge.folder import write_folder
+from simulators.challenge.nature import Nature
 from tests.unit.analysis.model.hard_spheres import campaign
 
 LAW = {"e": 0.74, "mu": 0.08, "beta0": 0.5}
@@ -62,3 +69,12 @@ def test_frames_that_were_not_measured_do_not_count() -> None:
     fit = fit_campaign(data.without(mask))
     assert fit.residuals == 20 * 16 * 12
     assert abs(fit.chi2_per_dof - 1) < 5 * np.sqrt(2 / fit.freedom)
+
+
+def test_a_shot_between_rolling_and_sliding_does_not_hold_few_others_on_its_wrong_side(
+    tmp_path: Path,
+) -> None:
+    write_folder(tmp_path / "few", run_campaign(Nature(), 400_011, shots=5))
+    fit = clean(without_contact_frames(gather_poses(tmp_path / "few")[1])).fit
+    assert fit.chi2_per_dof == pytest.approx(1.0, abs=5 * np.sqrt(2 / fit.freedom))
+    assert fit.theory.law.beta0 == pytest.approx(0.5, abs=0.01)

@@ -7,10 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from analysis.model.fit import fit_campaign
+from analysis.model.fit import START, fit_campaign
 from analysis.model.inside import without_contact_frames
 from analysis.model.outliers import Cleaned, bad_shots, clean
 from analysis.model.poses import PoseData
+from analysis.model.theory import Theory
 from benchmarks.discovery.campaigns import campaign as simulated
 from tests.unit.analysis.model.hard_spheres import campaign
 
@@ -109,4 +110,4 @@ def test_three_shots_are_too_few_to_call_one_of_them_bad() -> None:
 def test_a_shot_that_began_on_the_wrong_side_of_the_corner_is_brought_back() -> None:
     # Between rolling and sliding one of these shots stays where the first guess of the law put it.
     data = without_contact_frames(simulated({"pixel-aspect": 8.22e-4}, 826, 30))
-    assert clean(data).fit.chi2 < fit_campaign(data).chi2 - 30
+    assert clean(data).fit.chi2 < fit_campaign(data, Theory(START)).chi2 - 30

@@ -9,12 +9,13 @@ import pytest
 
 from analysis.effects.catalogue import CATALOGUE
 from analysis.model.comparison import compare
-from analysis.model.contact import contact_outcome
-from analysis.model.fit import fit_campaign
+from analysis.model.contact import contact_outcome, differentiated_contact
+from analysis.model.fit import START, fit_campaign
 from analysis.model.poses import PoseData
 from analysis.model.ranking import rank
 from analysis.model.selection import explain
 from analysis.model.start import first_states
+from analysis.model.state import SIZE, TILT
 from analysis.model.theory import Theory
 from tests.unit.analysis.model.hard_spheres import Hidden, campaign
 
@@ -84,3 +85,18 @@ def test_the_slope_by_a_kick_is_that_of_the_prediction() -> None:
 
 def _plain() -> Theory:
     return fit_campaign(campaign(5, 13)).theory
+
+
+def test_a_tilt_of_the_normal_is_felt_by_the_kick_as_its_derivative_says() -> None:
+    data = blind(campaign(12, 12))
+    states, theory = first_states(data), Theory(START)
+    assert states.kick is not None
+    kick = np.random.default_rng(2).normal(0, 0.5, states.kick.change.shape)
+    kick -= (kick * states.normal).sum(axis=1, keepdims=True) * states.normal
+    states = replace(states, kick=replace(states.kick, change=kick))
+    slope = differentiated_contact(data, states, theory).by_state[..., :2]
+    for k in (0, 1):
+        step = np.zeros((len(kick), SIZE))
+        step[:, TILT.start + k] = 1e-6
+        ahead, back = (contact_outcome(data, states.moved(s * step), theory) for s in (1, -1))
+        assert slope[..., k] == pytest.approx((ahead - back) / 2e-6, abs=2e-3)
