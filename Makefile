@@ -36,7 +36,7 @@ $(READY): requirements.lock pyproject.toml
 # Hashes only: neither an index address nor a header that names one may enter the lock.
 lock:
 	$(PYTHON) -m uv lock --quiet
-	$(PYTHON) -m uv export --quiet --all-extras --no-header --no-emit-project --no-annotate > requirements.lock
+	$(PYTHON) -m uv export --quiet --all-extras --no-extra benchmarks --no-header --no-emit-project --no-annotate > requirements.lock
 
 clean:
 	rm -rf $(VENV) dist .pytest_cache .mypy_cache .ruff_cache
