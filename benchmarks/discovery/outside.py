@@ -20,7 +20,7 @@ from analysis.model.projector import projector
 from analysis.model.ranking import rank
 from analysis.model.selection import UNEXPLAINED_LEVEL
 from benchmarks.discovery.campaigns import SILENCE, campaign
-from benchmarks.discovery.goals import report, share, show
+from benchmarks.discovery.goals import Goal, report, share, show
 from benchmarks.discovery.options import Options
 from benchmarks.discovery.trial import Task, Trial, judged
 from simulators.challenge.effects import HIDDEN
@@ -29,6 +29,7 @@ FIRST_SEED = 600_000
 OUTSIDE = tuple(name for name, hidden in HIDDEN.items() if not hidden.known)
 ABOVE = (-3.0, -2.0, -1.0, 0.0, 1.0, 2.0)
 """Strengths, counted from the threshold."""
+ALARMS, ASKED, MOST_WRONG = 2.0, 0.95, 0.10
 PROBES, IMITATORS = 2, 5
 
 
@@ -50,16 +51,22 @@ def run(options: Options) -> None:
     report("outside", goals, trials)
 
 
-def _goals(above: float, trials: list[Trial]) -> list:
-    unexplained = share(
-        f"own d at threshold {above:+.0f}: unexplained",
-        0.95 if above >= 2 else 0.0,
-        [trial.word == "unexplained" for trial in trials],
-    )
-    wrong = [trial.claimed for trial in trials]
+def _goals(above: float, trials: list[Trial]) -> list[Goal]:
+    """Return what is asked at one strength; an alias set of wrong names is counted by itself."""
+    found = {
+        "unexplained": [trial.word == "unexplained" for trial in trials],
+        "one wrong name": [trial.word == "effect" for trial in trials],
+        "one of several wrong names": [trial.word == "alias" for trial in trials],
+    }
+    asked = {"unexplained": ASKED if above >= ALARMS else 0.0}
     return [
-        unexplained,
-        share(f"own d at threshold {above:+.0f}: a wrong name", 0.10, wrong, at_least=False),
+        share(
+            f"own d at threshold {above:+.0f}: {text}",
+            asked.get(text, MOST_WRONG),
+            hits,
+            at_least=text in asked,
+        )
+        for text, hits in found.items()
     ]
 
 
