@@ -77,6 +77,7 @@ CASES = (
     Case("restitution-viscoelastic", "restitution-plastic", Nature(viscosity=0.3), 12),
     Case("restitution-plastic", "restitution-viscoelastic", Nature(restitution_power=0.02), 12),
     Case("mass-mismatch", "radius-mismatch", Nature(mass_difference=0.003), 12),
+    Case("image-scale", "radius-mismatch", Nature(image_scale=0.0015), 12),
 )
 
 

@@ -26,6 +26,8 @@ class Passes:
         Numbers of the shots, shape (S,).
     jitter_s
         Standard deviation of each frame's time that the data were given, s.
+    pattern_m
+        How far the learned patterns of the spheres may stand off their centres, in all shots, m.
     fit
         What was found.
     parts
@@ -36,6 +38,7 @@ class Passes:
 
     shots: NDArray[np.intp]
     jitter_s: float
+    pattern_m: float
     fit: FitSummary
     parts: Callable[[], Iterator[tuple[Data, ShotStates]]]
     keep: Keeper
@@ -43,4 +46,5 @@ class Passes:
 
 def passes_of(data: Data, fit: Fit) -> Passes:
     """Return the passes over a campaign in memory."""
-    return Passes(data.shots, data.jitter_s, fit, partial(parts_of, data, fit.states), in_memory)
+    parts = partial(parts_of, data, fit.states)
+    return Passes(data.shots, data.jitter_s, data.pattern_m, fit, parts, in_memory)

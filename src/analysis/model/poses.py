@@ -130,6 +130,15 @@ class PoseData:
         return replace(self, **parts, covariates=covariates)
 
     @property
+    def pattern_m(self) -> float:
+        """Return how far a learned pattern of markers may stand off its sphere's centre, m.
+
+        One pattern serves all shots, so its error is as large as the slow one of a flight and does
+        not average out; where each shot has body axes of its own, it is no pattern of the sphere.
+        """
+        return self.slow_position_m if self.one_body_frame else 0.0
+
+    @property
     def measured(self) -> NDArray[np.bool_]:
         """Return which of the 12 numbers of each frame are measured, shape (S, F, 2, 6)."""
         turns = np.repeat(np.isfinite(self.rotation_sigma)[..., None], 3, axis=-1)

@@ -51,6 +51,9 @@ class Candidate:
         Share of campaigns with nothing missing in which some candidate looks as good as this.
     seen
         False where these shots hold no information on it; nothing else then has a meaning.
+    granted
+        Share of the fall that is left when an error of the measurement that all shots share is
+        allowed for; 1 for most effects.
     carriers
         Numbers of the two shots that speak loudest for it.
     carried_share
@@ -65,6 +68,7 @@ class Candidate:
     p_value: float
     p_familywise: float
     seen: bool
+    granted: float
     carriers: tuple[int, ...]
     carried_share: float
 
@@ -189,7 +193,7 @@ def _shifts(passes: Passes, wanted: Sequence[Effect], scale: float) -> _Shifts:
     """Score effects in all their variants; p-values are of each by itself."""
     forms = [(k, form) for k, e in enumerate(wanted) for form in (e, *e.variants)]
     sums = sums_over(passes, [form for _, form in forms])
-    blocks = _blocks(sums, [form for _, form in forms])
+    blocks = _blocks(sums, [form for _, form in forms], passes.pattern_m)
     falls = np.array([float(block.falls(sums.gradient)) for block in blocks]) / scale**2
     p_values = np.array([float(b.p_values(f)) for b, f in zip(blocks, falls, strict=True)])
     best = [
@@ -224,11 +228,12 @@ def _likeness(shifts: _Shifts, order: Sequence[int]) -> tuple[Floats, Floats]:
     return aliases, imitated
 
 
-def _blocks(sums: Sums, forms: Sequence[Effect]) -> list[Block]:
+def _blocks(sums: Sums, forms: Sequence[Effect], pattern_m: float) -> list[Block]:
     blocks, start = [], 0
     for form in forms:
         stop = start + len(form.parameters)
-        blocks.append(block_of(sums, np.arange(start, stop), one_sided=one_sided(form)))
+        columns, common = np.arange(start, stop), pattern_m if form.like_pattern else 0.0
+        blocks.append(block_of(sums, columns, one_sided=one_sided(form), common=common))
         start = stop
     return blocks
 
@@ -259,6 +264,7 @@ def _candidate(
         p_value=float(p),
         p_familywise=1.0,
         seen=seen,
+        granted=block.granted(sums.gradient),
         carriers=carriers,
         carried_share=share,
     )
@@ -275,6 +281,7 @@ def _scattered(passes: Passes, effect: ScatterEffect) -> Candidate:
         p_value=1.0 if score is None else score.p_fall,
         p_familywise=1.0,
         seen=score is not None,
+        granted=1.0,
         carriers=(),
         carried_share=0.0,
     )

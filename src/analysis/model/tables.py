@@ -72,6 +72,11 @@ class ContactTable:
         return 0.0
 
     @property
+    def pattern_m(self) -> float:
+        """Return 0: a table knows nothing of images."""
+        return 0.0
+
+    @property
     def unusable(self) -> tuple[int, ...]:
         """Return no shot: every row of a table is used."""
         return ()

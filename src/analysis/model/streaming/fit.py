@@ -105,7 +105,8 @@ def passes_of_stream(stream: PoseStream, fit: StreamedFit) -> Passes:
     def parts() -> Iterator[tuple[PoseData, ShotStates]]:
         return zip(stream, fit.states(), strict=True)
 
-    return Passes(stream.shots, stream.jitter_s, fit, parts, Spool)
+    pattern_m = next(iter(stream)).pattern_m
+    return Passes(stream.shots, stream.jitter_s, pattern_m, fit, parts, Spool)
 
 
 def _counts(stream: PoseStream) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
