@@ -34,7 +34,8 @@ def test_frames_without_a_row_are_named_beside_the_results_and_in_them(
     unlisted = str(campaign / "frames" / "0009.tiff")
     assert document["unlisted"] == [unlisted]
     assert [shot["status"] for shot in document["shots"]] == ["measured"]
-    assert shown.err == f"rigctl: frames without a row in shots.csv, left out: {unlisted}\n"
+    # A first analysis may say before that it compiles.
+    assert shown.err.endswith(f"rigctl: frames without a row in shots.csv, left out: {unlisted}\n")
 
 
 def test_a_folder_that_was_written_is_not_analysed_again(

@@ -105,6 +105,7 @@ def test_the_routes_are_those_of_the_contract(app: Any) -> None:
         "/api/v1/campaigns",
         "/api/v1/campaigns/{campaign}",
         "/api/v1/campaigns/{campaign}/reanalyse",
+        "/api/v1/campaigns/{campaign}/report",
         "/api/v1/campaigns/{campaign}/agreement",
         "/api/v1/campaigns/{campaign}/structure",
         "/api/v1/campaigns/{campaign}/ranking",
