@@ -18,9 +18,10 @@ from analysis.launch.compared import compare
 from analysis.launch.muzzle import LAW_NAMES
 from analysis.launch.result import LaunchFit
 from analysis.launch.theory import LaunchTheory
+from analysis.model.candidate import believed
 from analysis.model.normal import inverse
 from analysis.model.promise import Block, ByShot, Sums, block_of
-from analysis.model.ranking import alias_matrix, believed, smallest_by_chance
+from analysis.model.ranking import alias_matrix, smallest_by_chance
 
 Floats = NDArray[np.float64]
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from analysis.model.account import Accounted
-from analysis.model.ranking import Candidate, Ranking
+from analysis.model.candidate import Candidate, Ranking
 from analysis.quantity import Quantity
 
 Json = dict[str, Any]

@@ -6,11 +6,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from analysis.effects.effect import Effect
+from analysis.model.candidate import Ranking
 from analysis.model.evidence import Evidence, Stage, stage_of, weighed_again
 from analysis.model.exchange import AliasSets
 from analysis.model.fit import fit_campaign
 from analysis.model.leaders import Leader, alias_set, in_order, refitted
-from analysis.model.ranking import Ranking, rank
+from analysis.model.ranking import rank
 
 FIRST_LEVEL, LATER_LEVEL = 0.03, 0.01
 """Family-wise level of the first acceptance and of each later one: the stricter keeps out shadows

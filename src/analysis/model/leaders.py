@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.effects.effect import ScatterEffect
+from analysis.model.candidate import Candidate, Ranking, believed
 from analysis.model.fit import Fit, fit_campaign
 from analysis.model.poses import PoseData
-from analysis.model.ranking import Candidate, Ranking, believed
 from analysis.model.scatter import with_jitter
 from analysis.model.tables import Data
 

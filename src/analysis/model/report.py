@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
+from analysis.model.candidate import Candidate, Ranking
 from analysis.model.design.between import Telling
 from analysis.model.design.document import shots_document
 from analysis.model.documents import noise_document
 from analysis.model.lackoffit import Cell
-from analysis.model.ranking import Candidate, Ranking
 from analysis.model.selection import UNEXPLAINED_LEVEL, Verdict
 from analysis.model.tables import Data
 

@@ -15,6 +15,7 @@ from scipy.stats import chi2 as chi2_distribution
 
 from analysis.effects.effect import Effect
 from analysis.effects.timing_jitter import EFFECT as JITTER
+from analysis.model.candidate import Ranking
 from analysis.model.evidence import Stage, stage_of, weighed
 from analysis.model.exchange import AliasSets, exchanged
 from analysis.model.fit import Fit, fit_campaign
@@ -23,7 +24,7 @@ from analysis.model.inside import without_contact_frames
 from analysis.model.lackoffit import Cell, lack_of_fit
 from analysis.model.leaders import most_carried
 from analysis.model.outliers import Cleaned
-from analysis.model.ranking import Ranking, rank
+from analysis.model.ranking import rank
 from analysis.model.tables import Data
 
 DROP_LEVEL = 0.0015

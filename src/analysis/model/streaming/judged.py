@@ -10,11 +10,12 @@ from numpy.typing import NDArray
 
 from analysis.effects.effect import Effect, ScatterEffect
 from analysis.model.account import AS_STATED, Account
+from analysis.model.candidate import Ranking
 from analysis.model.evidence import corrections
 from analysis.model.inside import without_contact_frames
 from analysis.model.noise import scales_over
 from analysis.model.outliers import ROUNDS, bad_shots, robust_weight, wild_frames
-from analysis.model.ranking import Ranking, rank_over
+from analysis.model.ranking import rank_over
 from analysis.model.scatter import jitter_found, jitter_over
 from analysis.model.streaming.fit import StreamedFit, fit_stream, passes_of_stream
 from analysis.model.streaming.stream import Frame, PoseStream

@@ -10,9 +10,10 @@ from rich.console import Console
 
 from analysis.effects.effect import Effect
 from analysis.effects.own.fault import EffectFault
+from analysis.model.candidate import Ranking
 from analysis.model.fit import Fit
 from analysis.model.judged import Judged, judged
-from analysis.model.ranking import Ranking, rank
+from analysis.model.ranking import rank
 from analysis.model.streaming.judged import JudgedStream, judged_stream
 from analysis.model.tables import ContactTable, Data
 from rigctl.campaigns import open_campaign

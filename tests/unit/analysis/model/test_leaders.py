@@ -7,10 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from analysis.model.candidate import Ranking
 from analysis.model.fit import fit_campaign
 from analysis.model.leaders import Leader, alias_set, in_order, most_carried, refitted
 from analysis.model.poses import PoseData
-from analysis.model.ranking import Ranking, rank
+from analysis.model.ranking import rank
 from tests.unit.analysis.model.chosen import chosen
 from tests.unit.analysis.model.hard_spheres import Hidden, campaign
 

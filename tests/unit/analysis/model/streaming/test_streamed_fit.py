@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 
 from analysis.effects.timing_jitter import EFFECT as JITTER
+from analysis.model.candidate import Ranking
 from analysis.model.fit import Fit, fit_campaign
 from analysis.model.inside import without_contact_frames
 from analysis.model.judged import judged
 from analysis.model.poses import PoseData
-from analysis.model.ranking import Ranking, rank, rank_over
+from analysis.model.ranking import rank, rank_over
 from analysis.model.streaming.fit import fit_stream, passes_of_stream
 from analysis.model.streaming.judged import judged_stream
 from analysis.model.streaming.stream import PoseStream
