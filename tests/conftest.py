@@ -7,9 +7,12 @@ from hypothesis import settings
 
 LONG = {
     "test_agreement.py",
+    "test_campaign_jobs.py",
     "test_challenge.py",
     "test_demo.py",
     "test_killed_sweeps.py",
+    "test_launch_command.py",
+    "test_model_commands.py",
     "test_model_page.py",
     "test_model_pictures.py",
     "test_next_command.py",
@@ -17,11 +20,14 @@ LONG = {
     "test_own_effects.py",
     "test_page_under_faults.py",
     "test_refused_shot.py",
+    "test_report_page.py",
+    "test_results_pages.py",
     "test_runs.py",
     "test_selection_power.py",
     "test_signature.py",
     "test_sweep_page.py",
     "test_sweeps_live.py",
+    "test_table_commands.py",
 }
 """Files whose tests take more than a few seconds each; everything else stays in the short run."""
 

@@ -170,6 +170,7 @@ def test_the_tutorial_fires_two_shots_and_shows_a_frame_with_its_outlines(tmp_pa
     assert (picture[..., 0] != picture[..., 2]).any()
 
 
+@pytest.mark.long
 @needs_shell
 @pytest.mark.timeout(300)
 def test_the_guide_to_analysis_measures_a_campaign_and_reads_a_refusal(tmp_path: Path) -> None:
@@ -181,6 +182,7 @@ def test_the_guide_to_analysis_measures_a_campaign_and_reads_a_refusal(tmp_path:
     assert cv2.imread(str(tmp_path / "pictures" / "0001.png")) is not None
 
 
+@pytest.mark.long
 @needs_shell
 @pytest.mark.timeout(300)
 def test_the_commissioning_of_a_real_rig_can_be_rehearsed(tmp_path: Path) -> None:
@@ -191,6 +193,7 @@ def test_the_commissioning_of_a_real_rig_can_be_rehearsed(tmp_path: Path) -> Non
     assert fires(tmp_path) == 1
 
 
+@pytest.mark.long
 @needs_shell
 @pytest.mark.timeout(300)
 def test_the_guide_to_sweeps_starts_pauses_resumes_and_ends_them(tmp_path: Path) -> None:
@@ -200,6 +203,7 @@ def test_the_guide_to_sweeps_starts_pauses_resumes_and_ends_them(tmp_path: Path)
     assert 4 + 2 <= fires(tmp_path) <= 4 + 27 + 8
 
 
+@pytest.mark.long
 @needs_shell
 @pytest.mark.timeout(300)
 def test_the_guide_to_keeping_a_campaign_hands_one_on_and_back(tmp_path: Path) -> None:
