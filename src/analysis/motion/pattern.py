@@ -190,7 +190,7 @@ def average_pattern(
     matches: list[NDArray[np.intp]],
     size: int,
 ) -> tuple[Floats, NDArray[np.intp]]:
-    """Average each marker in body axes; forget those seen in too few frames.
+    """Average each marker in body axes; forget those seen in too few frames, or on the limb alone.
 
     Returns the pattern and, for each old index, its new one (-1: forgotten).
     """
@@ -200,7 +200,8 @@ def average_pattern(
         body = sightings[k].directions[common] @ r
         np.add.at(total, match[common], sightings[k].facing[common, None] ** 2 * body)
         seen[np.unique(match[common])] += 1
-    kept = seen >= min(LEAST_SIGHTINGS, len(frames))
+    # A marker that was never turned toward the camera has no weight, and so no place.
+    kept = (seen >= min(LEAST_SIGHTINGS, len(frames))) & total.any(axis=1)
     index = np.where(kept, np.cumsum(kept) - 1, -1)
     pattern = total[kept]
     return pattern / np.linalg.norm(pattern, axis=1, keepdims=True), index
