@@ -7,6 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.errors import ShotRefusedError
 from analysis.imaging.views import View
 from analysis.motion.rotation import rotation_matrix, rotation_vector
 from analysis.photometric.appearance import Knowledge, Sphere
@@ -26,6 +27,8 @@ SMALLEST_ALPHA = 0.06
 EDGE_BIAS_PX = 0.25
 BEYOND = 3
 """Frames that a track is carried on beyond its ends."""
+LEAST_TURNED = 2
+"""Frames with an orientation, for a rate to carry it on."""
 
 
 def first_film(
@@ -36,9 +39,14 @@ def first_film(
     Raises
     ------
     ShotRefusedError
-        Most of the light is beyond what the sensor holds.
+        Most of the light is beyond what the sensor holds, or a sphere is seen to turn in too few
+        frames.
     """
     refuse_full(frames)
+    for name, turned in zip("ab", tracking.orientations, strict=True):
+        if len(turned.frames) < LEAST_TURNED:
+            found = f"sphere {name} has an orientation in {len(turned.frames)} frames"
+            raise ShotRefusedError("markers", f"{found}, {LEAST_TURNED} are needed to learn it")
     views = tuple(tracking.scales_px_per_m)
     camera = camera_of(setup.camera, np.array([tracking.scales_px_per_m[v] for v in views]))
     film = Film.blank(frames, len(views))
