@@ -25,6 +25,9 @@ from rigctl.page.sweep_pages import sweep_pages
 from rigctl.service.lanes import Lanes
 
 STYLE = Path(__file__).with_name("style.css")
+RECONNECT_S = 15.0
+"""A connection that is lost for less goes on with what stands in the fields. A page that hears
+nothing covers itself long before."""
 
 
 def with_page(api: FastAPI, daemon: Daemon, key: str) -> ASGIApp:
@@ -39,7 +42,14 @@ def with_page(api: FastAPI, daemon: Daemon, key: str) -> ASGIApp:
     shell = FastAPI(openapi_url=None, lifespan=api.router.lifespan_context)
     film_route(shell, desk)
     report_route(shell, desk)
-    ui.run_with(shell, title="rigctl", dark=None, tailwind=False, show_welcome_message=False)
+    ui.run_with(
+        shell,
+        title="rigctl",
+        dark=None,
+        tailwind=False,
+        show_welcome_message=False,
+        reconnect_timeout=RECONNECT_S,
+    )
     # What is loaded by now is never garbage; to look through it holds everything up for 0.2 s.
     gc.collect()
     gc.freeze()
