@@ -120,7 +120,7 @@ def compare(data: Data, states: ShotStates, theory: Theory) -> tuple[Comparison,
     if shared is not None:
         residual = shared.whiten(residual[..., None])[..., 0]
         if shared.jitter is not None:
-            slopes, turning = spread(slopes), turning_by_frame(data.times_s.shape[1])
+            slopes, turning = _spread(slopes), turning_by_frame(data.times_s.shape[1])
         slopes = shared.whiten(slopes)
     line = Comparison(
         residual=residual,
@@ -184,7 +184,7 @@ def rates(data: PoseData, flown: Flown) -> Floats:
     return np.concatenate([rate(data, flown), flown.spin], axis=-1) * weights(data)
 
 
-def spread(slopes: Floats) -> Floats:
+def _spread(slopes: Floats) -> Floats:
     """Set slopes of blocks (S, 4, 3 F, 12) beside each other, (S, 4, 3 F, 48)."""
     shots, blocks, length, size = slopes.shape
     wide = np.zeros((shots, blocks, length, blocks, size))

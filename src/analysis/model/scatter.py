@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from analysis.effects.effect import Effect, ScatterEffect
 from analysis.effects.jitter_score import Directions, JitterScore, directions, score_of
-from analysis.model.comparison import compare, rates, spread
+from analysis.model.comparison import KINDS, by_block, compare, rates
 from analysis.model.fit import Fit, fit_campaign
 from analysis.model.jitter import by_frame
 from analysis.model.noise import about_free_flight
@@ -42,8 +42,7 @@ def jitter_over(passes: Passes) -> JitterScore | None:
         freedom += float(flight.share.sum())
         along = rates(data, here.frames.flown)
         residual = by_frame(flight.left[..., None]).reshape(along.shape)
-        kernel = _kernel(along.reshape(*along.shape[:2], -1), by_frame(spread(flight.basis)))
-        found.append(directions(residual, along, kernel))
+        found.append(directions(residual, along, _kernel(along, flight.basis)))
     try:
         return score_of(found, round(freedom))
     except ValueError:
@@ -76,13 +75,15 @@ def jitter_found(effect: ScatterEffect, size: float, sigma: float) -> dict[str, 
 
 
 def _kernel(along: Floats, basis: Floats) -> Floats:
-    """Return D' P D, (S, F, F), from D's frames (S, F, 12) and what each shot fitted (S, 12 F, 48).
+    """Return D' P D, (S, F, F), from D's frames (S, F, 2, 6) and what was fitted (S, 4, 3 F, 12).
 
     D has a frame's numbers in that frame's column, so D'D is diagonal.
     """
-    shots, frames, length = along.shape
-    coupling = np.einsum("sfl,sflp->spf", along, basis.reshape(shots, frames, length, -1))
+    shots, frames = along.shape[:2]
+    own = by_block(along).reshape(shots, KINDS, frames, 3)
+    parted = basis.reshape(shots, KINDS, frames, 3, -1)
+    coupling = np.einsum("skfa,skfap->skpf", own, parted).reshape(shots, -1, frames)
     kernel = -np.swapaxes(coupling, 1, 2) @ coupling
     index = np.arange(frames)
-    kernel[:, index, index] += (along**2).sum(axis=2)
+    kernel[:, index, index] += (along**2).sum(axis=(2, 3))
     return np.asarray(kernel)
