@@ -96,8 +96,8 @@ def explain(
     if _alarmed(found, cells):
         # Structure that is there for sure may be believed to be what two shots show most.
         again = _searched(found, effects, progress, trusting=True)
-        if len(again.path) > len(found.path) and not _alarmed(again, _left(again)):
-            found, cells = again, _left(again)
+        if len(again.path) > len(found.path) and not _alarmed(again, quiet := _left(again)):
+            found, cells = again, quiet
     names = found.path[-1].effects
     alias_sets = {name: found.alias_sets[name] for name in names}
     return Verdict(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from enum import StrEnum
 from typing import Annotated
 
 import typer
@@ -10,23 +9,6 @@ import typer
 from rigctl.command_line.options import Config, Json
 
 shots = typer.Typer(help="List stored shots; exclude, include, note and tag them.")
-
-
-class State(StrEnum):
-    """Where a shot stands."""
-
-    ACCEPTED = "accepted"
-    FIRING = "firing"
-    CAPTURING = "capturing"
-    STORED = "stored"
-    ANALYSING = "analysing"
-    ANALYSED = "analysed"
-    REFUSED = "refused"
-    MISFIRE = "misfire"
-    UNKNOWN_OUTCOME = "unknown_outcome"
-    ABORTED = "aborted"
-    INTERRUPTED = "interrupted"
-
 
 Shot = Annotated[str, typer.Argument(help="Its name, or its number.")]
 Several = Annotated[list[str], typer.Argument(help="Their names, or their numbers.")]
@@ -40,7 +22,7 @@ Of = Annotated[
 def list_shots(
     *,
     campaign: Annotated[str | None, typer.Option(help="Only those of this campaign.")] = None,
-    state: Annotated[State | None, typer.Option(help="Only those that stand there.")] = None,
+    state: Annotated[str | None, typer.Option(help="Only those that stand there.")] = None,
     tag: Annotated[str | None, typer.Option(help="Only those with this tag.")] = None,
     excluded: Annotated[
         bool | None,
@@ -50,10 +32,9 @@ def list_shots(
     json: Json = False,
 ) -> None:
     """List stored shots, oldest first."""
-    from rigctl.commands.shots import Filter, kept, show
-    from rigctl.store import ShotState
+    from rigctl.commands.shots import Filter, kept, show, state_named
 
-    wanted = Filter(campaign, None if state is None else ShotState(state.value), tag, excluded)
+    wanted = Filter(campaign, None if state is None else state_named(state), tag, excluded)
     with kept(config) as store:
         show(store, wanted, as_json=json)
 

@@ -33,6 +33,16 @@ class Filter:
     excluded: bool | None = None
 
 
+def state_named(name: str) -> ShotState:
+    """Return a state; `SettingsError`, if there is none of that name, lists those there are."""
+    try:
+        return ShotState(name)
+    except ValueError as error:
+        raise SettingsError(
+            "no shot can stand there", part="--state", value=repr(name), limit=", ".join(ShotState)
+        ) from error
+
+
 @contextmanager
 def kept(configuration: Path | None) -> Iterator[Store]:
     """Open the store of a configuration beside whatever daemon runs on it.

@@ -144,3 +144,13 @@ def test_the_store_is_verified_and_backed_up(folder: Path, ask: Answer, tmp_path
     code, said = ask("backup", "another")
     assert (code, "impacts.csv" in said) == (REFUSED, True)
     assert not (tmp_path / "another").exists()
+
+
+def test_a_state_that_no_shot_has_ends_with_2_and_names_those_there_are(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert run(["shots", "list", "--state", "flown"]) == BAD_INPUT
+    said = " ".join(capsys.readouterr().err.split())
+    assert "'flown'" in said
+    assert "analysed" in said
+    assert "interrupted" in said
