@@ -17,6 +17,7 @@ from rigctl.devices.roles import Actuators
 from rigctl.errors import ConfigurationError
 from rigctl.jobs import Jobs
 from rigctl.opening import own_store
+from rigctl.own_effects import OwnEffects
 from rigctl.rig.machine import Rig
 from rigctl.rig.recovery import Recovery
 from rigctl.store import Store, SweepRecord
@@ -66,10 +67,11 @@ def open_daemon(configuration: Configuration) -> Iterator[Daemon]:
     StoreError
         The store cannot be used, or another process owns it.
     ConfigurationError
-        The factory of the simulated laboratory does not do.
+        The factory of the simulated laboratory does not do, or the folder of effects is none.
     DeviceError
         A device is absent, busy or forbidden.
     """
+    OwnEffects.of(configuration).check()
     with ExitStack() as opened:
         store = own_store(configuration)
         opened.callback(store.close)

@@ -2,16 +2,20 @@
 
 Each takes one JSON object and a function that says how far it is, and returns a JSON object:
 `campaign` is the title, `files` are pairs of a manifest and a result, `with` names effects; a
-`folder` in the place of `files` is a campaign's folder.
+`folder` in the place of `files` is a campaign's folder. `own`, where it is there, is a folder of
+effects of the user's own; those that cannot be used are named in the answer under `faults`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from analysis.effects.catalogue import CATALOGUE
+from analysis.effects.effect import Effect
+from analysis.effects.own.dropping import without_faulty
+from analysis.effects.own.fault import Fault
 from analysis.errors import LaunchRefusedError
 from analysis.launch.prediction import Limits
 from analysis.model.agreement.agree import agree
@@ -22,6 +26,7 @@ from analysis.model.agreement.document import (
 )
 from analysis.model.agreement.launch import launch_stage
 from analysis.model.agreement.table import Stage
+from analysis.model.design.between import Telling
 from analysis.model.design.undecided import next_after
 from analysis.model.documents import fit_document, ranking_document
 from analysis.model.fit import Fit
@@ -30,14 +35,15 @@ from analysis.model.plane import impact_plane
 from analysis.model.poses import PoseData
 from analysis.model.ranking import rank
 from analysis.model.report import verdict_document
-from analysis.model.selection import explain
+from analysis.model.selection import Verdict, explain
 from analysis.model.structure import structure
 from analysis.model.tables import Data
 from rigctl.campaigns import folder_poses, poses_from
 from rigctl.errors import AnalysisInputError
-from rigctl.known_effects import effect_named
+from rigctl.known_effects import Available, available, faults_refused
 from rigctl.measured import MeasuredFiles
 from rigctl.next_shots import Known, Question, answer
+from rigctl.own_effects import PART
 
 Json = dict[str, Any]
 Say = Callable[[str, float | None], None]
@@ -45,40 +51,50 @@ Say = Callable[[str, float | None], None]
 
 def fit_job(asked: Json, say: Say) -> Json:
     """Fit the base model and the named effects."""
-    return _fitted(asked, say)[2]
+    found = _fitted(asked, say)
+    return {**found.document, "faults": found.faults()}
 
 
 def ranking_job(asked: Json, say: Say) -> Json:
     """Fit the base model and the named effects, and rank what else the data ask for."""
-    data, fitted, document = _fitted(asked, say)
-    say("ranking the catalogue", None)
-    return {**document, "candidates": ranking_document(rank(data, fitted, CATALOGUE))}
+    found = _fitted(asked, say)
+    say("ranking the effects", None)
+    return {**found.document, **_ranked(found)}
 
 
 def agreement_job(asked: Json, say: Say) -> Json:
     """Fit the base model and the named effects, and say by stage where they agree."""
-    data, fitted, document = _fitted(asked, say)
+    found = _fitted(asked, say)
     say("comparing", None)
-    return {**document, **_compared(data, fitted)}
+    return {**found.document, **_compared(found.data, found.fit), "faults": found.faults()}
 
 
 def structure_job(asked: Json, say: Say) -> Json:
     """Fit the base model and the named effects, and test what they leave over."""
-    data, fitted, document = _fitted(asked, say)
+    found = _fitted(asked, say)
     say("testing what is left", None)
-    return {**document, "structure": structure_document(structure(data, fitted))}
+    tested = structure_document(structure(found.data, found.fit))
+    return {**found.document, "structure": tested, "faults": found.faults()}
 
 
 def explain_job(asked: Json, say: Say) -> Json:
     """Go the whole way to a verdict."""
+    known = _known(asked)
     data = _poses(asked, say)
-    verdict = explain(data, CATALOGUE, lambda text: say(text, None))
-    say("choosing shots", None)
-    return verdict_document(asked["campaign"], data, verdict, next_after(verdict, CATALOGUE))
+
+    def judge(effects: Sequence[Effect]) -> tuple[Verdict, Telling | None]:
+        verdict = explain(data, effects, lambda text: say(text, None))
+        say("choosing shots", None)
+        return verdict, next_after(verdict, effects)
+
+    (verdict, following), dropped = without_faulty(known.effects, judge)
+    document = verdict_document(asked["campaign"], data, verdict, following)
+    return {**document, "faults": _told(known, dropped)}
 
 
 def next_job(asked: Json, say: Say) -> Json:
     """Choose next shots; `between`, `sharpen`, `to`, `probability` and `limits` stand beside."""
+    known = _known(asked)
     data = _poses(asked, say)
     question = Question(
         between=None if asked["between"] is None else (asked["between"][0], asked["between"][1]),
@@ -92,12 +108,13 @@ def next_job(asked: Json, say: Say) -> Json:
     pressure, offset = asked["limits"]
     limits = Limits((pressure[0], pressure[1]), (offset[0], offset[1]))
     try:
-        found = answer(data, question, Known(CATALOGUE, effect_named), limits)
+        with faults_refused():
+            found = answer(data, question, Known(known.effects, known.named), limits)
     except LaunchRefusedError as error:
         raise AnalysisInputError(
             f"no shot can be foretold: {error}", part=asked["campaign"]
         ) from error
-    return {"campaign": asked["campaign"], **found}
+    return {"campaign": asked["campaign"], **found, "faults": _told(known)}
 
 
 def picture_job(asked: Json, say: Say) -> Json:
@@ -105,15 +122,45 @@ def picture_job(asked: Json, say: Say) -> Json:
 
     The points of each cell are a text of JSON in the document, to be parsed when it is looked at.
     """
-    data, fitted, document = _fitted(asked, say)
+    found = _fitted(asked, say)
     say("comparing", 0.3)
-    compared = _compared(data, fitted)
+    compared = _compared(found.data, found.fit)
     say("testing what is left", 0.5)
-    cells = cells_document(structure(data, fitted))
-    say("ranking the catalogue", 0.7)
-    candidates = ranking_document(rank(data, fitted, CATALOGUE))
-    plane = impact_plane(data, fitted).to_json()
-    return {**document, **compared, "cells": cells, "candidates": candidates, "plane": plane}
+    cells = cells_document(structure(found.data, found.fit))
+    say("ranking the effects", 0.7)
+    ranked = _ranked(found)
+    plane = impact_plane(found.data, found.fit).to_json()
+    return {**found.document, **compared, "cells": cells, **ranked, "plane": plane}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Fitted:
+    """A fit, the document of it, and the effects there are."""
+
+    known: Available
+    data: Data
+    fit: Fit
+    document: Json
+
+    def faults(self, dropped: Sequence[Fault] = ()) -> list[Json]:
+        return _told(self.known, dropped)
+
+
+def _ranked(found: _Fitted) -> Json:
+    """Rank all effects alike; `own` is what those of the user's say of themselves."""
+    with faults_refused():
+        ranked, dropped = without_faulty(
+            found.known.effects, lambda effects: rank(found.data, found.fit, effects)
+        )
+    return {
+        "candidates": ranking_document(ranked),
+        "own": found.known.own(),
+        "faults": found.faults(dropped),
+    }
+
+
+def _told(known: Available, dropped: Sequence[Fault] = ()) -> list[Json]:
+    return [fault.to_json() for fault in (*known.faults, *dropped)]
 
 
 def _compared(data: Data, fitted: Fit) -> Json:
@@ -137,8 +184,16 @@ def _poses(asked: Json, say: Say) -> PoseData:
     return poses_from(asked["campaign"], files)
 
 
-def _fitted(asked: Json, say: Say) -> tuple[Data, Fit, Json]:
+def _known(asked: Json) -> Available:
+    return available(Path(asked["own"]) if "own" in asked else None, PART)
+
+
+def _fitted(asked: Json, say: Say) -> _Fitted:
+    known = _known(asked)
+    added = [known.named(name) for name in asked["with"]]
     poses = _poses(asked, say)
     say(f"fitting {', '.join(['the base model', *asked['with']])}", None)
-    found = judged(poses, [effect_named(name) for name in asked["with"]])
-    return found.data, found.fit, fit_document(asked["campaign"], asked["with"], found)
+    with faults_refused():
+        found = judged(poses, added)
+    document = fit_document(asked["campaign"], asked["with"], found)
+    return _Fitted(known, found.data, found.fit, document)

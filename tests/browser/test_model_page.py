@@ -1,23 +1,64 @@
-"""The model on the page: a hidden effect is found, added, answered and revealed."""
+"""The model on the page: a hidden effect is found, added, answered and revealed.
+
+The daemon has a folder of the user's own effects, of which one is of no use.
+"""
 
 from __future__ import annotations
 
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
+import pytest
 from playwright.sync_api import Page, expect
+
+from tests.browser.conftest import PORT, Served
 
 LONG_MS = 60_000
 SEED = "4"
 """Hides the angle of the mirror, and nothing else."""
 HIDDEN = "mirror-angle"
+OUTSIDE_SEED = "11"
+"""Hides that restitution depends on the temperature, which no effect of the catalogue knows."""
+OWN = """\
+from dataclasses import replace
+
+from analysis.effects.effect import ContactEffect, Parameter
+
+
+def wrap(operator, values):
+    def changed(encounter):
+        warmth = encounter.covariates["temperature_c"] - 23.0
+        return operator(replace(encounter, e=encounter.e * (1.0 + values[0] * warmth)))
+
+    return changed
+
+
+EFFECT = ContactEffect(
+    name="restitution-warmth", title="Warm nylon",
+    parameters=(Parameter("a", "1/K", "change of e per kelvin", (-0.02, 0.02)),),
+    formula="e = e0 [1 + a (T - 23 C)]", source="a handbook", gives_away="follows temperature_c",
+    wrap=wrap,
+)
+"""
+
+
+@pytest.fixture(scope="module")
+def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
+    folder = tmp_path_factory.mktemp("daemon")
+    (folder / "effects").mkdir()
+    (folder / "effects" / "warmth.py").write_text(OWN)
+    (folder / "effects" / "unfinished.py").write_text("import numpy\n\nEFFECT = numpy.nothing\n")
+    running = Served.start(folder, *PORT, "--effects", "effects")
+    yield running
+    running.end()
 
 
 def test_a_hidden_effect_is_found_added_answered_and_revealed(page: Page, served: Any) -> None:
-    folder = challenge(served.folder / "hidden")
+    folder = challenge(served.folder / "hidden", SEED)
     page.goto(f"{served.url}/model?folder={quote(str(folder))}")
     page.get_by_test_id("heat-map").locator(".main-svg").first.wait_for(timeout=LONG_MS)
     expect(page.get_by_test_id("verdict")).to_contain_text("missing")
@@ -40,10 +81,31 @@ def test_a_hidden_effect_is_found_added_answered_and_revealed(page: Page, served
     expect(page.get_by_test_id("error-now")).to_contain_text(f"{before:.3f}")
 
 
-def challenge(folder: Path) -> Path:
+def test_an_effect_of_ones_own_is_ranked_explained_added_and_mends_the_model(
+    page: Page, served: Any
+) -> None:
+    folder = challenge(served.folder / "outside", OUTSIDE_SEED)
+    page.goto(f"{served.url}/model?folder={quote(str(folder))}")
+    missing = page.get_by_test_id("missing")
+    expect(missing).to_contain_text("1 of them your own", timeout=LONG_MS)
+    expect(missing.get_by_test_id("fault")).to_contain_text("unfinished.py, line 3")
+    before = error_now(page)
+    missing.get_by_role("button", name="restitution-warmth").click()
+    expect(page.get_by_test_id("effect")).to_contain_text("e = e0 [1 + a (T - 23 C)]")
+    expect(page.get_by_test_id("effect")).to_contain_text("warmth.py")
+    page.get_by_role("button", name="Close").click()
+    page.get_by_test_id("add-restitution-warmth").click()
+    expect(page.get_by_test_id("verdict")).to_contain_text(
+        "With restitution-warmth", timeout=LONG_MS
+    )
+    assert error_now(page) < 1.05 < before
+    expect(page.get_by_test_id("compare")).to_contain_text("restitution-warmth.a")
+
+
+def challenge(folder: Path, seed: str) -> Path:
     """Make a challenge of 60 shots and return its folder."""
     rigctl = Path(sys.executable).with_name("rigctl")
-    made = [str(rigctl), "challenge", "new", str(folder), "--seed", SEED, "--shots", "60"]
+    made = [str(rigctl), "challenge", "new", str(folder), "--seed", seed, "--shots", "60"]
     subprocess.run(made, check=True, capture_output=True, timeout=60)
     return folder
 

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from rigctl.command_line.options import Config, Json
+from rigctl.command_line.options import Config, Json, OwnEffects
 
 rig = typer.Typer()
 
@@ -24,11 +24,12 @@ def serve(
         str | None,
         typer.Option(envvar="RIGCTL_KEY", help="Key of the service; without it a fresh one."),
     ] = None,
+    effects: OwnEffects = None,
 ) -> None:
     """Run the daemon: REST on 127.0.0.1:8486, the simulated rig by default."""
     from rigctl.commands.serve import serve as run_daemon
 
-    run_daemon(config, port, key)
+    run_daemon(config, port, key, effects)
 
 
 @rig.command()

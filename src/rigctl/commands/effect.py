@@ -4,80 +4,20 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from rich.console import Console
 from rich.table import Table
 
-from analysis.effects.catalogue import CATALOGUE, LAUNCH_CATALOGUE
-from analysis.effects.effect import Effect
+from analysis.effects.catalogue import LAUNCH_CATALOGUE
 from analysis.effects.own import naming
 from analysis.effects.own.fault import Fault
-from analysis.effects.own.loading import load_effects
 from analysis.effects.own.template import template
-from analysis.errors import InputError
-from rigctl.errors import AnalysisInputError, NotFoundError, SettingsError, StoreError
+from rigctl.errors import SettingsError, StoreError
+from rigctl.known_effects import ALL_EFFECTS, Available, available, effect_document
 
 TABLE_WIDTH = 110
-ALL_OF_THE_CATALOGUE: tuple[Effect, ...] = (*CATALOGUE, *LAUNCH_CATALOGUE)
-"""Those that poses can show and those of the launch; no name stands twice."""
-
-
-@dataclass(frozen=True, slots=True)
-class Available:
-    """The effects of the catalogue and of a folder, and the faults of those that are of no use."""
-
-    effects: tuple[Effect, ...]
-    faults: tuple[Fault, ...]
-
-    def named(self, name: str, part: str) -> Effect:
-        """Return the effect of a name.
-
-        Raises
-        ------
-        AnalysisInputError
-            The effect of that name has a fault.
-        NotFoundError
-            There is none of that name.
-        """
-        known = {effect.name: effect for effect in self.effects}
-        if name in known:
-            return known[name]
-        for fault in self.faults:
-            if fault.effect == name:
-                raise refused(fault)
-        raise NotFoundError(
-            "no effect of the catalogue has this name",
-            part=part,
-            value=repr(name),
-            todo=f"choose one of {', '.join(sorted(known))}",
-        )
-
-
-def available(folder: Path | None) -> Available:
-    """Return the effects that poses can show: of the catalogue, and of a folder of the user's.
-
-    Raises
-    ------
-    AnalysisInputError
-        The folder cannot be read, or holds no effect.
-    """
-    if folder is None:
-        return Available(CATALOGUE, ())
-    try:
-        loaded = load_effects(folder, ALL_OF_THE_CATALOGUE)
-    except InputError as error:
-        raise AnalysisInputError(error.reason, part=f"--effects {error.path}") from error
-    return Available((*CATALOGUE, *loaded.effects), loaded.faults)
-
-
-def refused(fault: Fault) -> AnalysisInputError:
-    """Return the error of a command that needs the effect that has a fault."""
-    return AnalysisInputError(
-        f"{fault.effect}: {fault.what}", part=f"{fault.path}, line {fault.line}", todo=fault.todo
-    )
 
 
 def tell(faults: Sequence[Fault]) -> list[dict[str, Any]]:
@@ -102,7 +42,7 @@ def new(name: str, *, stage: str, folder: Path) -> Path:
         raise SettingsError(
             "is not in the form of names", part="NAME", value=repr(name), limit=naming.FORM
         )
-    if any(effect.name == name for effect in ALL_OF_THE_CATALOGUE):
+    if any(effect.name == name for effect in ALL_EFFECTS):
         raise SettingsError(
             "the catalogue has an effect of this name", part=name, todo="choose another name"
         )
@@ -133,7 +73,9 @@ def listing(folder: Path | None, *, as_json: bool) -> None:
     known = _with_launch(available(folder))
     faults = tell(known.faults)
     if as_json:
-        _print_json({"effects": [_document(effect) for effect in known.effects], "faults": faults})
+        _print_json(
+            {"effects": [effect_document(effect) for effect in known.effects], "faults": faults}
+        )
         return
     table = Table(box=None)
     table.add_column("effect", no_wrap=True)
@@ -159,7 +101,7 @@ def show(name: str, folder: Path | None, *, as_json: bool) -> None:
     effect = known.named(name, "NAME")
     faults = tell(known.faults)
     if as_json:
-        _print_json({**_document(effect), "faults": faults})
+        _print_json({**effect_document(effect), "faults": faults})
         return
     console = Console(width=TABLE_WIDTH, markup=False, highlight=False)
     console.print(f"{effect.name}: {effect.title}")
@@ -183,30 +125,6 @@ def show(name: str, folder: Path | None, *, as_json: bool) -> None:
 
 def _with_launch(known: Available) -> Available:
     return Available((*known.effects, *LAUNCH_CATALOGUE), known.faults)
-
-
-def _document(effect: Effect) -> dict[str, Any]:
-    return {
-        "effect": effect.name,
-        "title": effect.title,
-        "stage": effect.stage,
-        "parameters": [
-            {
-                "symbol": p.symbol,
-                "unit": p.unit,
-                "meaning": p.meaning,
-                "off": p.off,
-                "plausible": list(p.plausible),
-                "one_sided": p.one_sided,
-            }
-            for p in effect.parameters
-        ],
-        "formula": effect.formula,
-        "source": effect.source,
-        "gives_away": effect.gives_away,
-        "confused_with": list(effect.confused_with),
-        "variants": [variant.title for variant in effect.variants],
-    }
 
 
 def _in_unit(unit: str) -> str:

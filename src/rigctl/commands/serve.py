@@ -37,8 +37,12 @@ class _Server(uvicorn.Server):
         await super().shutdown(sockets)
 
 
-def serve(path: Path | None, port: int | None, key: str | None) -> None:
+def serve(
+    path: Path | None, port: int | None, key: str | None, effects: Path | None = None
+) -> None:
     """Run the daemon until SIGINT or SIGTERM; the rig is left safe, within a bound.
+
+    `effects` is a folder of the user's own effects in the place of the configuration's.
 
     Raises
     ------
@@ -50,7 +54,7 @@ def serve(path: Path | None, port: int | None, key: str | None) -> None:
     """
     # SIGTERM unwinds like Ctrl-C, also while devices are being opened and after the server ended.
     signal.signal(signal.SIGTERM, signal.default_int_handler)
-    configuration = load(path)
+    configuration = _with_effects(load(path), effects)
     listening = _listen(configuration, port, key)
     address = ServiceAddress(_url(listening), key or new_key())
     try:
@@ -69,6 +73,13 @@ def serve(path: Path | None, port: int | None, key: str | None) -> None:
                 written.unlink(missing_ok=True)
     except KeyboardInterrupt:
         typer.echo("rigctl: ended, the rig is safe", err=True)
+
+
+def _with_effects(configuration: Configuration, folder: Path | None) -> Configuration:
+    if folder is None:
+        return configuration
+    analysis = configuration.analysis.model_copy(update={"effects": str(folder)})
+    return configuration.model_copy(update={"analysis": analysis})
 
 
 def _server(app: object, hub: EventHub) -> _Server:

@@ -56,6 +56,9 @@ class AnalysisSection(StrictModel):
     workers: int = Field(ge=1, le=64)
     method: Literal["thesis", "photometric"]
     timeout_s: float = Field(default=300.0, gt=0, le=86_400, description="longest analysis, s")
+    effects: str | None = Field(
+        default=None, min_length=1, description="folder of effects of your own, ranked with all"
+    )
 
 
 class Configuration(StrictModel):

@@ -7,8 +7,7 @@ from typing import Any
 
 from nicegui import ui
 
-from analysis.effects.effect import Effect
-from rigctl.known_effects import ALL_EFFECTS
+from rigctl.page.effect_words import described
 from rigctl.page.quantities import CHANCE, CHI2, ERROR, PARAMETERS, VALUE
 from rigctl.page.tables import Cell, Line, chance, facts, with_error
 from rigctl.page.widgets import save_csv
@@ -16,7 +15,6 @@ from rigctl.page.widgets import save_csv
 Json = dict[str, Any]
 ALARM = 0.01
 PARAMETER = Cell("parameter", "What the fit is free to choose, from all shots together.")
-_EFFECTS: dict[str, Effect] = {effect.name: effect for effect in ALL_EFFECTS}
 
 
 def compare(found: Json) -> None:
@@ -80,20 +78,20 @@ def _fails(row: Json) -> bool:
 
 
 def _parameters(found: Json) -> list[Line]:
-    lines = []
+    lines, effects = [], described(found)
     for name, value in found["parameters"].items():
         unit = "" if value["unit"] == "1" else value["unit"]
-        lines.append(Line([_named(name), with_error(value), Cell(unit, look="left dim")]))
+        lines.append(Line([_named(name, effects), with_error(value), Cell(unit, look="left dim")]))
     return lines
 
 
-def _named(name: str) -> Cell:
+def _named(name: str, effects: dict[str, Json]) -> Cell:
     if name in PARAMETERS:
         about = PARAMETERS[name]
         return Cell(f"{about.name}, {about.meaning.rstrip('.')}", about.meaning)
     effect, _, symbol = name.rpartition(".")
-    known = _EFFECTS.get(effect)
-    meaning = next((p.meaning for p in known.parameters if p.symbol == symbol), "") if known else ""
+    parameters = effects[effect]["parameters"] if effect in effects else []
+    meaning = next((p["meaning"] for p in parameters if p["symbol"] == symbol), "")
     return Cell(name, meaning)
 
 

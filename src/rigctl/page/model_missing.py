@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from string import ascii_uppercase
 from typing import Any
 
 from nicegui import ui
 
-from analysis.effects.effect import Effect
-from rigctl.known_effects import ALL_EFFECTS
+from rigctl.page.effect_words import described, explain, in_unit, left_out
 from rigctl.page.quantities import CHANCE, FALL, LIKE, PLAUSIBLE, SCORE
 from rigctl.page.tables import chance, minus, with_error
 from rigctl.page.widgets import button, save_csv
@@ -17,7 +17,6 @@ from rigctl.page.widgets import button, save_csv
 Json = dict[str, Any]
 SHOWN = 8
 STRONG = 0.05
-_EFFECTS: dict[str, Effect] = {effect.name: effect for effect in ALL_EFFECTS}
 HEADINGS = (
     ("effect", ""),
     ("score", SCORE),
@@ -28,14 +27,27 @@ HEADINGS = (
 )
 
 
+@dataclass(frozen=True, slots=True)
+class _Ranked:
+    """What every line of the ranking is drawn with."""
+
+    described: dict[str, Json]
+    letters: dict[str, str]
+    best: float
+    add: Callable[[str], None]
+    waiting: bool
+
+
 def missing(found: Json, add: Callable[[str], None], *, waiting: bool) -> None:
     """Place the ranking; `add` puts an effect into the model, unless an answer is waited for."""
     seen = [c for c in found["candidates"] if c["seen"] and c["effect"] not in found["with"]]
+    best = max((abs(c["score"]) for c in seen), default=1.0) or 1.0
+    ranked = _Ranked(described(found), groups(seen), best, add, waiting)
     with ui.element("div").classes("panel").props("data-testid=missing"):
         with ui.element("div").classes("title"):
             ui.label("3").classes("step")
             ui.label("What is missing")
-            ui.label(f"{len(seen)} effects of the catalogue looked at").classes("aside")
+            ui.label(_looked_at(seen, ranked.described)).classes("aside")
             ui.space()
             save_csv(f"{found['campaign']}-ranking", lambda: _rows(seen))
         with ui.element("div").classes("effects"):
@@ -45,20 +57,25 @@ def missing(found: Json, add: Callable[[str], None], *, waiting: bool) -> None:
                     cell.classes("number")
                 if help_text:
                     cell.tooltip(help_text)
-            _lines(seen[:SHOWN], add, waiting=waiting)
-            rest = seen[SHOWN:]
-        if rest:
-            _more(rest, add, waiting=waiting)
+            _lines(seen[:SHOWN], ranked)
+        if rest := seen[SHOWN:]:
+            _more(rest, ranked)
+        left_out(found)
 
 
-def _more(rest: Sequence[Json], add: Callable[[str], None], *, waiting: bool) -> None:
+def _looked_at(seen: Sequence[Json], known: dict[str, Json]) -> str:
+    own = sum("file" in known[c["effect"]] for c in seen)
+    return f"{len(seen)} effects looked at" + (f", {own} of them your own" if own else "")
+
+
+def _more(rest: Sequence[Json], ranked: _Ranked) -> None:
     """Place the button that shows the rest; what nobody looks at is not drawn."""
     place = ui.element("div").classes("wide")
 
     def show() -> None:
         place.clear()
         with place, ui.element("div").classes("effects"):
-            _lines(rest, add, waiting=waiting)
+            _lines(rest, ranked)
 
     with place:
         button(f"{len(rest)} more", show, look="line tab")
@@ -85,50 +102,48 @@ def groups(candidates: Sequence[Json]) -> dict[str, str]:
     }
 
 
-def _lines(candidates: Sequence[Json], add: Callable[[str], None], *, waiting: bool) -> None:
-    letters = groups(candidates)
-    best = max((abs(c["score"]) for c in candidates), default=1.0) or 1.0
+def _lines(candidates: Sequence[Json], ranked: _Ranked) -> None:
     for candidate in candidates:
-        _line(candidate, letters.get(candidate["effect"], ""), best)
+        _line(candidate, ranked)
         with ui.element("div").classes("cell"):
             strong = candidate["p_familywise"] < STRONG
             adding = button(
                 "Add",
-                lambda name=candidate["effect"]: add(name),
+                lambda name=candidate["effect"]: ranked.add(name),
                 look="fill" if strong else "line",
                 testid=f"add-{candidate['effect']}",
             )
-            adding.set_enabled(not waiting)
+            adding.set_enabled(not ranked.waiting)
 
 
-def _line(candidate: Json, letter: str, best: float) -> None:
-    effect = _EFFECTS[candidate["effect"]]
+def _line(candidate: Json, ranked: _Ranked) -> None:
+    effect = ranked.described[candidate["effect"]]
     strong = candidate["p_familywise"] < STRONG
     with ui.element("div").classes("cell"):
-        name = ui.element("button").classes("name").on("click", lambda: _explain(effect))
+        name = ui.element("button").classes("name").on("click", lambda: explain(effect))
         with name:
-            ui.label(effect.name)
-        ui.label(effect.title).classes("dim")
+            ui.label(effect["effect"])
+        title = effect["title"]
+        ui.label(f"{title}, your own" if "file" in effect else title).classes("dim")
     with ui.element("div").classes("cell"):
         with ui.element("div").classes("wide"):
-            share = max(1.0, 100 * abs(candidate["score"]) / best)
+            share = max(1.0, 100 * abs(candidate["score"]) / ranked.best)
             bar = ui.element("div").classes("bar" if strong else "bar weak")
             bar.style(f"width: {share:.0f}%")
         said = ui.label(f"{abs(candidate['score']):.1f} σ").classes("dim")
         said.tooltip(f"p {chance(candidate['p_familywise'])}. {CHANCE}")
-    ui.label(letter).classes("cell number")
-    _amplitude(candidate, effect)
+    ui.label(ranked.letters.get(effect["effect"], "")).classes("cell number")
+    _amplitude(candidate, effect["parameters"][0])
     ui.label(f"{candidate['promised_fall']:.0f}").classes("cell number")
 
 
-def _amplitude(candidate: Json, effect: Effect) -> None:
+def _amplitude(candidate: Json, parameter: Json) -> None:
     symbol, value = next(iter(candidate["amplitudes"].items()))
-    parameter = effect.parameters[0]
-    low, high = parameter.plausible
-    unit = "" if parameter.unit == "1" else f" {parameter.unit}"
+    low, high = parameter["plausible"]
+    unit = in_unit(parameter)
     with ui.element("div").classes("cell number"):
         text = ui.label(f"{symbol} = {with_error(value)}{unit}")
-        text.tooltip(f"{parameter.meaning}; believed from {low:g} to {high:g}{unit}")
+        text.tooltip(f"{parameter['meaning']}; believed from {low:g} to {high:g}{unit}")
         if not candidate["plausible"]:
             text.classes("warn")
         with ui.element("div").classes("range"):
@@ -136,24 +151,6 @@ def _amplitude(candidate: Json, effect: Effect) -> None:
             dot = ui.element("div").classes("dot" if 0 <= place <= 1 else "dot out")
             dot.style(f"left: {100 * min(max(place, 0.0), 1.0):.0f}%")
         ui.label(minus(f"{low:g} … {high:g}{unit}")).classes("dim")
-
-
-def _explain(effect: Effect) -> None:
-    with ui.dialog(value=True) as dialog, ui.card().classes("ask"):
-        with ui.element("div").classes("title"):
-            ui.label(effect.title)
-            ui.label(f"{effect.name}, acts in: {effect.stage}").classes("aside")
-        ui.label(effect.formula).classes("formula")
-        for parameter in effect.parameters:
-            unit = "" if parameter.unit == "1" else f", {parameter.unit}"
-            ui.label(f"{parameter.symbol}{unit}: {parameter.meaning}")
-        ui.label(f"What betrays it: {effect.gives_away}")
-        if effect.confused_with:
-            ui.label(f"Easily confused with: {', '.join(effect.confused_with)}")
-        ui.label(f"Source: {effect.source}").classes("note")
-        with ui.element("div").classes("beside ends"):
-            button("Close", dialog.close)
-    dialog.on("hide", dialog.delete)
 
 
 def _rows(candidates: Sequence[Json]) -> list[list[object]]:

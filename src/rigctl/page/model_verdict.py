@@ -83,19 +83,26 @@ def sentence(found: Json) -> tuple[str, str, bool]:
         for c in found["candidates"]
         if c["seen"] and c["p_familywise"] < STRONG and c["effect"] not in found["with"]
     ]
-    if not fails and not cells and not strong:
+    if not (fails or cells or strong):
         lead = f"With {added} nothing stands out." if added else "Nothing stands out."
         return lead, f"{error}: these shots show no more than their own noise.", True
-    worst = max(found["cells"], key=lambda cell: cell["deviation"])
-    where = f"most in {worst['channel']} against {worst['covariate']}"
+    where = f"most in {_worst(fails, cells or found['cells'])}"
     lead = f"With {added} something is still missing." if added else "Something is missing."
     if not strong:
         return (
             lead,
-            f"{error}; it shows {where}, and no effect of the catalogue explains it.",
+            f"{error}; it shows {where}, and no effect that is known explains it.",
             False,
         )
     best = strong[0]
     alike = [name for name in best["like"] if name in {c["effect"] for c in strong}]
     also = f", which these shots do not tell from {' or '.join(alike)}," if alike else ""
     return lead, f"{error}; it shows {where}. {best['effect']}{also} promises most.", False
+
+
+def _worst(fails: list[Json], cells: list[Json]) -> str:
+    """Name what stands out most: a cell if one does, else the quantity that disagrees."""
+    worst = max(cells, key=lambda cell: cell["deviation"])
+    if worst["p_familywise"] >= ALARM and fails:
+        return str(min(fails, key=lambda row: row["p_familywise"])["quantity"])
+    return f"{worst['channel']} against {worst['covariate']}"

@@ -11,8 +11,8 @@ from urllib.parse import quote
 from rigctl.daemon import Daemon
 from rigctl.errors import AnalysisInputError
 from rigctl.jobs import Job, in_process
-from rigctl.known_effects import effect_named
 from rigctl.measured import measured_files, request
+from rigctl.own_effects import OwnEffects
 
 Json = dict[str, Any]
 FUNCTIONS = "rigctl.modelling"
@@ -71,11 +71,11 @@ class Source:
         JobsFullError
             Too many jobs wait.
         """
-        for name in effects:
-            effect_named(name)
+        own = OwnEffects.of(self.daemon.configuration)
+        own.require(effects)
         asked, stands = self._asked(effects)
-        named = (kind, self.title, *effects, repr(more), stands)
-        work = in_process(f"{FUNCTIONS}:{kind}_job", {**asked, **more})
+        named = (kind, self.title, *effects, repr(more), stands, own.stands())
+        work = in_process(f"{FUNCTIONS}:{kind}_job", {**asked, **own.asked(), **more})
         return self.daemon.jobs.submit(kind, self.title, work, named)
 
     def _asked(self, effects: Sequence[str]) -> tuple[Json, Hashable]:

@@ -6,7 +6,7 @@ from typing import Any
 
 from starlette.responses import Response
 
-from rigctl.jobs import Job
+from rigctl.jobs import Job, JobState
 from rigctl.service.auth import PREFIX
 from rigctl.service.job_models import JobSummary
 
@@ -19,6 +19,13 @@ def accepted(job: Job) -> Response:
         media_type="application/json",
         headers={"Location": f"{PREFIX}/jobs/{job.id}"},
     )
+
+
+def answered(job: Job) -> Response:
+    """Return the result of a job that is done, which is JSON; 202 with the job before."""
+    if job.state is JobState.DONE:
+        return Response(job.result, media_type="application/json")
+    return accepted(job)
 
 
 def accepts() -> dict[int | str, dict[str, Any]]:

@@ -82,7 +82,7 @@ def create_app(daemon: Daemon, key: str, hub: EventHub) -> FastAPI:
     app.include_router(campaign_routes(daemon), prefix=PREFIX)
     app.include_router(model_routes(daemon), prefix=PREFIX)
     app.include_router(report_routes(daemon), prefix=PREFIX)
-    app.include_router(effect_routes(), prefix=PREFIX)
+    app.include_router(effect_routes(daemon), prefix=PREFIX)
     app.include_router(job_routes(daemon), prefix=PREFIX)
     app.include_router(event_routes(daemon, hub), prefix=PREFIX)
     app.include_router(health_routes(daemon))

@@ -6,11 +6,20 @@ from typing import Self
 
 from fastapi import APIRouter
 from pydantic import BaseModel, Field
+from starlette.responses import Response
 
-from analysis.effects.effect import Effect, Parameter
-from rigctl.known_effects import ALL_EFFECTS, effect_named
+from analysis.effects.effect import Effect
+from rigctl.daemon import Daemon
+from rigctl.errors import NotFoundError
+from rigctl.jobs import in_process
+from rigctl.known_effects import ALL_EFFECTS, effect_document, effect_named
+from rigctl.own_effects import PART, OwnEffects
+from rigctl.service.accepted import accepts, answered
 from rigctl.service.campaign_models import EffectName
 from rigctl.service.problems import documented
+
+READING = "rigctl.own_effects:reading_job"
+_OWN = (401, 404, 405, 409)
 
 
 class ParameterView(BaseModel):
@@ -22,18 +31,6 @@ class ParameterView(BaseModel):
     plausible: tuple[float, float]
     off: float
     one_sided: bool
-
-    @classmethod
-    def of(cls, parameter: Parameter) -> Self:
-        """Return a parameter as REST shows it."""
-        return cls(
-            symbol=parameter.symbol,
-            unit=parameter.unit,
-            meaning=parameter.meaning,
-            plausible=parameter.plausible,
-            off=parameter.off,
-            one_sided=parameter.one_sided,
-        )
 
 
 class EffectView(BaseModel):
@@ -52,17 +49,31 @@ class EffectView(BaseModel):
     @classmethod
     def of(cls, effect: Effect) -> Self:
         """Return an effect as REST shows it."""
-        return cls(
-            effect=effect.name,
-            title=effect.title,
-            stage=effect.stage,
-            parameters=[ParameterView.of(each) for each in effect.parameters],
-            formula=effect.formula,
-            source=effect.source,
-            gives_away=effect.gives_away,
-            confused_with=list(effect.confused_with),
-            variants=[variant.title for variant in effect.variants],
-        )
+        return cls.model_validate(effect_document(effect))
+
+
+class OwnEffectView(EffectView):
+    """One effect of the user's own, and the file that it stands in."""
+
+    file: str
+
+
+class FaultView(BaseModel):
+    """What keeps a file of the user's from being used; lines count from 1."""
+
+    path: str
+    line: int
+    effect: str
+    what: str
+    todo: str
+
+
+class OwnEffectList(BaseModel):
+    """What the configured folder of effects holds."""
+
+    folder: str
+    effects: list[OwnEffectView]
+    faults: list[FaultView]
 
 
 class EffectList(BaseModel):
@@ -71,7 +82,7 @@ class EffectList(BaseModel):
     effects: list[EffectView]
 
 
-def effect_routes() -> APIRouter:
+def effect_routes(daemon: Daemon) -> APIRouter:
     """Return the routes below `/effects`."""
     router = APIRouter(prefix="/effects", tags=["effects"])
 
@@ -79,6 +90,24 @@ def effect_routes() -> APIRouter:
     def effects() -> EffectList:
         """List the effects of the catalogue."""
         return EffectList(effects=[EffectView.of(effect) for effect in ALL_EFFECTS])
+
+    @router.get("/own", response_model=OwnEffectList, responses=accepts() | documented(*_OWN))
+    def own() -> Response:
+        """Show the effects of the user's own, and what is wrong with those that are of no use.
+
+        202 with a job while nobody knows; asked again when that is done, the answer.
+        """
+        folder = OwnEffects.of(daemon.configuration)
+        asked = folder.asked()
+        if not asked:
+            raise NotFoundError(
+                "no folder with effects of your own is named",
+                part=PART,
+                todo="name one in the configuration, or start rigctl serve --effects FOLDER",
+            )
+        work = in_process(READING, asked)
+        named = ("own", str(folder.folder), folder.stands())
+        return answered(daemon.jobs.submit("own", "", work, named))
 
     @router.get("/{effect}", responses=documented(401, 404, 405, 422))
     def effect(effect: EffectName) -> EffectView:

@@ -10,10 +10,10 @@ from fastapi import APIRouter, Query
 from starlette.responses import Response
 
 from rigctl.daemon import Daemon
-from rigctl.jobs import Job, JobState, Task, Work, in_process
-from rigctl.known_effects import effect_named
+from rigctl.jobs import Job, Task, Work, in_process
 from rigctl.measured import measured_files, request
-from rigctl.service.accepted import accepted, accepts
+from rigctl.own_effects import OwnEffects
+from rigctl.service.accepted import accepted, accepts, answered
 from rigctl.service.bodies import StrictRoute
 from rigctl.service.campaign_models import (
     EffectsQuery,
@@ -50,7 +50,7 @@ def model_routes(daemon: Daemon) -> APIRouter:
 
         202 with a job while nobody knows; asked again when that is done, the answer.
         """
-        return _answer(_ask(daemon, "agreement", campaign, query.effects))
+        return answered(_ask(daemon, "agreement", campaign, query.effects))
 
     @router.get("/structure", responses=_ANSWERED | accepts() | documented(*_QUESTION))
     def structure(campaign: CampaignName, query: Annotated[EffectsQuery, Query()]) -> Response:
@@ -58,7 +58,7 @@ def model_routes(daemon: Daemon) -> APIRouter:
 
         202 with a job while nobody knows; asked again when that is done, the answer.
         """
-        return _answer(_ask(daemon, "structure", campaign, query.effects))
+        return answered(_ask(daemon, "structure", campaign, query.effects))
 
     @router.get("/ranking", responses=_ANSWERED | accepts() | documented(*_QUESTION))
     def ranking(campaign: CampaignName, query: Annotated[EffectsQuery, Query()]) -> Response:
@@ -66,7 +66,7 @@ def model_routes(daemon: Daemon) -> APIRouter:
 
         202 with a job while nobody knows; asked again when that is done, the answer.
         """
-        return _answer(_ask(daemon, "ranking", campaign, query.effects))
+        return answered(_ask(daemon, "ranking", campaign, query.effects))
 
     @router.post("/explain", status_code=202, responses=accepts() | documented(*_POST))
     def explain(campaign: CampaignName) -> Response:
@@ -80,8 +80,7 @@ def model_routes(daemon: Daemon) -> APIRouter:
         from analysis.model.design.document import NONE  # noqa: PLC0415
 
         asked = order.asked()
-        for name in set(asked["between"] or ()) - {NONE}:
-            effect_named(name)
+        OwnEffects.of(daemon.configuration).require(set(asked["between"] or ()) - {NONE})
         limits = daemon.configuration.limits
         asked["limits"] = [limits.pressure_kpa, limits.offset_mm]
         return accepted(_ask(daemon, "next", campaign, order.effects, asked))
@@ -117,11 +116,12 @@ def _work(
     daemon: Daemon, kind: str, campaign: str, effects: Sequence[str], more: Json | None = None
 ) -> tuple[Work, Sequence[Hashable]]:
     """Return work on the shots as they are measured now, and what names exactly this work."""
-    for name in effects:
-        effect_named(name)
+    own = OwnEffects.of(daemon.configuration)
+    own.require(effects)
     files = measured_files(daemon.store, campaign)
-    asked = request(campaign, files, effects) | (more or {})
-    return in_process(f"{FUNCTIONS}:{kind}_job", asked), (json.dumps(more), *effects, *files)
+    asked = request(campaign, files, effects) | own.asked() | (more or {})
+    work = in_process(f"{FUNCTIONS}:{kind}_job", asked)
+    return work, (json.dumps(more), own.stands(), *effects, *files)
 
 
 def _ask(
@@ -130,12 +130,6 @@ def _ask(
     """Return the job that answers a question, the one that did or does so already if there is."""
     work, named = _work(daemon, kind, campaign, effects, more)
     return daemon.jobs.submit(kind, campaign, work, (kind, campaign, *named))
-
-
-def _answer(job: Job) -> Response:
-    if job.state is JobState.DONE:
-        return Response(job.result, media_type="application/json")
-    return accepted(job)
 
 
 def _saved(daemon: Daemon, name: str, fitting: Work) -> Work:

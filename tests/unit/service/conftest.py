@@ -18,7 +18,7 @@ import pytest
 import uvicorn
 
 from rigctl.cameras.frames import FrameSequence
-from rigctl.config import load
+from rigctl.config import Configuration, load
 from rigctl.errors import ArmTokenError, RigError
 from rigctl.jobs import Jobs
 from rigctl.rig.arming import Armed
@@ -162,9 +162,21 @@ def handed_over() -> list[str]:
 
 
 @pytest.fixture
-def app(rig: FakeRig, store: Store, hub: EventHub, jobs: Jobs, handed_over: list[str]) -> Any:
+def configuration() -> Configuration:
+    return load()
+
+
+@pytest.fixture
+def app(
+    rig: FakeRig,
+    store: Store,
+    hub: EventHub,
+    jobs: Jobs,
+    handed_over: list[str],
+    configuration: Configuration,
+) -> Any:
     daemon = SimpleNamespace(
-        configuration=load(),
+        configuration=configuration,
         rig=rig,
         store=store,
         recovery=RECOVERY,

@@ -114,6 +114,7 @@ def test_the_routes_are_those_of_the_contract(app: Any) -> None:
         "/api/v1/campaigns/{campaign}/fits",
         "/api/v1/campaigns/{campaign}/fits/{fit}",
         "/api/v1/effects",
+        "/api/v1/effects/own",
         "/api/v1/effects/{effect}",
         "/api/v1/jobs",
         "/api/v1/jobs/{job}",

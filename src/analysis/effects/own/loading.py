@@ -20,10 +20,14 @@ from analysis.errors import InputError
 
 @dataclass(frozen=True, slots=True)
 class Loaded:
-    """What a folder holds: effects ready for use, under watch, and the faults of the others."""
+    """What a folder holds: effects ready for use, under watch, and the faults of the others.
+
+    `files` are those of the effects, in their order.
+    """
 
     effects: tuple[Effect, ...]
     faults: tuple[Fault, ...]
+    files: tuple[Path, ...]
 
 
 def load_effects(folder: Path, known: Sequence[Effect]) -> Loaded:
@@ -49,6 +53,7 @@ def load_effects(folder: Path, known: Sequence[Effect]) -> Loaded:
         raise InputError(folder, "no *.py is here; rigctl effect new NAME writes one")
     taken = {effect.name: "the catalogue" for effect in known}
     effects: list[Effect] = []
+    files: list[Path] = []
     faults: list[Fault] = []
     for path in paths:
         try:
@@ -58,7 +63,8 @@ def load_effects(folder: Path, known: Sequence[Effect]) -> Loaded:
         else:
             taken[effect.name] = path.name
             effects.append(effect)
-    return Loaded(tuple(effects), tuple(faults))
+            files.append(path)
+    return Loaded(tuple(effects), tuple(faults), tuple(files))
 
 
 def _read(path: Path, taken: dict[str, str]) -> Effect:

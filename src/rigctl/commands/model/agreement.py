@@ -21,9 +21,10 @@ from analysis.model.lackoffit import Cell
 from analysis.model.plane import Plane, impact_plane
 from analysis.model.structure import Structure, structure
 from rigctl.commands import report
-from rigctl.commands.effect import available, refused, tell
+from rigctl.commands.effect import tell
 from rigctl.commands.model.printing import TABLE_WIDTH, headline, print_json
 from rigctl.commands.model.reading import Fitted, fitted
+from rigctl.known_effects import available, refused
 
 ALARM = 0.01
 SHOWN_CELLS = 8

@@ -17,9 +17,10 @@ from analysis.model.selection import Verdict, explain
 from analysis.model.tables import Data
 from analysis.model.words import doubts, verdict_sentence
 from rigctl.commands import report
-from rigctl.commands.effect import available, tell
+from rigctl.commands.effect import tell
 from rigctl.commands.model.printing import TABLE_WIDTH, print_json
 from rigctl.commands.model.reading import opened
+from rigctl.known_effects import available
 
 
 def explaining(campaign: Path, *, as_json: bool, folder: Path | None = None) -> tuple[str, Verdict]:

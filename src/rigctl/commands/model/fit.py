@@ -9,9 +9,10 @@ from rich.console import Console
 from rich.table import Table
 
 from analysis.model.documents import fit_document
-from rigctl.commands.effect import available, tell
+from rigctl.commands.effect import tell
 from rigctl.commands.model.printing import TABLE_WIDTH, headline, print_json
 from rigctl.commands.model.reading import Fitted, FittedStream, fitted, fitted_stream
+from rigctl.known_effects import available
 
 
 def fit(

@@ -14,11 +14,12 @@ from analysis.launch.prediction import Limits
 from analysis.model.poses import PoseData
 from rigctl.campaigns import open_campaign
 from rigctl.commands import report
-from rigctl.commands.effect import available, refused, tell
+from rigctl.commands.effect import tell
 from rigctl.commands.model.next_words import sentence, sweep_of
 from rigctl.commands.model.printing import TABLE_WIDTH, print_json
 from rigctl.config import load
 from rigctl.errors import AnalysisInputError
+from rigctl.known_effects import available, refused
 from rigctl.next_shots import Known, Question, answer
 from rigctl.sweeps.writing import write_sweep
 

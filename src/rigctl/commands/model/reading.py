@@ -17,8 +17,8 @@ from analysis.model.ranking import rank
 from analysis.model.streaming.judged import JudgedStream, judged_stream
 from analysis.model.tables import ContactTable, Data
 from rigctl.campaigns import open_campaign
-from rigctl.commands.effect import Available, refused
 from rigctl.errors import AnalysisInputError
+from rigctl.known_effects import Available, refused
 from rigctl.streamed_campaigns import open_stream, temporary_room
 
 
