@@ -57,8 +57,9 @@ def test_a_cluster_gives_the_results_of_this_host_to_the_bit(
 ) -> None:
     known = store.shots(campaign="nylon")[0].results
     for address in (None, scheduler):
-        with pool(address, workers=2) as executor:
-            outcomes = reanalyse_campaign(store, "nylon", method, executor, silent)
+        with pool(address, workers=2) as workshop:
+            assert workshop.workers() == 2
+            outcomes = list(reanalyse_campaign(store, "nylon", method, workshop, silent))
         assert [outcome.failure for outcome in outcomes] == [None] * 4
     here, there = results(store, known + 1), results(store, known + 2)
     assert here == there

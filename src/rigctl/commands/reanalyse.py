@@ -7,15 +7,15 @@ from collections.abc import Sequence
 from contextlib import closing
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
 
 from rich.console import Console
 from rich.table import Table
 
 from rigctl.commands.bar import bar
+from rigctl.commands.spool import Spool, print_document
 from rigctl.config import load
 from rigctl.opening import own_store, read_store
-from rigctl.reanalysis import Comparison, Outcome, compared, pool, reanalyse_campaign
+from rigctl.reanalysis import Comparison, Comparisons, Outcome, pool, reanalyse_campaign
 from rigctl.store import ShotState
 
 
@@ -32,56 +32,63 @@ def reanalyse(
 
     Raises
     ------
-    NotFoundError, ConfigurationError, StoreError
-        As `reanalyse_campaign` and `pool`.
+    NotFoundError, AnalysisFailedError, ConfigurationError, StoreError
+        As `reanalyse_campaign`, `pool` and `Spool`.
     """
     with read_store(configuration) as reader:
         reader.campaigns.one(campaign)
-    with (
-        closing(own_store(load(configuration), shared=True)) as store,
-        pool(scheduler, workers) as executor,
-        bar() as say,
-    ):
-        outcomes = reanalyse_campaign(store, campaign, method, executor, say)
-    changes = compared(outcomes)
-    if as_json:
-        print(json.dumps(_document(campaign, method, outcomes, changes), allow_nan=False))  # noqa: T201
-    else:
-        _print(campaign, method, outcomes, changes)
+    compared, measured, shots = Comparisons(), 0, 0
+    with Spool() as lines:
+        with (
+            closing(own_store(load(configuration), shared=True)) as store,
+            pool(scheduler, workers) as workshop,
+            bar() as say,
+        ):
+            for outcome in reanalyse_campaign(store, campaign, method, workshop, say):
+                compared.add(outcome)
+                shots += 1
+                measured += _is_measured(outcome)
+                if (line := _object(outcome) if as_json else _sentence(outcome)) is not None:
+                    lines.add(line)
+        changes = compared.found()
+        if as_json:
+            head = {"campaign": campaign, "method": method}
+            print_document(head, "shots", lines, {"changes": [asdict(c) for c in changes]})
+            return
+        console = Console(highlight=False, soft_wrap=True, markup=False)
+        console.print(f"campaign {campaign}, {method}: {measured} of {shots} shots measured")
+        if changes:
+            console.print(_table(changes))
+        for line in lines.lines():
+            console.print(line)
 
 
-def _document(
-    campaign: str, method: str, outcomes: Sequence[Outcome], changes: Sequence[Comparison]
-) -> dict[str, Any]:
-    return {
-        "campaign": campaign,
-        "method": method,
-        "shots": [
-            {
-                "shot": outcome.shot.id,
-                "state": outcome.shot.state,
-                "result": outcome.shot.results if outcome.failure is None else None,
-                "failure": outcome.failure or outcome.shot.failure,
-            }
-            for outcome in outcomes
-        ],
-        "changes": [asdict(change) for change in changes],
+def _is_measured(outcome: Outcome) -> bool:
+    return outcome.failure is None and outcome.shot.state is ShotState.ANALYSED
+
+
+def _object(outcome: Outcome) -> str:
+    """Return what became of a shot as JSON."""
+    about = {
+        "shot": outcome.shot.id,
+        "state": outcome.shot.state,
+        "result": outcome.shot.results if outcome.failure is None else None,
+        "failure": outcome.failure or outcome.shot.failure,
     }
+    return json.dumps(about)
 
 
-def _print(
-    campaign: str, method: str, outcomes: Sequence[Outcome], changes: Sequence[Comparison]
-) -> None:
-    console = Console(highlight=False, soft_wrap=True, markup=False)
-    measured = sum(o.failure is None and o.shot.state is ShotState.ANALYSED for o in outcomes)
-    console.print(f"campaign {campaign}, {method}: {measured} of {len(outcomes)} shots measured")
-    if changes:
-        console.print(_table(changes))
-    for outcome in outcomes:
-        if outcome.failure is not None:
-            console.print(f"shot {outcome.shot.id} keeps what it has: {outcome.failure}")
-        elif outcome.shot.state is ShotState.REFUSED:
-            console.print(f"shot {outcome.shot.id} refused: {outcome.shot.failure}")
+def _sentence(outcome: Outcome) -> str | None:
+    """Say why a shot was not measured; None: it was."""
+    if outcome.failure is not None:
+        return f"shot {outcome.shot.id} keeps what it has: {_line(outcome.failure)}"
+    if outcome.shot.state is ShotState.REFUSED:
+        return f"shot {outcome.shot.id} refused: {_line(outcome.shot.failure or '')}"
+    return None
+
+
+def _line(text: str) -> str:
+    return " ".join(text.split())
 
 
 def _table(changes: Sequence[Comparison]) -> Table:

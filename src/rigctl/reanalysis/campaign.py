@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from concurrent.futures import Executor, Future, as_completed
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import BrokenExecutor, Future
 from dataclasses import dataclass
+from itertools import chain, islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from rigctl.analysing import AnalysisFailedError
 from rigctl.errors import NotFoundError, RigError
+from rigctl.reanalysis.pools import Pool
 from rigctl.store import Change, ShotRecord, ShotState, Store
 
 if TYPE_CHECKING:
@@ -16,14 +20,13 @@ if TYPE_CHECKING:
 
 Json = dict[str, Any]
 Say = Callable[[str, float | None], None]
+Submit = Callable[[ShotRecord], Future[Json]]
 
 TEACHING_SHOTS = 3
 """Shots from which the photometric method learns the spheres before it measures any."""
 
 FREE = frozenset({ShotState.STORED, ShotState.ANALYSED, ShotState.REFUSED})
 """States in which nobody else is about to write a result."""
-
-_ALL = 10_000_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,46 +50,57 @@ class Outcome:
 
 
 def reanalyse_campaign(
-    store: Store, campaign: str, method: str, executor: Executor, say: Say
-) -> list[Outcome]:
+    store: Store, campaign: str, method: str, pool: Pool, say: Say
+) -> Iterator[Outcome]:
     """Analyse every shot with frames once more; results are added, none is replaced.
 
     The photometric method learns the spheres from the first shots and measures all with the same
     knowledge: results depend on neither the order nor the place of the work. A shot that breaks,
     or that a daemon is analysing, keeps what it has; the others go on.
 
+    The work is done while the outcomes are taken. Few shots are under way at any time, and each
+    result is on disk before its outcome is given: memory does not grow with the campaign.
+
     Returns
     -------
-    In the order of firing, what came of each.
+    In the order of firing, what came of each shot that was there at the call.
 
     Raises
     ------
     NotFoundError
         There is no such campaign, or none of its shots has frames.
+    AnalysisFailedError
+        Later, as outcomes are taken: a process that analyses died, and with it the pool.
     """
-    store.campaigns.one(campaign)
-    shots = [s for s in store.shots(campaign=campaign, limit=_ALL) if s.frames and s.state in FREE]
-    if not shots:
+    total = store.campaigns.one(campaign).shots
+    there = enumerate(islice(store.catalogue.each(campaign), total), start=1)
+    shots = ((place, shot) for place, shot in there if shot.frames and shot.state in FREE)
+    first = list(islice(shots, TEACHING_SHOTS))
+    if not first:
         raise NotFoundError(
             "no shot has frames that nobody is analysing",
             part=f"campaign {campaign}",
             todo="await the analysis that is under way",
         )
-    folders = {shot.id: store.folders.folder(shot.id) for shot in shots}
     say("learning the spheres", 0.0)
     known = None
     if method == "photometric":
-        teaching = list(folders.values())[:TEACHING_SHOTS]
-        known = executor.submit(taught, teaching).result()
-    waiting: dict[Future[Json], ShotRecord] = {
-        executor.submit(analysed, folders[shot.id], method, known): shot for shot in shots
-    }
-    outcomes: dict[str, Outcome] = {}
-    for future in as_completed(waiting):
-        shot = waiting[future]
-        outcomes[shot.id] = _kept(store, shot, future)
-        say(f"analysed shot {shot.id}", len(outcomes) / len(shots))
-    return [outcomes[shot.id] for shot in shots]
+        teaching = [store.folders.folder(shot.id) for _, shot in first]
+        known = pool.executor.submit(taught, teaching).result()
+
+    def submit(shot: ShotRecord) -> Future[Json]:
+        try:
+            return pool.executor.submit(analysed, store.folders.folder(shot.id), method, known)
+        except BrokenExecutor as error:
+            raise AnalysisFailedError(
+                f"a process that analyses died: {error}",
+                part=f"campaign {campaign}",
+                todo="look at the host's memory, then analyse it again; what was added stays",
+                shot=shot.id,
+            ) from error
+
+    futures = _under_way(chain(first, shots), submit, pool)
+    return _outcomes(store, futures, lambda shot, place: say(f"shot {shot}", place / total))
 
 
 def analysed(folder: Path, method: str, known: Knowledge | None) -> Json:
@@ -107,11 +121,46 @@ def taught(folders: Sequence[Path]) -> Knowledge | None:
     return teach([(frames, times_s) for frames, times_s, own in read if own == setup], setup)
 
 
+def _under_way(
+    shots: Iterator[tuple[int, ShotRecord]], submit: Submit, pool: Pool
+) -> Iterator[tuple[int, ShotRecord, Future[Json]]]:
+    """Give shots with their places and the futures of their results, few of them ahead."""
+    waiting = deque[tuple[int, ShotRecord, Future[Json]]]()
+    while True:
+        try:
+            for place, shot in islice(shots, max(pool.ahead - len(waiting), 0)):
+                waiting.append((place, shot, submit(shot)))
+        except AnalysisFailedError:
+            # What was done before the pool died is not to be lost with it.
+            yield from waiting
+            raise
+        if not waiting:
+            return
+        yield waiting.popleft()
+
+
+def _outcomes(
+    store: Store,
+    under_way: Iterator[tuple[int, ShotRecord, Future[Json]]],
+    done: Callable[[str, int], None],
+) -> Iterator[Outcome]:
+    for place, shot, future in under_way:
+        outcome = _kept(store, shot, future)
+        # A future holds its result, which would be held until the next is done.
+        del future
+        done(shot.id, place)
+        yield outcome
+        del outcome
+
+
 def _kept(store: Store, shot: ShotRecord, future: Future[Json]) -> Outcome:
     """Store what came of a shot beside what there was."""
-    before = store.folders.result(shot.id, shot.results) if shot.results else None
+    before: Json | None = None
     try:
+        before = store.folders.result(shot.id, shot.results) if shot.results else None
         result = future.result()
+    except RigError as error:
+        return Outcome(shot, before, None, error.sentence())
     except Exception as error:  # noqa: BLE001 - whatever breaks is this shot's failure alone
         return Outcome(shot, before, None, f"{type(error).__name__}: {error}")
     try:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -37,34 +37,54 @@ class Comparison:
     rms_sigmas: float | None
 
 
-def compared(outcomes: Sequence[Outcome]) -> list[Comparison]:
-    """Compare the results before with those that were added, quantity by quantity."""
-    pairs = [(o.before, o.after) for o in outcomes if o.before is not None and o.after is not None]
-    found = (_one(quantity, pairs) for quantity in QUANTITIES)
-    return [comparison for comparison in found if comparison is not None]
+class Comparisons:
+    """Compares results before with those that were added, shot by shot; keeps sums alone."""
+
+    def __init__(self) -> None:
+        self._sums = {quantity: _Sums() for quantity in QUANTITIES}
+
+    def add(self, outcome: Outcome) -> None:
+        """Take up a shot; one without both results has nothing to compare."""
+        if outcome.before is None or outcome.after is None:
+            return
+        for quantity, sums in self._sums.items():
+            before, after = outcome.before.get(quantity), outcome.after.get(quantity)
+            if before is not None and after is not None:
+                sums.add(before, after)
+
+    def found(self) -> list[Comparison]:
+        """Return how each quantity changed that both results of any shot have."""
+        return [sums.comparison(name) for name, sums in self._sums.items() if sums.shots > 0]
 
 
-def _one(quantity: str, pairs: Sequence[tuple[Json, Json]]) -> Comparison | None:
-    both = [
-        (first, second)
-        for before, after in pairs
-        if (first := before.get(quantity)) is not None
-        and (second := after.get(quantity)) is not None
-    ]
-    if not both:
-        return None
-    differences = [second["value"] - first["value"] for first, second in both]
-    variances = [first["sigma"] ** 2 + second["sigma"] ** 2 for first, second in both]
-    stated = [(d, v) for d, v in zip(differences, variances, strict=True) if 0 < v < math.inf]
-    return Comparison(
-        quantity,
-        str(both[0][1]["unit"]),
-        len(both),
-        mean=sum(differences) / len(both),
-        rms=_rms(differences),
-        rms_sigmas=_rms([d / math.sqrt(v) for d, v in stated]) if stated else None,
-    )
+@dataclass(slots=True)
+class _Sums:
+    """Of the differences d of one quantity, of d², and of (d / its standard error)²."""
 
+    unit: str = ""
+    shots: int = 0
+    stated: int = 0
+    difference: float = 0.0
+    squared: float = 0.0
+    weighted: float = 0.0
 
-def _rms(values: Sequence[float]) -> float:
-    return math.sqrt(sum(value * value for value in values) / len(values))
+    def add(self, before: Json, after: Json) -> None:
+        difference = after["value"] - before["value"]
+        variance = before["sigma"] ** 2 + after["sigma"] ** 2
+        self.unit = self.unit or str(before["unit"])
+        self.shots += 1
+        self.difference += difference
+        self.squared += difference**2
+        if 0 < variance < math.inf:
+            self.stated += 1
+            self.weighted += difference**2 / variance
+
+    def comparison(self, quantity: str) -> Comparison:
+        return Comparison(
+            quantity,
+            self.unit,
+            self.shots,
+            mean=self.difference / self.shots,
+            rms=math.sqrt(self.squared / self.shots),
+            rms_sigmas=math.sqrt(self.weighted / self.stated) if self.stated else None,
+        )

@@ -7,9 +7,10 @@ from __future__ import annotations
 
 import os
 import signal
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, ProcessPoolExecutor
 from contextlib import contextmanager
+from dataclasses import dataclass
 from multiprocessing import get_context
 
 from rigctl.errors import ConfigurationError
@@ -17,12 +18,36 @@ from rigctl.errors import ConfigurationError
 ANSWER_WAIT_S = 10.0
 """Longest wait for a scheduler's first answer."""
 
+AHEAD = 4
+"""Shots under way for each worker: no more results than these are held at any time."""
+
 _ONE_THREAD = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 
 
+@dataclass(frozen=True, slots=True)
+class Pool:
+    """Where shots are analysed.
+
+    Attributes
+    ----------
+    executor
+        Does what is submitted.
+    workers
+        Returns how many there are now: those of a cluster come and go.
+    """
+
+    executor: Executor
+    workers: Callable[[], int]
+
+    @property
+    def ahead(self) -> int:
+        """How many shots are to be under way, so that no worker waits for the next."""
+        return AHEAD * max(self.workers(), 1)
+
+
 @contextmanager
-def pool(scheduler: str | None = None, workers: int | None = None) -> Iterator[Executor]:
-    """Give an executor; what it has not begun is cancelled when the block ends early.
+def pool(scheduler: str | None = None, workers: int | None = None) -> Iterator[Pool]:
+    """Give a pool; what it has not begun is cancelled when the block ends early.
 
     Parameters
     ----------
@@ -37,20 +62,21 @@ def pool(scheduler: str | None = None, workers: int | None = None) -> Iterator[E
         The extra `dask` is not installed, or no scheduler answers there.
     """
     if scheduler is None:
+        count = workers or os.cpu_count() or 1
         executor: Executor = ProcessPoolExecutor(
-            workers or os.cpu_count() or 1, mp_context=get_context("spawn"), initializer=_begin
+            count, mp_context=get_context("spawn"), initializer=_begin
         )
         try:
-            yield executor
+            yield Pool(executor, lambda: count)
         finally:
             executor.shutdown(wait=True, cancel_futures=True)
         return
-    with _cluster(scheduler) as executor:
-        yield executor
+    with _cluster(scheduler) as cluster:
+        yield cluster
 
 
 @contextmanager
-def _cluster(address: str) -> Iterator[Executor]:
+def _cluster(address: str) -> Iterator[Pool]:
     try:
         # An extra that few installations have, and slow to load.
         from distributed import Client  # noqa: PLC0415
@@ -73,7 +99,7 @@ def _cluster(address: str) -> Iterator[Executor]:
     with client:
         executor: Executor = client.get_executor(pure=False, retries=0)
         try:
-            yield executor
+            yield Pool(executor, lambda: sum(client.nthreads().values()))
         finally:
             # The cluster's executor cancels what it is not to wait for.
             executor.shutdown(wait=False)

@@ -10,7 +10,7 @@ from rigctl.errors import StoreError
 from rigctl.store.copying import copy_synced
 from rigctl.store.reading import StoreReader, reading
 from rigctl.store.records import ShotRecord
-from rigctl.store.verifying import Verified, each_shot, verify_store
+from rigctl.store.verifying import Verified, verify_store
 
 Say = Callable[[str, float | None], None]
 
@@ -47,7 +47,7 @@ def back_up(store: StoreReader, target: Path, say: Say) -> Backup:
     with reading(target) as copy:
         total = max(copy.catalogue.count(), 1)
         files = 0
-        for done, shot in enumerate(each_shot(copy)):
+        for done, shot in enumerate(copy.catalogue.each()):
             say(f"copying shot {shot.id}", 0.5 * done / total)
             files += _copy_shot(store, copy, shot)
         files += _copy_rest(store, copy)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from datetime import datetime
 
@@ -15,6 +15,8 @@ from rigctl.store.records import NewShot, ShotRecord
 from rigctl.store.schema import idempotency_keys, shot_tags, shots
 from rigctl.store.shot_rows import one, records
 from rigctl.store.states import RUNNING, SHOT_TRANSITIONS, Fired, ShotState
+
+_PAGE = 500
 
 
 @dataclass(frozen=True, slots=True)
@@ -164,6 +166,16 @@ class Catalogue:
             if after is not None:
                 query = query.where(shots.c.number > one(connection, after).number)
             return records(connection, query)
+
+    def each(self, campaign: str | None = None) -> Iterator[ShotRecord]:
+        """Give every shot, or every one of a campaign, oldest first; few are held at any time.
+
+        Each page is one transaction: a shot accepted meanwhile is given as well.
+        """
+        after: str | None = None
+        while page := self.shots(campaign=campaign, limit=_PAGE, after=after):
+            after = page[-1].id
+            yield from page
 
     def count(self) -> int:
         """Return how many shots there are."""

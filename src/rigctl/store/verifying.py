@@ -16,8 +16,6 @@ from rigctl.store.records import ShotRecord
 
 Say = Callable[[str, float | None], None]
 
-_PAGE = 500
-
 
 @dataclass(frozen=True, slots=True)
 class Fault:
@@ -63,7 +61,7 @@ def verify_store(store: StoreReader, say: Say, campaign: str | None = None) -> V
     shots, files, faults = 0, 0, list[Fault]()
     total = store.campaigns.one(campaign).shots if campaign else store.catalogue.count()
     known = set[str]()
-    for shot in each_shot(store, campaign):
+    for shot in store.catalogue.each(campaign):
         say(f"shot {shot.id}", shots / max(total, 1))
         shots += 1
         known.add(shot.id)
@@ -85,14 +83,6 @@ def verify_store(store: StoreReader, say: Say, campaign: str | None = None) -> V
         except StoreError as error:
             faults.append(Fault(str(error.part), f"{error.what} (found {error.value})"))
     return Verified(shots, files, entries, tuple(faults))
-
-
-def each_shot(store: StoreReader, campaign: str | None = None) -> Iterator[ShotRecord]:
-    """Give every shot, page by page, oldest first."""
-    after: str | None = None
-    while page := store.catalogue.shots(campaign=campaign, limit=_PAGE, after=after):
-        yield from page
-        after = page[-1].id
 
 
 def _verify_shot(store: StoreReader, shot: ShotRecord) -> tuple[int, list[Fault]]:

@@ -13,9 +13,11 @@ from rigctl.reanalysis import pool
 
 
 def test_processes_of_this_host_work_with_one_thread_each() -> None:
-    with pool(workers=1) as executor:
-        assert executor.submit(os.getenv, "OPENBLAS_NUM_THREADS").result(60) == "1"
-        assert executor.submit(os.getpid).result(60) != os.getpid()
+    with pool(workers=1) as workshop:
+        ask = workshop.executor.submit
+        assert ask(os.getenv, "OPENBLAS_NUM_THREADS").result(60) == "1"
+        assert ask(os.getpid).result(60) != os.getpid()
+        assert workshop.workers() == 1
 
 
 def test_a_scheduler_without_the_extra_says_what_to_install(

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from concurrent.futures import Executor, Future
+import gc
+import uuid
+import weakref
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import BrokenExecutor, Executor, Future
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -11,9 +14,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from rigctl.analysing import AnalysisFailedError
 from rigctl.cameras.frames import FrameSequence
 from rigctl.errors import NotFoundError
-from rigctl.reanalysis import compared, reanalyse_campaign
+from rigctl.reanalysis import Comparison, Comparisons, Outcome, Pool, reanalyse_campaign
+from rigctl.reanalysis.pools import AHEAD
 from rigctl.settings import ShotSettings
 from rigctl.store import Change, NewShot, ShotState, Store
 
@@ -48,21 +53,25 @@ def store(tmp_path: Path) -> Iterator[Store]:
 @pytest.fixture
 def shots(store: Store) -> list[str]:
     """Three stored shots of a campaign, and one that misfired."""
-    names = []
-    for k in range(4):
-        new = NewShot(SETTINGS, "nylon", None, "anna", True, "c0ffee", NOW)
-        record, _ = store.accept(f"key {k}", "body", lambda new=new: new)
-        store.move(record.id, ShotState.FIRING)
-        if k == 3:
-            store.move(record.id, ShotState.MISFIRE)
-            continue
-        store.move(record.id, ShotState.CAPTURING)
-        pixels = np.full((2, 8, 8), k, dtype=np.uint8)
-        frames = FrameSequence(pixels, np.arange(2) / 1e3, np.arange(2), (), "test")
-        store.folders.write(record.id, frames, {"shot": record.id})
-        store.move(record.id, ShotState.STORED, Change(frames=2))
-        names.append(record.id)
+    names = [stored(store) for _ in range(3)]
+    store.move(firing(store), ShotState.MISFIRE)
     return names
+
+
+def firing(store: Store) -> str:
+    new = NewShot(SETTINGS, "nylon", None, "anna", True, "c0ffee", NOW)
+    record, _ = store.accept(str(uuid.uuid4()), "body", lambda: new)
+    return store.move(record.id, ShotState.FIRING).id
+
+
+def stored(store: Store) -> str:
+    shot = firing(store)
+    store.move(shot, ShotState.CAPTURING)
+    pixels = np.zeros((2, 8, 8), dtype=np.uint8)
+    frames = FrameSequence(pixels, np.arange(2) / 1e3, np.arange(2), (), "test")
+    store.folders.write(shot, frames, {"shot": shot})
+    store.move(shot, ShotState.STORED, Change(frames=2))
+    return shot
 
 
 @pytest.fixture
@@ -82,6 +91,21 @@ def measured(e: float, sigma: float = 0.01) -> Json:
     return {"status": "measured", "e": {"value": e, "sigma": sigma, "unit": "1"}}
 
 
+def reanalysed(
+    store: Store, campaign: str, method: str, executor: Executor | None = None
+) -> list[Outcome]:
+    """Analyse a campaign once more by one worker, to its end."""
+    pool = Pool(executor or Inline(), lambda: 1)
+    return list(reanalyse_campaign(store, campaign, method, pool, silent))
+
+
+def compared(outcomes: Iterable[Outcome]) -> list[Comparison]:
+    comparisons = Comparisons()
+    for outcome in outcomes:
+        comparisons.add(outcome)
+    return comparisons.found()
+
+
 def silent(_text: str, _share: float | None) -> None:
     """Say nothing."""
 
@@ -90,9 +114,9 @@ def test_results_are_added_beside_those_there_are(
     store: Store, shots: list[str], answers: Any
 ) -> None:
     answers(lambda shot, method: measured(0.7))
-    first = reanalyse_campaign(store, "nylon", "thesis", Inline(), silent)
+    first = reanalysed(store, "nylon", "thesis")
     answers(lambda shot, method: measured(0.8))
-    second = reanalyse_campaign(store, "nylon", "thesis", Inline(), silent)
+    second = reanalysed(store, "nylon", "thesis")
     assert [outcome.shot.id for outcome in second] == shots
     assert all(outcome.before is None for outcome in first)
     for shot in shots:
@@ -106,7 +130,7 @@ def test_a_shot_that_breaks_keeps_what_it_has_and_the_others_go_on(
     store: Store, shots: list[str], answers: Any
 ) -> None:
     answers(lambda shot, method: measured(0.7))
-    reanalyse_campaign(store, "nylon", "thesis", Inline(), silent)
+    reanalysed(store, "nylon", "thesis")
 
     def breaks(shot: str, method: str) -> Json:
         if shot == shots[1]:
@@ -114,7 +138,7 @@ def test_a_shot_that_breaks_keeps_what_it_has_and_the_others_go_on(
         return measured(0.8)
 
     answers(breaks)
-    outcomes = reanalyse_campaign(store, "nylon", "thesis", Inline(), silent)
+    outcomes = reanalysed(store, "nylon", "thesis")
     assert [outcome.failure for outcome in outcomes] == [None, "ValueError: no such thing", None]
     assert [store.shot(shot).results for shot in shots] == [2, 1, 2]
     assert store.shot(shots[1]).state is ShotState.ANALYSED
@@ -123,7 +147,7 @@ def test_a_shot_that_breaks_keeps_what_it_has_and_the_others_go_on(
 def test_a_refused_shot_says_why(store: Store, shots: list[str], answers: Any) -> None:
     refusal = {"status": "refused", "step": "markers", "reason": "only one marker"}
     answers(lambda shot, method: refusal)
-    outcomes = reanalyse_campaign(store, "nylon", "thesis", Inline(), silent)
+    outcomes = reanalysed(store, "nylon", "thesis")
     assert {outcome.shot.state for outcome in outcomes} == {ShotState.REFUSED}
     assert store.shot(shots[0]).failure == "only one marker"
 
@@ -139,7 +163,7 @@ def test_a_shot_that_a_daemon_analyses_is_left_to_it(
         return measured(0.7)
 
     answers(taken_meanwhile)
-    outcomes = reanalyse_campaign(store, "nylon", "thesis", Inline(), silent)
+    outcomes = reanalysed(store, "nylon", "thesis")
     assert [outcome.shot.id for outcome in outcomes] == shots[1:]
     assert "analysing cannot become analysing" in str(outcomes[0].failure)
     assert [store.shot(shot).results for shot in shots] == [0, 0, 1]
@@ -155,29 +179,29 @@ def test_only_the_photometric_method_learns_first(
 
     monkeypatch.setattr("rigctl.reanalysis.campaign.taught", teach)
     answers(lambda shot, method: measured(0.7))
-    reanalyse_campaign(store, "nylon", "thesis", Inline(), silent)
+    reanalysed(store, "nylon", "thesis")
     assert taught == []
-    reanalyse_campaign(store, "nylon", "photometric", Inline(), silent)
+    reanalysed(store, "nylon", "photometric")
     assert taught == [shots]
 
 
 def test_a_campaign_without_frames_is_refused(store: Store, shots: list[str]) -> None:
     with pytest.raises(NotFoundError, match="no such campaign"):
-        reanalyse_campaign(store, "brass", "thesis", Inline(), silent)
+        reanalysed(store, "brass", "thesis")
     for shot in shots:
         store.move(shot, ShotState.ANALYSING)
     with pytest.raises(NotFoundError, match="nobody is analysing"):
-        reanalyse_campaign(store, "nylon", "thesis", Inline(), silent)
+        reanalysed(store, "nylon", "thesis")
 
 
 def test_results_are_compared_quantity_by_quantity(
     store: Store, shots: list[str], answers: Any
 ) -> None:
     answers(lambda shot, method: measured(0.7, sigma=0.03))
-    reanalyse_campaign(store, "nylon", "thesis", Inline(), silent)
+    reanalysed(store, "nylon", "thesis")
     later = dict(zip(shots, (0.75, 0.70, 0.65), strict=True))
     answers(lambda shot, method: measured(later[shot], sigma=0.04))
-    (change,) = compared(reanalyse_campaign(store, "nylon", "thesis", Inline(), silent))
+    (change,) = compared(reanalysed(store, "nylon", "thesis"))
     assert (change.quantity, change.unit, change.shots) == ("e", "1", 3)
     assert change.mean == pytest.approx(0.0, abs=1e-12)
     assert change.rms == pytest.approx((2 * 0.05**2 / 3) ** 0.5)
@@ -188,4 +212,83 @@ def test_without_a_result_before_there_is_nothing_to_compare(
     store: Store, shots: list[str], answers: Any
 ) -> None:
     answers(lambda shot, method: measured(0.7))
-    assert compared(reanalyse_campaign(store, "nylon", "thesis", Inline(), silent)) == []
+    assert compared(reanalysed(store, "nylon", "thesis")) == []
+
+
+class Result(dict[str, Any]):
+    """A result whose end is seen."""
+
+    __hash__ = object.__hash__  # type: ignore[assignment]
+
+
+def test_few_results_are_held_however_many_shots_there_are(store: Store, answers: Any) -> None:
+    alive = weakref.WeakSet[Result]()
+    most = 0
+
+    def answer(shot: str, method: str) -> Json:
+        nonlocal most
+        # Only what somebody still holds is to be counted.
+        gc.collect()
+        most = max(most, len(alive) + 1)
+        alive.add(result := Result(measured(0.7)))
+        return result
+
+    answers(answer)
+    shots = [stored(store) for _ in range(5 * AHEAD)]
+    pool = Pool(Inline(), lambda: 1)
+    names = [
+        outcome.shot.id for outcome in reanalyse_campaign(store, "nylon", "thesis", pool, silent)
+    ]
+    assert names == shots
+    assert most <= AHEAD + 2
+
+
+def test_a_shot_is_stored_before_the_last_is_begun(store: Store, answers: Any) -> None:
+    shots = [stored(store) for _ in range(AHEAD + 2)]
+    results_at_begin: list[int] = []
+
+    def answer(shot: str, method: str) -> Json:
+        results_at_begin.append(sum(store.shot(name).results for name in shots))
+        return measured(0.7)
+
+    answers(answer)
+    reanalysed(store, "nylon", "thesis")
+    assert results_at_begin == [0] * AHEAD + [1, 2]
+
+
+def test_a_pool_that_died_is_named_and_what_was_added_stays(
+    store: Store, shots: list[str], answers: Any
+) -> None:
+    class Dying(Inline):
+        def submit(self, call: Callable[..., Any], /, *given: Any, **named: Any) -> Future[Any]:
+            if len(self.done) == 2:
+                raise BrokenExecutor("terminated abruptly")
+            return super().submit(call, *given, **named)
+
+    answers(lambda shot, method: measured(0.7))
+    outcomes = reanalyse_campaign(store, "nylon", "thesis", Pool(Dying(), lambda: 0), silent)
+    with pytest.raises(AnalysisFailedError, match=f"terminated abruptly.*{shots[2]}"):
+        list(outcomes)
+    assert [store.shot(shot).results for shot in shots] == [1, 1, 0]
+
+
+def test_a_result_that_was_damaged_is_not_compared_and_nothing_is_added_beside_it(
+    store: Store, shots: list[str], answers: Any
+) -> None:
+    answers(lambda shot, method: measured(0.7))
+    reanalysed(store, "nylon", "thesis")
+    store.folders.results(shots[0])[0].write_text("{")
+    outcomes = reanalysed(store, "nylon", "thesis")
+    assert "result-0001.json" in str(outcomes[0].failure)
+    assert [outcome.failure for outcome in outcomes[1:]] == [None, None]
+
+
+def test_shots_that_are_fired_meanwhile_are_left_for_the_next_time(
+    store: Store, shots: list[str], answers: Any
+) -> None:
+    def answer(shot: str, method: str) -> Json:
+        stored(store)
+        return measured(0.7)
+
+    answers(answer)
+    assert [outcome.shot.id for outcome in reanalysed(store, "nylon", "thesis")] == shots
