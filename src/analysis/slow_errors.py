@@ -13,14 +13,6 @@ from analysis.setup import Setup
 from analysis.shot import MeasuredShot
 
 
-def with_slow_errors(setup: Setup, shots: Sequence[MeasuredShot]) -> Setup:
-    """Return the set-up with the slow errors of these shots' poses (decision 0004), medians.
-
-    Without shots it is returned as it is.
-    """
-    return typical(setup, [slow_errors(shot) for shot in shots], [one_frame(s) for s in shots])
-
-
 def slow_errors(shot: MeasuredShot) -> tuple[float, float]:
     """Return the size of a shot's slow errors: of a coordinate, m, and about each axis, rad."""
     tracking = shot.tracking
@@ -40,7 +32,15 @@ def one_frame(shot: MeasuredShot) -> bool:
 def typical(
     setup: Setup, errors: Sequence[tuple[float, float]], one_frames: Sequence[bool]
 ) -> Setup:
-    """Return the set-up with the medians of slow errors; without any as it is."""
+    """Return the set-up with the medians of its shots' slow errors (decision 0004).
+
+    Without any shot it is returned as it is.
+
+    Parameters
+    ----------
+    errors, one_frames
+        What `slow_errors` and `one_frame` return of each shot.
+    """
     if not errors:
         return setup
     place, turn = np.median(np.array(errors), axis=0)

@@ -4,24 +4,31 @@ from __future__ import annotations
 
 import csv
 import json
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 from analysis.campaign import DESCRIPTION, SHOT_LIST, ShotJob
 from analysis.exchange.description import FORMAT
 from analysis.exchange.shot_list import ShotRow
-from analysis.exchange.tables import write_contacts, write_poses
+from analysis.exchange.tables import WriteShot, contact_writer, pose_writer
 from analysis.setup import Setup
-from analysis.shot import MeasuredShot, RefusedShot
-from analysis.slow_errors import with_slow_errors
-
-Result = tuple[ShotJob, MeasuredShot | RefusedShot]
+from analysis.shot import MeasuredShot
+from analysis.slow_errors import one_frame, slow_errors, typical
 
 
-def write_folder(folder: Path, name: str, results: Sequence[Result]) -> None:
-    """Write campaign.toml, shots.csv, poses.csv and contacts.csv.
+@contextmanager
+def folder_writer(folder: Path, name: str, jobs: Sequence[ShotJob]) -> Iterator[WriteShot]:
+    """Give a function that adds a measured shot to an exchange folder.
 
-    A refused shot has its row in shots.csv and none in the others.
+    poses.csv and contacts.csv grow shot by shot, and no shot is held. campaign.toml and shots.csv
+    are written at the end: a folder without them was cut short. A refused shot has its row in
+    shots.csv and none in the others.
+
+    Parameters
+    ----------
+    jobs
+        All of the campaign's, one at least; the first one's set-up is the campaign's.
 
     Raises
     ------
@@ -29,13 +36,24 @@ def write_folder(folder: Path, name: str, results: Sequence[Result]) -> None:
         The folder cannot be written.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    measured = [(job.shot, shot) for job, shot in results if isinstance(shot, MeasuredShot)]
-    setup = with_slow_errors(results[0][0].setup, [shot for _, shot in measured])
-    (folder / DESCRIPTION).write_text(description(name, setup), encoding="utf-8")
-    rows = [job.row or ShotRow(job.shot, None, {}, {}) for job, _ in results]
+    (folder / DESCRIPTION).unlink(missing_ok=True)
+    errors, shared_axes = list[tuple[float, float]](), list[bool]()
+    with (
+        pose_writer(folder / "poses.csv") as write_poses,
+        contact_writer(folder / "contacts.csv") as write_contact,
+    ):
+
+        def write(number: int, shot: MeasuredShot) -> None:
+            write_poses(number, shot)
+            write_contact(number, shot)
+            errors.append(slow_errors(shot))
+            shared_axes.append(one_frame(shot))
+
+        yield write
+    setup = typical(jobs[0].setup, errors, shared_axes)
+    rows = [job.row or ShotRow(job.shot, None, {}, {}) for job in jobs]
     write_shot_list(folder / SHOT_LIST, rows)
-    write_poses(folder / "poses.csv", measured)
-    write_contacts(folder / "contacts.csv", measured)
+    (folder / DESCRIPTION).write_text(description(name, setup), encoding="utf-8")
 
 
 def description(name: str, setup: Setup) -> str:

@@ -3,14 +3,22 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from analysis.collision.impact import ContactState
 from analysis.motion.rotation import quaternion
 from analysis.shot import MeasuredShot
+
+if TYPE_CHECKING:
+    from _csv import Writer
+
+WriteShot = Callable[[int, MeasuredShot], object]
+"""Adds a measured shot under its number."""
 
 POSES = [
     *("shot", "frame", "t_s", "sphere"),
@@ -30,21 +38,32 @@ CONTACTS = [
 ]
 
 
-def write_poses(path: Path, shots: Iterable[tuple[int, MeasuredShot]]) -> None:
-    """Write one row for each sphere and frame; what was not measured stays empty."""
-    _write(path, POSES, (row for number, shot in shots for row in _poses(number, shot)))
+@contextmanager
+def pose_writer(path: Path) -> Iterator[WriteShot]:
+    """Give a function that adds a shot to poses.csv: one row for each sphere and frame.
+
+    What was not measured stays empty.
+    """
+    with _table(path, POSES) as table:
+        yield lambda number, shot: table.writerows(_poses(number, shot))
 
 
-def write_contacts(path: Path, shots: Iterable[tuple[int, MeasuredShot]]) -> None:
-    """Write one row for each shot; the sigmas are root mean squares over axes and spheres."""
-    _write(path, CONTACTS, (_contact(number, shot) for number, shot in shots))
+@contextmanager
+def contact_writer(path: Path) -> Iterator[WriteShot]:
+    """Give a function that adds a shot to contacts.csv: one row for each.
+
+    The sigmas are root mean squares over axes and spheres.
+    """
+    with _table(path, CONTACTS) as table:
+        yield lambda number, shot: table.writerow(_contact(number, shot))
 
 
-def _write(path: Path, names: list[str], rows: Iterable[list[object]]) -> None:
+@contextmanager
+def _table(path: Path, names: list[str]) -> Iterator[Writer]:
     with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(names)
-        writer.writerows(rows)
+        table = csv.writer(file, lineterminator="\n")
+        table.writerow(names)
+        yield table
 
 
 def _poses(number: int, shot: MeasuredShot) -> Iterator[list[object]]:

@@ -27,7 +27,7 @@ from analysis.model.tables_noise import with_scatter_as_noise
 from analysis.motion.rotation import quaternion
 from analysis.setup import CameraSetup, Setup, SphereSetup
 from analysis.shot import AnalysisOptions, MeasuredShot
-from analysis.slow_errors import with_slow_errors
+from analysis.slow_errors import one_frame, slow_errors, typical
 
 Floats = NDArray[np.float64]
 
@@ -91,15 +91,27 @@ def gather_poses(folder: Path) -> tuple[str, PoseData]:
     if (folder / POSES).exists():
         shots: Shots = read_poses(folder / POSES)
     else:
-        results = analyse_campaign(read_campaign(folder), AnalysisOptions())
-        measured = [(j.shot, shot) for j, shot, _ in results if isinstance(shot, MeasuredShot)]
-        shots = {number: measured_poses(shot) for number, shot in measured}
-        setup = with_slow_errors(setup, [shot for _, shot in measured])
+        shots, setup = _measured_now(folder, setup)
     counting = set(shots) - {row.shot for row in rows if row.is_excluded}
     data = pose_data(shots, rows, setup) if counting else None
     if data is None or not both_seen(data.position_sigma).any():
         raise InputError(folder, "no shot of this campaign has frames that show both spheres")
     return name, data
+
+
+def _measured_now(folder: Path, setup: Setup) -> tuple[Shots, Setup]:
+    """Measure frames; return poses by shot, and the set-up with how they err.
+
+    What else was found of a shot is not kept.
+    """
+    poses: dict[int, dict[str, list[PoseRow]]] = {}
+    errors, shared_axes = list[tuple[float, float]](), list[bool]()
+    for job, shot, _ in analyse_campaign(read_campaign(folder), AnalysisOptions()):
+        if isinstance(shot, MeasuredShot):
+            poses[job.shot] = measured_poses(shot)
+            errors.append(slow_errors(shot))
+            shared_axes.append(one_frame(shot))
+    return poses, typical(setup, errors, shared_axes)
 
 
 def measured_poses(shot: MeasuredShot) -> dict[str, list[PoseRow]]:

@@ -2,38 +2,32 @@
 
 from __future__ import annotations
 
-import json
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from rich.console import Console
 from rich.progress import Progress
-from rich.table import Table
 
 from analysis.campaign import SHOT_LIST, Campaign, ShotJob, analyse_campaign, read_campaign
 from analysis.compiled import kept_on_disk
-from analysis.document import shot_document
 from analysis.errors import InputError
 from analysis.exchange.description import read_description
-from analysis.exchange.folder import write_folder
+from analysis.exchange.folder import folder_writer
 from analysis.figures.shot import draw_shot
 from analysis.imaging.frame import EdgeSettings
 from analysis.imaging.markers import dark_ellipses
 from analysis.imaging.stack import read_stack
-from analysis.quantity import Quantity
 from analysis.shot import AnalysisOptions, MeasuredShot, Method, RefusedShot
 from analysis.tracking import Matching
+from rigctl.commands.analyse_output import ShotTable, shot_object
+from rigctl.commands.spool import Spool, print_document
 from rigctl.errors import AnalysisInputError
 
-TABLE_WIDTH = 100
-"""A narrower terminal wraps the rows; cut digits would be wrong numbers."""
-HEADINGS = (
-    *("shot", "contact\nms", "v_n\nm/s", "v_s\nm/s", "v_n'\nm/s", "v_s'\nm/s"),
-    *("e", "beta"),
-)
+Tell = Callable[[int, MeasuredShot | RefusedShot], None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,32 +76,37 @@ def analyse(request: Request, *, as_json: bool) -> None:
     AnalysisInputError
         An option belongs to the other method; a path, a set-up or a campaign file cannot be read,
         or no shot's frames can. Then the refusal of each shot is printed first.
+    StoreError
+        The temporary folder is full.
     """
     _keep_sources(request)
     options = _options(request)
-    try:
-        campaign = _gather(request)
-        _announce_compiling(request.method)
-        started = time.perf_counter()
-        results, frames = _run(campaign, options, request.workers)
-        elapsed = time.perf_counter() - started
-        if request.out is not None and frames > 0:
-            write_folder(request.out, campaign.name, results)
-        if request.figures is not None:
-            _draw(request.figures, campaign.name, results)
-    except InputError as error:
-        raise AnalysisInputError(error.reason, part=_place(error)) from error
-    if as_json:
-        document = {
-            "campaign": campaign.name,
-            "method": request.method,
-            "frames_per_second": round(frames / elapsed, 1),
-            "unlisted": [str(path) for path in campaign.unlisted],
-            "shots": [{"shot": job.shot, **shot_document(shot)} for job, shot in results],
-        }
-        print(json.dumps(document, allow_nan=False))  # noqa: T201
-    else:
-        _print_table(campaign.name, results)
+    with Spool() as objects, ShotTable() as table:
+
+        def tell(number: int, shot: MeasuredShot | RefusedShot) -> None:
+            if as_json:
+                objects.add(shot_object(number, shot))
+            else:
+                table.add(number, shot)
+
+        try:
+            campaign = _gather(request)
+            _announce_compiling(request.method)
+            started = time.perf_counter()
+            frames = _run(request, campaign, options, tell)
+            elapsed = time.perf_counter() - started
+        except InputError as error:
+            raise AnalysisInputError(error.reason, part=_place(error)) from error
+        if as_json:
+            head = {
+                "campaign": campaign.name,
+                "method": request.method,
+                "frames_per_second": round(frames / elapsed, 1),
+                "unlisted": [str(path) for path in campaign.unlisted],
+            }
+            print_document(head, "shots", objects)
+        else:
+            table.print(campaign.name)
     _name_unlisted(campaign)
     if frames == 0:
         raise AnalysisInputError(
@@ -189,53 +188,36 @@ def _options(request: Request) -> AnalysisOptions:
     return AnalysisOptions(three_and_three=request.three_and_three, method=request.method)
 
 
-def _run(
-    campaign: Campaign, options: AnalysisOptions, workers: int | None
-) -> tuple[list[tuple[ShotJob, MeasuredShot | RefusedShot]], int]:
-    console = Console(stderr=True)
-    results, frames = [], 0
-    with Progress(console=console, transient=True, disable=not sys.stderr.isatty()) as bar:
+def _run(request: Request, campaign: Campaign, options: AnalysisOptions, tell: Tell) -> int:
+    """Analyse shot after shot, write what is asked for and forget it; return how many frames.
+
+    No folder is made for a campaign of which no frames can be read.
+    """
+    frames, write = 0, None
+    bar = Progress(console=Console(stderr=True), transient=True, disable=not sys.stderr.isatty())
+    with ExitStack() as written, bar:
         task = bar.add_task("analysing", total=len(campaign.jobs))
         done = analyse_campaign(
             campaign,
             options,
-            workers,
+            request.workers,
             progress=lambda count, _: bar.update(task, completed=count),
         )
         for job, shot, count in done:
-            results.append((job, shot))
             frames += count
-    return results, frames
+            tell(job.shot, shot)
+            if request.out is not None and write is None and count > 0:
+                folder = folder_writer(request.out, campaign.name, campaign.jobs)
+                write = written.enter_context(folder)
+            if isinstance(shot, MeasuredShot):
+                if write is not None:
+                    write(job.shot, shot)
+                if request.figures is not None:
+                    _draw(request.figures, campaign.name, job, shot)
+    return frames
 
 
-def _draw(
-    folder: Path, name: str, results: Sequence[tuple[ShotJob, MeasuredShot | RefusedShot]]
-) -> None:
+def _draw(folder: Path, name: str, job: ShotJob, shot: MeasuredShot) -> None:
     folder.mkdir(parents=True, exist_ok=True)
-    for job, shot in results:
-        if isinstance(shot, MeasuredShot):
-            frames = read_stack(job.frames).pixels
-            draw_shot(folder / f"{job.shot:04d}.png", f"{name}, shot {job.shot}", frames, shot)
-
-
-def _print_table(name: str, results: Sequence[tuple[ShotJob, MeasuredShot | RefusedShot]]) -> None:
-    table = Table(title=name, title_justify="left", box=None, padding=(0, 1, 0, 0))
-    for heading in HEADINGS:
-        table.add_column(heading, justify="right", no_wrap=True)
-    refused = []
-    for job, shot in results:
-        if isinstance(shot, RefusedShot):
-            refused.append((job.shot, shot))
-            continue
-        impact = shot.impact
-        contact = Quantity(1e3 * impact.contact_time.value, 1e3 * impact.contact_time.sigma, "ms")
-        cells = (contact, impact.v_n, impact.v_s, impact.v_n_after, impact.v_s_after, impact.e)
-        beta = "" if impact.beta is None else impact.beta.concise()
-        table.add_row(str(job.shot), *(cell.concise() for cell in cells), beta)
-    table.caption = "in brackets: standard error in units of the last digit"
-    console = Console()
-    console.width = max(console.width, TABLE_WIDTH)
-    console.print(table)
-    for number, shot in refused:
-        place = "" if shot.frame is None else f", frame {shot.frame}"
-        console.print(f"shot {number} refused at {shot.step}{place}: {shot.reason}", markup=False)
+    frames = read_stack(job.frames).pixels
+    draw_shot(folder / f"{job.shot:04d}.png", f"{name}, shot {job.shot}", frames, shot)

@@ -45,7 +45,7 @@ class Spool:
                 yield line.removesuffix("\n")
 
 
-def print_document(head: Json, listed: str, items: Spool, tail: Json) -> None:
+def print_document(head: Json, listed: str, items: Spool, tail: Json | None = None) -> None:
     """Print one JSON document: fields, a list of the JSON objects in a spool, and more fields.
 
     Parameters
@@ -66,7 +66,7 @@ def print_document(head: Json, listed: str, items: Spool, tail: Json) -> None:
     write(f"{_fields(head)[:-1]}, {json.dumps(listed)}: [")
     for place, item in enumerate(items.lines()):
         write(f",\n{item}" if place else f"\n{item}")
-    write(f"], {_fields(tail)[1:]}\n")
+    write(f"], {_fields(tail)[1:]}\n" if tail else "]}\n")
 
 
 def _fields(part: Json) -> str:

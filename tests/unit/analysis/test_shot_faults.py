@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from analysis.exchange.tables import POSES, write_poses
+from analysis.exchange.tables import POSES, pose_writer
 from analysis.setup import Setup
 from analysis.shot import AnalysisOptions, MeasuredShot, RefusedShot, analyse_shot
 from simulators.world import Launch, WorldDescription, render_shot
@@ -110,7 +110,8 @@ def test_a_sphere_hidden_in_the_mirror_keeps_its_front_view(frames, setup, tmp_p
     last = int(shot.centres[0].frames[-1])
     assert last >= 18
     assert np.isinf(shot.centres[0].sigma[-1, 2])
-    write_poses(tmp_path / "poses.csv", [(1, shot)])
+    with pose_writer(tmp_path / "poses.csv") as write:
+        write(1, shot)
     rows = (tmp_path / "poses.csv").read_text().splitlines()
     row = next(r.split(",") for r in rows if r.startswith(f"1,{last},") and ",a," in r)
     assert row[POSES.index("z_m")] == row[POSES.index("sigma_z_m")] == ""

@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from analysis.errors import InputError
 from analysis.exchange.pose_table import PoseRow, read_poses
-from analysis.exchange.tables import POSES, write_poses
+from analysis.exchange.tables import POSES, pose_writer
 from analysis.shot import MeasuredShot, analyse_shot
 from simulators.world import WorldDescription
 from tests.unit.analysis.rendered import setup_of, shot
@@ -164,7 +164,8 @@ def test_what_the_analysis_writes_comes_back_to_the_last_digit(
     tmp_path: Path, measured: MeasuredShot
 ) -> None:
     path = tmp_path / "poses.csv"
-    write_poses(path, [(7, measured)])
+    with pose_writer(path) as write:
+        write(7, measured)
     spheres = read_poses(path)[7]
     assert path.read_text(encoding="utf-8").splitlines()[0].split(",") == POSES
     for name, centres, turned in zip("ab", measured.centres, measured.orientations, strict=True):

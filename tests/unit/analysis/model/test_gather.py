@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from analysis.errors import InputError
 from analysis.exchange.pose_table import read_poses
-from analysis.exchange.tables import write_poses
+from analysis.exchange.tables import pose_writer
 from analysis.model.gather import gather, measured_poses
 from analysis.model.judged import judged
 from analysis.model.poses import PoseData
@@ -130,7 +130,8 @@ def test_a_shot_measured_now_gives_what_its_written_table_gives(tmp_path: Path) 
     rendered = shot(40.0, 6.0, frames=14)
     measured = analyse_shot(rendered.frames, rendered.times_s, setup_of(WorldDescription()))
     assert isinstance(measured, MeasuredShot)
-    write_poses(tmp_path / "poses.csv", [(1, measured)])
+    with pose_writer(tmp_path / "poses.csv") as write:
+        write(1, measured)
     now, read = measured_poses(measured), read_poses(tmp_path / "poses.csv")[1]
     for name in "ab":
         for mine, written in zip(now[name], read[name], strict=True):
