@@ -1,10 +1,17 @@
 from __future__ import annotations
 
+import gc
 import json
+from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+from analysis.campaign import Campaign, ShotJob, analyse_campaign, read_campaign
+from analysis.exchange.contact_table import read_contacts
+from analysis.shot import AnalysisOptions, MeasuredShot
 from rigctl import cli
 from simulators.world import write_campaign
 
@@ -87,3 +94,53 @@ def test_an_option_of_the_edges_is_refused_where_none_are_sought(
     told = capsys.readouterr().err
     assert option[0] in told
     assert "--method thesis" in told
+
+
+MANY = 20
+
+
+@pytest.fixture
+def many(campaign: Path, monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """Let one shot be measured under many numbers; return how many were held as each was taken."""
+    read = read_campaign(campaign)
+    ((job, shot, frames),) = analyse_campaign(read, AnalysisOptions())
+    assert isinstance(shot, MeasuredShot)
+    held: list[int] = []
+
+    def measured_again(
+        campaign: Campaign, *_: Any, **__: Any
+    ) -> Iterator[tuple[ShotJob, MeasuredShot, int]]:
+        for each in campaign.jobs:
+            held.append(sum(isinstance(other, MeasuredShot) for other in gc.get_objects()))
+            yield each, replace(shot), frames
+
+    jobs = tuple(replace(job, shot=number) for number in range(1, MANY + 1))
+    longer = Campaign(read.name, jobs)
+    monkeypatch.setattr("rigctl.commands.analyse.read_campaign", lambda *_: longer)
+    monkeypatch.setattr("rigctl.commands.analyse.analyse_campaign", measured_again)
+    return held
+
+
+@pytest.mark.parametrize("form", [["--json"], []])
+def test_no_shot_is_held_once_it_is_written(
+    campaign: Path,
+    many: list[int],
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    form: list[str],
+) -> None:
+    out = tmp_path / "measured"
+    assert cli.run(["analyse", str(campaign), "--out", str(out), *form]) == 0
+    assert len(many) == MANY
+    # The one that is copied, and the one that is being printed.
+    assert max(many) <= many[0] + 1
+    assert [row.shot for row in read_contacts(out / "contacts.csv", plate=False)] == [
+        *range(1, MANY + 1)
+    ]
+    shown = capsys.readouterr().out
+    if form:
+        assert [shot["shot"] for shot in json.loads(shown)["shots"]] == [*range(1, MANY + 1)]
+    else:
+        rows = [line.split() for line in shown.splitlines()]
+        assert [row[0] for row in rows[3:-1]] == [str(number) for number in range(1, MANY + 1)]
+        assert len({len(line) for line in shown.splitlines()[1:-1]}) == 1
