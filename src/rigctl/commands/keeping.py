@@ -34,6 +34,8 @@ def verify(campaign: str | None, configuration: Path | None, *, as_json: bool) -
         for fault in found.faults:
             _print(f"{fault.part}: {fault.what}")
         _print(f"{found.shots} shots, {found.files} files, {found.entries} entries of the audit")
+        if found.unchecked:
+            _print(f"{found.unchecked} results without a digest: read, but not compared")
     if found.faults:
         raise StoreError(
             "the store is not what was stored",

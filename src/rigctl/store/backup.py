@@ -60,7 +60,8 @@ def _copy_shot(store: StoreReader, copy: StoreReader, shot: ShotRecord) -> int:
     source, target = store.folders.folder(shot.id), copy.folders.folder(shot.id)
     if not source.is_dir():
         return 0
-    later = {path.name for path in store.folders.results(shot.id)[shot.results :]}
+    there = store.folders.results(shot.id)
+    later = {path.name for number, path in there.items() if number > shot.results}
     files = [path for path in source.rglob("*") if path.is_file() and path.name not in later]
     for path in files:
         if not path.name.startswith("."):

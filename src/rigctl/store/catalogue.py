@@ -12,7 +12,7 @@ from rigctl.errors import KeyReusedError, KeyRunningError, NotFoundError, StoreE
 from rigctl.store.database import Database
 from rigctl.store.imports import require_own
 from rigctl.store.records import NewShot, ShotRecord
-from rigctl.store.schema import idempotency_keys, shot_tags, shots
+from rigctl.store.schema import idempotency_keys, results, shot_tags, shots
 from rigctl.store.shot_rows import one, records
 from rigctl.store.states import RUNNING, SHOT_TRANSITIONS, Fired, ShotState
 
@@ -21,7 +21,10 @@ _PAGE = 500
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """What becomes known of a shot with its next state; None leaves a field as it is."""
+    """What becomes known of a shot with its next state; None leaves a field as it is.
+
+    `result` is the SHA-256 of the file of the result that `results` counts last.
+    """
 
     fired: Fired | None = None
     fired_at: datetime | None = None
@@ -32,6 +35,7 @@ class Change:
     failure_code: str | None = None
     results: int | None = None
     manifest: str | None = None
+    result: str | None = None
 
 
 class Catalogue:
@@ -89,9 +93,10 @@ class Catalogue:
                     part=self._database.name,
                     shot=shot,
                 )
-            known: dict[str, object] = {
-                name: value for name, value in _columns(change or Change()) if value is not None
-            }
+            change = change or Change()
+            known = {name: value for name, value in _columns(change) if value is not None}
+            if known.pop("result", None) is not None:
+                _add_result(connection, present, change)
             if to is ShotState.ANALYSING:
                 # What an earlier analysis could not do says nothing of this one.
                 known |= {"failure": None, "failure_code": None}
@@ -177,6 +182,12 @@ class Catalogue:
             after = page[-1].id
             yield from page
 
+    def results(self, shot: ShotRecord) -> dict[int, str]:
+        """Return the SHA-256 of each result's file by its number; of old ones none is known."""
+        query = select(results.c.number, results.c.digest).where(results.c.shot == shot.number)
+        with self._database.reading() as connection:
+            return {row.number: row.digest for row in connection.execute(query)}
+
     def count(self) -> int:
         """Return how many shots there are."""
         with self._database.reading() as connection:
@@ -228,6 +239,14 @@ def _claimed(connection: Connection, key: str, body_hash: str) -> ShotRecord | N
             shot=record.id,
         )
     return record
+
+
+def _add_result(connection: Connection, shot: ShotRecord, change: Change) -> None:
+    """Note a result's digest; what was stored first is what is to be found later."""
+    row = {"shot": shot.number, "number": change.results}
+    known = select(results).filter_by(**row)
+    if connection.execute(known).one_or_none() is None:
+        connection.execute(insert(results).values(**row, digest=change.result))
 
 
 def _created(connection: Connection, number: int, new: NewShot) -> ShotRecord:

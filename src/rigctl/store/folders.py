@@ -86,15 +86,15 @@ class ShotFolders:
 
     def digest(self, shot: str) -> str | None:
         """Return the SHA-256 of a shot's manifest; None where there is none."""
-        path = self.folder(shot) / "manifest.json"
-        try:
-            return sha256(path)
-        except FileNotFoundError:
-            return None
+        return _digest(self.folder(shot) / "manifest.json")
 
-    def results(self, shot: str) -> list[Path]:
-        """Return the files of a shot's results, in order."""
-        return _results(self.folder(shot))
+    def result_digest(self, shot: str, number: int) -> str | None:
+        """Return the SHA-256 of the file of a shot's result; None where there is none."""
+        return _digest(self.folder(shot) / _result_name(number))
+
+    def results(self, shot: str) -> dict[int, Path]:
+        """Return the files of a shot's results by their numbers, in order."""
+        return {_number(path): path for path in _results(self.folder(shot))}
 
     def frames(self, shot: str) -> FrameSequence:
         """Return a shot's frames, as they came from the source.
@@ -156,7 +156,7 @@ class ShotFolders:
             write_synced(partial, lambda file: file.write(text))
             number = max(map(_number, _results(folder)), default=0) + 1
             # A link, unlike a rename, refuses to take the place of a file that is there.
-            os.link(partial, folder / f"result-{number:04d}.json")
+            os.link(partial, folder / _result_name(number))
             partial.unlink()
             sync_folder(folder)
         return number
@@ -255,6 +255,17 @@ def sha256(path: Path) -> str:
 
 def _results(folder: Path) -> list[Path]:
     return sorted(folder.glob("result-*.json"), key=_number)
+
+
+def _result_name(number: int) -> str:
+    return f"result-{number:04d}.json"
+
+
+def _digest(path: Path) -> str | None:
+    try:
+        return sha256(path)
+    except FileNotFoundError:
+        return None
 
 
 def _number(path: Path) -> int:

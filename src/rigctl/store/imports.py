@@ -24,7 +24,7 @@ from rigctl.store.database import Database
 from rigctl.store.durable import make_folders, sync_folder
 from rigctl.store.edits import utc_now
 from rigctl.store.folders import sha256
-from rigctl.store.schema import edits, imports, shot_tags, shots
+from rigctl.store.schema import edits, imports, results, shot_tags, shots
 from rigctl.store.states import Fired, ShotState
 
 LISTING = "import.json"
@@ -196,6 +196,17 @@ def _add_rows(
     ]
     if tags:
         connection.execute(insert(shot_tags), tags)
+    measured = [
+        {"shot": number, "number": 1, "digest": sha256(_first_result(stage, shot))}
+        for number, shot in numbered
+        if shot.state is ShotState.ANALYSED
+    ]
+    if measured:
+        connection.execute(insert(results), measured)
+
+
+def _first_result(stage: Stage, shot: ImportedShot) -> Path:
+    return stage.path / stage.shot(shot.number) / "result-0001.json"
 
 
 def _row(stage: Stage, shot: ImportedShot) -> dict[str, object]:

@@ -107,10 +107,14 @@ class Store:
     def move(self, shot: str, to: ShotState, change: Change | None = None) -> ShotRecord:
         """Give a shot its next state, durably; as `Catalogue.move`. Listeners are told.
 
-        With `stored` the digest of its manifest goes into the catalogue.
+        With `stored` the digest of its manifest goes into the catalogue, with a result that of
+        its file.
         """
+        change = change or Change()
         if to is ShotState.STORED:
-            change = replace(change or Change(), manifest=self.folders.digest(shot))
+            change = replace(change, manifest=self.folders.digest(shot))
+        if change.results is not None:
+            change = replace(change, result=self.folders.result_digest(shot, change.results))
         return self._told(self.catalogue.move(shot, to, change))
 
     def shot(self, shot: str) -> ShotRecord:

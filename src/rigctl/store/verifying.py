@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -33,12 +34,15 @@ class Verified:
     ----------
     shots, files, entries
         How many were looked at; entries are those of the two audits.
+    unchecked
+        How many results are of a time when no digest was noted: they were read, not compared.
     """
 
     shots: int
     files: int
     entries: int
     faults: tuple[Fault, ...]
+    unchecked: int = 0
 
 
 def verify_store(store: StoreReader, say: Say, campaign: str | None = None) -> Verified:
@@ -58,15 +62,19 @@ def verify_store(store: StoreReader, say: Say, campaign: str | None = None) -> V
     StoreError
         The catalogue cannot be read.
     """
-    shots, files, faults = 0, 0, list[Fault]()
+    shots, files, unchecked, faults = 0, 0, 0, list[Fault]()
     total = store.campaigns.one(campaign).shots if campaign else store.catalogue.count()
     known = set[str]()
     for shot in store.catalogue.each(campaign):
         say(f"shot {shot.id}", shots / max(total, 1))
         shots += 1
         known.add(shot.id)
-        looked_at, wrong = _verify_shot(store, shot)
+        looked_at, wrong = _verify_frames(store, shot)
         files += looked_at
+        faults += wrong
+        looked_at, without, wrong = _verify_results(store, shot)
+        files += looked_at
+        unchecked += without
         faults += wrong
     for number, name in store.imports.numbers().items():
         if campaign is None or campaign == name:
@@ -82,10 +90,10 @@ def verify_store(store: StoreReader, say: Say, campaign: str | None = None) -> V
             entries += audit.verify()
         except StoreError as error:
             faults.append(Fault(str(error.part), f"{error.what} (found {error.value})"))
-    return Verified(shots, files, entries, tuple(faults))
+    return Verified(shots, files, entries, tuple(faults), unchecked)
 
 
-def _verify_shot(store: StoreReader, shot: ShotRecord) -> tuple[int, list[Fault]]:
+def _verify_frames(store: StoreReader, shot: ShotRecord) -> tuple[int, list[Fault]]:
     """Return how many files of a shot were looked at, and what is wrong with them."""
     if shot.manifest is None and shot.frames is None:
         return 0, []
@@ -102,17 +110,27 @@ def _verify_shot(store: StoreReader, shot: ShotRecord) -> tuple[int, list[Fault]
                 faults.append(Fault(str(folder / about["file"]), "are not the frames recorded"))
         except (RigError, OSError) as error:
             faults.append(Fault(str(folder), f"its frames cannot be read: {error}"))
-    there = store.folders.results(shot.id)
-    if len(there) < shot.results:
-        what = f"holds {len(there)} results of {shot.results}"
-        faults.append(Fault(str(folder), what))
-    for path in there:
-        files += 1
+    return files, faults
+
+
+def _verify_results(store: StoreReader, shot: ShotRecord) -> tuple[int, int, list[Fault]]:
+    """Return how many results a shot has, how many of them without a digest, and what is wrong."""
+    folder = store.folders.folder(shot.id)
+    there, digests = store.folders.results(shot.id), store.catalogue.results(shot)
+    missing = digests.keys() - there.keys()
+    faults = [Fault(str(folder / f"result-{n:04d}.json"), "is missing") for n in sorted(missing)]
+    if len(there) + len(missing) < shot.results:
+        faults.append(Fault(str(folder), f"holds {len(there)} results of {shot.results}"))
+    for number, path in there.items():
         try:
-            json.loads(path.read_bytes())
+            content = path.read_bytes()
+            json.loads(content)
         except (OSError, ValueError) as error:
             faults.append(Fault(str(path), f"cannot be read: {error}"))
-    return files, faults
+            continue
+        if number in digests and hashlib.sha256(content).hexdigest() != digests[number]:
+            faults.append(Fault(str(path), "is not the result that was stored"))
+    return len(there), len(there.keys() - digests.keys()), faults
 
 
 def _verify_import(store: StoreReader, campaign: str) -> tuple[int, list[Fault]]:

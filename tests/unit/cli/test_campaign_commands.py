@@ -132,7 +132,7 @@ def test_where_nothing_was_fired_there_are_no_shots(ask: Answer, folder: Path) -
 def test_the_store_is_verified_and_backed_up(folder: Path, ask: Answer, tmp_path: Path) -> None:
     run(["import", str(folder)])
     code, found = ask("verify", "--json")
-    assert (code, found["shots"], found["faults"]) == (0, 2, [])
+    assert (code, found["shots"], found["faults"], found["unchecked"]) == (0, 2, [], 0)
     code, found = ask("backup", "copy", "--json")
     assert (code, found["shots"], found["folder"]) == (0, 2, "copy")
     code, said = ask("backup", "copy")

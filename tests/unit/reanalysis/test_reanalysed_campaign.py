@@ -277,7 +277,7 @@ def test_a_result_that_was_damaged_is_not_compared_and_nothing_is_added_beside_i
 ) -> None:
     answers(lambda shot, method: measured(0.7))
     reanalysed(store, "nylon", "thesis")
-    store.folders.results(shots[0])[0].write_text("{")
+    store.folders.results(shots[0])[1].write_text("{")
     outcomes = reanalysed(store, "nylon", "thesis")
     assert "result-0001.json" in str(outcomes[0].failure)
     assert [outcome.failure for outcome in outcomes[1:]] == [None, None]

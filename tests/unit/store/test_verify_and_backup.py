@@ -87,7 +87,12 @@ def forge(folder: Path) -> None:
         (forge, "manifest.json", "is not the one that was stored"),
         (lambda f: (f / "frames.npy").unlink(), "", "cannot be read"),
         (lambda f: (f / "manifest.json").unlink(), "manifest.json", "is missing"),
-        (lambda f: (f / "result-0001.json").unlink(), "", "holds 0 results of 1"),
+        (lambda f: (f / "result-0001.json").unlink(), "result-0001.json", "is missing"),
+        (
+            lambda f: (f / "result-0001.json").write_text('{"e": 0.8}'),
+            "result-0001.json",
+            "is not the result that was stored",
+        ),
         (lambda f: (f / "result-0001.json").write_text("{"), "result-0001.json", "cannot be read"),
     ],
 )
@@ -100,6 +105,57 @@ def test_whatever_was_altered_or_lost_is_named(
     (fault,) = verified(store).faults
     assert fault.part == str(folder / part if part else folder)
     assert words in fault.what
+
+
+def as_before_digests(store: Store) -> None:
+    """Leave the catalogue as one is that was brought to the present form."""
+    without_guard(store, "results")
+    perform(store, "DELETE FROM results")
+
+
+def test_every_result_is_compared_with_its_own_digest(store: Store, fire: Fire) -> None:
+    shot = fire()
+    store.move(shot, ShotState.ANALYSING)
+    number = store.folders.add_result(shot, {"e": 0.8})
+    record = store.move(shot, ShotState.ANALYSED, Change(results=number))
+    contents = [path.read_bytes() for path in store.folders.results(shot).values()]
+    wanted = {k: hashlib.sha256(text).hexdigest() for k, text in enumerate(contents, start=1)}
+    assert store.catalogue.results(record) == wanted
+    assert len(set(wanted.values())) == 2
+    folder = store.folders.folder(shot)
+    (folder / "result-0001.json").write_bytes(contents[1])
+    (fault,) = verified(store).faults
+    assert fault.part == str(folder / "result-0001.json")
+
+
+def test_results_of_an_older_store_are_read_and_said_to_be_unchecked(
+    store: Store, fire: Fire
+) -> None:
+    old = fire("old")
+    as_before_digests(store)
+    fire("young")
+    folder = store.folders.folder(old)
+    (folder / "result-0001.json").write_text('{"e": 0.8}')
+    assert verified(store) == Verified(shots=2, files=6, entries=0, faults=(), unchecked=1)
+    (folder / "result-0001.json").write_text("{")
+    assert "cannot be read" in verified(store).faults[0].what
+    (folder / "result-0001.json").unlink()
+    assert [fault.what for fault in verified(store).faults] == ["holds 0 results of 1"]
+
+
+def test_the_digest_of_a_result_is_kept_from_the_first_time(store: Store, fire: Fire) -> None:
+    shot = fire()
+    (store.folders.folder(shot) / "result-0001.json").write_text('{"e": 0.8}')
+    store.move(shot, ShotState.ANALYSING)
+    store.move(shot, ShotState.ANALYSED, Change(results=1))
+    assert "is not the result that was stored" in verified(store).faults[0].what
+
+
+def test_the_digest_of_a_result_cannot_be_changed(store: Store, fire: Fire) -> None:
+    fire()
+    for statement in ("UPDATE results SET digest = 'other'", "DELETE FROM results"):
+        with pytest.raises(StoreError, match="append-only"):
+            perform(store, statement)
 
 
 def test_a_folder_that_belongs_to_nothing_is_named(store: Store, fire: Fire) -> None:
