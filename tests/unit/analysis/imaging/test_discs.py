@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from drawings import Place, draw, edges_of
+from drawings import BACKGROUND, Place, draw, edges_of
 
 from analysis.imaging.discs import (
     PADDING_PX,
@@ -67,3 +67,18 @@ def test_the_common_radius_of_two_discs_is_known_to_a_pixel(radius: float) -> No
     edges = edges_of(draw(places), noise=1.5)
     found = common_radius(edges.points, edges.shape, 6.0, 40.0, 2)
     assert found == pytest.approx(radius, abs=1.0)
+
+
+def test_markers_do_not_outvote_two_discs_that_show_half_of_their_limbs() -> None:
+    """The lower half of each disc fades into what lies behind it."""
+    places = [(40.0, 30.0, 18.0), (45.0, 85.0, 18.0)]
+    spots = [
+        (row + 11.0 * np.sin(turn), column + 11.0 * np.cos(turn), 3.5)
+        for row, column, _ in places
+        for turn in np.arange(0.3, 6.2, 1.2)
+    ]
+    picture = draw(places, markers=spots)
+    fade = np.clip((60.0 - np.arange(len(picture))) / 30.0, 0.0, 1.0)[:, None]
+    edges = edges_of(BACKGROUND + (picture - BACKGROUND) * fade, noise=1.5)
+    found = common_radius(edges.points, edges.shape, 3.0, 40.0, 2)
+    assert found == pytest.approx(18.0, abs=1.0)
