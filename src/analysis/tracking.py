@@ -18,7 +18,7 @@ from analysis.imaging.frame import (
     gradient_threshold,
     noise_sd,
 )
-from analysis.imaging.radii import filter_bias, view_radii
+from analysis.imaging.radii import filter_bias, shared_radii, view_radii
 from analysis.imaging.refinement import Knowledge, MarkersInFrame, refine_outlines
 from analysis.imaging.tracks import Spheres
 from analysis.imaging.views import View, ViewGeometry, view_geometries
@@ -83,11 +83,19 @@ def track_spheres(
     setup: Setup,
     settings: EdgeSettings,
     matching: Matching,
+    *,
+    part_of_limb: bool = False,
 ) -> Tracking:
     """Measure the poses of both spheres in every frame that shows them.
 
     The outlines are found twice: once plainly, and once the radius is known and the learned
     marker pattern says which stretches of the limb a marker cuts.
+
+    Parameters
+    ----------
+    part_of_limb
+        Go on where a sphere shows less than most of its limb in every frame: good enough for a
+        start, too little for a radius.
 
     Raises
     ------
@@ -100,7 +108,8 @@ def track_spheres(
     edges = [find_edges(frame, settings, threshold) for frame in frames]
     spheres = follow(edges, views, _start_radius(edges, setup), settings.sigma_px)
     refuse_repeats(frames, spheres)
-    radii = view_radii(spheres)
+    diameters = (setup.spheres[0].diameter_m, setup.spheres[1].diameter_m)
+    radii = shared_radii(spheres, diameters) if part_of_limb else view_radii(spheres)
     bias = filter_bias(frames, spheres, settings, noise)
     seen, orientations = _markers(edges, views, spheres, radii, times_s)
     standing = (_standing(orientations[0]), _standing(orientations[1]))

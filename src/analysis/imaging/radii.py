@@ -13,9 +13,13 @@ from analysis.imaging.tracks import Spheres, other_discs
 from analysis.imaging.views import View
 
 GOOD_COVERAGE = 0.6
+NEARLY_BEST = 0.9
+"""Of the best coverage, where none is good."""
 FINER = 0.6
 """The second filter is this much narrower."""
 FRAMES_TRIED = 6
+FEWEST_PAIRS = 3
+"""Outlines seen well through both filters, for a bias to be known."""
 
 
 def view_radii(spheres: Spheres) -> dict[View, tuple[float, float]]:
@@ -43,6 +47,34 @@ def view_radii(spheres: Spheres) -> dict[View, tuple[float, float]]:
     return radii
 
 
+def shared_radii(
+    spheres: Spheres, diameters_m: tuple[float, float]
+) -> dict[View, tuple[float, float]]:
+    """Return for each view the radius of spheres a and b, in the ratio of their diameters, pixels.
+
+    The dark side of a sphere may be as bright as what lies behind it, and part of a limb gives a
+    radius that is some per cent too small. So the best seen outlines speak for both spheres.
+
+    Raises
+    ------
+    ShotRefusedError
+        Neither sphere is found in any frame of a view.
+    """
+    radii: dict[View, tuple[float, float]] = {}
+    for view in spheres[0]:
+        seen = [
+            (outline.coverage, outline.circle.radius / diameter)
+            for sphere, diameter in zip(spheres, diameters_m, strict=True)
+            for outline in sphere[view].outlines.values()
+        ]
+        if not seen:
+            raise ShotRefusedError("outlines", f"no sphere is found in the {view.value} view")
+        least = min(GOOD_COVERAGE, NEARLY_BEST * max(coverage for coverage, _ in seen))
+        size = float(np.median([own for coverage, own in seen if coverage >= least]))
+        radii[view] = (size * diameters_m[0], size * diameters_m[1])
+    return radii
+
+
 def filter_bias(
     frames: NDArray[np.uint8],
     spheres: Spheres,
@@ -53,7 +85,8 @@ def filter_bias(
 
     The zero of the Laplacian of Gaussian lies off a curved, shaded edge by an amount that grows
     with sigma^2 (for a flat disc by sigma^2 / (2 R)). Measured with a second, narrower filter on
-    the same discs and carried on to sigma = 0, whatever the shading.
+    the same discs and carried on to sigma = 0, whatever the shading. 0 where too few outlines are
+    seen well.
     """
     fine = EdgeSettings(FINER * settings.sigma_px, None, settings.samples_per_pixel)
     threshold = gradient_threshold(noise, fine.sigma_px)
@@ -70,4 +103,7 @@ def filter_bias(
             if finer is not None and min(finer.coverage, coarse.coverage) >= GOOD_COVERAGE:
                 differences[view].append(coarse.circle.radius - finer.circle.radius)
     share = 1.0 / (1.0 - FINER**2)
-    return {v: share * float(np.median(d)) if d else 0.0 for v, d in differences.items()}
+    return {
+        v: share * float(np.median(d)) if len(d) >= FEWEST_PAIRS else 0.0
+        for v, d in differences.items()
+    }

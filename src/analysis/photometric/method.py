@@ -14,6 +14,7 @@ from analysis.imaging.frame import EdgeSettings, noise_sd
 from analysis.photometric.appearance import Knowledge
 from analysis.photometric.background import first_background
 from analysis.photometric.confirmation import shown_share
+from analysis.photometric.dead_lines import filled
 from analysis.photometric.film import Film, drop_misfits, settle_film
 from analysis.photometric.following import Follower
 from analysis.photometric.learning import extended, learn, learn_together
@@ -65,6 +66,11 @@ def teach(shots: Sequence[Frames], setup: Setup) -> Knowledge | None:
     return known
 
 
+def noise_of(frames: NDArray[np.uint8]) -> float:
+    """Return a first guess of the noise of a pixel, grey levels."""
+    return noise_sd(frames[:: max(1, len(frames) // NOISE_FRAMES)])
+
+
 def learned_film(
     frames: NDArray[np.uint8], times_s: Floats, setup: Setup
 ) -> tuple[Film, Knowledge]:
@@ -75,7 +81,8 @@ def learned_film(
     ShotRefusedError
         With the step, the frame and the reason.
     """
-    start = track_spheres(frames, times_s, setup, EdgeSettings(), "pattern")
+    frames = filled(frames, noise_of(frames))
+    start = track_spheres(frames, times_s, setup, EdgeSettings(), "pattern", part_of_limb=True)
     film, guess = first_film(frames, times_s, start, setup)
     known = learn(film, guess, hold_scale=setup.camera.scale_px_per_m is not None)
     settle_film(film, known, LAST_LIMIT)
@@ -92,9 +99,9 @@ def followed_film(frames: NDArray[np.uint8], times_s: Floats, known: Knowledge) 
     ShotRefusedError
         No frame shows the spheres as they are known.
     """
-    film = Film.blank(frames, len(known.camera.views))
-    film.background = first_background(frames)
-    film.noise = noise_sd(frames[:: max(1, len(frames) // NOISE_FRAMES)])
+    noise = noise_of(frames)
+    film = Film.blank(filled(frames, noise), len(known.camera.views))
+    film.background, film.noise = first_background(film.frames), noise
     Follower(film, known).run(times_s)
     film.refresh(known)
     settle_film(film, known, LAST_LIMIT)

@@ -5,7 +5,7 @@ from drawings import BACKGROUND, SETTINGS, SURFACE, draw, edges_of, grey
 from analysis.errors import ShotRefusedError
 from analysis.imaging.frame import EdgeSettings, find_edges
 from analysis.imaging.outlines import Outline, fit_outline
-from analysis.imaging.radii import filter_bias, view_radii
+from analysis.imaging.radii import filter_bias, shared_radii, view_radii
 from analysis.imaging.shells import Circle
 from analysis.imaging.tracks import Spheres, Track
 from analysis.imaging.views import View
@@ -56,6 +56,23 @@ def test_the_radius_is_the_median_of_well_seen_outlines() -> None:
 def test_a_sphere_that_is_never_well_seen_is_refused_by_name_and_view() -> None:
     with pytest.raises(ShotRefusedError, match=r"outlines: sphere b .* 60% .* front view"):
         view_radii((outlines([20.0], [1.0]), outlines([20.0, 20.0], [0.5, 0.55])))
+
+
+def test_the_best_seen_outlines_speak_for_both_spheres() -> None:
+    a = outlines([19.9, 20.1, 18.0], [0.75, 0.7, 0.45])
+    b = outlines([23.0, 22.0], [0.45, 0.4])
+    ours = shared_radii((a, b), (0.02, 0.024))[View.FRONT]
+    assert ours == (pytest.approx(20.0), pytest.approx(24.0))
+
+
+def test_where_no_outline_is_good_the_best_of_them_gives_the_radius() -> None:
+    a, b = outlines([19.5, 18.0], [0.5, 0.41]), outlines([19.7, 17.0], [0.48, 0.4])
+    assert shared_radii((a, b), (0.02, 0.02))[View.FRONT] == (19.6, 19.6)
+
+
+def test_a_view_without_any_outline_is_refused_by_name() -> None:
+    with pytest.raises(ShotRefusedError, match="outlines: no sphere is found in the front view"):
+        shared_radii((outlines([], []), outlines([], [])), (0.02, 0.02))
 
 
 def test_without_a_frame_that_shows_all_outlines_no_bias_is_known() -> None:
