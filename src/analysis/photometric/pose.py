@@ -23,6 +23,9 @@ LONGEST_STEP, LONGEST_TURN = 0.3, 0.15
 """Of one iteration, in radii and radians."""
 PRIOR_OFFSET, PRIOR_GAIN, PRIOR_SLOPE = 20.0, 0.3, 20.0
 """Widths that keep a view's light determined where few of its pixels are seen."""
+LEAST_SEEN = 0.35
+"""Pixels of a view against those of the view that shows most: what another sphere leaves of this
+one in the mirror lies in that one's shadow, and says little that is true."""
 WIDEST_PLACE, WIDEST_TURN = 10.0, 4.0
 """Errors, in radii and radians, that are stated where no pixel shows a direction or a turn."""
 
@@ -115,6 +118,32 @@ def inverse_of(normal: Floats) -> Floats:
 
 
 @part
+def add_views(sight: Sight, stance: Stance, limit: float, whole: Equations, out: Floats) -> None:
+    """Add the equations of all views that show enough of the sphere.
+
+    Parameters
+    ----------
+    out
+        Its first three are filled: weighted chi-squared, weights, pixels looked at.
+    """
+    views = sight.optics.scales.shape[0]
+    normal, right = np.zeros((views, UNKNOWNS, UNKNOWNS)), np.zeros((views, UNKNOWNS))
+    told = np.zeros((views, 3))
+    for view in range(views):
+        own = Equations(normal[view], right[view])
+        told[view, 0], told[view, 1], told[view, 2] = accumulate(sight, stance, view, limit, own)
+    out[0], out[1], out[2] = 0.0, 0.0, 0.0
+    for view in range(views):
+        if told[view, 2] < LEAST_SEEN * told[:, 2].max():
+            continue
+        for k in range(3):
+            out[k] += told[view, k]
+        change = into_world(sight.optics, view, stance.centre)
+        own = Equations(normal[view], right[view])
+        add_turned(own, change, POSE + LIGHTS * view, whole)
+
+
+@part
 def take_steps(sight: Sight, stance: Stance, limits: Floats, covariance: Floats) -> Floats:
     """Improve a stance in place, as `fit_pose` tells."""
     views = sight.optics.scales.shape[0]
@@ -122,13 +151,7 @@ def take_steps(sight: Sight, stance: Stance, limits: Floats, covariance: Floats)
     step, out = np.zeros(size), np.zeros(5)
     for limit in limits:
         whole = Equations(np.zeros((size, size)), np.zeros(size))
-        out[0], out[1], out[2] = 0.0, 0.0, 0.0
-        for view in range(views):
-            own = Equations(np.zeros((UNKNOWNS, UNKNOWNS)), np.zeros(UNKNOWNS))
-            squares, weights, count = accumulate(sight, stance, view, limit, own)
-            out[0], out[1], out[2] = out[0] + squares, out[1] + weights, out[2] + count
-            change = into_world(sight.optics, view, stance.centre)
-            add_turned(own, change, POSE + LIGHTS * view, whole)
+        add_views(sight, stance, limit, whole, out)
         add_priors(sight, stance, whole)
         inverse = inverse_of(whole.normal)
         for a in range(size):
