@@ -50,10 +50,23 @@ def each_measured(store: Store | StoreReader, name: str) -> Iterator[MeasuredFil
             yield MeasuredFiles(folder / "manifest.json", result, excluded)
 
 
-def request(title: str, files: Sequence[MeasuredFiles], effects: Sequence[str] = ()) -> Json:
-    """Return the argument of the functions of `modelling`."""
+def request(
+    title: str,
+    files: Sequence[MeasuredFiles],
+    effects: Sequence[str] = (),
+    store: Store | None = None,
+) -> Json:
+    """Return the argument of the functions of `modelling`.
+
+    Parameters
+    ----------
+    store
+        Where the campaign is; without it, it is not looked for tables that came in the place of
+        poses.
+    """
     listed = [
         {"manifest": str(own.manifest), "result": str(own.result), "excluded": own.excluded}
         for own in files
     ]
-    return {"campaign": title, "files": listed, "with": list(effects)}
+    place = {} if store is None else {"store": str(store.path), "database": store.address}
+    return {"campaign": title, "files": listed, "with": list(effects), **place}

@@ -2,8 +2,10 @@
 
 Each takes one JSON object and a function that says how far it is, and returns a JSON object:
 `campaign` is the title, `files` are pairs of a manifest and a result, `with` names effects; a
-`folder` in the place of `files` is a campaign's folder. `own`, where it is there, is a folder of
-effects of the user's own; those that cannot be used are named in the answer under `faults`.
+`folder` in the place of `files` is a campaign's folder. `store` and `database` say where the
+catalogue is: the tables of a campaign that came without poses are found there. `own`, where it is
+there, is a folder of effects of the user's own; those that cannot be used are named in the answer
+under `faults`.
 """
 
 from __future__ import annotations
@@ -32,18 +34,19 @@ from analysis.model.documents import fit_document, ranking_document
 from analysis.model.fit import Fit
 from analysis.model.judged import judged
 from analysis.model.plane import impact_plane
-from analysis.model.poses import PoseData
 from analysis.model.ranking import rank
 from analysis.model.report import verdict_document
 from analysis.model.selection import Verdict, explain
 from analysis.model.structure import structure
 from analysis.model.tables import Data
-from rigctl.campaigns import folder_poses, poses_from
+from rigctl.campaigns import folder_poses, in_words, poses_from
 from rigctl.errors import AnalysisInputError
 from rigctl.known_effects import Available, available, faults_refused
 from rigctl.measured import MeasuredFiles
 from rigctl.next_shots import Known, Question, answer
 from rigctl.own_effects import PART
+from rigctl.store import reading
+from rigctl.tabulated_campaigns import is_tabulated, require_poses, require_seen, tabulated
 
 Json = dict[str, Any]
 Say = Callable[[str, float | None], None]
@@ -80,7 +83,7 @@ def structure_job(asked: Json, say: Say) -> Json:
 def explain_job(asked: Json, say: Say) -> Json:
     """Go the whole way to a verdict."""
     known = _known(asked)
-    data = _poses(asked, say)
+    data = _data(asked, say)
 
     def judge(effects: Sequence[Effect]) -> tuple[Verdict, Telling | None]:
         verdict = explain(data, effects, lambda text: say(text, None))
@@ -95,7 +98,7 @@ def explain_job(asked: Json, say: Say) -> Json:
 def next_job(asked: Json, say: Say) -> Json:
     """Choose next shots; `between`, `sharpen`, `to`, `probability` and `limits` stand beside."""
     known = _known(asked)
-    data = _poses(asked, say)
+    data = require_poses(asked["campaign"], _data(asked, say))
     question = Question(
         between=None if asked["between"] is None else (asked["between"][0], asked["between"][1]),
         sharpen=asked["sharpen"],
@@ -173,10 +176,14 @@ def _compared(data: Data, fitted: Fit) -> Json:
     return {**agreement_document(agree(data, fitted, launch)), "launch_left_out": refused}
 
 
-def _poses(asked: Json, say: Say) -> PoseData:
+def _data(asked: Json, say: Say) -> Data:
     say("reading the poses", None)
     if "folder" in asked:
         return folder_poses(Path(asked["folder"]))[1]
+    if "store" in asked:
+        with reading(Path(asked["store"]), asked["database"]) as store, in_words():
+            if is_tabulated(store, asked["campaign"]):
+                return tabulated(store, asked["campaign"])
     files = [
         MeasuredFiles(Path(own["manifest"]), Path(own["result"]), bool(own["excluded"]))
         for own in asked["files"]
@@ -191,9 +198,10 @@ def _known(asked: Json) -> Available:
 def _fitted(asked: Json, say: Say) -> _Fitted:
     known = _known(asked)
     added = [known.named(name) for name in asked["with"]]
-    poses = _poses(asked, say)
+    data = _data(asked, say)
     say(f"fitting {', '.join(['the base model', *asked['with']])}", None)
     with faults_refused():
-        found = judged(poses, added)
+        require_seen(data, added, "with")
+        found = judged(data, added)
     document = fit_document(asked["campaign"], asked["with"], found)
     return _Fitted(known, found.data, found.fit, document)

@@ -82,7 +82,7 @@ class Source:
         """Return the question, and what changes when the shots do."""
         if self.folder is None:
             files = measured_files(self.daemon.store, self.title)
-            return request(self.title, files, effects), tuple(files)
+            return request(self.title, files, effects, self.daemon.store), tuple(files)
         there = [path for name in LOOKED_AT if (path := self.folder / name).exists()]
         stands = tuple((path.name, path.stat().st_mtime_ns) for path in there)
         asked = request(self.title, [], effects)

@@ -119,7 +119,7 @@ def _work(
     own = OwnEffects.of(daemon.configuration)
     own.require(effects)
     files = measured_files(daemon.store, campaign)
-    asked = request(campaign, files, effects) | own.asked() | (more or {})
+    asked = request(campaign, files, effects, daemon.store) | own.asked() | (more or {})
     work = in_process(f"{FUNCTIONS}:{kind}_job", asked)
     return work, (json.dumps(more), own.stands(), *effects, *files)
 

@@ -23,7 +23,8 @@ ranking_job = agreement_job = structure_job = fit_job = _answer
 
 def next_job(asked: Json, say: Say) -> Json:
     say("choosing shots", None)
-    return {key: value for key, value in asked.items() if key not in {"campaign", "files"}}
+    known = {"campaign", "files", "store", "database"}
+    return {key: value for key, value in asked.items() if key not in known}
 
 
 def explain_job(asked: Json, say: Say) -> Json:

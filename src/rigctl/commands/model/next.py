@@ -11,7 +11,6 @@ from rich.table import Table
 from analysis.effects.own.fault import EffectFault
 from analysis.errors import LaunchRefusedError
 from analysis.launch.prediction import Limits
-from analysis.model.poses import PoseData
 from rigctl.campaigns import open_campaign
 from rigctl.commands import report
 from rigctl.commands.effect import tell
@@ -22,6 +21,7 @@ from rigctl.errors import AnalysisInputError
 from rigctl.known_effects import available, refused
 from rigctl.next_shots import Known, Question, answer
 from rigctl.sweeps.writing import write_sweep
+from rigctl.tabulated_campaigns import require_poses
 
 Json = dict[str, Any]
 
@@ -62,13 +62,8 @@ def next_shots(
     choice = Known(known.effects, lambda name: known.named(name, "EFFECT"))
     rig = load(configuration).limits
     limits = Limits(rig.pressure_kpa, rig.offset_mm)
-    title, data = open_campaign(campaign, configuration, poses=True)
-    if not isinstance(data, PoseData):
-        raise AnalysisInputError(
-            "tabulated contacts do not say what a shot elsewhere would show",
-            part=title,
-            todo="give its poses",
-        )
+    title, found = open_campaign(campaign, configuration, poses=True)
+    data = require_poses(title, found)
     try:
         with report.progress() as say:
             say("choosing shots")

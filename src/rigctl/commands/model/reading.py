@@ -17,9 +17,9 @@ from analysis.model.ranking import rank
 from analysis.model.streaming.judged import JudgedStream, judged_stream
 from analysis.model.tables import ContactTable, Data
 from rigctl.campaigns import open_campaign
-from rigctl.errors import AnalysisInputError
 from rigctl.known_effects import Available, refused
 from rigctl.streamed_campaigns import open_stream, temporary_room
+from rigctl.tabulated_campaigns import require_seen
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -107,10 +107,7 @@ def fitted(campaign: Path, names: Sequence[str], known: Available) -> Fitted:
     added = [known.named(name, "--with") for name in names]
     title, found = opened(campaign)
     try:
-        if isinstance(found, ContactTable):
-            base = judged(found)
-            for effect in added:
-                _require_seen(base, effect)
+        require_seen(found, added, "--with")
         return Fitted(title, tuple(names), judged(found, added))
     except EffectFault as error:
         raise refused(error.fault) from error
@@ -137,15 +134,3 @@ def fitted_stream(campaign: Path, names: Sequence[str], known: Available) -> Fit
             return FittedStream(title, tuple(names), judged_stream(stream, added))
     except EffectFault as error:
         raise refused(error.fault) from error
-
-
-def _require_seen(base: Judged, effect: Effect) -> None:
-    """Refuse an effect on which a table of contacts holds nothing: its value would be arbitrary."""
-    candidates = rank(base.data, base.fit, [effect]).candidates
-    if candidates and not candidates[0].seen:
-        raise AnalysisInputError(
-            "this effect cannot be seen in tabulated contacts",
-            part="--with",
-            value=repr(effect.name),
-            todo="leave it out, or give poses.csv in place of the table",
-        )
