@@ -9,6 +9,7 @@ from typer.exceptions import TyperException
 
 from rigctl.command_line.analysis import analysis
 from rigctl.command_line.calibrate import calibration
+from rigctl.command_line.campaign_words import campaign_words
 from rigctl.command_line.campaigns import campaigns
 from rigctl.command_line.challenge import challenge
 from rigctl.command_line.discs import finding
@@ -56,6 +57,7 @@ app.add_typer(rig)
 app.add_typer(sweep, name="sweep", no_args_is_help=True)
 app.add_typer(shots, name="shots", no_args_is_help=True)
 app.add_typer(campaigns)
+app.add_typer(campaign_words, name="campaigns", no_args_is_help=True)
 app.add_typer(analysis)
 app.add_typer(calibration)
 app.add_typer(finding)

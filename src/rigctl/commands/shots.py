@@ -107,8 +107,15 @@ def tag(
     store: Store, name: str, tags: Collection[str], campaign: str | None, *, as_json: bool
 ) -> None:
     """Give a shot exactly these tags; raise `SettingsError` for a word that is none."""
+    words = valid_tags(tags)
+    (shot,) = _found(store, [name], campaign)
+    _print([store.tag(shot, words, actor())], as_json=as_json)
+
+
+def valid_tags(tags: Collection[str]) -> list[str]:
+    """Return words that may be tags; raise `SettingsError` for one that may not."""
     try:
-        words = _TAGS.validate_python(list(tags))
+        return _TAGS.validate_python(list(tags))
     except ValidationError as error:
         raise SettingsError(
             "is not a tag",
@@ -116,8 +123,6 @@ def tag(
             value=repr(error.errors()[0]["input"]),
             limit="1 to 32 letters, digits, dots, hyphens or underscores, first a letter or digit",
         ) from error
-    (shot,) = _found(store, [name], campaign)
-    _print([store.tag(shot, words, actor())], as_json=as_json)
 
 
 def actor() -> str:

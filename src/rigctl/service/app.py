@@ -23,7 +23,7 @@ from rigctl.service.models import RigEvent, ShotView
 from rigctl.service.openapi import describe
 from rigctl.service.problems import Problem, answer, from_error, from_validation
 from rigctl.service.routes_campaigns import campaign_routes
-from rigctl.service.routes_edits import edit_routes
+from rigctl.service.routes_edits import campaign_edit_routes, edit_routes
 from rigctl.service.routes_effects import effect_routes
 from rigctl.service.routes_events import event_routes
 from rigctl.service.routes_front import front_route
@@ -80,6 +80,7 @@ def create_app(daemon: Daemon, key: str, hub: EventHub) -> FastAPI:
     app.include_router(edit_routes(daemon), prefix=PREFIX)
     app.include_router(sweep_routes(daemon, lanes), prefix=PREFIX)
     app.include_router(campaign_routes(daemon), prefix=PREFIX)
+    app.include_router(campaign_edit_routes(daemon), prefix=PREFIX)
     app.include_router(model_routes(daemon), prefix=PREFIX)
     app.include_router(report_routes(daemon), prefix=PREFIX)
     app.include_router(effect_routes(daemon), prefix=PREFIX)

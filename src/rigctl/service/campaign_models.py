@@ -16,6 +16,7 @@ from pydantic import (
 )
 
 from rigctl.service.models import CampaignName
+from rigctl.service.models import Tag as Word
 from rigctl.store import CampaignRecord, ShotState
 
 _STRICT = ConfigDict(strict=True, extra="forbid", frozen=True, allow_inf_nan=False)
@@ -127,6 +128,14 @@ class FitQuery(BaseModel):
     version: int | None = Field(default=None, ge=1, le=1_000_000)
 
 
+class CampaignQuery(BaseModel):
+    """Which campaigns to list; without a tag all."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    tag: Word | None = None
+
+
 class CampaignView(BaseModel):
     """A campaign: its shots by state, and when its first and last were accepted (UTC)."""
 
@@ -134,6 +143,8 @@ class CampaignView(BaseModel):
     shots: int
     states: dict[ShotState, int] = Field(description="states without a shot are left out")
     excluded: int = Field(description="how many of its shots are left out of every fit")
+    note: str | None
+    tags: list[str]
     first_at: datetime
     last_at: datetime
 
@@ -145,6 +156,8 @@ class CampaignView(BaseModel):
             shots=record.shots,
             states=record.states,
             excluded=record.excluded,
+            note=record.note,
+            tags=list(record.tags),
             first_at=record.first_at,
             last_at=record.last_at,
         )

@@ -60,7 +60,7 @@ class ExcludeOrder(BaseModel):
 
 
 class NoteOrder(BaseModel):
-    """What is to be said of a shot; null takes the note away."""
+    """What is to be said of a shot or a campaign; null takes the note away."""
 
     model_config = _STRICT
 
@@ -68,7 +68,7 @@ class NoteOrder(BaseModel):
 
 
 class TagsOrder(BaseModel):
-    """The tags that a shot is to have, in the place of those it has."""
+    """The tags that a shot or a campaign is to have, in the place of those it has."""
 
     model_config = _STRICT
 

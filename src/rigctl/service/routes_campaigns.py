@@ -11,7 +11,12 @@ from starlette.responses import Response
 from rigctl.daemon import Daemon
 from rigctl.reanalysing import analysed_before, reanalysis
 from rigctl.service.accepted import accepted, accepts
-from rigctl.service.campaign_models import CampaignList, CampaignView, ReanalyseQuery
+from rigctl.service.campaign_models import (
+    CampaignList,
+    CampaignQuery,
+    CampaignView,
+    ReanalyseQuery,
+)
 from rigctl.service.models import CampaignName
 from rigctl.service.problems import documented
 
@@ -23,10 +28,10 @@ def campaign_routes(daemon: Daemon) -> APIRouter:
     """Return the routes below `/campaigns` that are of shots."""
     router = APIRouter(prefix="/campaigns", tags=["campaigns"])
 
-    @router.get("", responses=documented(401, 405, 503))
-    def campaigns() -> CampaignList:
-        """List all campaigns, the one with the latest shot first."""
-        found = daemon.store.campaigns.all()
+    @router.get("", responses=documented(401, 405, 422, 503))
+    def campaigns(query: Annotated[CampaignQuery, Query()]) -> CampaignList:
+        """List all campaigns, or those with a tag, the one with the latest shot first."""
+        found = daemon.store.campaigns.all(query.tag)
         return CampaignList(campaigns=[CampaignView.of(record) for record in found])
 
     @router.get("/{campaign}", responses=documented(401, 404, 405, 422, 503))

@@ -9,6 +9,7 @@ from datetime import datetime
 from sqlalchemy import func, select
 
 from rigctl.errors import NotFoundError
+from rigctl.store.campaign_words import Words, no_such_campaign, words_of
 from rigctl.store.database import Database
 from rigctl.store.schema import shots
 from rigctl.store.states import ShotState
@@ -26,6 +27,8 @@ class CampaignRecord:
         How many of them a person left out of every fit.
     first_at, last_at
         When its first and its last shot were accepted, UTC.
+    note, tags
+        What a person said of it; tags in alphabetical order.
     """
 
     name: str
@@ -33,6 +36,8 @@ class CampaignRecord:
     first_at: datetime
     last_at: datetime
     excluded: int = 0
+    note: str | None = None
+    tags: tuple[str, ...] = ()
 
     @property
     def shots(self) -> int:
@@ -46,16 +51,16 @@ class Campaigns:
     def __init__(self, database: Database) -> None:
         self._database = database
 
-    def all(self) -> list[CampaignRecord]:
-        """Return every campaign, the one with the latest shot first."""
-        found = self._records(None)
+    def all(self, tag: str | None = None) -> list[CampaignRecord]:
+        """Return every campaign, or those with a tag, the one with the latest shot first."""
+        found = [one for one in self._records(None) if tag is None or tag in one.tags]
         return sorted(found, key=lambda campaign: campaign.last_at, reverse=True)
 
     def one(self, name: str) -> CampaignRecord:
         """Return one campaign; raise `NotFoundError` if no shot was fired under this name."""
         found = self._records(name)
         if not found:
-            raise NotFoundError("no such campaign", value=repr(name), todo="list the campaigns")
+            raise no_such_campaign(name)
         return found[0]
 
     def measured(self, name: str) -> list[tuple[str, int]]:
@@ -116,6 +121,7 @@ class Campaigns:
                 both = map(datetime.fromisoformat, (row.first_at, row.last_at))
                 times.setdefault(row.campaign, []).extend(both)
                 excluded[row.campaign] += row.excluded
+            words = words_of(connection, name)
         return [
             CampaignRecord(
                 campaign,
@@ -123,6 +129,9 @@ class Campaigns:
                 min(times[campaign]),
                 max(times[campaign]),
                 excluded[campaign],
+                said.note,
+                said.tags,
             )
             for campaign, found in states.items()
+            for said in (words.get(campaign, Words()),)
         ]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from typing import Any
@@ -11,6 +11,13 @@ from sqlalchemy import Connection, Row, delete, insert, select, update
 
 from rigctl.errors import SettingsError
 from rigctl.store import chain
+from rigctl.store.campaign_words import (
+    Words,
+    require_campaign,
+    set_note,
+    set_tags,
+    words_of,
+)
 from rigctl.store.database import Database
 from rigctl.store.records import Edit, ShotRecord
 from rigctl.store.schema import edits, shot_tags, shots
@@ -34,7 +41,7 @@ class _Change:
 
 
 class Edits:
-    """Changes to what is known of shots. Any thread may call any of the methods.
+    """Changes to what is known of shots and campaigns. Any thread may call any of the methods.
 
     A change and its audit are on disk together or not at all, and no shot is ever deleted. What
     changes nothing is not written down.
@@ -95,9 +102,33 @@ class Edits:
             if wanted:
                 rows = [{"shot": present.number, "tag": tag} for tag in wanted]
                 connection.execute(insert(shot_tags), rows)
-            before, after = ",".join(present.tags) or None, ",".join(wanted) or None
-            self._note(connection, _Change(actor, "tagged", shot, before, after))
+            self._note(connection, _tagged(actor, "tagged", shot, (present.tags, wanted)))
             return one(connection, shot)
+
+    def annotate_campaign(self, campaign: str, note: str | None, actor: str) -> None:
+        """Put a note in the place of a campaign's note, or take it away.
+
+        Raises
+        ------
+        NotFoundError
+            There is no such campaign.
+        StoreError
+            It is not on disk.
+        """
+        with self._database.writing() as connection:
+            require_campaign(connection, campaign)
+            before = words_of(connection, campaign).get(campaign, Words()).note
+            set_note(connection, campaign, note)
+            self._note(connection, _Change(actor, "campaign noted", campaign, before, note))
+
+    def tag_campaign(self, campaign: str, tags: Collection[str], actor: str) -> None:
+        """Give a campaign exactly these tags; raise as `annotate_campaign`."""
+        with self._database.writing() as connection:
+            require_campaign(connection, campaign)
+            before = words_of(connection, campaign).get(campaign, Words()).tags
+            set_tags(connection, campaign, tags)
+            both = (before, sorted(set(tags)))
+            self._note(connection, _tagged(actor, "campaign tagged", campaign, both))
 
     def entries(self, *, after: int = 0, limit: int = 100) -> list[Edit]:
         """Return up to `limit` changes with numbers above `after`, oldest first."""
@@ -125,6 +156,14 @@ class Edits:
             return
         fields: dict[str, object] = {"at": self._now().isoformat(), **asdict(change)}
         chain.append(connection, edits, fields)
+
+
+def _tagged(
+    actor: str, act: str, subject: str, tags: tuple[Sequence[str], Sequence[str]]
+) -> _Change:
+    """Return the change from the first tags to the second."""
+    before, after = (",".join(words) or None for words in tags)
+    return _Change(actor, act, subject, before, after)
 
 
 def _edit(row: Row[Any]) -> Edit:

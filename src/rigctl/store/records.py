@@ -106,7 +106,8 @@ class Edit:
     Attributes
     ----------
     act
-        `excluded`, `included`, `noted`, `tagged` or `imported`.
+        `excluded`, `included`, `noted` or `tagged` of a shot; `imported`, `campaign noted` or
+        `campaign tagged` of a campaign.
     subject
         Name of the shot, or of the campaign.
     before, after

@@ -19,7 +19,7 @@ from rigctl.store.any_text import AnyText
 from rigctl.store.states import Fired, ShotState
 from rigctl.store.sweep_states import StepState, SweepState
 
-SCHEMA_VERSION = 4
+SCHEMA_VERSION = 5
 """Number of the last migration; a catalogue carries its own as `user_version`."""
 
 metadata = MetaData()
@@ -69,6 +69,22 @@ shot_tags = Table(
     Column("tag", AnyText, primary_key=True),
     Column("shot", Integer, ForeignKey("shots.number"), primary_key=True),
     Index("ix_shot_tags_shot", "shot"),
+    sqlite_strict=True,
+)
+
+campaign_notes = Table(
+    "campaign_notes",
+    metadata,
+    Column("campaign", AnyText, primary_key=True),
+    Column("note", AnyText, nullable=False),
+    sqlite_strict=True,
+)
+
+campaign_tags = Table(
+    "campaign_tags",
+    metadata,
+    Column("tag", AnyText, primary_key=True),
+    Column("campaign", AnyText, primary_key=True),
     sqlite_strict=True,
 )
 

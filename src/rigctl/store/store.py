@@ -13,7 +13,7 @@ from typing import Any
 
 from rigctl.cameras.frames import FrameSequence
 from rigctl.errors import StoreError
-from rigctl.store.campaigns import Campaigns
+from rigctl.store.campaigns import CampaignRecord, Campaigns
 from rigctl.store.catalogue import Catalogue, Change
 from rigctl.store.database import Database
 from rigctl.store.durable import make_folders
@@ -151,6 +151,16 @@ class Store:
     def tag(self, shot: str, tags: Collection[str], actor: str) -> ShotRecord:
         """Give a shot exactly these tags; as `Edits.tag`. Listeners are told."""
         return self._told(self.edits.tag(shot, tags, actor))
+
+    def annotate_campaign(self, campaign: str, note: str | None, actor: str) -> CampaignRecord:
+        """Give a campaign another note, or none; as `Edits.annotate_campaign`."""
+        self.edits.annotate_campaign(campaign, note, actor)
+        return self.campaigns.one(campaign)
+
+    def tag_campaign(self, campaign: str, tags: Collection[str], actor: str) -> CampaignRecord:
+        """Give a campaign exactly these tags; as `Edits.tag_campaign`."""
+        self.edits.tag_campaign(campaign, tags, actor)
+        return self.campaigns.one(campaign)
 
     def frames(self, shot: str) -> FrameSequence:
         """Return a shot's frames; as `ShotFolders.frames`."""

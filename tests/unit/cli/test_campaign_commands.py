@@ -86,6 +86,37 @@ def test_shots_are_noted_and_tagged(folder: Path, ask: Answer) -> None:
     assert [shot["shot"] for shot in found["shots"]] == ["i0001-000001"]
 
 
+def test_campaigns_are_listed_noted_and_tagged(folder: Path, ask: Answer) -> None:
+    run(["import", str(folder)])
+    run(["import", str(folder), "--name", "again"])
+    _, found = ask("campaigns", "note", "nylon", "from another lab", "--json")
+    assert found["campaigns"][0]["note"] == "from another lab"
+    _, found = ask("campaigns", "tag", "nylon", "wet", "cold", "--json")
+    assert found["campaigns"][0]["tags"] == ["cold", "wet"]
+    _, tagged = ask("campaigns", "list", "--tag", "wet", "--json")
+    assert [one["campaign"] for one in tagged["campaigns"]] == ["nylon"]
+    _, found = ask("campaigns", "list", "--json")
+    assert [(one["campaign"], one["note"]) for one in found["campaigns"]] == [
+        ("again", None),
+        ("nylon", "from another lab"),
+    ]
+    _, found = ask("campaigns", "note", "nylon", "--json")
+    assert (found["campaigns"][0]["note"], found["campaigns"][0]["tags"]) == (
+        None,
+        ["cold", "wet"],
+    )
+
+
+def test_a_table_of_campaigns_is_printed(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    run(["import", str(folder)])
+    capsys.readouterr()
+    run(["campaigns", "note", "nylon", "cleaned [twice]"])
+    head, row = capsys.readouterr().out.splitlines()
+    assert head.split() == ["campaign", "shots", "last", "tags", "note"]
+    assert row.split()[:2] == ["nylon", "2"]
+    assert "cleaned [twice]" in row
+
+
 def test_a_table_of_shots_is_printed(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     run(["import", str(folder)])
     run(["shots", "exclude", "1", "--reason", "the tube was dirty"])
@@ -101,6 +132,8 @@ def test_a_table_of_shots_is_printed(folder: Path, capsys: pytest.CaptureFixture
         (("shots", "exclude", "1", "9", "--reason", "x"), NOT_FOUND, "no such shot"),
         (("shots", "exclude", "1", "--reason", " "), BAD_INPUT, "reason: is empty"),
         (("shots", "tag", "1", "two words"), BAD_INPUT, "'two words'"),
+        (("campaigns", "note", "brass", "x"), NOT_FOUND, "no such campaign"),
+        (("campaigns", "tag", "nylon", "two words"), BAD_INPUT, "'two words'"),
         (("import", "exchange"), REFUSED, "there is a campaign of this name"),
         (("import", "nowhere"), BAD_INPUT, "nowhere"),
         (("export", "brass", "out"), NOT_FOUND, "no such campaign"),

@@ -11,6 +11,7 @@ from rigctl.store import Store
 
 Shoot = Callable[..., str]
 SHOTS = "/api/v1/shots"
+CAMPAIGNS = "/api/v1/campaigns"
 
 
 def test_a_shot_is_excluded_with_a_reason_and_included_again(ask: Any, shoot: Shoot) -> None:
@@ -37,6 +38,44 @@ def test_a_note_and_tags_are_put_and_the_audit_names_the_key(
     edits = store.edits.entries()
     assert [edit.act for edit in edits] == ["noted", "noted", "tagged"]
     assert all(edit.actor.startswith("key ") for edit in edits)
+
+
+def test_a_campaign_is_noted_and_tagged_and_the_audit_names_the_key(
+    ask: Any, store: Store, shoot: Shoot
+) -> None:
+    shoot("nylon")
+    shoot("brass")
+    noted = ask("PUT", f"{CAMPAIGNS}/nylon/note", json={"note": "a wet day"})
+    assert (noted.status_code, noted.json()["note"]) == (200, "a wet day")
+    tagged = ask("PUT", f"{CAMPAIGNS}/nylon/tags", json={"tags": ["wet", "cold"]}).json()
+    assert (tagged["note"], tagged["tags"]) == ("a wet day", ["cold", "wet"])
+    assert ask("GET", f"{CAMPAIGNS}/nylon").json() == tagged
+    assert ask("GET", f"{CAMPAIGNS}?tag=wet").json() == {"campaigns": [tagged]}
+    assert ask("GET", f"{CAMPAIGNS}?tag=two words").status_code == 422
+    cleared = ask("PUT", f"{CAMPAIGNS}/nylon/note", json={"note": None}).json()
+    assert (cleared["note"], cleared["tags"]) == (None, ["cold", "wet"])
+    edits = store.edits.entries()
+    assert [edit.act for edit in edits] == ["campaign noted", "campaign tagged", "campaign noted"]
+    assert all(edit.actor.startswith("key ") for edit in edits)
+
+
+@pytest.mark.parametrize(
+    ("path", "body", "status"),
+    [
+        ("nylon/note", {}, 422),
+        ("nylon/note", {"note": "two\nlines"}, 422),
+        ("nylon/tags", {"tags": ["two words"]}, 422),
+        ("nylon/tags", {"tags": ["x"] * 17}, 422),
+        ("steel/note", {"note": "of nothing"}, 404),
+        ("steel/tags", {"tags": ["wet"]}, 404),
+    ],
+)
+def test_what_cannot_be_said_of_a_campaign_is_refused(
+    ask: Any, store: Store, shoot: Shoot, path: str, body: dict[str, Any], status: int
+) -> None:
+    shoot("nylon")
+    assert ask("PUT", f"{CAMPAIGNS}/{path}", json=body).status_code == status
+    assert store.edits.entries() == []
 
 
 @pytest.mark.parametrize(

@@ -91,6 +91,67 @@ def test_shots_are_found_by_tag_and_by_whether_they_count(store: Store, accepted
     assert store.campaigns.one("nylon").excluded == 1
 
 
+def test_a_campaign_is_noted_and_tagged_and_the_audit_keeps_what_was_there(
+    store: Store, accepted: Accepted
+) -> None:
+    accepted("1")
+    accepted("2", campaign="brass")
+    assert store.annotate_campaign("nylon", "a wet day", "anna").note == "a wet day"
+    assert store.annotate_campaign("nylon", "a wet morning", "ben").note == "a wet morning"
+    assert store.tag_campaign("nylon", ["wet", "first", "wet"], "anna").tags == ("first", "wet")
+    assert store.tag_campaign("nylon", ["wet"], "anna").tags == ("wet",)
+    assert store.annotate_campaign("nylon", None, "anna").note is None
+    assert changes(store) == [
+        ("campaign noted", None, "a wet day"),
+        ("campaign noted", "a wet day", "a wet morning"),
+        ("campaign tagged", None, "first,wet"),
+        ("campaign tagged", "first,wet", "wet"),
+        ("campaign noted", "a wet morning", None),
+    ]
+    assert {(edit.subject, edit.actor) for edit in store.edits.entries()} == {
+        ("nylon", "anna"),
+        ("nylon", "ben"),
+    }
+    assert store.edits.verify() == 5
+    brass = store.campaigns.one("brass")
+    assert (brass.note, brass.tags) == (None, ())
+
+
+def test_campaigns_are_found_by_tag_and_their_shots_keep_their_own_words(
+    store: Store, accepted: Accepted
+) -> None:
+    shot = accepted("1", note="of the shot").id
+    accepted("2", campaign="brass")
+    store.tag_campaign("brass", ["wet"], "anna")
+    store.annotate_campaign("brass", "of the campaign", "anna")
+    assert [one.name for one in store.campaigns.all("wet")] == ["brass"]
+    assert store.campaigns.all("dry") == []
+    assert {one.name: one.note for one in store.campaigns.all()} == {
+        "brass": "of the campaign",
+        "nylon": None,
+    }
+    assert (store.shot(shot).note, store.shot(shot).tags) == ("of the shot", ())
+
+
+def test_what_changes_nothing_of_a_campaign_is_not_written_down(
+    store: Store, accepted: Accepted
+) -> None:
+    accepted()
+    store.annotate_campaign("nylon", None, "anna")
+    store.tag_campaign("nylon", [], "anna")
+    assert changes(store) == []
+
+
+def test_a_campaign_that_is_not_there_cannot_be_noted(store: Store) -> None:
+    for change in (
+        lambda: store.annotate_campaign("steel", "note", "anna"),
+        lambda: store.tag_campaign("steel", ["tag"], "anna"),
+    ):
+        with pytest.raises(NotFoundError, match="no such campaign"):
+            change()
+    assert changes(store) == []
+
+
 def test_listeners_hear_of_every_change(store: Store, accepted: Accepted) -> None:
     heard: list[ShotRecord] = []
     shot = accepted().id

@@ -41,7 +41,7 @@ def test_a_catalogue_that_another_program_holds_is_an_error_in_bounded_time(
 def test_a_catalogue_of_a_later_version_is_refused_with_both_versions(store: Store) -> None:
     perform(store, "UPDATE alembic_version SET version_num = '0099'")
     store.close()
-    with pytest.raises(StoreError, match=r"later version.*schema 99.*schema 4"):
+    with pytest.raises(StoreError, match=r"later version.*schema 99.*schema 5"):
         Store(store.path, database=store.address)
 
 

@@ -58,7 +58,7 @@ def test_a_catalogue_of_a_later_version_is_refused_with_both_versions(
     file = sqlite3.connect(tmp_path / "data" / "catalogue.db")
     file.execute("PRAGMA user_version = 7")
     file.close()
-    with pytest.raises(StoreError, match=r"schema 7.*schema 4"):
+    with pytest.raises(StoreError, match=r"schema 7.*schema 5"):
         Store(tmp_path / "data")
     assert pragma(tmp_path / "data", "user_version") == 7
 

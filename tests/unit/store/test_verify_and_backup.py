@@ -179,6 +179,8 @@ def test_an_altered_audit_is_named(store: Store, fire: Fire) -> None:
 def test_a_backup_is_a_store_of_its_own(store: Store, fire: Fire, tmp_path: Path) -> None:
     first, second = fire("1"), fire("2")
     store.exclude(second, "why", "anna")
+    store.annotate_campaign("nylon", "a wet day", "anna")
+    store.tag_campaign("nylon", ["wet"], "anna")
     store.fits.add("nylon", "base", {"campaign": "nylon"})
     (store.path / "estop.json").write_text("{}")
     assert copied(store, tmp_path / "copy") == Backup(shots=2, files=7)
@@ -187,6 +189,8 @@ def test_a_backup_is_a_store_of_its_own(store: Store, fire: Fire, tmp_path: Path
     assert copy.shot(second) == store.shot(second)
     np.testing.assert_array_equal(copy.frames(first).pixels, store.frames(first).pixels)
     assert copy.result(first) == {"e": 0.7}
+    assert copy.campaigns.one("nylon") == store.campaigns.one("nylon")
+    assert copy.campaigns.one("nylon").tags == ("wet",)
     assert copy.fits.fit("nylon", "base") == (1, {"campaign": "nylon"})
     assert (copy.path / "estop.json").read_text() == "{}"
     assert verified(copy) == verified(store)

@@ -1,0 +1,59 @@
+"""What people say of campaigns: one note and some tags, read and changed in one transaction."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+
+from sqlalchemy import Connection, delete, insert, select
+
+from rigctl.errors import NotFoundError
+from rigctl.store.schema import campaign_notes, campaign_tags, shots
+
+
+@dataclass(frozen=True, slots=True)
+class Words:
+    """A campaign's note, None without any, and its tags in alphabetical order."""
+
+    note: str | None = None
+    tags: tuple[str, ...] = ()
+
+
+def words_of(connection: Connection, campaign: str | None = None) -> Mapping[str, Words]:
+    """Return what is said of one campaign, or of all; those of which nothing is are left out."""
+    noted, tagged = select(campaign_notes), select(campaign_tags).order_by(campaign_tags.c.tag)
+    if campaign is not None:
+        noted = noted.where(campaign_notes.c.campaign == campaign)
+        tagged = tagged.where(campaign_tags.c.campaign == campaign)
+    notes = {row.campaign: row.note for row in connection.execute(noted)}
+    tags: dict[str, list[str]] = {}
+    for row in connection.execute(tagged):
+        tags.setdefault(row.campaign, []).append(row.tag)
+    return {name: Words(notes.get(name), tuple(tags.get(name, ()))) for name in notes.keys() | tags}
+
+
+def set_note(connection: Connection, campaign: str, note: str | None) -> None:
+    """Put a note in the place of a campaign's note, or take it away."""
+    connection.execute(delete(campaign_notes).where(campaign_notes.c.campaign == campaign))
+    if note is not None:
+        connection.execute(insert(campaign_notes).values(campaign=campaign, note=note))
+
+
+def set_tags(connection: Connection, campaign: str, tags: Collection[str]) -> None:
+    """Give a campaign exactly these tags."""
+    connection.execute(delete(campaign_tags).where(campaign_tags.c.campaign == campaign))
+    if tags:
+        rows = [{"campaign": campaign, "tag": tag} for tag in sorted(set(tags))]
+        connection.execute(insert(campaign_tags), rows)
+
+
+def require_campaign(connection: Connection, campaign: str) -> None:
+    """Raise `NotFoundError` if no shot was fired or imported under this name."""
+    query = select(shots.c.number).where(shots.c.campaign == campaign).limit(1)
+    if connection.execute(query).one_or_none() is None:
+        raise no_such_campaign(campaign)
+
+
+def no_such_campaign(name: str) -> NotFoundError:
+    """Return the error of a name that is no campaign's."""
+    return NotFoundError("no such campaign", value=repr(name), todo="list the campaigns")
