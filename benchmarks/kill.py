@@ -31,7 +31,8 @@ from typing import TYPE_CHECKING
 
 import simulators.laboratory  # noqa: F401 - loaded once here instead of in every life
 from rigctl.config import Configuration, load
-from rigctl.store import ShotState
+from rigctl.store import ShotState, reading
+from rigctl.store.verifying import verify_store
 from rigctl.sweeps.form import Sweep
 from rigctl.sweeps.plan import plan_of
 
@@ -216,6 +217,9 @@ def audit(chosen: Configuration, folder: Path, claimed: list[str], found: Findin
     stored = {name for name, state, _ in shots if state == "stored"}
     found.lost += [name for name in claimed if name not in stored]
     found.damaged += [name for name in sorted(stored) if not _whole(folder, name)]
+    with reading(folder) as store:
+        faults = verify_store(store, lambda _text, _share: None).faults
+    found.damaged += [f"{fault.part} {fault.what}" for fault in faults]
 
 
 @contextlib.contextmanager
