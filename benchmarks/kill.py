@@ -108,6 +108,9 @@ class _NoAnalysis:
     def submit(self, shot: str) -> None:
         pass
 
+    def submit_by(self, shot: str, method: str) -> None:
+        pass
+
     def close(self) -> None:
         pass
 
