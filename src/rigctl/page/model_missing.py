@@ -35,14 +35,13 @@ class _Ranked:
     letters: dict[str, str]
     best: float
     add: Callable[[str], None]
-    waiting: bool
 
 
-def missing(found: Json, add: Callable[[str], None], *, waiting: bool) -> None:
-    """Place the ranking; `add` puts an effect into the model, unless an answer is waited for."""
+def missing(found: Json, add: Callable[[str], None]) -> None:
+    """Place the ranking; `add` puts an effect into the model."""
     seen = [c for c in found["candidates"] if c["seen"] and c["effect"] not in found["with"]]
     best = max((abs(c["score"]) for c in seen), default=1.0) or 1.0
-    ranked = _Ranked(described(found), groups(seen), best, add, waiting)
+    ranked = _Ranked(described(found), groups(seen), best, add)
     with ui.element("div").classes("panel").props("data-testid=missing"):
         with ui.element("div").classes("title"):
             ui.label("3").classes("step")
@@ -107,13 +106,12 @@ def _lines(candidates: Sequence[Json], ranked: _Ranked) -> None:
         _line(candidate, ranked)
         with ui.element("div").classes("cell"):
             strong = candidate["p_familywise"] < STRONG
-            adding = button(
+            button(
                 "Add",
                 lambda name=candidate["effect"]: ranked.add(name),
                 look="fill" if strong else "line",
                 testid=f"add-{candidate['effect']}",
             )
-            adding.set_enabled(not ranked.waiting)
 
 
 def _line(candidate: Json, ranked: _Ranked) -> None:

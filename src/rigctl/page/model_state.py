@@ -59,6 +59,7 @@ class ModelState:
                     self._jobs[stage] = self.source.ask("picture", stage).id
                 except RigError as error:
                     self.failure = error.sentence()
+        self.follow()
 
     def follow(self) -> bool:
         """Fetch what has been answered since; say whether anything has."""

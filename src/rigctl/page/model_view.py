@@ -11,13 +11,10 @@ from rigctl.page.challenge_panel import ChallengePanel
 from rigctl.page.desk import Desk
 from rigctl.page.following import following
 from rigctl.page.layout import TICK_S
-from rigctl.page.model_compare import compare
-from rigctl.page.model_missing import missing
 from rigctl.page.model_next import NextShots
-from rigctl.page.model_path import grown_path
 from rigctl.page.model_state import ModelState
+from rigctl.page.model_steps import Steps
 from rigctl.page.model_verdict import Verdict
-from rigctl.page.model_where import Where
 from rigctl.page.source import Source
 from rigctl.page.widgets import button
 
@@ -35,7 +32,8 @@ class ModelView:
         self._head()
         self._verdict = Verdict(self._state)
         self._busy()
-        self._steps()
+        self._failed()
+        self._steps = Steps(desk, self._state, self._take)
         self._next = NextShots(desk, self._state)
         ChallengePanel(source)
         following(TICK_S, self._follow)
@@ -53,15 +51,13 @@ class ModelView:
     def _draw(self) -> None:
         self._head.refresh()
         self._verdict.show.refresh()
-        self._steps.refresh()
+        self._failed.refresh()
+        self._steps.show()
         self._next.show.refresh()
 
     def _take(self, effects: tuple[str, ...]) -> None:
         self._state.take(effects)
         self._draw()
-
-    def _add(self, name: str) -> None:
-        self._take((*self._state.effects, name))
 
     @ui.refreshable_method
     def _head(self) -> None:
@@ -99,23 +95,11 @@ class ModelView:
             await self._desk.act(lambda: self._desk.daemon.jobs.cancel(job.id))
 
     @ui.refreshable_method
-    def _steps(self) -> None:
-        state = self._state
-        if state.failure:
+    def _failed(self) -> None:
+        if self._state.failure:
             with ui.element("div").classes("verdict bad").props("data-testid=failure"):
-                ui.label(state.failure)
-                button("Ask again", lambda: self._take(state.effects))
-        known = state.path()
-        if not known:
-            return
-        shown = state.present or known[-1]
-        with ui.element("div").classes("columns model"):
-            with ui.element("div").classes("stack"):
-                compare(shown)
-                grown_path(state, self._take)
-            with ui.element("div").classes("stack"):
-                Where(self._desk, state, shown)
-                missing(shown, self._add, waiting=state.present is None)
+                ui.label(self._state.failure)
+                button("Ask again", lambda: self._take(self._state.effects))
 
 
 def _since(job: Job) -> str:

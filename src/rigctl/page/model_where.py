@@ -10,7 +10,7 @@ from rigctl.page.desk import Desk
 from rigctl.page.model_compare import parsed
 from rigctl.page.model_state import ModelState
 from rigctl.page.plots import heat_map, residuals
-from rigctl.page.widgets import button, plot, save_csv
+from rigctl.page.widgets import button, plot, redraw, save_csv
 
 Json = dict[str, Any]
 BLOCKS = {"contact": "Jump at contact", "flight": "Flight", "camera": "Camera"}
@@ -32,10 +32,8 @@ class Where:
     """The heat map beside the residuals of the cell that was clicked."""
 
     def __init__(self, desk: Desk, state: ModelState, found: Json) -> None:
-        self._desk, self._state, self._found = desk, state, found
-        self._cells = sorted(found["cells"], key=lambda cell: -cell["deviation"])
-        self._cell = self._chosen()
-        self._block = block_of(self._cell)
+        self._desk, self._state = desk, state
+        self._take(found)
         with ui.element("div").classes("panel").props("data-testid=where-it-fails"):
             with ui.element("div").classes("title"):
                 ui.label("2").classes("step")
@@ -44,41 +42,66 @@ class Where:
                 ui.space()
                 self._blocks()
             with ui.element("div").classes("columns where"):
-                self._map()
-                self._residuals()
+                self._map = plot(self._heat_map()).props("data-testid=heat-map")
+                self._map.on("plotly_click", self._on_cell)
+                with ui.element("div").classes("stack").props("data-testid=residuals"):
+                    self._heading()
+                    self._scatter = plot(self._residuals()).on("plotly_click", self._on_point)
+                    self._told = ui.label().classes("note")
+        self._tell()
+
+    def show(self, found: Json) -> None:
+        """Draw another answer, at the cell that was chosen for it."""
+        self._take(found)
+        self._redraw()
+
+    def _take(self, found: Json) -> None:
+        self._found = found
+        self._cells = sorted(found["cells"], key=lambda cell: -cell["deviation"])
+        self._look_at(self._chosen())
+
+    def _look_at(self, cell: Json) -> None:
+        self._cell, self._block = cell, block_of(cell)
+        self._points = parsed(cell["points"])
+
+    def _redraw(self) -> None:
+        self._blocks.refresh()
+        self._heading.refresh()
+        redraw(self._map, self._heat_map())
+        redraw(self._scatter, self._residuals())
+        self._tell()
 
     @ui.refreshable_method
     def _blocks(self) -> None:
-        for name in BLOCKS:
-            if self._of(name):
+        for name, title in BLOCKS.items():
+            if of_block := self._of(name):
                 here = name == self._block
                 choice = button(
-                    self._named(name), lambda name=name: self._switch(name), look="line tab"
+                    f"{title} {of_block[0]['deviation']:.0f} σ",
+                    lambda cell=of_block[0]: self._pick(cell),
+                    look="line tab",
                 )
                 choice.props(f"aria-pressed={str(here).lower()}")
 
     @ui.refreshable_method
-    def _map(self) -> None:
-        shown = self._cell if block_of(self._cell) == self._block else None
-        drawn = plot(heat_map(self._of(self._block), shown, self._found["campaign"]))
-        drawn.props("data-testid=heat-map").on("plotly_click", self._on_cell)
+    def _heading(self) -> None:
+        points = self._points
+        with ui.element("div").classes("title"):
+            ui.label(f"{self._cell['channel']} against {self._cell['covariate']}")
+            ui.label(f"{self._cell['deviation']:.1f} σ").classes("aside")
+            ui.space()
+            save_csv(f"{self._found['campaign']}-residuals", lambda: _rows(points))
 
-    @ui.refreshable_method
-    def _residuals(self) -> None:
-        points = parsed(self._cell["points"])
-        with ui.element("div").classes("stack").props("data-testid=residuals"):
-            with ui.element("div").classes("title"):
-                ui.label(f"{self._cell['channel']} against {self._cell['covariate']}")
-                ui.label(f"{self._cell['deviation']:.1f} σ").classes("aside")
-                ui.space()
-                save_csv(f"{self._found['campaign']}-residuals", lambda: _rows(points))
-            plot(residuals(points, self._found["campaign"])).on("plotly_click", self._on_point)
-            drawn = len(points["x"])
-            if drawn < points["of"]:
-                ui.label(f"{drawn} of {points['of']} points are drawn").classes("note")
-            self._told = ui.label("Each point is a shot; click one to see its film.").classes(
-                "note"
-            )
+    def _heat_map(self) -> Json:
+        return heat_map(self._of(self._block), self._cell, self._found["campaign"])
+
+    def _residuals(self) -> Json:
+        return residuals(self._points, self._found["campaign"])
+
+    def _tell(self) -> None:
+        drawn, all_points = len(self._points["x"]), self._points["of"]
+        few = f"{drawn} of {all_points} points are drawn. " if drawn < all_points else ""
+        self._told.set_text(f"{few}Each point is a shot; click one to see its film.")
 
     def _chosen(self) -> Json:
         wanted = self._state.cell
@@ -89,13 +112,6 @@ class Where:
     def _of(self, block: str) -> list[Json]:
         return [cell for cell in self._cells if block_of(cell) == block]
 
-    def _named(self, block: str) -> str:
-        return f"{BLOCKS[block]} {self._of(block)[0]['deviation']:.0f} σ"
-
-    def _switch(self, block: str) -> None:
-        self._block = block
-        self._pick(self._of(block)[0])
-
     def _on_cell(self, event: events.GenericEventArguments) -> None:
         point = _point(event)
         names = point.get("customdata")
@@ -104,11 +120,9 @@ class Where:
                 self._pick(cell)
 
     def _pick(self, cell: Json) -> None:
-        self._cell = cell
         self._state.cell = (cell["channel"], cell["covariate"])
-        self._blocks.refresh()
-        self._map.refresh()
-        self._residuals.refresh()
+        self._look_at(cell)
+        self._redraw()
 
     def _on_point(self, event: events.GenericEventArguments) -> None:
         names = _point(event).get("customdata")

@@ -117,7 +117,7 @@ def residuals(points: Json, title: str) -> Json:
     lower = [m - 2 * s for m, s in zip(trend["mean"], trend["sigma"], strict=True)]
     by_shot = all(frame < 0 for frame in points["frames"])
     scatter = {
-        "type": "scattergl" if len(x) > 400 else "scatter",
+        "type": "scatter",
         "mode": "markers",
         "x": x,
         "y": y,

@@ -36,3 +36,9 @@ def plot(figure: dict[str, Any]) -> ui.plotly:
     placed = ui.plotly(figure).classes("plot")
     # Without a height of its own the plot would take its panel's, which takes the plot's.
     return placed.style(f"height: {figure['layout']['height']}px")
+
+
+def redraw(placed: ui.plotly, figure: dict[str, Any]) -> None:
+    """Draw another figure over one that `plot` placed."""
+    placed.style(f"height: {figure['layout']['height']}px")
+    placed.update_figure(figure)

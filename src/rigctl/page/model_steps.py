@@ -1,0 +1,76 @@
+"""The four steps side by side: panels that stay, in which each answer is drawn."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from nicegui import ui
+
+from rigctl.page.desk import Desk
+from rigctl.page.model_compare import compare
+from rigctl.page.model_missing import missing
+from rigctl.page.model_path import GrownPath
+from rigctl.page.model_state import Effects, ModelState
+from rigctl.page.model_where import Where
+
+Json = dict[str, Any]
+
+
+class Steps:
+    """Compare, where it fails, what is missing, error path; nothing before the first answer.
+
+    `take` has the model taken with other effects.
+    """
+
+    def __init__(self, desk: Desk, state: ModelState, take: Callable[[Effects], None]) -> None:
+        self._desk, self._state, self._take = desk, state, take
+        self._shown: Json = {}
+        self._place = ui.element("div").classes("columns model")
+        self.show()
+
+    def show(self) -> None:
+        """Draw the latest answer on the way to the present effects."""
+        known = self._state.path()
+        if not known:
+            return
+        shown, before = self._state.present or known[-1], self._shown
+        self._shown = shown
+        if not before:
+            self._build()
+            return
+        if shown is not before:
+            self._compared.refresh()
+            # A plot that is drawn over costs half of one that is made anew.
+            self._where.show(shown)
+            self._ranked.refresh()
+        self._path.show()
+        self._hold()
+
+    def _build(self) -> None:
+        with self._place:
+            with ui.element("div").classes("stack"):
+                self._compared()
+                self._path = GrownPath(self._state, self._take)
+            with ui.element("div").classes("stack"):
+                self._where = Where(self._desk, self._state, self._shown)
+                self._offered = ui.element("div")
+                with self._offered:
+                    self._ranked()
+        self._hold()
+
+    def _hold(self) -> None:
+        """Let no further effect be added while the answer with the last one is waited for."""
+        waiting = self._state.present is None
+        self._offered.props(add="inert" if waiting else None, remove=None if waiting else "inert")
+
+    @ui.refreshable_method
+    def _compared(self) -> None:
+        compare(self._shown)
+
+    @ui.refreshable_method
+    def _ranked(self) -> None:
+        missing(self._shown, self._add)
+
+    def _add(self, name: str) -> None:
+        self._take((*self._state.effects, name))
