@@ -73,9 +73,6 @@ class Effect:
     variants
         The same effect with other values of what it holds fixed, which a fit cannot find from
         where the effect is off; the likeliest of all speaks for the effect.
-    like_pattern
-        Whether a learned pattern of markers that sits off its sphere's centre looks like it, as
-        large in each parameter as the pattern is wrong.
     """
 
     stage: ClassVar[str]
@@ -88,7 +85,6 @@ class Effect:
     confused_with: tuple[str, ...] = ()
     contains: tuple[str, ...] = ()
     variants: tuple[Effect, ...] = ()
-    like_pattern: bool = False
 
     @property
     def off(self) -> Values:

@@ -40,5 +40,4 @@ EFFECT = BodyEffect(
     gives_away="tracks wobble about straight flight with the period of the spin, 2 pi / omega",
     confused_with=("exposure-offset", "radius-mismatch"),
     displace=displace,
-    like_pattern=True,
 )

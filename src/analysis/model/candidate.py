@@ -36,9 +36,6 @@ class Candidate:
         Share of campaigns with nothing missing in which some candidate looks as good as this.
     seen
         False where these shots hold no information on it; nothing else then has a meaning.
-    granted
-        Share of the fall that is left when an error of the measurement that all shots share is
-        allowed for; 1 for most effects.
     carriers
         Numbers of the two shots that speak loudest for it.
     carried_share
@@ -53,7 +50,6 @@ class Candidate:
     p_value: float
     p_familywise: float
     seen: bool
-    granted: float
     carriers: tuple[int, ...]
     carried_share: float
 

@@ -8,7 +8,7 @@ kind alone.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,7 @@ from analysis.model.poses import PoseData
 from analysis.model.prediction import appear, displaced, exposed, perturbation, rate
 from analysis.model.sides import flights_by_outcome
 from analysis.model.state import ShotStates
+from analysis.model.systematics import Systematic
 from analysis.model.tables import Data
 from analysis.model.theory import LAW, Active, Theory
 
@@ -105,7 +106,7 @@ def theory_columns(
 ) -> Columns:
     """Differentiate by every shared parameter of a theory that is about `here`."""
     trials = [(None, k) for k in range(len(LAW))]
-    owners = [(a, j) for a in theory.active for j in range(len(a.values))]
+    owners = [(a, j) for a in theory.parts for j in range(len(a.values))]
     return _differences(data, states, theory, line=line, here=here, wanted=[*trials, *owners])
 
 
@@ -130,7 +131,7 @@ def _differences(
     *,
     line: Comparison,
     here: Snapshot,
-    wanted: Sequence[tuple[Active | None, int]],
+    wanted: Sequence[tuple[Active | Systematic | None, int]],
 ) -> Columns:
     outcomes, places = [], []
     frames: list[tuple[int, Floats]] = []
@@ -151,7 +152,9 @@ def _differences(
     return columns_of(line, sides, frames)
 
 
-def _shifted(theory: Theory, active: Active | None, number: int) -> tuple[Theory, float]:
+def _shifted(
+    theory: Theory, active: Active | Systematic | None, number: int
+) -> tuple[Theory, float]:
     """Return the theory a small step along one parameter, and the step."""
     if active is None:
         vector, step = theory.vector, float(theory.steps[number])
@@ -160,13 +163,13 @@ def _shifted(theory: Theory, active: Active | None, number: int) -> tuple[Theory
     parameter = active.effect.parameters[number]
     values = active.values.copy()
     values[number] += parameter.step
-    moved = Active(active.effect, values)
-    present = [a.effect.name for a in theory.active]
-    if active.effect.name in present:
-        chain = tuple(moved if a is active else a for a in theory.active)
-    else:
-        chain = (*theory.active, moved)
-    return Theory(theory.law, chain), parameter.step
+    moved = replace(active, values=values)
+    parts = [moved if a is active else a for a in theory.parts]
+    if all(a is not moved for a in parts):
+        parts.append(moved)
+    granted = tuple(a for a in parts if isinstance(a, Systematic))
+    added = tuple(a for a in parts if isinstance(a, Active))
+    return Theory(theory.law, granted, added), parameter.step
 
 
 def _change(

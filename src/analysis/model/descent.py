@@ -16,11 +16,9 @@ from numpy.typing import NDArray
 from analysis.model.columns import theory_columns
 from analysis.model.comparison import compare
 from analysis.model.normal import (
-    LAW_PRIOR,
     NormalEquations,
     inverse,
     prior_cost,
-    prior_information,
     solve_blocks,
     sums_of,
     with_prior,
@@ -139,8 +137,9 @@ def linearised(parts: Iterable[Summed], theory: Theory, keep: Keeper) -> Place:
         cost += float(sums.chi2.sum())
         promise += float((sums.state_gradient * solved[..., 0]).sum())
         stands.append(Stand(states, sums.chi2, solved[..., 0], solved[..., 1:]))
-    gradient[:3] -= (theory.vector[:3] - LAW_PRIOR) * prior_information()
-    return Place(theory, with_prior(matrix), gradient, cost, promise, stands)
+    centre, information = theory.prior
+    gradient -= (theory.vector - centre) * information
+    return Place(theory, with_prior(matrix, information), gradient, cost, promise, stands)
 
 
 def summed(data: Data, states: ShotStates, theory: Theory) -> Summed:

@@ -8,14 +8,14 @@ import numpy as np
 
 from analysis.collision.operator import WaltonLaw
 from analysis.model.descent import descended, linearised, summed
-from analysis.model.normal import LAW_PRIOR, NormalEquations, inverse, prior_cost
+from analysis.model.normal import NormalEquations, inverse, prior_cost
 from analysis.model.own_fit import own_states
 from analysis.model.parts import in_memory, parts_of
 from analysis.model.start import first_states
 from analysis.model.state import ShotStates
 from analysis.model.summary import FitSummary
 from analysis.model.tables import Data
-from analysis.model.theory import Theory
+from analysis.model.theory import LAW, LAW_PRIOR, Theory
 from analysis.model.unseen import fitted_numbers
 
 START = WaltonLaw(*LAW_PRIOR)
@@ -50,10 +50,10 @@ def fit_campaign(data: Data, theory: Theory | None = None, start: Fit | None = N
         first fitted by itself.
     """
     if theory is None and start is None and len(data.shots) <= FEW:
-        starts = [Theory(law) for law in (START, *OTHER_STARTS)]
+        starts = [Theory(law, data.systematics) for law in (START, *OTHER_STARTS)]
         fits = [fit_campaign(data, begun) for begun in starts]
         return min(fits, key=lambda fit: fit.chi2 + prior_cost(fit.theory))
-    present = Theory(START) if theory is None else theory
+    present = Theory(START, data.systematics) if theory is None else theory
     if start is None:
         guessed = parts_of(data, first_states(data))
         parts = [(part, own_states(part, states, present)) for part, states in guessed]
@@ -68,8 +68,8 @@ def fit_campaign(data: Data, theory: Theory | None = None, start: Fit | None = N
         theory=last.theory,
         states=ShotStates.joined([stand.states for stand in stands]),
         covariance=inverse(last.matrix),
-        chi2=float(chi2.sum()),
-        residuals=int(measured.sum()),
+        chi2=float(chi2.sum()) + last.theory.strain,
+        residuals=int(measured.sum()) + last.theory.given - len(LAW),
         shot_chi2=chi2,
         shot_residuals=measured,
         own_numbers=fitted_numbers(data),

@@ -166,7 +166,7 @@ def _refit(data: Data, fit: Fit, candidate: Candidate, *, carried: bool) -> Lead
         return _with_scatter(data, fit, candidate, candidate.effect)
     refit = fit_campaign(data, fit.theory.with_effect(candidate.effect), fit)
     count = len(candidate.effect.parameters)
-    fall = (fit.chi2 - refit.chi2) * candidate.granted
+    fall = fit.chi2 - refit.chi2
     values = refit.theory.vector[-count:]
     sigmas = np.sqrt(np.diag(refit.covariance))[-count:] * np.sqrt(refit.chi2_per_dof)
     penalty = candidate.freedom * float(np.log(max(len(data.shots), 2)))

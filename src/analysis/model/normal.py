@@ -15,11 +15,6 @@ from analysis.model.theory import Theory
 
 Floats = NDArray[np.float64]
 
-LAW_PRIOR = (0.74, 0.08, 0.6)
-"""Where a fit starts: the thesis's nylon, with a beta0 that an elastic sphere could have."""
-LAW_PRIOR_SIGMA = (1.0, 0.5, 0.7)
-"""beta0 has no information without a shot that sticks, mu none without spins; a prior about the
-start holds them. With any data to speak of it has no weight."""
 RIDGE = 1e-10
 LEAST_INFORMATION = 1e-18
 """Of a parameter that no residual depends on: its variance is then 1e18."""
@@ -84,19 +79,15 @@ def sums_of(line: Comparison, shared: Columns) -> NormalEquations:
 
 def prior_cost(theory: Theory) -> float:
     """Return what the prior adds to chi-squared."""
-    return float(((theory.vector[:3] - LAW_PRIOR) ** 2 * prior_information()).sum())
+    centre, information = theory.prior
+    return float(((theory.vector - centre) ** 2 * information).sum())
 
 
-def prior_information() -> Floats:
-    """Return what the prior knows of e, mu and beta0, shape (3,)."""
-    return np.asarray(np.array(LAW_PRIOR_SIGMA) ** -2)
-
-
-def with_prior(matrix: Floats) -> Floats:
-    """Return an information matrix of parameters, e, mu and beta0 first, with the prior in."""
+def with_prior(matrix: Floats, information: Floats) -> Floats:
+    """Return an information matrix with what is known beforehand of its first parameters, (P,)."""
     matrix = matrix.copy()
-    index = np.arange(3)
-    matrix[index, index] += prior_information()
+    index = np.arange(len(information))
+    matrix[index, index] += information
     return matrix
 
 

@@ -26,8 +26,6 @@ class Passes:
         Numbers of the shots, shape (S,).
     jitter_s
         Standard deviation of each frame's time that the data were given, s.
-    pattern_m
-        How far the learned patterns of the spheres may stand off their centres, in all shots, m.
     fit
         What was found.
     parts
@@ -38,7 +36,6 @@ class Passes:
 
     shots: NDArray[np.intp]
     jitter_s: float
-    pattern_m: float
     fit: FitSummary
     parts: Callable[[], Iterator[tuple[Data, ShotStates]]]
     keep: Keeper
@@ -47,4 +44,4 @@ class Passes:
 def passes_of(data: Data, fit: Fit) -> Passes:
     """Return the passes over a campaign in memory."""
     parts = partial(parts_of, data, fit.states)
-    return Passes(data.shots, data.jitter_s, data.pattern_m, fit, parts, in_memory)
+    return Passes(data.shots, data.jitter_s, fit, parts, in_memory)

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.collision.operator import Body
+from analysis.model.systematics import Systematic, of_images
 from analysis.setup import CameraSetup
 
 Floats = NDArray[np.float64]
@@ -130,13 +131,9 @@ class PoseData:
         return replace(self, **parts, covariates=covariates)
 
     @property
-    def pattern_m(self) -> float:
-        """Return how far a learned pattern of markers may stand off its sphere's centre, m.
-
-        One pattern serves all shots, so its error is as large as the slow one of a flight and does
-        not average out; where each shot has body axes of its own, it is no pattern of the sphere.
-        """
-        return self.slow_position_m if self.one_body_frame else 0.0
+    def systematics(self) -> tuple[Systematic, ...]:
+        """Return the errors that all shots share."""
+        return of_images(self.slow_position_m, one_body_frame=self.one_body_frame)
 
     @property
     def measured(self) -> NDArray[np.bool_]:

@@ -147,6 +147,6 @@ def projector(data: Data, fit: Fit) -> Projector:
         states=line.states,
         own_gradient=line.own_gradient,
         shared=shared,
-        covariance=inverse(with_prior(information)),
+        covariance=inverse(with_prior(information, fit.theory.prior[1])),
         noise=line.shared,
     )

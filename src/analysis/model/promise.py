@@ -120,14 +120,11 @@ class Block:
         Takes scores to independent unit normals, shape (B, directions seen).
     one_sided
         Whether a fall counts only where the amplitude is positive.
-    common
-        Error of each amplitude that all shots share, known beforehand: what it explains is no fall.
     """
 
     columns: NDArray[np.intp]
     whitening: Floats
     one_sided: bool
-    common: float = 0.0
 
     @property
     def freedom(self) -> int:
@@ -136,23 +133,10 @@ class Block:
 
     def falls(self, scores: Floats) -> Floats:
         """Return the fall of chi-squared for scores (..., C), shape (...)."""
-        along = scores[..., self.columns] @ self._tested
+        along = scores[..., self.columns] @ self.whitening
         if self.one_sided:
             along = np.maximum(along, 0.0)
         return np.asarray((along**2).sum(axis=-1))
-
-    @property
-    def _tested(self) -> Floats:
-        """Return what takes scores to unit normals when nothing but the common error is there."""
-        if self.common == 0.0:
-            return self.whitening
-        values, vectors = np.linalg.eigh(self.whitening.T @ self.whitening)
-        return np.asarray(self.whitening @ (vectors * np.sqrt(values / (values + self.common**2))))
-
-    def granted(self, scores: Floats) -> float:
-        """Return the share of the fall at scores (C,) that the common error leaves."""
-        whole = float(((scores[self.columns] @ self.whitening) ** 2).sum())
-        return 1.0 if self.common == 0.0 or whole == 0.0 else float(self.falls(scores)) / whole
 
     def amplitudes(self, scores: Floats) -> Floats:
         """Return what the candidate's parameters would be for scores (C,), shape (B,)."""
@@ -193,7 +177,9 @@ def sums_over(passes: Passes, effects: Sequence[Effect]) -> Sums:
         raw += own_raw
         gradient += pull.sum(axis=0)
         pulls.append(pull)
-    matrix = with_prior(matrix)
+    centre, known = theory.prior
+    matrix = with_prior(matrix, known)
+    gradient[:fitted] -= (theory.vector - centre) * known
     inner = inverse(matrix[:fitted, :fitted]) @ matrix[:fitted, fitted:]
     ranges = [np.ptp(p.plausible) for effect in effects for p in effect.parameters]
     felt = raw[fitted:] * np.square(ranges) > LEAST_FELT
@@ -225,9 +211,7 @@ def _piece(
     )
 
 
-def block_of(
-    sums: Sums, columns: NDArray[np.intp], *, one_sided: bool, common: float = 0.0
-) -> Block:
+def block_of(sums: Sums, columns: NDArray[np.intp], *, one_sided: bool) -> Block:
     """Return the directions of a candidate's columns that these shots can see."""
     root = np.sqrt(np.maximum(sums.raw[columns], 1e-300))
     own = sums.matrix[np.ix_(columns, columns)] / root[:, None] / root[None, :]
@@ -237,4 +221,4 @@ def block_of(
     whitening = vectors[:, seen] / np.sqrt(values[seen]) / root[:, None]
     if len(columns) == 1:
         whitening = np.abs(whitening)
-    return Block(columns, np.asarray(whitening), one_sided, common)
+    return Block(columns, np.asarray(whitening), one_sided)

@@ -85,7 +85,7 @@ def _shifts(passes: Passes, wanted: Sequence[Effect], scale: float) -> _Shifts:
     """Score effects in all their variants; p-values are of each by itself."""
     forms = [(k, form) for k, e in enumerate(wanted) for form in (e, *e.variants)]
     sums = sums_over(passes, [form for _, form in forms])
-    blocks = _blocks(sums, [form for _, form in forms], passes.pattern_m)
+    blocks = _blocks(sums, [form for _, form in forms])
     falls = np.array([float(block.falls(sums.gradient)) for block in blocks]) / scale**2
     p_values = np.array([float(b.p_values(f)) for b, f in zip(blocks, falls, strict=True)])
     best = [
@@ -120,12 +120,11 @@ def _likeness(shifts: _Shifts, order: Sequence[int]) -> tuple[Floats, Floats]:
     return aliases, imitated
 
 
-def _blocks(sums: Sums, forms: Sequence[Effect], pattern_m: float) -> list[Block]:
+def _blocks(sums: Sums, forms: Sequence[Effect]) -> list[Block]:
     blocks, start = [], 0
     for form in forms:
         stop = start + len(form.parameters)
-        columns, common = np.arange(start, stop), pattern_m if form.like_pattern else 0.0
-        blocks.append(block_of(sums, columns, one_sided=one_sided(form), common=common))
+        blocks.append(block_of(sums, np.arange(start, stop), one_sided=one_sided(form)))
         start = stop
     return blocks
 
@@ -156,7 +155,6 @@ def _candidate(
         p_value=float(p),
         p_familywise=1.0,
         seen=seen,
-        granted=block.granted(sums.gradient),
         carriers=carriers,
         carried_share=share,
     )
@@ -173,7 +171,6 @@ def _scattered(passes: Passes, effect: ScatterEffect) -> Candidate:
         p_value=1.0 if score is None else score.p_fall,
         p_familywise=1.0,
         seen=score is not None,
-        granted=1.0,
         carriers=(),
         carried_share=0.0,
     )

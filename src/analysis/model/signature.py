@@ -17,7 +17,7 @@ from analysis.model.linear import Linearised, linearise
 from analysis.model.normal import inverse, solve_blocks, with_prior
 from analysis.model.projector import Projector, Solved
 from analysis.model.tables import Data
-from analysis.model.theory import LAW
+from analysis.model.theory import Theory
 
 Floats = NDArray[np.float64]
 Falls = Callable[[Projector], list[tuple[str, str, Solved]]]
@@ -33,18 +33,20 @@ def own_cells(data: Data, fit: Fit, sums: Projector, falls: Falls) -> dict[str, 
     if not fit.theory.active:
         return chosen
     line = linearise(data, fit.states, fit.theory)
-    start = len(LAW)
+    start = fit.theory.given
     for active in fit.theory.active:
         stop = start + len(active.values)
         shift = active.values - active.effect.off
-        alone = _only(line, sums, np.arange(start, stop), shift)
+        alone = _only(line, sums, fit.theory, np.arange(start, stop), shift)
         shown = np.array([solved.chi2 for *_, solved in falls(alone)])
         chosen[active.effect.name] = np.argsort(shown)[::-1][:OWN_CELLS]
         start = stop
     return chosen
 
 
-def _only(line: Linearised, sums: Projector, own: NDArray[np.intp], shift: Floats) -> Projector:
+def _only(
+    line: Linearised, sums: Projector, theory: Theory, own: NDArray[np.intp], shift: Floats
+) -> Projector:
     """Return a fit without an effect whose residuals are what the effect does, free of noise.
 
     Parameters
@@ -56,7 +58,8 @@ def _only(line: Linearised, sums: Projector, own: NDArray[np.intp], shift: Float
     """
     others = np.setdiff1d(np.arange(sums.shared.shape[2]), own)
     shared, raw = sums.shared[..., others], line.by_theory[..., others]
-    covariance = inverse(with_prior(np.einsum("snp,snq->pq", raw, shared)))
+    known = theory.prior[1][others]
+    covariance = inverse(with_prior(np.einsum("snp,snq->pq", raw, shared), known))
     done = line.by_theory[..., own] @ shift
     taken = np.swapaxes(sums.by_state, 1, 2) @ done[..., None]
     done = done - (sums.by_state @ solve_blocks(sums.states, taken))[..., 0]

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.model.theory import Theory
+from analysis.model.theory import LAW, Theory
 from analysis.quantity import Quantity
 
 Floats = NDArray[np.float64]
@@ -57,13 +57,15 @@ class FitSummary:
         return self.chi2 / max(self.freedom, 1)
 
     def parameters(self) -> dict[str, Quantity]:
-        """Return every shared parameter with its standard error."""
-        sigma = np.sqrt(np.diag(self.covariance))
-        theory = self.theory
-        shifts = {
-            name: Quantity(float(value), float(s), unit)
-            for name, value, s, unit in zip(
-                theory.names, theory.vector, sigma, theory.units, strict=True
-            )
-        }
-        return {**shifts, **self.scatter}
+        """Return law and effects with their standard errors."""
+        start, stop, every = len(LAW), self.theory.given, self._every()
+        return {**dict(every[:start]), **dict(every[stop:]), **self.scatter}
+
+    def systematics(self) -> dict[str, Quantity]:
+        """Return the errors that all shots share: what was found of them and how well."""
+        return dict(self._every()[len(LAW) : self.theory.given])
+
+    def _every(self) -> list[tuple[str, Quantity]]:
+        theory, sigma = self.theory, np.sqrt(np.diag(self.covariance))
+        numbers = zip(theory.names, theory.vector, sigma, theory.units, strict=True)
+        return [(name, Quantity(float(v), float(s), unit)) for name, v, s, unit in numbers]

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from analysis.collision.operator import Body, States
 from analysis.model.poses import PoseData
 from analysis.model.state import KICK_NUMBERS
+from analysis.model.systematics import Systematic
 
 Floats = NDArray[np.float64]
 
@@ -72,9 +73,9 @@ class ContactTable:
         return 0.0
 
     @property
-    def pattern_m(self) -> float:
-        """Return 0: a table knows nothing of images."""
-        return 0.0
+    def systematics(self) -> tuple[Systematic, ...]:
+        """Return none: a table knows nothing of images."""
+        return ()
 
     @property
     def unusable(self) -> tuple[int, ...]:

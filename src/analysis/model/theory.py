@@ -17,10 +17,16 @@ from analysis.effects.effect import (
     FlightEffect,
     Values,
 )
+from analysis.model.systematics import Systematic
 
 Floats = NDArray[np.float64]
 
 LAW = ("e", "mu", "beta0")
+LAW_PRIOR = (0.74, 0.08, 0.6)
+"""Where a fit starts: the thesis's nylon, with a beta0 that an elastic sphere could have."""
+LAW_PRIOR_SIGMA = (1.0, 0.5, 0.7)
+"""beta0 has no information without a shot that sticks, mu none without spins; a prior about the
+start holds them. With any data to speak of it has no weight."""
 _LAW_STEP = 1e-6
 
 
@@ -34,42 +40,82 @@ class Active:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Theory:
-    """Law and effects; every parameter that all shots share, in one vector."""
+    """Law and effects; every parameter that all shots share, in one vector.
+
+    Attributes
+    ----------
+    systematics
+        Errors of the measurement, which take part in every theory of a campaign.
+    active
+        Effects that have been added.
+    """
 
     law: WaltonLaw
+    systematics: tuple[Systematic, ...] = ()
     active: tuple[Active, ...] = ()
 
     @property
     def names(self) -> tuple[str, ...]:
         """Name of each parameter: e, mu, beta0, then `effect.symbol`."""
-        added = [f"{a.effect.name}.{p.symbol}" for a in self.active for p in a.effect.parameters]
+        added = [f"{a.effect.name}.{p.symbol}" for a in self.parts for p in a.effect.parameters]
         return (*LAW, *added)
 
     @property
     def units(self) -> tuple[str, ...]:
         """Unit of each parameter."""
-        return ("1",) * 3 + tuple(p.unit for a in self.active for p in a.effect.parameters)
+        return ("1",) * 3 + tuple(p.unit for a in self.parts for p in a.effect.parameters)
 
     @property
     def vector(self) -> Floats:
         """All parameters, shape (P,)."""
         law = [self.law.e, self.law.mu, self.law.beta0]
-        return np.concatenate([law, *(a.values for a in self.active)])
+        return np.concatenate([law, *(a.values for a in self.parts)])
 
     @property
     def steps(self) -> Floats:
         """A step for differences of each parameter, shape (P,)."""
-        added = [p.step for a in self.active for p in a.effect.parameters]
+        added = [p.step for a in self.parts for p in a.effect.parameters]
         return np.array([_LAW_STEP] * 3 + added)
+
+    @property
+    def parts(self) -> tuple[Systematic | Active, ...]:
+        """Everything beside the law, in the order of the vector: systematics first."""
+        return (*self.systematics, *self.active)
+
+    @property
+    def given(self) -> int:
+        """Number of parameters that every theory of the campaign has: law and systematics."""
+        return len(LAW) + sum(len(s.values) for s in self.systematics)
+
+    @property
+    def prior(self) -> tuple[Floats, Floats]:
+        """What is known of each parameter beforehand: value and information, shapes (P,)."""
+        centre, information = self.vector, np.zeros(len(self.names))
+        centre[: len(LAW)] = LAW_PRIOR
+        information[: len(LAW)] = np.array(LAW_PRIOR_SIGMA) ** -2
+        start = len(LAW)
+        for s in self.systematics:
+            stop = start + len(s.values)
+            centre[start:stop], information[start:stop] = s.effect.off, s.sigma**-2
+            start = stop
+        return centre, information
+
+    @property
+    def strain(self) -> float:
+        """Chi-squared of the systematics against their stated sizes; each is one residual."""
+        off = [((s.values - s.effect.off) / s.sigma) ** 2 for s in self.systematics]
+        return float(sum(part.sum() for part in off))
 
     def at(self, vector: Floats) -> Theory:
         """Return the same theory at other values, shape (P,)."""
-        start, active = 3, []
-        for a in self.active:
-            stop = start + len(a.values)
-            active.append(replace(a, values=vector[start:stop]))
-            start = stop
-        return Theory(WaltonLaw(*map(float, vector[:3])), tuple(active))
+        sizes = np.cumsum([len(a.values) for a in self.parts])
+        own = np.split(vector[len(LAW) :], sizes[:-1]) if len(sizes) else []
+        count = len(self.systematics)
+        return Theory(
+            WaltonLaw(*map(float, vector[: len(LAW)])),
+            tuple(replace(s, values=v) for s, v in zip(self.systematics, own, strict=False)),
+            tuple(replace(a, values=v) for a, v in zip(self.active, own[count:], strict=True)),
+        )
 
     def with_effect(self, effect: Effect) -> Theory:
         """Return the theory with one more effect, at the values where it is off.
@@ -100,7 +146,7 @@ class Theory:
     def operator(self) -> Operator:
         """The collision operator with all contact effects wrapped round it."""
         operator: Operator = walton
-        for a in self.active:
+        for a in self.parts:
             if isinstance(a.effect, ContactEffect):
                 operator = a.effect.wrap(operator, a.values)
         return operator
@@ -108,23 +154,19 @@ class Theory:
     @property
     def flight(self) -> tuple[tuple[FlightEffect, Values], ...]:
         """Effects of the flight."""
-        return tuple(
-            (a.effect, a.values) for a in self.active if isinstance(a.effect, FlightEffect)
-        )
+        return tuple((a.effect, a.values) for a in self.parts if isinstance(a.effect, FlightEffect))
 
     @property
     def camera(self) -> tuple[tuple[CameraEffect, Values], ...]:
         """Effects of the camera."""
-        return tuple(
-            (a.effect, a.values) for a in self.active if isinstance(a.effect, CameraEffect)
-        )
+        return tuple((a.effect, a.values) for a in self.parts if isinstance(a.effect, CameraEffect))
 
     @property
     def body(self) -> tuple[tuple[BodyEffect, Values], ...]:
         """Effects of the bodies' turning."""
-        return tuple((a.effect, a.values) for a in self.active if isinstance(a.effect, BodyEffect))
+        return tuple((a.effect, a.values) for a in self.parts if isinstance(a.effect, BodyEffect))
 
     @property
     def clock(self) -> tuple[tuple[ClockEffect, Values], ...]:
         """Effects of the clock."""
-        return tuple((a.effect, a.values) for a in self.active if isinstance(a.effect, ClockEffect))
+        return tuple((a.effect, a.values) for a in self.parts if isinstance(a.effect, ClockEffect))

@@ -45,6 +45,9 @@ LIMB_SCALE_SIGMA, MARKER_SCALE_SIGMA = 5e-3, 1e-3
 Light from one side passes for another radius at the limb. Markers move across the disc and are seen
 in both views at once, which tells the radius without the limb.
 """
+FARTHEST_PER_M = 0.05
+"""Nearness below which a camera is taken as orthographic: farther than 20 m. Shading alone looks
+like a nearness of up to 0.01, and each 0.01 tilts Z against X by 6e-4."""
 OVERSTEP = 1.5
 """Of the radius by the markers: shading that was learned with another radius holds it back."""
 
@@ -210,8 +213,9 @@ def with_shared(
     change, sigma = _agreed(steps)
     own = OVERSTEP * change[0] if move_radius else 0.0
     scales = camera.optics.scales * np.exp(own + np.append(0.0, change[1:-1]))
-    nearness = max(camera.optics.nearness + float(change[-1]), 0.0)
-    changed = camera.with_scales(scales).with_nearness(nearness)
+    nearness = camera.optics.nearness + float(change[-1])
+    far = nearness < FARTHEST_PER_M
+    changed = camera.with_scales(scales).with_nearness(0.0 if far else nearness)
     for film in films:
         film.keep_places(camera.optics, changed.optics)
     told = float(np.hypot(MARKER_SCALE_SIGMA, sigma[0]))

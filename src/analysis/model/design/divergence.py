@@ -95,7 +95,7 @@ def refitted(
     sums = normal_equations(data, states, theory)
     for _ in range(_ROUNDS):
         design = _eliminated(sums)
-        matrix = with_prior(design.total(weights).matrix)
+        matrix = with_prior(design.total(weights).matrix, theory.prior[1])
         step = inverse(matrix) @ (weights @ design.gradient)
         before = float(weights @ design.left)
         moved, tried = theory, sums

@@ -31,7 +31,8 @@ class Duel:
     campaign, settings
         Sums about the rival: of the campaign, and of one shot at each of K settings.
     known, shown
-        Information on the true theory's parameters likewise, (P, P) and (K, P, P).
+        Information on the true theory's parameters likewise, (P, P) and (K, P, P); what is known
+        of them beforehand is in the first.
     amplitudes
         Of the true effect, the last parameters of its theory, shape (B,).
     more
@@ -86,7 +87,7 @@ class Duel:
 
     def _strength(self, counts: Floats) -> float:
         """Return d^2 of the true effect: its amplitudes in units of what is known of them."""
-        total = with_prior(self.known + np.tensordot(counts, self.shown, 1))
+        total = self.known + np.tensordot(counts, self.shown, 1)
         size = len(self.amplitudes)
         own = inverse(total)[-size:, -size:]
         return float(self.amplitudes @ np.linalg.solve(own, self.amplitudes))
@@ -172,7 +173,7 @@ class Truth:
         own = len(self.true.theory.active[-1].values)
         more = len(self.true.theory.names) - len(self.rival.theory.names)
         return Duel(
-            campaign=replace(campaign, matrix=with_prior(campaign.matrix)),
+            campaign=replace(campaign, matrix=with_prior(campaign.matrix, theory.prior[1])),
             settings=Design(
                 self.drawn.averaged(sums.left[old:]),
                 self.drawn.averaged(sums.gradient[old:]),
@@ -200,7 +201,9 @@ def truth(data: PoseData, drawn: Candidates, true: Fit, rival: Fit, weight: floa
         rival=rival,
         campaign=campaign,
         shots=shots,
-        known=by_shot(campaign, true.states, true.theory).matrix.sum(axis=0),
+        known=with_prior(
+            by_shot(campaign, true.states, true.theory).matrix.sum(axis=0), true.theory.prior[1]
+        ),
         shown=drawn.averaged(by_shot(shots, drawn.states, true.theory).matrix),
         weight=weight,
     )

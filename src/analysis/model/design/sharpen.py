@@ -129,7 +129,9 @@ def sharpen(
     drawn = candidates(data, fit, launch, settings)
     shots = foreseen_shots(drawn, fit.theory)
     aim = Sharpness(
-        known=with_prior(by_shot(data, fit.states, fit.theory).matrix.sum(axis=0)),
+        known=with_prior(
+            by_shot(data, fit.states, fit.theory).matrix.sum(axis=0), fit.theory.prior[1]
+        ),
         shown=drawn.averaged(by_shot(shots, drawn.states, fit.theory).matrix),
         place=place,
     )

@@ -20,7 +20,7 @@ from analysis.model.state import ShotStates
 from analysis.model.streaming.spool import Spool
 from analysis.model.streaming.stream import PoseStream
 from analysis.model.summary import FitSummary
-from analysis.model.theory import Theory
+from analysis.model.theory import LAW, Theory
 from analysis.model.unseen import fitted_numbers
 from analysis.quantity import Quantity
 
@@ -78,7 +78,7 @@ def fit_stream(
     OSError
         The temporary folder is full.
     """
-    present = Theory(START) if theory is None else theory
+    present = Theory(START, next(iter(stream)).systematics) if theory is None else theory
     if states is None:
         states = (own_states(part, first_states(part), present) for part in stream)
     parts = (summed(*part, present) for part in zip(stream, states, strict=True))
@@ -89,8 +89,8 @@ def fit_stream(
         theory=last.theory,
         stands=last.stands,
         covariance=inverse(last.matrix),
-        chi2=float(chi2.sum()),
-        residuals=int(measured.sum()),
+        chi2=float(chi2.sum()) + last.theory.strain,
+        residuals=int(measured.sum()) + last.theory.given - len(LAW),
         shot_chi2=chi2,
         shot_residuals=measured,
         own_numbers=own,
@@ -105,8 +105,7 @@ def passes_of_stream(stream: PoseStream, fit: StreamedFit) -> Passes:
     def parts() -> Iterator[tuple[PoseData, ShotStates]]:
         return zip(stream, fit.states(), strict=True)
 
-    pattern_m = next(iter(stream)).pattern_m
-    return Passes(stream.shots, stream.jitter_s, pattern_m, fit, parts, Spool)
+    return Passes(stream.shots, stream.jitter_s, fit, parts, Spool)
 
 
 def _counts(stream: PoseStream) -> tuple[NDArray[np.intp], NDArray[np.intp]]:

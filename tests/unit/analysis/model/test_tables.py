@@ -14,9 +14,9 @@ from analysis.model.gather import gather, gather_poses
 from analysis.model.inside import without_contact_frames
 from analysis.model.lackoffit import lack_of_fit
 from analysis.model.noise import noise_scales
-from analysis.model.normal import LAW_PRIOR_SIGMA
 from analysis.model.outliers import clean
 from analysis.model.tables import ContactTable
+from analysis.model.theory import LAW_PRIOR_SIGMA
 from tests.unit.analysis.model.exchange_folder import DESCRIPTION, write_campaign
 from tests.unit.analysis.model.hard_spheres import campaign, draw
 from tests.unit.analysis.model.tabulated import (

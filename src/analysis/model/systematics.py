@@ -1,0 +1,51 @@
+"""Errors that all shots of a campaign share and whose size is known beforehand.
+
+They do not average out. Each is fitted beside the law with a prior as wide as it is stated, in the
+base model already: what it explains is no finding, and what it hides makes the errors larger.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.effects.effect import Effect, Values
+from analysis.effects.mass_offset import EFFECT as MASS_OFFSET
+from analysis.effects.outline_offset import EFFECT as OUTLINE_OFFSET
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Systematic:
+    """An effect that is there as much as it is stated, at some values of its parameters.
+
+    Attributes
+    ----------
+    sigma
+        Standard error of each parameter about the value where the effect is off.
+    """
+
+    effect: Effect
+    values: Values
+    sigma: float
+
+
+def of_images(slow_position_m: float, *, one_body_frame: bool) -> tuple[Systematic, ...]:
+    """Return what measuring leaves in poses, by the size of their slow errors, m.
+
+    As far as the frames of one flight share an error, those of all flights share it too, for the
+    light and the learned look stay the same: of the outlines of both spheres against each other,
+    and of a learned pattern of markers against its sphere. A pattern that is learned anew in each
+    shot (no common body frame) has no error that they share.
+    """
+    if slow_position_m == 0.0:
+        return ()
+    outline = _off(OUTLINE_OFFSET, float(np.sqrt(2.0)) * slow_position_m)
+    return (outline, _off(MASS_OFFSET, slow_position_m)) if one_body_frame else (outline,)
+
+
+def _off(effect: Effect, sigma: float) -> Systematic:
+    return Systematic(effect, effect.off, sigma)
