@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from analysis.compiled import part
 from analysis.photometric.contour import LAYERS
-from analysis.photometric.covers import cover_canvas
-from analysis.photometric.residual import KEEP_OFF_PX, UNKNOWNS
+from analysis.photometric.covers import cover_canvas, paint_of
+from analysis.photometric.residual import KEEP_OFF_PX, UNKNOWNS, Paint
 from analysis.photometric.sight import Equations, Sight, Stance
 from analysis.photometric.surface import SPAN, SQUARE_STEPS
 
@@ -94,15 +94,10 @@ def look_up(disc: Floats, surface: Floats, band: Floats, count: int) -> None:
 
 
 @part
-def derive(paint: tuple[Floats, float, float], band: Floats, count: int) -> None:
-    """Fill residuals and derivatives (`residual.pixel_row`) from what was looked up.
-
-    Parameters
-    ----------
-    paint
-        Light of the view, darkness of the markers, radius of the disc in pixels.
-    """
-    light, darkness, radius = paint
+def derive(paint: Paint, band: Floats, count: int) -> None:
+    """Fill residuals and derivatives (`residual.pixel_row`) from what was looked up."""
+    light, darkness, radius, variance = paint
+    bent = darkness * variance / radius
     offset, gain, down, across = light[0], light[1], light[2], light[3]
     for n in range(np.uint64(count)):
         disc, u, x = band[DISC + n], band[DOWN + n], band[ACROSS + n]
@@ -114,6 +109,7 @@ def derive(paint: tuple[Floats, float, float], band: Floats, count: int) -> None
         moved_u = gain * band[LIGHT_U + n] + down
         moved_v = gain * band[LIGHT_V + n] + across
         to_row, to_column = shadow * band[L1 + n], shadow * band[L2 + n]
+        bend = bent * (moved_u * band[L1 + n] + moved_v * band[L2 + n])
         band[L0 + n] = edge * band[DISC_U + n] - moved_u * inner - to_row
         band[L1 + n] = edge * band[DISC_V + n] - moved_v * inner - to_column
         band[L2 + n] = -shadow * band[L3 + n]
@@ -123,7 +119,7 @@ def derive(paint: tuple[Floats, float, float], band: Floats, count: int) -> None
         band[L6 + n] = band[LIGHT + n] * left
         band[L7 + n] = u * left
         band[L8 + n] = x * left
-        band[RESIDUAL + n] -= back * (1.0 - disc) + own * left
+        band[RESIDUAL + n] -= back * (1.0 - disc) + own * left + bend
 
 
 @part
@@ -201,7 +197,7 @@ def add_products(band: Floats, equations: Equations) -> None:
 @part
 def settle(
     seen: tuple[Floats, Floats],
-    paint: tuple[Floats, float, float],
+    paint: Paint,
     filled: tuple[Floats, int],
     spread: tuple[float, float],
     equations: Equations,
@@ -212,8 +208,6 @@ def settle(
     ----------
     seen
         Disc and surface of the view (`sight.Look`).
-    paint
-        As for `derive`.
     filled
         The band and its number of pixels.
     spread
@@ -247,7 +241,7 @@ def accumulate(
     scene, disc, surface = sight.scene, sight.look.discs[view], sight.look.surfaces[view]
     canvas, corner, place = cover_canvas(sight, stance, view)
     rows, reach2 = sight.optics.rows[view], (disc.shape[0] - 1) / SQUARE_STEPS
-    seen, paint = (disc, surface), (stance.lights[view], sight.look.darkness, place[2])
+    seen, paint = (disc, surface), paint_of(sight, stance, view, place[2])
     band, widest = np.empty(LANES * BAND), limit * scene.noise
     squares, weights, count, filled = 0.0, 0.0, 0, 0
     first_row = max(rows[0] - corner[0], 0)

@@ -14,11 +14,12 @@ from numpy.typing import NDArray
 from analysis.compiled import compiled, part
 from analysis.photometric.camera import disc_of
 from analysis.photometric.contour import LAYERS, add_cover
-from analysis.photometric.covers import closeness, cover_canvas, into_view, seen_from
+from analysis.photometric.covers import closeness, cover_canvas, into_view, paint_of, seen_from
 from analysis.photometric.residual import (
     LOOK,
     UNKNOWNS,
     biweight,
+    cover_at,
     hidden,
     lit,
     model_pixel,
@@ -141,6 +142,32 @@ def marker_row(
     return filled
 
 
+@part
+def add_row(
+    row: Floats,
+    used: NDArray[np.int64],
+    seen: tuple[float, float, float],
+    equations: Equations,
+) -> None:
+    """Add a pixel's derivatives to the equations.
+
+    Parameters
+    ----------
+    used
+        Indices of those that are not 0.
+    seen
+        Weight over the noise, residual over the noise, noise.
+    """
+    weight, residual, noise = seen
+    for a in range(used.shape[0]):
+        p = used[a]
+        scaled = weight * row[p]
+        equations.right[p] += scaled * residual
+        scaled /= noise
+        for b in range(a + 1):
+            equations.normal[p, used[b]] += scaled * row[used[b]]
+
+
 @compiled
 def bundle_view(
     sight: Sight, stance: Stance, view: int, lesson: Lesson, equations: Equations
@@ -157,6 +184,7 @@ def bundle_view(
     wider, wider_surface = lesson.wider[0][view], lesson.wider[1][view]
     canvas, corner, place = cover_canvas(sight, stance, view)
     light, rows = stance.lights[view], sight.optics.rows[view]
+    paint = paint_of(sight, stance, view, place[2])
     count = look.markers.shape[0]
     own = np.zeros((count, canvas.shape[0], LAYERS, canvas.shape[2]))
     covers = np.zeros((3, canvas.shape[0], LAYERS, canvas.shape[2]))
@@ -177,7 +205,7 @@ def bundle_view(
             if not shade(disc, surface, u, v, seen) or hidden(y, x, sight.others[view]):
                 continue
             behind, dark = scene.background[y, x], look.darkness
-            model = pixel_row(seen, (canvas, i, j), behind, (light, dark, place[2]), row)
+            model = pixel_row(seen, (canvas, i, j), behind, paint, row)
             residual = (scene.image[y, x] - model) / scene.noise
             weight = biweight(residual, lesson.limit) / scene.noise
             if weight == 0.0:
@@ -185,24 +213,18 @@ def bundle_view(
             plain = lit(seen, light)
             filled = marker_row(plain * dark, own[:, i, :, j], turns, row, used)
             row[first] = -plain * canvas[i, 0, j]
-            there = model_pixel(seen, covers[ALPHA, i, 0, j], behind, light, dark)
+            there = model_pixel(seen, cover_at(covers[ALPHA], i, j), behind, paint)
             row[first + 1] = (there - model) / NUDGE
-            there = model_pixel(seen, covers[RADIUS, i, 0, j], behind, light, dark)
+            there = model_pixel(seen, cover_at(covers[RADIUS], i, j), behind, paint)
             row[first + 2] = (there - model) / NUDGE
             shade(disc, surface, u / (1.0 + NUDGE), v / (1.0 + NUDGE), moved)
-            there = model_pixel(moved, canvas[i, 0, j], behind, light, dark)
+            there = model_pixel(moved, cover_at(canvas, i, j), behind, paint)
             row[first + 3] = (there - model) / NUDGE
             shade(wider, wider_surface, u, v, moved)
-            there = model_pixel(moved, covers[BLUR, i, 0, j], behind, light, dark)
+            there = model_pixel(moved, cover_at(covers[BLUR], i, j), behind, paint)
             row[first + 4] = (there - model) / NUDGE
             row[first + 5] = row[0] * off[0] + row[1] * off[1]
             row[first + 6] = -plain * dark * canvas[i, 1, j] * (y - place[0])
             for k in range(last):
                 used[filled + k] = first + k
-            for a in range(filled + last):
-                p = used[a]
-                scaled = weight * row[p]
-                equations.right[p] += scaled * residual
-                scaled /= scene.noise
-                for b in range(a + 1):
-                    equations.normal[p, used[b]] += scaled * row[used[b]]
+            add_row(row, used[: filled + last], (weight, residual, scene.noise), equations)

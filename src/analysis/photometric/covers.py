@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from analysis.compiled import part
 from analysis.photometric.camera import axes_at, disc_of, nearer, own_nearness
 from analysis.photometric.contour import LAYERS, add_cover
+from analysis.photometric.residual import Paint
 from analysis.photometric.sight import Sight, Stance
 
 Floats = NDArray[np.float64]
@@ -92,3 +93,10 @@ def cover_canvas(
         cap = (sight.look.alpha * (1.0 + near * directions[m, 2]), sight.look.sigma_px[view])
         add_cover(canvas, (first_r, first_c), place, directions[m], cap)
     return canvas, (first_r, first_c), place
+
+
+@part
+def paint_of(sight: Sight, stance: Stance, view: int, radius_px: float) -> Paint:
+    """Return what a view's pixels are painted with."""
+    look = sight.look
+    return stance.lights[view], look.darkness, radius_px, look.sigma_px[view] ** 2

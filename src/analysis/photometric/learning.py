@@ -75,7 +75,7 @@ def learn(film: Film, start: Knowledge, *, hold_scale: bool) -> Knowledge:
         if turn >= RELIEF_FROM:
             known = with_reliefs([few], known, limit)
         if turn >= SHARED_FROM:
-            known = with_shared([few], known, limit, move_radius=marked and not hold_scale)
+            known = with_shared([few], known, limit, move_radius=marked, hold_scale=hold_scale)
         fit_film(few, known, np.full(2, limit))
     film.keep_places(start.camera.optics, known.camera.optics)
     fit_film(film, known, FINISH_LIMITS)
@@ -94,7 +94,7 @@ def learn_together(films: Sequence[Film], start: Knowledge, *, hold_scale: bool)
         marked = tells_radius(known)
         known = with_shading(few, known, limit, hold_radius=hold_scale or marked)
         known = with_reliefs(few, known, limit)
-        known = with_shared(few, known, limit, move_radius=marked and not hold_scale)
+        known = with_shared(few, known, limit, move_radius=marked, hold_scale=hold_scale)
         for film in few:
             fit_film(film, known, np.full(1, limit))
     return known
@@ -112,7 +112,7 @@ def extended(film: Film, known: Knowledge) -> Knowledge:
         return known
     for limit in EXTENDING_LIMITS:
         fit_film(few, more, np.full(1, limit))
-        more = with_shared([few], more, limit, move_radius=False)
+        more = with_shared([few], more, limit, move_radius=False, hold_scale=True)
     return more
 
 
@@ -192,11 +192,13 @@ def tells_radius(known: Knowledge) -> bool:
 
 
 def with_shared(
-    films: Sequence[Film], known: Knowledge, limit: float, *, move_radius: bool
+    films: Sequence[Film], known: Knowledge, limit: float, *, move_radius: bool, hold_scale: bool
 ) -> Knowledge:
     """Return the knowledge with better markers, and what they and the tracks say of the camera.
 
-    Scales of the views against each other, the camera's nearness and, if it may move, the radius.
+    Scales of the views against each other, the camera's nearness and, if they may move, the radii
+    of the discs: by a scale that is held each is drawn with the radius that it has, by one that is
+    not the spheres are as large as stated, in the mean of both.
     """
     camera, wider = known.camera, known.looks(NUDGE)
     views = len(camera.views)
@@ -209,10 +211,14 @@ def with_shared(
         for sight, stance in sights_of(films, known, i):
             add_frame(sight, stance, lesson, equations)
         steps.append(solve_shared(equations, tangents, views))
-    a, b = (_changed(sphere, step) for sphere, step in zip(known.spheres, steps, strict=True))
     change, sigma = _agreed(steps)
-    own = OVERSTEP * change[0] if move_radius else 0.0
-    scales = camera.optics.scales * np.exp(own + np.append(0.0, change[1:-1]))
+    grown = OVERSTEP * np.array([step.camera[0] for step in steps]) * move_radius
+    nearer = 0.0 if hold_scale else float(grown.mean())
+    a, b = (
+        replace(_changed(sphere, step), radius_m=sphere.radius_m * float(np.exp(own)))
+        for sphere, step, own in zip(known.spheres, steps, grown - nearer, strict=True)
+    )
+    scales = camera.optics.scales * np.exp(nearer + np.append(0.0, change[1:-1]))
     nearness = camera.optics.nearness + float(change[-1])
     far = nearness < FARTHEST_PER_M
     changed = camera.with_scales(scales).with_nearness(0.0 if far else nearness)
@@ -223,7 +229,7 @@ def with_shared(
         known,
         spheres=(a, b),
         camera=changed,
-        scale_sigma=told if move_radius else known.scale_sigma,
+        scale_sigma=told if move_radius and not hold_scale else known.scale_sigma,
         camera_sigma=tuple(map(float, sigma)),
     )
 

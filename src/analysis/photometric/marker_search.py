@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from analysis.compiled import compiled
 from analysis.photometric.appearance import Knowledge
 from analysis.photometric.camera import axes_at
-from analysis.photometric.covers import cover_canvas
-from analysis.photometric.residual import LOOK, hidden, model_pixel, shade
+from analysis.photometric.covers import cover_canvas, paint_of
+from analysis.photometric.residual import LOOK, cover_at, hidden, model_pixel, shade
 from analysis.photometric.sight import Look, Sight, Stance
 
 Floats = NDArray[np.float64]
@@ -53,6 +53,7 @@ def add_darkness(
     scene, look = sight.scene, sight.look
     canvas, corner, place = cover_canvas(sight, stance, view)
     light, rows = stance.lights[view], sight.optics.rows[view]
+    paint = paint_of(sight, stance, view, place[2])
     directions = (body @ stance.rotation.T) @ axes_at(sight.optics, view, stance.centre).T
     seen = np.zeros(LOOK)
     for n in range(body.shape[0]):
@@ -67,7 +68,7 @@ def add_darkness(
             continue
         u, v = (y - place[0]) / place[2], (x - place[1]) / place[2]
         shade(look.discs[view], look.surfaces[view], u, v, seen)
-        model = model_pixel(seen, canvas[i, 0, j], scene.background[y, x], light, look.darkness)
+        model = model_pixel(seen, cover_at(canvas, i, j), scene.background[y, x], paint)
         plain = max(light[1] * seen[3] * seen[0], 3.0 * scene.noise)
         sums[n] += min(max((model - scene.image[y, x]) / plain, -1.0), 1.0)
         counts[n] += 1.0

@@ -11,11 +11,12 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
 from analysis.compiled import compiled
-from analysis.photometric.covers import cover_canvas
+from analysis.photometric.covers import cover_canvas, paint_of
 from analysis.photometric.residual import (
     LEAST_DISC,
     LOOK,
     biweight,
+    cover_at,
     hidden,
     model_pixel,
     shade,
@@ -54,6 +55,7 @@ def add_residuals(
     scene, look = sight.scene, sight.look
     canvas, corner, place = cover_canvas(sight, stance, view)
     light, rows = stance.lights[view], sight.optics.rows[view]
+    paint = paint_of(sight, stance, view, place[2])
     seen = np.zeros(LOOK)
     half = (sums.shape[0] - 1) * 0.5
     for i in range(canvas.shape[0]):
@@ -67,10 +69,10 @@ def add_residuals(
             if u * u + v * v >= 1.0 or hidden(y, x, sight.others[view]):
                 continue
             shade(look.discs[view], look.surfaces[view], u, v, seen)
-            cover = canvas[i, 0, j]
-            model = model_pixel(seen, cover, scene.background[y, x], light, look.darkness)
+            cover = cover_at(canvas, i, j)
+            model = model_pixel(seen, cover, scene.background[y, x], paint)
             residual = scene.image[y, x] - model
-            left = 1.0 - look.darkness * cover / max(seen[0], LEAST_DISC)
+            left = 1.0 - look.darkness * cover[0] / max(seen[0], LEAST_DISC)
             # What a marker hides, its own error would be learned as relief.
             weight = biweight(residual / scene.noise, limit) * max(left, 0.0) ** 8
             own = light[1] * seen[0] * left / scene.noise

@@ -9,12 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.compiled import compiled, part
-from analysis.photometric.covers import cover_canvas
+from analysis.photometric.covers import cover_canvas, paint_of
 from analysis.photometric.residual import (
     LEAST_DISC,
     LOOK,
     UNKNOWNS,
     biweight,
+    cover_at,
     hidden,
     model_pixel,
     pixel_row,
@@ -101,7 +102,7 @@ def shading_equations(
     scene, disc, surface = sight.scene, sight.look.discs[view], sight.look.surfaces[view]
     canvas, corner, place = cover_canvas(sight, stance, view)
     light, darkness = stance.lights[view], sight.look.darkness
-    rows = sight.optics.rows[view]
+    rows, paint = sight.optics.rows[view], paint_of(sight, stance, view, place[2])
     seen, nudged = np.zeros(LOOK), np.zeros(LOOK)
     size = HARMONIC.shape[0] + COMMON
     block, turns, own = np.zeros((BLOCK, size + 1)), np.zeros((2, ORDER + 1)), np.zeros(UNKNOWNS)
@@ -118,10 +119,10 @@ def shading_equations(
                 continue
             if hidden(y, x, sight.others[view]):
                 continue
-            behind, cover = scene.background[y, x], canvas[i, 0, j]
-            model = pixel_row(seen, (canvas, i, j), behind, (light, darkness, place[2]), own)
+            behind, cover = scene.background[y, x], cover_at(canvas, i, j)
+            model = pixel_row(seen, (canvas, i, j), behind, paint, own)
             residual = (scene.image[y, x] - model) / scene.noise
-            left = 1.0 - darkness * cover / seen[0]
+            left = 1.0 - darkness * cover[0] / seen[0]
             # Where a marker lies, its own error would be learned as shading.
             weight = biweight(residual, samples.limit) * max(left, 0.0) ** 2
             if weight == 0.0:
@@ -136,10 +137,10 @@ def shading_equations(
                 row[h] *= light[1] * left
             row[size - 4], row[size - 3] = own[0], own[1]
             shade(disc, surface, u / (1.0 + NUDGE), v / (1.0 + NUDGE), nudged)
-            there = model_pixel(nudged, cover, behind, light, darkness)
+            there = model_pixel(nudged, cover, behind, paint)
             row[size - 2] = (there - model) / NUDGE
             shade(samples.wider[0], samples.wider[1], u, v, nudged)
-            there = model_pixel(nudged, cover, behind, light, darkness)
+            there = model_pixel(nudged, cover, behind, paint)
             row[size - 1] = (there - model) / NUDGE
             row[size] = residual * scene.noise
             root = math.sqrt(weight) / scene.noise
