@@ -6,6 +6,7 @@ import json
 import threading
 from collections import Counter
 from collections.abc import Callable, Sequence
+from itertools import islice
 
 from rigctl.errors import NotFoundError
 from rigctl.jobs import JobFailedError, Task, Work
@@ -22,10 +23,10 @@ def analysed_before(store: Store, campaign: str) -> list[str]:
     NotFoundError
         There is no such campaign, or no analysis of its shots has ended.
     """
-    limit = store.campaigns.one(campaign).shots
+    there = store.campaigns.one(campaign).shots
     found = [
         shot.id
-        for shot in store.shots(campaign=campaign, limit=limit)
+        for shot in islice(store.catalogue.each(campaign), there)
         if shot.state in ENDED and not shot.is_without_frames
     ]
     if not found:

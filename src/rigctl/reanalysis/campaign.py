@@ -71,6 +71,8 @@ def reanalyse_campaign(
         There is no such campaign, or none of its shots has frames.
     AnalysisFailedError
         Later, as outcomes are taken: a process that analyses died, and with it the pool.
+    StoreError
+        Likewise: the catalogue does not take that a shot was analysed.
     """
     total = store.campaigns.one(campaign).shots
     there = enumerate(islice(store.catalogue.each(campaign), total), start=1)
@@ -165,12 +167,16 @@ def _kept(store: Store, shot: ShotRecord, future: Future[Json]) -> Outcome:
         return Outcome(shot, before, None, f"{type(error).__name__}: {error}")
     try:
         store.move(shot.id, ShotState.ANALYSING)
-        number = store.folders.add_result(shot.id, result)
-        if result["status"] == "refused":
-            change = Change(results=number, failure=str(result["reason"]), failure_code="refused")
-            record = store.move(shot.id, ShotState.REFUSED, change)
-        else:
-            record = store.move(shot.id, ShotState.ANALYSED, Change(results=number))
     except RigError as error:
         return Outcome(store.shot(shot.id), before, None, error.sentence())
-    return Outcome(record, before, result)
+    try:
+        number = store.folders.add_result(shot.id, result)
+    except RigError as error:
+        as_before = Change(failure=shot.failure, failure_code=shot.failure_code)
+        record = store.move(shot.id, shot.state, as_before)
+        return Outcome(record, before, None, error.sentence())
+    if result["status"] == "refused":
+        change = Change(results=number, failure=str(result["reason"]), failure_code="refused")
+        return Outcome(store.move(shot.id, ShotState.REFUSED, change), before, result)
+    change = Change(results=number)
+    return Outcome(store.move(shot.id, ShotState.ANALYSED, change), before, result)

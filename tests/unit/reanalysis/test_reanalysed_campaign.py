@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import errno
 import gc
+import os
+import sqlite3
 import uuid
 import weakref
 from collections.abc import Callable, Iterable, Iterator
@@ -281,6 +284,50 @@ def test_a_result_that_was_damaged_is_not_compared_and_nothing_is_added_beside_i
     outcomes = reanalysed(store, "nylon", "thesis")
     assert "result-0001.json" in str(outcomes[0].failure)
     assert [outcome.failure for outcome in outcomes[1:]] == [None, None]
+
+
+def test_a_full_disk_leaves_shots_as_they_were_and_free_for_the_next_time(
+    store: Store, shots: list[str], answers: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    refusal = {"status": "refused", "step": "markers", "reason": "only one marker"}
+    answers(lambda shot, method: refusal if shot == shots[1] else measured(0.7))
+    reanalysed(store, "nylon", "thesis")
+    before = [store.shot(shot) for shot in shots]
+
+    def refuse(source: object, target: object) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    with monkeypatch.context() as full:
+        full.setattr(os, "link", refuse)
+        outcomes = reanalysed(store, "nylon", "thesis")
+    assert all("No space left" in str(outcome.failure) for outcome in outcomes)
+    assert [outcome.shot for outcome in outcomes] == before
+    assert [store.shot(shot) for shot in shots] == before
+    reanalysed(store, "nylon", "thesis")
+    assert [store.shot(shot).results for shot in shots] == [2, 2, 2]
+
+
+def test_a_catalogue_that_another_program_locks_costs_the_shots_of_that_time_alone(
+    tmp_path: Path, answers: Any
+) -> None:
+    store = Store(tmp_path / "locked", busy_timeout_s=0.01)
+    shots = [stored(store) for _ in range(3)]
+    holder = sqlite3.connect(tmp_path / "locked" / "catalogue.db", isolation_level=None)
+    holder.execute("BEGIN IMMEDIATE")
+
+    def let_go(text: str, share: float | None) -> None:
+        if shots[1] in text:
+            holder.execute("ROLLBACK")
+
+    answers(lambda shot, method: measured(0.7))
+    pool = Pool(Inline(), lambda: 1)
+    first, second, third = reanalyse_campaign(store, "nylon", "thesis", pool, let_go)
+    assert "locked" in str(first.failure)
+    assert "locked" in str(second.failure)
+    assert third.failure is None
+    assert [store.shot(shot).state for shot in shots] == ["stored", "stored", "analysed"]
+    holder.close()
+    store.close()
 
 
 def test_shots_that_are_fired_meanwhile_are_left_for_the_next_time(
