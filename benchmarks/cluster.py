@@ -13,14 +13,14 @@ from __future__ import annotations
 import argparse
 import os
 import shutil
+import subprocess
 import sys
 import tempfile
 import time
-from contextlib import closing
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-
-from distributed import LocalCluster
 
 from rigctl.exchange.contents import read_contents
 from rigctl.exchange.importing import import_campaign
@@ -30,6 +30,14 @@ from simulators.world import write_campaign
 
 ASKED = 1.8
 RENDERED = 6
+ENDS_WITHIN_S = 60.0
+CLUSTER = """
+from distributed import LocalCluster
+if __name__ == "__main__":
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
+        print(cluster.scheduler_address, flush=True)
+        input()
+"""
 FRAMES = 24
 
 
@@ -55,6 +63,18 @@ def campaign(folder: Path, shots: int) -> Store:
     store = Store(folder / "data")
     import_campaign(store, read_contents(home, silent), "benchmark", say=silent)
     return store
+
+
+@contextmanager
+def cluster() -> Iterator[str]:
+    """Run a scheduler and two workers in processes of their own; give the scheduler's address."""
+    started = subprocess.Popen(
+        [sys.executable, "-c", CLUSTER], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    )
+    try:
+        yield str(started.stdout.readline()).strip()  # type: ignore[union-attr]
+    finally:
+        started.communicate("\n", timeout=ENDS_WITHIN_S)
 
 
 def silent(_text: str, _share: float | None) -> None:
@@ -85,10 +105,7 @@ def main() -> int:
     ):
         with pool(workers=1) as workshop:
             one = taken(store, options.shots, workshop, options.method)
-        with (
-            LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
-            pool(cluster.scheduler_address) as workshop,
-        ):
+        with cluster() as address, pool(address) as workshop:
             two = taken(store, options.shots, workshop, options.method)
     for name, found in (("one process", one), ("a cluster of two workers", two)):
         print(
