@@ -38,10 +38,11 @@ def report_job(asked: Json, say: Callable[[str, float | None], None]) -> Json:
     Parameters
     ----------
     asked
-        `store`, the store's folder, and `campaign`.
+        `store`, the store's folder; `database`, the URL of its catalogue, null: a file in the
+        folder; and `campaign`.
     """
     say("reading the poses", 0.1)
-    with reading(Path(asked["store"])) as store:
+    with reading(Path(asked["store"]), asked["database"]) as store:
         source = stored_source(store, asked["campaign"])
     say("fitting", 0.3)
     found = measured_results(source)

@@ -42,7 +42,8 @@ def report_of(daemon: Daemon, campaign: str) -> Job:
         Too many jobs wait.
     """
     measured_files(daemon.store, campaign)
-    asked = {"store": str(daemon.store.path), "campaign": campaign}
+    store = daemon.store
+    asked = {"store": str(store.path), "database": store.address, "campaign": campaign}
     named = ("report", campaign, _as_they_are(daemon, campaign))
     return daemon.jobs.submit("report", campaign, in_process(FUNCTION, asked), named)
 

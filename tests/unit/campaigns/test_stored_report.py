@@ -70,7 +70,7 @@ def test_the_daemons_job_writes_what_the_command_writes(
 ) -> None:
     assert shots
     said: list[str] = []
-    asked = {"store": str(store.path), "campaign": "nylon"}
+    asked = {"store": str(store.path), "database": None, "campaign": "nylon"}
     document = report_job(asked, lambda text, _: said.append(text))
     with reading(store.path) as reader:
         source = stored_source(reader, "nylon")

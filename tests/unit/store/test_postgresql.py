@@ -8,9 +8,20 @@ from pathlib import Path
 import pytest
 from sqlalchemy import create_engine
 
-from rigctl.errors import ConfigurationError, StoreError
+from rigctl.errors import ConfigurationError, NotFoundError, StoreError
+from rigctl.exchange.contents import read_contents
+from rigctl.exchange.importing import import_campaign
+from rigctl.measured import measured_files, request
+from rigctl.modelling import fit_job
+from rigctl.reports.campaign import report_job
 from rigctl.store import ShotRecord, ShotState, Store
+from tests.unit.analysis.model.tabulated import contacts
 from tests.unit.store.conftest import perform
+
+
+def silent(_text: str, _share: float | None) -> None:
+    """Say nothing."""
+
 
 on_a_server = pytest.mark.parametrize("backend", ["postgresql"], indirect=True)
 
@@ -64,6 +75,17 @@ def test_a_server_that_went_away_is_an_error_and_its_return_is_noticed(
 def test_commits_are_forced_to_disk_whatever_the_database_says(store: Store) -> None:
     with store._database.writing() as connection:
         assert connection.exec_driver_sql("SHOW synchronous_commit").scalar_one() == "on"
+
+
+@on_a_server
+def test_jobs_look_for_campaigns_on_the_server(store: Store, tmp_path: Path) -> None:
+    contents = read_contents(contacts(tmp_path / "tables", 20, 62), silent)
+    import_campaign(store, contents, "anna", name="tables", say=silent)
+    asked = request("tables", measured_files(store, "tables"), (), store)
+    assert fit_job(asked, silent)["shots"] == 20
+    place = {"store": str(store.path), "database": store.address}
+    with pytest.raises(NotFoundError, match="no such campaign"):
+        report_job({**place, "campaign": "steel"}, silent)
 
 
 def test_an_address_that_is_none_is_refused_in_words(tmp_path: Path) -> None:
