@@ -11,14 +11,14 @@ from dataclasses import dataclass, replace
 from itertools import islice
 from multiprocessing import get_context
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analysis.errors import InputError, ShotRefusedError
 from analysis.exchange.description import read_description
-from analysis.exchange.shot_list import EXPOSURE, ShotRow, read_shot_list
+from analysis.exchange.shot_list import EXPOSURE, ShotRow, each_shot_row
 from analysis.imaging.stack import SUFFIXES, holds_png, read_stack
 from analysis.setup import CameraSetup, Setup, SphereSetup
 from analysis.shot import AnalysisOptions, MeasuredShot, RefusedShot, analyse_shot, check_frames
@@ -61,8 +61,46 @@ class Campaign:
     """
 
     name: str
-    jobs: tuple[ShotJob, ...]
+    jobs: Sequence[ShotJob]
     unlisted: tuple[Path, ...] = ()
+
+
+class ListedJobs(Sequence[ShotJob]):
+    """The shots of a campaign's folder, made from shots.csv as they are gone through: none is held.
+
+    Parameters
+    ----------
+    folder
+        With shots.csv, which is checked now and read again each time, and frames.
+    setup
+        That all shots share, but for their exposures.
+
+    Raises
+    ------
+    InputError
+        As `read_shot_list`.
+    """
+
+    def __init__(self, folder: Path, setup: Setup) -> None:
+        self._folder, self._setup = folder, setup
+        self._count = sum(1 for _ in each_shot_row(folder / SHOT_LIST))
+
+    def __len__(self) -> int:
+        return self._count
+
+    def __iter__(self) -> Iterator[ShotJob]:
+        for row in each_shot_row(self._folder / SHOT_LIST):
+            setup = self._setup
+            if (exposure := row.numbers.get(EXPOSURE)) is not None:
+                setup = replace(setup, camera=replace(setup.camera, exposure_s=exposure * 1e-6))
+            yield ShotJob(row.shot, frames_of(self._folder / FRAMES, row.shot), setup, row)
+
+    @overload
+    def __getitem__(self, index: int) -> ShotJob: ...
+    @overload
+    def __getitem__(self, index: slice) -> Sequence[ShotJob]: ...
+    def __getitem__(self, index: int | slice) -> ShotJob | Sequence[ShotJob]:
+        return tuple(self)[index]
 
 
 THESIS_SETUP = Setup(
@@ -118,27 +156,27 @@ def _campaign_folder(path: Path) -> Campaign:
         )
     if (path / POSES).exists() and not (path / FRAMES).exists():
         raise InputError(path, "the folder holds poses and no frames; `rigctl model` reads it")
-    jobs = []
-    for row in read_shot_list(path / SHOT_LIST):
-        camera = setup.camera
-        if (exposure := row.numbers.get(EXPOSURE)) is not None:
-            camera = replace(camera, exposure_s=exposure * 1e-6)
-        frames = frames_of(path / FRAMES, row.shot)
-        jobs.append(ShotJob(row.shot, frames, replace(setup, camera=camera), row))
-    if not jobs:
+    jobs = ListedJobs(path, setup)
+    if len(jobs) == 0:
         raise InputError(path / SHOT_LIST, "names no shots")
-    return Campaign(name, tuple(jobs), _unlisted(path / FRAMES, {job.shot for job in jobs}))
+    listed = {row.shot for row in each_shot_row(path / SHOT_LIST)}
+    return Campaign(name, jobs, _unlisted(path / FRAMES, listed))
 
 
 def _unlisted(folder: Path, shots: Set[int]) -> tuple[Path, ...]:
     """Return what lies in a folder of frames and belongs to none of these shots."""
-    names = {f"{shot:04d}" for shot in shots}
-    entries = sorted(folder.iterdir()) if folder.is_dir() else []
+
+    def is_listed(stem: str) -> bool:
+        return stem.isdecimal() and int(stem) in shots and stem == f"{int(stem):04d}"
+
+    entries = folder.iterdir() if folder.is_dir() else ()
+    unlisted = (entry for entry in entries if not is_listed(entry.stem))
     return tuple(
-        entry
-        for entry in entries
-        if entry.stem not in names
-        and (holds_png(entry) if entry.is_dir() else entry.suffix.lower() in SUFFIXES)
+        sorted(
+            entry
+            for entry in unlisted
+            if (holds_png(entry) if entry.is_dir() else entry.suffix.lower() in SUFFIXES)
+        )
     )
 
 
@@ -182,24 +220,26 @@ def read_job(job: ShotJob) -> tuple[NDArray[np.uint8], Floats, tuple[str, ...]]:
     return stack.pixels, times, tuple(stack.notes)
 
 
-def _known(jobs: Sequence[ShotJob]) -> list[Knowledge | None]:
-    """Return for each shot what the first shots of its set-up teach (photometric method)."""
+def _known(jobs: Sequence[ShotJob]) -> dict[Setup, Knowledge | None]:
+    """Return for each set-up, exposure aside, what its first shots teach (photometric method)."""
     # Compiled functions are loaded only where they are wanted.
     from analysis.photometric.method import teach  # noqa: PLC0415
 
     by_setup: dict[Setup, list[ShotJob]] = {}
     for job in jobs:
-        by_setup.setdefault(_without_exposure(job.setup), []).append(job)
+        own = by_setup.setdefault(_without_exposure(job.setup), [])
+        if len(own) < TEACHING_SHOTS:
+            own.append(job)
     known: dict[Setup, Knowledge | None] = {}
     for setup, own in by_setup.items():
         shots = []
-        for job in own[:TEACHING_SHOTS]:
+        for job in own:
             with suppress(InputError, ShotRefusedError):
                 pixels, times, _ = read_job(job)
                 check_frames(pixels, times, job.setup)
                 shots.append((pixels, times - times[0]))
         known[setup] = teach(shots, setup) if len(own) > 1 else None
-    return [known[_without_exposure(job.setup)] for job in jobs]
+    return known
 
 
 def _without_exposure(setup: Setup) -> Setup:
@@ -226,20 +266,21 @@ def analyse_campaign(
     The job, its result, and the number of its frames.
     """
     jobs, total = campaign.jobs, len(campaign.jobs)
-    known = [None] * total if options.method == "thesis" else _known(jobs)
+    known = {} if options.method == "thesis" else _known(jobs)
     count = min(workers or os.cpu_count() or 1, total)
     if count <= 1 or (workers is None and total <= 2):
         for done, job in enumerate(jobs, start=1):
-            result, frames = analyse_job(job, options, known[done - 1])
+            result, frames = analyse_job(job, options, known.get(_without_exposure(job.setup)))
             if progress is not None:
                 progress(done, total)
             yield job, result, frames
         return
     with ProcessPoolExecutor(count, mp_context=get_context("spawn")) as pool:
-        left = zip(jobs, known, strict=True)
+        left = iter(jobs)
         waiting: deque[tuple[ShotJob, Future[tuple[MeasuredShot | RefusedShot, int]]]] = deque()
         for done in range(1, total + 1):
-            for job, own in islice(left, count * AHEAD - len(waiting)):
+            for job in islice(left, count * AHEAD - len(waiting)):
+                own = known.get(_without_exposure(job.setup))
                 waiting.append((job, pool.submit(analyse_job, job, options, own)))
             job, future = waiting.popleft()
             result, frames = future.result()

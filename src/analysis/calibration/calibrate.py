@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
@@ -120,7 +120,7 @@ def _frames(job: ShotJob, setup: Setup) -> Frames:
     return pixels, times - times[0]
 
 
-def _first_shots(jobs: tuple[ShotJob, ...], setup: Setup) -> Iterator[Frames]:
+def _first_shots(jobs: Sequence[ShotJob], setup: Setup) -> Iterator[Frames]:
     for job in jobs[:TEACHING_SHOTS]:
         with suppress(InputError, ShotRefusedError):
             yield _frames(job, setup)

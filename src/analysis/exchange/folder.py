@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -50,10 +50,13 @@ def folder_writer(folder: Path, name: str, jobs: Sequence[ShotJob]) -> Iterator[
             shared_axes.append(one_frame(shot))
 
         yield write
-    setup = typical(jobs[0].setup, errors, shared_axes)
-    rows = [job.row or ShotRow(job.shot, None, {}, {}) for job in jobs]
-    write_shot_list(folder / SHOT_LIST, rows)
+    setup = typical(next(iter(jobs)).setup, errors, shared_axes)
+    _write_rows(folder / SHOT_LIST, _columns(_rows(jobs)), _rows(jobs))
     (folder / DESCRIPTION).write_text(description(name, setup), encoding="utf-8")
+
+
+def _rows(jobs: Sequence[ShotJob]) -> Iterator[ShotRow]:
+    return (job.row or ShotRow(job.shot, None, {}, {}) for job in jobs)
 
 
 def description(name: str, setup: Setup) -> str:
@@ -102,8 +105,20 @@ def _quoted(text: str) -> str:
 
 def write_shot_list(path: Path, rows: Sequence[ShotRow]) -> None:
     """Write shots.csv: number and time, numeric columns and words, each in alphabetical order."""
-    numbers = sorted({name for row in rows for name in row.numbers})
-    words = sorted({name for row in rows for name in row.words})
+    _write_rows(path, _columns(rows), rows)
+
+
+def _columns(rows: Iterable[ShotRow]) -> tuple[list[str], list[str]]:
+    """Return the names of the numeric columns and of the words that any row has."""
+    numbers, words = set[str](), set[str]()
+    for row in rows:
+        numbers |= row.numbers.keys()
+        words |= row.words.keys()
+    return sorted(numbers), sorted(words)
+
+
+def _write_rows(path: Path, columns: tuple[list[str], list[str]], rows: Iterable[ShotRow]) -> None:
+    numbers, words = columns
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(["shot", "time", *numbers, *words])

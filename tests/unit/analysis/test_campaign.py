@@ -1,4 +1,5 @@
 import csv
+import gc
 import json
 import shutil
 from collections.abc import Iterator
@@ -126,6 +127,31 @@ def test_a_campaign_takes_set_up_and_settings_from_its_files(folder: Path) -> No
     expected = setup_of(WorldDescription())
     assert job.setup.camera.scale_px_per_m == expected.camera.scale_px_per_m
     assert job.setup.spheres == expected.spheres
+
+
+def test_jobs_are_made_from_the_list_each_time_and_none_is_held(tmp_path: Path) -> None:
+    home = tmp_path / "long"
+    home.mkdir()
+    (home / "campaign.toml").write_text(
+        'format = 1\nname = "long"\n'
+        "camera = { frame_rate_hz = 250, width_px = 240, height_px = 192 }\n"
+        'spheres = [{ name = "a", diameter_m = 0.0254 }, { name = "b", diameter_m = 0.0254 }]\n'
+    )
+    numbers = [*range(1, 301)]
+    (home / "shots.csv").write_text("shot,offset_mm\n" + "".join(f"{k},{k}\n" for k in numbers))
+    jobs = read_campaign(home).jobs
+    assert (len(jobs), jobs[-1].shot, [job.shot for job in jobs[:2]]) == (300, 300, [1, 2])
+    others = held_jobs()
+    for _ in range(2):
+        seen = []
+        for job in jobs:
+            seen.append(job.shot)
+            assert held_jobs() <= others + 2
+        assert seen == numbers
+
+
+def held_jobs() -> int:
+    return sum(isinstance(held, ShotJob) for held in gc.get_objects())
 
 
 def test_the_exposure_of_a_shot_stands_in_its_row(folder: Path, tmp_path: Path) -> None:
