@@ -8,6 +8,8 @@ from typing import Any, TypeVar, cast
 
 import numba
 
+from analysis.machine_code import LOCATORS
+
 SUMS = {"reassoc", "contract", "arcp", "nsz"}
 F = TypeVar("F", bound=Callable[..., object])
 
@@ -18,7 +20,7 @@ def compiled(function: F) -> F:
     Sums may be reordered, so results repeat to rounding only between processors of one kind. A
     division by zero is infinite, as in arrays: checks would keep loops from vector instructions.
     """
-    return cast("F", numba.njit(cache=True, error_model="numpy", fastmath=SUMS)(function))
+    return _kept(numba.njit(cache=True, error_model="numpy", fastmath=SUMS), function)
 
 
 def part(function: F) -> F:
@@ -31,7 +33,17 @@ def part(function: F) -> F:
         no_cpython_wrapper=True,
         no_cfunc_wrapper=True,
     )
-    return cast("F", decorate(function))
+    return _kept(decorate, function)
+
+
+def _kept(decorate: Callable[[F], Any], function: F) -> F:
+    """Decorate with our own rule of how long a function is kept."""
+    config = cast("Any", numba.config)
+    before, config.CACHE_LOCATOR_CLASSES = config.CACHE_LOCATOR_CLASSES, LOCATORS
+    try:
+        return cast("F", decorate(function))
+    finally:
+        config.CACHE_LOCATOR_CLASSES = before
 
 
 def kept_on_disk(function: Callable[..., object]) -> bool:

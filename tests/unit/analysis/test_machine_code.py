@@ -1,0 +1,62 @@
+"""A kept function is used again, until anything that is built into it changes."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import analysis
+from analysis.compiled import compiled, kept_on_disk
+
+PART = "from analysis.compiled import part\n\n@part\ndef inner(x):\n    return {} * x\n"
+WHOLE = (
+    "from analysis.compiled import compiled\nfrom analysis.room.inner import inner\n\n"
+    "@compiled\ndef whole(x):\n    return inner(x) + 1.0\n"
+)
+ASK = (
+    "from analysis.room.whole import whole\n"
+    "print(whole(3.0), sum(whole.stats.cache_hits.values()))\n"
+)
+
+
+@pytest.fixture
+def package(tmp_path: Path) -> Path:
+    """A package with a compiled function in one file that calls a part in another."""
+    root = tmp_path / "analysis"
+    (root / "room").mkdir(parents=True)
+    own = Path(analysis.__file__).parent
+    for name in ("compiled.py", "machine_code.py"):
+        shutil.copy(own / name, root)
+    for folder in (root, root / "room"):
+        (folder / "__init__.py").touch()
+    (root / "room" / "whole.py").write_text(WHOLE)
+    (root / "room" / "inner.py").write_text(PART.format("2.0"))
+    return tmp_path
+
+
+def asked(package: Path) -> list[str]:
+    done = subprocess.run(
+        [sys.executable, "-c", ASK],
+        check=False,
+        cwd=package,
+        capture_output=True,
+        text=True,
+        timeout=120,
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout.split()
+
+
+def test_a_kept_function_is_used_until_a_part_in_another_file_changes(package: Path) -> None:
+    assert asked(package) == ["7.0", "0"]
+    assert asked(package) == ["7.0", "1"]
+    (package / "analysis" / "room" / "inner.py").write_text(PART.format("5.0"))
+    assert asked(package) == ["16.0", "0"]
+
+
+def test_a_function_that_was_never_compiled_is_not_kept() -> None:
+    assert not kept_on_disk(compiled(lambda x: x + 1.0))
