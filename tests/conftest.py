@@ -17,6 +17,7 @@ LONG = {
     "test_model_pictures.py",
     "test_next_command.py",
     "test_next_shots.py",
+    "test_next_shots_page.py",
     "test_own_effects.py",
     "test_page_under_faults.py",
     "test_refused_shot.py",

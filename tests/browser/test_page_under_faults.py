@@ -63,12 +63,7 @@ def test_a_daemon_killed_in_a_sweep_and_started_again_is_found_by_the_open_page(
 
 
 def test_an_analysis_that_does_not_end_is_said_and_offered_again(page: Page, served: Any) -> None:
-    text = CONFIGURATION.read_text()
-    assert 'method = "photometric"' in text
-    (served.folder / "rig.toml").write_text(text.replace('method = "photometric"', DEAF))
-    served.end()
-    deaf = served.start(served.folder, "--config", "rig.toml", *port(served))
-    served.process = deaf.process
+    start_with(served, 'method = "photometric"', DEAF)
     page.goto(served.url)
     if page.get_by_test_id("latched").is_visible():
         page.get_by_test_id("release").click()
@@ -79,6 +74,27 @@ def test_an_analysis_that_does_not_end_is_said_and_offered_again(page: Page, ser
     expect(page.get_by_test_id("refusal")).to_contain_text("took too long", timeout=LONG_MS)
     page.get_by_role("link", name="open").click()
     expect(page.get_by_test_id("analyse-again")).to_be_enabled()
+
+
+def test_an_interlock_that_refuses_is_marked_and_says_what_to_do(page: Page, served: Any) -> None:
+    start_with(served, "free_disk_mb = 200.0", "free_disk_mb = 1e12")
+    page.goto(served.url)
+    page.get_by_test_id("arm").click()
+    refused = page.get_by_test_id("interlocks").locator("tr.fails")
+    expect(refused).to_contain_text("▲ disk", timeout=LONG_MS)
+    expect(page.get_by_role("alert").filter(has_text="free")).to_be_visible()
+    expect(page.get_by_test_id("fire")).to_be_hidden()
+    expect(page.get_by_test_id("state")).to_have_text("idle")
+
+
+def start_with(served: Any, line: str, other: str) -> None:
+    """Start the daemon anew at the same address with another line in its configuration."""
+    text = CONFIGURATION.read_text()
+    assert line in text
+    (served.folder / "rig.toml").write_text(text.replace(line, other))
+    served.end()
+    started = served.start(served.folder, "--config", "rig.toml", *port(served))
+    served.process = started.process
 
 
 def port(served: Any) -> tuple[str, str]:

@@ -58,7 +58,7 @@ class Output:
 
     @ui.refreshable_method
     def _show(self) -> None:
-        with ui.element("div").classes("beside fit"):
+        with ui.element("div").classes("beside"):
             for asked in (self._report, self._export):
                 if asked.failure:
                     ui.label(asked.failure).classes("note fails")

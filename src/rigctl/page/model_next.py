@@ -65,8 +65,9 @@ class NextShots:
         self._answer()
 
     def _select(self, names: list[str], place: int) -> None:
-        chosen = ui.select(names, value=self._pair[place])
-        chosen.props("outlined dense options-dense").style("min-width: 200px")
+        chosen = ui.select(names, value=self._pair[place], with_input=True)
+        chosen.props(f"outlined dense options-dense data-testid=tell-{place}")
+        chosen.style("min-width: 230px")
         chosen.on_value_change(lambda event: self._pair.__setitem__(place, event.value))
 
     def _answer(self) -> None:

@@ -80,11 +80,11 @@ class ModelState:
 
     def _keep(self, stage: Effects, job: Job | None) -> None:
         if job is None:
-            self.failure = "the answer was forgotten before it was read; ask again"
+            self.failure = "The answer was forgotten before it was read; ask again."
         elif job.state is JobState.DONE and job.result is not None:
             self._answers[stage] = json.loads(job.result)
         else:
-            self.failure = job.failure or f"the work was {job.state}"
+            self.failure = job.failure or f"The work was {job.state}."
 
     def _job(self, name: str) -> Job | None:
         try:
@@ -126,5 +126,5 @@ class Question:
         if job.state is JobState.DONE and job.result is not None:
             self.answer = json.loads(job.result)
         else:
-            self.failure = job.failure or f"the work was {job.state}"
+            self.failure = job.failure or f"The work was {job.state}."
         return True

@@ -34,6 +34,8 @@ class Verdict:
         """Place what is known now."""
         present = self._state.present
         lead, rest, good = ("Comparing model and measurement …", "", None)
+        if self._state.failure:
+            lead = "Model and measurement were not compared."
         if present is not None:
             lead, rest, good = sentence(present)
         look = "" if good is None else (" good" if good else " bad")

@@ -67,8 +67,8 @@ class LastShot:
         """Place its film."""
         if self._filmed is None:
             ui.label(
-                "No shot has been fired yet. Choose pressure and offset on the left, press Arm, "
-                "then Fire: film and coefficients appear here."
+                "No shot has been fired yet. Choose pressure and offset, press Arm, then "
+                "Fire: film and coefficients appear here."
             ).classes("empty")
             return
         if self._shot is not None and self._shot.id != self._filmed.id:
@@ -157,15 +157,24 @@ def _interlock_table(status: RigStatus) -> str:
 
 
 def _interlock(found: Interlock, now: float) -> Line:
-    value = f"{found.value:.5g}" if isinstance(found.value, float) else found.value
+    value = _short(found.value) if isinstance(found.value, float) else found.value
     unit = f" {found.unit}" if found.unit else ""
     name = f"{'●' if found.holds else '▲'} {found.name.replace('_', ' ')}"
     hover = f"{found.sentence()}"
-    text = f"{value}{unit} of {found.limit}{unit}" if "±" in found.limit else f"{value}{unit}"
+    asked = f" of {found.limit}" if "±" in found.limit else ""
     return Line(
-        [Cell(name, hover), Cell(text, look="wrap"), Cell(_age(found.age_s(now)), look="dim")],
-        "" if found.holds else "fails",
+        [
+            Cell(name, hover),
+            Cell(f"{value}{asked}{unit}", look="wrap"),
+            Cell(_age(found.age_s(now)), look="dim"),
+        ],
+        "holds" if found.holds else "fails",
     )
+
+
+def _short(value: float) -> str:
+    """Return a reading with the places that any of them is read for."""
+    return f"{value:.0f}" if abs(value) >= 1000 else f"{value:.4f}".rstrip("0").rstrip(".")
 
 
 def _age(seconds: float) -> str:

@@ -63,9 +63,7 @@ class _Listed:
     @ui.refreshable_method
     def _show(self) -> None:
         if not self._seen:
-            ui.label("No sweep has been run yet. Choose ranges on the left, then Start.").classes(
-                "empty"
-            )
+            ui.label("No sweep has been run yet. Choose ranges, then Start.").classes("empty")
         for status in self._seen:
             self._one(status)
 

@@ -1,0 +1,79 @@
+"""From the model to the rig and back: shots that tell two effects apart, fired and counted."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+from playwright.sync_api import Page, expect
+
+from tests.browser.conftest import KEY
+
+LONG_MS = 120_000
+PRESSURES, OFFSETS = "40:80:2", "0:12:4"
+FAINT = "torsional-friction"
+"""An effect that eight shots do not tell from none."""
+
+
+def test_shots_that_the_model_asks_for_are_fired_and_stand_in_its_next_fit(
+    page: Page, served: Any
+) -> None:
+    fire(served.folder)
+    page.goto(f"{served.url}/model/nylon")
+    counted = page.get_by_test_id("counted")
+    expect(counted).to_contain_text("shots used", timeout=LONG_MS)
+    before = used(counted.inner_text())
+    assert 6 <= before <= 8
+    choose(page, 0, FAINT)
+    choose(page, 1, "none")
+    page.get_by_test_id("choose-shots").click()
+    page.get_by_test_id("into-sweep").click(timeout=LONG_MS)
+    proposed = page.get_by_test_id("proposed")
+    expect(proposed).to_be_visible()
+    expect(page.get_by_test_id("campaign")).to_have_value("nylon")
+    expect(page.get_by_test_id("state")).to_have_text("idle")
+    page.get_by_test_id("start-sweep").click()
+    page.wait_for_url(re.compile(r"/sweeps/\d{8}-s\d{4}$"))
+    expect(page.get_by_test_id("grows").locator(".scatterlayer .point")).not_to_have_count(
+        0, timeout=LONG_MS
+    )
+    page.get_by_test_id("abort").click()
+    expect(page.get_by_test_id("sweep-state")).to_contain_text("aborted", timeout=LONG_MS)
+    page.get_by_role("link", name="Model").click()
+    page.get_by_role("link", name="nylon").click()
+    expect(counted).to_contain_text("shots used", timeout=LONG_MS)
+    assert used(counted.inner_text()) > before
+
+
+def choose(page: Page, place: int, effect: str) -> None:
+    """Choose one of the two effects that the shots are to tell apart."""
+    field = page.get_by_test_id(f"tell-{place}")
+    field.click()
+    field.fill(effect)
+    page.get_by_role("option", name=effect, exact=True).click()
+    expect(field).to_have_value(effect)
+
+
+def fire(folder: Path) -> None:
+    """Fire a small sweep under the campaign's name and wait for the last measurement."""
+    swept = ["sweep", "--pressure-kpa", PRESSURES, "--offset-mm", OFFSETS, "--campaign", "nylon"]
+    subprocess.run(
+        [str(Path(sys.executable).with_name("rigctl")), *swept],
+        cwd=folder,
+        env={**os.environ, "RIGCTL_KEY": KEY},
+        check=True,
+        capture_output=True,
+        timeout=LONG_MS / 1e3,
+    )
+
+
+def used(said: str) -> int:
+    """Return how many shots of a campaign the page says it counts, used or left out of the fit."""
+    found = re.match(r"(\d+) shots used", said)
+    assert found is not None
+    left_out = re.findall(r"\d+", said.partition("from the rest: ")[2].partition(", excl")[0])
+    return int(found[1]) + len(left_out)
