@@ -6,17 +6,20 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from datetime import datetime
 
-from sqlalchemy import Connection, func, insert, select, update
+from sqlalchemy import Connection, bindparam, func, insert, select, update
 
 from rigctl.errors import KeyReusedError, KeyRunningError, NotFoundError, StoreError
 from rigctl.store.database import Database
 from rigctl.store.imports import require_own
 from rigctl.store.records import NewShot, ShotRecord
 from rigctl.store.schema import idempotency_keys, results, shot_tags, shots
-from rigctl.store.shot_rows import one, records
+from rigctl.store.shot_rows import no_such_shot, one, records
 from rigctl.store.states import RUNNING, SHOT_TRANSITIONS, Fired, ShotState
 
 _PAGE = 500
+_STANDING = select(shots.c.number, shots.c.state, shots.c.outcome, shots.c.manifest).where(
+    shots.c.id == bindparam("shot")
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,8 +89,10 @@ class Catalogue:
             The table of states does not allow the move, or it is not on disk.
         """
         with self._database.writing() as connection:
-            present = one(connection, shot)
-            if to not in SHOT_TRANSITIONS[present.state]:
+            present = connection.execute(_STANDING, {"shot": shot}).one_or_none()
+            if present is None:
+                raise no_such_shot(shot)
+            if to not in SHOT_TRANSITIONS[ShotState(present.state)]:
                 raise StoreError(
                     f"a shot that is {present.state} cannot become {to}",
                     part=self._database.name,
@@ -96,7 +101,7 @@ class Catalogue:
             change = change or Change()
             known = {name: value for name, value in _columns(change) if value is not None}
             if known.pop("result", None) is not None:
-                _add_result(connection, present, change)
+                _add_result(connection, present.number, change)
             if to is ShotState.ANALYSING:
                 # What an earlier analysis could not do says nothing of this one.
                 known |= {"failure": None, "failure_code": None}
@@ -106,8 +111,8 @@ class Catalogue:
             if to not in RUNNING and present.outcome is None:
                 known["outcome"] = to
             statement = update(shots).where(shots.c.id == shot).values(state=to, **known)
-            connection.execute(statement)
-            return one(connection, shot)
+            (record,) = records(connection, statement.returning(shots))
+            return record
 
     def shot(self, shot: str) -> ShotRecord:
         """Return one shot; raise `NotFoundError` if there is none of that name."""
@@ -241,9 +246,9 @@ def _claimed(connection: Connection, key: str, body_hash: str) -> ShotRecord | N
     return record
 
 
-def _add_result(connection: Connection, shot: ShotRecord, change: Change) -> None:
+def _add_result(connection: Connection, shot: int, change: Change) -> None:
     """Note a result's digest; what was stored first is what is to be found later."""
-    row = {"shot": shot.number, "number": change.results}
+    row = {"shot": shot, "number": change.results}
     known = select(results).filter_by(**row)
     if connection.execute(known).one_or_none() is None:
         connection.execute(insert(results).values(**row, digest=change.result))

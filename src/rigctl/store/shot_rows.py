@@ -7,6 +7,7 @@ from typing import Any
 
 from pydantic import TypeAdapter
 from sqlalchemy import Connection, Row, Select, select
+from sqlalchemy.sql.dml import ReturningUpdate
 
 from rigctl.errors import NotFoundError
 from rigctl.settings import ShotSettings
@@ -17,8 +18,8 @@ from rigctl.store.states import Fired, ShotState
 _SETTINGS: TypeAdapter[ShotSettings | None] = TypeAdapter(ShotSettings | None)
 
 
-def records(connection: Connection, query: Select[Any]) -> list[ShotRecord]:
-    """Return the shots that a query of the table of shots finds, in its order."""
+def records(connection: Connection, query: Select[Any] | ReturningUpdate[Any]) -> list[ShotRecord]:
+    """Return the shots that a query of the table of shots finds, or changes, in its order."""
     rows = connection.execute(query).all()
     tags: dict[int, list[str]] = {}
     if rows:
@@ -33,8 +34,13 @@ def one(connection: Connection, shot: str) -> ShotRecord:
     """Return one shot; raise `NotFoundError` if there is none of that name."""
     found = records(connection, select(shots).where(shots.c.id == shot))
     if not found:
-        raise NotFoundError("no such shot", value=repr(shot), todo="list the shots")
+        raise no_such_shot(shot)
     return found[0]
+
+
+def no_such_shot(shot: str) -> NotFoundError:
+    """Return the error of a name that is no shot's."""
+    return NotFoundError("no such shot", value=repr(shot), todo="list the shots")
 
 
 def _record(row: Row[Any], tags: tuple[str, ...]) -> ShotRecord:
