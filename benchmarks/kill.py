@@ -58,6 +58,8 @@ class Findings:
     ----------
     restart_s
         From the start of a life (modules loaded) to a rig that takes orders, s.
+    never_ready
+        The lives that were not ready in time; a host that is busy with other work starves some.
     fires, certain, possible
         What the world counted, and between which numbers it must lie by the word of the catalogue.
     """
@@ -70,6 +72,7 @@ class Findings:
     certain: int = 0
     possible: int = 0
     acknowledged: int = 0
+    never_ready: list[int] = field(default_factory=list)
     lost: list[str] = field(default_factory=list)
     damaged: list[str] = field(default_factory=list)
     fired_twice: list[str] = field(default_factory=list)
@@ -81,7 +84,7 @@ class Findings:
 
         In time is the median: on a busy host the longest says more of the host.
         """
-        faults = (*self.lost, *self.damaged, *self.fired_twice)
+        faults = (*self.never_ready, *self.lost, *self.damaged, *self.fired_twice)
         in_time = statistics.median(self.restart_s or [0.0]) < RESTART_WITHIN_S
         return not faults and self.certain <= self.fires <= self.possible and in_time
 
@@ -95,7 +98,8 @@ class Findings:
             f"{self.possible}; steps fired twice: {len(self.fired_twice)}\n"
             f"acknowledged: {self.acknowledged}; lost: {len(self.lost)}; damaged: "
             f"{len(self.damaged)}\n"
-            f"restart: median {statistics.median(restarts):.2f} s, longest {max(restarts):.2f} s"
+            f"restart: median {statistics.median(restarts):.2f} s, longest {max(restarts):.2f} s; "
+            f"not within {READY_WITHIN_S:g} s: {len(self.never_ready)}"
         )
 
 
@@ -186,7 +190,7 @@ def kill_once(chosen: Configuration, chance: random.Random, found: Findings) -> 
             heard = os.read(hears, 65536) if ready else b""
             found.restart_s.append(time.monotonic() - began)
             if not heard:
-                found.lost.append(f"life {found.kills} was never ready")
+                found.never_ready.append(found.kills)
         time.sleep(chance.uniform(0.0, LONGEST_LIFE_S))
     finally:
         os.kill(child, signal.SIGKILL)
