@@ -124,7 +124,7 @@ def _interlocks(desk: Desk) -> None:
     with ui.element("div").classes("panel"):
         ui.label("Interlocks").classes("title")
         said = ui.label().classes("note")
-        table = ui.html("", sanitize=False).props("data-testid=interlocks").classes("wide")
+        table = ui.html("", sanitize=False).props("data-testid=interlocks").classes("wide names")
 
     def show() -> None:
         status = desk.daemon.rig.status()
