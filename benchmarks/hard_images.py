@@ -1,8 +1,9 @@
 """Shots of every hard kind measured beside their truth: python benchmarks/hard_images.py.
 
-Perspective, a real mirror, strong side light, gloss, cast shadows, uneven light, a full well and a
-dead row, each kind by itself and all at once, rendered by the simulators with the scale unstated
-and measured by the photometric method. Prints the errors beside what is asked: e within 0.003 RMS
+Perspective, a real mirror, strong side light, gloss broad and narrow, one lamp and two, cast
+shadows, uneven light, a bright background, a full well, dead rows, small and large spheres, each
+kind by itself and many at once, rendered by the simulators with the scale unstated and measured by
+the photometric method. Prints the errors beside what is asked: e within 0.003 RMS
 for normals less than 37 degrees from the horizontal and within 0.006 in the median over all, the
 scale within 0.15 % or within three of its stated errors; pulls are errors over stated errors, 1 is
 right. Writes hard_images.json.
@@ -35,11 +36,48 @@ MATT = Lamp(limb_darkening=0.15)
 EVERYTHING = Lamp(
     toward=(-0.60, -0.80, 0.45), gloss=60.0, uneven_per_m=(1.0, 2.0, 0.0), mirror_edge_m=0.0
 )
+BESIDE = Lamp(toward=(-0.10, -1.0, 0.15), strength=140.0)
+TWO = replace(
+    MATT,
+    strength=90.0,
+    room=15.0,
+    gloss=90.0,
+    fill=Lamp(toward=(-0.3, 0.9, 0.4), strength=60.0, room=10.0, gloss=70.0, sharpness=90.0),
+)
+
+
+def magnified(optics: Optics, times: float) -> Optics:
+    """Return optics whose frames, and the spheres in them, are so many times larger."""
+    (row, column), (top, _) = optics.front_origin_px, optics.top_origin_px
+    rows, boundary = round(optics.rows * times), round(optics.front_rows[0] * times)
+    return replace(
+        optics,
+        rows=rows,
+        columns=round(optics.columns * times),
+        scale_px_per_m=optics.scale_px_per_m * times,
+        front_origin_px=(row * times, column * times),
+        top_origin_px=(top * times, column * times),
+        front_rows=(boundary, rows),
+        top_rows=(0, boundary),
+    )
+
+
 KINDS = {
     "plain": BASE,
     "perspective and mirror": replace(BASE, distance_m=AWAY_M),
     "side light": replace(BASE, lamp=MATT),
+    "light from beside": replace(BASE, lamp=BESIDE),
+    "two lamps": replace(BASE, lamp=TWO),
     "gloss": replace(BASE, lamp=replace(MATT, strength=110.0, room=50.0, gloss=80.0)),
+    "broad gloss": replace(
+        BASE, lamp=replace(MATT, strength=90.0, room=40.0, gloss=70.0, sharpness=8.0)
+    ),
+    "narrow gloss": replace(
+        BASE, lamp=replace(MATT, strength=100.0, room=45.0, gloss=500.0, sharpness=250.0)
+    ),
+    "gloss toward the camera": replace(
+        BASE, lamp=Lamp(toward=(-0.2, 0.15, 1.0), strength=120.0, room=30.0, gloss=130.0)
+    ),
     "full well": replace(BASE, lamp=Lamp(strength=180.0, room=60.0, gloss=160.0)),
     "cast shadows": replace(BASE, lamp=Lamp(toward=(-0.60, -0.80, 0.45), mirror_edge_m=0.0)),
     "uneven light, dead row": replace(
@@ -47,6 +85,20 @@ KINDS = {
         lamp=replace(MATT, strength=90.0, room=60.0, uneven_per_m=(2.0, 4.0, 0.0)),
         sensor=Sensor(dead_rows=(60, 137), corner_light=0.7),
     ),
+    "bright background": replace(
+        BASE,
+        background=190.0,
+        background_per_column=0.15,
+        lamp=replace(MATT, strength=70.0, room=25.0, gloss=60.0),
+    ),
+    "background gradient": replace(
+        BASE,
+        background=15.0,
+        background_per_column=0.5,
+        lamp=replace(MATT, strength=110.0, room=40.0, gloss=60.0),
+    ),
+    "radius 12 px, gloss": magnified(replace(BASE, lamp=replace(MATT, gloss=80.0)), 0.6),
+    "radius 40 px, gloss": magnified(replace(BASE, lamp=replace(MATT, gloss=80.0)), 2.0),
     "everything": replace(BASE, distance_m=AWAY_M, lamp=EVERYTHING),
 }
 

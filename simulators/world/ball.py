@@ -130,12 +130,15 @@ class Ball:
             limb = 1.0 - own.limb_darkening * (1.0 - height)
             return own.brightness * (1.0 + side) * limb, np.zeros(height.shape)
         points = self.centre + self.radius_m * normal
-        lit = lamp.seen_past_mirror(points, self.scene.mirror_m)
-        for centre, radius_m in self.scene.others:
-            lit *= lamp.seen_past(points, centre, radius_m)
-        even = 1.0 + points @ np.array(lamp.uneven_per_m)
-        matt, gloss = lamp.grey(normal, eye, lit)
-        return even * matt, even * gloss
+        matt, gloss = np.zeros(height.shape), np.zeros(height.shape)
+        for own_lamp in lamp.all:
+            lit = own_lamp.seen_past_mirror(points, self.scene.mirror_m)
+            for centre, radius_m in self.scene.others:
+                lit *= own_lamp.seen_past(points, centre, radius_m)
+            even = 1.0 + points @ np.array(own_lamp.uneven_per_m)
+            swallowed, above = own_lamp.grey(normal, eye, lit)
+            matt, gloss = matt + even * swallowed, gloss + even * above
+        return matt, gloss
 
     def _unmarked(self, normal: Floats, steep: float) -> Floats:
         """Return what the markers leave of the light: caps with soft rims, none on another."""

@@ -1,4 +1,4 @@
-"""One lamp beside the spheres: a bright and a dark side, gloss, and the shadows it casts."""
+"""Lamps beside the spheres: a bright and a dark side, gloss, and the shadows they cast."""
 
 from __future__ import annotations
 
@@ -36,6 +36,8 @@ class Lamp:
     mirror_edge_m
         Z of the mirror's edge toward the camera: the mirror above takes the light of a steep lamp
         behind it. None: the mirror casts no shadow.
+    fill
+        A second lamp, with its own share of the room's light; None: there is none.
     """
 
     toward: tuple[float, float, float] = (-0.35, -0.80, 0.50)
@@ -47,6 +49,12 @@ class Lamp:
     width_rad: float = 0.05
     uneven_per_m: tuple[float, float, float] = (0.0, 0.0, 0.0)
     mirror_edge_m: float | None = None
+    fill: Lamp | None = None
+
+    @property
+    def all(self) -> tuple[Lamp, ...]:
+        """The lamp and those that fill in."""
+        return (self,) if self.fill is None else (self, *self.fill.all)
 
     @property
     def direction(self) -> Floats:
