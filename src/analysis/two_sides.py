@@ -142,6 +142,8 @@ def _contact_time(
 ) -> float:
     reference, gravity = float(times_s[before[-1]]), setup.gravity_m_per_s2
     side = _Side("before", before, times_s, -1)
+    for sphere in spheres:
+        _check_seen_from_above(sphere, side)
     paths = [_flight(sphere, side, reference, gravity) for sphere in spheres]
     try:
         return first_touch(paths[0], paths[1], radii)

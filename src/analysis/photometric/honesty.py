@@ -23,6 +23,8 @@ MOST = 25.0
 """Beyond this a track is no free flight; its errors stay as they are and the shot is refused."""
 NO_DRIFT = Drift(0.0, 1.0)
 LEAST_ON_A_SIDE = 4
+LEAST_OF_A_COORDINATE = 2
+"""Frames that have one: behind another sphere in the mirror no height is measured."""
 
 
 def enlargement(
@@ -60,7 +62,8 @@ def _flight(
     own: Centres, times_s: Floats, gravity: float, side: tuple[int, int]
 ) -> tuple[float, int]:
     chosen = (own.frames >= side[0]) & (own.frames < side[1])
-    if chosen.sum() < LEAST_ON_A_SIDE:
+    measured = np.isfinite(own.sigma[chosen]).sum(axis=0)
+    if chosen.sum() < LEAST_ON_A_SIDE or measured.min() < LEAST_OF_A_COORDINATE:
         return 0.0, 0
     path = fit_flight(
         times_s[own.frames[chosen]],
@@ -70,7 +73,7 @@ def _flight(
         gravity=gravity,
         reference_s=float(times_s[own.frames[chosen]].mean()),
     )
-    return path.chi2_per_dof, 3 * int(chosen.sum()) - 6
+    return path.chi2_per_dof, int(measured.sum()) - 6
 
 
 def _turning(own: Orientations, times_s: Floats, side: tuple[int, int]) -> tuple[float, int]:

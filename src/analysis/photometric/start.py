@@ -39,8 +39,8 @@ def first_film(
     Raises
     ------
     ShotRefusedError
-        Most of the light is beyond what the sensor holds, or a sphere is seen to turn in too few
-        frames.
+        Most of the light is beyond what the sensor holds, a sphere is seen to turn in too few
+        frames, or its height is seen in none.
     """
     refuse_full(frames)
     for name, turned in zip("ab", tracking.orientations, strict=True):
@@ -54,6 +54,9 @@ def first_film(
         centres = tracking.centres[i]
         for axis in range(3):
             seen = np.isfinite(centres.position[:, axis])
+            if not seen.any():
+                found = f"sphere {'ab'[i]} shows enough of its limb in no frame of the top view"
+                raise ShotRefusedError("outlines", found)
             own = centres.frames[seen]
             film.centre[i, :, axis] = _carried(times_s, own, centres.position[seen, axis])
         turned = tracking.orientations[i]
