@@ -22,6 +22,8 @@ LEAST_FACING = 0.35
 LEAST_FRAMES = 3
 LEAST_DARKNESS = 0.45
 """Of a known marker's: half of a pixel's cover, seen over several frames."""
+RING, WIDE = 1.4, 2.2
+"""Angular radii of a marker between which its surroundings lie."""
 APART = 1.9
 """Angular radii between markers: two caps that touch are 2 apart."""
 MOST_NEW = 8
@@ -88,37 +90,45 @@ def missed_markers(sights: Iterable[tuple[Sight, Stance]], known: Knowledge, sph
 
 
 @compiled
-def cap_means(body: Floats, darkness: Floats, often: NDArray[np.bool_], alpha: float) -> Floats:
-    """Return the mean darkness of the seen directions in a cap about each, 0 where it is not seen.
+def local_darkness(
+    body: Floats, darkness: Floats, often: NDArray[np.bool_], alpha: float
+) -> Floats:
+    """Return by how much a cap about each direction is darker than the ring around it.
+
+    The ring reaches from RING to WIDE angular radii of a marker. A shadow is as dark as what
+    surrounds it. 0 where the direction is not seen.
 
     Parameters
     ----------
     body
         Of `body_directions`: their third coordinate falls.
     """
-    means = np.zeros(body.shape[0])
-    inside, first = math.cos(alpha), 0
+    local, first = np.zeros(body.shape[0]), 0
+    inside, ring, wide = math.cos(alpha), math.cos(RING * alpha), math.cos(WIDE * alpha)
     for n in range(body.shape[0]):
-        while body[first, 2] - body[n, 2] > alpha:
+        while body[first, 2] - body[n, 2] > WIDE * alpha:
             first += 1
         if not often[n]:
             continue
-        total, count, k = 0.0, 0, first
-        while k < body.shape[0] and body[n, 2] - body[k, 2] <= alpha:
+        total, count, around, beside, k = 0.0, 0, 0.0, 0, first
+        while k < body.shape[0] and body[n, 2] - body[k, 2] <= WIDE * alpha:
             cosine = body[n, 0] * body[k, 0] + body[n, 1] * body[k, 1] + body[n, 2] * body[k, 2]
             if often[k] and cosine > inside:
                 total += darkness[k]
                 count += 1
+            elif often[k] and wide < cosine < ring:
+                around += darkness[k]
+                beside += 1
             k += 1
-        means[n] = total / count
-    return means
+        local[n] = total / count - max(around / max(beside, 1), 0.0)
+    return local
 
 
 def _peaks(body: Floats, darkness: Floats, often: NDArray[np.bool_], look: Look) -> Floats:
     """Take the darkest caps one after another, away from the known markers and each other."""
     known = list(look.markers)
     found: list[Floats] = []
-    cap = cap_means(body, darkness, often, float(look.alpha))
+    cap = local_darkness(body, darkness, often, float(look.alpha))
     free = np.ones(len(body), dtype=np.bool_)
     if known:
         free &= (body @ np.array(known).T < np.cos(APART * look.alpha)).all(axis=1)
