@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.errors import ShotRefusedError
-from analysis.imaging.assignment import follow
+from analysis.imaging.assignment import LEAST_COVERAGE, follow
+from analysis.imaging.dark_places import find_dark_places
 from analysis.imaging.discs import common_radius
 from analysis.imaging.frame import (
     EdgeSettings,
@@ -18,6 +19,7 @@ from analysis.imaging.frame import (
     gradient_threshold,
     noise_sd,
 )
+from analysis.imaging.markers import find_markers
 from analysis.imaging.radii import filter_bias, shared_radii, view_radii
 from analysis.imaging.refinement import Knowledge, MarkersInFrame, refine_outlines
 from analysis.imaging.tracks import Spheres
@@ -25,7 +27,7 @@ from analysis.imaging.views import View, ViewGeometry, view_geometries
 from analysis.motion.chained import orient_by_steps
 from analysis.motion.pattern import Orientations, orient
 from analysis.motion.poses import Centres, centres
-from analysis.motion.sightings import SeenMarker, marker_angle, seen_markers, sightings
+from analysis.motion.sightings import Finder, SeenMarker, marker_angle, seen_markers, sightings
 from analysis.setup import Setup
 
 Floats = NDArray[np.float64]
@@ -34,6 +36,7 @@ Matching = Literal["pattern", "proximal"]
 
 SMALLEST_RADIUS_PX = 6.0
 FRAMES_FOR_RADIUS = 3
+LEAST_COVERAGE_OF_A_START = 0.3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -84,7 +87,7 @@ def track_spheres(
     settings: EdgeSettings,
     matching: Matching,
     *,
-    part_of_limb: bool = False,
+    for_a_start: bool = False,
 ) -> Tracking:
     """Measure the poses of both spheres in every frame that shows them.
 
@@ -93,9 +96,10 @@ def track_spheres(
 
     Parameters
     ----------
-    part_of_limb
-        Go on where a sphere shows less than most of its limb in every frame: good enough for a
-        start, too little for a radius.
+    for_a_start
+        Go on where a sphere shows less than most of its limb in every frame, and find the markers
+        as dark places instead of by their edges: coarser, but also beside highlights and where a
+        marker is a few pixels wide. Good enough to begin a rendering with.
 
     Raises
     ------
@@ -106,16 +110,19 @@ def track_spheres(
     noise = noise_sd(frames)
     threshold = settings.least_strength or gradient_threshold(noise, settings.sigma_px)
     edges = [find_edges(frame, settings, threshold) for frame in frames]
-    spheres = follow(edges, views, _start_radius(edges, setup), settings.sigma_px)
+    least = LEAST_COVERAGE_OF_A_START if for_a_start else LEAST_COVERAGE
+    radius = _start_radius(edges, setup)
+    spheres = follow(edges, views, radius, settings.sigma_px, least_coverage=least)
     refuse_repeats(frames, spheres)
     diameters = (setup.spheres[0].diameter_m, setup.spheres[1].diameter_m)
-    radii = shared_radii(spheres, diameters) if part_of_limb else view_radii(spheres)
+    radii = shared_radii(spheres, diameters) if for_a_start else view_radii(spheres)
     bias = filter_bias(frames, spheres, settings, noise)
-    seen, orientations = _markers(edges, views, spheres, radii, times_s)
+    find = _by_darkness(frames, noise) if for_a_start else _by_edges(edges)
+    seen, orientations = _markers(find, views, spheres, radii, times_s)
     standing = (_standing(orientations[0]), _standing(orientations[1]))
     known = Knowledge(radii, standing, marker_angle(seen, radii))
     spheres = refine_outlines(edges, views, spheres, known, settings.sigma_px)
-    seen, orientations = _markers(edges, views, spheres, radii, times_s)
+    seen, orientations = _markers(find, views, spheres, radii, times_s)
     if matching == "proximal":
         front = radii[View.FRONT]
         orientations = (
@@ -165,8 +172,16 @@ def _start_radius(edges: list[FrameEdges], setup: Setup) -> float:
     return float(np.median(found))
 
 
+def _by_edges(edges: list[FrameEdges]) -> Finder:
+    return lambda k, *disc: find_markers(edges[k], *disc)
+
+
+def _by_darkness(frames: NDArray[np.uint8], noise: float) -> Finder:
+    return lambda k, *disc: find_dark_places(frames[k], *disc, noise=noise)
+
+
 def _markers(
-    edges: list[FrameEdges],
+    find: Finder,
     views: tuple[ViewGeometry, ...],
     spheres: Spheres,
     radii: dict[View, tuple[float, float]],
@@ -175,7 +190,7 @@ def _markers(
     tuple[dict[int, list[SeenMarker]], dict[int, list[SeenMarker]]],
     tuple[Orientations, Orientations],
 ]:
-    first, second = (seen_markers(edges, views, spheres, i, radii) for i in (0, 1))
+    first, second = (seen_markers(find, views, spheres, i, radii) for i in (0, 1))
     turned = [
         orient(sightings(seen), times_s, name) for seen, name in ((first, "a"), (second, "b"))
     ]

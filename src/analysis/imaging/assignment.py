@@ -85,8 +85,15 @@ def follow(
     views: tuple[ViewGeometry, ...],
     radius_px: float,
     sigma_px: float,
+    *,
+    least_coverage: float = LEAST_COVERAGE,
 ) -> Spheres:
     """Follow both spheres in all views through all frames.
+
+    Parameters
+    ----------
+    least_coverage
+        Share of its limb that an outline shows, to be believed.
 
     Returns
     -------
@@ -101,12 +108,13 @@ def follow(
         for sphere, disc in zip(spheres, pair, strict=True):
             sphere[view] = Track(view)
             places.append((sphere[view], (disc.row, disc.column, radius_px)))
-    _fit_all(frames[seed], seed, places, keep_off)
+    kept = keep_off, least_coverage
+    _fit_all(frames[seed], seed, places, kept)
     for direction in (1, -1):
         k = seed + direction
         while 0 <= k < len(frames):
             places = _expected(votes[k], k, direction, spheres, radius_px)
-            _fit_all(frames[k], k, places, keep_off)
+            _fit_all(frames[k], k, places, kept)
             k += direction
     first, second = (_first_column(sphere[View.FRONT]) for sphere in spheres)
     return spheres if first <= second else (spheres[1], spheres[0])
@@ -133,13 +141,20 @@ def _expected(
 
 
 def _fit_all(
-    frame: FrameEdges, k: int, places: list[tuple[Track, Place]], keep_off_px: float
+    frame: FrameEdges, k: int, places: list[tuple[Track, Place]], limits: tuple[float, float]
 ) -> None:
-    """Fit the outlines of a frame and keep those that hold."""
+    """Fit the outlines of a frame and keep those that hold.
+
+    Parameters
+    ----------
+    limits
+        Distance to keep off other discs, pixels, and the least coverage.
+    """
+    keep_off_px, least_coverage = limits
     for track, place in places:
         others = [other for t, other in places if t is not track]
         outline = fit_outline(frame.points, place, others, keep_off_px)
-        if outline is None or outline.coverage < LEAST_COVERAGE:
+        if outline is None or outline.coverage < least_coverage:
             continue
         row, column, radius = place
         moved = np.hypot(outline.circle.row - row, outline.circle.column - column)

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
-from analysis.imaging.frame import FrameEdges
-from analysis.imaging.markers import Marker, find_markers
+from analysis.imaging.markers import Marker
+from analysis.imaging.outlines import Outline, Place
 from analysis.imaging.tracks import Spheres, other_discs
 from analysis.imaging.views import View, ViewGeometry
 from analysis.motion.pattern import Sightings
+
+Finder = Callable[[int, Outline, float, ViewGeometry, list[Place]], list[Marker]]
+"""Finds the markers of one sphere in one view of a frame: index of the frame, outline, radius in
+pixels, view, the frame's other discs."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,7 +27,7 @@ class SeenMarker:
 
 
 def seen_markers(
-    frames: Sequence[FrameEdges],
+    find: Finder,
     views: tuple[ViewGeometry, ...],
     spheres: Spheres,
     sphere: int,
@@ -35,7 +39,7 @@ def seen_markers(
         view = geometry.view
         for k, outline in spheres[sphere][view].outlines.items():
             others = other_discs(spheres, k, outline)
-            found = find_markers(frames[k], outline, radii[view][sphere], geometry, others)
+            found = find(k, outline, radii[view][sphere], geometry, others)
             seen.setdefault(k, []).extend(SeenMarker(view, marker) for marker in found)
     return seen
 

@@ -82,7 +82,14 @@ def learned_film(
         With the step, the frame and the reason.
     """
     frames = filled(frames, noise_of(frames))
-    start = track_spheres(frames, times_s, setup, EdgeSettings(), "pattern", part_of_limb=True)
+    start = track_spheres(
+        frames,
+        times_s,
+        setup,
+        EdgeSettings(),
+        "pattern",
+        for_a_start=True,
+    )
     film, guess = first_film(frames, times_s, start, setup)
     known = learn(film, guess, hold_scale=setup.camera.scale_px_per_m is not None)
     settle_film(film, known, LAST_LIMIT)

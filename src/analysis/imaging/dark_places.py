@@ -1,0 +1,140 @@
+"""The dark markers on a sphere without their edges: places darker than all that surrounds them.
+
+Where a highlight stands beside a marker, or a marker is only a few pixels wide, its edge does not
+close. A grey closing (the largest, then the least grey level in a window: J. Serra, Image Analysis
+and Mathematical Morphology, 1982, chapter 12) fills dark places narrower than its window, and
+leaves shading, shadows and highlights as they are. What it fills is a marker.
+"""
+
+from __future__ import annotations
+
+import math
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.imaging.markers import FURTHEST_CENTRE, Marker
+from analysis.imaging.outlines import Outline, Place
+from analysis.imaging.shells import Ellipse
+from analysis.imaging.views import ViewGeometry
+
+Floats = NDArray[np.float64]
+
+SMOOTH_PX = 0.7
+WIDEST, BLURRED_PX = 0.5, 2.6
+"""Width of the window: that of a marker of 0.25 radians, in radii, and what blur adds to it."""
+LIMB_PX = 1.5
+"""So far inward the blur carries what lies beyond the limb, which may be brighter."""
+KEEP_OFF_PX = 2.0
+LEAST_DARKNESS = 0.25
+"""Share of the light that is missing; a marker's middle lacks 0.5 to 0.9 of it."""
+BEYOND_NOISE = 2.5
+"""In units of a pixel's noise, of which smoothing leaves 0.4; the largest of a window lies 1 above
+the mean."""
+SMALLEST = 0.004
+"""Size of a place as a share of the disc: one of 0.16 radians has 0.025 at the middle."""
+FEWEST_PX = 4
+
+
+def find_dark_places(
+    frame: NDArray[np.uint8],
+    outline: Outline,
+    radius_px: float,
+    geometry: ViewGeometry,
+    others: list[Place],
+    *,
+    noise: float,
+) -> list[Marker]:
+    """Find the dark places of one sphere in one view.
+
+    Parameters
+    ----------
+    noise
+        Standard deviation of a pixel, grey levels.
+    outline, radius_px, geometry, others
+        As for `markers.find_markers`.
+    """
+    place = outline.circle.row, outline.circle.column, radius_px
+    patch = _patch(frame.shape, place)
+    rows, columns = np.ogrid[patch]
+    free = _within(rows, columns, (*place[:2], radius_px - LIMB_PX))
+    for row, column, radius in others:
+        free &= ~_within(rows, columns, (row, column, radius + KEEP_OFF_PX))
+    if not free.any():
+        return []
+    missing = _missing(frame[patch], free, radius_px, noise)
+    count, names, stats, _ = cv2.connectedComponentsWithStats((missing > 0.0).astype(np.uint8))
+    least = max(FEWEST_PX, SMALLEST * math.pi * radius_px**2)
+    found = []
+    for name in range(1, count):
+        left, top, width, height, area = stats[name].tolist()
+        if area < least:
+            continue
+        box = slice(top, top + height), slice(left, left + width)
+        weight = np.where(names[box] == name, missing[box], 0.0)
+        total = float(weight.sum())
+        down = float((rows[box[0], 0] @ weight).sum()) / total - place[0]
+        across = float((weight @ columns[0, box[1]]).sum()) / total - place[1]
+        marker = _lifted((down / radius_px, across / radius_px), area, place, geometry)
+        if marker is not None:
+            found.append(marker)
+    return found
+
+
+def _within(rows: Floats, columns: Floats, disc: Place) -> NDArray[np.bool_]:
+    return np.asarray((rows - disc[0]) ** 2 + (columns - disc[1]) ** 2 < disc[2] ** 2)
+
+
+def _patch(shape: tuple[int, ...], place: Place) -> tuple[slice, slice]:
+    """Return the rows and columns of a disc within a frame."""
+    first = [max(math.floor(middle - place[2]), 0) for middle in place[:2]]
+    last = [
+        max(min(math.ceil(middle + place[2]) + 1, size), start)
+        for middle, size, start in zip(place[:2], shape, first, strict=True)
+    ]
+    return slice(first[0], last[0]), slice(first[1], last[1])
+
+
+def _missing(
+    image: NDArray[np.uint8], free: NDArray[np.bool_], radius_px: float, noise: float
+) -> Floats:
+    """Return the light that narrow dark places lack, grey levels, 0 elsewhere.
+
+    All that is not free counts as dark: a dark side between a bright one and a brighter
+    background is no marker.
+    """
+    own = free.astype(np.float32)
+    light, share = (cv2.GaussianBlur(x, (0, 0), SMOOTH_PX) for x in (own * image, own))
+    smooth = np.where(free, light / np.maximum(share, 1e-3), 0.0)
+    width = 2 * round((WIDEST * radius_px + BLURRED_PX) / 2) + 1
+    window = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (width, width))
+    surface = np.asarray(cv2.morphologyEx(smooth, cv2.MORPH_CLOSE, window))
+    lack = surface - smooth
+    dark = free & (lack > LEAST_DARKNESS * surface) & (lack > BEYOND_NOISE * noise)
+    return np.where(dark, lack, 0.0)
+
+
+def _lifted(
+    centre: tuple[float, float], area: int, place: Place, geometry: ViewGeometry
+) -> Marker | None:
+    """Turn the middle of a dark place into a direction.
+
+    As for edges, a marker's middle is shortened by the cosine of its angular radius.
+    """
+    flat = math.hypot(*centre)
+    size = math.sqrt(area / math.pi) / place[2] / max(1.0 - flat**2, 0.1) ** 0.25
+    deep = math.sqrt(1.0 - min(size, 0.5) ** 2)
+    down, across = centre[0] / deep, centre[1] / deep
+    if math.hypot(down, across) > FURTHEST_CENTRE:
+        return None
+    facing = math.sqrt(1.0 - down**2 - across**2)
+    ellipse = Ellipse(
+        row=place[0] + place[2] * centre[0],
+        column=place[1] + place[2] * centre[1],
+        semi_major=size * place[2],
+        semi_minor=size * place[2] * facing,
+        angle=math.atan2(down, -across),
+        rms_px=0.0,
+    )
+    return Marker(ellipse, geometry.lifted(down, across, facing), facing)
