@@ -24,7 +24,8 @@ Floats = NDArray[np.float64]
 FIRST_BLUR_PX = 0.85
 FIRST_DARKNESS = 0.6
 SMALLEST_ALPHA = 0.06
-EDGE_BIAS_PX = 0.25
+EDGE_BIAS_PX = 0.5
+"""Strong light from one side moves an edge by up to this much."""
 BEYOND = 3
 """Frames that a track is carried on beyond its ends."""
 LEAST_TURNED = 2
