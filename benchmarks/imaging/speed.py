@@ -27,7 +27,7 @@ def run(seed: int) -> None:
     sheet = Sheet("speed")
     with tempfile.TemporaryDirectory() as scratch:
         write_campaign(Path(scratch), [60.0, 40.0], [5.0, 9.0], seed, frames=FRAMES)
-        jobs = read_campaign(Path(scratch)).jobs
+        jobs = tuple(read_campaign(Path(scratch)).jobs)
         first, second = (read_stack(job.frames).pixels for job in jobs)
     setup, times_s = jobs[0].setup, np.arange(FRAMES) / jobs[0].setup.camera.frame_rate_hz
     print(f"\nprocessor time, {'compiling' if compiles_first() else 'compiled before'}")
