@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.calibration.bending import FAULTS, by_faults
-from analysis.photometric.appearance import Knowledge
+from analysis.photometric.appearance import Knowledge, profiles_of
 from analysis.photometric.bundle import MARKERS_SHARE, SCALE, STRETCH, VIEW_SHARE, Lesson
 from analysis.photometric.film import Film, sights_of
 from analysis.photometric.shading import NUDGE
@@ -56,7 +56,7 @@ def listen(film: Film, known: Knowledge) -> tuple[Equations, Equations]:
         size = shared_size(len(sphere.markers), views, FAULTS)
         equations = Equations(np.zeros((size, size)), np.zeros(size))
         tangents = tangents_of(sphere.markers)
-        lesson = Lesson((wider[i].discs, wider[i].surfaces), tangents, LIMIT)
+        lesson = Lesson((wider[i].discs, wider[i].surfaces), profiles_of(known, i), tangents, LIMIT)
         for sight, stance in sights_of([film], known, i):
             add_frame(sight, stance, lesson, equations, by_faults)
         both.append(equations)

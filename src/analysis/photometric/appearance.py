@@ -98,3 +98,12 @@ def _look(known: Knowledge, sphere: Sphere, wider_px: float) -> Look:
         surfaces=surfaces,
         sigma_px=known.sigma_px,
     )
+
+
+def profiles_of(known: Knowledge, sphere: int) -> tuple[Floats, ...]:
+    """Return the blurred radial functions of a sphere in each view (`shading.Profiles`)."""
+    radii = known.camera.optics.scales * known.spheres[sphere].radius_m
+    return tuple(
+        blurred_profiles(float(sigma / radius)).values
+        for sigma, radius in zip(known.sigma_px, radii, strict=True)
+    )

@@ -16,6 +16,7 @@ from analysis.photometric.camera import disc_of
 from analysis.photometric.contour import LAYERS, add_cover
 from analysis.photometric.covers import closeness, cover_canvas, into_view, paint_of, seen_from
 from analysis.photometric.residual import (
+    LEAST_DISC,
     LOOK,
     UNKNOWNS,
     biweight,
@@ -26,7 +27,8 @@ from analysis.photometric.residual import (
     pixel_row,
     shade,
 )
-from analysis.photometric.shading import NUDGE
+from analysis.photometric.shading import HARMONICS, NUDGE, ORDER, STEPS_PER_RADIUS
+from analysis.photometric.shading_fit import basis
 from analysis.photometric.sight import Equations, Sight, Stance
 
 Floats = NDArray[np.float64]
@@ -37,11 +39,14 @@ MARKERS_SHARE = 3
 Markers at different distances from the middle, and the same ones seen in both views, tell the
 radius without the limb, whose shading may pass for another radius.
 """
-VIEW_SHARE = 4
+VIEW_SHARE = 4 + len(HARMONICS)
 """Then of each view: log radius of the limb, blur, log of the scale at which it is placed,
-stretch of the markers' places along the rows."""
+stretch of the markers' places along the rows, and the shading's coefficients: what a wrong shading
+would have the markers say is not to be learned."""
 SCALE, STRETCH = 2, 3
 """Of these."""
+SHADING = MARKERS_SHARE + 4
+"""Behind the markers' turns, where the shading begins."""
 ALPHA, RADIUS, BLUR = 0, 1, 2
 
 
@@ -52,6 +57,8 @@ class Lesson(NamedTuple):
     ----------
     wider
         Discs and surfaces (`sight.Look`), the blur NUDGE pixels wider.
+    profiles
+        Of `shading.blurred_profiles` in each view.
     tangents
         Two axes across each marker, body axes, shape (markers, 2, 3).
     limit
@@ -59,6 +66,7 @@ class Lesson(NamedTuple):
     """
 
     wider: tuple[Floats, Floats]
+    profiles: tuple[Floats, ...]
     tangents: Floats
     limit: float
 
@@ -140,6 +148,24 @@ def marker_row(
             used[filled] = UNKNOWNS + 2 * m + t
             filled += 1
     return filled
+
+
+@part
+def shading_row(profiles: Floats, at: tuple[float, float], light: float, row: Floats) -> None:
+    """Fill a pixel's derivatives to the coefficients of the shading, shape (harmonics,).
+
+    Parameters
+    ----------
+    at
+        Row and column from the centre in radii.
+    light
+        Gain of the light, times what the markers leave of the disc.
+    """
+    u, v = at
+    row[:] = 0.0
+    if (u * u + v * v) * STEPS_PER_RADIUS**2 < (profiles.shape[0] - 2) ** 2:
+        basis(profiles, u, v, np.zeros((2, ORDER + 1)), row)
+        row *= max(light, 0.0)
 
 
 @part
@@ -225,6 +251,8 @@ def bundle_view(
             row[first + 4] = (there - model) / NUDGE
             row[first + 5] = row[0] * off[0] + row[1] * off[1]
             row[first + 6] = -plain * dark * canvas[i, 1, j] * (y - place[0])
+            left = 1.0 - dark * canvas[i, 0, j] / max(seen[0], LEAST_DISC)
+            shading_row(lesson.profiles[view], (u, v), light[1] * left, row[first + SHADING :])
             for k in range(last):
                 used[filled + k] = first + k
             add_row(row, used[: filled + last], (weight, residual, scene.noise), equations)

@@ -80,6 +80,11 @@ class Camera:
         """Return the camera at another distance, given by its inverse, 1/m."""
         return replace(self, optics=self.optics._replace(nearness=nearness))
 
+    def with_shifted_mirror(self, columns_px: float) -> Camera:
+        """Return the camera with the rig's origin in the mirror's view at other columns."""
+        shift = np.outer(np.arange(len(self.views)) > 0, [0.0, columns_px])
+        return self.with_origins(self.optics.origins + shift)
+
     def at_pixels(self, view: int, place: tuple[float, float], towards_m: float) -> Floats:
         """Return the offset along row and column from the rig's origin of a pixel, m, shape (2,).
 
@@ -210,6 +215,13 @@ def by_nearness(optics: Optics, view: int, centre: Floats) -> Floats:
     # Limb and markers alike are farther from the middle.
     change[BENT - 2 :, 0] = share
     return change
+
+
+def by_nearness_and_shift(optics: Optics, view: int, centre: Floats) -> Floats:
+    """Return the change with the nearness and with a mirror's columns, (BENT, 2): 1/m and px."""
+    shift = np.zeros((BENT, 1))
+    shift[1] = float(view > 0)
+    return np.hstack([by_nearness(optics, view, centre), shift])
 
 
 @compiled

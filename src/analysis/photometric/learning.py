@@ -13,15 +13,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.motion.rotation import rotation_matrix
-from analysis.photometric.appearance import Knowledge, Sphere
+from analysis.photometric.appearance import Knowledge, Sphere, profiles_of
 from analysis.photometric.bundle import Lesson
 from analysis.photometric.film import Film, fit_film, sights_of
 from analysis.photometric.marker_search import missed_markers
 from analysis.photometric.relief import add_residuals, changed_relief
-from analysis.photometric.shading import HARMONICS, NUDGE, blurred_profiles
+from analysis.photometric.shading import HARMONICS, NUDGE
 from analysis.photometric.shading_fit import COMMON, Samples, shading_equations
 from analysis.photometric.shading_solve import solve_shading
-from analysis.photometric.shared import Shared, add_frame, shared_size, solve_shared, tangents_of
+from analysis.photometric.shared import (
+    BENDS,
+    Shared,
+    add_frame,
+    shared_size,
+    solve_shared,
+    tangents_of,
+)
 from analysis.photometric.sight import Equations
 
 Floats = NDArray[np.float64]
@@ -123,15 +130,11 @@ def with_shading(
     camera, wider = known.camera, known.looks(NUDGE)
     size, views = len(HARMONICS) + COMMON, len(camera.views)
     normal, right = np.zeros((2, views, size, size)), np.zeros((2, views, size))
-    for i, sphere in enumerate(known.spheres):
+    for i in range(len(known.spheres)):
         samples = [
-            Samples(blurred_profiles(sigma / radius).values, (disc, surface), limit)
-            for sigma, radius, disc, surface in zip(
-                known.sigma_px,
-                camera.optics.scales * sphere.radius_m,
-                wider[i].discs,
-                wider[i].surfaces,
-                strict=True,
+            Samples(profiles, (disc, surface), limit)
+            for profiles, disc, surface in zip(
+                profiles_of(known, i), wider[i].discs, wider[i].surfaces, strict=True
             )
         ]
         for sight, stance in sights_of(films, known, i):
@@ -207,7 +210,7 @@ def with_shared(
         size = shared_size(len(sphere.markers), views)
         equations = Equations(np.zeros((size, size)), np.zeros(size))
         tangents = tangents_of(sphere.markers)
-        lesson = Lesson((wider[i].discs, wider[i].surfaces), tangents, limit)
+        lesson = Lesson((wider[i].discs, wider[i].surfaces), profiles_of(known, i), tangents, limit)
         for sight, stance in sights_of(films, known, i):
             add_frame(sight, stance, lesson, equations)
         steps.append(solve_shared(equations, tangents, views))
@@ -218,10 +221,11 @@ def with_shared(
         replace(_changed(sphere, step), radius_m=sphere.radius_m * float(np.exp(own)))
         for sphere, step, own in zip(known.spheres, steps, grown - nearer, strict=True)
     )
-    scales = camera.optics.scales * np.exp(nearer + np.append(0.0, change[1:-1]))
-    nearness = camera.optics.nearness + float(change[-1])
+    scales = camera.optics.scales * np.exp(nearer + np.append(0.0, change[1:-BENDS]))
+    nearness = camera.optics.nearness + float(change[-BENDS])
     far = nearness < FARTHEST_PER_M
     changed = camera.with_scales(scales).with_nearness(0.0 if far else nearness)
+    changed = changed.with_shifted_mirror(float(change[-1]))
     for film in films:
         film.keep_places(camera.optics, changed.optics)
     told = float(np.hypot(MARKER_SCALE_SIGMA, sigma[0]))

@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.photometric.bundle import MARKERS_SHARE, SCALE, VIEW_SHARE, Lesson, bundle_view
-from analysis.photometric.camera import Optics, by_nearness
+from analysis.photometric.camera import Optics, by_nearness_and_shift
 from analysis.photometric.pose import POSE, add_priors, into_world
 from analysis.photometric.residual import UNKNOWNS
+from analysis.photometric.shading import HARMONICS
 from analysis.photometric.sight import LIGHTS, Equations, Sight, Stance
 
 Floats = NDArray[np.float64]
@@ -21,8 +22,11 @@ Bending = Callable[[Optics, int, Floats], Floats]
 
 MARKER_PRIOR, DARKNESS_PRIOR, ALPHA_PRIOR = 0.2, 0.2, 0.05
 RADIUS_PRIOR, BLUR_PRIOR, SCALE_PRIOR, HELD = 0.003, 0.05, 0.05, 1e-9
-NEARNESS_PRIOR, LOG_RADIUS_PRIOR = np.array([1.0]), 0.01
+BENDS_PRIOR, LOG_RADIUS_PRIOR = np.array([1.0, 1.0]), 0.01
+BENDS = len(BENDS_PRIOR)
 """Expected sizes of a correction; radius and blur come from the shading and only take part."""
+SHADING_PRIOR = 50.0
+"""Grey levels by which a coefficient of the shading may be wrong."""
 GAUGE = 1e-4
 """Most that all markers turn together, radians."""
 
@@ -39,10 +43,10 @@ class Shared:
         Of the markers.
     camera
         Log radius of the sphere that the markers lie on, log of the scale of each view behind the
-        front view against that one's, as the tracks have it, and the camera's nearness, 1/m,
-        shape (V + 1,).
+        front view against that one's, as the tracks have it, the camera's nearness, 1/m, and the
+        columns, px, by which the mirror's view is shifted, shape (V + 2,).
     camera_weight
-        Inverse of their covariance, shape (V + 1, V + 1).
+        Inverse of their covariance, shape (V + 2, V + 2).
     """
 
     markers: Floats
@@ -52,13 +56,17 @@ class Shared:
     camera_weight: Floats
 
 
-def shared_size(markers: int, views: int, bends: int = 1) -> int:
+def shared_size(markers: int, views: int, bends: int = BENDS) -> int:
     """Return the number of shared unknowns, the last of them what bends the camera."""
     return 2 * markers + MARKERS_SHARE + VIEW_SHARE * views + bends
 
 
 def add_frame(
-    sight: Sight, stance: Stance, lesson: Lesson, shared: Equations, bending: Bending = by_nearness
+    sight: Sight,
+    stance: Stance,
+    lesson: Lesson,
+    shared: Equations,
+    bending: Bending = by_nearness_and_shift,
 ) -> None:
     """Add one frame to the full equations of the shared unknowns, its own eliminated (Schur)."""
     views, markers = sight.optics.scales.shape[0], sight.look.markers.shape[0]
@@ -100,13 +108,14 @@ def solve_shared(equations: Equations, tangents: Floats, views: int) -> Shared:
         Of the markers, as in the lesson, shape (markers, 2, 3).
     """
     markers = len(tangents)
-    held = equations.normal + np.diag(shared_prior(markers, views, NEARNESS_PRIOR) ** -2.0)
+    held = equations.normal + np.diag(shared_prior(markers, views, BENDS_PRIOR) ** -2.0)
     held[: 2 * markers, : 2 * markers] += together(tangents)
     inverse = np.linalg.inv(held)
     step = inverse @ equations.right
     views_from = 2 * markers + MARKERS_SHARE
-    ratios = range(views_from + VIEW_SHARE + SCALE, len(step) - 1, VIEW_SHARE)
-    camera = [views_from - 1, *ratios, len(step) - 1]
+    bends = range(len(step) - BENDS, len(step))
+    ratios = range(views_from + VIEW_SHARE + SCALE, bends.start, VIEW_SHARE)
+    camera = [views_from - 1, *ratios, *bends]
     return Shared(
         markers=step[: 2 * markers].reshape(markers, 2),
         darkness=float(step[2 * markers]),
@@ -118,12 +127,13 @@ def solve_shared(equations: Equations, tangents: Floats, views: int) -> Shared:
 
 def shared_prior(markers: int, views: int, bends: Floats) -> Floats:
     """Return the expected sizes of the shared unknowns, those of the camera's bends given."""
+    shading = [SHADING_PRIOR] * len(HARMONICS)
     return np.concatenate(
         [
             np.full(2 * markers, MARKER_PRIOR),
             [DARKNESS_PRIOR, ALPHA_PRIOR, LOG_RADIUS_PRIOR],
-            [RADIUS_PRIOR, BLUR_PRIOR, HELD, HELD],
-            np.tile([RADIUS_PRIOR, BLUR_PRIOR, SCALE_PRIOR, HELD], views - 1),
+            [RADIUS_PRIOR, BLUR_PRIOR, HELD, HELD, *shading],
+            np.tile([RADIUS_PRIOR, BLUR_PRIOR, SCALE_PRIOR, HELD, *shading], views - 1),
             bends,
         ]
     )

@@ -16,6 +16,7 @@ from analysis.photometric.film import Film, drop_outside
 from analysis.photometric.relief import nodes_for
 from analysis.photometric.saturation import refuse_full
 from analysis.photometric.shading import HARMONICS
+from analysis.photometric.shared import BENDS
 from analysis.setup import Setup
 from analysis.tracking import Tracking
 
@@ -80,7 +81,7 @@ def first_film(
         sigma_px=np.full(len(views), FIRST_BLUR_PX),
         spheres=(spheres[0], spheres[1]),
         scale_sigma=tracking.scale_sigma,
-        camera_sigma=(math.inf,) * (len(views) + 1),
+        camera_sigma=(math.inf,) * (len(views) + BENDS),
     )
     return film, known
 
