@@ -104,6 +104,8 @@ def test_the_routes_are_those_of_the_contract(app: Any) -> None:
         "/api/v1/sweeps/{sweep}/abort",
         "/api/v1/campaigns",
         "/api/v1/campaigns/{campaign}",
+        "/api/v1/campaigns/{campaign}/note",
+        "/api/v1/campaigns/{campaign}/tags",
         "/api/v1/campaigns/{campaign}/reanalyse",
         "/api/v1/campaigns/{campaign}/report",
         "/api/v1/campaigns/{campaign}/agreement",

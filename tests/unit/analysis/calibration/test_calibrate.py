@@ -103,7 +103,9 @@ def test_a_turned_mirror_is_told_with_its_sign(tmp_path):
 
 def test_one_shot_has_larger_errors_than_three(tmp_path, of_plain):
     alone = by_name(filmed(tmp_path / "one", OPTICS, shots=1))
-    assert alone["perspective"].sigma > of_plain["perspective"].sigma
+    # Any one of them may come out smaller: three shots tell their scatter to a third of itself.
+    ratios = [alone[name].sigma / of_plain[name].sigma for name in alone]
+    assert np.median(ratios) > 1.0
 
 
 def test_a_campaign_without_spheres_is_refused_with_the_reason(tmp_path, plain):
