@@ -6,15 +6,14 @@ Those to the markers' size and the disc's radius and blur are differences of two
 
 from __future__ import annotations
 
-from typing import NamedTuple
+import math
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analysis.compiled import compiled, part
-from analysis.photometric.camera import disc_of
-from analysis.photometric.contour import LAYERS, add_cover
-from analysis.photometric.covers import closeness, cover_canvas, into_view, paint_of, seen_from
+from analysis.photometric.covers import cover_canvas
+from analysis.photometric.lesson import ALPHA, BLUR, RADIUS, Lesson, Viewed, drawn_for_bundle
 from analysis.photometric.residual import (
     LEAST_DISC,
     LOOK,
@@ -47,72 +46,8 @@ SCALE, STRETCH = 2, 3
 """Of these."""
 SHADING = MARKERS_SHARE + 4
 """Behind the markers' turns, where the shading begins."""
-ALPHA, RADIUS, BLUR = 0, 1, 2
-
-
-class Lesson(NamedTuple):
-    """What the shared unknowns are improved with.
-
-    Attributes
-    ----------
-    wider
-        Discs and surfaces (`sight.Look`), the blur NUDGE pixels wider.
-    profiles
-        Of `shading.blurred_profiles` in each view.
-    tangents
-        Two axes across each marker, body axes, shape (markers, 2, 3).
-    limit
-        Residual that counts no more, in units of the noise.
-    """
-
-    wider: tuple[Floats, Floats]
-    profiles: tuple[Floats, ...]
-    tangents: Floats
-    limit: float
-
-
-@part
-def nudged_covers(
-    sight: Sight,
-    stance: Stance,
-    view: int,
-    corner: tuple[int, int],
-    frame: tuple[Floats, Floats],
-) -> None:
-    """Draw each marker alone, and all of them with size, radius and blur nudged.
-
-    Parameters
-    ----------
-    frame
-        Filled: shapes (markers, rows, LAYERS, columns) and (3, rows, LAYERS, columns).
-    """
-    own, nudged = frame
-    look = sight.look
-    directions = seen_from(sight, stance, view)
-    sigma = look.sigma_px[view]
-    place = disc_of(sight.optics, view, stance.centre, look.radius_m)
-    bigger = (place[0], place[1], place[2] * (1.0 + NUDGE))
-    near = closeness(sight, stance, view)
-    for m in range(directions.shape[0]):
-        size = 1.0 + near * directions[m, 2]
-        cap = (look.alpha * size, sigma)
-        add_cover(own[m], corner, place, directions[m], cap)
-        add_cover(nudged[ALPHA], corner, place, directions[m], (cap[0] + NUDGE * size, sigma))
-        add_cover(nudged[RADIUS], corner, bigger, directions[m], cap)
-        add_cover(nudged[BLUR], corner, place, directions[m], (cap[0], sigma + NUDGE))
-
-
-@part
-def turns_of(sight: Sight, stance: Stance, view: int, tangents: Floats) -> Floats:
-    """Return the markers' tangents as turns of a view, shape (markers, 2, 3)."""
-    into, turns = into_view(sight, stance, view), np.zeros(tangents.shape)
-    for m in range(tangents.shape[0]):
-        for t in range(2):
-            for a in range(3):
-                for k in range(3):
-                    turns[m, t, a] += into[a, k] * tangents[m, t, k]
-                turns[m, t, a] *= sight.optics.hands[view]
-    return turns
+BLOCK = 256
+"""Pixels whose products are added at a time."""
 
 
 @part
@@ -169,29 +104,83 @@ def shading_row(profiles: Floats, at: tuple[float, float], light: float, row: Fl
 
 
 @part
-def add_row(
-    row: Floats,
-    used: NDArray[np.int64],
-    seen: tuple[float, float, float],
-    equations: Equations,
+def common_columns(
+    drawn: Viewed, pixel: tuple[int, int, float, float, float], looks: Floats, row: Floats
 ) -> None:
-    """Add a pixel's derivatives to the equations.
+    """Fill a pixel's derivatives behind the turns, those of `pixel_row` being there.
 
     Parameters
     ----------
-    used
-        Indices of those that are not 0.
-    seen
-        Weight over the noise, residual over the noise, noise.
+    pixel
+        Row and column on the canvas; row and column from the centre in radii; background.
+    looks
+        What is seen (`residual.shade`), and room for what is seen nudged, shape (2, LOOK).
+    row
+        Filled from the first derivative behind the turns.
     """
-    weight, residual, noise = seen
+    i, j, u, v, behind = pixel
+    seen, moved, paint, covers = looks[0], looks[1], drawn.paint, drawn.covers
+    first = UNKNOWNS + 2 * drawn.own.shape[0]
+    cover, plain, dark = cover_at(drawn.canvas, i, j), lit(seen, paint[0]), paint[1]
+    model = model_pixel(seen, cover, behind, paint)
+    row[first] = -plain * cover[0]
+    row[first + 1] = model_pixel(seen, cover_at(covers[ALPHA], i, j), behind, paint) - model
+    row[first + 2] = model_pixel(seen, cover_at(covers[RADIUS], i, j), behind, paint) - model
+    shade(drawn.look[0], drawn.look[1], u / (1.0 + NUDGE), v / (1.0 + NUDGE), moved)
+    row[first + 3] = model_pixel(moved, cover, behind, paint) - model
+    shade(drawn.wider[0], drawn.wider[1], u, v, moved)
+    row[first + 4] = model_pixel(moved, cover_at(covers[BLUR], i, j), behind, paint) - model
+    for k in range(1, 5):
+        row[first + k] /= NUDGE
+    row[first + 5] = row[0] * drawn.off[0] + row[1] * drawn.off[1]
+    row[first + 6] = -plain * dark * cover[1] * u * paint[2]
+    left = 1.0 - dark * cover[0] / max(seen[0], LEAST_DISC)
+    shading_row(drawn.profiles, (u, v), paint[0][1] * left, row[first + SHADING :])
+
+
+@part
+def add_marked(row: Floats, used: NDArray[np.int64], whitened: float, equations: Equations) -> None:
+    """Add a pixel's whitened derivatives to the turns of the markers that reach it.
+
+    Parameters
+    ----------
+    row
+        All derivatives of the pixel.
+    used
+        Indices of those to turns.
+    whitened
+        Residual.
+    """
+    first = row.shape[0] - MARKERS_SHARE - VIEW_SHARE
     for a in range(used.shape[0]):
         p = used[a]
-        scaled = weight * row[p]
-        equations.right[p] += scaled * residual
-        scaled /= noise
+        equations.right[p] += row[p] * whitened
         for b in range(a + 1):
-            equations.normal[p, used[b]] += scaled * row[used[b]]
+            equations.normal[p, used[b]] += row[p] * row[used[b]]
+        for q in range(UNKNOWNS):
+            equations.normal[p, q] += row[p] * row[q]
+        for q in range(first, row.shape[0]):
+            equations.normal[q, p] += row[p] * row[q]
+
+
+@part
+def add_common(block: Floats, first: int, equations: Equations) -> None:
+    """Add the products of whitened derivatives but those to turns.
+
+    Parameters
+    ----------
+    block
+        One row for each pixel, its residual last.
+    first
+        Index of the first derivative behind the turns.
+    """
+    products, size = np.dot(block.T, block), block.shape[1] - 1
+    for a in range(size):
+        p = a if a < UNKNOWNS else a - UNKNOWNS + first
+        equations.right[p] += products[size, a]
+        for b in range(a + 1):
+            q = b if b < UNKNOWNS else b - UNKNOWNS + first
+            equations.normal[p, q] += products[a, b]
 
 
 @compiled
@@ -205,54 +194,40 @@ def bundle_view(
     equations
         Of the view's UNKNOWNS, the markers, MARKERS_SHARE and the view's own VIEW_SHARE.
     """
-    scene, look = sight.scene, sight.look
-    disc, surface = look.discs[view], look.surfaces[view]
-    wider, wider_surface = lesson.wider[0][view], lesson.wider[1][view]
-    canvas, corner, place = cover_canvas(sight, stance, view)
-    light, rows = stance.lights[view], sight.optics.rows[view]
-    paint = paint_of(sight, stance, view, place[2])
-    count = look.markers.shape[0]
-    own = np.zeros((count, canvas.shape[0], LAYERS, canvas.shape[2]))
-    covers = np.zeros((3, canvas.shape[0], LAYERS, canvas.shape[2]))
-    nudged_covers(sight, stance, view, corner, (own, covers))
-    turns = turns_of(sight, stance, view, lesson.tangents)
-    off = place[0] - sight.optics.origins[view, 0], place[1] - sight.optics.origins[view, 1]
-    first, last = UNKNOWNS + 2 * count, MARKERS_SHARE + VIEW_SHARE
-    row, seen, moved = np.zeros(first + last), np.zeros(LOOK), np.zeros(LOOK)
-    used = np.arange(first + last)
-    for i in range(canvas.shape[0]):
+    scene, look, rows = sight.scene, sight.look, sight.optics.rows[view]
+    drawn = drawn_for_bundle(sight, stance, view, lesson)
+    _, corner, place = cover_canvas(sight, stance, view)
+    first, last = UNKNOWNS + 2 * look.markers.shape[0], MARKERS_SHARE + VIEW_SHARE
+    row, looks = np.zeros(first + last), np.zeros((2, LOOK))
+    used, block, filled = np.arange(first), np.zeros((BLOCK, UNKNOWNS + last + 1)), 0
+    for i in range(drawn.canvas.shape[0]):
         y = corner[0] + i
         if y < rows[0] or y >= rows[1]:
             continue
         u = (y - place[0]) / place[2]
-        for j in range(canvas.shape[2]):
+        for j in range(drawn.canvas.shape[2]):
             x = corner[1] + j
             v = (x - place[1]) / place[2]
-            if not shade(disc, surface, u, v, seen) or hidden(y, x, sight.others[view]):
+            seen = shade(drawn.look[0], drawn.look[1], u, v, looks[0])
+            if not seen or hidden(y, x, sight.others[view]):
                 continue
-            behind, dark = scene.background[y, x], look.darkness
-            model = pixel_row(seen, (canvas, i, j), behind, paint, row)
-            residual = (scene.image[y, x] - model) / scene.noise
-            weight = biweight(residual, lesson.limit) / scene.noise
+            behind = scene.background[y, x]
+            residual = scene.image[y, x] - pixel_row(
+                looks[0], (drawn.canvas, i, j), behind, drawn.paint, row
+            )
+            weight = biweight(residual / scene.noise, lesson.limit)
             if weight == 0.0:
                 continue
-            plain = lit(seen, light)
-            filled = marker_row(plain * dark, own[:, i, :, j], turns, row, used)
-            row[first] = -plain * canvas[i, 0, j]
-            there = model_pixel(seen, cover_at(covers[ALPHA], i, j), behind, paint)
-            row[first + 1] = (there - model) / NUDGE
-            there = model_pixel(seen, cover_at(covers[RADIUS], i, j), behind, paint)
-            row[first + 2] = (there - model) / NUDGE
-            shade(disc, surface, u / (1.0 + NUDGE), v / (1.0 + NUDGE), moved)
-            there = model_pixel(moved, cover_at(canvas, i, j), behind, paint)
-            row[first + 3] = (there - model) / NUDGE
-            shade(wider, wider_surface, u, v, moved)
-            there = model_pixel(moved, cover_at(covers[BLUR], i, j), behind, paint)
-            row[first + 4] = (there - model) / NUDGE
-            row[first + 5] = row[0] * off[0] + row[1] * off[1]
-            row[first + 6] = -plain * dark * canvas[i, 1, j] * (y - place[0])
-            left = 1.0 - dark * canvas[i, 0, j] / max(seen[0], LEAST_DISC)
-            shading_row(lesson.profiles[view], (u, v), light[1] * left, row[first + SHADING :])
-            for k in range(last):
-                used[filled + k] = first + k
-            add_row(row, used[: filled + last], (weight, residual, scene.noise), equations)
+            shadow = lit(looks[0], drawn.paint[0]) * look.darkness
+            marked = marker_row(shadow, drawn.own[:, i, :, j], drawn.turns, row, used)
+            common_columns(drawn, (i, j, u, v, behind), looks, row)
+            row *= math.sqrt(weight) / scene.noise
+            whitened = residual * math.sqrt(weight) / scene.noise
+            add_marked(row, used[UNKNOWNS:marked], whitened, equations)
+            if filled == BLOCK:
+                add_common(block, first, equations)
+                filled = 0
+            block[filled, :UNKNOWNS], block[filled, UNKNOWNS:-1] = row[:UNKNOWNS], row[first:]
+            block[filled, -1] = whitened
+            filled += 1
+    add_common(block[:filled], first, equations)

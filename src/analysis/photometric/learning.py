@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from analysis.motion.rotation import rotation_matrix
 from analysis.photometric.appearance import Knowledge, Sphere, profiles_of
-from analysis.photometric.bundle import Lesson
 from analysis.photometric.film import Film, fit_film, sights_of
+from analysis.photometric.lesson import Lesson
 from analysis.photometric.marker_search import missed_markers
 from analysis.photometric.relief import add_residuals, changed_relief
 from analysis.photometric.shading import HARMONICS, NUDGE

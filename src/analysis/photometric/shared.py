@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.photometric.bundle import MARKERS_SHARE, SCALE, VIEW_SHARE, Lesson, bundle_view
+from analysis.photometric.bundle import MARKERS_SHARE, SCALE, VIEW_SHARE, bundle_view
 from analysis.photometric.camera import Optics, by_nearness_and_shift
+from analysis.photometric.lesson import Lesson
 from analysis.photometric.pose import POSE, add_priors, into_world
 from analysis.photometric.residual import UNKNOWNS
 from analysis.photometric.shading import HARMONICS
