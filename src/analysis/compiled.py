@@ -8,7 +8,7 @@ from typing import Any, TypeVar, cast
 
 import numba
 
-from analysis.machine_code import LOCATORS
+from analysis.machine_code import LOCATORS, alone
 
 SUMS = {"reassoc", "contract", "arcp", "nsz"}
 F = TypeVar("F", bound=Callable[..., object])
@@ -37,13 +37,21 @@ def part(function: F) -> F:
 
 
 def _kept(decorate: Callable[[F], Any], function: F) -> F:
-    """Decorate with our own rule of how long a function is kept."""
+    """Decorate with our own rules of how long a function is kept and who compiles it."""
     config = cast("Any", numba.config)
     before, config.CACHE_LOCATOR_CLASSES = config.CACHE_LOCATOR_CLASSES, LOCATORS
     try:
-        return cast("F", decorate(function))
+        dispatcher = decorate(function)
     finally:
         config.CACHE_LOCATOR_CLASSES = before
+    compile_here = dispatcher.compile
+
+    def compile_alone(signature: object) -> object:
+        with alone():
+            return compile_here(signature)
+
+    dispatcher.compile = compile_alone
+    return cast("F", dispatcher)
 
 
 def kept_on_disk(function: Callable[..., object]) -> bool:

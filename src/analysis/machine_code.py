@@ -3,10 +3,20 @@
 The compiler's library takes a kept function for fresh while the file that defines it is unchanged.
 Compiled functions have those they call, and constants of other files, built in: a fresh one here is
 one whose whole room is unchanged.
+
+Each is compiled by one process, however many wait for it. Two that compile the same function, one
+with the functions it calls just compiled and one with them as kept, may round differently.
 """
 
 from __future__ import annotations
 
+import fcntl
+import os
+import tempfile
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
@@ -14,6 +24,8 @@ from pathlib import Path
 from numba.core import caching
 
 USES = b"from analysis.compiled import"
+LONGEST_S, AGAIN_S = 600.0, 0.05
+"""Wait for another process, after which it is compiled here too, and time between two looks."""
 
 
 @cache
@@ -25,6 +37,43 @@ def sources() -> str:
     for file in sorted(file for folder in folders for file in folder.glob("*.py")):
         digest.update(file.relative_to(package).as_posix().encode() + file.read_bytes())
     return digest.hexdigest()
+
+
+class _Turn(threading.local):
+    """How deep this thread is in compiling: a function's parts are compiled within it."""
+
+    depth = 0
+
+
+_turn = _Turn()
+
+
+@contextmanager
+def alone() -> Iterator[None]:
+    """Compile while no other process does."""
+    if _turn.depth > 0:
+        yield
+        return
+    lock = Path(tempfile.gettempdir()) / f"rigctl-{os.getuid()}-{sources()[:16]}.lock"
+    with lock.open("a", encoding="utf-8") as file:
+        _turn.depth += 1
+        try:
+            _wait_for(file.fileno())
+            yield
+        finally:
+            _turn.depth -= 1
+
+
+def _wait_for(file: int) -> None:
+    """Take the lock, or go on without it after LONGEST_S; closing the file gives it back."""
+    until = time.monotonic() + LONGEST_S
+    while time.monotonic() < until:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            time.sleep(AGAIN_S)
+        else:
+            return
 
 
 class BesideSource(caching.InTreeCacheLocator):

@@ -60,3 +60,14 @@ def test_a_kept_function_is_used_until_a_part_in_another_file_changes(package: P
 
 def test_a_function_that_was_never_compiled_is_not_kept() -> None:
     assert not kept_on_disk(compiled(lambda x: x + 1.0))
+
+
+def test_processes_that_start_together_compile_a_function_once(package: Path) -> None:
+    both = [
+        subprocess.Popen(
+            [sys.executable, "-c", ASK], cwd=package, stdout=subprocess.PIPE, text=True
+        )
+        for _ in range(2)
+    ]
+    answers = sorted(process.communicate(timeout=120)[0].split() for process in both)
+    assert answers == [["7.0", "0"], ["7.0", "1"]]
