@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from analysis.model.fit import Fit, normal_equations
 from analysis.model.normal import NormalEquations, solve_blocks, with_prior
 from analysis.model.tables import ContactTable, Data
-from analysis.model.theory import LAW
 
 Floats = NDArray[np.float64]
 
@@ -50,14 +49,12 @@ def prediction_error(data: Data, fit: Fit, seed: int = 0) -> PredictionError:
     early_matrix, early_gradient = early.reduced_by_shot()
     least, early_least = _least(whole), _least(early)
     folds = np.random.default_rng(seed).permutation(len(least)) % min(FOLDS, len(least))
-    centre, prior = fit.theory.prior
-    # Shots that tell nothing of a number of the law leave it where it is.
-    prior[: len(LAW)] = 0.0
+    pull, held = fit.theory.held
     total = 0.0
     for fold in np.unique(folds):
         own, others = folds == fold, folds != fold
-        information = with_prior(matrix[others].sum(axis=0), prior)
-        downhill = gradient[others].sum(axis=0) - (fit.theory.vector - centre) * prior
+        information = with_prior(matrix[others].sum(axis=0), held)
+        downhill = gradient[others].sum(axis=0) + pull
         step = np.linalg.lstsq(information, downhill, rcond=1e-12)[0]
         total += float(_moved(least, gradient, matrix, own, step))
         total -= float(_moved(early_least, early_gradient, early_matrix, own, step))

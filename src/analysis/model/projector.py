@@ -76,6 +76,8 @@ class Projector:
         (S, N, P).
     covariance
         Of the shared parameters, shape (P, P).
+    held
+        Of `Theory.held`, shapes (P,).
     """
 
     residual: Floats
@@ -84,6 +86,7 @@ class Projector:
     own_gradient: Floats
     shared: Floats
     covariance: Floats
+    held: tuple[Floats, Floats]
     noise: SharedNoise | None = None
 
     def project(self, columns: Floats) -> ByShot:
@@ -148,5 +151,6 @@ def projector(data: Data, fit: Fit) -> Projector:
         own_gradient=line.own_gradient,
         shared=shared,
         covariance=inverse(with_prior(information, fit.theory.prior[1])),
+        held=fit.theory.held,
         noise=line.shared,
     )

@@ -70,4 +70,5 @@ def _only(
         own_gradient=np.zeros_like(sums.own_gradient),
         shared=shared,
         covariance=covariance,
+        held=(sums.held[0][others], sums.held[1][others]),
     )

@@ -101,6 +101,16 @@ class Theory:
         return centre, information
 
     @property
+    def held(self) -> tuple[Floats, Floats]:
+        """How the stated sizes of the systematics pull each parameter, and by what information.
+
+        Shapes (P,), 0 for law and effects: shots that tell nothing of one leave it where it is.
+        """
+        centre, information = self.prior
+        information[: len(LAW)] = 0.0
+        return (centre - self.vector) * information, information
+
+    @property
     def strain(self) -> float:
         """Chi-squared of the systematics against their stated sizes; each is one residual."""
         off = [((s.values - s.effect.off) / s.sigma) ** 2 for s in self.systematics]

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.model.crossvalidation import FOLDS
+from analysis.model.normal import with_prior
 from analysis.model.projector import Projector
 
 Floats = NDArray[np.float64]
@@ -20,12 +21,13 @@ def left_out_steps(sums: Projector, seed: int = 0) -> Floats:
     shared, residual = sums.shared, sums.residual
     matrix = np.einsum("snp,snq->spq", shared, shared)
     gradient = np.einsum("snp,sn->sp", shared, residual)
-    shots = len(matrix)
+    shots, (pull, held) = len(matrix), sums.held
     folds = np.random.default_rng(seed).permutation(shots) % min(FOLDS, shots)
     steps: Floats = np.zeros_like(gradient)
     for fold in np.unique(folds):
         others = folds != fold
-        information = matrix[others].sum(axis=0)
-        step = np.linalg.lstsq(information, gradient[others].sum(axis=0), rcond=1e-12)[0]
+        information = with_prior(matrix[others].sum(axis=0), held)
+        downhill = gradient[others].sum(axis=0) + pull
+        step = np.linalg.lstsq(information, downhill, rcond=1e-12)[0]
         steps[~others] = step
     return steps

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from analysis.model.agreement.outcome import jump_covariance
 from analysis.model.agreement.table import Row, Spread, root_mean
 from analysis.model.channels import SMOOTH, FrameChannel
-from analysis.model.normal import inverse
+from analysis.model.normal import inverse, with_prior
 from analysis.model.poses import PoseData
 from analysis.model.projector import LEAST_INFORMATION, ByShot, Projector, Solved
 
@@ -50,7 +50,7 @@ def with_free_contacts(
         raw=by_shot.raw[:, count:],
     )
     taken = np.einsum("scp,scd,sdq->pq", jumped.against, covariance, jumped.against)
-    information = np.einsum("snp,snq->pq", sums.shared, sums.shared)
+    information = with_prior(np.einsum("snp,snq->pq", sums.shared, sums.shared), sums.held[1])
     law = _law_covariance(information - taken, np.diag(information))
     return replace(sums, covariance=law), reduced
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from analysis.effects.effect import Floats
+from analysis.model.agreement.agree import agree
 from analysis.model.candidate import Candidate
 from analysis.model.fit import fit_campaign
 from analysis.model.leaders import refitted
@@ -84,3 +85,9 @@ def test_what_is_found_of_an_outline_is_said_with_its_error_and_apart_from_the_l
 def test_a_stated_error_that_is_there_leaves_chi_squared_at_its_freedom() -> None:
     fit = fit_campaign(beside(OUTLINE_M, slow_m=6e-6))
     assert fit.chi2_per_dof == pytest.approx(1.0, abs=4 * np.sqrt(2 / fit.freedom))
+
+
+def test_what_is_granted_leaves_no_stage_in_disagreement() -> None:
+    data = beside(OUTLINE_M, slow_m=6e-6)
+    rows = [row for stage in agree(data, fit_campaign(data)).stages for row in stage.rows]
+    assert min(row.p_value for row in rows) > 0.001
