@@ -7,9 +7,11 @@ from hypothesis import settings
 
 LONG = {
     "test_agreement.py",
+    "test_calibrate.py",
     "test_campaign_jobs.py",
     "test_challenge.py",
     "test_demo.py",
+    "test_hidden_view.py",
     "test_killed_sweeps.py",
     "test_launch_command.py",
     "test_model_commands.py",

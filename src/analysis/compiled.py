@@ -45,9 +45,10 @@ def _kept(decorate: Callable[[F], Any], function: F) -> F:
     finally:
         config.CACHE_LOCATOR_CLASSES = before
     compile_here = dispatcher.compile
+    name = f"{function.__module__}.{function.__name__}"
 
     def compile_alone(signature: object) -> object:
-        with alone():
+        with alone(name):
             return compile_here(signature)
 
     dispatcher.compile = compile_alone

@@ -39,29 +39,22 @@ def sources() -> str:
     return digest.hexdigest()
 
 
-class _Turn(threading.local):
-    """How deep this thread is in compiling: a function's parts are compiled within it."""
-
-    depth = 0
-
-
-_turn = _Turn()
+_here = threading.RLock()
+"""Taken before any lock on disk: the compiler's library compiles in one thread at a time."""
 
 
 @contextmanager
-def alone() -> Iterator[None]:
-    """Compile while no other process does."""
-    if _turn.depth > 0:
+def alone(function: str) -> Iterator[None]:
+    """Compile a function while no other process compiles it.
+
+    The functions that it calls are compiled within it, each under a lock of its own. As none calls
+    itself by way of others, two processes never wait for each other.
+    """
+    folder = Path(tempfile.gettempdir()) / f"rigctl-{os.getuid()}-{sources()[:16]}"
+    folder.mkdir(mode=0o700, exist_ok=True)
+    with _here, (folder / function).open("a", encoding="utf-8") as file:
+        _wait_for(file.fileno())
         yield
-        return
-    lock = Path(tempfile.gettempdir()) / f"rigctl-{os.getuid()}-{sources()[:16]}.lock"
-    with lock.open("a", encoding="utf-8") as file:
-        _turn.depth += 1
-        try:
-            _wait_for(file.fileno())
-            yield
-        finally:
-            _turn.depth -= 1
 
 
 def _wait_for(file: int) -> None:

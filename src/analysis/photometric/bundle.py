@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.compiled import compiled, part
-from analysis.photometric.covers import cover_canvas
 from analysis.photometric.lesson import ALPHA, BLUR, RADIUS, Lesson, Viewed, drawn_for_bundle
 from analysis.photometric.residual import (
     LEAST_DISC,
@@ -196,7 +195,7 @@ def bundle_view(
     """
     scene, look, rows = sight.scene, sight.look, sight.optics.rows[view]
     drawn = drawn_for_bundle(sight, stance, view, lesson)
-    _, corner, place = cover_canvas(sight, stance, view)
+    corner, place = drawn.corner, drawn.place
     first, last = UNKNOWNS + 2 * look.markers.shape[0], MARKERS_SHARE + VIEW_SHARE
     row, looks = np.zeros(first + last), np.zeros((2, LOOK))
     used, block, filled = np.arange(first), np.zeros((BLOCK, UNKNOWNS + last + 1)), 0

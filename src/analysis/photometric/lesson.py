@@ -101,6 +101,10 @@ class Viewed(NamedTuple):
         Of `turns_of`.
     paint
         Of `paint_of`.
+    place
+        Row, column and radius of the disc, pixels.
+    corner
+        Row and column of the canvas's first pixel.
     off
         Row and column of the disc from the rig's origin, pixels.
     """
@@ -113,6 +117,8 @@ class Viewed(NamedTuple):
     covers: Floats
     turns: Floats
     paint: Paint
+    place: tuple[float, float, float]
+    corner: tuple[int, int]
     off: tuple[float, float]
 
 
@@ -134,5 +140,7 @@ def drawn_for_bundle(sight: Sight, stance: Stance, view: int, lesson: Lesson) ->
         covers,
         turns_of(sight, stance, view, lesson.tangents),
         paint_of(sight, stance, view, place[2]),
+        place,
+        corner,
         (place[0] - origin[0], place[1] - origin[1]),
     )
