@@ -146,7 +146,8 @@ def test_jobs_are_made_from_the_list_each_time_and_none_is_held(tmp_path: Path) 
         seen = []
         for job in jobs:
             seen.append(job.shot)
-            assert held_jobs() <= others + 2
+            # Each look goes over all that the process holds.
+            assert job.shot % 100 or held_jobs() <= others + 2
         assert seen == numbers
 
 
