@@ -6,33 +6,18 @@ signal can be named, and an analysis beyond its time can be ended. A shared pool
 
 from __future__ import annotations
 
-import importlib
-import json
 import logging
-import multiprocessing
-import signal
 import threading
 from collections.abc import Callable
-from multiprocessing.connection import Connection
-from multiprocessing.process import BaseProcess
-from pathlib import Path
-from queue import SimpleQueue
-from typing import Any
+from queue import Empty, SimpleQueue
 
-from rigctl.errors import RigError
-from rigctl.store import Change, ShotState, Store
+from rigctl.analysis_process import CLOSE_WAIT_S, AnalysisFailedError, AnalysisProcess
+from rigctl.result_keeping import Keeper
+from rigctl.store import Store
 
 _log = logging.getLogger(__name__)
 
-Json = dict[str, Any]
 ANALYSE = "rigctl.stored_shot:analyse_stored_shot"
-CLOSE_WAIT_S = 5.0
-
-
-class AnalysisFailedError(RigError):
-    """The analysis itself broke, as opposed to a shot that it refused."""
-
-    code = "analysis-failed"
 
 
 class Analyser:
@@ -40,7 +25,9 @@ class Analyser:
 
     A result is written beside the frames before the shot's row says `analysed`, or `refused`
     where the frames cannot be measured. A worker that cannot be started, crashes or takes too long
-    is replaced, and the shot is `refused` with that reason; the next shot gets a fresh attempt.
+    is replaced, and the shot is `refused` with that reason, or keeps the result that it has; the
+    next shot gets a fresh attempt. What the disk does not take is tried again for a while, as
+    `Keeper` says.
 
     Parameters
     ----------
@@ -50,6 +37,8 @@ class Analyser:
         How many at a time, by which method, and the longest one may take, s.
     function
         `module:name` of a callable (folder, method) -> JSON object, imported in the worker.
+    rest
+        Waits so many seconds for the event of the analyser's end, and says whether it came.
     """
 
     def __init__(
@@ -60,10 +49,13 @@ class Analyser:
         method: str,
         timeout_s: float,
         function: str = ANALYSE,
+        rest: Callable[[threading.Event, float], bool] = threading.Event.wait,
     ) -> None:
         self._store, self._method, self._timeout_s = store, method, timeout_s
+        self._ended = threading.Event()
+        self._rest = rest
         self._waiting: SimpleQueue[tuple[str, str] | None] = SimpleQueue()
-        self._workers = [_Worker(function) for _ in range(workers)]
+        self._workers = [AnalysisProcess(function) for _ in range(workers)]
         self._threads = [
             threading.Thread(target=self._serve, args=(worker,), name="analysis", daemon=True)
             for worker in self._workers
@@ -81,142 +73,42 @@ class Analyser:
 
     def close(self) -> None:
         """End the workers; a shot under way is taken up again at the next start."""
+        self._ended.set()
         for worker in self._workers:
             worker.end()
             self._waiting.put(None)
         for thread in self._threads:
             thread.join(CLOSE_WAIT_S)
 
-    def _serve(self, worker: _Worker) -> None:
-        while not worker.ended and (asked := self._waiting.get()) is not None:
-            shot, method = asked
+    def _serve(self, worker: AnalysisProcess) -> None:
+        keeper = Keeper(self._store, lambda wait_s: self._rest(self._ended, wait_s))
+        while not worker.ended:
             try:
-                self._analyse(worker, shot, method)
+                asked = self._waiting.get(timeout=keeper.idle_s)
+            except Empty:
+                keeper.try_again()
+                continue
+            if asked is None:
+                return
+            try:
+                self._analyse(worker, keeper, *asked)
             except Exception:  # noqa: BLE001 - the shots behind this one must still be analysed
-                _log.exception("shot %s: its analysis could not be stored", shot)
+                _log.exception("shot %s: its analysis could not be stored", asked[0])
 
-    def _analyse(self, worker: _Worker, shot: str, method: str) -> None:
+    def _analyse(self, worker: AnalysisProcess, keeper: Keeper, shot: str, method: str) -> None:
         if self._store.shot(shot).is_without_frames:
             return
-        self._store.move(shot, ShotState.ANALYSING)
-        folder = self._store.folders.folder(shot)
+        if (before := keeper.begin(shot)) is None:
+            # It stands where it stood: nobody else would take it up before the next start.
+            self.submit_by(shot, method)
+            return
         try:
-            result = worker.ask(folder, method, self._timeout_s)
+            result = worker.ask(self._store.folders.folder(shot), method, self._timeout_s)
         except Exception as error:  # noqa: BLE001 - whatever breaks is this shot's failure alone
             if not worker.ended:
                 _log.warning("shot %s: %s", shot, error, exc_info=error)
                 known = isinstance(error, AnalysisFailedError)
-                why = Change(
-                    failure=str(error) if known else repr(error),
-                    failure_code=AnalysisFailedError.code,
-                )
-                self._store.move(shot, ShotState.REFUSED, why)
+                why = str(error) if known else repr(error)
+                keeper.fail(before, why, AnalysisFailedError.code)
             return
-        number = self._store.folders.add_result(shot, result)
-        if result.get("status") == "refused":
-            why = Change(results=number, failure=str(result.get("reason")), failure_code="refused")
-            self._store.move(shot, ShotState.REFUSED, why)
-        else:
-            self._store.move(shot, ShotState.ANALYSED, Change(results=number))
-
-
-class _Worker:
-    """One process, started when it is first needed and again after it was lost."""
-
-    def __init__(self, function: str) -> None:
-        self._function = function
-        self._lock = threading.Lock()
-        self._started: tuple[BaseProcess, Connection] | None = None
-        self.ended = False
-
-    def ask(self, folder: Path, method: str, timeout_s: float) -> Json:
-        """Have one folder analysed; raise `AnalysisFailedError` if no result comes of it."""
-        process, connection = self._running()
-        try:
-            connection.send((str(folder), method))
-            if not connection.poll(timeout_s):
-                process.kill()
-                raise AnalysisFailedError(
-                    "the analysis took too long", limit=f"{timeout_s:g} s", todo="analyse it again"
-                )
-            result, failure = connection.recv()
-        except (EOFError, OSError) as error:
-            process.join(CLOSE_WAIT_S)
-            raise AnalysisFailedError(
-                f"the analysis process {_end_of(process)}", todo="analyse it again"
-            ) from error
-        if failure is not None:
-            raise AnalysisFailedError(failure, todo="report the shot's folder")
-        document: Json = json.loads(result)
-        return document
-
-    def end(self) -> None:
-        """Kill the process; whoever waits for it is told at once."""
-        with self._lock:
-            self.ended = True
-            if self._started is not None:
-                process, _ = self._started
-                process.kill()
-                process.join(CLOSE_WAIT_S)
-
-    def _running(self) -> tuple[BaseProcess, Connection]:
-        with self._lock:
-            if self.ended:
-                raise AnalysisFailedError("the daemon ends")
-            if self._started is None or not self._started[0].is_alive():
-                self._discard()
-                self._started = _start(self._function)
-            return self._started
-
-    def _discard(self) -> None:
-        if self._started is not None:
-            self._started[1].close()
-            self._started = None
-
-
-def _start(function: str) -> tuple[BaseProcess, Connection]:
-    """Start a worker and return it with this end of its pipe; on failure nothing stays open."""
-    context = multiprocessing.get_context("spawn")
-    try:
-        ours, theirs = context.Pipe()
-        # Only the worker may hold its end, or its death would not be seen.
-        with theirs:
-            try:
-                process = context.Process(
-                    target=_work, args=(theirs, function), name="analysis", daemon=True
-                )
-                process.start()
-            except BaseException:
-                ours.close()
-                raise
-    except Exception as error:
-        raise AnalysisFailedError(
-            f"the analysis process could not be started: {error}",
-            todo="free memory or processes on the host, then analyse it again",
-        ) from error
-    return process, ours
-
-
-def _work(connection: Connection, function: str) -> None:
-    """Serve in the worker's process until the daemon's end of the pipe closes."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    module, _, name = function.partition(":")
-    analyse: Callable[[Path, str], Json] = getattr(importlib.import_module(module), name)
-    while True:
-        try:
-            folder, method = connection.recv()
-        except EOFError:
-            return
-        answer: tuple[str | None, str | None]
-        try:
-            answer = (json.dumps(analyse(Path(folder), method), allow_nan=False), None)
-        except Exception as error:  # noqa: BLE001 - whatever breaks is told, not lost
-            answer = (None, f"{type(error).__name__}: {error}")
-        connection.send(answer)
-
-
-def _end_of(process: BaseProcess) -> str:
-    code = process.exitcode
-    if code is not None and code < 0:
-        return f"was killed by {signal.Signals(-code).name}"
-    return f"ended with status {code}"
+        keeper.keep(before, result)

@@ -84,7 +84,9 @@ class _Watch:
         with self._changed:
             self._changes += 1
             if record.id == self._expected and record.state in ENDED:
-                self.ends[record.state] += 1
+                # One that keeps an earlier result says in `failure` why there is no later one.
+                kept = record.failure is not None
+                self.ends[ShotState.REFUSED if kept else record.state] += 1
                 self._expected = None
             self._changed.notify_all()
 

@@ -23,7 +23,7 @@ import pytest
 import rigctl.config as sections
 import rigctl.service
 from analysis.exchange.tables import CONTACTS, POSES
-from rigctl.analysing import AnalysisFailedError
+from rigctl.analysis_process import AnalysisFailedError
 from rigctl.errors import AnalysisInputError, ConfigurationError, IdempotencyError, RigError
 from rigctl.jobs import JobFailedError
 from rigctl.rig.states import TRANSITIONS

@@ -66,13 +66,22 @@ def coefficients(shot: ShotRecord, result: Json) -> None:
             "",
         ]
         facts(headings, lines, "coefficients")
-        return
-    if why := refusal(shot, result):
-        with ui.element("div").classes("verdict bad").props("data-testid=refusal"):
-            ui.label("Not measured.").classes("lead")
-            ui.label(why)
-        return
-    ui.label(f"{WAITED_FOR.get(shot.state, str(shot.state))} …".capitalize()).classes("empty")
+        if shot.failure:
+            _told("The last analysis added nothing.", shot.failure)
+    elif shot.state in WAITED_FOR:
+        ui.label(f"{WAITED_FOR[shot.state]} …".capitalize()).classes("empty")
+        if shot.failure:
+            _told("It is held up.", shot.failure)
+    elif why := refusal(shot, result):
+        _told("Not measured.", why)
+    else:
+        ui.label(f"{shot.state} …".capitalize()).classes("empty")
+
+
+def _told(lead: str, why: str) -> None:
+    with ui.element("div").classes("verdict bad").props("data-testid=refusal"):
+        ui.label(lead).classes("lead")
+        ui.label(why)
 
 
 def refusal(shot: ShotRecord, result: Json) -> str:

@@ -10,7 +10,7 @@ from itertools import chain, islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rigctl.analysing import AnalysisFailedError
+from rigctl.analysis_process import AnalysisFailedError
 from rigctl.errors import NotFoundError, RigError
 from rigctl.reanalysis.pools import Pool
 from rigctl.store import Change, ShotRecord, ShotState, Store

@@ -153,11 +153,13 @@ class ShotFolders:
         with _in_words(shot, folder):
             text = _lines(result)
             partial.unlink(missing_ok=True)
-            write_synced(partial, lambda file: file.write(text))
-            number = max(map(_number, _results(folder)), default=0) + 1
-            # A link, unlike a rename, refuses to take the place of a file that is there.
-            os.link(partial, folder / _result_name(number))
-            partial.unlink()
+            try:
+                write_synced(partial, lambda file: file.write(text))
+                number = max(map(_number, _results(folder)), default=0) + 1
+                # A link, unlike a rename, refuses to take the place of a file that is there.
+                os.link(partial, folder / _result_name(number))
+            finally:
+                partial.unlink(missing_ok=True)
             sync_folder(folder)
         return number
 

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rigctl.analysing import AnalysisFailedError
+from rigctl.analysis_process import AnalysisFailedError
 from rigctl.cameras.frames import FrameSequence
 from rigctl.errors import NotFoundError
 from rigctl.reanalysis import Comparison, Comparisons, Outcome, Pool, reanalyse_campaign

@@ -165,23 +165,6 @@ def test_an_analyser_whose_worker_never_started_closes_at_once(
     assert not [thread for thread in threading.enumerate() if thread.name == "analysis"]
 
 
-def test_a_result_that_cannot_be_written_does_not_end_the_thread(
-    lab: Laboratory, analysed: Callable[..., list[ShotRecord]], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    write, failed = lab.store.folders.add_result, []
-
-    def fail_at_first(shot: str, result: dict[str, object]) -> int:
-        if not failed:
-            failed.append(shot)
-            raise OSError(28, "No space left on device")
-        return write(shot, result)
-
-    monkeypatch.setattr(lab.store.folders, "add_result", fail_at_first)
-    (ended,) = analysed("measured", shots=2, ends=1)
-    assert ended.state == "analysed"
-    assert lab.store.shot(failed[0]).state == "analysing"
-
-
 def test_several_workers_share_the_shots(analysed: Callable[..., list[ShotRecord]]) -> None:
     assert [s.state for s in analysed("measured", shots=4, workers=2)] == ["analysed"] * 4
 

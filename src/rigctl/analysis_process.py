@@ -1,0 +1,133 @@
+"""The process in which shots are analysed, one after another: started, asked, lost and replaced."""
+
+from __future__ import annotations
+
+import importlib
+import json
+import multiprocessing
+import signal
+import threading
+from collections.abc import Callable
+from multiprocessing.connection import Connection
+from multiprocessing.process import BaseProcess
+from pathlib import Path
+from typing import Any
+
+from rigctl.errors import RigError
+
+Json = dict[str, Any]
+CLOSE_WAIT_S = 5.0
+
+
+class AnalysisFailedError(RigError):
+    """The analysis itself broke, as opposed to a shot that it refused."""
+
+    code = "analysis-failed"
+
+
+class AnalysisProcess:
+    """One process, started when it is first needed and again after it was lost.
+
+    Parameters
+    ----------
+    function
+        `module:name` of a callable (folder, method) -> JSON object, imported in the process.
+    """
+
+    def __init__(self, function: str) -> None:
+        self._function = function
+        self._lock = threading.Lock()
+        self._started: tuple[BaseProcess, Connection] | None = None
+        self.ended = False
+
+    def ask(self, folder: Path, method: str, timeout_s: float) -> Json:
+        """Have one folder analysed; raise `AnalysisFailedError` if no result comes of it."""
+        process, connection = self._running()
+        try:
+            connection.send((str(folder), method))
+            if not connection.poll(timeout_s):
+                process.kill()
+                raise AnalysisFailedError(
+                    "the analysis took too long", limit=f"{timeout_s:g} s", todo="analyse it again"
+                )
+            result, failure = connection.recv()
+        except (EOFError, OSError) as error:
+            process.join(CLOSE_WAIT_S)
+            raise AnalysisFailedError(
+                f"the analysis process {_end_of(process)}", todo="analyse it again"
+            ) from error
+        if failure is not None:
+            raise AnalysisFailedError(failure, todo="report the shot's folder")
+        document: Json = json.loads(result)
+        return document
+
+    def end(self) -> None:
+        """Kill the process; whoever waits for it is told at once."""
+        with self._lock:
+            self.ended = True
+            if self._started is not None:
+                process, _ = self._started
+                process.kill()
+                process.join(CLOSE_WAIT_S)
+
+    def _running(self) -> tuple[BaseProcess, Connection]:
+        with self._lock:
+            if self.ended:
+                raise AnalysisFailedError("the daemon ends")
+            if self._started is None or not self._started[0].is_alive():
+                self._discard()
+                self._started = _start(self._function)
+            return self._started
+
+    def _discard(self) -> None:
+        if self._started is not None:
+            self._started[1].close()
+            self._started = None
+
+
+def _start(function: str) -> tuple[BaseProcess, Connection]:
+    """Start a worker and return it with this end of its pipe; on failure nothing stays open."""
+    context = multiprocessing.get_context("spawn")
+    try:
+        ours, theirs = context.Pipe()
+        # Only the worker may hold its end, or its death would not be seen.
+        with theirs:
+            try:
+                process = context.Process(
+                    target=_work, args=(theirs, function), name="analysis", daemon=True
+                )
+                process.start()
+            except BaseException:
+                ours.close()
+                raise
+    except Exception as error:
+        raise AnalysisFailedError(
+            f"the analysis process could not be started: {error}",
+            todo="free memory or processes on the host, then analyse it again",
+        ) from error
+    return process, ours
+
+
+def _work(connection: Connection, function: str) -> None:
+    """Serve in the worker's process until the daemon's end of the pipe closes."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    module, _, name = function.partition(":")
+    analyse: Callable[[Path, str], Json] = getattr(importlib.import_module(module), name)
+    while True:
+        try:
+            folder, method = connection.recv()
+        except EOFError:
+            return
+        answer: tuple[str | None, str | None]
+        try:
+            answer = (json.dumps(analyse(Path(folder), method), allow_nan=False), None)
+        except Exception as error:  # noqa: BLE001 - whatever breaks is told, not lost
+            answer = (None, f"{type(error).__name__}: {error}")
+        connection.send(answer)
+
+
+def _end_of(process: BaseProcess) -> str:
+    code = process.exitcode
+    if code is not None and code < 0:
+        return f"was killed by {signal.Signals(-code).name}"
+    return f"ended with status {code}"
