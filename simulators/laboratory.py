@@ -9,10 +9,6 @@ from pathlib import Path
 
 import numpy as np
 
-from simulators.challenge.effects import switched
-from simulators.challenge.label import draw_in_contact, label_document
-from simulators.challenge.law import contact_law
-from simulators.challenge.seal import write_seal
 from simulators.ektapro.digitiser import Digitiser
 from simulators.ektapro.faults import FrameFault, FrameFaults
 from simulators.ektapro.link import Link
@@ -262,6 +258,12 @@ def _world(options: Options, truth: Path) -> World:
     """Return the nylon rig's world; or plain theory with what is hidden, its label sealed."""
     if not options.hides:
         return World(WorldDescription(), options.seed, truth)
+    # Slow to load, and of no use to a laboratory that hides nothing.
+    from simulators.challenge.effects import switched  # noqa: PLC0415
+    from simulators.challenge.label import draw_in_contact, label_document  # noqa: PLC0415
+    from simulators.challenge.law import contact_law  # noqa: PLC0415
+    from simulators.challenge.seal import write_seal  # noqa: PLC0415
+
     named = None if options.hides == DRAWN else options.hides
     hidden = draw_in_contact(np.random.default_rng([options.seed, _LABEL]), named)
     still = replace(Environment(), drag_coefficient=0.0)

@@ -5,10 +5,22 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 
-from simulators.challenge.law import IN_CONTACT
 from simulators.ektapro.processor import RUN_UP_S
 from simulators.wire.alicat import LAG_S
 from simulators.wire.zaber import SPEED_MM_PER_S
+
+IN_CONTACT = (
+    "finite-contact",
+    "friction-speed",
+    "inertia-factor",
+    "mass-mismatch",
+    "restitution-obliquity",
+    "restitution-plastic",
+    "restitution-viscoelastic",
+    "tangential-compliance",
+    "torsional-friction",
+)
+"""Effects that act while the spheres touch, whenever and wherever that is."""
 
 
 @dataclass(frozen=True, slots=True)

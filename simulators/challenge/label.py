@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from simulators.challenge.effects import HIDDEN, STRENGTHS, Hidden
-from simulators.challenge.law import IN_CONTACT
+from simulators.options import IN_CONTACT
 
 _NOTHING, _OUTSIDE, _TWO, _ONE = 0.1, 0.15, 0.2, 0.55
 """How often nothing is hidden, something outside every catalogue, two effects, one."""

@@ -21,19 +21,6 @@ from simulators.world.state import Motion
 
 Floats = NDArray[np.float64]
 
-IN_CONTACT = (
-    "finite-contact",
-    "friction-speed",
-    "inertia-factor",
-    "mass-mismatch",
-    "restitution-obliquity",
-    "restitution-plastic",
-    "restitution-viscoelastic",
-    "tangential-compliance",
-    "torsional-friction",
-)
-"""Effects that act while the spheres touch, whenever and wherever that is."""
-
 _USUAL_TEMPERATURE_C = 23.0
 _KEEP_EVERY = 10
 

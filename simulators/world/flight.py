@@ -9,8 +9,6 @@ from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.integrate import solve_ivp
-from scipy.optimize import brentq
 
 from simulators.world.description import Environment, Sphere
 from simulators.world.rotation import turn
@@ -71,6 +69,8 @@ def fly(
 
     Two spheres that overlap at the start are not taken to touch.
     """
+    # Slow to load: a laboratory opens without it, and its first shot is worked out meanwhile.
+    from scipy.integrate import solve_ivp  # noqa: PLC0415
 
     def derivative(_: float, state: NDArray[np.float64]) -> NDArray[np.float64]:
         rates = np.empty((len(spheres), 2, 3))
@@ -109,6 +109,9 @@ def _touch(
     spheres: Sequence[Sphere],
 ) -> float | None:
     """Return when the gap first closes, given the instants of closest approach."""
+    # Loaded with the first flight.
+    from scipy.optimize import brentq  # noqa: PLC0415
+
     reach = spheres[0].radius_m + spheres[1].radius_m
 
     def gap(time_s: float) -> float:

@@ -17,7 +17,6 @@ import math
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 from simulators.world.description import ContactLaw, Sphere
 
@@ -41,6 +40,8 @@ def damping_ratio(restitution: float) -> float:
         raise ValueError(f"restitution must lie in (0.2, 1], found {restitution}")
     if restitution == 1.0:
         return 0.0
+    # Loaded with the first flight.
+    from scipy.optimize import brentq  # noqa: PLC0415
 
     def excess(z: float) -> float:
         s = math.sqrt(1.0 - z * z)

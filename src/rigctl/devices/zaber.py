@@ -160,13 +160,15 @@ class ZaberSlide:
         with self._errors_named("opening"):
             connection = Connection.open_serial_port(self._path, direct=True)
         try:
-            with self._errors_named("detection"):
+            with self._errors_named("its state"):
                 connection.default_request_timeout = round(self._answer_timeout_s * 1000)
-                connection.detect_devices(identify_devices=False)
+                axis = connection.get_device(1).get_axis(1)
+                # The library's own search of the chain waits half a second whatever answers.
+                axis.is_busy()
         except DeviceError:
             connection.close()
             raise
-        return connection, connection.get_device(1).get_axis(1)
+        return connection, axis
 
     def _home(self) -> None:
         _log.info("%s: homing, since the stage has no reference", self._part)

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from simulators.challenge import HIDDEN
 from simulators.challenge.effects import switched
 from simulators.challenge.label import draw_in_contact
-from simulators.challenge.law import IN_CONTACT, contact_law
+from simulators.challenge.law import contact_law
 from simulators.challenge.nature import Nature
 from simulators.laboratory import open_laboratory
-from simulators.options import read_options
+from simulators.options import IN_CONTACT, read_options
 from simulators.world import Launch, WorldDescription
 from simulators.world.contact import Contact
 from simulators.world.encounter import simulate
