@@ -77,24 +77,44 @@ def zero_crossing_pixels(edges: EdgeImage, least_strength: float) -> NDArray[np.
 @compiled
 def crossings(edges: Filtered, least_strength: float, border: int) -> NDArray[np.bool_]:
     """Mark as `zero_crossing_pixels` tells, `border` pixels within the frame."""
-    log, down, across = edges
-    rows, columns = log.shape
-    marked = np.zeros(log.shape, dtype=np.bool_)
-    least = least_strength * least_strength
+    rows, columns = edges[0].shape
+    marked = np.zeros((rows, columns), dtype=np.bool_)
     for r in range(border, rows - border):
-        for c in range(border, columns - border):
-            if float(down[r, c]) ** 2 + float(across[r, c]) ** 2 < least:
-                continue
-            here = log[r, c]
-            for y, x in ((r + 1, c), (r, c + 1), (r - 1, c), (r, c - 1)):
-                there = log[y, x]
-                if (here > 0.0) == (there > 0.0):
-                    continue
-                # Of two that are as near to zero the first is marked.
-                later = y > r or x > c
-                if abs(here) < abs(there) or (later and abs(here) == abs(there)):
-                    marked[r, c] = True
+        mark_row(edges, r, (border, columns - border), least_strength, marked[r])
     return marked
+
+
+@part
+def mark_row(
+    edges: Filtered,
+    r: int,
+    columns: tuple[int, int],
+    least_strength: float,
+    marked: NDArray[np.bool_],
+) -> None:
+    """Mark the pixels of a row, from a first column to before a last one."""
+    log, down, across = edges[0], edges[1][r], edges[2][r]
+    upper, own, lower = log[r - 1], log[r], log[r + 1]
+    least = np.float32(least_strength * least_strength)
+    for c in range(columns[0], columns[1]):
+        marked[c] = down[c] * down[c] + across[c] * across[c] >= least
+    for c in range(columns[0], columns[1]):
+        if marked[c]:
+            here = own[c]
+            # Of two that are as near to zero the first is marked.
+            marked[c] = (
+                _nearer(here, lower[c], True)
+                or _nearer(here, own[c + 1], True)
+                or _nearer(here, upper[c], False)
+                or _nearer(here, own[c - 1], False)
+            )
+
+
+@part
+def _nearer(here: float, there: float, first: bool) -> bool:
+    if (here > 0.0) == (there > 0.0):
+        return False
+    return abs(here) < abs(there) or (first and abs(here) == abs(there))
 
 
 def beside_change_of_sign(values: NDArray[np.floating]) -> NDArray[np.bool_]:
@@ -153,84 +173,78 @@ def facet_value(
 
 
 @part
-def facet_at(coefficients: Floats, r: float, c: float) -> tuple[float, float, float]:
-    """Return one facet's value and derivatives, as `facet_value` does, shape (3, 3)."""
-    value, by_r, by_c = 0.0, 0.0, 0.0
-    third = c * c - 2.0 / 3.0
-    for i in range(3):
-        basis = 1.0 if i == 0 else (r if i == 1 else r * r - 2.0 / 3.0)
-        slope = 0.0 if i == 0 else (1.0 if i == 1 else 2.0 * r)
-        own = coefficients[i, 0] + c * coefficients[i, 1] + third * coefficients[i, 2]
-        value += basis * own
-        by_r += slope * own
-        by_c += basis * (coefficients[i, 1] + 2.0 * c * coefficients[i, 2])
-    return value, by_r, by_c
+def relative(edges: Filtered, row: int, column: int, least: float) -> tuple[float, float, float]:
+    """Return the filtered frame over its gradient at three neighbours of a row.
+
+    The square of the gradient counts as `least` where it is less.
+    """
+    log, down, across = edges
+    return (
+        _over_slope(log[row, column - 1], down[row, column - 1], across[row, column - 1], least),
+        _over_slope(log[row, column], down[row, column], across[row, column], least),
+        _over_slope(log[row, column + 1], down[row, column + 1], across[row, column + 1], least),
+    )
 
 
 @part
-def slope_facet(edges: Filtered, row: int, column: int, facet: Floats) -> float:
-    """Fill the facet of the filtered frame over its gradient about a pixel; return its largest.
+def _over_slope(log: float, down: float, across: float, least: float) -> float:
+    return log / math.sqrt(max(down * down + across * across, least))
 
-    Beside a small marker's edge the gradient may vanish; there it counts as `LEAST_SLOPE` of the
-    middle pixel's.
+
+@part
+def powers(before: float, middle: float, after: float) -> tuple[float, float, float]:
+    """Return the coefficients of 1, t and t^2 of the parabola through three values one apart."""
+    return middle, (after - before) / 2, (after + before) / 2 - middle
+
+
+@part
+def root_along(edges: Filtered, row: int, column: int, point: Floats) -> bool:
+    """Go from a pixel along the gradient to the zero of its facet; false where there is none.
+
+    Along a line the biquadratic facet is a polynomial of the fourth degree. Beside a small marker's
+    edge the gradient may vanish; there it counts as `LEAST_SLOPE` of the middle pixel's.
+
+    Parameters
+    ----------
+    point
+        Filled with offsets of row and column, unit normal and strength, shape (5,).
     """
-    log, down, across = edges
-    middle = math.hypot(float(down[row, column]), float(across[row, column]))
-    patch, along = np.empty((3, 3)), np.empty((3, 3))
-    largest = 0.0
-    for a in range(3):
-        for b in range(3):
-            y, x = row + a - 1, column + b - 1
-            slope = math.hypot(float(down[y, x]), float(across[y, x]))
-            patch[a, b] = float(log[y, x]) / max(slope, LEAST_SLOPE * middle)
-            largest = max(largest, abs(patch[a, b]))
-    for a in range(3):
-        for j in range(3):
-            along[a, j] = 0.0
-            for b in range(3):
-                along[a, j] += patch[a, b] * _T[j, b] / _NORM[j]
-    for i in range(3):
-        for j in range(3):
-            facet[i, j] = 0.0
-            for a in range(3):
-                facet[i, j] += _T[i, a] / _NORM[i] * along[a, j]
-    return largest
+    g_r, g_c = float(edges[1][row, column]), float(edges[2][row, column])
+    strength = math.sqrt(g_r * g_r + g_c * g_c)
+    least = (LEAST_SLOPE * strength) ** 2
+    first = relative(edges, row - 1, column, least)
+    middle = relative(edges, row, column, least)
+    last = relative(edges, row + 1, column, least)
+    largest = 1e-12
+    for three in (first, middle, last):
+        largest = max(largest, abs(three[0]), abs(three[1]), abs(three[2]))
+    a, b, c = powers(*first), powers(*middle), powers(*last)
+    one, by_c, by_cc = powers(a[0], b[0], c[0]), powers(a[1], b[1], c[1]), powers(a[2], b[2], c[2])
+    u_r, u_c = g_r / strength, g_c / strength
+    p_1 = one[1] * u_r + by_c[0] * u_c
+    p_2 = one[2] * u_r * u_r + by_c[1] * u_r * u_c + by_cc[0] * u_c * u_c
+    p_3 = (by_c[2] * u_r + by_cc[1] * u_c) * u_r * u_c
+    p_4 = by_cc[2] * (u_r * u_c) ** 2
+    along = 0.0
+    for _ in range(NEWTON_STEPS):
+        value = one[0] + along * (p_1 + along * (p_2 + along * (p_3 + along * p_4)))
+        slope = p_1 + along * (2 * p_2 + along * (3 * p_3 + along * 4 * p_4))
+        if abs(slope) > FLATTEST:
+            along = min(max(along - value / slope, -1.5 * REACH_PX), 1.5 * REACH_PX)
+    value = one[0] + along * (p_1 + along * (p_2 + along * (p_3 + along * p_4)))
+    point[0], point[1] = along * u_r, along * u_c
+    point[2], point[3], point[4] = u_r, u_c, strength
+    return abs(along) <= REACH_PX and abs(value) < 1e-3 * largest
 
 
 @compiled
 def roots_along(
-    edges: Filtered,
-    rows: NDArray[np.intp],
-    columns: NDArray[np.intp],
-    points: Floats,
+    edges: Filtered, rows: NDArray[np.intp], columns: NDArray[np.intp], points: Floats
 ) -> NDArray[np.bool_]:
-    """Go from each pixel along the gradient to the zero of its facet.
-
-    Parameters
-    ----------
-    points
-        Filled with offsets of row and column, unit normal and strength, shape (pixels, 5).
-
-    Returns
-    -------
-    Where a zero was found, shape (pixels,).
-    """
+    """Find the zeros of many pixels as `root_along` tells; fill shape (pixels, 5)."""
     found = np.zeros(rows.size, dtype=np.bool_)
-    facet = np.empty((3, 3))
     for n in range(rows.size):
-        largest = slope_facet(edges, rows[n], columns[n], facet) + 1e-12
-        g_r, g_c = float(edges[1][rows[n], columns[n]]), float(edges[2][rows[n], columns[n]])
-        strength = math.hypot(g_r, g_c)
-        u_r, u_c, along = g_r / strength, g_c / strength, 0.0
-        for _ in range(NEWTON_STEPS):
-            value, by_r, by_c = facet_at(facet, along * u_r, along * u_c)
-            slope = by_r * u_r + by_c * u_c
-            if abs(slope) > FLATTEST:
-                along = min(max(along - value / slope, -1.5 * REACH_PX), 1.5 * REACH_PX)
-        value, _, _ = facet_at(facet, along * u_r, along * u_c)
-        found[n] = abs(along) <= REACH_PX and abs(value) < 1e-3 * largest
-        points[n, 0], points[n, 1] = along * u_r, along * u_c
-        points[n, 2], points[n, 3], points[n, 4] = u_r, u_c, strength
+        found[n] = root_along(edges, rows[n], columns[n], points[n])
     return found
 
 

@@ -7,9 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.imaging.edges import laplacian_of_gaussian
-from analysis.imaging.facet import EdgePoints, points_in, zero_crossing_pixels
-from analysis.imaging.labels import label_connected
+from analysis.imaging.edges import half_kernels
+from analysis.imaging.facet import BORDER_SIGMAS, EdgePoints
+from analysis.imaging.windows import edges_about
+
+Floats = NDArray[np.float64]
 
 NOISE_BLOCK_PX = 8
 
@@ -72,11 +74,24 @@ def gradient_threshold(noise: float, sigma_px: float) -> float:
 
 
 def find_edges(
-    frame: NDArray[np.uint8], settings: EdgeSettings, least_strength: float
+    frame: NDArray[np.uint8],
+    settings: EdgeSettings,
+    least_strength: float,
+    places: Floats | None = None,
 ) -> FrameEdges:
-    """Filter a frame, find its edge points and label its curves."""
-    edges = laplacian_of_gaussian(frame, settings.sigma_px)
-    marked = zero_crossing_pixels(edges, least_strength)
-    labels, points = label_connected(marked), points_in(edges, marked, settings.samples_per_pixel)
+    """Filter a frame, find its edge points and label its curves.
+
+    Parameters
+    ----------
+    places
+        Row, column and reach, pixels, of squares to which the search is confined, shape
+        (places, 3); None: the whole frame.
+    """
     rows, columns = frame.shape
-    return FrameEdges((rows, columns), points, labels[points.pixel_row, points.pixel_column])
+    if places is None:
+        places = np.array([[rows / 2, columns / 2, max(rows, columns)]])
+    # Nearer to the border the filter sees the frame's made-up continuation.
+    border = max(1, round(BORDER_SIGMAS * settings.sigma_px))
+    limits = float(least_strength), border, settings.samples_per_pixel or 0
+    filled, pixels, labels = edges_about(frame, places, half_kernels(settings.sigma_px), limits)
+    return FrameEdges((rows, columns), EdgePoints(*filled, *pixels), labels)

@@ -67,3 +67,43 @@ def label_connected(mask: NDArray[np.bool_]) -> NDArray[np.int32]:
             if labels[r, c] != 0:
                 labels[r, c] = name[root_of(parent, labels[r, c])]
     return labels
+
+
+@part
+def join_neighbours(
+    number: NDArray[np.int32], pixels: NDArray[np.intp], parent: NDArray[np.int32]
+) -> None:
+    """Record which listed pixels touch, in any order of the list.
+
+    Parameters
+    ----------
+    number
+        Place in the list, counted from 1, of each pixel of a frame, 0 of all others.
+    pixels
+        Row and column of each, none on the frame's border, shape (pixels, 2).
+    parent
+        Each number itself; the least that it equals is found with `root_of`.
+    """
+    for n in range(pixels.shape[0]):
+        own = n + 1
+        for y in range(pixels[n, 0] - 1, pixels[n, 0] + 2):
+            for x in range(pixels[n, 1] - 1, pixels[n, 1] + 2):
+                other = number[y, x]
+                if other == 0 or other >= n + 1:
+                    continue
+                other, own = root_of(parent, other), root_of(parent, own)
+                parent[max(own, other)] = min(own, other)
+
+
+@part
+def name_roots(parent: NDArray[np.int32]) -> int:
+    """Replace recorded equivalences by names 1, 2, ... in the list's order; return how many."""
+    count = 0
+    for label in range(1, parent.size):
+        # A parent comes before its children, so its name stands already.
+        if parent[label] == label:
+            count += 1
+            parent[label] = count
+        else:
+            parent[label] = parent[parent[label]]
+    return count

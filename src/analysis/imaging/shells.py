@@ -120,7 +120,8 @@ def share_out(row: Floats, column: Floats, state: Floats, noise: float, u: Float
     for k in range(row.size):
         total = noisy
         for i in range(state.shape[0]):
-            off = math.hypot(row[k] - state[i, 0], column[k] - state[i, 1]) - state[i, 2]
+            d_r, d_c = row[k] - state[i, 0], column[k] - state[i, 1]
+            off = math.sqrt(d_r * d_r + d_c * d_c) - state[i, 2]
             u[i, k] = 1.0 / (off * off + LEAST_SQUARE)
             total += u[i, k]
         for i in range(state.shape[0]):
@@ -145,7 +146,7 @@ def add_circle(
     total, squares = 0.0, 0.0
     for k in range(points[0].size):
         d_r, d_c, weight = points[0][k] - circle[0], points[1][k] - circle[1], points[2][k]
-        rho = max(math.hypot(d_r, d_c), NEAREST)
+        rho = max(math.sqrt(d_r * d_r + d_c * d_c), NEAREST)
         n_r, n_c, off = d_r / rho, d_c / rho, rho - circle[2]
         normal[0, 0] += weight * n_r * n_r
         normal[1, 0] += weight * n_r * n_c
@@ -224,3 +225,44 @@ def settle_circles(
     share_out(row, column, state, noise, u)
     for i in range(state.shape[0]):
         sandwich((row, column, u[i] ** 2), state[i], size, covariance[i])
+
+
+@part
+def settle_circle(
+    points: tuple[Floats, Floats, Floats],
+    circle: Floats,
+    size: int,
+    until: tuple[float, int, float],
+) -> None:
+    """Fit one circle beside the noise cluster, as `settle_circles` would.
+
+    Parameters
+    ----------
+    points
+        Rows, columns and weights; these are filled with the squares of the memberships.
+    circle
+        Row, column and radius, improved, shape (3,).
+    size
+        3, or 2 to hold the radius.
+    """
+    row, column, weight = points
+    noisy = 1.0 / until[0] ** 2
+    normal, right = np.empty((3, 3)), np.empty(3)
+    for _ in range(until[1]):
+        r, c, radius = circle[0], circle[1], circle[2]
+        for k in range(row.size):
+            d_r, d_c = row[k] - r, column[k] - c
+            off = math.sqrt(d_r * d_r + d_c * d_c) - radius
+            share = 1.0 / (1.0 + (off * off + LEAST_SQUARE) * noisy)
+            weight[k] = share * share
+        normal[:], right[:] = 0.0, 0.0
+        add_circle(points, circle, normal, right)
+        if not factor(normal, size):
+            return
+        solve(normal, size, right)
+        longest = 0.0
+        for a in range(size):
+            longest = max(longest, abs(right[a]))
+            circle[a] += min(max(right[a], -LONGEST_STEP_PX), LONGEST_STEP_PX)
+        if longest < until[2]:
+            return

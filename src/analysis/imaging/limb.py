@@ -1,0 +1,146 @@
+"""Circles fitted to the limbs of a frame's discs, compiled (`outlines` has it in words)."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.compiled import compiled, part
+from analysis.imaging.shells import sandwich, settle_circle
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.intp]
+
+Edges = tuple[Floats, Floats, Floats, Floats]
+"""Rows, columns and unit normals (row, column) of edge points, shape (points,) each."""
+Hidden = tuple[Floats, Floats]
+"""Where markers may hide each limb: the parts in the image (row, column) of their directions, NaN
+for none, shape (discs, markers, 2), and the cosine of the angle about them, shape (discs,)."""
+
+LIMB_REACH_PX = 3.0
+"""Edge points this far from the present circle may belong to the limb."""
+LEAST_ALIGNMENT = 0.95
+"""Cosine between an edge's normal and the radius: a marker that cuts the limb turns the edge."""
+NOISE_DISTANCES_PX = (1.5, 0.6, 0.3)
+"""The noise cluster draws in as the fit settles, so a poor start does not lose the limb."""
+SECTORS, LEAST_POINTS = 36, 12
+MOST_ITERATIONS, SETTLED_PX = 30, 1e-4
+
+
+@part
+def beside_others(row: float, column: float, discs: Floats, own: int, keep_off_px: float) -> bool:
+    """Tell whether a point lies in another disc than its own, or too near to it."""
+    for n in range(discs.shape[0]):
+        reach = discs[n, 2] + keep_off_px
+        d_r, d_c = row - discs[n, 0], column - discs[n, 1]
+        if n != own and d_r * d_r + d_c * d_c <= reach * reach:
+            return True
+    return False
+
+
+@part
+def limb_points(
+    edges: Edges, circle: Floats, markers: Floats, cos_margin: float, limb: Indices
+) -> int:
+    """Fill the points near a circle whose edge lies along it and that no marker hides."""
+    row, column, normal_row, normal_column = edges
+    inner, outer, count = max(circle[2] - LIMB_REACH_PX, 1e-9), circle[2] + LIMB_REACH_PX, 0
+    for k in range(row.size):
+        d_r, d_c = row[k] - circle[0], column[k] - circle[1]
+        square = d_r * d_r + d_c * d_c
+        if square <= inner * inner or square >= outer * outer:
+            continue
+        rho = math.sqrt(square)
+        if abs(normal_row[k] * d_r + normal_column[k] * d_c) <= LEAST_ALIGNMENT * rho:
+            continue
+        seen = True
+        for m in range(markers.shape[0]):
+            if markers[m, 0] * d_r + markers[m, 1] * d_c > cos_margin * rho:
+                seen = False
+        if seen:
+            limb[count] = k
+            count += 1
+    return count
+
+
+@part
+def settle_limb(
+    edges: Edges,
+    discs: tuple[Floats, int],
+    hidden: tuple[Floats, float],
+    limits: tuple[float, bool],
+    outline: tuple[Floats, Floats, Floats],
+) -> tuple[int, float]:
+    """Fit one outline; return the number of accepted points and the coverage, -1 for too few.
+
+    Parameters
+    ----------
+    discs
+        All of the frame, shape (discs, 3), and which is the outline's.
+    outline
+        Row, column and radius, improved, shape (3,); their covariance, filled, shape (3, 3); and
+        accepted points, filled, shape (points, 2).
+    """
+    place, covariance, accepted = outline
+    limb, size = np.empty(edges[0].size, dtype=np.intp), 2 if limits[1] else 3
+    row, column, weight = np.empty(limb.size), np.empty(limb.size), np.empty(limb.size)
+    count = 0
+    for noise in NOISE_DISTANCES_PX:
+        near, count = limb_points(edges, place, hidden[0], hidden[1], limb), 0
+        for n in range(near):
+            r, c = edges[0][limb[n]], edges[1][limb[n]]
+            if not beside_others(r, c, discs[0], discs[1], limits[0]):
+                row[count], column[count] = r, c
+                count += 1
+        if count < LEAST_POINTS:
+            return 0, -1.0
+        points = row[:count], column[:count], weight[:count]
+        settle_circle(points, place, size, (noise, MOST_ITERATIONS, SETTLED_PX))
+    sandwich((row[:count], column[:count], weight[:count]), place, size, covariance)
+    sectors, kept = np.zeros(SECTORS), 0
+    for n in range(count):
+        # A weight is the square of a membership; the limb's own is the larger one.
+        if weight[n] <= 0.25:
+            continue
+        accepted[kept, 0], accepted[kept, 1] = row[n], column[n]
+        kept += 1
+        angle = math.atan2(column[n] - place[1], row[n] - place[0])
+        sectors[math.floor((angle / (2 * math.pi) + 0.5) * SECTORS) % SECTORS] = 1.0
+    return kept, sectors.sum() / SECTORS
+
+
+@compiled
+def settle_outlines(
+    edges: Edges,
+    outlines: tuple[Floats, Floats],
+    discs: Floats,
+    hidden: Hidden,
+    limits: tuple[float, bool],
+) -> tuple[Floats, Indices, Floats]:
+    """Fit several outlines of a frame as `outlines.fit_outlines` tells.
+
+    Parameters
+    ----------
+    outlines
+        Rows, columns and radii, improved, shape (outlines, 3), and their covariances, filled,
+        shape (outlines, 3, 3).
+
+    Returns
+    -------
+    Accepted points of all, shape (points, 2), where each outline's end, and the coverages; -1
+    where too few points remain.
+    """
+    places, covariance = outlines
+    most = places.shape[0]
+    accepted, ends = np.empty((most * edges[0].size, 2)), np.zeros(most, dtype=np.intp)
+    coverage, count = np.empty(most), 0
+    for i in range(most):
+        own = places[i], covariance[i], accepted[count:]
+        kept, coverage[i] = settle_limb(
+            edges, (discs, i), (hidden[0][i], hidden[1][i]), limits, own
+        )
+        count += kept
+        ends[i] = count
+    return accepted[:count].copy(), ends, coverage
