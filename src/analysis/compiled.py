@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numba
+from numba import types
 
 from analysis.machine_code import LOCATORS, alone
 
@@ -19,8 +20,15 @@ def compiled(function: F) -> F:
 
     Sums may be reordered, so results repeat to rounding only between processors of one kind. A
     division by zero is infinite, as in arrays: checks would keep loops from vector instructions.
+
+    Raises
+    ------
+    TypeError
+        At a call with an array that is not contiguous in rows or cannot be written. A function
+        compiled for such would from then on serve others in this process too, and round otherwise
+        than in a process that met them first.
     """
-    return _kept(numba.njit(cache=True, error_model="numpy", fastmath=SUMS), function)
+    return _kept(numba.njit(cache=True, error_model="numpy", fastmath=SUMS), function, plain=True)
 
 
 def part(function: F) -> F:
@@ -36,7 +44,7 @@ def part(function: F) -> F:
     return _kept(decorate, function)
 
 
-def _kept(decorate: Callable[[F], Any], function: F) -> F:
+def _kept(decorate: Callable[[F], Any], function: F, *, plain: bool = False) -> F:
     """Decorate with our own rules of how long a function is kept and who compiles it."""
     config = cast("Any", numba.config)
     before, config.CACHE_LOCATOR_CLASSES = config.CACHE_LOCATOR_CLASSES, LOCATORS
@@ -47,12 +55,25 @@ def _kept(decorate: Callable[[F], Any], function: F) -> F:
     compile_here = dispatcher.compile
     name = f"{function.__module__}.{function.__name__}"
 
-    def compile_alone(signature: object) -> object:
+    def compile_alone(signature: tuple[object, ...]) -> object:
+        strange = [kind for kind in arrays_of(signature) if kind.layout != "C" or not kind.mutable]
+        if plain and strange:
+            message = f"{name} takes arrays that are contiguous in rows and can be written"
+            raise TypeError(f"{message}, not {strange[0]}; pass numpy.ascontiguousarray of it")
         with alone(name):
             return compile_here(signature)
 
     dispatcher.compile = compile_alone
     return cast("F", dispatcher)
+
+
+def arrays_of(kinds: Iterable[object]) -> Iterator[Any]:
+    """Yield the types of all arrays among arguments, those in tuples too."""
+    for kind in kinds:
+        if isinstance(kind, types.Array):
+            yield kind
+        elif isinstance(kind, types.BaseTuple):
+            yield from arrays_of(cast("Any", kind).types)
 
 
 def kept_on_disk(function: Callable[..., object]) -> bool:

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from analysis.calibration.bending import FAULTS, by_faults
 from analysis.photometric.appearance import Knowledge, profiles_of
-from analysis.photometric.bundle import MARKERS_SHARE, SCALE, STRETCH, VIEW_SHARE
 from analysis.photometric.film import Film, sights_of
 from analysis.photometric.lesson import Lesson
+from analysis.photometric.pixel_rows import MARKERS_SHARE, SCALE, STRETCH, VIEW_SHARE
 from analysis.photometric.shading import NUDGE
 from analysis.photometric.shared import (
     add_frame,

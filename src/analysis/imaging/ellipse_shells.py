@@ -52,6 +52,7 @@ def fit_ellipse(
     if row.size < LEAST_POINTS:
         return None
     found = np.empty(6)
+    row, column = np.ascontiguousarray(row), np.ascontiguousarray(column)
     if not settle_ellipse(row, column, (iterations, tolerance), found):
         return None
     return Ellipse(*map(float, found))

@@ -272,7 +272,7 @@ def points_in(
     edges: EdgeImage, marked: NDArray[np.bool_], samples_per_pixel: int | None = None
 ) -> EdgePoints:
     """Find the edge points of pixels that `zero_crossing_pixels` has marked (`edge_points`)."""
-    rows, columns = np.nonzero(marked)
+    rows, columns = map(np.ascontiguousarray, np.nonzero(marked))
     filled = np.empty((rows.size, 5))
     filtered = (edges.log, edges.gradient_row, edges.gradient_column)
     found = roots_along(filtered, rows, columns, filled)

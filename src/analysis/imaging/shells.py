@@ -105,6 +105,7 @@ def fit_circles(
     u, covariance = np.empty((len(state), row.size)), np.empty((len(state), 3, 3))
     distance = NO_NOISE if noise_distance is None else noise_distance
     until = (float(distance), iterations, tolerance_px)
+    row, column = np.ascontiguousarray(row), np.ascontiguousarray(column)
     settle_circles(row, column, (state, u, covariance), until, hold_radius)
     circles = [
         Circle(float(place[0]), float(place[1]), float(place[2]), own)

@@ -100,10 +100,17 @@ def _look(known: Knowledge, sphere: Sphere, wider_px: float) -> Look:
     )
 
 
-def profiles_of(known: Knowledge, sphere: int) -> tuple[Floats, ...]:
-    """Return the blurred radial functions of a sphere in each view (`shading.Profiles`)."""
+def profiles_of(known: Knowledge, sphere: int) -> Floats:
+    """Return the blurred radial functions of a sphere in each view (`shading.Profiles`).
+
+    Shape (V, steps, radials); 0 behind the reach of a view's blur.
+    """
     radii = known.camera.optics.scales * known.spheres[sphere].radius_m
-    return tuple(
+    each = [
         blurred_profiles(float(sigma / radius)).values
         for sigma, radius in zip(known.sigma_px, radii, strict=True)
-    )
+    ]
+    whole = np.zeros((len(each), max(map(len, each)), each[0].shape[1]))
+    for view, values in enumerate(each):
+        whole[view, : len(values)] = values
+    return whole

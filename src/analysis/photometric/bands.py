@@ -243,7 +243,9 @@ def accumulate(
     rows, reach2 = sight.optics.rows[view], (disc.shape[0] - 1) / SQUARE_STEPS
     seen, paint = (disc, surface), paint_of(sight, stance, view, place[2])
     band, widest = np.empty(LANES * BAND), limit * scene.noise
-    squares, weights, count, filled = 0.0, 0.0, 0, 0
+    # What takes a literal 0 would be compiled for it and once more for other numbers.
+    none: int = 0 * rows[0]
+    squares, weights, count, filled = 0.0, 0.0, 0, none
     first_row = max(rows[0] - corner[0], 0)
     for i in range(first_row, min(canvas.shape[0], rows[1] - corner[0])):
         u = (corner[0] + i - place[0]) / place[2]
@@ -256,7 +258,7 @@ def accumulate(
             width = min(end - start, BAND)
             if filled + width > BAND:
                 part = settle(seen, paint, (band, filled), (scene.noise, widest), equations)
-                squares, weights, filled = squares + part[0], weights + part[1], 0
+                squares, weights, filled = squares + part[0], weights + part[1], none
             x, y = corner[1] + start, corner[0] + i
             piece = (band, filled, width)
             lines = (

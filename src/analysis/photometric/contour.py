@@ -21,6 +21,10 @@ Floats = NDArray[np.float64]
 
 LAYERS = 6
 """Cover, its derivatives to row and column of the centre, and to turns about row, column, eye."""
+GROWTHS = 2
+"""Layers of a deeper canvas behind them: derivatives to the cap's angular radius and to the log
+radius of the sphere."""
+ALPHA, RADIUS = LAYERS, LAYERS + 1
 REACH_SIGMAS = 4.5
 MOST_POINTS = 256
 FURTHEST = 6.0
@@ -143,7 +147,7 @@ def add_cover(
     Parameters
     ----------
     canvas
-        Shape (rows, LAYERS, columns).
+        Shape (rows, LAYERS, columns), or (rows, LAYERS + GROWTHS, columns).
     corner
         Row and column of the canvas's first pixel.
     place
@@ -154,6 +158,7 @@ def add_cover(
         Angular radius, radians, and standard deviation of the blur, pixels.
     """
     alpha, sigma = cap
+    layers = canvas.shape[1]
     points = np.empty((MOST_POINTS, 6))
     radius = place[2]
     count = contour_points(marker, alpha, radius, sigma, points)
@@ -167,7 +172,7 @@ def add_cover(
         return
     down = np.empty((last_r - first_r, count))
     share, bell = np.empty((count, last_c - first_c)), np.empty((count, last_c - first_c))
-    factors = np.empty((LAYERS, count))
+    factors = np.empty((layers, count))
     for k in range(count):
         p_r, p_c = at[0] + radius * points[k, 0] - first_r, at[1] + radius * points[k, 1] - first_c
         for j in range(share.shape[1]):
@@ -175,8 +180,10 @@ def add_cover(
         for i in range(down.shape[0]):
             down[i, k] = gaussian((p_r - i) / sigma)[1]
         point_factors(points[k], radius, sigma, factors[:, k])
-    left = np.empty((LAYERS, down.shape[0], count))
-    for layer in range(LAYERS):
+        if layers > LAYERS:
+            growth_factors(points[k], marker, alpha, radius, factors[:, k])
+    left = np.empty((layers, down.shape[0], count))
+    for layer in range(layers):
         for i in range(down.shape[0]):
             for k in range(count):
                 left[layer, i, k] = factors[layer, k] * down[i, k]
@@ -197,6 +204,21 @@ def point_factors(point: Floats, radius: float, sigma: float, factors: Floats) -
 
 
 @part
+def growth_factors(
+    point: Floats, marker: Floats, alpha: float, radius: float, factors: Floats
+) -> None:
+    """Fill a contour point's weight in the layers behind LAYERS.
+
+    A contour that moves changes the cover as if the disc's centre moved by as much there.
+    """
+    to_row, to_column, rim = factors[1] * radius, factors[2] * radius, point[5]
+    ca, sa = math.cos(alpha), math.sin(alpha)
+    outwards_r, outwards_c = (ca * point[0] - marker[0]) / sa, (ca * point[1] - marker[1]) / sa
+    factors[ALPHA] = rim * (outwards_r * to_row + outwards_c * to_column)
+    factors[RADIUS] = point[0] * to_row + point[1] * to_column
+
+
+@part
 def add_layers(
     canvas: Floats, first: tuple[int, int], left: Floats, share: Floats, bell: Floats
 ) -> None:
@@ -207,20 +229,20 @@ def add_layers(
     first
         Row and column of the canvas where they start.
     left
-        Shape (LAYERS, rows, points).
+        Shape (layers, rows, points), as many as the canvas has.
     share, bell
         Shapes (points, columns).
     """
-    rows, columns = left.shape[1], np.uint64(share.shape[1])
+    layers, rows, columns = left.shape[0], left.shape[1], np.uint64(share.shape[1])
     cover = np.dot(left[0], share)
-    slopes = np.dot(left[1:].reshape((LAYERS - 1) * rows, left.shape[2]), bell)
+    slopes = np.dot(left[1:].reshape((layers - 1) * rows, left.shape[2]), bell)
     # Unsigned indices spare the check for negative ones and become vector instructions.
     flat, start = canvas.reshape(-1), np.uint64(canvas.shape[2])
     for i in range(rows):
-        at = np.uint64(LAYERS * (first[0] + i)) * start + np.uint64(first[1])
+        at = np.uint64(layers * (first[0] + i)) * start + np.uint64(first[1])
         for j in range(columns):
             flat[at + j] += cover[i, j]
-        for layer in range(LAYERS - 1):
+        for layer in range(layers - 1):
             at += start
             own = slopes[layer * rows + i]
             for j in range(columns):

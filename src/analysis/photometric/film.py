@@ -79,8 +79,8 @@ class Film:
         both = np.flatnonzero(self.placed.all(axis=0))
         shown = both if len(both) else np.flatnonzero(self.placed.any(axis=0))
         few = shown[np.unique(np.linspace(0, len(shown) - 1, most).round().astype(np.intp))]
-        part = replace(self, frames=self.frames[few], placed=self.placed[:, few])
-        for name in ("centre", "rotation", "lights", "covariance", "quality"):
+        part = replace(self, frames=self.frames[few])
+        for name in ("centre", "rotation", "lights", "covariance", "quality", "placed"):
             setattr(part, name, np.ascontiguousarray(getattr(self, name)[:, few]))
         return part
 
@@ -99,8 +99,9 @@ class Film:
         Those of sphere a first; far away and without size where there is no pose.
         """
         radii = np.array([sphere.radius_m for sphere in known.spheres])
-        placed = self.placed[:, frames]
-        return discs_of(known.camera.optics, self.centre[:, frames], radii, placed)
+        centre = np.ascontiguousarray(self.centre[:, frames])
+        placed = np.ascontiguousarray(self.placed[:, frames])
+        return discs_of(known.camera.optics, centre, radii, placed)
 
     def reel(self, known: Knowledge, sphere: int) -> Reel:
         """Return the frames with the poses of a sphere, to be read or improved."""

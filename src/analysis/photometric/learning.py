@@ -19,7 +19,7 @@ from analysis.photometric.lesson import Lesson
 from analysis.photometric.marker_search import missed_markers
 from analysis.photometric.relief import add_residuals, changed_relief
 from analysis.photometric.shading import HARMONICS, NUDGE
-from analysis.photometric.shading_fit import COMMON, Samples, shading_equations
+from analysis.photometric.shading_fit import COMMON, shading_equations
 from analysis.photometric.shading_solve import solve_shading
 from analysis.photometric.shared import (
     BENDS,
@@ -127,20 +127,15 @@ def with_shading(
     films: Sequence[Film], known: Knowledge, limit: float, *, hold_radius: bool
 ) -> Knowledge:
     """Return the knowledge with the shading, radius and blur that fit all frames best."""
-    camera, wider = known.camera, known.looks(NUDGE)
+    camera = known.camera
     size, views = len(HARMONICS) + COMMON, len(camera.views)
     normal, right = np.zeros((2, views, size, size)), np.zeros((2, views, size))
     for i in range(len(known.spheres)):
-        samples = [
-            Samples(profiles, (disc, surface), limit)
-            for profiles, disc, surface in zip(
-                profiles_of(known, i), wider[i].discs, wider[i].surfaces, strict=True
-            )
-        ]
+        lesson = _lesson(known, i, limit)
         for sight, stance in sights_of(films, known, i):
             for view in range(views):
                 own = Equations(normal[i, view], right[i, view])
-                shading_equations(sight, stance, view, samples[view], own)
+                shading_equations(sight, stance, view, lesson, own)
     present = np.stack([sphere.shading for sphere in known.spheres])
     surface = solve_shading(normal, right, present, hold_radius=hold_radius)
     a, b = (replace(s, shading=c) for s, c in zip(known.spheres, surface.shading, strict=True))
@@ -203,17 +198,16 @@ def with_shared(
     of the discs: by a scale that is held each is drawn with the radius that it has, by one that is
     not the spheres are as large as stated, in the mean of both.
     """
-    camera, wider = known.camera, known.looks(NUDGE)
+    camera = known.camera
     views = len(camera.views)
     steps: list[Shared] = []
     for i, sphere in enumerate(known.spheres):
         size = shared_size(len(sphere.markers), views)
         equations = Equations(np.zeros((size, size)), np.zeros(size))
-        tangents = tangents_of(sphere.markers)
-        lesson = Lesson((wider[i].discs, wider[i].surfaces), profiles_of(known, i), tangents, limit)
+        lesson = _lesson(known, i, limit)
         for sight, stance in sights_of(films, known, i):
             add_frame(sight, stance, lesson, equations)
-        steps.append(solve_shared(equations, tangents, views))
+        steps.append(solve_shared(equations, lesson.tangents, views))
     change, sigma = _agreed(steps)
     grown = OVERSTEP * np.array([step.camera[0] for step in steps]) * move_radius
     nearer = 0.0 if hold_scale else float(grown.mean())
@@ -236,6 +230,12 @@ def with_shared(
         scale_sigma=told if move_radius and not hold_scale else known.scale_sigma,
         camera_sigma=tuple(map(float, sigma)),
     )
+
+
+def _lesson(known: Knowledge, sphere: int, limit: float) -> Lesson:
+    wider = known.looks(NUDGE)[sphere]
+    tangents = tangents_of(known.spheres[sphere].markers)
+    return Lesson((wider.discs, wider.surfaces), profiles_of(known, sphere), tangents, limit)
 
 
 def _changed(sphere: Sphere, step: Shared) -> Sphere:

@@ -1,7 +1,8 @@
-"""One view of one frame drawn for the bundle: as it is, each marker alone, and nudged."""
+"""One view of one frame drawn for the bundle: each marker alone, and all together."""
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -9,16 +10,14 @@ from numpy.typing import NDArray
 
 from analysis.compiled import part
 from analysis.photometric.camera import disc_of
-from analysis.photometric.contour import LAYERS, add_cover
-from analysis.photometric.covers import closeness, cover_canvas, into_view, paint_of, seen_from
+from analysis.photometric.contour import ALPHA, GROWTHS, LAYERS, REACH_SIGMAS, add_cover
+from analysis.photometric.covers import closeness, into_view, paint_of, seen_from, window
 from analysis.photometric.residual import Paint
-from analysis.photometric.shading import NUDGE
 from analysis.photometric.sight import Sight, Stance
 
 Floats = NDArray[np.float64]
 
-ALPHA, RADIUS, BLUR = 0, 1, 2
-"""What is nudged, in the order of the canvases."""
+HALF_TURN = math.pi / 2
 
 
 class Lesson(NamedTuple):
@@ -29,7 +28,7 @@ class Lesson(NamedTuple):
     wider
         Discs and surfaces (`sight.Look`), the blur NUDGE pixels wider.
     profiles
-        Of `shading.blurred_profiles` in each view.
+        Of `appearance.profiles_of`, shape (V, steps, radials).
     tangents
         Two axes across each marker, body axes, shape (markers, 2, 3).
     limit
@@ -37,40 +36,52 @@ class Lesson(NamedTuple):
     """
 
     wider: tuple[Floats, Floats]
-    profiles: tuple[Floats, ...]
+    profiles: Floats
     tangents: Floats
     limit: float
 
 
 @part
-def nudged_covers(
-    sight: Sight,
-    stance: Stance,
-    view: int,
-    corner: tuple[int, int],
-    frame: tuple[Floats, Floats],
-) -> None:
-    """Draw each marker alone, and all of them with size, radius and blur nudged.
+def patches_of(
+    sight: Sight, stance: Stance, view: int, place: tuple[float, float, float]
+) -> tuple[Floats, NDArray[np.int64]]:
+    """Draw each marker alone, into a patch just large enough for the largest.
 
-    Parameters
-    ----------
-    frame
-        Filled: shapes (markers, rows, LAYERS, columns) and (3, rows, LAYERS, columns).
+    Returns
+    -------
+    Patches, shape (markers, side, LAYERS + GROWTHS, side), and the rows and columns of their first
+    pixels in the frame, shape (markers, 2).
     """
-    own, nudged = frame
-    look = sight.look
-    directions = seen_from(sight, stance, view)
-    sigma = look.sigma_px[view]
-    place = disc_of(sight.optics, view, stance.centre, look.radius_m)
-    bigger = (place[0], place[1], place[2] * (1.0 + NUDGE))
-    near = closeness(sight, stance, view)
-    for m in range(directions.shape[0]):
+    look, near = sight.look, closeness(sight, stance, view)
+    directions, sigma = seen_from(sight, stance, view), look.sigma_px[view]
+    reach = place[2] * math.sin(min(look.alpha * (1.0 + near), HALF_TURN)) + REACH_SIGMAS * sigma
+    side, count = 2 * math.ceil(reach) + 2, directions.shape[0]
+    patches = np.zeros((count, side, LAYERS + GROWTHS, side))
+    corners = np.zeros((count, 2), dtype=np.int64)
+    for m in range(count):
         size = 1.0 + near * directions[m, 2]
-        cap = (look.alpha * size, sigma)
-        add_cover(own[m], corner, place, directions[m], cap)
-        add_cover(nudged[ALPHA], corner, place, directions[m], (cap[0] + NUDGE * size, sigma))
-        add_cover(nudged[RADIUS], corner, bigger, directions[m], cap)
-        add_cover(nudged[BLUR], corner, place, directions[m], (cap[0], sigma + NUDGE))
+        for k in range(2):
+            middle = place[k] + place[2] * directions[m, k] * math.cos(look.alpha * size)
+            corners[m, k] = math.floor(middle) - side // 2 + 1
+        corner = (corners[m, 0], corners[m, 1])
+        add_cover(patches[m], corner, place, directions[m], (look.alpha * size, sigma))
+        patches[m, :, ALPHA] *= size
+    return patches, corners
+
+
+@part
+def put_together(
+    patches: Floats, corners: NDArray[np.int64], corner: tuple[int, int], canvas: Floats
+) -> None:
+    """Add all patches to a canvas, shape (rows, LAYERS + GROWTHS, columns)."""
+    rows, layers, columns = canvas.shape
+    side = patches.shape[1]
+    for m in range(patches.shape[0]):
+        down, across = corners[m, 0] - corner[0], corners[m, 1] - corner[1]
+        for i in range(max(0, -down), min(side, rows - down)):
+            for layer in range(layers):
+                for j in range(max(0, -across), min(side, columns - across)):
+                    canvas[down + i, layer, across + j] += patches[m, i, layer, j]
 
 
 @part
@@ -95,8 +106,10 @@ class Viewed(NamedTuple):
         Disc and surface, and the same with the blur NUDGE wider.
     profiles
         Of the shading (`Lesson`).
-    canvas, own, covers
-        Of `cover_canvas` and `nudged_covers`.
+    canvas
+        All markers, shape (rows, LAYERS + GROWTHS, columns).
+    patches, corners
+        Of `patches_of`.
     turns
         Of `turns_of`.
     paint
@@ -113,8 +126,8 @@ class Viewed(NamedTuple):
     wider: tuple[Floats, Floats]
     profiles: Floats
     canvas: Floats
-    own: Floats
-    covers: Floats
+    patches: Floats
+    corners: NDArray[np.int64]
     turns: Floats
     paint: Paint
     place: tuple[float, float, float]
@@ -126,21 +139,23 @@ class Viewed(NamedTuple):
 def drawn_for_bundle(sight: Sight, stance: Stance, view: int, lesson: Lesson) -> Viewed:
     """Draw a view of a frame."""
     look, wider = sight.look, lesson.wider
-    canvas, corner, place = cover_canvas(sight, stance, view)
-    own = np.zeros((look.markers.shape[0], canvas.shape[0], LAYERS, canvas.shape[2]))
-    covers = np.zeros((3, canvas.shape[0], LAYERS, canvas.shape[2]))
-    nudged_covers(sight, stance, view, corner, (own, covers))
+    place = disc_of(sight.optics, view, stance.centre, look.radius_m)
+    shape = (sight.scene.image.shape[0], sight.scene.image.shape[1])
+    first_r, last_r, first_c, last_c = window(place, shape)
+    canvas = np.zeros((last_r - first_r, LAYERS + GROWTHS, last_c - first_c))
+    patches, corners = patches_of(sight, stance, view, place)
+    put_together(patches, corners, (first_r, first_c), canvas)
     origin = sight.optics.origins[view]
     return Viewed(
         (look.discs[view], look.surfaces[view]),
         (wider[0][view], wider[1][view]),
         lesson.profiles[view],
         canvas,
-        own,
-        covers,
+        patches,
+        corners,
         turns_of(sight, stance, view, lesson.tangents),
         paint_of(sight, stance, view, place[2]),
         place,
-        corner,
+        (first_r, first_c),
         (place[0] - origin[0], place[1] - origin[1]),
     )

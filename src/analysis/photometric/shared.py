@@ -8,9 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.photometric.bundle import MARKERS_SHARE, SCALE, VIEW_SHARE, bundle_view
+from analysis.photometric.bundle import bundle_view
 from analysis.photometric.camera import Optics, by_nearness_and_shift
 from analysis.photometric.lesson import Lesson
+from analysis.photometric.pixel_rows import MARKERS_SHARE, SCALE, VIEW_SHARE
 from analysis.photometric.pose import POSE, add_priors, into_world
 from analysis.photometric.residual import UNKNOWNS
 from analysis.photometric.shading import HARMONICS

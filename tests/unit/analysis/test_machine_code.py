@@ -7,6 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import analysis
@@ -71,3 +72,17 @@ def test_processes_that_start_together_compile_a_function_once(package: Path) ->
     ]
     answers = sorted(process.communicate(timeout=120)[0].split() for process in both)
     assert answers == [["7.0", "0"], ["7.0", "1"]]
+
+
+@compiled
+def first_of(pairs):
+    return pairs[0][0, 0]
+
+
+@pytest.mark.parametrize("spoil", [np.asfortranarray, lambda a: a[:, ::2], np.broadcast_to])
+def test_only_arrays_of_one_kind_are_taken_so_that_all_processes_round_alike(spoil) -> None:
+    whole = np.ones((4, 4))
+    strange = spoil(whole, (4, 4)) if spoil is np.broadcast_to else spoil(whole)
+    with pytest.raises(TypeError, match="first_of takes arrays that are contiguous in rows"):
+        first_of((strange, whole))
+    assert first_of((whole, whole)) == 1.0

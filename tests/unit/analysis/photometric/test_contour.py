@@ -8,15 +8,18 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from analysis.photometric.contour import LAYERS, add_cover
+from analysis.photometric.contour import ALPHA as BY_ALPHA
+from analysis.photometric.contour import GROWTHS, LAYERS, add_cover
+from analysis.photometric.contour import RADIUS as BY_RADIUS
+from analysis.photometric.pixel_rows import roughness
 
 SIZE, RADIUS, ALPHA, SUBPIXELS = 61, 20.0, 0.16, 9
 BLUR = 0.85
 PLACE = (30.0, 30.0, RADIUS)
 
 
-def cover(place, marker, alpha=ALPHA, sigma=BLUR):
-    canvas = np.zeros((SIZE, LAYERS, SIZE))
+def cover(place, marker, alpha=ALPHA, sigma=BLUR, layers=LAYERS):
+    canvas = np.zeros((SIZE, layers, SIZE))
     add_cover(canvas, (0, 0), place, np.asarray(marker), (alpha, sigma))
     return canvas.transpose(1, 0, 2)
 
@@ -68,6 +71,31 @@ def test_layers_are_the_derivatives_of_the_cover(height):
         turn = np.cross(np.eye(3)[axis], marker) * step * 0.05
         slope = (cover(PLACE, marker + turn)[0] - cover(PLACE, marker - turn)[0]) / (0.1 * step)
         assert np.abs(slope - whole[3 + axis]).max() < 2e-3 * np.abs(whole[3:]).max()
+
+
+@pytest.mark.parametrize(
+    ("height", "within"), [(0.95, 5e-3), (0.6, 5e-3), (0.25, 5e-3), (0.1, 0.06)]
+)
+def test_deeper_layers_are_the_derivatives_to_the_sizes_of_cap_and_sphere(height, within):
+    marker, step = direction(height, 2.1), 1e-3
+    layers = cover(PLACE, marker, layers=LAYERS + GROWTHS)
+    assert layers[:LAYERS] == pytest.approx(cover(PLACE, marker), abs=1e-12)
+    less, more = (cover(PLACE, marker, alpha=ALPHA + side * step)[0] for side in (-1, 1))
+    slope = (more - less) / (2 * step)
+    assert np.abs(slope - layers[BY_ALPHA]).max() < within * np.abs(slope).max()
+    less, more = (cover((*PLACE[:2], RADIUS * np.exp(side * step)), marker)[0] for side in (-1, 1))
+    slope = (more - less) / (2 * step)
+    assert np.abs(slope - layers[BY_RADIUS]).max() < within * np.abs(slope).max()
+
+
+@pytest.mark.parametrize("height", [0.95, 0.25])
+def test_a_cover_grows_smooth_as_heat_spreads(height):
+    marker, step = direction(height, 2.1), 1e-3
+    canvas = np.ascontiguousarray(cover(PLACE, marker).transpose(1, 0, 2))
+    less, more = (cover(PLACE, marker, sigma=BLUR + side * step)[0] for side in (-1, 1))
+    slope = (more - less) / (2 * step)
+    rough = [[roughness.py_func(canvas, i, j) for j in range(SIZE)] for i in range(SIZE)]
+    assert np.abs(BLUR * np.array(rough) - slope).max() < 0.05 * np.abs(slope).max()
 
 
 def test_a_marker_beyond_the_canvas_is_left_out():

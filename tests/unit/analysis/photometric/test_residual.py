@@ -16,15 +16,15 @@ MARKER_PX = 5
 
 
 @compiled
-def render(sight, stance, image):
+def render(sight, stance, view, image):
     """Fill in every pixel that the sphere reaches."""
-    canvas, corner, place = cover_canvas(sight, stance, 0)
-    paint, seen = paint_of(sight, stance, 0, place[2]), np.zeros(LOOK)
+    canvas, corner, place = cover_canvas(sight, stance, view)
+    paint, seen = paint_of(sight, stance, view, place[2]), np.zeros(LOOK)
     for i in range(canvas.shape[0]):
         for j in range(canvas.shape[2]):
             y, x = corner[0] + i, corner[1] + j
             u, v = (y - place[0]) / place[2], (x - place[1]) / place[2]
-            if shade(sight.look.discs[0], sight.look.surfaces[0], u, v, seen):
+            if shade(sight.look.discs[view], sight.look.surfaces[view], u, v, seen):
                 cover = cover_at(canvas, i, j)
                 image[y, x] = model_pixel(seen, cover, sight.scene.background[y, x], paint)
 
@@ -34,7 +34,7 @@ def modelled(markers):
     blank = np.zeros((64, 64), np.uint8)
     sight = sight_of(blank, markers, radius=RADIUS, noise=1.0, limb=LIMB, blur=BLUR)
     image = np.full((64, 64), np.nan)
-    render(sight, stance_at(*PLACE, RADIUS), image)
+    render(sight, stance_at(*PLACE, RADIUS), 0, image)
     return image
 
 
