@@ -246,7 +246,7 @@ def _whole(folder: Path, shot: str) -> bool:
 
 def main() -> int:
     """Kill as often, or for as long, as asked; print and write the findings."""
-    asked = argparse.ArgumentParser(description=__doc__.splitlines()[0])  # type: ignore[union-attr]
+    asked = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     asked.add_argument("--kills", type=int, default=1000)
     asked.add_argument("--seconds", type=float, default=float("inf"), help="kill no longer than so")
     asked.add_argument("--seed", type=int, default=1)

@@ -125,7 +125,7 @@ def measured(kind: str, shots: int) -> float:
 
 def main() -> int:
     """Measure both commands; print what they took."""
-    asked = argparse.ArgumentParser(description=__doc__.splitlines()[0])  # type: ignore[union-attr]
+    asked = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     asked.add_argument("--shots", type=int, default=2000)
     asked.add_argument("--child", choices=("analyse", "reanalyse"), help=argparse.SUPPRESS)
     options = asked.parse_args()

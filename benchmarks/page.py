@@ -254,7 +254,7 @@ def told(found: Iterable[Number]) -> list[Number]:
 
 def main() -> int:
     """Measure, print, write."""
-    asked = argparse.ArgumentParser(description=__doc__.splitlines()[0])  # type: ignore[union-attr]
+    asked = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     asked.add_argument("--fires", type=int, default=12, help="with browsers, and as many without")
     asked.add_argument("--shots", type=int, default=1000, help="of the large campaign")
     asked.add_argument("--out", type=Path, default=OUT)

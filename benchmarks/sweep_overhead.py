@@ -78,7 +78,7 @@ def overheads(calls: list[tuple[str, Moment, Moment]]) -> list[Moment]:
 
 def main() -> int:
     """Fire the sweep; print and write what it cost."""
-    asked = argparse.ArgumentParser(description=__doc__.splitlines()[0])  # type: ignore[union-attr]
+    asked = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     asked.add_argument("--shots", type=int, default=24)
     asked.add_argument("--out", type=Path, default=OUT)
     options = asked.parse_args()

@@ -8,7 +8,7 @@ from concurrent.futures import BrokenExecutor, Future
 from dataclasses import dataclass
 from itertools import chain, islice
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 from rigctl.analysis_process import AnalysisFailedError
 from rigctl.errors import NotFoundError, RigError
@@ -20,13 +20,35 @@ if TYPE_CHECKING:
 
 Json = dict[str, Any]
 Say = Callable[[str, float | None], None]
-Submit = Callable[[ShotRecord], Future[Json]]
 
 TEACHING_SHOTS = 3
 """Shots from which the photometric method learns the spheres before it measures any."""
 
 FREE = frozenset({ShotState.STORED, ShotState.ANALYSED, ShotState.REFUSED})
 """States in which nobody else is about to write a result."""
+
+
+@dataclass(frozen=True, slots=True)
+class Broken:
+    """Why the analysis of a shot came to nothing, in words that any process understands."""
+
+    why: str
+
+    @classmethod
+    def of(cls, error: Exception) -> Self:
+        """Return the words of an error."""
+        if isinstance(error, RigError):
+            return cls(error.sentence())
+        return cls(f"{type(error).__name__}: {error}")
+
+
+Placed = tuple[int, ShotRecord]
+"""A shot, with its place in the order of firing, from 1."""
+
+Task = tuple[list[Placed], Future[list[Json | Broken]]]
+"""Shots that one worker was given together, and what comes of each."""
+
+Submit = Callable[[Sequence[Placed]], Future[list[Json | Broken]]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,27 +112,34 @@ def reanalyse_campaign(
         teaching = [store.folders.folder(shot.id) for _, shot in first]
         known = pool.executor.submit(taught, teaching).result()
 
-    def submit(shot: ShotRecord) -> Future[Json]:
+    def submit(batch: Sequence[Placed]) -> Future[list[Json | Broken]]:
+        folders = [store.folders.folder(shot.id) for _, shot in batch]
         try:
-            return pool.executor.submit(analysed, store.folders.folder(shot.id), method, known)
+            return pool.executor.submit(analysed, folders, method, known)
         except BrokenExecutor as error:
             raise AnalysisFailedError(
                 f"a process that analyses died: {error}",
                 part=f"campaign {campaign}",
                 todo="look at the host's memory, then analyse it again; what was added stays",
-                shot=shot.id,
+                shot=batch[0][1].id,
             ) from error
 
-    futures = _under_way(chain(first, shots), submit, pool)
-    return _outcomes(store, futures, lambda shot, place: say(f"shot {shot}", place / total))
+    tasks = _under_way(chain(first, shots), total, submit, pool)
+    return _outcomes(store, tasks, lambda shot, place: say(f"shot {shot}", place / total))
 
 
-def analysed(folder: Path, method: str, known: Knowledge | None) -> Json:
-    """Analyse one shot, wherever this runs."""
+def analysed(folders: Sequence[Path], method: str, known: Knowledge | None) -> list[Json | Broken]:
+    """Analyse shots one after another, wherever this runs; one that breaks stops no other."""
     # Loaded by the process that analyses: the others have no use for it.
     from rigctl.stored_shot import analyse_stored_shot_as_taught  # noqa: PLC0415
 
-    return analyse_stored_shot_as_taught(folder, method, known)
+    found: list[Json | Broken] = []
+    for folder in folders:
+        try:
+            found.append(analyse_stored_shot_as_taught(folder, method, known))
+        except Exception as error:  # noqa: BLE001 - whatever breaks is this shot's failure alone
+            found.append(Broken.of(error))
+    return found
 
 
 def taught(folders: Sequence[Path]) -> Knowledge | None:
@@ -123,15 +152,16 @@ def taught(folders: Sequence[Path]) -> Knowledge | None:
     return teach([(frames, times_s) for frames, times_s, own in read if own == setup], setup)
 
 
-def _under_way(
-    shots: Iterator[tuple[int, ShotRecord]], submit: Submit, pool: Pool
-) -> Iterator[tuple[int, ShotRecord, Future[Json]]]:
-    """Give shots with their places and the futures of their results, few of them ahead."""
-    waiting = deque[tuple[int, ShotRecord, Future[Json]]]()
+def _under_way(shots: Iterator[Placed], total: int, submit: Submit, pool: Pool) -> Iterator[Task]:
+    """Give tasks in order, few of them ahead of what is stored."""
+    waiting = deque[Task]()
+    left = total
     while True:
         try:
-            for place, shot in islice(shots, max(pool.ahead - len(waiting), 0)):
-                waiting.append((place, shot, submit(shot)))
+            while len(waiting) < pool.ahead and (batch := list(islice(shots, pool.share(left)))):
+                # Shots without frames are no part of any task, but of the total.
+                left = total - batch[-1][0]
+                waiting.append((batch, submit(batch)))
         except AnalysisFailedError:
             # What was done before the pool died is not to be lost with it.
             yield from waiting
@@ -142,29 +172,36 @@ def _under_way(
 
 
 def _outcomes(
-    store: Store,
-    under_way: Iterator[tuple[int, ShotRecord, Future[Json]]],
-    done: Callable[[str, int], None],
+    store: Store, tasks: Iterator[Task], done: Callable[[str, int], None]
 ) -> Iterator[Outcome]:
-    for place, shot, future in under_way:
-        outcome = _kept(store, shot, future)
-        # A future holds its result, which would be held until the next is done.
+    for batch, future in tasks:
+        found: list[Json | Broken] = _found(future, len(batch))
+        # A future holds its results, which would be held until the next is done.
         del future
-        done(shot.id, place)
-        yield outcome
-        del outcome
+        for place, shot in batch:
+            outcome = _kept(store, shot, found.pop(0))
+            done(shot.id, place)
+            yield outcome
+            del outcome
 
 
-def _kept(store: Store, shot: ShotRecord, future: Future[Json]) -> Outcome:
+def _found(future: Future[list[Json | Broken]], count: int) -> list[Json | Broken]:
+    """Return what came of the shots of a task; the same of all where the task itself broke."""
+    try:
+        return list(future.result())
+    except Exception as error:  # noqa: BLE001 - whatever breaks is the failure of these shots alone
+        return [Broken.of(error)] * count
+
+
+def _kept(store: Store, shot: ShotRecord, result: Json | Broken) -> Outcome:
     """Store what came of a shot beside what there was."""
     before: Json | None = None
     try:
         before = store.folders.result(shot.id, shot.results) if shot.results else None
-        result = future.result()
     except RigError as error:
         return Outcome(shot, before, None, error.sentence())
-    except Exception as error:  # noqa: BLE001 - whatever breaks is this shot's failure alone
-        return Outcome(shot, before, None, f"{type(error).__name__}: {error}")
+    if isinstance(result, Broken):
+        return Outcome(shot, before, None, result.why)
     try:
         store.move(shot.id, ShotState.ANALYSING)
     except RigError as error:

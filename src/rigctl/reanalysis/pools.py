@@ -19,7 +19,11 @@ ANSWER_WAIT_S = 10.0
 """Longest wait for a scheduler's first answer."""
 
 AHEAD = 4
-"""Shots under way for each worker: no more results than these are held at any time."""
+"""Tasks under way for each worker, so that none waits for the next while results are stored."""
+
+TOGETHER = 4
+"""Shots that a cluster's worker is given at a time: a task costs scheduler, network and client
+some milliseconds of a processor, however little it asks for."""
 
 _ONE_THREAD = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 
@@ -34,15 +38,26 @@ class Pool:
         Does what is submitted.
     workers
         Returns how many there are now: those of a cluster come and go.
+    together
+        Most shots that are given to a worker as one task; no more results are held at any time
+        than these for each of the tasks under way.
     """
 
     executor: Executor
     workers: Callable[[], int]
+    together: int = 1
 
     @property
     def ahead(self) -> int:
-        """How many shots are to be under way, so that no worker waits for the next."""
+        """How many tasks are to be under way, so that no worker waits for the next."""
         return AHEAD * max(self.workers(), 1)
+
+    def share(self, left: int) -> int:
+        """Return how many of the shots that are left make the next task.
+
+        Fewer toward the end, so that no worker is left with many when the others have none.
+        """
+        return min(self.together, max(left // (2 * max(self.workers(), 1)), 1))
 
 
 @contextmanager
@@ -99,7 +114,7 @@ def _cluster(address: str) -> Iterator[Pool]:
     with client:
         executor: Executor = client.get_executor(pure=False, retries=0)
         try:
-            yield Pool(executor, lambda: sum(client.nthreads().values()))
+            yield Pool(executor, lambda: sum(client.nthreads().values()), TOGETHER)
         finally:
             # The cluster's executor cancels what it is not to wait for.
             executor.shutdown(wait=False)

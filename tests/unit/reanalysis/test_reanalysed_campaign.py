@@ -259,6 +259,65 @@ def test_a_shot_is_stored_before_the_last_is_begun(store: Store, answers: Any) -
     assert results_at_begin == [0] * AHEAD + [1, 2]
 
 
+class Counting(Inline):
+    """Notes how many shots each task has."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.sizes: list[int] = []
+
+    def submit(self, call: Callable[..., Any], /, *given: Any, **named: Any) -> Future[Any]:
+        self.sizes.append(len(given[0]))
+        return super().submit(call, *given, **named)
+
+
+def test_shots_go_to_a_cluster_several_at_a_time_and_singly_toward_the_end(
+    store: Store, answers: Any
+) -> None:
+    shots = [stored(store) for _ in range(12)]
+    answers(lambda shot, method: measured(float(shot[-2:])))
+    executor = Counting()
+    pool = Pool(executor, lambda: 1, together=4)
+    outcomes = list(reanalyse_campaign(store, "nylon", "thesis", pool, silent))
+    assert [outcome.shot.id for outcome in outcomes] == shots
+    assert [store.result(shot)["e"]["value"] for shot in shots] == [*range(1, 13)]
+    assert executor.sizes == [4, 4, 2, 1, 1]
+
+
+def test_a_shot_that_breaks_stops_no_other_of_its_task(
+    store: Store, shots: list[str], answers: Any
+) -> None:
+    def breaks(shot: str, method: str) -> Json:
+        if shot == shots[0]:
+            raise ValueError("no such thing")
+        return measured(0.8)
+
+    answers(breaks)
+    pool = Pool(Inline(), lambda: 1, together=2)
+    outcomes = list(reanalyse_campaign(store, "nylon", "thesis", pool, silent))
+    assert [outcome.failure for outcome in outcomes] == ["ValueError: no such thing", None, None]
+
+
+def test_a_task_that_is_lost_costs_its_own_shots_alone(
+    store: Store, shots: list[str], answers: Any
+) -> None:
+    class Losing(Inline):
+        def submit(self, call: Callable[..., Any], /, *given: Any, **named: Any) -> Future[Any]:
+            if self.done:
+                return super().submit(call, *given, **named)
+            self.done.append("lost")
+            future = Future[Any]()
+            future.set_exception(OSError("the worker died"))
+            return future
+
+    answers(lambda shot, method: measured(0.7))
+    pool = Pool(Losing(), lambda: 1, together=2)
+    outcomes = list(reanalyse_campaign(store, "nylon", "thesis", pool, silent))
+    lost = "OSError: the worker died"
+    assert [outcome.failure for outcome in outcomes] == [lost, lost, None]
+    assert [store.shot(shot).results for shot in shots] == [0, 0, 1]
+
+
 def test_a_pool_that_died_is_named_and_what_was_added_stays(
     store: Store, shots: list[str], answers: Any
 ) -> None:
