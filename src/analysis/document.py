@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from analysis.motion.sightings import SeenMarker
+from analysis.imaging.markers import Markers
+from analysis.imaging.views import View
 from analysis.shot import MeasuredShot, RefusedShot
 
 Json = dict[str, Any]
@@ -62,7 +63,8 @@ def overlay_document(shot: MeasuredShot) -> list[Json]:
         markers = [
             marker
             for i, name in enumerate("ab")
-            for marker in _markers(name, tracking.markers[i].get(k, []), _names(shot, i, k))
+            if (seen := tracking.markers[i].get(k)) is not None
+            for marker in _markers(name, seen, _names(shot, i, k))
         ]
         frames.append({"frame": k, "outlines": outlines, "markers": markers})
     return frames
@@ -75,15 +77,17 @@ def _names(shot: MeasuredShot, sphere: int, frame: int) -> list[int]:
     return [] if index.size == 0 else [int(m) for m in turned.matches[int(index[0])]]
 
 
-def _markers(sphere: str, seen: list[SeenMarker], names: list[int]) -> list[Json]:
+def _markers(sphere: str, seen: Markers, names: list[int]) -> list[Json]:
     known = names or [-1] * len(seen)
     return [
         {
             "sphere": sphere,
-            "view": m.view.value,
+            "view": (View.FRONT if front else View.TOP).value,
             "marker": None if name < 0 else name,
-            "row": m.marker.ellipse.row,
-            "column": m.marker.ellipse.column,
+            "row": row,
+            "column": column,
         }
-        for m, name in zip(seen, known, strict=True)
+        for front, (row, column), name in zip(
+            seen.front, seen.ellipses[:, :2].tolist(), known, strict=True
+        )
     ]

@@ -14,8 +14,7 @@ from analysis.imaging.dark_places import find_dark_places
 from analysis.imaging.discs import common_radius
 from analysis.imaging.frame import (
     EdgeSettings,
-    FrameEdges,
-    find_edges,
+    FilmEdges,
     gradient_threshold,
     noise_sd,
 )
@@ -27,7 +26,13 @@ from analysis.imaging.views import View, ViewGeometry, view_geometries
 from analysis.motion.chained import orient_by_steps
 from analysis.motion.pattern import Orientations, orient
 from analysis.motion.poses import Centres, centres
-from analysis.motion.sightings import Finder, SeenMarker, marker_angle, seen_markers, sightings
+from analysis.motion.sightings import (
+    Finder,
+    SeenMarkers,
+    marker_angle,
+    seen_markers,
+    sightings,
+)
 from analysis.setup import Setup
 
 Floats = NDArray[np.float64]
@@ -64,7 +69,7 @@ class Tracking:
     """
 
     spheres: Spheres
-    markers: tuple[dict[int, list[SeenMarker]], dict[int, list[SeenMarker]]]
+    markers: SeenMarkers
     marker_angle: float
     filter_sigma_px: float
     radii: dict[View, tuple[float, float]]
@@ -109,10 +114,10 @@ def track_spheres(
     views = view_geometries(setup.camera)
     noise = noise_sd(frames)
     threshold = settings.least_strength or gradient_threshold(noise, settings.sigma_px)
-    edges = [find_edges(frame, settings, threshold) for frame in frames]
+    edges = FilmEdges(frames, settings, threshold)
     least = LEAST_COVERAGE_OF_A_START if for_a_start else LEAST_COVERAGE
     radius = _start_radius(edges, setup)
-    spheres = follow(edges, views, radius, settings.sigma_px, least_coverage=least)
+    spheres = follow(edges, views, radius, least_coverage=least)
     refuse_repeats(frames, spheres)
     diameters = (setup.spheres[0].diameter_m, setup.spheres[1].diameter_m)
     radii = shared_radii(spheres, diameters) if for_a_start else view_radii(spheres)
@@ -158,11 +163,12 @@ def refuse_repeats(frames: NDArray[np.uint8], spheres: Spheres) -> None:
             raise ShotRefusedError("frames", "the same as the frame before, bit for bit", k)
 
 
-def _start_radius(edges: list[FrameEdges], setup: Setup) -> float:
+def _start_radius(film: FilmEdges, setup: Setup) -> float:
     """Return the discs' radius to about a pixel."""
     if setup.camera.scale_px_per_m is not None:
         diameter = sum(s.diameter_m for s in setup.spheres) / 2
         return setup.camera.scale_px_per_m * diameter / 2
+    edges = [film.whole(k) for k in range(len(film))]
     busiest = sorted(edges, key=lambda e: -len(e.points))[:FRAMES_FOR_RADIUS]
     if len(busiest[0].points) < 12:
         raise ShotRefusedError("outlines", "no edges stand out of the noise in any frame")
@@ -172,12 +178,12 @@ def _start_radius(edges: list[FrameEdges], setup: Setup) -> float:
     return float(np.median(found))
 
 
-def _by_edges(edges: list[FrameEdges]) -> Finder:
-    return lambda k, *disc: find_markers(edges[k], *disc)
+def _by_edges(edges: FilmEdges) -> Finder:
+    return lambda k, discs: find_markers(edges[k], discs)
 
 
 def _by_darkness(frames: NDArray[np.uint8], noise: float) -> Finder:
-    return lambda k, *disc: find_dark_places(frames[k], *disc, noise=noise)
+    return lambda k, discs: find_dark_places(frames[k], discs, noise=noise)
 
 
 def _markers(
@@ -186,15 +192,12 @@ def _markers(
     spheres: Spheres,
     radii: dict[View, tuple[float, float]],
     times_s: Floats,
-) -> tuple[
-    tuple[dict[int, list[SeenMarker]], dict[int, list[SeenMarker]]],
-    tuple[Orientations, Orientations],
-]:
-    first, second = (seen_markers(find, views, spheres, i, radii) for i in (0, 1))
-    turned = [
-        orient(sightings(seen), times_s, name) for seen, name in ((first, "a"), (second, "b"))
-    ]
-    return (first, second), (turned[0], turned[1])
+) -> tuple[SeenMarkers, tuple[Orientations, Orientations]]:
+    seen = seen_markers(find, views, spheres, radii)
+    first, second = (
+        orient(sightings(own), times_s, name) for own, name in zip(seen, "ab", strict=True)
+    )
+    return seen, (first, second)
 
 
 def _standing(orientations: Orientations) -> MarkersInFrame:

@@ -72,17 +72,18 @@ def _overlay(axes: Axes, shot: MeasuredShot, k: int) -> None:
                     CirclePatch(place, circle.radius, fill=False, color=colour, linewidth=1.2)
                 )
                 axes.plot(*place, "+", color=colour, markersize=6)
-        seen = shot.tracking.markers[i].get(k, [])
+        seen = shot.tracking.markers[i].get(k)
+        if seen is None:
+            continue
         turned = shot.orientations[i]
         index = np.flatnonzero(turned.frames == k)
         names = turned.matches[int(index[0])] if index.size else np.full(len(seen), -1)
-        for m, name in zip(seen, names, strict=True):
-            ellipse = m.marker.ellipse
-            axes.plot(ellipse.column, ellipse.row, ".", color=colour, markersize=4)
+        for (row, column), name in zip(seen.ellipses[:, :2], names, strict=True):
+            axes.plot(column, row, ".", color=colour, markersize=4)
             if name >= 0:
                 axes.annotate(
                     str(name),
-                    (ellipse.column, ellipse.row),
+                    (column, row),
                     xytext=(2.5, 2.5),
                     textcoords="offset points",
                     fontsize=7,

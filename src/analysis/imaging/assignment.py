@@ -6,34 +6,33 @@ a sphere may rise into the rows of the other view, so rows alone do not tell.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analysis.errors import ShotRefusedError
-from analysis.imaging.discs import Disc, discs, nearest_peak, vote
-from analysis.imaging.frame import FrameEdges
-from analysis.imaging.outlines import Place, fit_outline
+from analysis.imaging.discs import Disc, discs, peaks_near, vote
+from analysis.imaging.frame import FilmEdges
+from analysis.imaging.limb import LIMB_REACH_PX
+from analysis.imaging.outlines import fit_outlines, nothing_hidden
 from analysis.imaging.tracks import Spheres, Track
 from analysis.imaging.views import View, ViewGeometry
 
 LEAST_RIM_SHARE = 0.2
+CLEAR_RIM_SHARE = 0.4
+"""Where every disc shows as much of its rim, and nothing else does, no better frame is sought."""
 REACH = 0.35
 """A disc is looked for within this many radii of where its motion predicts it."""
+MOST_GROWTH = 0.15
+"""An outline's radius differs from the expected one by less than this share."""
 LEAST_COVERAGE = 0.4
 KEEP_OFF_SIGMAS = 2.5
 
 
 def seed_frame(
-    votes: Sequence[NDArray[np.float32]], views: tuple[ViewGeometry, ...], radius_px: float
+    film: FilmEdges, views: tuple[ViewGeometry, ...], radius_px: float
 ) -> tuple[int, dict[View, tuple[Disc, Disc]]]:
-    """Find the frame that shows both spheres best in every view.
-
-    Parameters
-    ----------
-    votes
-        Of each frame (`discs.vote`).
+    """Find a frame that shows both spheres clearly in every view, or else the one that does best.
 
     Returns
     -------
@@ -46,8 +45,10 @@ def seed_frame(
     """
     best: tuple[float, int, dict[View, tuple[Disc, Disc]]] | None = None
     most_seen = (-1, 0, "")
-    for k, own in enumerate(votes):
-        found = discs(own, LEAST_RIM_SHARE, radius_px)
+    for k in _middle_first(len(film)):
+        edges = film.whole(k)
+        votes = vote(edges.points, radius_px, edges.shape)
+        found = discs(votes, LEAST_RIM_SHARE, radius_px)
         pairs: dict[View, tuple[Disc, Disc]] = {}
         seen = 0
         for geometry in views:
@@ -60,9 +61,11 @@ def seed_frame(
             most_seen = (seen, k, ", ".join(f"({d.row:.0f}, {d.column:.0f})" for d in found))
         if len(pairs) < len(views) or not _columns_agree(pairs, radius_px):
             continue
-        score = sum(d.rim_share for pair in pairs.values() for d in pair)
-        if best is None or score > best[0]:
-            best = (score, k, pairs)
+        shares = [d.rim_share for pair in pairs.values() for d in pair]
+        if best is None or sum(shares) > best[0]:
+            best = (sum(shares), k, pairs)
+        if len(found) == len(shares) and min(shares) >= CLEAR_RIM_SHARE:
+            break
     if best is None:
         seen, k, places = most_seen
         raise ShotRefusedError(
@@ -75,20 +78,31 @@ def seed_frame(
     return best[1], best[2]
 
 
+def _middle_first(count: int) -> list[int]:
+    """Return all indices below a number, the middle, the quarters, the eighths, and so on."""
+    order: list[int] = []
+    step = 1 << count.bit_length()
+    while step > 1:
+        order.extend(range(step // 2, count, step))
+        step //= 2
+    return [*order, *range(min(count, 1))]
+
+
 def _columns_agree(pairs: dict[View, tuple[Disc, Disc]], radius_px: float) -> bool:
     columns = np.array([[disc.column for disc in pair] for pair in pairs.values()])
     return bool(np.ptp(columns, axis=0).max() < 0.5 * radius_px)
 
 
 def follow(
-    frames: Sequence[FrameEdges],
+    film: FilmEdges,
     views: tuple[ViewGeometry, ...],
     radius_px: float,
-    sigma_px: float,
     *,
     least_coverage: float = LEAST_COVERAGE,
 ) -> Spheres:
     """Follow both spheres in all views through all frames.
+
+    Edges are looked for only where a disc may be: where its motion predicts it, with the reach.
 
     Parameters
     ----------
@@ -99,22 +113,22 @@ def follow(
     -------
     The tracks of sphere a (the one that comes from the left) and of sphere b.
     """
-    votes = [vote(frame.points, radius_px, frame.shape) for frame in frames]
-    seed, pairs = seed_frame(votes, views, radius_px)
-    keep_off = KEEP_OFF_SIGMAS * sigma_px
+    seed, pairs = seed_frame(film, views, radius_px)
     spheres: Spheres = ({}, {})
-    places: list[tuple[Track, Place]] = []
+    places: list[tuple[Track, tuple[float, float]]] = []
     for view, pair in pairs.items():
         for sphere, disc in zip(spheres, pair, strict=True):
             sphere[view] = Track(view)
-            places.append((sphere[view], (disc.row, disc.column, radius_px)))
-    kept = keep_off, least_coverage
-    _fit_all(frames[seed], seed, places, kept)
+            places.append((sphere[view], (disc.row, disc.column)))
+    _look(film, seed, places, radius_px, least_coverage)
+    tracks = [track for track, _ in places]
     for direction in (1, -1):
         k = seed + direction
-        while 0 <= k < len(frames):
-            places = _expected(votes[k], k, direction, spheres, radius_px)
-            _fit_all(frames[k], k, places, kept)
+        while 0 <= k < len(film):
+            predicted = [(track, track.predict(k, direction)) for track in tracks]
+            places = [(track, place) for track, place in predicted if place is not None]
+            if places:
+                _look(film, k, places, radius_px, least_coverage)
             k += direction
     first, second = (_first_column(sphere[View.FRONT]) for sphere in spheres)
     return spheres if first <= second else (spheres[1], spheres[0])
@@ -124,39 +138,27 @@ def _first_column(track: Track) -> float:
     return track.outlines[min(track.outlines)].circle.column if track.outlines else np.inf
 
 
-def _expected(
-    votes: NDArray[np.float32], k: int, direction: int, spheres: Spheres, radius_px: float
-) -> list[tuple[Track, Place]]:
-    """Return where each track's disc should be: the best peak near its prediction, or that."""
-    places: list[tuple[Track, Place]] = []
-    for track in (track for sphere in spheres for track in sphere.values()):
-        predicted = track.predict(k, direction)
-        if predicted is None:
-            continue
-        peak = nearest_peak(votes, *predicted, REACH * radius_px)
-        if peak is not None and peak.rim_share >= LEAST_RIM_SHARE / 2:
-            predicted = (peak.row, peak.column)
-        places.append((track, (*predicted, radius_px)))
-    return places
-
-
-def _fit_all(
-    frame: FrameEdges, k: int, places: list[tuple[Track, Place]], limits: tuple[float, float]
+def _look(
+    film: FilmEdges,
+    k: int,
+    places: list[tuple[Track, tuple[float, float]]],
+    radius_px: float,
+    least_coverage: float,
 ) -> None:
-    """Fit the outlines of a frame and keep those that hold.
-
-    Parameters
-    ----------
-    limits
-        Distance to keep off other discs, pixels, and the least coverage.
-    """
-    keep_off_px, least_coverage = limits
-    for track, place in places:
-        others = [other for t, other in places if t is not track]
-        outline = fit_outline(frame.points, place, others, keep_off_px)
+    """Fit the outlines of a frame from the best peaks near the places, and keep those that hold."""
+    discs = np.array([(row, column, radius_px) for _, (row, column) in places])
+    reach, windows = REACH * radius_px, discs.copy()
+    windows[:, 2] += reach + LIMB_REACH_PX + 1.0
+    points = film.about(k, windows).points
+    edges = points.row, points.column, points.normal_row, points.normal_column
+    peaks = peaks_near(edges, discs, reach)
+    seen = peaks[:, 2] >= LEAST_RIM_SHARE / 2
+    discs[seen, :2] = peaks[seen, :2]
+    limits = KEEP_OFF_SIGMAS * film.settings.sigma_px, False
+    outlines = fit_outlines(points, discs, discs, nothing_hidden(len(discs)), limits)
+    for (track, _), (row, column, _), outline in zip(places, discs, outlines, strict=True):
         if outline is None or outline.coverage < least_coverage:
             continue
-        row, column, radius = place
-        moved = np.hypot(outline.circle.row - row, outline.circle.column - column)
-        if moved < REACH * radius and abs(outline.circle.radius - radius) < 0.15 * radius:
+        moved = math.hypot(outline.circle.row - row, outline.circle.column - column)
+        if moved < reach and abs(outline.circle.radius - radius_px) < MOST_GROWTH * radius_px:
             track.outlines[k] = outline

@@ -9,15 +9,16 @@ leaves shading, shadows and highlights as they are. What it fills is a marker.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.imaging.markers import FURTHEST_CENTRE, Marker
-from analysis.imaging.outlines import Outline, Place
-from analysis.imaging.shells import Ellipse
-from analysis.imaging.views import ViewGeometry
+from analysis.imaging.marker_curves import FURTHEST_CENTRE
+from analysis.imaging.markers import Markers, SeenDisc, joined
+from analysis.imaging.outlines import Place
+from analysis.imaging.views import View, ViewGeometry
 
 Floats = NDArray[np.float64]
 
@@ -39,30 +40,39 @@ FEWEST_PX = 4
 
 def find_dark_places(
     frame: NDArray[np.uint8],
-    outline: Outline,
-    radius_px: float,
-    geometry: ViewGeometry,
-    others: list[Place],
+    discs: Sequence[SeenDisc],
+    others: Sequence[Place] = (),
     *,
     noise: float,
-) -> list[Marker]:
-    """Find the dark places of one sphere in one view.
+) -> tuple[Markers, NDArray[np.intp]]:
+    """Find the dark places in the discs of one frame.
 
     Parameters
     ----------
     noise
         Standard deviation of a pixel, grey levels.
-    outline, radius_px, geometry, others
-        As for `markers.find_markers`.
+    discs, others
+        As for `markers.find_markers`, and so is what is returned.
     """
-    place = outline.circle.row, outline.circle.column, radius_px
+    found = []
+    for n, disc in enumerate(discs):
+        beside = [other.place() for m, other in enumerate(discs) if m != n]
+        found.append(_in_disc(frame, disc, [*beside, *others], noise))
+    return joined(found), np.cumsum([len(own) for own in found], dtype=np.intp)
+
+
+def _in_disc(
+    frame: NDArray[np.uint8], disc: SeenDisc, others: Sequence[Place], noise: float
+) -> Markers:
+    radius_px = disc.radius_px
+    place = *disc.place()[:2], radius_px
     patch = _patch(frame.shape, place)
     rows, columns = np.ogrid[patch]
     free = _within(rows, columns, (*place[:2], radius_px - LIMB_PX))
     for row, column, radius in others:
         free &= ~_within(rows, columns, (row, column, radius + KEEP_OFF_PX))
     if not free.any():
-        return []
+        return joined([])
     missing = _missing(frame[patch], free, radius_px, noise)
     count, names, stats, _ = cv2.connectedComponentsWithStats((missing > 0.0).astype(np.uint8))
     least = max(FEWEST_PX, SMALLEST * math.pi * radius_px**2)
@@ -76,10 +86,10 @@ def find_dark_places(
         total = float(weight.sum())
         down = float((rows[box[0], 0] @ weight).sum()) / total - place[0]
         across = float((weight @ columns[0, box[1]]).sum()) / total - place[1]
-        marker = _lifted((down / radius_px, across / radius_px), area, place, geometry)
+        marker = _lifted((down / radius_px, across / radius_px), area, place)
         if marker is not None:
             found.append(marker)
-    return found
+    return _directed(np.array(found).reshape(-1, 9), disc.geometry)
 
 
 def _within(rows: Floats, columns: Floats, disc: Place) -> NDArray[np.bool_]:
@@ -115,10 +125,8 @@ def _missing(
     return np.where(dark, lack, 0.0)
 
 
-def _lifted(
-    centre: tuple[float, float], area: int, place: Place, geometry: ViewGeometry
-) -> Marker | None:
-    """Turn the middle of a dark place into a direction.
+def _lifted(centre: tuple[float, float], area: int, place: Place) -> tuple[float, ...] | None:
+    """Return a dark place's ellipse and its direction in the view's axes (row, column, eye).
 
     As for edges, a marker's middle is shortened by the cosine of its angular radius.
     """
@@ -129,12 +137,13 @@ def _lifted(
     if math.hypot(down, across) > FURTHEST_CENTRE:
         return None
     facing = math.sqrt(1.0 - down**2 - across**2)
-    ellipse = Ellipse(
-        row=place[0] + place[2] * centre[0],
-        column=place[1] + place[2] * centre[1],
-        semi_major=size * place[2],
-        semi_minor=size * place[2] * facing,
-        angle=math.atan2(down, -across),
-        rms_px=0.0,
-    )
-    return Marker(ellipse, geometry.lifted(down, across, facing), facing)
+    row, column = place[0] + place[2] * centre[0], place[1] + place[2] * centre[1]
+    wide, angle = size * place[2], math.atan2(down, -across)
+    return (row, column, wide, wide * facing, angle, 0.0, down, across, facing)
+
+
+def _directed(found: Floats, geometry: ViewGeometry) -> Markers:
+    """Turn the rows of `_lifted` into markers."""
+    facing = found[:, 8]
+    front = np.full(len(found), geometry.view is View.FRONT)
+    return Markers(found[:, :6], geometry.direction(found[:, 6], found[:, 7]), facing, front)

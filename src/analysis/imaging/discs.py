@@ -7,18 +7,23 @@ doi:10.1145/360666.360677). It only starts the fit of the outline.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.compiled import compiled
+from analysis.compiled import compiled, part
 from analysis.imaging.facet import EdgePoints
+from analysis.imaging.limb import Edges
 
 Floats = NDArray[np.float64]
 
-BLUR_PX = 1.3
+BLUR_PX, HALF_BLUR = 1.3, 5
+HALF_PEAK = 2
+"""A peak's place is the middle of the votes within this many pixels."""
+NO_VOTES = 1e-30
 PADDING_PX = 24
 """Votes may fall outside the frame: a disc half out of view still has its centre found."""
 
@@ -85,22 +90,80 @@ def _summits(
     return np.asarray((votes >= cv2.dilate(votes, kernel)) & (votes >= least_share))
 
 
-def nearest_peak(
-    votes: NDArray[np.float32], row: float, column: float, reach_px: float
-) -> Disc | None:
-    """Return the strongest peak within `reach_px` of a predicted centre, None outside the image."""
-    r0, c0 = round(row) + PADDING_PX, round(column) + PADDING_PX
-    reach = int(np.ceil(reach_px))
-    top, left = max(r0 - reach, 0), max(c0 - reach, 0)
-    window = votes[top : max(r0 + reach + 1, 0), left : max(c0 + reach + 1, 0)]
-    if window.size == 0:
-        return None
-    r, c = np.unravel_index(int(window.argmax()), window.shape)
-    return _peak(votes, int(r) + top, int(c) + left)
+@compiled
+def peaks_near(edges: Edges, places: Floats, reach_px: float) -> Floats:
+    """Return the strongest peak of the votes about each predicted disc.
+
+    Only the votes about the predictions are counted.
+
+    Parameters
+    ----------
+    places
+        Row, column and radius of each, pixels, shape (discs, 3).
+    reach_px
+        Largest distance of a peak in rows and in columns.
+
+    Returns
+    -------
+    Row, column and share of the rim of each, shape (discs, 3).
+    """
+    peaks, reach = np.empty((places.shape[0], 3)), math.ceil(reach_px)
+    size = 2 * (reach + HALF_PEAK + HALF_BLUR) + 1
+    taps = np.exp(-0.5 * (np.arange(-HALF_BLUR, HALF_BLUR + 1) / BLUR_PX) ** 2)
+    taps /= taps.sum()
+    for n in range(places.shape[0]):
+        corner = np.rint(places[n, 0]) - size // 2, np.rint(places[n, 1]) - size // 2
+        votes = np.zeros((size, size))
+        count_near(edges, places[n, 2], corner, votes)
+        smooth = blurred(votes, taps)
+        best_r, best_c = HALF_PEAK, HALF_PEAK
+        for r in range(HALF_PEAK, smooth.shape[0] - HALF_PEAK):
+            for c in range(HALF_PEAK, smooth.shape[1] - HALF_PEAK):
+                if smooth[r, c] > smooth[best_r, best_c]:
+                    best_r, best_c = r, c
+        total, down, across = 0.0, 0.0, 0.0
+        for r in range(best_r - HALF_PEAK, best_r + HALF_PEAK + 1):
+            for c in range(best_c - HALF_PEAK, best_c + HALF_PEAK + 1):
+                total += smooth[r, c]
+                down += smooth[r, c] * r
+                across += smooth[r, c] * c
+        total = max(total, NO_VOTES)
+        peaks[n, 0] = corner[0] + HALF_BLUR + down / total
+        peaks[n, 1] = corner[1] + HALF_BLUR + across / total
+        peaks[n, 2] = smooth[best_r, best_c] * BLUR_PX**2 / places[n, 2]
+    return peaks
+
+
+@part
+def count_near(edges: Edges, radius_px: float, corner: tuple[float, float], votes: Floats) -> None:
+    """Count the votes for discs of a radius centred on each pixel of a square."""
+    row, column, normal_row, normal_column = edges
+    for k in range(row.size):
+        for side in (-radius_px, radius_px):
+            r = int(np.rint(row[k] + side * normal_row[k] - corner[0]))
+            c = int(np.rint(column[k] + side * normal_column[k] - corner[1]))
+            if 0 <= r < votes.shape[0] and 0 <= c < votes.shape[1]:
+                votes[r, c] += 1.0
+
+
+@part
+def blurred(votes: Floats, taps: Floats) -> Floats:
+    """Return votes smoothed along both axes, smaller by the taps' reach on each side."""
+    size = votes.shape[0] - taps.size + 1
+    across, smooth = np.zeros((votes.shape[0], size)), np.zeros((size, size))
+    for r in range(votes.shape[0]):
+        for i in range(taps.size):
+            for c in range(size):
+                across[r, c] += taps[i] * votes[r, c + i]
+    for r in range(size):
+        for i in range(taps.size):
+            for c in range(size):
+                smooth[r, c] += taps[i] * across[r + i, c]
+    return smooth
 
 
 def _peak(votes: NDArray[np.float32], r: int, c: int) -> Disc:
-    half = 2
+    half = HALF_PEAK
     window = votes[max(r - half, 0) : r + half + 1, max(c - half, 0) : c + half + 1]
     weight = float(window.sum()) or 1.0
     rows = np.arange(max(r - half, 0), max(r - half, 0) + window.shape[0])

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.cholesky import factor, solve
-from analysis.compiled import compiled
+from analysis.compiled import compiled, part
 from analysis.imaging.shells import FUZZIFIER, Ellipse, memberships
 
 Floats = NDArray[np.float64]
@@ -183,6 +183,23 @@ def ellipse_step(points: Floats, state: Floats, weight: Floats, step: Floats) ->
     return True
 
 
+@part
+def norm_of_moments(points: Floats, state: Floats) -> None:
+    """Start from the norm of the ellipse whose rim has the points' second moments.
+
+    Points all round a rim have half the square of each semi-axis for their variance along it.
+    """
+    r_r, r_c, c_c = 0.0, 0.0, 0.0
+    for k in range(points.shape[0]):
+        r_r += points[k, 0] * points[k, 0]
+        r_c += points[k, 0] * points[k, 1]
+        c_c += points[k, 1] * points[k, 1]
+    apart = r_r * c_c - r_c * r_c
+    if apart > SMALLEST_PX * r_r * c_c:
+        half = 0.5 * points.shape[0] / apart
+        state[2], state[3], state[4] = half * c_c, -half * r_c, half * r_r
+
+
 @compiled
 def settle_ellipse(row: Floats, column: Floats, until: tuple[int, float], ellipse: Floats) -> bool:
     """Fit an ellipse as `fit_ellipse` tells; false where the points do not close to one.
@@ -201,6 +218,7 @@ def settle_ellipse(row: Floats, column: Floats, until: tuple[int, float], ellips
     points, weight = np.empty((row.size, 2)), np.ones(row.size)
     points[:, 0], points[:, 1] = (row - centre_r) / spread, (column - centre_c) / spread
     state, step = np.array([0.0, 0.0, 1.0, 0.0, 1.0]), np.zeros(5)
+    norm_of_moments(points, state)
     for _ in range(until[0]):
         if not ellipse_step(points, state, weight, step):
             return False

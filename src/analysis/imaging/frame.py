@@ -47,6 +47,37 @@ class FrameEdges:
     labels: NDArray[np.int32]
 
 
+class FilmEdges:
+    """Edges of a film's frames, found when they are asked for and where they are looked for."""
+
+    def __init__(
+        self, frames: NDArray[np.uint8], settings: EdgeSettings, least_strength: float
+    ) -> None:
+        self.frames, self.settings, self.least_strength = frames, settings, least_strength
+        self._whole: dict[int, FrameEdges] = {}
+        self._latest: dict[int, FrameEdges] = {}
+
+    def __len__(self) -> int:
+        return len(self.frames)
+
+    def __getitem__(self, k: int) -> FrameEdges:
+        """Return what was found last in a frame; all of it, where nothing was looked for."""
+        return self._latest[k] if k in self._latest else self.whole(k)
+
+    def whole(self, k: int) -> FrameEdges:
+        """Return all edges of a frame."""
+        if k not in self._whole:
+            self._whole[k] = find_edges(self.frames[k], self.settings, self.least_strength)
+        return self._whole[k]
+
+    def about(self, k: int, places: Floats) -> FrameEdges:
+        """Return the edges of a frame within squares (`find_edges`)."""
+        if k not in self._whole:
+            found = find_edges(self.frames[k], self.settings, self.least_strength, places)
+            self._latest[k] = found
+        return self[k]
+
+
 def noise_sd(frames: NDArray[np.uint8]) -> float:
     """Estimate the read noise in grey levels from the pixels' differences across a diagonal.
 
@@ -93,5 +124,6 @@ def find_edges(
     # Nearer to the border the filter sees the frame's made-up continuation.
     border = max(1, round(BORDER_SIGMAS * settings.sigma_px))
     limits = float(least_strength), border, settings.samples_per_pixel or 0
-    filled, pixels, labels = edges_about(frame, places, half_kernels(settings.sigma_px), limits)
+    plain = np.require(frame, requirements="CW")
+    filled, pixels, labels = edges_about(plain, places, half_kernels(settings.sigma_px), limits)
     return FrameEdges((rows, columns), EdgePoints(*filled, *pixels), labels)

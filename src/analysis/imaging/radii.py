@@ -8,8 +8,9 @@ from numpy.typing import NDArray
 from analysis.errors import ShotRefusedError
 from analysis.imaging.assignment import KEEP_OFF_SIGMAS
 from analysis.imaging.frame import EdgeSettings, find_edges, gradient_threshold
-from analysis.imaging.outlines import fit_outline
-from analysis.imaging.tracks import Spheres, other_discs
+from analysis.imaging.limb import LIMB_REACH_PX
+from analysis.imaging.outlines import fit_outlines, nothing_hidden
+from analysis.imaging.tracks import Spheres
 from analysis.imaging.views import View
 
 GOOD_COVERAGE = 0.6
@@ -94,14 +95,16 @@ def filter_bias(
     common = sorted(set.intersection(*(set(s[v].outlines) for s in spheres for v in views)))
     chosen = common[:: max(1, len(common) // FRAMES_TRIED)]
     differences: dict[View, list[float]] = {view: [] for view in views}
-    keep_off = KEEP_OFF_SIGMAS * settings.sigma_px
+    limits = KEEP_OFF_SIGMAS * settings.sigma_px, False
     for k in chosen:
-        points = find_edges(frames[k], fine, threshold).points
-        for view, coarse in [(view, s[view].outlines[k]) for s in spheres for view in views]:
-            start = (coarse.circle.row, coarse.circle.column, coarse.circle.radius)
-            finer = fit_outline(points, start, other_discs(spheres, k, coarse), keep_off)
-            if finer is not None and min(finer.coverage, coarse.coverage) >= GOOD_COVERAGE:
-                differences[view].append(coarse.circle.radius - finer.circle.radius)
+        coarse = [(view, s[view].outlines[k]) for s in spheres for view in views]
+        starts = np.array([(o.circle.row, o.circle.column, o.circle.radius) for _, o in coarse])
+        windows = starts + np.array([0.0, 0.0, LIMB_REACH_PX + 1.0])
+        points = find_edges(frames[k], fine, threshold, windows).points
+        finer = fit_outlines(points, starts, starts, nothing_hidden(len(starts)), limits)
+        for (view, one), other in zip(coarse, finer, strict=True):
+            if other is not None and min(other.coverage, one.coverage) >= GOOD_COVERAGE:
+                differences[view].append(one.circle.radius - other.circle.radius)
     share = 1.0 / (1.0 - FINER**2)
     return {
         v: share * float(np.median(d)) if len(d) >= FEWEST_PAIRS else 0.0

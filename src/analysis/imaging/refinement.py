@@ -9,10 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.imaging.assignment import KEEP_OFF_SIGMAS
-from analysis.imaging.facet import EdgePoints
-from analysis.imaging.frame import FrameEdges
-from analysis.imaging.outlines import Outline, fit_outline
-from analysis.imaging.tracks import Spheres, Track, other_discs
+from analysis.imaging.frame import FilmEdges, FrameEdges
+from analysis.imaging.outlines import fit_outlines
+from analysis.imaging.tracks import Spheres, Track, frames_of
 from analysis.imaging.views import View, ViewGeometry
 
 Floats = NDArray[np.float64]
@@ -44,47 +43,40 @@ class Knowledge:
 
 
 def refine_outlines(
-    frames: Sequence[FrameEdges],
+    frames: Sequence[FrameEdges] | FilmEdges,
     views: tuple[ViewGeometry, ...],
     spheres: Spheres,
     known: Knowledge,
     sigma_px: float,
 ) -> Spheres:
     """Fit every outline again with its radius held and the limb's marked stretches left out."""
-    refined: Spheres = ({}, {})
-    keep_off = KEEP_OFF_SIGMAS * sigma_px
-    for geometry in views:
-        for i, sphere in enumerate(spheres):
-            radius = known.radii[geometry.view][i]
-            margin = known.marker_angle + BLURRED_SIGMAS * sigma_px / radius
-            track = Track(geometry.view)
-            for k, outline in sphere[geometry.view].outlines.items():
-                points, standing = frames[k].points, known.markers[i].get(k)
-                again = fit_outline(
-                    points,
-                    (outline.circle.row, outline.circle.column, radius),
-                    other_discs(spheres, k, outline),
-                    keep_off,
-                    hold_radius=True,
-                    blocked=_on_markers(points, outline, geometry, standing, margin),
-                )
-                if again is not None:
-                    track.outlines[k] = again
-            refined[i][geometry.view] = track
+    refined: Spheres = (
+        {g.view: Track(g.view) for g in views},
+        {g.view: Track(g.view) for g in views},
+    )
+    seats = [(i, geometry) for i in (0, 1) for geometry in views]
+    limits = KEEP_OFF_SIGMAS * sigma_px, True
+    blurred = BLURRED_SIGMAS * sigma_px
+    for k in frames_of(spheres):
+        own = [(i, g) for i, g in seats if k in spheres[i][g.view].outlines]
+        circles = [spheres[i][g.view].outlines[k].circle for i, g in own]
+        discs = np.array([(c.row, c.column, c.radius) for c in circles])
+        starts = discs.copy()
+        starts[:, 2] = [known.radii[g.view][i] for i, g in own]
+        hidden = _hidden([(g, known.markers[i].get(k)) for i, g in own])
+        margins = np.cos(known.marker_angle + blurred / starts[:, 2])
+        again = fit_outlines(frames[k].points, starts, discs, (hidden, margins), limits)
+        for (i, geometry), outline in zip(own, again, strict=True):
+            if outline is not None:
+                refined[i][geometry.view].outlines[k] = outline
     return refined
 
 
-def _on_markers(
-    points: EdgePoints,
-    outline: Outline,
-    geometry: ViewGeometry,
-    markers: Floats | None,
-    margin: float,
-) -> NDArray[np.bool_] | None:
-    """Mark edge points whose place on the limb lies within `margin` radians of a marker."""
-    if markers is None or len(markers) == 0:
-        return None
-    d_r, d_c = points.row - outline.circle.row, points.column - outline.circle.column
-    rho = np.maximum(np.hypot(d_r, d_c), 1e-9)
-    limb = geometry.direction(d_r / rho, d_c / rho)
-    return np.asarray((limb @ markers.T > np.cos(margin)).any(axis=1))
+def _hidden(markers: Sequence[tuple[ViewGeometry, Floats | None]]) -> Floats:
+    """Return what `limb.Hidden` has of the markers' directions."""
+    most = max(0 if own is None else len(own) for _, own in markers)
+    hidden = np.full((len(markers), most, 2), np.nan)
+    for n, (geometry, own) in enumerate(markers):
+        if own is not None:
+            hidden[n, : len(own)] = geometry.offsets(own)[:, :2]
+    return hidden

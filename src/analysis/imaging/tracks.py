@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from analysis.imaging.outlines import Outline, Place
+from analysis.imaging.outlines import Outline
 from analysis.imaging.views import View
 
 MOST_MISSES = 3
@@ -27,8 +27,7 @@ class Track:
 
         None where the last one lies more than a few frames back: the sphere is lost.
         """
-        followed = [k for k in self.outlines if (k - frame) * direction < 0]
-        nearest = sorted(followed, key=lambda k: abs(k - frame))[:2]
+        nearest = self._nearest(frame, direction)
         if not nearest or abs(nearest[0] - frame) > MOST_MISSES + 1:
             return None
         last = self.outlines[nearest[0]].circle
@@ -41,16 +40,26 @@ class Track:
             last.column + share * (last.column - before.column),
         )
 
+    def _nearest(self, frame: int, direction: int) -> list[int]:
+        """Return the two nearest frames that come before one in the direction of following."""
+        found: list[int] = []
+        first, last = min(self.outlines, default=0), max(self.outlines, default=-1)
+        k = min(frame - 1, last) if direction > 0 else max(frame + 1, first)
+        while len(found) < 2 and first <= k <= last:
+            if k in self.outlines:
+                found.append(k)
+            k -= direction
+        return found
+
 
 Spheres = tuple[dict[View, Track], dict[View, Track]]
 """Tracks of sphere a and of sphere b by view."""
 
 
-def other_discs(spheres: Spheres, frame: int, own: Outline) -> list[Place]:
-    """Return where all discs of a frame but one stand."""
-    return [
-        (outline.circle.row, outline.circle.column, outline.circle.radius)
-        for sphere in spheres
-        for track in sphere.values()
-        if (outline := track.outlines.get(frame)) is not None and outline is not own
-    ]
+def frames_of(spheres: Spheres) -> list[int]:
+    """Return the frames in which any disc was found, in order."""
+    found: set[int] = set()
+    for sphere in spheres:
+        for track in sphere.values():
+            found.update(track.outlines)
+    return sorted(found)

@@ -51,11 +51,6 @@ class ViewGeometry:
             return np.stack([row, column, depth], axis=-1)
         return np.stack([-depth, column, -row], axis=-1)
 
-    def lifted(self, row: float, column: float, depth: float) -> Floats:
-        """Return the rig axes' share of one offset whose depth is known, shape (3,)."""
-        front = self.view is View.FRONT
-        return np.array([row, column, depth] if front else [-depth, column, -row])
-
     def offsets(self, direction: Floats) -> Floats:
         """Project unit vectors, shape (..., 3), to (row, column, depth), shape (..., 3).
 

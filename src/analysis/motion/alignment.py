@@ -49,6 +49,12 @@ def aligned(before: Floats, after: Floats, weights: Floats) -> Floats:
         for a in range(3):
             for b in range(3):
                 s[a, b] += weights[n] * before[n, a] * after[n, b]
+    return turn_of(s)
+
+
+@part
+def turn_of(s: Floats) -> Floats:
+    """Return the rotation of the sums of w before after', shape (3, 3)."""
     form = np.zeros((4, 4))
     form[0, 0] = s[0, 0] + s[1, 1] + s[2, 2]
     for k in range(3):
@@ -116,26 +122,3 @@ def turn_pair(
     for k in range(form.shape[0]):
         a, b = vectors[k, p], vectors[k, q]
         vectors[k, p], vectors[k, q] = c * a - s * b, s * a + c * b
-
-
-@compiled
-def nearest_within(directions: Floats, predicted: Floats, limit: float) -> NDArray[np.intp]:
-    """Return for each direction the nearest predicted one, -1 beyond a limit.
-
-    Parameters
-    ----------
-    directions, predicted
-        Unit vectors, shapes (n, 3) and (m, 3).
-    limit
-        Radians.
-    """
-    found = np.full(directions.shape[0], -1, dtype=np.intp)
-    for n in range(directions.shape[0]):
-        least = (2.0 * math.sin(limit / 2.0)) ** 2
-        for m in range(predicted.shape[0]):
-            square = 0.0
-            for k in range(3):
-                square += (directions[n, k] - predicted[m, k]) ** 2
-            if square < least:
-                least, found[n] = square, m
-    return found

@@ -10,17 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.errors import ShotRefusedError, counted
-from analysis.imaging.views import View
+from analysis.imaging.markers import Markers
 from analysis.motion.alignment import rotation_from_directions
-from analysis.motion.pattern import (
-    LEAST_COMMON,
-    Orientations,
-    Sightings,
-    average_pattern,
-    orientation_covariances,
-)
+from analysis.motion.pattern import Orientations, Sightings, gathered
+from analysis.motion.pattern_steps import LEAST_COMMON, average_pattern, orientation_covariances
 from analysis.motion.proximal import match_markers
-from analysis.motion.sightings import SeenMarker, sightings
+from analysis.motion.sightings import sightings
 
 Floats = NDArray[np.float64]
 
@@ -28,9 +23,7 @@ REACH = 0.4
 """Markers move by less than this share of the radius in one frame."""
 
 
-def orient_by_steps(
-    seen: dict[int, list[SeenMarker]], radius_px: float, sphere: str
-) -> Orientations:
+def orient_by_steps(seen: dict[int, Markers], radius_px: float, sphere: str) -> Orientations:
     """Turn the sphere from frame to frame by the markers that two frames share.
 
     Parameters
@@ -47,8 +40,9 @@ def orient_by_steps(
     ShotRefusedError
         Two neighbouring frames share fewer than three markers.
     """
-    front = {k: [m for m in markers if m.view is View.FRONT] for k, markers in sorted(seen.items())}
-    points = [np.array([_offset(m, radius_px) for m in ms]).reshape(-1, 2) for ms in front.values()]
+    front = {k: markers.where(markers.front) for k, markers in sorted(seen.items())}
+    # Where each stands against the disc's centre, pixels (row, column).
+    points = [radius_px * markers.directions[:, :2] for markers in front.values()]
     names = match_markers(points, REACH * radius_px)
     frames = list(front)
     found = sightings(front)
@@ -65,21 +59,17 @@ def orient_by_steps(
             )
         rotation.append(step @ rotation[-1])
     size = 1 + max((int(n.max()) for n in names if n.size), default=-1)
-    pattern, index = average_pattern(found, frames, rotation, names, size)
-    matches = [index[n] for n in names]
+    every, match = gathered([found[k] for k in frames]), np.concatenate(names)
+    turns, used = np.array(rotation), np.ones(len(frames), dtype=np.bool_)
+    pattern = average_pattern(every, turns, used, match, size)
     return Orientations(
         frames=np.array(frames, dtype=np.intp),
-        rotation=np.array(rotation),
-        covariance=orientation_covariances(found, frames, pattern, rotation, matches),
+        rotation=turns,
+        covariance=orientation_covariances(every, turns, used, match, pattern),
         pattern=pattern,
-        matches=tuple(matches),
+        matches=tuple(np.split(match, every[2][:-1])),
         left_out={},
     )
-
-
-def _offset(seen: SeenMarker, radius_px: float) -> Floats:
-    """Return where a marker of the front view stands against the centre, pixels (row, column)."""
-    return np.asarray(seen.marker.direction[:2] * radius_px)
 
 
 def _step(

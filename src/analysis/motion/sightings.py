@@ -2,67 +2,59 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
-from analysis.imaging.markers import Marker
-from analysis.imaging.outlines import Outline, Place
-from analysis.imaging.tracks import Spheres, other_discs
+from analysis.imaging.markers import Markers, SeenDisc
+from analysis.imaging.tracks import Spheres, frames_of
 from analysis.imaging.views import View, ViewGeometry
 from analysis.motion.pattern import Sightings
 
-Finder = Callable[[int, Outline, float, ViewGeometry, list[Place]], list[Marker]]
-"""Finds the markers of one sphere in one view of a frame: index of the frame, outline, radius in
-pixels, view, the frame's other discs."""
+Finder = Callable[[int, Sequence[SeenDisc]], tuple[Markers, NDArray[np.intp]]]
+"""Finds the markers in the discs of a frame, given its index, as `markers.find_markers` does."""
 
-
-@dataclass(frozen=True, slots=True)
-class SeenMarker:
-    """A marker and the view that shows it."""
-
-    view: View
-    marker: Marker
+SeenMarkers = tuple[dict[int, Markers], dict[int, Markers]]
+"""Markers of a and of b by frame."""
 
 
 def seen_markers(
     find: Finder,
     views: tuple[ViewGeometry, ...],
     spheres: Spheres,
-    sphere: int,
     radii: dict[View, tuple[float, float]],
-) -> dict[int, list[SeenMarker]]:
-    """Find the markers of one sphere (0: a, 1: b) in every frame that has an outline of it."""
-    seen: dict[int, list[SeenMarker]] = {}
-    for geometry in views:
-        view = geometry.view
-        for k, outline in spheres[sphere][view].outlines.items():
-            others = other_discs(spheres, k, outline)
-            found = find(k, outline, radii[view][sphere], geometry, others)
-            seen.setdefault(k, []).extend(SeenMarker(view, marker) for marker in found)
+) -> SeenMarkers:
+    """Find the markers of both spheres in every frame that has an outline of them."""
+    seen: SeenMarkers = ({}, {})
+    for k in frames_of(spheres):
+        discs: list[SeenDisc] = []
+        count = [0, 0]
+        for i, sphere in enumerate(spheres):
+            for geometry in views:
+                outline = sphere[geometry.view].outlines.get(k)
+                if outline is not None:
+                    discs.append(SeenDisc(outline, radii[geometry.view][i], geometry))
+                    count[i] += 1
+        markers, ends = find(k, discs)
+        middle = int(ends[count[0] - 1]) if count[0] else 0
+        for i, own in ((0, slice(0, middle)), (1, slice(middle, None))):
+            if count[i]:
+                seen[i][k] = markers.where(own)
     return seen
 
 
-def sightings(seen: dict[int, list[SeenMarker]]) -> dict[int, Sightings]:
+def sightings(seen: dict[int, Markers]) -> dict[int, Sightings]:
     """Return the directions of the markers of one sphere by frame."""
-    return {
-        k: Sightings(
-            directions=np.array([m.marker.direction for m in markers]).reshape(-1, 3),
-            facing=np.array([m.marker.facing for m in markers]),
-        )
-        for k, markers in seen.items()
-    }
+    return {k: Sightings(own.directions, own.facing) for k, own in seen.items()}
 
 
-def marker_angle(
-    seen: tuple[dict[int, list[SeenMarker]], ...], radii: dict[View, tuple[float, float]]
-) -> float:
+def marker_angle(seen: SeenMarkers, radii: dict[View, tuple[float, float]]) -> float:
     """Return the median angular radius of the markers, radians; 0 where none is seen."""
-    sizes = [
-        m.marker.ellipse.semi_major / radii[m.view][i]
-        for i, sphere in enumerate(seen)
-        for markers in sphere.values()
-        for m in markers
-    ]
-    return float(np.arcsin(min(np.median(sizes), 1.0))) if sizes else 0.0
+    sizes = []
+    for i, sphere in enumerate(seen):
+        for own in sphere.values():
+            top = radii.get(View.TOP, radii[View.FRONT])[i]
+            sizes.append(own.ellipses[:, 2] / np.where(own.front, radii[View.FRONT][i], top))
+    every = np.concatenate(sizes) if sizes else np.empty(0)
+    return float(np.arcsin(min(np.median(every), 1.0))) if every.size else 0.0

@@ -7,15 +7,14 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.imaging.markers import Marker
+from analysis.imaging.markers import Markers, joined
 from analysis.imaging.outlines import Outline
-from analysis.imaging.shells import Circle, Ellipse
+from analysis.imaging.shells import Circle
 from analysis.imaging.tracks import Track
 from analysis.imaging.views import View
 from analysis.motion.drift import CENTRE_DRIFT_PER_SIGMA2
 from analysis.motion.pattern import Orientations
 from analysis.motion.poses import Centres
-from analysis.motion.sightings import SeenMarker
 from analysis.photometric.appearance import Knowledge
 from analysis.photometric.camera import axes_at, disc_of, moved_by
 from analysis.photometric.film import Film
@@ -23,6 +22,7 @@ from analysis.photometric.honesty import enlargement
 from analysis.tracking import Tracking
 
 Floats = NDArray[np.float64]
+Names = NDArray[np.intp]
 
 LEAST_FACING = 0.4
 MOST_PLACE, MOST_TURN_RAD = 0.2, 0.1
@@ -58,8 +58,8 @@ def tracking_of(film: Film, known: Knowledge, times_s: Floats, gravity: float) -
     return Tracking(
         spheres=(spheres[0], spheres[1]),
         markers=(
-            {k: [m for _, m in seen] for k, seen in markers[0].items()},
-            {k: [m for _, m in seen] for k, seen in markers[1].items()},
+            {k: own for k, (_, own) in markers[0].items()},
+            {k: own for k, (_, own) in markers[1].items()},
         ),
         marker_angle=(known.spheres[0].alpha + known.spheres[1].alpha) / 2,
         filter_sigma_px=float(np.sqrt(SLOW_ERROR_PX / CENTRE_DRIFT_PER_SIGMA2)),
@@ -91,30 +91,35 @@ def _tracks(film: Film, known: Knowledge, sphere: int) -> dict[View, Track]:
     return tracks
 
 
-def _markers(film: Film, known: Knowledge, sphere: int) -> dict[int, list[tuple[int, SeenMarker]]]:
-    """Return by frame the markers that face a view, each with its index in the pattern."""
+def _markers(film: Film, known: Knowledge, sphere: int) -> dict[int, tuple[Names, Markers]]:
+    """Return by frame the markers that face a view, and the index of each in the pattern."""
     optics, own = known.camera.optics, known.spheres[sphere]
-    seen: dict[int, list[tuple[int, SeenMarker]]] = {}
+    seen: dict[int, tuple[Names, Markers]] = {}
     deep, wide = math.cos(own.alpha), math.sin(own.alpha)
     for k in map(int, np.flatnonzero(film.placed[sphere])):
-        seen[k] = []
+        names, parts = [], []
         directions = own.markers @ film.rotation[sphere, k].T
         for v, view in enumerate(known.camera.views):
             y, x, radius = map(float, disc_of(optics, v, film.centre[sphere, k], own.radius_m))
-            turned = (directions @ axes_at(optics, v, film.centre[sphere, k]).T).tolist()
-            for name, (down, across, facing) in enumerate(turned):
-                if facing < LEAST_FACING:
-                    continue
-                ellipse = Ellipse(
-                    row=y + radius * deep * down,
-                    column=x + radius * deep * across,
-                    semi_major=radius * wide,
-                    semi_minor=radius * wide * facing,
-                    angle=math.atan2(down, -across),
-                    rms_px=0.0,
-                )
-                marker = Marker(ellipse, directions[name], facing)
-                seen[k].append((name, SeenMarker(view, marker)))
+            turned = directions @ axes_at(optics, v, film.centre[sphere, k]).T
+            shown = np.flatnonzero(turned[:, 2] >= LEAST_FACING)
+            down, across, facing = turned[shown].T
+            long = np.full(len(shown), radius * wide)
+            ellipses = np.stack(
+                [
+                    y + radius * deep * down,
+                    x + radius * deep * across,
+                    long,
+                    long * facing,
+                    np.arctan2(down, -across),
+                    np.zeros(len(shown)),
+                ],
+                axis=1,
+            )
+            front = np.full(len(shown), view is View.FRONT)
+            parts.append(Markers(ellipses, directions[shown], facing, front))
+            names.append(shown)
+        seen[k] = np.concatenate(names), joined(parts)
     return seen
 
 
@@ -129,7 +134,7 @@ def _centres(film: Film, known: Knowledge, sphere: int) -> Centres:
 
 
 def _orientations(
-    film: Film, known: Knowledge, sphere: int, seen: dict[int, list[tuple[int, SeenMarker]]]
+    film: Film, known: Knowledge, sphere: int, seen: dict[int, tuple[Names, Markers]]
 ) -> Orientations:
     placed = np.flatnonzero(film.placed[sphere])
     covariance = film.covariance[sphere, placed][:, 3:, 3:]
@@ -146,6 +151,6 @@ def _orientations(
         rotation=film.rotation[sphere, frames].copy(),
         covariance=covariance[widest < MOST_TURN_RAD],
         pattern=known.spheres[sphere].markers,
-        matches=tuple(np.array([name for name, _ in seen[int(k)]], dtype=np.intp) for k in frames),
+        matches=tuple(seen[int(k)][0] for k in frames),
         left_out=left_out,
     )

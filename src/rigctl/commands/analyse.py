@@ -19,7 +19,7 @@ from analysis.exchange.description import read_description
 from analysis.exchange.folder import folder_writer
 from analysis.figures.shot import draw_shot
 from analysis.imaging.frame import EdgeSettings
-from analysis.imaging.markers import dark_ellipses
+from analysis.imaging.marker_curves import dark_ellipses
 from analysis.imaging.stack import read_stack
 from analysis.shot import AnalysisOptions, MeasuredShot, Method, RefusedShot
 from analysis.tracking import Matching

@@ -1,12 +1,10 @@
 import numpy as np
 import pytest
-from drawings import SETTINGS, Place, draw, edges_of
-from numpy.typing import NDArray
+from drawings import SETTINGS, THRESHOLD, Place, draw, grey
 
 from analysis.errors import ShotRefusedError
 from analysis.imaging.assignment import follow, seed_frame
-from analysis.imaging.discs import vote
-from analysis.imaging.frame import FrameEdges
+from analysis.imaging.frame import FilmEdges
 from analysis.imaging.tracks import Spheres
 from analysis.imaging.views import View, view_geometries
 from analysis.setup import CameraSetup
@@ -37,11 +35,18 @@ def places(
     }
 
 
-def film(
-    truth: list[dict[tuple[str, View], Place]], hidden: tuple[str, ...] = ()
-) -> list[FrameEdges]:
-    shown = [[place for (name, _), place in t.items() if name not in hidden] for t in truth]
-    return [edges_of(draw(discs, SHAPE), noise=1.0, seed=k) for k, discs in enumerate(shown)]
+def film(truth: list[dict[tuple[str, View], Place]], hidden: tuple[str, ...] = ()) -> FilmEdges:
+    return filmed(shown(truth, hidden))
+
+
+def shown(truth: list[dict[tuple[str, View], Place]], hidden: tuple[str, ...]) -> list[np.ndarray]:
+    visible = [[place for (name, _), place in t.items() if name not in hidden] for t in truth]
+    return [draw(discs, SHAPE) for discs in visible]
+
+
+def filmed(drawings: list[np.ndarray]) -> FilmEdges:
+    frames = [grey(drawing, noise=1.0, seed=k) for k, drawing in enumerate(drawings)]
+    return FilmEdges(np.array(frames), SETTINGS, THRESHOLD)
 
 
 def assert_followed(spheres: Spheres, truth: list[dict[tuple[str, View], Place]]) -> None:
@@ -55,7 +60,7 @@ def assert_followed(spheres: Spheres, truth: list[dict[tuple[str, View], Place]]
 
 def test_both_spheres_are_followed_in_both_views_through_all_frames() -> None:
     truth = [places(k, (95.0, 110.0)) for k in range(13)]
-    assert_followed(follow(film(truth), VIEWS, RADIUS, SETTINGS.sigma_px), truth)
+    assert_followed(follow(film(truth), VIEWS, RADIUS), truth)
 
 
 def test_a_sphere_that_crosses_into_the_rows_of_the_other_view_keeps_its_name() -> None:
@@ -66,7 +71,7 @@ def test_a_sphere_that_crosses_into_the_rows_of_the_other_view_keeps_its_name() 
         {key: (row - 8 if key[1] is View.TOP else row, c, r) for key, (row, c, r) in t.items()}
         for t in truth
     ]
-    assert_followed(follow(film(moved), VIEWS, RADIUS, SETTINGS.sigma_px), moved)
+    assert_followed(follow(film(moved), VIEWS, RADIUS), moved)
 
 
 def passing(k: int) -> dict[tuple[str, View], Place]:
@@ -81,17 +86,13 @@ def passing(k: int) -> dict[tuple[str, View], Place]:
 def test_a_is_the_sphere_that_comes_from_the_left_even_where_it_ends_on_the_right() -> None:
     truth = [passing(k) for k in range(13)]
     assert truth[-1]["a", View.FRONT][1] > truth[-1]["b", View.FRONT][1]
-    assert_followed(follow(film(truth), VIEWS, RADIUS, SETTINGS.sigma_px), truth)
-
-
-def votes_of(frames: list[FrameEdges]) -> list[NDArray[np.float32]]:
-    return [vote(frame.points, RADIUS, frame.shape) for frame in frames]
+    assert_followed(follow(film(truth), VIEWS, RADIUS), truth)
 
 
 def test_the_seed_is_the_frame_that_shows_both_spheres_in_both_views() -> None:
     truth = [places(k, (95.0, 110.0)) for k in range(5)]
-    frames = film(truth[:2], hidden=("b",)) + film(truth[2:3]) + film(truth[3:], hidden=("a",))
-    seed, pairs = seed_frame(votes_of(frames), VIEWS, RADIUS)
+    drawings = shown(truth[:2], ("b",)) + shown(truth[2:3], ()) + shown(truth[3:], ("a",))
+    seed, pairs = seed_frame(filmed(drawings), VIEWS, RADIUS)
     assert seed == 2
     for view in View:
         for disc, name in zip(pairs[view], SPHERES, strict=True):
@@ -101,7 +102,7 @@ def test_the_seed_is_the_frame_that_shows_both_spheres_in_both_views() -> None:
 def test_one_sphere_alone_is_refused_with_what_was_seen() -> None:
     truth = [places(k, (95.0, 110.0)) for k in range(4)]
     with pytest.raises(ShotRefusedError) as refusal:
-        follow(film(truth, hidden=("b",)), VIEWS, RADIUS, SETTINGS.sigma_px)
+        follow(film(truth, hidden=("b",)), VIEWS, RADIUS)
     assert refusal.value.step == "assignment"
     assert refusal.value.frame in range(4)
     assert "shows 2 of 4 discs of radius 14.0 px" in refusal.value.reason
@@ -110,9 +111,9 @@ def test_one_sphere_alone_is_refused_with_what_was_seen() -> None:
 
 
 def test_blank_frames_are_refused_with_no_disc_seen() -> None:
-    blank = [edges_of(np.full(SHAPE, 40.0)) for _ in range(3)]
+    blank = FilmEdges(np.full((3, *SHAPE), 40, dtype=np.uint8), SETTINGS, THRESHOLD)
     with pytest.raises(ShotRefusedError, match=r"assignment.* shows 0 of 4 discs .* none"):
-        follow(blank, VIEWS, RADIUS, SETTINGS.sigma_px)
+        follow(blank, VIEWS, RADIUS)
 
 
 def test_views_whose_columns_disagree_do_not_show_the_same_spheres() -> None:
@@ -124,4 +125,4 @@ def test_views_whose_columns_disagree_do_not_show_the_same_spheres() -> None:
     }
     apart["b", View.TOP] = (26.0, 100.0, RADIUS)
     with pytest.raises(ShotRefusedError, match="columns of the views in agreement"):
-        seed_frame(votes_of(film([apart])), VIEWS, RADIUS)
+        seed_frame(film([apart]), VIEWS, RADIUS)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
 from analysis.imaging.dark_places import find_dark_places
+from analysis.imaging.markers import SeenDisc
 from analysis.imaging.outlines import Outline
 from analysis.imaging.shells import Circle
 from analysis.imaging.views import View, ViewGeometry
@@ -46,8 +47,7 @@ def found_in(picture: Floats, radius: float, seed: int = 1) -> Floats:
     noisy = picture + NOISE * np.random.default_rng(seed).normal(size=picture.shape)
     frame = np.clip(np.rint(noisy), 0, 255).astype(np.uint8)
     outline = Outline(Circle(*PLACE, radius, np.zeros((3, 3))), 1.0, np.zeros((0, 2)))
-    found = find_dark_places(frame, outline, radius, FRONT, [], noise=NOISE)
-    return np.array([marker.direction for marker in found]).reshape(-1, 3)
+    return find_dark_places(frame, [SeenDisc(outline, radius, FRONT)], noise=NOISE)[0].directions
 
 
 def nearest(directions: Floats, others: Floats) -> Floats:
@@ -92,8 +92,8 @@ def test_what_lies_in_another_disc_is_left_out() -> None:
     frame = np.rint(picture).astype(np.uint8)
     outline = Outline(Circle(*PLACE, 24.0, np.zeros((3, 3))), 1.0, np.zeros((0, 2)))
     other = (PLACE[0] + 24.0, PLACE[1] + 5.0, 24.0)
-    found = find_dark_places(frame, outline, 24.0, FRONT, [other], noise=NOISE)
-    places = np.array([[m.ellipse.row, m.ellipse.column] for m in found])
+    found, _ = find_dark_places(frame, [SeenDisc(outline, 24.0, FRONT)], [other], noise=NOISE)
+    places = found.ellipses[:, :2]
     assert len(places) == len(PATTERN) - 1
     assert (np.hypot(*(places - other[:2]).T) > 24.0).all()
 
@@ -101,4 +101,6 @@ def test_what_lies_in_another_disc_is_left_out() -> None:
 def test_a_disc_out_of_the_frame_has_none() -> None:
     frame = np.full((SIZE, SIZE), 40, dtype=np.uint8)
     outline = Outline(Circle(-80.0, 300.0, 24.0, np.zeros((3, 3))), 1.0, np.zeros((0, 2)))
-    assert find_dark_places(frame, outline, 24.0, FRONT, [], noise=NOISE) == []
+    found, ends = find_dark_places(frame, [SeenDisc(outline, 24.0, FRONT)], noise=NOISE)
+    assert len(found) == 0
+    assert ends.tolist() == [0]

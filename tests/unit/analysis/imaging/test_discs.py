@@ -6,9 +6,11 @@ from analysis.imaging.discs import (
     PADDING_PX,
     common_radius,
     discs,
-    nearest_peak,
+    peaks_near,
     vote,
 )
+from analysis.imaging.frame import FrameEdges
+from analysis.imaging.limb import Edges
 
 TWO = [(40.3, 30.7, 18.0), (52.6, 88.2, 18.0)]
 
@@ -47,18 +49,31 @@ def test_an_empty_frame_has_no_disc() -> None:
     assert found_in([], 18.0) == []
 
 
+def limbs_of(edges: FrameEdges) -> Edges:
+    points = edges.points
+    return points.row, points.column, points.normal_row, points.normal_column
+
+
+def votes_at(votes: np.ndarray, row: float, column: float) -> float:
+    """Return the most votes of the pixels about a place."""
+    r, c = round(row) + PADDING_PX, round(column) + PADDING_PX
+    return float(votes[r - 2 : r + 3, c - 2 : c + 3].max())
+
+
 def test_the_peak_near_a_prediction_is_its_own_disc() -> None:
     edges = edges_of(draw(TWO))
     votes = vote(edges.points, 18.0, edges.shape)
-    peak = nearest_peak(votes, 55.0, 85.0, 6.0)
-    assert peak is not None
-    assert (peak.row, peak.column) == pytest.approx(TWO[1][:2], abs=1.0)
+    expected = np.array([(55.0, 85.0, 18.0), (38.0, 33.0, 18.0)])
+    found = peaks_near(limbs_of(edges), expected, 6.0)
+    for (row, column, share), true in zip(found, reversed(TWO), strict=True):
+        assert (row, column) == pytest.approx(true[:2], abs=1.0)
+        assert share == pytest.approx(votes_at(votes, row, column), rel=1e-4)
 
 
 @pytest.mark.parametrize("place", [(-80.0, 20.0), (20.0, 400.0), (300.0, 20.0)])
 def test_a_prediction_out_of_the_image_has_no_peak(place: tuple[float, float]) -> None:
-    votes = np.zeros((96 + 2 * PADDING_PX, 120 + 2 * PADDING_PX), dtype=np.float32)
-    assert nearest_peak(votes, *place, 6.0) is None
+    found = peaks_near(limbs_of(edges_of(draw(TWO))), np.array([(*place, 18.0)]), 6.0)
+    assert found[0, 2] == 0.0
 
 
 @pytest.mark.parametrize("radius", [11.0, 14.5, 18.0])

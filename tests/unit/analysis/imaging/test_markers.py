@@ -6,7 +6,7 @@ from drawings import SETTINGS
 from rendered import OPTICS, RADIUS_PX, picture, setup_of
 
 from analysis.imaging.frame import FrameEdges, find_edges, gradient_threshold
-from analysis.imaging.markers import Marker, find_markers
+from analysis.imaging.markers import Markers, SeenDisc, find_markers
 from analysis.imaging.outlines import Outline, fit_outline
 from analysis.imaging.views import View, ViewGeometry, view_geometries
 from simulators.world import WorldDescription
@@ -24,10 +24,11 @@ def place_in(view: ViewGeometry) -> tuple[float, float, float]:
 
 def seen(
     edges: FrameEdges, view: ViewGeometry, others: tuple[tuple[float, float, float], ...] = ()
-) -> tuple[list[Marker], Outline]:
+) -> tuple[Markers, Outline]:
     outline = fit_outline(edges.points, place_in(view), others, 3.0)
     assert outline is not None
-    return find_markers(edges, outline, outline.circle.radius, view, list(others)), outline
+    disc = SeenDisc(outline, outline.circle.radius, view)
+    return find_markers(edges, [disc], others)[0], outline
 
 
 def marker_at(view: ViewGeometry, tilt_deg: float, around_deg: float) -> np.ndarray:
@@ -47,18 +48,17 @@ def test_a_marker_is_found_where_it_stands_to_a_fiftieth_of_a_radian(
         edges = find_edges(picture(CENTRE, None, true[None]), SETTINGS, THRESHOLD)
         markers, _ = seen(edges, VIEWS[view])
         assert len(markers) == 1
-        angle = math.acos(min(1.0, float(markers[0].direction @ true)))
+        angle = math.acos(min(1.0, float(markers.directions[0] @ true)))
         assert angle < 0.02, (tilt_deg, around_deg)
-        assert markers[0].facing == pytest.approx(math.cos(math.radians(tilt_deg)), abs=0.02)
+        assert markers.facing[0] == pytest.approx(math.cos(math.radians(tilt_deg)), abs=0.02)
 
 
 def test_a_marker_is_as_large_as_it_was_painted() -> None:
     true = marker_at(VIEWS[View.FRONT], 20.0, 45.0)
     edges = find_edges(picture(CENTRE, None, true[None]), SETTINGS, THRESHOLD)
-    (marker,), outline = seen(edges, VIEWS[View.FRONT])
-    assert marker.ellipse.semi_major / outline.circle.radius == pytest.approx(
-        math.sin(0.16), rel=0.15
-    )
+    markers, outline = seen(edges, VIEWS[View.FRONT])
+    assert len(markers) == 1
+    assert markers.ellipses[0, 2] / outline.circle.radius == pytest.approx(math.sin(0.16), rel=0.15)
 
 
 def test_each_of_several_markers_is_found_once() -> None:
@@ -66,20 +66,20 @@ def test_each_of_several_markers_is_found_once() -> None:
     true = np.array([marker_at(VIEWS[View.FRONT], *place) for place in places])
     edges = find_edges(picture(CENTRE, None, true), SETTINGS, THRESHOLD)
     markers, _ = seen(edges, VIEWS[View.FRONT])
-    nearest = [int((true @ marker.direction).argmax()) for marker in markers]
+    nearest = (true @ markers.directions.T).argmax(axis=0).tolist()
     assert sorted(nearest) == [0, 1, 2, 3]
 
 
 def test_a_marker_at_the_limb_is_not_measured() -> None:
     true = marker_at(VIEWS[View.FRONT], 80.0, 30.0)
     edges = find_edges(picture(CENTRE, None, true[None]), SETTINGS, THRESHOLD)
-    assert seen(edges, VIEWS[View.FRONT])[0] == []
+    assert len(seen(edges, VIEWS[View.FRONT])[0]) == 0
 
 
 def test_a_plain_sphere_has_no_marker() -> None:
     edges = find_edges(picture(CENTRE, None, np.empty((0, 3))), SETTINGS, THRESHOLD)
     for view in VIEWS.values():
-        assert seen(edges, view)[0] == []
+        assert len(seen(edges, view)[0]) == 0
 
 
 def test_a_marker_that_reaches_into_another_disc_may_be_either_spheres_and_is_left_out() -> None:
@@ -90,4 +90,5 @@ def test_a_marker_that_reaches_into_another_disc_may_be_either_spheres_and_is_le
     clear = (row, column + 2.2 * radius, radius)
     assert len(seen(edges, VIEWS[View.FRONT], (clear,))[0]) == 1
     outline = seen(edges, VIEWS[View.FRONT])[1]
-    assert find_markers(edges, outline, radius, VIEWS[View.FRONT], [covering]) == []
+    disc = SeenDisc(outline, radius, VIEWS[View.FRONT])
+    assert len(find_markers(edges, [disc], [covering])[0]) == 0

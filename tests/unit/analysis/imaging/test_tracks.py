@@ -3,7 +3,7 @@ import pytest
 
 from analysis.imaging.outlines import Outline
 from analysis.imaging.shells import Circle
-from analysis.imaging.tracks import MOST_MISSES, Spheres, Track, other_discs
+from analysis.imaging.tracks import MOST_MISSES, Track, frames_of
 from analysis.imaging.views import View
 
 
@@ -49,8 +49,7 @@ def test_a_frame_without_outline_has_no_centre() -> None:
     assert seen.centre(3) is None
 
 
-def test_the_other_discs_are_all_of_the_frame_but_ones_own() -> None:
-    a, b = track({0: (1.0, 2.0), 1: (3.0, 4.0)}), track({0: (5.0, 6.0)})
-    spheres: Spheres = ({View.FRONT: a}, {View.FRONT: b})
-    assert other_discs(spheres, 0, a.outlines[0]) == [(5.0, 6.0, 20.0)]
-    assert other_discs(spheres, 1, a.outlines[1]) == []
+def test_the_frames_are_those_that_show_any_disc() -> None:
+    a, b = track({4: (1.0, 2.0), 1: (3.0, 4.0)}), track({0: (5.0, 6.0), 1: (0.0, 0.0)})
+    assert frames_of(({View.FRONT: a}, {View.FRONT: b})) == [0, 1, 4]
+    assert frames_of(({}, {})) == []

@@ -6,24 +6,24 @@ from scipy.spatial.transform import Rotation
 from turning import CAMERA, LEAST_FACING, body_markers
 
 from analysis.errors import ShotRefusedError
-from analysis.imaging.markers import Marker
-from analysis.imaging.shells import Ellipse
+from analysis.imaging.markers import Markers, joined
 from analysis.imaging.views import View
 from analysis.motion.chained import orient_by_steps
-from analysis.motion.sightings import SeenMarker, marker_angle, sightings
+from analysis.motion.sightings import marker_angle, sightings
 
 RADIUS = 20.0
 STEP = np.array([0.03, 0.05, -0.04])
 
 
-def seen_in(view: View, direction: np.ndarray, semi_major: float = 3.2) -> SeenMarker:
-    ellipse = Ellipse(0.0, 0.0, semi_major, 2.0, 0.0, 0.0)
-    return SeenMarker(view, Marker(ellipse, direction, float(direction @ CAMERA)))
+def seen_in(view: View, directions: np.ndarray, semi_major: float = 3.2) -> Markers:
+    ellipses = np.array([[0.0, 0.0, semi_major, 2.0, 0.0, 0.0]] * len(directions))
+    front = np.full(len(directions), view is View.FRONT)
+    return Markers(ellipses, directions, directions @ CAMERA, front)
 
 
-def front_markers(turn: Rotation) -> list[SeenMarker]:
+def front_markers(turn: Rotation) -> Markers:
     turned = turn.apply(body_markers())
-    return [seen_in(View.FRONT, d) for d in turned if d @ CAMERA > LEAST_FACING]
+    return seen_in(View.FRONT, turned[turned @ CAMERA > LEAST_FACING])
 
 
 def test_steps_from_frame_to_frame_add_up_to_the_whole_turn() -> None:
@@ -37,9 +37,9 @@ def test_steps_from_frame_to_frame_add_up_to_the_whole_turn() -> None:
 
 def test_markers_of_the_top_view_take_no_part() -> None:
     turns = [Rotation.from_rotvec(k * STEP) for k in range(6)]
-    stray = seen_in(View.TOP, np.array([-1.0, 0.0, 0.0]))
+    stray = seen_in(View.TOP, np.array([[-1.0, 0.0, 0.0]]))
     plain = {k: front_markers(t) for k, t in enumerate(turns)}
-    mixed = {k: [*markers, stray] for k, markers in plain.items()}
+    mixed = {k: joined([markers, stray]) for k, markers in plain.items()}
     np.testing.assert_array_equal(
         orient_by_steps(mixed, RADIUS, "a").rotation, orient_by_steps(plain, RADIUS, "a").rotation
     )
@@ -48,7 +48,7 @@ def test_markers_of_the_top_view_take_no_part() -> None:
 def test_two_common_markers_are_refused_with_both_frames() -> None:
     turns = [Rotation.from_rotvec(k * STEP) for k in range(6)]
     seen = {k: front_markers(t) for k, t in enumerate(turns)}
-    seen[3] = seen[3][:2]
+    seen[3] = seen[3].where(slice(2))
     with pytest.raises(ShotRefusedError) as refusal:
         orient_by_steps(seen, RADIUS, "b")
     assert (refusal.value.step, refusal.value.frame) == ("markers", 3)
@@ -57,14 +57,14 @@ def test_two_common_markers_are_refused_with_both_frames() -> None:
 
 def test_sightings_keep_order_and_facing_and_an_empty_frame_is_empty() -> None:
     markers = front_markers(Rotation.identity())
-    gathered = sightings({0: markers, 1: []})
-    np.testing.assert_array_equal(gathered[0].directions[1], markers[1].marker.direction)
-    assert gathered[0].facing[1] == markers[1].marker.facing
+    gathered = sightings({0: markers, 1: joined([])})
+    np.testing.assert_array_equal(gathered[0].directions, markers.directions)
+    np.testing.assert_array_equal(gathered[0].facing, markers.facing)
     assert gathered[1].directions.shape == (0, 3)
 
 
 def test_the_marker_angle_is_the_arc_of_its_median_half_width() -> None:
-    sizes = [seen_in(View.FRONT, CAMERA, s) for s in (2.0, 3.2, 9.0)]
+    sizes = joined([seen_in(View.FRONT, CAMERA[None], s) for s in (2.0, 3.2, 9.0)])
     angle = marker_angle(({0: sizes}, {}), {View.FRONT: (RADIUS, RADIUS)})
     assert angle == pytest.approx(math.asin(3.2 / 20.0))
     assert marker_angle(({}, {}), {View.FRONT: (RADIUS, RADIUS)}) == 0.0

@@ -7,7 +7,8 @@ from scipy.spatial.transform import Rotation
 from turning import body_markers, sight
 
 from analysis.errors import ShotRefusedError
-from analysis.motion.pattern import Orientations, Sightings, average_pattern, orient
+from analysis.motion.pattern import Orientations, Sightings, gathered, orient
+from analysis.motion.pattern_steps import average_pattern
 
 DEGREES_A_FRAME = 7.0
 AXIS = np.array([0.5, 0.7, -0.51])
@@ -200,9 +201,8 @@ def test_two_markers_that_both_views_show_are_not_four() -> None:
 
 
 def test_a_marker_that_was_seen_on_the_limb_alone_has_no_place_in_the_pattern() -> None:
-    seen = Sightings(np.eye(3), np.array([0.9, 0.0, 0.7]))
-    sightings, frames = dict.fromkeys(range(4), seen), list(range(4))
-    matches = [np.arange(3)] * 4
-    pattern, index = average_pattern(sightings, frames, [np.eye(3)] * 4, matches, 3)
-    assert index.tolist() == [0, -1, 1]
+    own = Sightings(np.eye(3), np.array([0.9, 0.0, 0.7]))
+    match, turns = np.tile(np.arange(3), 4), np.tile(np.eye(3), (4, 1, 1))
+    pattern = average_pattern(gathered([own] * 4), turns, np.ones(4, np.bool_), match, 3)
+    assert match.tolist() == [0, -1, 1] * 4
     assert pattern == pytest.approx(np.eye(3)[[0, 2]])
