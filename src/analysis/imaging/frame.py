@@ -124,6 +124,6 @@ def find_edges(
     # Nearer to the border the filter sees the frame's made-up continuation.
     border = max(1, round(BORDER_SIGMAS * settings.sigma_px))
     limits = float(least_strength), border, settings.samples_per_pixel or 0
-    plain = np.require(frame, requirements="CW")
+    plain = np.require(frame, None, ["C", "W"])
     filled, pixels, labels = edges_about(plain, places, half_kernels(settings.sigma_px), limits)
     return FrameEdges((rows, columns), EdgePoints(*filled, *pixels), labels)
