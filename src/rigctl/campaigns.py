@@ -46,7 +46,8 @@ def open_campaign(
     Raises
     ------
     AnalysisInputError
-        The folder cannot be read, or the shots do not go together.
+        The folder cannot be read, holds no poses where these are wanted, or the shots do not go
+        together.
     NotFoundError
         There is neither such a folder nor such a campaign, or none of its shots is measured.
     ConfigurationError, StoreError
@@ -57,7 +58,13 @@ def open_campaign(
             return gather_poses(campaign) if poses else gather(campaign)
     name = str(campaign)
     with read_store(configuration) as store:
-        if not poses and is_tabulated(store, name):
+        if is_tabulated(store, name):
+            if poses:
+                raise AnalysisInputError(
+                    "came with tabulated contacts alone, which hold no poses",
+                    part=f"campaign {name}",
+                    todo="import a folder that has its poses.csv or its frames",
+                )
             with in_words():
                 return name, tabulated(store, name)
         return campaign_poses(store, name)

@@ -10,7 +10,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.campaign import DESCRIPTION, SHOT_LIST, analyse_campaign, read_campaign
+from analysis.campaign import DESCRIPTION, FRAMES, SHOT_LIST, analyse_campaign, read_campaign
 from analysis.collision.operator import Body
 from analysis.errors import InputError
 from analysis.exchange.contact_table import read_contacts
@@ -90,6 +90,8 @@ def gather_poses(folder: Path) -> tuple[str, PoseData]:
     rows = read_shot_list(folder / SHOT_LIST)
     if (folder / POSES).exists():
         shots: Shots = read_poses(folder / POSES)
+    elif not (folder / FRAMES).exists():
+        raise InputError(folder, f"holds no poses: neither {POSES} nor {FRAMES} is there")
     else:
         shots, setup = _measured_now(folder, setup)
     counting = set(shots) - {row.shot for row in rows if row.is_excluded}

@@ -21,6 +21,8 @@ from analysis.imaging.stack import read_stack
 from analysis.model.gather import CONTACTS, IMPACTS
 from analysis.setup import Setup
 from rigctl.errors import AnalysisInputError
+from rigctl.exchange.remarks import read_remarks
+from rigctl.store.campaign_words import Words
 
 Poses = Mapping[str, Sequence[PoseRow]]
 
@@ -57,6 +59,8 @@ class Contents:
         What there is of each shot, by its number.
     tabulated
         Numbers of the shots in contacts.csv or impacts.csv.
+    remarks
+        Note and tags of the campaign.
     """
 
     folder: Path
@@ -66,6 +70,7 @@ class Contents:
     frames: Mapping[int, Frames]
     poses: Mapping[int, Poses]
     tabulated: frozenset[int]
+    remarks: Words
 
 
 def read_contents(folder: Path, say: Callable[[str, float | None], None]) -> Contents:
@@ -80,6 +85,7 @@ def read_contents(folder: Path, say: Callable[[str, float | None], None]) -> Con
     with _in_words():
         _require_plain(folder)
         title, setup = read_description(folder / DESCRIPTION)
+        remarks = read_remarks(folder)
         rows = tuple(read_shot_list(folder / SHOT_LIST))
         if not rows:
             raise InputError(folder / SHOT_LIST, "names no shots")
@@ -95,7 +101,7 @@ def read_contents(folder: Path, say: Callable[[str, float | None], None]) -> Con
         if not (frames or poses or tabulated):
             stages = f"{FRAMES}, {POSES}, {CONTACTS}, {IMPACTS}"
             raise InputError(folder, f"holds none of {stages}")
-    return Contents(folder, title, setup, rows, frames, poses, frozenset(tabulated))
+    return Contents(folder, title, setup, rows, frames, poses, frozenset(tabulated), remarks)
 
 
 def _frames(

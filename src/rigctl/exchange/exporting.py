@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,7 +11,9 @@ from typing import Any
 from rigctl.errors import NotFoundError, StoreError
 from rigctl.exchange.amending import amended
 from rigctl.exchange.fresh import fresh_folder
+from rigctl.exchange.remarks import REMARKS, parsed, written
 from rigctl.store import ShotRecord, Store, StoreReader
+from rigctl.store.campaign_words import Words
 from rigctl.store.copying import copy_synced
 from rigctl.store.durable import write_synced
 from rigctl.store.folders import sha256
@@ -39,7 +41,8 @@ def export_campaign(
     """Write a campaign as an exchange folder.
 
     One that was imported comes out as it went in, byte for byte; where shots were excluded, noted
-    or tagged since, these columns of shots.csv alone are changed.
+    or tagged since, these columns of shots.csv alone are changed, and where the campaign was noted
+    or tagged since, remarks.toml.
 
     Raises
     ------
@@ -52,7 +55,8 @@ def export_campaign(
     StoreError
         The disk refuses, or what is stored is not what was stored; nothing is written.
     """
-    store.campaigns.one(campaign)
+    record = store.campaigns.one(campaign)
+    words = Words(record.note, record.tags)
     shots = store.catalogue.shots(campaign=campaign, limit=ALL)
     try:
         home, digest = store.imports.of(campaign)
@@ -65,28 +69,46 @@ def export_campaign(
 
         with fresh_folder(folder) as partial:
             write_fired(partial, campaign, kept, store.folders, say)
+            _remark(partial, written(words))
         return Exported(campaign, folder, len(kept), len(shots) - len(kept))
     with fresh_folder(folder) as partial:
-        _copy_back(home, digest, partial, shots, say)
+        files = listing(home, digest)
+        _copy_back(home, files, partial, shots, say)
+        _remark(partial, _remarks_of(home, files, words))
     return Exported(campaign, folder, len(shots), 0)
 
 
 def _copy_back(
-    home: Path, digest: str, folder: Path, shots: Sequence[ShotRecord], say: Say
+    home: Path, files: Mapping[str, Json], folder: Path, shots: Sequence[ShotRecord], say: Say
 ) -> None:
-    files = listing(home, digest)
     for done, (name, about) in enumerate(files.items()):
         say(f"writing {name}", done / len(files))
-        if name == SHOT_LIST:
+        if name in {SHOT_LIST, REMARKS}:
             continue
         if copy_synced(home / about["kept"], folder / name) != about["sha256"]:
             raise _altered(home / about["kept"])
-    listed = home / files[SHOT_LIST]["kept"]
-    if sha256(listed) != files[SHOT_LIST]["sha256"]:
-        raise _altered(listed)
     by_number = {shot.imported_as: shot for shot in shots if shot.imported_as is not None}
-    content = amended(listed.read_bytes(), by_number)
+    content = amended(_kept(home, files[SHOT_LIST]), by_number)
     write_synced(folder / SHOT_LIST, lambda file: file.write(content))
+
+
+def _remarks_of(home: Path, files: Mapping[str, Json], words: Words) -> bytes | None:
+    """Return the remarks as they came, or what the catalogue says since; None for nothing."""
+    if REMARKS in files and parsed(content := _kept(home, files[REMARKS])) == words:
+        return content
+    return written(words)
+
+
+def _remark(folder: Path, content: bytes | None) -> None:
+    if content is not None:
+        write_synced(folder / REMARKS, lambda file: file.write(content))
+
+
+def _kept(home: Path, about: Json) -> bytes:
+    path: Path = home / about["kept"]
+    if sha256(path) != about["sha256"]:
+        raise _altered(path)
+    return path.read_bytes()
 
 
 def listing(home: Path, digest: str) -> dict[str, Json]:

@@ -74,7 +74,7 @@ def import_campaign(
         _write(stage.path / LISTING, about)
         _sync(stage.path)
         found = [imported_shot(row, contents) for row in contents.rows]
-        store.imports.publish(stage, campaign, found, actor)
+        store.imports.publish(stage, campaign, found, actor, contents.remarks)
     states = [shot.state for shot in found]
     return Imported(
         campaign,

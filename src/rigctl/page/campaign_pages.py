@@ -8,7 +8,7 @@ from rigctl.errors import RigError
 from rigctl.page.campaign_view import CampaignView
 from rigctl.page.desk import Desk
 from rigctl.page.layout import sheet
-from rigctl.page.shot_table import column, explain_headings
+from rigctl.page.shot_table import WHY, column, explain_headings
 from rigctl.store import CampaignRecord, ShotState
 
 COLUMNS = [
@@ -19,6 +19,8 @@ COLUMNS = [
     column("other", "not analysed"),
     column("first", "first shot", "left"),
     column("last", "last shot", "left"),
+    column("tags", "tags", "left"),
+    column("note", "note", "left", **WHY),
 ]
 HEADINGS = {
     "name": "Shots of one campaign are fitted together.",
@@ -28,6 +30,8 @@ HEADINGS = {
     "other": "Shots under way, and those that came to nothing.",
     "first": "When the first shot was accepted.",
     "last": "When the latest shot was accepted.",
+    "tags": "Words that a person gave it, to filter by.",
+    "note": "What a person said of it.",
 }
 
 
@@ -86,4 +90,6 @@ def _row(campaign: CampaignRecord) -> dict[str, object]:
         "other": campaign.shots - measured - refused,
         "first": f"{campaign.first_at.astimezone():%Y-%m-%d %H:%M}",
         "last": f"{campaign.last_at.astimezone():%Y-%m-%d %H:%M}",
+        "tags": ", ".join(campaign.tags),
+        "note": campaign.note or "",
     }

@@ -16,6 +16,7 @@ from rigctl.page.layout import TICK_S
 from rigctl.page.model_state import Question
 from rigctl.page.quantities import INCIDENCE, REBOUND, SPEED
 from rigctl.page.readings import Impact, rows_of
+from rigctl.page.remarks import Remarks
 from rigctl.page.shot_table import ShotTable, latest
 from rigctl.page.source import Source
 from rigctl.page.widgets import button, plot, save_csv
@@ -50,6 +51,7 @@ class CampaignView:
         self._desk, self._campaign = desk, campaign
         self._heard = -1
         self._now: _Stand | None = None
+        self._said = desk.daemon.store.campaigns.one(campaign)
         source = Source(desk.daemon, campaign)
         self._fitted = Question(lambda: source.ask("picture"), desk.daemon.jobs.job)
         self._fitted.start()
@@ -59,6 +61,8 @@ class CampaignView:
             Output(desk, campaign)
             address = f"/model/{campaign}"
             button("Compare with the model", lambda: ui.navigate.to(address), testid="to-model")
+        with ui.element("div").classes("panel").props("data-testid=remarks"):
+            self._remarks()
         with ui.element("div").classes("columns third"):
             with ui.element("div").classes("panel tall").props("data-testid=figure-7-4"):
                 self._plane()
@@ -87,6 +91,9 @@ class CampaignView:
             self._head.refresh()
             self._plane.refresh()
             self._table.show(stand.shots, stand.impacts)
+        if _words(stand.record) != _words(self._said):
+            self._said = stand.record
+            self._remarks.refresh()
         if before is None or stand.counted != before.counted:
             self._speed.update_figure(over_speed(stand.counted, self._campaign))
             self._incidence.update_figure(over_incidence(stand.counted, self._campaign))
@@ -102,6 +109,17 @@ class CampaignView:
         ui.html(f"<h1>{self._campaign}</h1>", sanitize=True)
         if self._now is not None:
             ui.label(_counts(self._now.record)).classes("aside")
+
+    @ui.refreshable_method
+    def _remarks(self) -> None:
+        store, name = self._desk.daemon.store, self._campaign
+        with ui.element("div").classes("said-of"):
+            Remarks(
+                self._desk,
+                *_words(self._said),
+                annotate=lambda note, who: store.annotate_campaign(name, note, who),
+                tag=lambda tags, who: store.tag_campaign(name, tags, who),
+            ).place()
 
     @ui.refreshable_method
     def _plane(self) -> None:
@@ -142,6 +160,10 @@ class CampaignView:
 
     def _rows(self) -> list[list[object]]:
         return rows_of([] if self._now is None else self._now.impacts)
+
+
+def _words(campaign: CampaignRecord) -> tuple[str | None, tuple[str, ...]]:
+    return campaign.note, campaign.tags
 
 
 def _counts(campaign: CampaignRecord) -> str:

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from nicegui import ui
-from pydantic import ValidationError
 
 from rigctl.page.asking import ask_reason
 from rigctl.page.desk import Desk, actor
+from rigctl.page.remarks import Remarks
 from rigctl.page.widgets import button
-from rigctl.service.models import NoteOrder, TagsOrder
 from rigctl.store import ShotRecord
 
 
@@ -26,8 +25,13 @@ class Judging:
                 with ui.element("div").classes("verdict bad").props("data-testid=excluded"):
                     ui.label("Excluded from every fit.").classes("lead")
                     ui.label(shot.excluded)
-            self._note()
-            self._tags()
+            Remarks(
+                desk,
+                shot.note,
+                shot.tags,
+                annotate=lambda note, who: self._store.annotate(shot.id, note, who),
+                tag=lambda tags, who: self._store.tag(shot.id, tags, who),
+            ).place()
 
     def _switch(self) -> None:
         if self._shot.excluded is None:
@@ -54,39 +58,3 @@ class Judging:
     async def _include(self) -> None:
         who = actor()
         await self._desk.act(lambda: self._store.include(self._shot.id, who))
-
-    def _note(self) -> None:
-        given = ui.input("Note", value=self._shot.note or "", validation=_note_fault)
-        given.props("outlined dense hide-bottom-space data-testid=note").classes("wide")
-
-        async def keep() -> None:
-            text, who = str(given.value or "").strip() or None, actor()
-            if text != self._shot.note and given.validate():
-                await self._desk.act(lambda: self._store.annotate(self._shot.id, text, who))
-
-        given.on("blur", keep).on("keydown.enter", keep)
-
-    def _tags(self) -> None:
-        given = ui.input_chips("Tags", value=list(self._shot.tags), new_value_mode="add-unique")
-        given.props("outlined dense data-testid=tags").classes("wide")
-
-        async def keep() -> None:
-            who = actor()
-            try:
-                order = TagsOrder(tags=list(given.value))
-            except ValidationError as error:
-                ui.notify(str(error.errors()[0]["msg"]), type="negative")
-                given.set_value(list(self._shot.tags))
-                return
-            if tuple(sorted(order.tags)) != self._shot.tags:
-                await self._desk.act(lambda: self._store.tag(self._shot.id, order.tags, who))
-
-        given.on_value_change(keep)
-
-
-def _note_fault(given: str | None) -> str | None:
-    try:
-        NoteOrder(note=(given or "").strip() or None)
-    except ValidationError as error:
-        return str(error.errors()[0]["msg"])
-    return None

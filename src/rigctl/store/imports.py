@@ -20,6 +20,7 @@ from sqlalchemy import Connection, func, insert, select
 from rigctl.errors import NotFoundError, RefusedError, StoreError
 from rigctl.settings import ShotSettings
 from rigctl.store import chain
+from rigctl.store.campaign_words import Words, set_note, set_tags
 from rigctl.store.database import Database
 from rigctl.store.durable import make_folders, sync_folder
 from rigctl.store.edits import utc_now
@@ -112,9 +113,14 @@ class Imports:
                 shutil.rmtree(stage.path, ignore_errors=True)
 
     def publish(
-        self, stage: Stage, campaign: str, found: Sequence[ImportedShot], actor: str
+        self,
+        stage: Stage,
+        campaign: str,
+        found: Sequence[ImportedShot],
+        actor: str,
+        words: Words,
     ) -> None:
-        """Make a campaign of what was staged, all of it or nothing.
+        """Make a campaign of what was staged, with its note and tags, all of it or nothing.
 
         Raises
         ------
@@ -131,6 +137,8 @@ class Imports:
             _add_rows(connection, stage, common, found)
             row = {"number": stage.number, "campaign": campaign, "digest": digest}
             connection.execute(insert(imports).values(row))
+            set_note(connection, campaign, words.note)
+            set_tags(connection, campaign, words.tags)
             fields: dict[str, object] = {
                 "at": at,
                 "actor": actor,

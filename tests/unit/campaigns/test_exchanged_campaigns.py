@@ -126,3 +126,7 @@ def test_a_campaign_of_tables_is_fitted_by_its_name_as_by_its_folder(
     wanted = gather(tables)[1]
     np.testing.assert_array_equal(found.numbers, wanted.numbers[[0, 2]])
     np.testing.assert_array_equal(found.sigma, wanted.sigma[[0, 2]])
+    with pytest.raises(AnalysisInputError, match="campaign nylon: came with tabulated contacts"):
+        open_campaign(Path("nylon"), poses=True)
+    with pytest.raises(AnalysisInputError, match=r"neither poses\.csv nor frames is there"):
+        open_campaign(tables, poses=True)

@@ -35,6 +35,18 @@ FAULTS: dict[str, tuple[Callable[[Path], object], str]] = {
         lambda f: (f / "frames" / "0003.tif").write_bytes(b"II*\0nothing"),
         r"shot 3: .*0003\.tif: damaged",
     ),
+    "remarks with another key": (
+        lambda f: (f / "remarks.toml").write_text('note = "cold"\nmood = "good"\n'),
+        r"remarks\.toml: mood: .*found 'good'",
+    ),
+    "remarks with a tag of two words": (
+        lambda f: (f / "remarks.toml").write_text('tags = ["two words"]\n'),
+        r"remarks\.toml: tags\.0: .*found 'two words'",
+    ),
+    "remarks that are no TOML": (
+        lambda f: (f / "remarks.toml").write_text("note = cold\n"),
+        r"remarks\.toml: not TOML",
+    ),
     "a frame file cut short": (
         lambda f: (f / "frames" / "0007.npy").write_bytes(
             (f / "frames" / "0007.npy").read_bytes()[:-100]

@@ -163,3 +163,42 @@ def test_a_shot_list_reads_exclusions_as_words_whatever_they_say(
     assert (first.numbers, first.words) == ({}, {"excluded": "1", "note": "2", "tags": "3"})
     assert first.is_excluded
     assert not second.is_excluded
+
+
+REMARKS = b'# by anna\ntags = [ "wet", "cold" ]\nnote = "tubes cleaned each day"\n'
+
+
+def test_note_and_tags_of_a_campaign_go_into_the_folder_and_come_back(
+    store: Store, other: Store, folder: Path, take: Take, tmp_path: Path
+) -> None:
+    take(folder)
+    store.annotate_campaign("nylon-2", 'he said "good" — 20 µm', "anna")
+    store.tag_campaign("nylon-2", ["wet", "cold"], "anna")
+    export_campaign(store, "nylon-2", tmp_path / "out", say=silent)
+    out = files(tmp_path / "out")
+    assert out.pop("remarks.toml").decode() == (
+        'note = "he said \\"good\\" — 20 µm"\ntags = ["cold", "wet"]\n'
+    )
+    assert out == files(folder)
+    take(tmp_path / "out", into=other)
+    record = other.campaigns.one("nylon-2")
+    assert (record.note, record.tags) == ('he said "good" — 20 µm', ("cold", "wet"))
+    export_campaign(other, "nylon-2", tmp_path / "again", say=silent)
+    assert files(tmp_path / "again") == files(tmp_path / "out")
+
+
+def test_remarks_that_nobody_changed_come_out_as_they_were_written(
+    store: Store, folder: Path, take: Take, tmp_path: Path
+) -> None:
+    (folder / "remarks.toml").write_bytes(REMARKS)
+    take(folder)
+    record = store.campaigns.one("nylon-2")
+    assert (record.note, record.tags) == ("tubes cleaned each day", ("cold", "wet"))
+    export_campaign(store, "nylon-2", tmp_path / "out", say=silent)
+    assert files(tmp_path / "out") == files(folder)
+    store.annotate_campaign("nylon-2", None, "anna")
+    export_campaign(store, "nylon-2", tmp_path / "changed", say=silent)
+    assert files(tmp_path / "changed")["remarks.toml"] == b'tags = ["cold", "wet"]\n'
+    store.tag_campaign("nylon-2", [], "anna")
+    export_campaign(store, "nylon-2", tmp_path / "bare", say=silent)
+    assert "remarks.toml" not in files(tmp_path / "bare")

@@ -1,0 +1,68 @@
+"""remarks.toml: what people say of a campaign as a whole, its note and its tags."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from pathlib import Path
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic_core import ErrorDetails
+
+from analysis.errors import InputError
+from rigctl.service.models import MOST_TAGS, Line, Tag
+from rigctl.store.campaign_words import Words
+
+REMARKS = "remarks.toml"
+
+
+class _Remarks(BaseModel):
+    model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
+
+    note: Line | None = None
+    tags: list[Tag] = Field(default_factory=list, max_length=MOST_TAGS)
+
+
+def read_remarks(folder: Path) -> Words:
+    """Return what a folder says of its campaign; nothing where it has no such file.
+
+    Raises
+    ------
+    InputError
+        The file is no TOML, or says what cannot be said of a campaign.
+    """
+    path = folder / REMARKS
+    if not path.exists():
+        return Words()
+    try:
+        return parsed(path.read_bytes())
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise InputError(path, f"not TOML: {error}") from error
+    except ValidationError as error:
+        raise InputError(path, "; ".join(map(_fault, error.errors()))) from error
+
+
+def parsed(content: bytes) -> Words:
+    """Return what the content of the file says; raise what is wrong with it."""
+    found = _Remarks.model_validate(tomllib.loads(content.decode("utf-8-sig")))
+    return Words(found.note, tuple(sorted(set(found.tags))))
+
+
+def written(words: Words) -> bytes | None:
+    """Return the file that says these words; None where there is nothing to say."""
+    lines = []
+    if words.note is not None:
+        lines.append(f"note = {_quoted(words.note)}\n")
+    if words.tags:
+        lines.append(f"tags = [{', '.join(map(_quoted, words.tags))}]\n")
+    return "".join(lines).encode() or None
+
+
+def _fault(error: ErrorDetails) -> str:
+    key = ".".join(map(str, error["loc"]))
+    return f"{key}: {error['msg']} (found {error['input']!r})"
+
+
+def _quoted(text: str) -> str:
+    """Return a TOML string: as in JSON, but TOML takes no surrogate pairs and no bare delete."""
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
