@@ -13,6 +13,20 @@ from analysis.machine_code import LOCATORS, alone
 
 SUMS = {"reassoc", "contract", "arcp", "nsz"}
 F = TypeVar("F", bound=Callable[..., object])
+Told = Callable[[int, int], None]
+
+_functions: set[str] = set()
+_compiled_here: set[str] = set()
+_told: list[Told] = []
+
+
+def tell_of_compiling(told: Told) -> None:
+    """Have a callback told of each function that is compiled here and was not kept on disk.
+
+    It is told how many this process has compiled, and how many it knows: nearly all of them are
+    compiled by the first shot, in some order. Where all were kept it is told of none.
+    """
+    _told.append(told)
 
 
 def compiled(function: F) -> F:
@@ -54,6 +68,7 @@ def _kept(decorate: Callable[[F], Any], function: F, *, plain: bool = False) -> 
         config.CACHE_LOCATOR_CLASSES = before
     compile_here = dispatcher.compile
     name = f"{function.__module__}.{function.__name__}"
+    _functions.add(name)
 
     def compile_alone(signature: tuple[object, ...]) -> object:
         strange = [kind for kind in arrays_of(signature) if kind.layout != "C" or not kind.mutable]
@@ -61,7 +76,13 @@ def _kept(decorate: Callable[[F], Any], function: F, *, plain: bool = False) -> 
             message = f"{name} takes arrays that are contiguous in rows and can be written"
             raise TypeError(f"{message}, not {strange[0]}; pass numpy.ascontiguousarray of it")
         with alone(name):
-            return compile_here(signature)
+            missed = sum(dispatcher.stats.cache_misses.values())
+            code = compile_here(signature)
+        if sum(dispatcher.stats.cache_misses.values()) > missed:
+            _compiled_here.add(name)
+            for told in _told:
+                told(len(_compiled_here), len(_functions))
+        return code
 
     dispatcher.compile = compile_alone
     return cast("F", dispatcher)

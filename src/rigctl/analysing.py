@@ -11,7 +11,12 @@ import threading
 from collections.abc import Callable
 from queue import Empty, SimpleQueue
 
-from rigctl.analysis_process import CLOSE_WAIT_S, AnalysisFailedError, AnalysisProcess
+from rigctl.analysis_process import (
+    CLOSE_WAIT_S,
+    AnalysisFailedError,
+    AnalysisProcess,
+    Compiling,
+)
 from rigctl.result_keeping import Keeper
 from rigctl.store import Store
 
@@ -70,6 +75,12 @@ class Analyser:
     def submit_by(self, shot: str, method: str) -> None:
         """Queue a shot to be analysed by another method; returns at once."""
         self._waiting.put((shot, method))
+
+    @property
+    def compiling(self) -> Compiling | None:
+        """How far a worker is that compiles machine code for its shot; None: none does."""
+        far = (worker.compiling for worker in self._workers)
+        return next((each for each in far if each is not None), None)
 
     def close(self) -> None:
         """End the workers; a shot under way is taken up again at the next start."""

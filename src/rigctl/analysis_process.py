@@ -8,6 +8,7 @@ import multiprocessing
 import signal
 import threading
 from collections.abc import Callable
+from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 from pathlib import Path
@@ -25,6 +26,14 @@ class AnalysisFailedError(RigError):
     code = "analysis-failed"
 
 
+@dataclass(frozen=True, slots=True)
+class Compiling:
+    """How far a process is that compiles its functions to machine code: `done` of about `of`."""
+
+    done: int
+    of: int
+
+
 class AnalysisProcess:
     """One process, started when it is first needed and again after it was lost.
 
@@ -32,6 +41,11 @@ class AnalysisProcess:
     ----------
     function
         `module:name` of a callable (folder, method) -> JSON object, imported in the process.
+
+    Attributes
+    ----------
+    compiling
+        How far it is, while the shot under way waits for machine code; None: it waits for none.
     """
 
     def __init__(self, function: str) -> None:
@@ -39,18 +53,17 @@ class AnalysisProcess:
         self._lock = threading.Lock()
         self._started: tuple[BaseProcess, Connection] | None = None
         self.ended = False
+        self.compiling: Compiling | None = None
 
     def ask(self, folder: Path, method: str, timeout_s: float) -> Json:
-        """Have one folder analysed; raise `AnalysisFailedError` if no result comes of it."""
+        """Have one folder analysed; raise `AnalysisFailedError` if no result comes of it.
+
+        Each function that is compiled meanwhile gives the analysis its time anew.
+        """
         process, connection = self._running()
         try:
             connection.send((str(folder), method))
-            if not connection.poll(timeout_s):
-                process.kill()
-                raise AnalysisFailedError(
-                    "the analysis took too long", limit=f"{timeout_s:g} s", todo="analyse it again"
-                )
-            result, failure = connection.recv()
+            result, failure = self._answer(process, connection, timeout_s)
         except (EOFError, OSError) as error:
             process.join(CLOSE_WAIT_S)
             raise AnalysisFailedError(
@@ -58,8 +71,24 @@ class AnalysisProcess:
             ) from error
         if failure is not None:
             raise AnalysisFailedError(failure, todo="report the shot's folder")
-        document: Json = json.loads(result)
+        document: Json = json.loads(str(result))
         return document
+
+    def _answer(
+        self, process: BaseProcess, connection: Connection, timeout_s: float
+    ) -> tuple[str | None, str | None]:
+        try:
+            while connection.poll(timeout_s):
+                told: Compiling | tuple[str | None, str | None] = connection.recv()
+                if not isinstance(told, Compiling):
+                    return told
+                self.compiling = told
+        finally:
+            self.compiling = None
+        process.kill()
+        raise AnalysisFailedError(
+            "the analysis took too long", limit=f"{timeout_s:g} s", todo="analyse it again"
+        )
 
     def end(self) -> None:
         """Kill the process; whoever waits for it is told at once."""
@@ -111,6 +140,10 @@ def _start(function: str) -> tuple[BaseProcess, Connection]:
 def _work(connection: Connection, function: str) -> None:
     """Serve in the worker's process until the daemon's end of the pipe closes."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    # Loaded here: the daemon starts without the compiler.
+    from analysis.compiled import tell_of_compiling  # noqa: PLC0415
+
+    tell_of_compiling(lambda done, of: connection.send(Compiling(done, of)))
     module, _, name = function.partition(":")
     analyse: Callable[[Path, str], Json] = getattr(importlib.import_module(module), name)
     while True:

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Protocol, cast
 
 from rigctl.analysing import Analyser
+from rigctl.analysis_process import Compiling
 from rigctl.cameras.build import build_capture
 from rigctl.config import Configuration, Simulation
 from rigctl.devices import build
@@ -39,7 +40,8 @@ class Daemon:
     """A running rig: what it is, what acts, what survives, and what the start had to clear up.
 
     `laboratory` is what stands behind a simulated rig, None on a real one; `analyse` queues a
-    stored shot for analysis and returns at once, `analyse_by` by a method of choice; `jobs` is
+    stored shot for analysis and returns at once, `analyse_by` by a method of choice; `compiling`
+    says how far the machine code is that an analysis waits for, None where none does; `jobs` is
     whatever else takes long; `offered` are the sweeps that wait to be resumed.
     """
 
@@ -50,6 +52,7 @@ class Daemon:
     laboratory: Laboratory | None
     analyse: Callable[[str], None]
     analyse_by: Callable[[str, str], None]
+    compiling: Callable[[], Compiling | None]
     jobs: Jobs
     sweeps: SweepRunner
     offered: tuple[SweepRecord, ...]
@@ -102,6 +105,7 @@ def open_daemon(configuration: Configuration) -> Iterator[Daemon]:
             laboratory=laboratory,
             analyse=analyser.submit,
             analyse_by=analyser.submit_by,
+            compiling=lambda: analyser.compiling,
             jobs=jobs,
             sweeps=sweeps,
             offered=offered,

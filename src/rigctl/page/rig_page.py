@@ -84,7 +84,7 @@ class LastShot:
         if self._shot is None:
             ui.label("Measured a few seconds after the first shot.").classes("empty")
             return
-        coefficients(self._shot, self._desk.films.result(self._shot))
+        coefficients(self._desk, self._shot)
 
     async def _follow(self) -> None:
         before, now = self._shot, self._desk.daemon.rig.status().last_shot

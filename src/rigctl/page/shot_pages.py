@@ -86,7 +86,7 @@ class _OneShot:
     def _measured(self) -> None:
         with ui.element("div").classes("panel"):
             ui.label("Coefficients").classes("title")
-            coefficients(self._shot, self._desk.films.result(self._shot))
+            coefficients(self._desk, self._shot)
             again = button("Analyse again", self._again, testid="analyse-again")
             again.set_enabled(self._shot.state in ENDED)
             again.tooltip("a further result is added; none is replaced")

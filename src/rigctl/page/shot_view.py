@@ -16,6 +16,7 @@ from rigctl.page.tables import Cell, facts, measured
 from rigctl.store import ShotRecord, ShotState
 
 Json = Mapping[str, Any]
+COMPILING_EVERY_S = 0.5
 WAITED_FOR = {
     ShotState.ACCEPTED: "accepted; the rig is about to fire",
     ShotState.FIRING: "firing",
@@ -56,8 +57,9 @@ def film(desk: Desk, shot: ShotRecord, *, start: int | None = None, keys: bool =
     Player(shot, found.size, found.overlays, found.times_s, start=start, keys=keys)
 
 
-def coefficients(shot: ShotRecord, result: Json) -> None:
+def coefficients(desk: Desk, shot: ShotRecord) -> None:
     """Place the table of coefficients, or say what is waited for or why there are none."""
+    result = desk.films.result(shot)
     if result.get("status") == "measured":
         lines = [measured(COEFFICIENTS[name], result[name]) for name in COEFFICIENTS]
         headings: list[Cell | str] = [
@@ -70,12 +72,33 @@ def coefficients(shot: ShotRecord, result: Json) -> None:
             _told("The last analysis added nothing.", shot.failure)
     elif shot.state in WAITED_FOR:
         ui.label(f"{WAITED_FOR[shot.state]} …".capitalize()).classes("empty")
+        if shot.state in {ShotState.STORED, ShotState.ANALYSING}:
+            _compiling(desk)
         if shot.failure:
             _told("It is held up.", shot.failure)
     elif why := refusal(shot, result):
         _told("Not measured.", why)
     else:
         ui.label(f"{shot.state} …".capitalize()).classes("empty")
+
+
+def _compiling(desk: Desk) -> None:
+    """Say how far the machine code is that the first shot on a host waits for."""
+    said = ui.element("div").classes("stack").props("data-testid=compiling role=status")
+    with said:
+        ui.label("Machine code is being compiled, once on this host: it takes a minute or two.")
+        share = ui.linear_progress(show_value=False).props("instant-feedback")
+        count = ui.label().classes("note")
+
+    def look() -> None:
+        now = desk.daemon.compiling()
+        said.set_visibility(now is not None)
+        if now is not None:
+            share.set_value(now.done / now.of)
+            count.set_text(f"{now.done} of about {now.of} functions")
+
+    look()
+    ui.timer(COMPILING_EVERY_S, look)
 
 
 def _told(lead: str, why: str) -> None:

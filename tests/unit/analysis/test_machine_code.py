@@ -39,9 +39,9 @@ def package(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def asked(package: Path) -> list[str]:
+def asked(package: Path, program: str = ASK) -> list[str]:
     done = subprocess.run(
-        [sys.executable, "-c", ASK],
+        [sys.executable, "-c", program],
         check=False,
         cwd=package,
         capture_output=True,
@@ -57,6 +57,19 @@ def test_a_kept_function_is_used_until_a_part_in_another_file_changes(package: P
     assert asked(package) == ["7.0", "1"]
     (package / "analysis" / "room" / "inner.py").write_text(PART.format("5.0"))
     assert asked(package) == ["16.0", "0"]
+
+
+TOLD = (
+    "from analysis.compiled import tell_of_compiling\n"
+    "tell_of_compiling(lambda done, of: print(done, of))\n"
+)
+
+
+def test_who_asks_is_told_of_each_function_that_is_compiled_and_of_none_that_was_kept(
+    package: Path,
+) -> None:
+    assert asked(package, TOLD + ASK) == ["1", "2", "2", "2", "7.0", "0"]
+    assert asked(package, TOLD + ASK) == ["7.0", "1"]
 
 
 def test_a_function_that_was_never_compiled_is_not_kept() -> None:

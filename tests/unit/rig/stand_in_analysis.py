@@ -33,3 +33,14 @@ def crashes_at_the_first(folder: Path, method: str) -> dict[str, object]:
 def never_ends(folder: Path, method: str) -> dict[str, object]:
     time.sleep(3600)
     return {}
+
+
+def compiles_first(folder: Path, method: str) -> dict[str, object]:
+    """Compile a function that is kept nowhere, and wait to be let go on."""
+    from analysis import compiled
+
+    for told in compiled._told:
+        told(3, 60)
+    while not (folder / "go-on").exists():
+        time.sleep(0.01)
+    return measured(folder, method)

@@ -8,9 +8,10 @@ from multiprocessing.context import SpawnProcess
 from pathlib import Path
 
 import pytest
-from rig_fakes import BOUND_S, Laboratory
+from rig_fakes import BOUND_S, Laboratory, until
 
 from rigctl.analysing import Analyser
+from rigctl.analysis_process import Compiling
 from rigctl.store import ShotRecord, Store
 from rigctl.stored_shot import analyse_stored_shot, setup_of
 
@@ -163,6 +164,22 @@ def test_an_analyser_whose_worker_never_started_closes_at_once(
     assert [shot.state for shot in outcomes.wait(1)] == ["refused"]
     analyser.close()
     assert not [thread for thread in threading.enumerate() if thread.name == "analysis"]
+
+
+def test_how_far_the_machine_code_is_that_a_shot_waits_for_is_told_until_it_has_it(
+    lab: Laboratory, request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PYTHONPATH", str(request.path.parent))
+    outcomes, function = Outcomes(lab.store), "stand_in_analysis:compiles_first"
+    analyser = Analyser(lab.store, workers=1, method="thesis", timeout_s=60.0, function=function)
+    assert analyser.compiling is None
+    shot = lab.shoot()
+    analyser.submit(shot.id)
+    until(lambda: analyser.compiling == Compiling(3, 60))
+    (lab.store.folders.folder(shot.id) / "go-on").touch()
+    assert outcomes.wait(1)[0].state == "analysed"
+    assert analyser.compiling is None
+    analyser.close()
 
 
 def test_several_workers_share_the_shots(analysed: Callable[..., list[ShotRecord]]) -> None:
