@@ -35,6 +35,7 @@ from rigctl.store import ShotState, reading
 from rigctl.store.verifying import verify_store
 from rigctl.sweeps.form import Sweep
 from rigctl.sweeps.plan import plan_of
+from simulators.world.flight import load_integrator
 
 if TYPE_CHECKING:
     from rigctl.daemon import Daemon
@@ -252,6 +253,7 @@ def main() -> int:
     asked.add_argument("--seed", type=int, default=1)
     asked.add_argument("--out", type=Path, default=OUT)
     options = asked.parse_args()
+    load_integrator()
     chance, found = random.Random(options.seed), Findings()
     claimed: list[str] = []
     with tempfile.TemporaryDirectory() as temporary:

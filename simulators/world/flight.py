@@ -47,6 +47,11 @@ class Flight:
         return Pose(motion.centre, motion.orientation)
 
 
+def load_integrator() -> None:
+    """Load the libraries of flights, which takes most of a second; a world opens meanwhile."""
+    import scipy.integrate  # noqa: F401, PLC0415
+
+
 def acceleration(
     velocity: NDArray[np.float64], sphere: Sphere, environment: Environment
 ) -> NDArray[np.float64]:
@@ -69,7 +74,7 @@ def fly(
 
     Two spheres that overlap at the start are not taken to touch.
     """
-    # Slow to load: a laboratory opens without it, and its first shot is worked out meanwhile.
+    # Loaded by `load_integrator`, or else by the first flight.
     from scipy.integrate import solve_ivp  # noqa: PLC0415
 
     def derivative(_: float, state: NDArray[np.float64]) -> NDArray[np.float64]:

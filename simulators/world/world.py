@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from simulators.world.chance import marked_camera, noise_chance, shot_chance
 from simulators.world.description import WorldDescription
 from simulators.world.encounter import Encounter, Law, simulate
+from simulators.world.flight import load_integrator
 from simulators.world.launch import Launch
 from simulators.world.state import Pose
 from simulators.world.truth import append_line, contact_truth
@@ -79,6 +80,7 @@ class World:
         self._fires = 0
         self._fired: deque[_Fired] = deque(maxlen=REMEMBERED_SHOTS)
         self._camera = marked_camera(description, seed)
+        threading.Thread(target=load_integrator, name="world-load", daemon=True).start()
 
     @property
     def fires(self) -> int:
