@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from analysis.collision.operator import surface_velocity
 from analysis.model.comparison import weights
+from analysis.model.contact import AFTER, contact_outcome
 from analysis.model.fit import Fit
 from analysis.model.linear import left_jacobian
 from analysis.model.poses import PoseData
@@ -38,7 +39,7 @@ def contact_columns(data: Data, fit: Fit) -> dict[str, Floats]:
     if isinstance(data, ContactTable):
         return _tabulated_columns(data, fit)
     tau = np.maximum(data.times_s - fit.states.time_s[:, None], 0.0)[..., None]
-    frame = _contact_frame(data, fit)
+    frame = contact_frame(data, fit)
     columns: dict[str, Floats] = {}
     for kind, turning in (("velocity", False), ("spin", True)):
         for word, (first, second) in PAIRS:
@@ -54,7 +55,7 @@ def contact_columns(data: Data, fit: Fit) -> dict[str, Floats]:
 
 
 def _tabulated_columns(table: ContactTable, fit: Fit) -> dict[str, Floats]:
-    response, frame = table.weights[..., None] * table.functional, _contact_frame(table, fit)
+    response, frame = table.weights[..., None] * table.functional, contact_frame(table, fit)
     pairs: tuple[tuple[str, tuple[float, float]], ...] = PAIRS
     if table.bodies[1].is_plate:
         pairs = (("relative", (-1.0, 0.0)),)
@@ -121,7 +122,7 @@ def flight_channels(data: PoseData, fit: Fit) -> list[FrameChannel]:
     reach = float(np.quantile(np.abs(tau[used]), 0.99))
     scaled = np.clip(tau / max(reach, 1e-9), -1, 1)
     smooth = np.asarray(chebyshev.chebvander(scaled, SMOOTH - 1), dtype=np.float64)
-    frame, weight = _contact_frame(data, fit), weights(data)
+    frame, weight = contact_frame(data, fit), weights(data)
     found = []
     for kind, unit, part in (("position", "m", slice(0, 3)), ("orientation", "rad", slice(3, 6))):
         for word, shares in PAIRS:
@@ -177,7 +178,7 @@ def whitened(data: PoseData, moved: Floats) -> Floats:
     return np.where(np.isfinite(sigma), moved / sigma, 0.0).reshape(len(moved), -1)
 
 
-def _contact_frame(data: Data, fit: Fit) -> tuple[Floats, Floats, Floats]:
+def contact_frame(data: Data, fit: Fit) -> tuple[Floats, Floats, Floats]:
     """Return n, t, b of each shot, each of shape (S, 3)."""
     states = fit.states
     surface = surface_velocity(states.before, states.normal, data.bodies)
@@ -187,8 +188,8 @@ def _contact_frame(data: Data, fit: Fit) -> tuple[Floats, Floats, Floats]:
 
 
 def _as_turn(data: PoseData, fit: Fit, change: Floats, tau: Floats) -> Floats:
-    """Turn a change of spin times time (S, F, 2, 3) into a change of orientation."""
-    before = fit.states.before
-    spins = np.stack([before.spin_a, before.spin_b], axis=1)[:, None]
+    """Turn a change of spin after contact times time (S, F, 2, 3) into one of orientation."""
+    after = contact_outcome(data, fit.states, fit.theory)[:, AFTER]
+    spins = after.reshape(-1, 1, 4, 3)[:, :, 2:]
     response = left_jacobian(spins * tau[..., None, :])
     return np.asarray((response @ change[..., None])[..., 0])

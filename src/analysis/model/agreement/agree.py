@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2 as chi2_distribution
 
+from analysis.model.agreement.freed import with_free_outcomes
 from analysis.model.agreement.outcome import outcome_rows, outcomes
 from analysis.model.agreement.poses import fitted_row, pose_groups, predicted_row, sides
 from analysis.model.agreement.shapes import shape_rows
@@ -26,7 +27,6 @@ from analysis.model.projector import Projector, projector
 from analysis.model.tables import ContactTable, Data
 
 Floats = NDArray[np.float64]
-Jumps = dict[str, Floats]
 Groups = dict[str, list[FrameChannel]]
 
 
@@ -48,7 +48,7 @@ def agree(data: Data, fit: Fit, further: Sequence[Stage] = ()) -> Agreement:
     if isinstance(data, ContactTable):
         stages = [Stage("after contact", tuple(outcome))]
     else:
-        stages = _of_frames(data, fit, sums, jumps, outcome=outcome)
+        stages = _of_frames(data, fit, sums, outcome)
     freedom = max(fit.freedom, 1)
     return Agreement(
         stages=(*further, *looked_at_together(stages)),
@@ -60,30 +60,30 @@ def agree(data: Data, fit: Fit, further: Sequence[Stage] = ()) -> Agreement:
     )
 
 
-def _of_frames(
-    data: PoseData, fit: Fit, sums: Projector, jumps: Jumps, *, outcome: Sequence[Row]
-) -> list[Stage]:
+def _of_frames(data: PoseData, fit: Fit, sums: Projector, outcome: Sequence[Row]) -> list[Stage]:
     turn_sigma = np.repeat(data.rotation_sigma[..., None], 3, axis=-1)
     sigma = np.concatenate([data.position_sigma, turn_sigma], axis=-1)
     sigma = np.where(data.measured, sigma, 0.0).reshape(len(sigma), -1)
-    shapes = (
-        Stage(name, tuple(shape_rows(data, sums, groups, jumps=jumps, sigma=sigma)))
-        for name, groups in (("flight", _flight(data, fit)), ("camera", _camera(data, fit)))
-    )
-    return [*_sides(data, fit, sums, outcome=outcome, sigma=sigma), *shapes]
-
-
-def _sides(
-    data: PoseData, fit: Fit, sums: Projector, *, outcome: Sequence[Row], sigma: Floats
-) -> tuple[Stage, Stage]:
+    free = with_free_outcomes(data, fit)
+    unbound, jumps = projector(free.data, free.fit), contact_columns(free.data, free.fit)
     after = data.times_s > fit.states.time_s[:, None]
-    known = data.measured & ~after[..., None, None]
-    split = sides(sums, known.reshape(len(known), -1))
-    before = [
-        fitted_row(split.before, group, sigma) for group in pose_groups(data.measured, ~after)
-    ]
+    known = (data.measured & ~after[..., None, None]).reshape(len(sigma), -1)
+    before = sides(unbound, known).before
+    split = sides(sums, known)
+    fitted = [fitted_row(before, group, sigma) for group in pose_groups(data.measured, ~after)]
     poses = [predicted_row(split, group, sigma) for group in pose_groups(data.measured, after)]
-    return Stage("before contact", tuple(before)), Stage("after contact", (*outcome, *poses))
+    shapes = (
+        Stage(name, tuple(shape_rows(free.data, unbound, groups, jumps=jumps, sigma=sigma)))
+        for name, groups in (
+            ("flight", _flight(free.data, free.fit)),
+            ("camera", _camera(free.data, free.fit)),
+        )
+    )
+    return [
+        Stage("before contact", tuple(fitted)),
+        Stage("after contact", (*outcome, *poses)),
+        *shapes,
+    ]
 
 
 def _flight(data: PoseData, fit: Fit) -> Groups:

@@ -1,6 +1,7 @@
 """Agreement of flight and of the camera: smooth displacements that the poses would rather have.
 
-The outcome of every contact is set free here, so that a wrong law does not pass for them.
+The outcome of every contact is free, so that a wrong law does not pass for them; the shots stand
+where they fit best with their outcomes so (`freed`).
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from numpy.typing import NDArray
 from analysis.model.agreement.outcome import jump_covariance
 from analysis.model.agreement.table import Row, Spread, root_mean
 from analysis.model.channels import SMOOTH, FrameChannel
-from analysis.model.normal import inverse, with_prior
+from analysis.model.normal import with_prior
 from analysis.model.poses import PoseData
 from analysis.model.projector import LEAST_INFORMATION, ByShot, Projector, Solved
 
@@ -56,11 +57,15 @@ def with_free_contacts(
 
 
 def _law_covariance(information: Floats, raw: Floats) -> Floats:
-    """Invert along the parameters that are still informed, zero for the others, (P, P)."""
-    told = np.flatnonzero(np.diag(information) > LEAST_INFORMATION * raw)
-    covariance = np.zeros_like(information)
-    covariance[np.ix_(told, told)] = inverse(information[np.ix_(told, told)])
-    return covariance
+    """Invert along what is still informed of the raw information (P,), zero along the rest, (P, P).
+
+    What a free outcome can imitate of the law leaves nothing but rounding, of either sign.
+    """
+    scale = np.sqrt(np.maximum(raw, 1e-300))
+    values, vectors = np.linalg.eigh(information / scale[:, None] / scale)
+    told = values > LEAST_INFORMATION
+    along = vectors[:, told] / scale[:, None]
+    return np.asarray((along / values[told]) @ along.T)
 
 
 def shape_rows(

@@ -21,6 +21,7 @@ from tests.unit.analysis.model.hard_spheres import Hidden, campaign
 
 CAMPAIGNS, SHOTS = 100, 6
 STAGES = ["before contact", "after contact", "flight", "camera"]
+CALM = {"before contact", "flight", "camera"}
 
 
 def agreement_of(data: PoseData) -> Agreement:
@@ -169,3 +170,17 @@ def test_the_spread_of_a_plain_chi_squared_gives_its_plain_p_value() -> None:
     # 18.307 is the 95 per cent point of ten degrees of freedom in any table.
     assert Spread(10.0, 20.0).p_value(18.307) == pytest.approx(0.05, abs=1e-4)
     assert Spread(0.0, 0.0).p_value(0.0) == 1.0
+
+
+def test_a_law_that_is_far_off_alarms_neither_flight_nor_camera() -> None:
+    # Restitution that changes much over the range of speeds: shots miss it by ten standard errors.
+    far = [agreement_of(campaign(16, 9300 + k, hidden=Hidden(slope=0.2))) for k in range(8)]
+    assert min(found.chi2 / found.freedom for found in far) > 5
+    p_values = np.array(
+        [
+            [row.p_value for stage in found.stages if stage.name in CALM for row in stage.rows]
+            for found in far
+        ]
+    )
+    assert kstest(p_values.ravel(), "uniform").pvalue > 1e-3
+    assert p_values.min() > 1e-4
