@@ -1,33 +1,39 @@
 """How well next shots do what they promise: python -m benchmarks.next_shots.
 
-A campaign hides an effect. Next shots are asked for that tell it from a rival with probability .9;
-then many campaigns like it are fired, each followed by fewer and more of the proposed shots, and by
-shots spread evenly, all with physics of their own (simulators.challenge). Counted is how often the
-right effect lowers chi-squared most; how many shots it takes is read off by how much it does.
-Prints the number proposed over the number needed (p/n), and the number needed over that of an even
-design (n/e). Writes out/next_shots.json.
+Campaigns hide an effect, with physics of their own (simulators.challenge). Each that leaves open
+which of a pair it is gets its own next shots, which are then fired, and in another future as many
+evenly spread shots as are said to do the same. Counted is how often the right effect leads, beside
+what was promised for the case that it is true, and by how much chi-squared comes to prefer it. This
+gain goes with the number of shots: p/n, the gain that came over the one that was promised, is the
+number proposed over the number needed. n/e compares the shots that chi-squared needs with those of
+an even design. Both truths of each pair are tried. Writes out/next_shots.json.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+import multiprocessing
+import os
+from collections.abc import Callable, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import asdict, dataclass, field, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import minimize
-from scipy.special import ndtri
 
+from analysis.collision.operator import Body
 from analysis.effects.catalogue import CATALOGUE
 from analysis.effects.effect import Effect
 from analysis.launch.fit import fit_launch
 from analysis.launch.prediction import Limits
-from analysis.model.design.between import PROBABILITY, Repeated, Telling, best_fit, tell_apart
-from analysis.model.design.candidates import grid
-from analysis.model.fit import fit_campaign
+from analysis.model.design.between import Repeated, best_fit, tell_apart
+from analysis.model.design.candidates import AFTER_THE_CAMPAIGN, grid
+from analysis.model.fit import Fit, fit_campaign
+from analysis.model.leaders import ALIAS_WITHIN
+from analysis.model.poses import PoseData
 from simulators.challenge.nature import Nature
 from tests.unit.analysis.model.design.at_settings import drawn_settings, fired
 
@@ -35,58 +41,177 @@ Floats = NDArray[np.float64]
 
 OUT = Path("out/next_shots.json")
 LIMITS = Limits((12.0, 95.0), (0.0, 22.0))
-FACTORS = (0.0, 0.5, 1.0, 1.6)
-_AS_PROPOSED = FACTORS.index(1.0)
+SHOTS = 12
+DIAMETER_M, DENSITY, SOLID = 0.0254, 1150.0, 0.4
 KNOWN = {effect.name: effect for effect in CATALOGUE}
 
 
 @dataclass(frozen=True, slots=True)
+class World:
+    """What shots obey, and by which shares the spheres are larger than the campaign states."""
+
+    nature: Nature = field(default_factory=Nature)
+    larger: tuple[float, float] = (0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
 class Case:
-    """An effect, what it is confused with, and the number of shots that leave it open."""
+    """A hidden effect, what it is confused with, and the worlds that hide it."""
 
     hidden: str
     rival: str
-    nature: Nature
-    shots: int
+    world: Callable[[np.random.Generator], World]
 
     @property
     def pair(self) -> tuple[Effect, Effect]:
         """Both effects, the hidden one first."""
         return KNOWN[self.hidden], KNOWN[self.rival]
 
+    @property
+    def extra(self) -> int:
+        """Parameters that the rival has more."""
+        first, second = self.pair
+        return len(second.parameters) - len(first.parameters)
+
+    def price(self, more: int) -> float:
+        """Return what of a lead is for ln(shots) after more of them."""
+        return self.extra * float(np.log1p(more / SHOTS))
+
+
+@dataclass(frozen=True, slots=True)
+class Trial:
+    """A campaign that leaves its pair open, and what came of its next shots.
+
+    Attributes
+    ----------
+    proposed, even
+        Shots that were asked for, and evenly spread ones that are said to do as much.
+    promised, either
+        Probability that the right one is named: where it is the hidden one, as it is, and for not
+        knowing.
+    foretold, grown
+        By how much chi-squared comes to prefer the right one with the proposed shots, ln(shots)
+        counted for each parameter.
+    even_grown
+        The same with the even shots.
+    price
+        What of this is for ln(shots), with the proposed and with the even shots.
+    right
+        Whether it then leads.
+    """
+
+    proposed: int
+    even: int
+    promised: float
+    either: float
+    foretold: float
+    grown: float
+    even_grown: float
+    price: tuple[float, float]
+    right: bool
+
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """What came of one case.
+    """What came of a case: of its campaigns that left the pair open.
 
-    `named` and `even_named` are the shares of campaigns in which the right effect led, after
-    `FACTORS` times the number proposed, or foretold for an even design.
+    Attributes
+    ----------
+    proposed
+        Median number of shots.
+    promised, either, named
+        Means of the probabilities of `Trial`, and the share in which the right one led.
+    ratio, ratio_sigma
+        Shots proposed over shots needed, by how fast the lead grew, and its standard error.
+    of_even, foretold_of_even
+        Shots that chi-squared needs over those of an even design: counted, and as was said.
     """
 
     hidden: str
     rival: str
-    proposed: int
-    needed: float
-    named: list[float]
-    even_foretold: int | None
-    even_needed: float
-    even_named: list[float]
+    open: int
+    proposed: float
+    promised: float
+    named: float
+    either: float
+    ratio: float
+    ratio_sigma: float
+    of_even: float
+    foretold_of_even: float
+
+    @property
+    def line(self) -> str:
+        """As a row of the table."""
+        numbers = (self.open, self.proposed, self.promised, self.named, self.ratio)
+        more = (self.ratio_sigma, self.of_even, self.foretold_of_even)
+        return f"{self.hidden:<26}{self.rival:<26}" + "".join(
+            f"{number:>9.2f}" for number in (*numbers, *more)
+        )
 
 
+def _always(nature: Nature, rng: np.random.Generator) -> World:
+    del rng
+    return World(nature)
+
+
+def _radii(
+    middle: tuple[float, float], spread: tuple[float, float], rng: np.random.Generator
+) -> World:
+    """Return spheres that look like the rival but for as much as one shot alone would show."""
+    off = rng.standard_normal()
+    return World(larger=(middle[0] + spread[0] * off, middle[1] + spread[1] * off))
+
+
+VISCOELASTIC, PLASTIC = "restitution-viscoelastic", "restitution-plastic"
+LIKE_MASSES = partial(_radii, (0.001, -0.001), (3.5e-4, 3.5e-4))
+LIKE_A_SCALE = partial(_radii, (0.0015, 0.0015), (1e-4, -1e-4))
 CASES = (
-    Case("restitution-viscoelastic", "restitution-plastic", Nature(viscosity=0.3), 12),
-    Case("restitution-plastic", "restitution-viscoelastic", Nature(restitution_power=0.02), 12),
-    Case("mass-mismatch", "radius-mismatch", Nature(mass_difference=0.003), 12),
-    Case("image-scale", "radius-mismatch", Nature(image_scale=0.0015), 12),
+    Case(VISCOELASTIC, PLASTIC, partial(_always, Nature(viscosity=0.3))),
+    Case(PLASTIC, VISCOELASTIC, partial(_always, Nature(restitution_power=0.02))),
+    Case("mass-mismatch", "radius-mismatch", partial(_always, Nature(mass_difference=0.003))),
+    Case("radius-mismatch", "mass-mismatch", LIKE_MASSES),
+    Case("image-scale", "radius-mismatch", partial(_always, Nature(image_scale=0.0015))),
+    Case("radius-mismatch", "image-scale", LIKE_A_SCALE),
 )
+"""Both truths of a pair stand together."""
 
 
-def proposed(case: Case, seed: int) -> Telling:
-    """Fire a campaign and ask for the shots that tell the pair apart."""
-    data = fired(drawn_settings(case.shots, seed), case.nature, seed)
+def tried(place: int, seed: int) -> Trial | None:
+    """Fire a campaign of a case; if it leaves the pair open, ask for next shots and fire them."""
+    case, rng = CASES[place], np.random.default_rng([seed, place])
+    world = case.world(rng)
+    data = _seen_in(world, fired(drawn_settings(SHOTS, seed), world.nature, seed))
     base = fit_campaign(data)
-    launch = fit_launch(data, base)
-    return tell_apart(data, base, launch, case.pair, grid(LIMITS, alike=True))
+    before = ahead(case, data, base)
+    if abs(before) > ALIAS_WITHIN:
+        return None
+    told = tell_apart(data, base, fit_launch(data, base), case.pair, grid(LIMITS, alike=True))
+    if told.each is None or told.gain is None:
+        raise TypeError("two effects were asked for, and the answer is of one")
+    even = told.even or 5 * told.count
+    every = tuple(Repeated(setting, 1) for setting in grid(LIMITS, alike=True))
+    grown, even_grown = (
+        ahead(case, _followed(data, world, drawn(design, count, rng), seed + future)) - before
+        for future, design, count in ((10_000, told.shots, told.count), (20_000, every, even))
+    )
+    return Trial(
+        proposed=told.count,
+        even=even,
+        promised=told.each[0],
+        either=told.probability,
+        foretold=told.gain[0],
+        grown=grown,
+        even_grown=even_grown,
+        price=(case.price(told.count), case.price(even)),
+        right=before + grown > 0,
+    )
+
+
+def ahead(case: Case, data: PoseData, base: Fit | None = None) -> float:
+    """Return by how much chi-squared prefers the hidden effect, ln(shots) for each parameter in."""
+    fit = fit_campaign(data) if base is None else base
+    right, wrong = (best_fit(data, fit, effect) for effect in case.pair)
+    return wrong.chi2 - right.chi2 + case.extra * float(np.log(len(data.shots)))
 
 
 def drawn(shots: Sequence[Repeated], count: int, rng: np.random.Generator) -> Floats:
@@ -99,99 +224,75 @@ def drawn(shots: Sequence[Repeated], count: int, rng: np.random.Generator) -> Fl
         for one in shots
         for _ in range(one.repeat)
     ]
+    if not listed:
+        return np.zeros((0, 2))
     rounds = [rng.permutation(np.array(listed)) for _ in range(-(-count // len(listed)))]
     return np.concatenate(rounds)[:count]
 
 
-def even(count: int, rng: np.random.Generator) -> Floats:
-    """Return settings spread evenly over the grid."""
-    every = [Repeated(setting, 1) for setting in grid(LIMITS, alike=True)]
-    return drawn(every, count, rng)
+def _followed(data: PoseData, world: World, more: Floats, seed: int) -> PoseData:
+    """Return a campaign with more shots at the settings (M, 2), fired in the same world."""
+    if len(more) == 0:
+        return data
+    later = _seen_in(world, fired(drawn_settings(0, seed, more), world.nature, seed))
+    order = np.full(len(more), AFTER_THE_CAMPAIGN)
+    return data.joined(replace(later, covariates={**later.covariates, "order": order}))
 
 
-def ahead_after(case: Case, more: Floats, counts: Sequence[int], seed: int) -> list[float]:
-    """Fire a campaign and more shots; return by how much the right effect leads after each count.
-
-    In chi-squared, ln(shots) added for each parameter: below zero the wrong one is named.
-    """
-    data = fired(drawn_settings(case.shots, seed, more), case.nature, seed)
-    found = []
-    for count in counts:
-        part = data.part(slice(0, case.shots + count))
-        base = fit_campaign(part)
-        right, wrong = (best_fit(part, base, effect) for effect in case.pair)
-        extra = len(wrong.theory.names) - len(right.theory.names)
-        found.append(wrong.chi2 - right.chi2 + extra * float(np.log(len(part.shots))))
-    return found
+def _seen_in(world: World, data: PoseData) -> PoseData:
+    """State the spheres of shots as the campaign's owner has them."""
+    a, b = (Body.sphere(DIAMETER_M / (1.0 + d), DENSITY, SOLID) for d in world.larger)
+    return replace(data, bodies=(a, b))
 
 
-def needed(counts: Sequence[int], ahead: Floats) -> float:
-    """Return at how many shots the right effect leads in nine campaigns of ten.
-
-    Likeliest line m = a + b n through the leads (campaigns, counts), each a Gaussian of mean m and
-    variance 4 m, as the difference of two chi-squareds is.
-    """
-    n = np.array(counts)
-
-    def cost(logs: Floats) -> float:
-        m = np.exp(logs[0]) + np.exp(logs[1]) * n
-        return float(((ahead - m) ** 2 / (4 * m) + np.log(m)).sum())
-
-    start = np.log([0.5, 6.0 / max(n.mean(), 1.0)])
-    a, b = np.exp(minimize(cost, start, method="Nelder-Mead").x)
-    return max(0.0, float(((2 * ndtri(PROBABILITY)) ** 2 - a) / b))
-
-
-def tried(case: Case, seed: int, campaigns: int) -> Row:
-    """Propose, then count."""
-    told = proposed(case, seed)
-    first, flat = (
-        fired_after(case, told, seed, campaigns=campaigns, spread=spread)
-        for spread in (False, True)
+def summary(case: Case, trials: Sequence[Trial]) -> Row:
+    """Add up what came of the campaigns that left their pair open."""
+    foretold, grown, even_grown, price = (
+        np.array([getattr(trial, name) for trial in trials])
+        for name in ("foretold", "grown", "even_grown", "price")
     )
-    return Row(case.hidden, case.rival, told.count, *first, told.even, *flat)
-
-
-def fired_after(
-    case: Case, told: Telling, seed: int, *, campaigns: int, spread: bool
-) -> tuple[float, list[float]]:
-    """Return how many shots are needed, and the share named right after each of `FACTORS`."""
-    number = (told.even or 5 * told.count) if spread else told.count
-    counts = [round(factor * number) for factor in FACTORS]
-    leads = []
-    for k in range(campaigns):
-        rng = np.random.default_rng([seed, k, 3])
-        more = even(counts[-1], rng) if spread else drawn(told.shots, counts[-1], rng)
-        leads.append(ahead_after(case, more, counts, 1000 * (seed + 1) + k))
-    ahead = np.array(leads)
-    return needed(counts, ahead), [float(share) for share in (ahead > 0).mean(axis=0)]
+    proposed, even = (np.array([getattr(t, name) for t in trials]) for name in ("proposed", "even"))
+    rates = [
+        float((leads - paid).sum() / max(shots.sum(), 1))
+        for leads, paid, shots in ((grown, price[:, 0], proposed), (even_grown, price[:, 1], even))
+    ]
+    return Row(
+        hidden=case.hidden,
+        rival=case.rival,
+        open=len(trials),
+        proposed=float(np.median(proposed)),
+        promised=float(np.mean([trial.promised for trial in trials])),
+        named=float(np.mean([trial.right for trial in trials])),
+        either=float(np.mean([trial.either for trial in trials])),
+        ratio=float(grown.sum() / foretold.sum()),
+        ratio_sigma=float(np.std(grown - foretold) * np.sqrt(len(trials)) / abs(foretold.sum())),
+        of_even=float(rates[1] / rates[0]),
+        foretold_of_even=float(np.median(proposed / even)),
+    )
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--campaigns", type=int, default=40, help="fired for each design")
-    parser.add_argument("--seeds", type=int, default=1, help="proposals for each pair")
+    parser.add_argument("--campaigns", type=int, default=40, help="fired of each case")
+    parser.add_argument("--cases", type=int, nargs="*", default=range(len(CASES)))
+    parser.add_argument("--processes", type=int, default=1)
     wanted = parser.parse_args()
-    headings = ("proposed", "named", "needed", "even", "p/n", "n/e")
+    # Read when a process loads its linear algebra, so set before the first is started.
+    for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"):
+        os.environ[name] = "1"
+    headings = ("open", "proposed", "promised", "named", "p/n", "+-", "n/e", "foretold")
     print(f"{'hidden':<26}{'rival':<26}" + "".join(f"{word:>9}" for word in headings))
     rows = []
-    for case in CASES:
-        for seed in range(1, wanted.seeds + 1):
-            row = tried(case, seed, wanted.campaigns)
+    fresh = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(wanted.processes, mp_context=fresh) as pool:
+        for place in wanted.cases:
+            seeds = range(1, wanted.campaigns + 1)
+            found = list(pool.map(partial(tried, place), seeds))
+            row = summary(CASES[place], [trial for trial in found if trial is not None])
             rows.append(row)
-            numbers = (row.proposed, row.named[_AS_PROPOSED], row.needed, row.even_needed)
-            ratios = (
-                row.proposed / max(row.needed, 1.0),
-                row.needed / max(row.even_needed, 1.0),
-            )
-            line = "".join(f"{number:>9.2f}" for number in (*numbers, *ratios))
-            print(f"{case.hidden:<26}{case.rival:<26}{line}", flush=True)
+            print(row.line, flush=True)
     OUT.parent.mkdir(exist_ok=True)
-    document = {
-        "campaigns": wanted.campaigns,
-        "factors": FACTORS,
-        "rows": [asdict(row) for row in rows],
-    }
+    document = {"campaigns": wanted.campaigns, "rows": [asdict(row) for row in rows]}
     OUT.write_text(json.dumps(document, indent=1, allow_nan=False) + "\n", encoding="utf-8")
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -129,6 +129,22 @@ class PoseData:
         parts = {name: getattr(self, name)[some] for name in names}
         covariates = {name: values[some] for name, values in self.covariates.items()}
         return replace(self, **parts, covariates=covariates)
+
+    def joined(self, other: PoseData) -> PoseData:
+        """Return these shots followed by others of as many frames, all else as it is here.
+
+        Of the covariates only those of both remain.
+        """
+        names = ("shots", "times_s", "position", "position_sigma", "rotation", "rotation_sigma")
+        arrays: dict[str, Any] = {
+            n: np.concatenate([getattr(self, n), getattr(other, n)]) for n in names
+        }
+        covariates = {
+            name: np.concatenate([values, other.covariates[name]])
+            for name, values in self.covariates.items()
+            if name in other.covariates
+        }
+        return replace(self, **arrays, covariates=covariates)
 
     @property
     def systematics(self) -> tuple[Systematic, ...]:

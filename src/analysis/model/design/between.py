@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from analysis.effects.effect import Effect
 from analysis.launch.result import LaunchFit
-from analysis.model.design.candidates import Candidates, Setting, candidates
+from analysis.model.design.candidates import FINE, Candidates, Setting, candidates
 from analysis.model.design.choice import chosen, fewest_even
-from analysis.model.design.duel import Duels, Truth, truth
+from analysis.model.design.duel import Belief, Duels, truth
 from analysis.model.fit import Fit, fit_campaign
 from analysis.model.leaders import ALIAS_WITHIN
 from analysis.model.poses import PoseData
@@ -45,8 +45,12 @@ class Telling:
         What to fire.
     probability
         That the right one is then named.
+    each, gain
+        The same where the first and where the second of them is true, and by how much chi-squared
+        comes to prefer it with the shots, on average, ln(shots) counted for each parameter. None
+        against the base model.
     without
-        The same with the campaign's shots alone.
+        That the one is right which the campaign's shots alone prefer.
     even
         How many shots spread evenly over all settings do as much; None: more than 5000.
     enough
@@ -56,6 +60,8 @@ class Telling:
     between: tuple[str | None, str | None]
     shots: tuple[Repeated, ...]
     probability: float
+    each: tuple[float, float] | None
+    gain: tuple[float, float] | None
     without: float
     even: int | None
     enough: bool
@@ -95,25 +101,26 @@ def tell_apart(
     LaunchRefusedError
         No setting brings a collision in view.
     """
-    drawn = candidates(data, base, launch, settings)
-    truths, undecided = _truths(data, base, drawn, pair)
-    counts = np.zeros(len(drawn.settings))
-    duels = _duels(truths, counts)
-    without = duels.probability(counts)
-    if undecided and without >= probability:
-        duels = Duels(tuple(duel.silenced() for duel in duels.duels))
-    for _ in range(_ROUNDS):
-        before, counts = counts, chosen(duels, duels.reaching(probability), MOST_SHOTS)
-        if np.array_equal(before, counts):
-            break
-        duels = _duels(truths, counts, duels)
-    counts = chosen(duels, duels.reaching(probability), MOST_SHOTS, start=counts)
-    even = _duels(truths, np.full(len(counts), _EVEN_GUESS / len(counts)), duels)
+    contest = _contest(data, base, pair)
+    coarse = candidates(data, base, launch, settings)
+    start = contest.duels(coarse, np.zeros(len(coarse.settings)))
+    without = start.probability(np.zeros(start.size))
+    if contest.undecided and without >= probability:
+        contest = contest.abreast()
+    rough, counts = _designed(contest, coarse, probability)
+    even = contest.duels(coarse, np.full(rough.size, _EVEN_GUESS / rough.size), rough)
+    drawn, duels = coarse, rough
+    if used := [one.setting for one in repeated(coarse, counts)]:
+        drawn = candidates(data, base, launch, used, FINE)
+        duels, counts = _designed(contest, drawn, probability)
     reached = duels.probability(counts)
+    leads = [duel.leads for duel in duels.duels if duel.leads is not None]
     return Telling(
         between=(pair[0].name if pair[0] else None, pair[1].name if pair[1] else None),
         shots=repeated(drawn, counts),
         probability=reached,
+        each=_either(float((lead.after(counts) > 0).mean()) for lead in leads),
+        gain=_either(float(lead.after(counts).mean()) - lead.ahead for lead in leads),
         without=without,
         even=fewest_even(even.size, even.reaching(probability), MOST_EVEN),
         enough=reached >= probability,
@@ -138,32 +145,62 @@ def repeated(drawn: Candidates, counts: Floats) -> tuple[Repeated, ...]:
     )
 
 
-def _truths(
-    data: PoseData, base: Fit, drawn: Candidates, pair: tuple[Effect | None, Effect | None]
-) -> tuple[tuple[Truth, ...], bool]:
-    """Return what may be true, and whether the campaign leaves it open which of two effects."""
-    first, second = (best_fit(data, base, effect) for effect in pair)
-    if pair[1] is None:
-        return (truth(data, drawn, first, second, 1.0),), False
-    if pair[0] is None:
-        return (truth(data, drawn, second, first, 1.0),), False
-    more = len(second.theory.names) - len(first.theory.names)
-    ahead = (second.chi2 - first.chi2) / max(base.chi2_per_dof, 1.0)
-    ahead += more * float(np.log(len(data.shots)))
-    trust = float(1 / (1 + np.exp(-np.clip(ahead, -100, 100) / 2)))
-    truths = (
-        truth(data, drawn, first, second, trust),
-        truth(data, drawn, second, first, 1 - trust),
-    )
-    return truths, bool(abs(ahead) < ALIAS_WITHIN)
+def _either(numbers: Iterable[float]) -> tuple[float, float] | None:
+    """Return what is foretold of either truth; there are none against the base model."""
+    both = tuple(numbers)
+    return (both[0], both[1]) if both else None
 
 
-def _duels(truths: Sequence[Truth], counts: Floats, start: Duels | None = None) -> Duels:
-    """Refit the rivals about a design; what an earlier design did not count stays uncounted."""
-    earlier = [None] * len(truths) if start is None else start.duels
-    return Duels(
-        tuple(
-            replace(one.duel(counts, first), discounted=first.discounted if first else 0.0)
-            for one, first in zip(truths, earlier, strict=True)
+@dataclass(frozen=True, slots=True, eq=False)
+class _Contest:
+    """What may be true of a campaign: theories, their rivals, and how far each is believed."""
+
+    data: PoseData
+    pairs: tuple[tuple[Fit, Fit], ...]
+    beliefs: tuple[Belief, ...]
+
+    @property
+    def undecided(self) -> bool:
+        """Whether the campaign leaves it open which of two effects is true."""
+        ahead = self.beliefs[0].ahead
+        return ahead is not None and abs(ahead) < ALIAS_WITHIN
+
+    def abreast(self) -> _Contest:
+        """Return the contest as if neither effect were ahead."""
+        return replace(self, beliefs=tuple(replace(b, ahead=0.0) for b in self.beliefs))
+
+    def duels(self, drawn: Candidates, counts: Floats, start: Duels | None = None) -> Duels:
+        """Take each for true, and refit its rival about a design."""
+        earlier = [None] * len(self.pairs) if start is None else start.duels
+        return Duels(
+            tuple(
+                truth(self.data, drawn, *pair, belief).duel(counts, first)
+                for pair, belief, first in zip(self.pairs, self.beliefs, earlier, strict=True)
+            )
         )
-    )
+
+
+def _contest(data: PoseData, base: Fit, pair: tuple[Effect | None, Effect | None]) -> _Contest:
+    """Fit both; how far either is believed follows from how well it fits."""
+    first, second = (best_fit(data, base, effect) for effect in pair)
+    if pair[0] is None or pair[1] is None:
+        fits = (second, first) if pair[0] is None else (first, second)
+        return _Contest(data, (fits,), (Belief(),))
+    more = len(second.theory.names) - len(first.theory.names)
+    noise = max(min(first.chi2_per_dof, second.chi2_per_dof), 1.0)
+    ahead = (second.chi2 - first.chi2) / noise + more * float(np.log(len(data.shots)))
+    trust = float(1 / (1 + np.exp(-np.clip(ahead, -100, 100) / 2)))
+    beliefs = (Belief(trust, ahead, noise), Belief(1 - trust, -ahead, noise))
+    return _Contest(data, ((first, second), (second, first)), beliefs)
+
+
+def _designed(contest: _Contest, drawn: Candidates, probability: float) -> tuple[Duels, Floats]:
+    """Choose shots, and refit the rivals about them in turn."""
+    counts = np.zeros(len(drawn.settings))
+    duels = contest.duels(drawn, counts)
+    for _ in range(_ROUNDS):
+        before, counts = counts, chosen(duels, duels.reaching(probability), MOST_SHOTS)
+        if np.array_equal(before, counts):
+            break
+        duels = contest.duels(drawn, counts, duels)
+    return duels, chosen(duels, duels.reaching(probability), MOST_SHOTS, start=counts)

@@ -25,8 +25,10 @@ from analysis.model.unseen import spins_unknown
 Floats = NDArray[np.float64]
 
 PRESSURE_LEVELS, OFFSET_LEVELS = 6, 9
-DRAWS = 3
-"""Shots drawn at each setting: what a shot shows is averaged over the scatter of the launch."""
+COARSE, FINE = 3, 40
+"""Shots drawn at each setting: what a shot shows is averaged over the scatter of the launch. A few
+find the settings; what many shots at one setting show needs more draws than a shot has numbers, or
+its rival would follow the few."""
 PRESSURE_ROUNDING_KPA, OFFSET_ROUNDING_MM = 0.5, 0.1
 AFTER_THE_CAMPAIGN = 0.5
 """Place in the order of firing: next shots come last."""
@@ -50,8 +52,8 @@ class Candidates:
     settings
         K settings.
     data
-        Frames, sigmas and covariates of K x DRAWS shots, those of a setting together. Their poses
-        are still to be foretold (`foreseen`).
+        Frames, sigmas and covariates of K x D shots, those of a setting together. Their poses are
+        still to be foretold (`foreseen`).
     states
         Of these shots at first touch.
     """
@@ -60,14 +62,19 @@ class Candidates:
     data: PoseData
     states: ShotStates
 
+    @property
+    def draws(self) -> int:
+        """Shots at each setting D."""
+        return len(self.data.shots) // len(self.settings)
+
     def averaged(self, by_shot: Floats) -> Floats:
-        """Average what shots give (K x DRAWS, ...) over the draws of each setting, (K, ...)."""
-        parted = by_shot.reshape(len(self.settings), DRAWS, *by_shot.shape[1:])
+        """Average what shots give (K x D, ...) over the draws of each setting, (K, ...)."""
+        parted = by_shot.reshape(len(self.settings), self.draws, *by_shot.shape[1:])
         return np.asarray(parted.mean(axis=1))
 
     def spread(self, counts: Floats) -> Floats:
-        """Share the shots at each setting (K,) out to its draws, (K x DRAWS,)."""
-        return np.repeat(counts / DRAWS, DRAWS)
+        """Share the shots at each setting (K,) out to its draws, (K x D,)."""
+        return np.repeat(counts / self.draws, self.draws)
 
 
 def grid(limits: Limits, *, alike: bool = False) -> list[Setting]:
@@ -85,7 +92,11 @@ def grid(limits: Limits, *, alike: bool = False) -> list[Setting]:
 
 
 def candidates(
-    data: PoseData, fit: Fit, launch: LaunchFit, settings: Sequence[Setting], seed: int = 0
+    data: PoseData,
+    fit: Fit,
+    launch: LaunchFit,
+    settings: Sequence[Setting],
+    draws: int = COARSE,
 ) -> Candidates:
     """Draw shots at every setting where the spheres meet in view.
 
@@ -96,8 +107,8 @@ def candidates(
     ----------
     data, fit, launch
         The campaign, a fit of its poses, and the fit of its launches.
-    seed
-        Of the drawn scatter. All settings share the draws, so that they differ by themselves alone.
+    draws
+        Shots at each setting. All settings share them, so that they differ by themselves alone.
 
     Raises
     ------
@@ -110,11 +121,10 @@ def candidates(
         raise LaunchRefusedError("at no setting that the rig allows the spheres meet in view")
     chosen = tuple(s for s, good in zip(settings, usable, strict=True) if good)
     foretold = launch.predict(asked.of_shots(usable))
-    rng = np.random.default_rng(seed)
     root = _root(foretold.covariance)
-    drawn = np.einsum("kij,dj->kdi", root, rng.standard_normal((DRAWS, SIZE)))
-    each = np.repeat(np.arange(len(chosen)), DRAWS)
-    like = _nearest(foretold.states, fit.states).ravel()
+    drawn = np.einsum("kij,dj->kdi", root, _scatter(draws))
+    each = np.repeat(np.arange(len(chosen)), draws)
+    like = _nearest(foretold.states, fit.states, draws).ravel()
     states = _of(foretold.states, each).moved(drawn.reshape(-1, SIZE))
     states = replace(states, time_s=fit.states.time_s[like])
     frames = _frames_like(data, like, [chosen[k] for k in each])
@@ -175,14 +185,27 @@ def _root(covariance: Floats) -> Floats:
     return np.asarray(scale[:, :, None] * root)
 
 
-def _nearest(asked: ShotStates, seen: ShotStates) -> NDArray[np.intp]:
-    """Return the campaign's shots that are nearest in speed to each setting, shape (K, DRAWS)."""
+def _scatter(draws: int) -> Floats:
+    """Return drawn standard normals (D, 24), of unit covariance if there are enough of them."""
+    drawn = np.random.default_rng(0).standard_normal((draws, SIZE))
+    if draws <= SIZE:
+        return drawn
+    drawn -= drawn.mean(axis=0)
+    root = np.linalg.cholesky(drawn.T @ drawn / draws)
+    return np.asarray(np.linalg.solve(root, drawn.T).T)
+
+
+def _nearest(asked: ShotStates, seen: ShotStates, draws: int) -> NDArray[np.intp]:
+    """Return the campaign's shots that are nearest in speed to each setting, shape (K, D).
+
+    No more of them than a few, taken in turn.
+    """
     speeds = [
         np.linalg.norm(states.before.velocity_b - states.before.velocity_a, axis=1)
         for states in (asked, seen)
     ]
     order = np.argsort(np.abs(speeds[0][:, None] - speeds[1]), axis=1, kind="stable")
-    return order[:, np.arange(DRAWS) % order.shape[1]]
+    return order[:, np.arange(draws) % min(COARSE, order.shape[1])]
 
 
 def _of(states: ShotStates, index: NDArray[np.intp]) -> ShotStates:

@@ -19,6 +19,7 @@ def telling_document(found: Telling) -> Json:
     return {
         "between": [name or NONE for name in found.between],
         "probability": found.probability,
+        "probability_each": found.each,
         "probability_without": found.without,
         "enough": found.enough,
         "shots": found.count,

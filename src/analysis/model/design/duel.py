@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,12 +11,12 @@ from scipy.special import ndtr
 
 from analysis.model.design.candidates import Candidates, foreseen, foreseen_shots
 from analysis.model.design.divergence import Design, by_shot, refitted
-from analysis.model.design.probability import named_over_none, named_over_rival
+from analysis.model.design.leads import Leads, Stand, grams, observed, pulled
+from analysis.model.design.probability import named_over_none
 from analysis.model.fit import Fit
-from analysis.model.normal import inverse, with_prior
+from analysis.model.normal import with_prior
 from analysis.model.poses import PoseData
 from analysis.model.state import ShotStates
-from analysis.model.theory import Theory
 
 Floats = NDArray[np.float64]
 
@@ -30,67 +29,39 @@ class Duel:
     ----------
     campaign, settings
         Sums about the rival: of the campaign, and of one shot at each of K settings.
-    known, shown
-        Information on the true theory's parameters likewise, (P, P) and (K, P, P); what is known
-        of them beforehand is in the first.
-    amplitudes
-        Of the true effect, the last parameters of its theory, shape (B,).
-    more
-        Parameters that the truth has more than its rival.
-    shots
-        Of the campaign.
-    against_base
-        Whether the rival is the base model.
+    leads
+        By how much the truth leads after more shots; None: the rival is the base model, and the
+        truth is named where it passes the level.
+    parameters
+        Of the true effect.
     weight
         How far the campaign believes the truth, from 0 to 1.
-    states, theory
+    stand
         Where the rival stands: the shots' own numbers, and what they share.
-    discounted
-        Chi-squared between the two that is not counted.
     """
 
     campaign: Design
     settings: Design
-    known: Floats
-    shown: Floats
-    amplitudes: Floats
-    more: int
-    shots: int
-    against_base: bool
+    leads: Leads | None
+    parameters: int
     weight: float
-    states: ShotStates
-    theory: Theory
-    discounted: float = 0.0
+    stand: Stand
 
     def apart(self, counts: Floats) -> float:
         """Return chi-squared that the rival leaves beside the campaign, for counts (K,)."""
         total = self.campaign.plus(self.settings.total(counts))
-        return max(float(total.apart) - self.discounted, 0.0)
+        return float(total.apart)
 
     def apart_with(self, counts: Floats) -> Floats:
         """Return the same with one more shot at each setting, shape (K,)."""
         total = self.campaign.plus(self.settings.total(counts))
-        return np.maximum(total.plus(self.settings).apart - self.discounted, 0.0)
+        return total.plus(self.settings).apart
 
     def probability(self, counts: Floats) -> float:
         """Return how likely the truth is to be named."""
-        apart = self.apart(counts)
-        if self.against_base:
-            return named_over_none(apart, len(self.amplitudes))
-        return named_over_rival(
-            self._strength(counts), apart, more=self.more, shots=self.shots + int(counts.sum())
-        )
-
-    def silenced(self) -> Duel:
-        """Return the duel in which the campaign has no say of its own in who is right."""
-        return replace(self, discounted=self.apart(np.zeros(len(self.settings.left))))
-
-    def _strength(self, counts: Floats) -> float:
-        """Return d^2 of the true effect: its amplitudes in units of what is known of them."""
-        total = self.known + np.tensordot(counts, self.shown, 1)
-        size = len(self.amplitudes)
-        own = inverse(total)[-size:, -size:]
-        return float(self.amplitudes @ np.linalg.solve(own, self.amplitudes))
+        if self.leads is None:
+            return named_over_none(self.apart(counts), self.parameters)
+        return float((self.leads.after(counts) > 0).mean())
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -129,28 +100,45 @@ class Duels:
         return np.array([duel.weight for duel in self.duels])
 
 
+@dataclass(frozen=True, slots=True)
+class Belief:
+    """How far a campaign believes a theory.
+
+    Attributes
+    ----------
+    weight
+        From 0 to 1.
+    ahead
+        By how much the theory leads its rival in chi-squared, ln(shots) counted for each parameter;
+        None: its rival is the base model.
+    noise
+        Variance of the campaign's residuals, in squares of the stated sigmas.
+    """
+
+    weight: float = 1.0
+    ahead: float | None = None
+    noise: float = 1.0
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Truth:
     """A theory taken for true, over the campaign and the shots that could be fired.
 
     Attributes
     ----------
-    campaign, shots
-        Poses as it foretells them, free of noise: of the campaign and of the drawn shots.
-    known, shown
-        As in `Duel`.
-    weight
-        How far the campaign believes it.
+    data
+        The campaign as it was measured.
+    foretold
+        Poses of the campaign's shots and then of the drawn ones as the theory has them, free of
+        noise.
     """
 
     drawn: Candidates
     true: Fit
     rival: Fit
-    campaign: PoseData
-    shots: PoseData
-    known: Floats
-    shown: Floats
-    weight: float
+    data: PoseData
+    foretold: PoseData
+    belief: Belief
 
     def duel(self, counts: Floats, start: Duel | None = None) -> Duel:
         """Refit the rival to the campaign with so many shots at each setting.
@@ -160,65 +148,48 @@ class Truth:
         start
             The duel about an earlier design, to begin with.
         """
-        both = _joined(self.campaign, self.shots)
-        states = ShotStates.joined([self.true.states, self.drawn.states])
-        theory = self.rival.theory
-        if start is not None:
-            states, theory = start.states, start.theory
-        old = len(self.campaign.shots)
+        true = (ShotStates.joined([self.true.states, self.drawn.states]), self.true.theory)
+        states, theory = (true[0], self.rival.theory) if start is None else start.stand
+        old = len(self.data.shots)
         weights = np.concatenate([np.ones(old), self.drawn.spread(counts)])
-        states, theory = refitted(both, states, theory, weights)
-        sums = by_shot(both, states, theory)
+        rival = refitted(self.foretold, states, theory, weights)
+        sums = by_shot(self.foretold, *rival)
         campaign = sums.total(np.where(np.arange(len(weights)) < old, 1.0, 0.0))
-        own = len(self.true.theory.active[-1].values)
-        more = len(self.true.theory.names) - len(self.rival.theory.names)
         return Duel(
-            campaign=replace(campaign, matrix=with_prior(campaign.matrix, theory.prior[1])),
+            campaign=replace(campaign, matrix=with_prior(campaign.matrix, rival[1].prior[1])),
             settings=Design(
                 self.drawn.averaged(sums.left[old:]),
                 self.drawn.averaged(sums.gradient[old:]),
                 self.drawn.averaged(sums.matrix[old:]),
             ),
-            known=self.known,
-            shown=self.shown,
-            amplitudes=self.true.theory.vector[-own:],
-            more=more,
+            leads=self._leads(true, rival),
+            parameters=len(self.true.theory.active[-1].values),
+            weight=self.belief.weight,
+            stand=rival,
+        )
+
+    def _leads(self, true: Stand, rival: Stand) -> Leads | None:
+        if self.belief.ahead is None:
+            return None
+        old, noise = len(self.data.shots), self.belief.noise
+        gram = grams(self.foretold, true, rival) / noise
+        return Leads(
+            campaign=gram[:old].sum(axis=0),
+            settings=self.drawn.averaged(gram[old:]),
+            observed=observed(self.data, self.foretold.part(slice(old)), true, rival) / noise,
+            priors=(pulled(true[1]), pulled(rival[1])),
             shots=old,
-            against_base=len(self.rival.theory.active) < len(self.true.theory.active),
-            weight=self.weight,
-            states=states,
-            theory=theory,
+            ahead=self.belief.ahead,
         )
 
 
-def truth(data: PoseData, drawn: Candidates, true: Fit, rival: Fit, weight: float) -> Truth:
+def truth(data: PoseData, drawn: Candidates, true: Fit, rival: Fit, belief: Belief) -> Truth:
     """Foretell campaign and candidates by the fit that is taken for true."""
-    shots = foreseen_shots(drawn, true.theory)
     campaign = foreseen(data, true.states, true.theory)
-    return Truth(
-        drawn=drawn,
-        true=true,
-        rival=rival,
-        campaign=campaign,
-        shots=shots,
-        known=with_prior(
-            by_shot(campaign, true.states, true.theory).matrix.sum(axis=0), true.theory.prior[1]
-        ),
-        shown=drawn.averaged(by_shot(shots, drawn.states, true.theory).matrix),
-        weight=weight,
-    )
+    foretold = campaign.joined(foreseen_shots(drawn, true.theory))
+    return Truth(drawn, true, rival, data, foretold, belief)
 
 
 def _near(apart: Floats) -> Floats:
     # Minus the doubt: the probability itself has no digits left beyond 8 sigmas.
     return np.asarray(-ndtr(-np.sqrt(apart) / 2))
-
-
-def _joined(first: PoseData, second: PoseData) -> PoseData:
-    """Return the shots of both, which have as many frames."""
-    names = ("shots", "times_s", "position", "position_sigma", "rotation", "rotation_sigma")
-    arrays: dict[str, Any] = {
-        name: np.concatenate([getattr(first, name), getattr(second, name)]) for name in names
-    }
-    covariates = {k: np.concatenate([v, second.covariates[k]]) for k, v in first.covariates.items()}
-    return replace(first, **arrays, covariates=covariates)
