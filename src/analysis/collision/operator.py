@@ -127,7 +127,7 @@ class Encounter:
     @property
     def sliding_speed(self) -> Floats:
         """Its amount, m/s, never quite zero so that it has a direction, shape (S,)."""
-        return np.asarray(np.sqrt(np.maximum((self.sliding**2).sum(axis=1), 1e-30)))
+        return _speed(self.sliding)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -163,7 +163,7 @@ def surface_velocity(state: States, normal: Floats, bodies: tuple[Body, Body]) -
     relative = state.velocity_b - state.velocity_a
     turning = bodies[0].radius * state.spin_a + bodies[1].radius * state.spin_b
     across = relative - _dot(relative, normal) * normal
-    return np.asarray(across + np.cross(normal, turning))
+    return np.asarray(across + _cross(normal, turning))
 
 
 def walton(encounter: Encounter) -> Outcome:
@@ -176,7 +176,8 @@ def walton(encounter: Encounter) -> Outcome:
     give_n, _ = gives(encounter.bodies)
     impulse_n = (1 + encounter.e) * encounter.approach / give_n
     impulse_t = encounter.across(encounter)
-    along = encounter.sliding / encounter.sliding_speed[:, None]
+    sliding = encounter.sliding
+    along = sliding / _speed(sliding)[:, None]
     return struck(encounter, impulse_n[:, None] * encounter.normal - impulse_t[:, None] * along)
 
 
@@ -191,7 +192,7 @@ def struck(encounter: Encounter, impulse: Floats) -> Outcome:
     """Return the outcome of an impulse on b, kg m/s, shape (S, 3), and its reverse on a."""
     a, b = encounter.bodies
     before = encounter.before
-    twist = np.cross(encounter.normal, impulse)
+    twist = _cross(encounter.normal, impulse)
     after = States(
         velocity_a=before.velocity_a - impulse / a.mass,
         velocity_b=before.velocity_b + impulse / b.mass,
@@ -200,6 +201,17 @@ def struck(encounter: Encounter, impulse: Floats) -> Outcome:
     )
     still = np.zeros_like(encounter.normal)
     return Outcome(after, np.zeros(len(still)), still, still, still, still)
+
+
+def _speed(velocity: Floats) -> Floats:
+    """Return the amount of velocities, m/s, never quite zero, shape (S, 3) to (S,)."""
+    return np.asarray(np.sqrt(np.maximum((velocity**2).sum(axis=1), 1e-30)))
+
+
+def _cross(first: Floats, second: Floats) -> Floats:
+    """Return the vector products of rows, shape (S, 3); for few rows faster than NumPy's."""
+    onward, back = (1, 2, 0), (2, 0, 1)
+    return np.asarray(first[:, onward] * second[:, back] - first[:, back] * second[:, onward])
 
 
 def _dot(first: Floats, second: Floats) -> Floats:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.effects.effect import BodyEffect, CameraEffect, ClockEffect, Effect, FlightEffect
-from analysis.model.comparison import Comparison, Frames, Snapshot, whitened
+from analysis.model.comparison import Comparison, Frames, Snapshot, by_block, weights
 from analysis.model.contact import contact_outcome
 from analysis.model.poses import PoseData
 from analysis.model.prediction import appear, displaced, exposed, perturbation, rate
@@ -135,13 +135,14 @@ def _differences(
 ) -> Columns:
     outcomes, places = [], []
     frames: list[tuple[int, Floats]] = []
+    weight = weights(data) if isinstance(data, PoseData) else None
     for k, (active, j) in enumerate(wanted):
         moved, step = _shifted(theory, active, j)
         if active is not None and active.effect.stage != "contact":
             # A table of contacts has no frames: nothing in it hangs on how they came about.
-            if here.frames is not None and isinstance(data, PoseData):
+            if here.frames is not None and weight is not None and isinstance(data, PoseData):
                 change = _change(data, theory, moved, here=here.frames, effect=active.effect)
-                frames.append((k, whitened(data, change) / step))
+                frames.append((k, by_block(change * (weight / step))))
             continue
         outcomes.append((contact_outcome(data, states, moved) - here.outcome) / step)
         places.append(k)

@@ -208,7 +208,7 @@ def _slopes(data: PoseData, flown: Flown, theory: Theory) -> Floats:
     slopes = np.zeros((shots, 2, 2, frames, 3, 2, 2, 3))
     tau = np.swapaxes(flown.timing.position, 1, 2)
     weight = np.swapaxes(weights(data).reshape(shots, frames, 2, 2, 3), 1, 2)
-    sides = ((tau <= 0).astype(float), (tau > 0).astype(float))
+    sides = (tau <= 0, tau > 0)
     if theory.camera:
         response = np.swapaxes(_camera_response(data, flown, theory), 1, 2)
         response = response * weight[:, :, :, 0, :, None]
@@ -216,11 +216,11 @@ def _slopes(data: PoseData, flown: Flown, theory: Theory) -> Floats:
             slopes[:, :, 0, :, :, side, 0] = response * mask[..., None, :]
             slopes[:, :, 0, :, :, side, 1] = response * (mask * tau)[..., None, :]
     else:
+        # Each axis moves itself alone: a view of these elements.
+        own = np.einsum("sifapqa->sifpqa", slopes[:, :, 0])
         for side, mask in enumerate(sides):
-            for axis in range(3):
-                own = mask[..., axis] * weight[:, :, :, 0, axis]
-                slopes[:, :, 0, :, axis, side, 0, axis] = own
-                slopes[:, :, 0, :, axis, side, 1, axis] = own * tau[..., axis]
+            own[..., side, 0, :] = mask * weight[:, :, :, 0]
+            own[..., side, 1, :] = own[..., side, 0, :] * tau
     tau_turn = np.swapaxes(flown.timing.rotation, 1, 2)[..., None, None]
     turned = np.swapaxes(flown.turned, 1, 2) * weight[:, :, :, 1, :, None]
     rate = np.swapaxes(flown.jacobian, 1, 2) * weight[:, :, :, 1, :, None] * tau_turn

@@ -80,11 +80,11 @@ def about_free_flight(line: Comparison) -> FreeFlight:
     root = np.where(values > _LEAST, 1 / np.sqrt(np.maximum(values, _LEAST)), 0.0)
     basis = line.slopes @ (vectors * root[..., None, :] / scale[..., :, None])
     taken = np.swapaxes(basis, 2, 3) @ line.residual[..., None]
-    measured = np.abs(line.slopes).sum(axis=3) > 0
+    measured = line.slopes.any(axis=3)
     return FreeFlight(
         left=line.residual - (basis @ taken)[..., 0],
         basis=basis,
-        share=np.where(measured, 1 - (basis**2).sum(axis=3), 0.0),
+        share=np.where(measured, 1 - np.einsum("sblp,sblp->sbl", basis, basis), 0.0),
     )
 
 

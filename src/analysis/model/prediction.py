@@ -30,6 +30,7 @@ from analysis.model.sides import Flights, flights
 from analysis.model.state import ShotStates
 from analysis.model.theory import Theory
 from analysis.motion.exponential import exponential
+from analysis.motion.rotation import rotation_matrix
 
 Floats = NDArray[np.float64]
 
@@ -130,7 +131,7 @@ def shown(data: PoseData, flown: Flown, theory: Theory) -> Poses:
     if theory.flight:
         push, twist = perturbation(data, flown, theory.flight)
         position = position + push
-        rotation = exponential(twist)[0] @ rotation
+        rotation = rotation_matrix(twist) @ rotation
     position = displaced(data, flown, position, theory.body)
     return Poses(appear(data, position, theory.camera), rotation)
 

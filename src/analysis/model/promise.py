@@ -6,7 +6,7 @@ g' M^-1 g over its own block, along what these shots can see of it.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,7 +15,7 @@ from scipy.special import chdtrc, ndtr
 
 from analysis.effects.effect import Effect
 from analysis.model.columns import candidate_columns, theory_columns
-from analysis.model.comparison import compare
+from analysis.model.comparison import Comparison, Snapshot, compare
 from analysis.model.fit import Fit
 from analysis.model.normal import inverse, solve_blocks, with_prior
 from analysis.model.passes import Passes, passes_of
@@ -24,6 +24,8 @@ from analysis.model.tables import Data
 from analysis.model.theory import Theory
 
 Floats = NDArray[np.float64]
+Beside = Callable[[Data, Comparison, Snapshot], None]
+"""What else is made of a pass over a campaign."""
 
 LEAST_INFORMATION = 1e-6
 """A candidate with less than this share of its raw information left cannot be seen here."""
@@ -164,15 +166,24 @@ def candidate_sums(data: Data, fit: Fit, effects: Sequence[Effect]) -> Sums:
     return sums_over(passes_of(data, fit), effects)
 
 
-def sums_over(passes: Passes, effects: Sequence[Effect]) -> Sums:
-    """Sum up the same in one pass over a campaign."""
+def sums_over(passes: Passes, effects: Sequence[Effect], beside: Beside | None = None) -> Sums:
+    """Sum up the same in one pass over a campaign.
+
+    Parameters
+    ----------
+    beside
+        Called with every part of the pass, about the fit.
+    """
     theory = passes.fit.theory
     fitted = len(theory.names)
     count = fitted + sum(len(effect.parameters) for effect in effects)
     matrix, raw, gradient = np.zeros((count, count)), np.zeros(count), np.zeros(count)
     pulls = passes.keep(np.ndarray)
-    for part in passes.parts():
-        own, own_raw, pull = _piece(*part, theory, effects)
+    for data, states in passes.parts():
+        about = compare(data, states, theory)
+        own, own_raw, pull = _piece(data, states, theory, effects, about)
+        if beside is not None:
+            beside(data, *about)
         matrix += own
         raw += own_raw
         gradient += pull.sum(axis=0)
@@ -192,10 +203,14 @@ def sums_over(passes: Passes, effects: Sequence[Effect]) -> Sums:
 
 
 def _piece(
-    data: Data, states: ShotStates, theory: Theory, effects: Sequence[Effect]
+    data: Data,
+    states: ShotStates,
+    theory: Theory,
+    effects: Sequence[Effect],
+    about: tuple[Comparison, Snapshot],
 ) -> tuple[Floats, Floats, Floats]:
     """Return M, its raw diagonal and each shot's g, the shots' own numbers eliminated."""
-    line, here = compare(data, states, theory)
+    line, here = about
     fitted = theory_columns(data, states, theory, line, here)
     trial = candidate_columns(data, states, theory, line=line, here=here, effects=effects)
     shared = fitted.joined(trial)

@@ -14,11 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.effects.effect import Effect, ScatterEffect
+from analysis.effects.jitter_score import JitterScore
 from analysis.model.candidate import Candidate, Ranking, one_sided
 from analysis.model.fit import Fit
 from analysis.model.passes import Passes, passes_of
-from analysis.model.promise import Block, Sums, block_of, sums_over
-from analysis.model.scatter import jitter_over
+from analysis.model.promise import Beside, Block, Sums, block_of, sums_over
+from analysis.model.scatter import JitterTrial
 from analysis.model.tables import Data
 from analysis.model.theory import Theory
 
@@ -42,18 +43,19 @@ def rank(data: Data, fit: Fit, effects: Sequence[Effect], seed: int = 0) -> Rank
 
 
 def rank_over(passes: Passes, effects: Sequence[Effect], seed: int = 0) -> Ranking:
-    """Score the same in two passes over a campaign, one of them for noise alone."""
+    """Score the same in one pass over a campaign."""
     wanted, scatters = _free(passes.fit.theory, effects)
+    trial = JitterTrial(passes) if scatters and passes.jitter_s == 0 else None
     scale = float(np.sqrt(max(passes.fit.chi2_per_dof, 1e-12)))
     if not wanted and not scatters:
         return Ranking((), np.zeros((0, 0)), np.zeros((0, 0)), np.ones(DRAWS), scale)
-    shifts = _shifts(passes, wanted, scale)
+    shifts = _shifts(passes, wanted, scale, None if trial is None else trial.add)
     rng = np.random.default_rng(seed)
     smallest = smallest_by_chance(shifts.sums.matrix, shifts.blocks, rng)
     chosen = [*shifts.candidates]
-    if passes.jitter_s == 0:
+    if trial is not None:
         for effect in scatters:
-            chosen.append(_scattered(passes, effect))
+            chosen.append(_scattered(trial.score(), effect))
             chance = rng.random(DRAWS)
             smallest = np.minimum(smallest, np.where(chance < ONE_SIDED, chance, 1.0))
     scored = [_with_familywise(c, smallest) for c in chosen]
@@ -81,10 +83,12 @@ class _Shifts:
     candidates: list[Candidate]
 
 
-def _shifts(passes: Passes, wanted: Sequence[Effect], scale: float) -> _Shifts:
+def _shifts(
+    passes: Passes, wanted: Sequence[Effect], scale: float, beside: Beside | None
+) -> _Shifts:
     """Score effects in all their variants; p-values are of each by itself."""
     forms = [(k, form) for k, e in enumerate(wanted) for form in (e, *e.variants)]
-    sums = sums_over(passes, [form for _, form in forms])
+    sums = sums_over(passes, [form for _, form in forms], beside)
     blocks = _blocks(sums, [form for _, form in forms])
     falls = np.array([float(block.falls(sums.gradient)) for block in blocks]) / scale**2
     p_values = np.array([float(b.p_values(f)) for b, f in zip(blocks, falls, strict=True)])
@@ -160,8 +164,7 @@ def _candidate(
     )
 
 
-def _scattered(passes: Passes, effect: ScatterEffect) -> Candidate:
-    score = jitter_over(passes)
+def _scattered(score: JitterScore | None, effect: ScatterEffect) -> Candidate:
     return Candidate(
         effect=effect,
         fall=0.0 if score is None else score.fall,
@@ -224,22 +227,17 @@ def smallest_by_chance(matrix: Floats, blocks: Sequence[Block], rng: np.random.G
 def alias_matrix(matrix: Floats, blocks: Sequence[Block]) -> Floats:
     """Return the largest canonical correlation between columns of any two candidates, (K, K)."""
     aliases = np.zeros((len(blocks), len(blocks)))
-    spans = [block.whitening for block in blocks]
     ends = np.cumsum([0, *(block.freedom for block in blocks)])
-    if ends[-1] == 0:
-        return aliases
-    whole = np.zeros((len(matrix), ends[-1]))
-    for block, span, start in zip(blocks, spans, ends[:-1], strict=True):
-        whole[block.columns, start : start + block.freedom] = span
+    whole = _whitenings(len(matrix), blocks)
     cross = whole.T @ matrix @ whole
-    for i in range(len(blocks)):
-        for j in range(i + 1):
+    freedom = np.diff(ends)
+    single, wide = np.flatnonzero(freedom == 1), np.flatnonzero(freedom > 1)
+    aliases[np.ix_(single, single)] = np.abs(cross[np.ix_(ends[single], ends[single])])
+    for i in wide:
+        for j in np.flatnonzero(freedom > 0):
             between = cross[ends[i] : ends[i + 1], ends[j] : ends[j + 1]]
-            if between.size > 0:
-                single = between.size == 1
-                size = abs(between[0, 0]) if single else np.linalg.norm(between, 2)
-                aliases[i, j] = aliases[j, i] = min(float(size), 1.0)
-    return aliases
+            aliases[i, j] = aliases[j, i] = np.linalg.norm(between, 2)
+    return np.minimum(aliases, 1.0)
 
 
 def imitated_shares(sums: Sums, blocks: Sequence[Block]) -> Floats:
@@ -248,14 +246,25 @@ def imitated_shares(sums: Sums, blocks: Sequence[Block]) -> Floats:
     Of what a candidate at its own amplitudes does to the residuals, as much as lies in the
     other's columns: 1 less the squared sine of the angle between them.
     """
-    shares = np.zeros((len(blocks), len(blocks)))
-    for i, first in enumerate(blocks):
-        amplitudes = first.amplitudes(sums.gradient)
-        done = sums.matrix[:, first.columns] @ amplitudes
-        whole = float(amplitudes @ done[first.columns])
-        if whole <= 0:
-            continue
-        for j, second in enumerate(blocks):
-            along = done[second.columns] @ second.whitening
-            shares[i, j] = min(float((along**2).sum()) / whole, 1.0)
-    return shares
+    count = len(blocks)
+    amplitudes = np.zeros((len(sums.matrix), count))
+    for k, block in enumerate(blocks):
+        amplitudes[block.columns, k] = block.amplitudes(sums.gradient)
+    done = sums.matrix @ amplitudes
+    whole = (amplitudes * done).sum(axis=0)
+    along = _whitenings(len(done), blocks).T @ done
+    owner = np.repeat(np.arange(count), [block.freedom for block in blocks])
+    brought = np.zeros((count, count))
+    np.add.at(brought, owner, along**2)
+    shares = np.where(whole > 0, brought / np.where(whole > 0, whole, 1.0), 0.0)
+    return np.asarray(np.minimum(shares, 1.0).T)
+
+
+def _whitenings(size: int, blocks: Sequence[Block]) -> Floats:
+    """Return the whitenings of all blocks beside each other, shape (C, directions seen)."""
+    parts = []
+    for block in blocks:
+        part = np.zeros((size, block.freedom))
+        part[block.columns] = block.whitening
+        parts.append(part)
+    return np.concatenate(parts, axis=1) if parts else np.zeros((size, 0))

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from analysis.effects.effect import Effect, ScatterEffect
 from analysis.effects.jitter_score import Directions, JitterScore, directions, score_of
-from analysis.model.comparison import KINDS, by_block, compare, rates
+from analysis.model.comparison import KINDS, Comparison, Snapshot, by_block, compare, rates
 from analysis.model.fit import Fit, fit_campaign
 from analysis.model.jitter import by_frame
 from analysis.model.noise import about_free_flight
@@ -31,22 +31,40 @@ def timing_jitter(data: Data, fit: Fit) -> JitterScore | None:
 
 
 def jitter_over(passes: Passes) -> JitterScore | None:
-    """Test the same in one pass over a campaign."""
-    found = passes.keep(Directions)
-    freedom = 0.0
+    """Test the same in a pass over a campaign of its own."""
+    trial = JitterTrial(passes)
     for data, states in passes.parts():
-        line, here = compare(data, states, passes.fit.theory)
+        trial.add(data, *compare(data, states, passes.fit.theory))
+    return trial.score()
+
+
+class JitterTrial:
+    """The test for a time error, part by part, beside whatever else a pass is for."""
+
+    def __init__(self, passes: Passes) -> None:
+        self._found = passes.keep(Directions)
+        self._freedom = 0.0
+        self._framed = True
+
+    def add(self, data: Data, line: Comparison, here: Snapshot) -> None:
+        """Take in the shots of a part; what has no frames can show no jitter."""
         if here.frames is None or isinstance(data, ContactTable):
-            return None
+            self._framed = False
+            return
         flight = about_free_flight(line)
-        freedom += float(flight.share.sum())
+        self._freedom += float(flight.share.sum())
         along = rates(data, here.frames.flown)
         residual = by_frame(flight.left[..., None]).reshape(along.shape)
-        found.append(directions(residual, along, _kernel(along, flight.basis)))
-    try:
-        return score_of(found, round(freedom))
-    except ValueError:
-        return None
+        self._found.append(directions(residual, along, _kernel(along, flight.basis)))
+
+    def score(self) -> JitterScore | None:
+        """Return the score of all shots; None: nothing could show."""
+        if not self._framed:
+            return None
+        try:
+            return score_of(self._found, round(self._freedom))
+        except ValueError:
+            return None
 
 
 def added(data: Data, fit: Fit, effect: Effect) -> tuple[Data, Fit]:

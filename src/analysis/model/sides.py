@@ -16,6 +16,7 @@ from analysis.model.contact import AFTER, DURATION, SHIFT, TURN
 from analysis.model.poses import Observations
 from analysis.model.state import MOTION, POINT, SIZE, TILT, TIME, TURN_A, TURN_B, ShotStates
 from analysis.motion.exponential import exponential
+from analysis.motion.rotation import rotation_matrix
 
 Floats = NDArray[np.float64]
 
@@ -69,8 +70,8 @@ def flights(data: Observations, states: ShotStates, outcome: Floats) -> Flights:
     place[:, :, 1] = place[:, :, 0] + shift - velocity[:, :, 1] * duration[:, None]
     rotation = np.empty((shots, 2, 2, 3, 3))
     rotation[:, :, 0] = states.rotation
-    turn, _ = exponential(outcome[:, TURN].reshape(shots, 2, 3))
-    back, _ = exponential(-spin[:, :, 1] * duration[:, None])
+    turn = rotation_matrix(outcome[:, TURN].reshape(shots, 2, 3))
+    back = rotation_matrix(-spin[:, :, 1] * duration[:, None])
     rotation[:, :, 1] = back @ turn @ states.rotation
     return Flights(place, velocity, spin, rotation, duration[:, 0], states.rotation)
 
@@ -127,7 +128,7 @@ def flights_by_outcome(states: ShotStates, outcome: Floats, change: Floats) -> F
     result = np.zeros((shots, 2, 2, 2, 2, 3, count))
     duration = outcome[:, DURATION, None]
     after = outcome[:, AFTER].reshape(shots, 4, 3)
-    back, _ = exponential(-after[:, 2:] * outcome[:, DURATION, None])
+    back = rotation_matrix(-after[:, 2:] * outcome[:, DURATION, None])
     _, jacobian = exponential(outcome[:, TURN].reshape(shots, 2, 3))
     late = change[:, DURATION]
     for i in (0, 1):

@@ -21,50 +21,39 @@ def linear_rotation(before: Floats, after: Floats) -> Floats:
     return np.asarray(np.linalg.lstsq(before, after, rcond=None)[0].T)
 
 
-def axis_angle(rotation: Floats) -> tuple[Floats, float]:
-    """Return axis (unit vector, shape (3,)) and angle (radians, 0 to pi) of a rotation matrix.
+def rotation_vector(rotation: Floats) -> Floats:
+    """Return axis times angle (radians, 0 to pi) of rotations, shape (..., 3, 3) to (..., 3).
 
     Equations (5-15) to (5-22): below 90 degrees from the differences of the off-diagonal elements,
-    above from the largest diagonal element and the sums. A zero rotation has no axis; X is given.
+    above from the largest diagonal element and the sums.
     """
-    skew = np.array(
-        [
-            rotation[2, 1] - rotation[1, 2],
-            rotation[0, 2] - rotation[2, 0],
-            rotation[1, 0] - rotation[0, 1],
-        ]
-    )
-    twice_cos = float(np.trace(rotation) - 1.0)
-    angle = float(np.arctan2(np.linalg.norm(skew), twice_cos))
-    if angle < 1e-12:
-        return np.array([1.0, 0.0, 0.0]), 0.0
-    if angle < np.pi / 2:
-        return skew / np.linalg.norm(skew), angle
-    vers = 1.0 - np.cos(angle)
-    squares = np.clip((np.diag(rotation) - np.cos(angle)) / vers, 0.0, None)
-    largest = int(squares.argmax())
-    axis = (rotation[largest] + rotation[:, largest]) / (2.0 * vers * np.sqrt(squares[largest]))
-    axis[largest] = np.sqrt(squares[largest])
-    if skew[largest] < 0:
-        axis = -axis
-    return axis / np.linalg.norm(axis), angle
-
-
-def rotation_vector(rotation: Floats) -> Floats:
-    """Return axis times angle (radians) of rotation matrices, shape (..., 3, 3) to (..., 3)."""
     skew = rotation[..., (2, 0, 1), (1, 2, 0)] - rotation[..., (1, 2, 0), (2, 0, 1)]
     twice_sin = np.sqrt((skew * skew).sum(axis=-1))
     twice_cos = rotation[..., 0, 0] + rotation[..., 1, 1] + rotation[..., 2, 2] - 1.0
     angle = np.arctan2(twice_sin, twice_cos)
     small = twice_sin < 1e-9
     vector = skew * np.where(small, 0.5, angle / np.where(small, 1.0, twice_sin))[..., None]
-    # Beyond a quarter turn the differences vanish with the sine; the sums tell the axis.
+    # Towards half a turn the differences vanish with the sine; the sums tell the axis.
     beyond = twice_cos < 0.0
     if beyond.any():
-        for index in map(tuple, np.argwhere(beyond)):
-            axis, exact = axis_angle(rotation[index])
-            vector[index] = axis * exact
+        axis = _axis_by_sums(rotation[beyond], skew[beyond])
+        vector[beyond] = angle[beyond][:, None] * axis
     return np.asarray(vector)
+
+
+def _axis_by_sums(rotation: Floats, skew: Floats) -> Floats:
+    """Return the axes of turns beyond 90 degrees, shapes (N, 3, 3) and (N, 3) to (N, 3).
+
+    From row and column of the largest diagonal element; the differences tell the sense.
+    """
+    rows = np.arange(len(rotation))
+    largest = np.diagonal(rotation, axis1=1, axis2=2).argmax(axis=1)
+    axis = rotation[rows, largest] + rotation[rows, :, largest]
+    # 2 (1 - cos) n_k n, with the diagonal less its cosine.
+    trace = np.trace(rotation, axis1=1, axis2=2)
+    axis[rows, largest] += 1.0 - trace
+    axis *= np.where(skew[rows, largest] < 0, -1.0, 1.0)[:, None]
+    return np.asarray(axis / np.linalg.norm(axis, axis=1, keepdims=True))
 
 
 def rotation_matrix(vector: Floats) -> Floats:
