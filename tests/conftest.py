@@ -1,9 +1,16 @@
-"""Which tests are long: whole stories that `make test-long` runs, and `make test` leaves out."""
+"""Which tests are long: whole stories that `make test-long` runs, and `make test` leaves out.
+
+And what all tests share: examples without a deadline, new catalogues by replay.
+"""
 
 from __future__ import annotations
 
 import pytest
 from hypothesis import settings
+
+from tests.replayed import replayed_migrations
+
+__all__ = ["replayed_migrations"]
 
 LONG = {
     "test_agreement.py",

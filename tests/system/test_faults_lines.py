@@ -17,7 +17,8 @@ from rigctl.store import ShotRecord
 
 SETTINGS = ShotSettings(pressure_a_kpa=40.0, pressure_b_kpa=40.0, offset_mm=6.0)
 FAR = ShotSettings(pressure_a_kpa=110.0, pressure_b_kpa=110.0, offset_mm=23.0)
-LINES = ["cut-off", "trigger", "regulator", "slide", "recorder"]
+ALIKE = [pytest.param(role, marks=pytest.mark.long) for role in ("regulator", "slide", "recorder")]
+LINES = ["cut-off", "trigger", *ALIKE]
 MOVING = ["trigger", "regulator", "slide"]
 
 

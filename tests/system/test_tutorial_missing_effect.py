@@ -46,6 +46,7 @@ def test_the_error_path_is_the_one_that_the_lesson_shows(lesson: tuple[Path, str
         assert [float(x) for x in found] == pytest.approx([float(x) for x in claimed], abs=0.02)
 
 
+@pytest.mark.long
 def test_the_python_of_the_lesson_finds_the_same(lesson: tuple[Path, str]) -> None:
     (script,) = re.findall(r"^```python\n(.*?)^```$", LESSON.read_text(), re.MULTILINE | re.DOTALL)
     done = subprocess.run(

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.cholesky import factor, solve
-from analysis.compiled import compiled
+from analysis.compiled import compiled, part
 from analysis.motion.drift import Drift
 from analysis.motion.rotation import rotation_vector
 from analysis.motion.turning import turn_between, turned
@@ -98,11 +98,15 @@ def settle_spin(
     """
     tau, rotations, whiten = seen
     inverse, squares, weight = np.zeros((6, 6)), np.zeros(tau.size), np.ones(tau.size)
-    longest, row = np.abs(tau).max(), np.empty(6)
+    row, step, turn = np.empty(6), np.empty(6), np.empty(3)
     for _ in range(ITERATIONS):
         normal, right = np.zeros((6, 6)), np.zeros(6)
+        longest = 0.0
         for n in range(tau.size):
-            residual = turn_between(turned(omega * tau[n], start), rotations[n])
+            longest = max(longest, abs(tau[n]))
+            for a in range(3):
+                turn[a] = omega[a] * tau[n]
+            residual = turn_between(turned(turn, start), rotations[n])
             white = np.zeros(3)
             for a in range(3):
                 for b in range(3):
@@ -118,16 +122,42 @@ def settle_spin(
                         normal[p, q] += weight[n] * row[p] * row[q]
         if not factor(normal, 6):
             break
-        for a in range(6):
-            inverse[a] = 0.0
-            inverse[a, a] = 1.0
-            solve(normal, 6, inverse[a])
-        step = inverse @ right
-        start[:] = turned(step[:3], start)
-        omega += step[3:]
-        if np.abs(step[:3]).max() + np.abs(step[3:]).max() * longest < SETTLED_RAD:
+        solve_for(normal, right, inverse, step)
+        if take_step(step, start, omega, longest) < SETTLED_RAD:
             break
     return inverse, squares, weight
+
+
+@part
+def solve_for(root: Floats, right: Floats, inverse: Floats, step: Floats) -> None:
+    """Fill the inverse of what `factor` has prepared, and its product with the right side."""
+    for a in range(6):
+        step[a] = 0.0
+        for b in range(6):
+            inverse[a, b] = 1.0 if a == b else 0.0
+        solve(root, 6, inverse[a])
+        for b in range(6):
+            step[a] += inverse[a, b] * right[b]
+
+
+@part
+def take_step(step: Floats, start: Floats, omega: Floats, longest: float) -> float:
+    """Turn the orientation and add to the angular velocity; return the most that a frame turns.
+
+    Parameters
+    ----------
+    step
+        rad and rad/s, shape (6,).
+    longest
+        Time of the furthest frame, s.
+    """
+    now, later, changed = 0.0, 0.0, turned(step[:3], start)
+    for a in range(3):
+        omega[a] += step[3 + a]
+        now, later = max(now, abs(step[a])), max(later, abs(step[3 + a]))
+        for b in range(3):
+            start[a, b] = changed[a, b]
+    return now + later * longest
 
 
 def three_frame_spin(

@@ -12,6 +12,7 @@ from analysis.photometric.pixel_rows import (
     BESIDE,
     SHADOW,
     WIDTH,
+    add_squares,
     fill_rows,
     lay_pixels,
     pixels_of,
@@ -121,6 +122,6 @@ def bundle_view(
         own = rows[: pixels[0].shape[0]]
         lay_pixels(sight.scene, drawn, sight.others[view], pixels, lanes)
         fill_rows(sight.scene, drawn, lesson.limit, (lanes, wider), own)
-        common += np.dot(own.T, own)
+        add_squares(own, common)
         add_turns(drawn, pixels, lanes[-BESIDE + SHADOW], own, (among, across))
     put_in_place(common, among, across, equations)

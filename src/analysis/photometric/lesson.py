@@ -65,7 +65,9 @@ def patches_of(
             corners[m, k] = math.floor(middle) - side // 2 + 1
         corner = (corners[m, 0], corners[m, 1])
         add_cover(patches[m], corner, place, directions[m], (look.alpha * size, sigma))
-        patches[m, :, ALPHA] *= size
+        for i in range(side):
+            for j in range(side):
+                patches[m, i, ALPHA, j] *= size
     return patches, corners
 
 

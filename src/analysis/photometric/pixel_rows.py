@@ -110,6 +110,15 @@ def roughness(canvas: Floats, i: int, j: int) -> float:
 
 
 @part
+def add_squares(rows: Floats, products: Floats) -> None:
+    """Add the products of all columns with each other."""
+    own = np.dot(rows.T, rows)
+    for a in range(own.shape[0]):
+        for b in range(own.shape[1]):
+            products[a, b] += own[a, b]
+
+
+@part
 def lay_pixels(
     scene: Scene, drawn: Viewed, others: Floats, pixels: tuple[Places, Places], lanes: Floats
 ) -> None:
@@ -141,19 +150,23 @@ def lay_pixels(
 
 
 @part
-def add_basis(profiles: Floats, band: Floats, light: Floats, rows: Floats) -> None:
+def add_basis(profiles: Floats, gain: float, lanes: Floats, rows: Floats) -> None:
     """Fill the derivatives to the shading's coefficients: blurred harmonics times the light.
 
     Parameters
     ----------
-    light
-        Of each pixel over its error, shape (pixels,).
+    gain
+        Of the light.
+    lanes
+        After `fill_shared`.
     rows
         Filled from OF_SHADING on.
     """
     turns, last = np.zeros((2, ORDER + 1)), np.float64(profiles.shape[0] - 2)
-    for n in range(light.shape[0]):
+    band, beside = lanes.reshape(-1), lanes[-BESIDE:]
+    for n in range(rows.shape[0]):
         u, v = band[DOWN + np.uint64(n)], band[ACROSS + np.uint64(n)]
+        light = gain * beside[LEFT, n] * band[ROOT + np.uint64(n)]
         rho = math.sqrt(u * u + v * v)
         at = min(rho * STEPS_PER_RADIUS, last)
         i = int(at)
@@ -166,7 +179,7 @@ def add_basis(profiles: Floats, band: Floats, light: Floats, rows: Floats) -> No
         for h in range(HARMONIC.shape[0]):
             j = HARMONIC[h]
             value = (1 - t) * profiles[i, j] + t * profiles[i + 1, j]
-            rows[n, OF_SHADING + h] = light[n] * value * turns[SINE[h], ANGULAR[h]]
+            rows[n, OF_SHADING + h] = light * value * turns[SINE[h], ANGULAR[h]]
 
 
 @part
@@ -233,8 +246,7 @@ def fill_rows(
     derive(drawn.paint, band, count)
     weigh(band, count, (scene.noise, limit * scene.noise))
     fill_shared(drawn, lanes, wider, rows)
-    gain, own = drawn.paint[0][1], lanes[-BESIDE + LEFT, :count] * band[ROOT : ROOT + size]
-    add_basis(drawn.profiles, band, gain * own, rows)
+    add_basis(drawn.profiles, drawn.paint[0][1], lanes, rows)
     for k in range(count):
         for a in range(UNKNOWNS):
             rows[k, a] = lanes[a, k]

@@ -14,6 +14,7 @@ from analysis.photometric.pixel_rows import (
     OF_LIMB,
     OF_SHADING,
     WIDTH,
+    add_squares,
     fill_rows,
     lay_pixels,
     pixels_of,
@@ -57,7 +58,7 @@ def shading_equations(
             # Where a marker lies, its own error would be learned as shading.
             for k in range(size):
                 own[n, k] = rows[n, USED[k]] * lanes[-BESIDE + LEFT, n]
-        products += np.dot(own[:count].T, own[:count])
+        add_squares(own[:count], products)
     for a in range(size - 1):
         equations.right[a] += products[size - 1, a]
         for b in range(a + 1):

@@ -66,7 +66,10 @@ def brightness(frame: NDArray[np.uint8], row: float, column: float) -> Floats:
     return np.asarray(place.mean(axis=0) + np.array([rows.start, columns.start]))
 
 
-@pytest.mark.parametrize("name", OF_THE_CAMERA)
+@pytest.mark.parametrize(
+    "name",
+    [OF_THE_CAMERA[0], *(pytest.param(name, marks=pytest.mark.long) for name in OF_THE_CAMERA[1:])],
+)
 def test_pictures_show_each_disc_where_the_poses_say_it_is_seen(name: str) -> None:
     found, foretold = moved(switched({name: 2.0 * HIDDEN[name].amplitude}))
     assert np.abs(foretold[FAR]).max() > 0.1

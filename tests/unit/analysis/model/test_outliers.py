@@ -95,6 +95,7 @@ def test_shots_dropped_before_count_when_it_is_asked_whether_it_is_physics() -> 
     assert np.flatnonzero(bad_shots(fit, gone=10)).tolist() == [3, 11, 19]
 
 
+@pytest.mark.long
 def test_clean_campaigns_lose_no_more_than_the_stated_share() -> None:
     # One in 200 loses a shot: of 12 campaigns two or more in 0.2 per cent.
     cleaned = [clean(campaign(12, 500 + seed)) for seed in range(12)]

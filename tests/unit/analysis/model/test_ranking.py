@@ -51,6 +51,7 @@ def test_drag_is_measured() -> None:
     assert not drag.plausible
 
 
+@pytest.mark.long
 def test_nothing_missing_is_rarely_called_something() -> None:
     smallest = []
     for seed in range(20):

@@ -74,6 +74,7 @@ def test_the_effect_is_named_by_itself_where_nothing_else_looks_like_it() -> Non
     assert found.value == pytest.approx(2e-3, abs=4 * found.sigma)
 
 
+@pytest.mark.long
 def test_nothing_is_claimed_when_nothing_is_missing() -> None:
     verdicts = [explain(campaign(20, 740 + seed), EFFECTS) for seed in range(5)]
     # Each claims something with a chance of 0.03: two or more of five in 0.8 per cent of all cases.

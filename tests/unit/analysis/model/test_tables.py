@@ -57,6 +57,7 @@ def test_scalars_give_back_the_law_and_their_noise(tmp_path: Path) -> None:
     assert fit.chi2_per_dof == pytest.approx(1.0, abs=4 * np.sqrt(2 / fit.freedom))
 
 
+@pytest.mark.long
 def test_stated_errors_cover_the_truth_as_often_as_they_should(tmp_path: Path) -> None:
     pulls = []
     for seed in range(40):

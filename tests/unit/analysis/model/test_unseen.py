@@ -49,6 +49,7 @@ def test_effects_of_friction_cannot_be_seen() -> None:
     assert unseen >= FRICTION
 
 
+@pytest.mark.long
 def test_an_effect_on_the_normal_is_found_without_spins() -> None:
     verdict = explain(blind(campaign(60, 10, hidden=Hidden(slope=0.03))), CATALOGUE)
     assert "restitution-viscoelastic" in verdict.alias_set

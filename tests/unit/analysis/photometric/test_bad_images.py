@@ -59,7 +59,13 @@ def filmed(optics: Optics) -> Filmed:
     return Filmed(shot, setup, known)
 
 
-@pytest.fixture(scope="module", params=[OPTICS, LIT_FROM_THE_SIDE], ids=["plain", "side light"])
+LIGHTS = [
+    pytest.param(OPTICS, id="plain"),
+    pytest.param(LIT_FROM_THE_SIDE, id="side light", marks=pytest.mark.long),
+]
+
+
+@pytest.fixture(scope="module", params=LIGHTS)
 def film(request: pytest.FixtureRequest) -> Filmed:
     return filmed(request.param)
 

@@ -20,7 +20,7 @@ from simulators.challenge.making import write_challenge
 from tests.unit.analysis.model.tabulated import impacts as scalar_folder
 
 NYLON = {"e": 0.74, "mu": 0.08, "beta0": 0.5}
-CAMPAIGNS, SHOTS = 8, 24
+CAMPAIGNS, SHOTS = 4, 24
 
 
 @pytest.fixture(scope="module")
@@ -42,7 +42,7 @@ def pull(lines: Lines, name: str) -> float:
 def test_the_regression_finds_the_law_of_the_simulator(campaigns: list[Results]) -> None:
     for name in NYLON:
         pulls = np.array([pull(one.lines, name) for one in campaigns if name in one.lines.fitted])
-        assert len(pulls) >= CAMPAIGNS - 2
+        assert len(pulls) >= CAMPAIGNS - 1
         assert (np.abs(pulls) < 4).all(), name
         assert abs(pulls.mean()) < 4 / np.sqrt(len(pulls)), name
     quality = np.mean([one.lines.chi2 / one.lines.freedom for one in campaigns])

@@ -13,7 +13,7 @@ from analysis.results.likelihood import likelihood, transition
 from analysis.results.lines import Lines, TooFewShotsError, fit_lines
 from tests.unit.analysis.results.measured import CORNER, LAW, LEVER, both_regimes, impacts
 
-CAMPAIGNS = 120
+CAMPAIGNS = 60
 TRUTH = dict(zip(("e", "mu", "beta0"), LAW, strict=True))
 
 
@@ -42,7 +42,7 @@ def test_chi_squared_counts_the_constraints_less_what_was_fitted(fitted: list[Li
     assert mean == pytest.approx(1, abs=0.06)
     assert fitted[0].freedom == 2 * 30 - 3
     # Errors are believed unless the scatter contradicts them: by chance in one campaign of 100.
-    assert sum(one.scatter > 1 for one in fitted) <= 6
+    assert sum(one.scatter > 1 for one in fitted) <= 4
 
 
 def test_scatter_beyond_the_stated_errors_enlarges_those_of_the_result() -> None:
@@ -70,6 +70,7 @@ def test_a_campaign_that_only_sticks_has_no_friction() -> None:
     assert found.law.beta0 == pytest.approx(0.69, abs=0.05)
 
 
+@pytest.mark.long
 def test_a_single_shot_does_not_make_a_regime_of_its_own_by_chance() -> None:
     seen = []
     for seed in range(60):
