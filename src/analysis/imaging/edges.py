@@ -76,7 +76,8 @@ def laplacian_of_gaussian(
     by its edge pixels.
     """
     taps = half_kernels(sigma_px)
-    framed = np.pad(np.asarray(frame, dtype=np.float32), taps.shape[1] - 1, mode="edge")
+    image = np.ascontiguousarray(frame, dtype=np.float32)
+    framed = np.pad(image, taps.shape[1] - 1, mode="edge")
     log, down, across = np.empty((3, *frame.shape), dtype=np.float32)
     filter_whole(framed, taps, (log, down, across))
     return EdgeImage(log, down, across, sigma_px)
