@@ -110,12 +110,19 @@ def cells_of(data: Data, fit: Fit, sums: Projector) -> tuple[Cell, ...]:
             p_value=float(p_values[k]),
             p_holm=float(looked_at[k]),
             carried_share=solved.carried_share,
-            p_rest=min(1.0, len(found) * _chance(solved, scale2 / (1 - solved.carried_share))),
+            p_rest=_chance_of_rest(solved, scale2, len(found)),
             own_of=tuple(name for name, chosen in own.items() if k in chosen),
         )
         for k, (channel, covariate, solved) in enumerate(found)
     ]
     return tuple(sorted(cells, key=lambda cell: (cell.p_value, -cell.chi2)))
+
+
+def _chance_of_rest(solved: Solved, scale2: float, cells: int) -> float:
+    """Return the chance of what a cell's two strongest shots do not carry, of so many cells."""
+    rest = 1.0 - solved.carried_share
+    # Two shots carry everything where there are no more.
+    return 1.0 if rest <= 0.0 else min(1.0, cells * _chance(solved, scale2 / rest))
 
 
 def standard_deviations(cell: Cell) -> float:

@@ -26,6 +26,7 @@ OUTLIER_ANGLE = 0.10
 LEAST_COMMON = 3
 LEAST_SIGHTINGS = 3
 ROUNDS, TRIES = 4, 3
+MOST_MISSED = 2
 
 
 @part
@@ -124,6 +125,9 @@ def first_pass(
 ) -> int:
     """Follow the pattern forward in time, adding markers as they come round the limb.
 
+    A frame that none of the next MOST_MISSED follows was no good beginning: it is left out, and
+    the pattern begins anew.
+
     Parameters
     ----------
     rotation, common
@@ -138,15 +142,17 @@ def first_pass(
     """
     directions, facing, ends = seen
     match, size, last = np.full(facing.size, -1, dtype=np.intp), 0, -1
-    rate = np.zeros(3)
+    rate, begun = np.zeros(3), -1
     for f in range(ends.size):
         a, b = span(ends, f)
         own, weights, found = directions[a:b], facing[a:b], match[a:b]
+        if last >= 0 and last == begun and f > begun + MOST_MISSED:
+            common[begun], last = 0, -1
         if last < 0:
             rotation[f] = np.eye(3)
             size = add_strangers(own, found, rotation[f], pattern, 0)
             common[f] = size
-            last = f if size >= LEAST_COMMON else -1
+            begun = last = f if size >= LEAST_COMMON else -1
             continue
         step = times_s[f] - times_s[last]
         turn = turned(rate * step, rotation[last])

@@ -7,12 +7,17 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
+import numpy as np
+
 from rigctl.errors import NotFoundError
 from rigctl.page.overlay import Overlays
 from rigctl.store import ShotRecord, Store
 
 Json = Mapping[str, Any]
 KEPT = 64
+LEAST_CONTRAST = 15
+"""Grey levels by which the brightest thousandth of a frame stands out where a sphere is seen; noise
+alone reaches half of it."""
 FEW = ("poses", "overlay")
 """Parts of a result that are large, and that no table shows."""
 
@@ -29,6 +34,8 @@ class Film:
         Time of each frame from the mark, s.
     brightest
         Frame in which most is seen: where a film without a contact begins.
+    blank
+        Whether nothing stands out even there.
     overlays
         What the analysis found.
     """
@@ -36,6 +43,7 @@ class Film:
     size: tuple[int, int]
     times_s: tuple[float, ...]
     brightest: int
+    blank: bool
     overlays: Overlays
 
 
@@ -59,9 +67,9 @@ class Films:
         RigError
             Its folder cannot be read.
         """
-        size, times_s, brightest = self._seen(shot.id)
+        size, times_s, brightest, blank = self._seen(shot.id)
         found = self._read(shot.id, shot.results)[1] if shot.results else Overlays.of({})
-        return Film(size, times_s, brightest, found)
+        return Film(size, times_s, brightest, blank, found)
 
     def _read_result(self, shot: str, number: int) -> tuple[Json, Overlays]:
         try:
@@ -71,9 +79,11 @@ class Films:
         small = {name: value for name, value in result.items() if name not in FEW}
         return small, Overlays.of(result)
 
-    def _look(self, shot: str) -> tuple[tuple[int, int], tuple[float, ...], int]:
+    def _look(self, shot: str) -> tuple[tuple[int, int], tuple[float, ...], int, bool]:
         about = self._store.folders.manifest(shot)["frames"]
         _, rows, columns = about["shape"]
         pixels = self._store.frames(shot).pixels
         brightest = int(pixels.mean(axis=(1, 2)).argmax())
-        return (columns, rows), tuple(about["times_s"]), brightest
+        middle, bright = np.percentile(pixels[brightest], (50.0, 99.9))
+        blank = bool(bright - middle < LEAST_CONTRAST)
+        return (columns, rows), tuple(about["times_s"]), brightest, blank

@@ -132,13 +132,19 @@ def _record(shot: ShotRecord) -> None:
         ("accepted", f"{shot.accepted_at.astimezone():%Y-%m-%d %H:%M:%S}"),
         ("campaign", shot.campaign or "none"),
         ("simulated", "yes" if shot.simulated else "no, real"),
-        ("frames", "none" if shot.frames is None else f"{shot.frames}, {shot.lost} lost"),
+        ("frames", _frames(shot)),
         ("results", str(shot.results)),
         ("by", shot.actor),
     ]
     with ui.element("div").classes("panel"):
         ui.label("Record").classes("title")
         facts([], [Line([name, Cell(said, look="wrap")]) for name, said in lines])
+
+
+def _frames(shot: ShotRecord) -> str:
+    if shot.frames is None:
+        return "none"
+    return str(shot.frames) if shot.lost is None else f"{shot.frames}, {shot.lost} lost"
 
 
 def _notes(notes: list[str]) -> None:

@@ -54,6 +54,12 @@ def film(desk: Desk, shot: ShotRecord, *, start: int | None = None, keys: bool =
         return
     if start is None and found.overlays.contact_frame is None:
         start = result.get("frame", found.brightest)
+    if found.blank:
+        _told(
+            "Nothing stands out in these frames.",
+            "See whether the lens is covered, the lamp is lit and the tubes were loaded.",
+            testid="blank",
+        )
     Player(shot, found.size, found.overlays, found.times_s, start=start, keys=keys)
 
 
@@ -101,8 +107,8 @@ def _compiling(desk: Desk) -> None:
     ui.timer(COMPILING_EVERY_S, look)
 
 
-def _told(lead: str, why: str) -> None:
-    with ui.element("div").classes("verdict bad").props("data-testid=refusal"):
+def _told(lead: str, why: str, testid: str = "refusal") -> None:
+    with ui.element("div").classes("verdict bad").props(f"data-testid={testid}"):
         ui.label(lead).classes("lead")
         ui.label(why)
 

@@ -86,3 +86,13 @@ def test_a_shot_without_a_result_has_an_empty_one(store: Folders) -> None:
     films = Films(store)
     assert films.result(shot(0)) == {}
     assert films.result(shot(3)) == {}
+
+
+def test_a_film_in_which_nothing_stands_out_of_the_noise_is_blank(store: Folders) -> None:
+    noise = np.random.default_rng(1).normal(4.0, 1.5, (3, 192, 240)).clip(0, 255)
+    covered = noise.astype(np.uint8)
+    seen = covered.copy()
+    seen[1, 50:90, 50:90] = 120
+    for pixels, blank in ((covered, True), (np.zeros_like(covered), True), (seen, False)):
+        store.frames = lambda shot, pixels=pixels: SimpleNamespace(pixels=pixels)
+        assert Films(store).film(shot(0)).blank is blank

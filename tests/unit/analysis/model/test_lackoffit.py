@@ -89,3 +89,8 @@ def test_a_covariate_that_never_changes_is_one_number_and_no_fault() -> None:
     cells = [cell for cell in cells_of(data) if cell.covariate == "order"]
     assert len(cells) == 12
     assert all(cell.freedom <= 1 for cell in cells)
+
+
+@pytest.mark.parametrize("shots", [1, 2])
+def test_of_two_shots_nothing_remains_without_the_two_strongest(shots: int) -> None:
+    assert {cell.p_rest for cell in cells_of(campaign(shots, 63))} == {1.0}

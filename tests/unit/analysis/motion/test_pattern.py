@@ -206,3 +206,15 @@ def test_a_marker_that_was_seen_on_the_limb_alone_has_no_place_in_the_pattern() 
     pattern = average_pattern(gathered([own] * 4), turns, np.ones(4, np.bool_), match, 3)
     assert match.tolist() == [0, -1, 1] * 4
     assert pattern == pytest.approx(np.eye(3)[[0, 2]])
+
+
+@pytest.mark.parametrize("strange", [1, 2])
+def test_first_frames_that_no_other_follows_are_left_out(strange: int) -> None:
+    truth, other = turning(), turning(seed=1)
+    for k in range(strange):
+        # As if another sphere stood there, turned by half a turn.
+        truth.sightings[k] = other.sightings[12 + 11 * k]
+    found = orient(truth.sightings, truth.times_s, "a")
+    assert found.frames.tolist()[-10:] == list(range(14, 24))
+    assert set(range(strange)) & set(found.frames.tolist()) == set()
+    assert len(found.frames) >= 24 - strange - 2
