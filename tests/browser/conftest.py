@@ -101,6 +101,8 @@ def page(browser: Browser, served: Served) -> Iterator[Page]:
     opened.on("request", note)
     opened.goto(f"{served.url}/?key={KEY}")
     opened.get_by_test_id("state").wait_for()
+    # Before it, a click is heard by nobody.
+    opened.wait_for_function("window.did_handshake")
     yield opened
     context.close()
     assert asked
