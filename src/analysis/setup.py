@@ -51,18 +51,42 @@ class SphereSetup:
 
 
 @dataclass(frozen=True, slots=True)
+class SlowErrors:
+    """Errors of poses that no scatter betrays, as they last through a flight or a campaign.
+
+    Attributes
+    ----------
+    position_m, rotation_rad
+        Size of what the frames of one flight share, of a coordinate and about each axis; 0: none
+        is stated.
+    one_body_frame
+        Whether orientations are of one body frame for each sphere in all shots, so that all share
+        what a pattern stands off its sphere.
+    """
+
+    position_m: float = 0.0
+    rotation_rad: float = 0.0
+    one_body_frame: bool = True
+
+    @property
+    def stated(self) -> bool:
+        """Whether any is larger than zero."""
+        return self.position_m > 0 or self.rotation_rad > 0
+
+
+NO_SLOW_ERRORS = SlowErrors()
+
+
+@dataclass(frozen=True, slots=True)
 class Setup:
     """Everything a shot's analysis needs beside its frames.
 
-    `gravity_m_per_s2` acts along +X (down). Poses that were measured elsewhere may come with the
-    size of the errors that the frames of one flight share, in place and in orientation, and with
-    body axes of their own in each shot.
+    `gravity_m_per_s2` acts along +X (down). Poses that were measured elsewhere may come with their
+    slow errors.
     """
 
     camera: CameraSetup
     spheres: tuple[SphereSetup, SphereSetup]
     gravity_m_per_s2: float = 9.80665
     air_density_kg_per_m3: float = 1.2
-    slow_position_m: float = 0.0
-    slow_rotation_rad: float = 0.0
-    one_body_frame: bool = True
+    slow: SlowErrors = NO_SLOW_ERRORS

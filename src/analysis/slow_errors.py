@@ -1,4 +1,4 @@
-"""What measuring leaves in a campaign's poses: slow errors, and the axes that orientations have."""
+"""What measuring leaves in a campaign's poses: their slow errors."""
 
 from __future__ import annotations
 
@@ -9,44 +9,35 @@ import numpy as np
 
 from analysis.imaging.views import View
 from analysis.motion.drift import centre_drift, turn_drift
-from analysis.setup import Setup
+from analysis.setup import Setup, SlowErrors
 from analysis.shot import MeasuredShot
 
 
-def slow_errors(shot: MeasuredShot) -> tuple[float, float]:
-    """Return the size of a shot's slow errors: of a coordinate, m, and about each axis, rad."""
+def slow_errors(shot: MeasuredShot) -> SlowErrors:
+    """Return the slow errors of a measured shot.
+
+    The photometric method learns one pattern for a campaign, so that all shots have one body frame;
+    the thesis's begins anew each time.
+    """
     tracking = shot.tracking
     width, scale = tracking.filter_sigma_px, tracking.scales_px_per_m[View.FRONT]
-    place = centre_drift(width, scale, 1.0)
-    return place.sigma, turn_drift(width, min(tracking.radii[View.FRONT]), 1.0).sigma
+    return SlowErrors(
+        position_m=centre_drift(width, scale, 1.0).sigma,
+        rotation_rad=turn_drift(width, min(tracking.radii[View.FRONT]), 1.0).sigma,
+        one_body_frame=shot.known is not None,
+    )
 
 
-def one_frame(shot: MeasuredShot) -> bool:
-    """Return whether a shot's orientations are of a body frame that other shots share.
-
-    The photometric method learns one pattern for a campaign; the thesis's begins anew each time.
-    """
-    return shot.known is not None
-
-
-def typical(
-    setup: Setup, errors: Sequence[tuple[float, float]], one_frames: Sequence[bool]
-) -> Setup:
+def typical(setup: Setup, errors: Sequence[SlowErrors]) -> Setup:
     """Return the set-up with the medians of its shots' slow errors (decision 0004).
 
     Without any shot it is returned as it is.
-
-    Parameters
-    ----------
-    errors, one_frames
-        What `slow_errors` and `one_frame` return of each shot.
     """
     if not errors:
         return setup
-    place, turn = np.median(np.array(errors), axis=0)
-    return replace(
-        setup,
-        slow_position_m=float(place),
-        slow_rotation_rad=float(turn),
-        one_body_frame=all(one_frames),
+    slow = SlowErrors(
+        position_m=float(np.median([each.position_m for each in errors])),
+        rotation_rad=float(np.median([each.rotation_rad for each in errors])),
+        one_body_frame=all(each.one_body_frame for each in errors),
     )
+    return replace(setup, slow=slow)

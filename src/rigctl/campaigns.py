@@ -16,13 +16,13 @@ from analysis.exchange.shot_list import EXCLUDED, ShotRow
 from analysis.model.gather import gather, gather_poses, pose_data
 from analysis.model.poses import PoseData
 from analysis.model.tables import Data
-from analysis.setup import Setup
+from analysis.setup import Setup, SlowErrors
 from analysis.slow_errors import typical
 from rigctl.errors import AnalysisInputError
 from rigctl.measured import MeasuredFiles, measured_files
 from rigctl.opening import read_store
 from rigctl.store import Store, StoreReader
-from rigctl.stored_poses import poses_of
+from rigctl.stored_poses import poses_of, slow_errors_of
 from rigctl.stored_shot import setup_of
 from rigctl.tabulated_campaigns import is_tabulated, tabulated
 
@@ -110,16 +110,8 @@ def poses_from(name: str, files: Sequence[MeasuredFiles]) -> PoseData:
     setups = {shot.name: shot.setup for shot in shots}
     require_one_setup(name, setups)
     slow = [shot.slow for shot in shots if shot.slow is not None]
-    setup = typical(shots[0].setup, [s.sizes for s in slow], [s.one_body_frame for s in slow])
+    setup = typical(shots[0].setup, slow)
     return pose_data({s.row.shot: s.spheres for s in shots}, [s.row for s in shots], setup)
-
-
-@dataclass(frozen=True, slots=True)
-class SlowErrors:
-    """Of a shot's poses, m and rad, and whether its body axes are those of other shots."""
-
-    sizes: tuple[float, float]
-    one_body_frame: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,12 +141,7 @@ def stored_shot(campaign: str, files: MeasuredFiles) -> StoredShot:
             row=_row(int(manifest["number"]), manifest, excluded=files.excluded),
             spheres=poses_of(result["poses"]),
             setup=setup_of(manifest),
-            slow=None
-            if errors is None
-            else SlowErrors(
-                (float(errors["position_m"]), float(errors["rotation_rad"])),
-                bool(errors["one_body_frame"]),
-            ),
+            slow=None if errors is None else slow_errors_of(errors),
         )
     except (KeyError, TypeError, ValueError) as error:
         raise AnalysisInputError(

@@ -1,16 +1,18 @@
-"""Poses of a measured shot in its result file: what poses.csv has, one object a sphere and frame.
+"""Poses of a measured shot in its result file, one object a sphere and frame, and how they err.
 
-What was not measured is null: JSON knows neither NaN nor infinity. An error that is not stated is
-0, as in the exchange folder.
+They have what poses.csv has. What was not measured is null: JSON knows neither NaN nor infinity. An
+error that is not stated is 0, as in the exchange folder.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from typing import Any
 
 from analysis.exchange.pose_table import PoseRow
+from analysis.setup import SlowErrors
 
 Json = dict[str, Any]
 
@@ -81,3 +83,17 @@ def _stated(value: object) -> float:
 def _four(values: Sequence[float]) -> tuple[float, float, float, float]:
     w, x, y, z = map(float, values)
     return w, x, y, z
+
+
+def slow_errors_document(slow: SlowErrors) -> Json:
+    """Return slow errors as a result holds them."""
+    return asdict(slow)
+
+
+def slow_errors_of(document: Mapping[str, Any]) -> SlowErrors:
+    """Return the slow errors of a result."""
+    return SlowErrors(
+        position_m=float(document["position_m"]),
+        rotation_rad=float(document["rotation_rad"]),
+        one_body_frame=bool(document["one_body_frame"]),
+    )

@@ -21,7 +21,7 @@ from analysis.shot import AnalysisOptions, MeasuredShot, RefusedShot, analyse_sh
 from analysis.slow_errors import slow_errors
 from rigctl.learned_pairs import LearnedPairs
 from rigctl.store.folders import read_pixels
-from rigctl.stored_poses import poses_document
+from rigctl.stored_poses import poses_document, slow_errors_document
 
 if TYPE_CHECKING:
     from analysis.photometric.appearance import Knowledge
@@ -116,12 +116,9 @@ def _result(folder: Path, method: str, measure: Measure) -> Json:
     document = {**about, **shot_document(shot)}
     if isinstance(shot, MeasuredShot):
         document["poses"] = poses_document(measured_poses(shot))
-        position, rotation = slow_errors(shot)
-        document["slow_errors"] = {
-            "position_m": position,
-            "rotation_rad": rotation,
-            "one_body_frame": False,
-        }
+        # Pairs are taken up and learned on as shots come, so each result has axes of its own.
+        slow = replace(slow_errors(shot), one_body_frame=False)
+        document["slow_errors"] = slow_errors_document(slow)
         document["overlay"] = overlay_document(shot)
     return document
 

@@ -12,8 +12,9 @@ from analysis.model.parts import SHOTS_AT_ONCE
 from analysis.model.streaming.columns import ShotColumns
 from analysis.model.streaming.reading import Reading, stream_poses
 from analysis.model.streaming.stream import PoseStream
+from analysis.setup import SlowErrors
 from analysis.slow_errors import typical
-from rigctl.campaigns import SlowErrors, StoredShot, in_words, require_one_setup, stored_shot
+from rigctl.campaigns import StoredShot, in_words, require_one_setup, stored_shot
 from rigctl.errors import NotFoundError, StoreError
 from rigctl.measured import MeasuredFiles, each_measured
 from rigctl.opening import read_store
@@ -70,7 +71,7 @@ def stream_from(name: str, files: Iterable[MeasuredFiles]) -> PoseStream:
         slow += [shot.slow for shot in part if shot.slow is not None]
         read.add({shot.row.shot: shot.spheres for shot in part}, columns, first.setup)
     if first is not None:
-        setup = typical(first.setup, [s.sizes for s in slow], [s.one_body_frame for s in slow])
+        setup = typical(first.setup, slow)
         stream = read.finished(columns, setup)
         if len(stream.shots) > 0:
             return stream

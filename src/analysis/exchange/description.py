@@ -17,7 +17,7 @@ from pydantic import (
 
 from analysis.errors import InputError
 from analysis.exchange.faults import fault
-from analysis.setup import CameraSetup, Setup, SphereSetup
+from analysis.setup import CameraSetup, Setup, SlowErrors, SphereSetup
 
 FORMAT = 1
 N = TypeVar("N", int, float)
@@ -168,9 +168,11 @@ def _setup(description: _Description) -> Setup:
         spheres=(_sphere(first), _sphere(second)),
         gravity_m_per_s2=description.environment.gravity_m_per_s2,
         air_density_kg_per_m3=description.environment.air_density_kg_per_m3,
-        slow_position_m=description.measurement.slow_position_m,
-        slow_rotation_rad=description.measurement.slow_rotation_rad,
-        one_body_frame=description.measurement.one_body_frame,
+        slow=SlowErrors(
+            position_m=description.measurement.slow_position_m,
+            rotation_rad=description.measurement.slow_rotation_rad,
+            one_body_frame=description.measurement.one_body_frame,
+        ),
     )
 
 

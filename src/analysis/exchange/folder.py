@@ -12,9 +12,9 @@ from analysis.campaign import DESCRIPTION, SHOT_LIST, ShotJob
 from analysis.exchange.description import FORMAT
 from analysis.exchange.shot_list import ShotRow
 from analysis.exchange.tables import WriteShot, contact_writer, pose_writer
-from analysis.setup import Setup
+from analysis.setup import Setup, SlowErrors
 from analysis.shot import MeasuredShot
-from analysis.slow_errors import one_frame, slow_errors, typical
+from analysis.slow_errors import slow_errors, typical
 
 
 @contextmanager
@@ -37,7 +37,7 @@ def folder_writer(folder: Path, name: str, jobs: Sequence[ShotJob]) -> Iterator[
     """
     folder.mkdir(parents=True, exist_ok=True)
     (folder / DESCRIPTION).unlink(missing_ok=True)
-    errors, shared_axes = list[tuple[float, float]](), list[bool]()
+    errors: list[SlowErrors] = []
     with (
         pose_writer(folder / "poses.csv") as write_poses,
         contact_writer(folder / "contacts.csv") as write_contact,
@@ -47,10 +47,9 @@ def folder_writer(folder: Path, name: str, jobs: Sequence[ShotJob]) -> Iterator[
             write_poses(number, shot)
             write_contact(number, shot)
             errors.append(slow_errors(shot))
-            shared_axes.append(one_frame(shot))
 
         yield write
-    setup = typical(next(iter(jobs)).setup, errors, shared_axes)
+    setup = typical(next(iter(jobs)).setup, errors)
     _write_rows(folder / SHOT_LIST, _columns(_rows(jobs)), _rows(jobs))
     (folder / DESCRIPTION).write_text(description(name, setup), encoding="utf-8")
 
@@ -88,12 +87,12 @@ def description(name: str, setup: Setup) -> str:
         f"gravity_m_per_s2 = {setup.gravity_m_per_s2}",
         f"air_density_kg_per_m3 = {setup.air_density_kg_per_m3}",
     ]
-    if setup.slow_position_m > 0 or setup.slow_rotation_rad > 0 or not setup.one_body_frame:
+    if setup.slow.stated or not setup.slow.one_body_frame:
         lines += [
             "[measurement]",
-            f"slow_position_m = {setup.slow_position_m}",
-            f"slow_rotation_rad = {setup.slow_rotation_rad}",
-            f"one_body_frame = {json.dumps(setup.one_body_frame)}",
+            f"slow_position_m = {setup.slow.position_m}",
+            f"slow_rotation_rad = {setup.slow.rotation_rad}",
+            f"one_body_frame = {json.dumps(setup.slow.one_body_frame)}",
         ]
     return "\n".join(lines) + "\n"
 

@@ -25,9 +25,9 @@ from analysis.model.tables import ContactTable, Data
 from analysis.model.tables_build import contacts_table, impacts_table
 from analysis.model.tables_noise import with_scatter_as_noise
 from analysis.motion.rotation import quaternion
-from analysis.setup import CameraSetup, Setup, SphereSetup
+from analysis.setup import CameraSetup, Setup, SlowErrors, SphereSetup
 from analysis.shot import AnalysisOptions, MeasuredShot
-from analysis.slow_errors import one_frame, slow_errors, typical
+from analysis.slow_errors import slow_errors, typical
 
 Floats = NDArray[np.float64]
 
@@ -107,13 +107,12 @@ def _measured_now(folder: Path, setup: Setup) -> tuple[Shots, Setup]:
     What else was found of a shot is not kept.
     """
     poses: dict[int, dict[str, list[PoseRow]]] = {}
-    errors, shared_axes = list[tuple[float, float]](), list[bool]()
+    errors: list[SlowErrors] = []
     for job, shot, _ in analyse_campaign(read_campaign(folder), AnalysisOptions()):
         if isinstance(shot, MeasuredShot):
             poses[job.shot] = measured_poses(shot)
             errors.append(slow_errors(shot))
-            shared_axes.append(one_frame(shot))
-    return poses, typical(setup, errors, shared_axes)
+    return poses, typical(setup, errors)
 
 
 def measured_poses(shot: MeasuredShot) -> dict[str, list[PoseRow]]:
@@ -181,9 +180,7 @@ def stated_poses(shots: Shots, rows: Sequence[ShotRow], setup: Setup) -> PoseDat
         position_sigma=position_sigma,
         rotation=_matrices(quaternions),
         rotation_sigma=turn_sigma,
-        slow_position_m=setup.slow_position_m,
-        slow_rotation_rad=setup.slow_rotation_rad,
-        one_body_frame=setup.one_body_frame,
+        slow=setup.slow,
         bodies=(_body(setup.spheres[0]), _body(setup.spheres[1])),
         gravity=setup.gravity_m_per_s2,
         air_density=setup.air_density_kg_per_m3,

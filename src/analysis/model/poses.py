@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from analysis.collision.operator import Body
 from analysis.model.systematics import Systematic, of_images
-from analysis.setup import CameraSetup
+from analysis.setup import NO_SLOW_ERRORS, CameraSetup, SlowErrors
 
 Floats = NDArray[np.float64]
 
@@ -71,10 +71,8 @@ class PoseData:
         Numbers of shots that are not here, having no frames that show both spheres.
     excluded
         Numbers of shots that are not here because a person left them out.
-    slow_position_m, slow_rotation_rad
-        Size of the error that the frames of one flight share, in place and in orientation.
-    one_body_frame
-        Whether orientations are of one body frame for each sphere in all shots.
+    slow
+        Errors that last.
     jitter_s
         Standard deviation of each frame's time, common to both spheres, s.
     """
@@ -93,9 +91,7 @@ class PoseData:
     estimated: bool = False
     unusable: tuple[int, ...] = ()
     excluded: tuple[int, ...] = ()
-    slow_position_m: float = 0.0
-    slow_rotation_rad: float = 0.0
-    one_body_frame: bool = True
+    slow: SlowErrors = NO_SLOW_ERRORS
     jitter_s: float = 0.0
 
     def without(self, frames: NDArray[np.bool_]) -> PoseData:
@@ -149,7 +145,7 @@ class PoseData:
     @property
     def systematics(self) -> tuple[Systematic, ...]:
         """Return the errors that all shots share."""
-        return of_images(self.slow_position_m, one_body_frame=self.one_body_frame)
+        return of_images(self.slow)
 
     @property
     def measured(self) -> NDArray[np.bool_]:

@@ -146,7 +146,7 @@ def displaced(
 
     Where each shot has body axes of its own, nothing fixed in a body can be foretold.
     """
-    if not data.one_body_frame:
+    if not data.slow.one_body_frame:
         return position
     for effect, values in effects:
         position = effect.displace(Turning(position, flown.rotation, flown.touch), values)

@@ -46,7 +46,7 @@ class Slow:
 
 def slow_noise(data: PoseData, states: ShotStates, slopes: Floats) -> Slow | None:
     """Return the whitening for the slow errors that the data state, None where they state none."""
-    if data.slow_position_m == 0.0 and data.slow_rotation_rad == 0.0:
+    if not data.slow.stated:
         return None
     root = _sizes(data, states)
     gram = np.swapaxes(slopes, 2, 3) @ slopes
@@ -68,7 +68,7 @@ def _sizes(data: PoseData, states: ShotStates) -> Floats:
         first = np.where(mask, tau, np.inf).min(axis=1)
         last = np.where(mask, tau, -np.inf).max(axis=1)
         span = np.where(last > first, last - first, np.inf)
-        for kind, size in enumerate((data.slow_position_m, data.slow_rotation_rad)):
+        for kind, size in enumerate((data.slow.position_m, data.slow.rotation_rad)):
             sizes[:, :, kind, side, 0] = size
             sizes[:, :, kind, side, 1] = (RATE_FACTOR * size / span)[:, None, None]
     return sizes.reshape(len(tau), 4, 12)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from analysis.effects.effect import Effect, Values
 from analysis.effects.mass_offset import EFFECT as MASS_OFFSET
 from analysis.effects.outline_offset import EFFECT as OUTLINE_OFFSET
+from analysis.setup import SlowErrors
 
 Floats = NDArray[np.float64]
 
@@ -33,18 +34,18 @@ class Systematic:
     sigma: float
 
 
-def of_images(slow_position_m: float, *, one_body_frame: bool) -> tuple[Systematic, ...]:
-    """Return what measuring leaves in poses, by the size of their slow errors, m.
+def of_images(slow: SlowErrors) -> tuple[Systematic, ...]:
+    """Return what measuring leaves in poses, by the size of their slow errors.
 
     As far as the frames of one flight share an error, those of all flights share it too, for the
     light and the learned look stay the same: of the outlines of both spheres against each other,
     and of a learned pattern of markers against its sphere. A pattern that is learned anew in each
     shot (no common body frame) has no error that they share.
     """
-    if slow_position_m == 0.0:
+    if slow.position_m == 0.0:
         return ()
-    outline = _off(OUTLINE_OFFSET, float(np.sqrt(2.0)) * slow_position_m)
-    return (outline, _off(MASS_OFFSET, slow_position_m)) if one_body_frame else (outline,)
+    outline = _off(OUTLINE_OFFSET, float(np.sqrt(2.0)) * slow.position_m)
+    return (outline, _off(MASS_OFFSET, slow.position_m)) if slow.one_body_frame else (outline,)
 
 
 def _off(effect: Effect, sigma: float) -> Systematic:

@@ -15,7 +15,7 @@ from rigctl.exchange.amending import tags_in
 from rigctl.settings import ShotSettings
 from rigctl.store.imports import ImportedShot
 from rigctl.store.states import ShotState
-from rigctl.stored_poses import poses_document
+from rigctl.stored_poses import poses_document, slow_errors_document
 
 if TYPE_CHECKING:
     from rigctl.exchange.contents import Contents
@@ -88,11 +88,7 @@ def first_result(shot: str, row: ShotRow, contents: Contents) -> Json:
         "status": METHOD,
         "frame_rate_hz": setup.camera.frame_rate_hz,
         **({} if poses is None else {"poses": poses_document(poses)}),
-        "slow_errors": {
-            "position_m": setup.slow_position_m,
-            "rotation_rad": setup.slow_rotation_rad,
-            "one_body_frame": setup.one_body_frame,
-        },
+        "slow_errors": slow_errors_document(setup.slow),
     }
 
 

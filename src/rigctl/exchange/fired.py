@@ -15,7 +15,7 @@ from analysis.exchange.folder import description, write_shot_list
 from analysis.exchange.pose_table import PoseRow
 from analysis.exchange.pose_writing import write_pose_rows
 from analysis.exchange.shot_list import EXCLUDED, NOTE, TAGS, ShotRow
-from analysis.setup import Setup
+from analysis.setup import Setup, SlowErrors
 from analysis.slow_errors import typical
 from rigctl.cameras.frames import FrameSequence
 from rigctl.campaigns import require_one_setup
@@ -23,7 +23,7 @@ from rigctl.exchange.amending import tags_field
 from rigctl.exchange.documents import CONFIGURATION, SIMULATED
 from rigctl.store import ShotRecord
 from rigctl.store.folders import ShotFolders
-from rigctl.stored_poses import poses_of
+from rigctl.stored_poses import poses_of, slow_errors_of
 from rigctl.stored_shot import setup_of
 
 Json = dict[str, Any]
@@ -34,11 +34,10 @@ NAME = "name"
 
 @dataclass(frozen=True, slots=True)
 class Measured:
-    """Poses of one shot, with its slow errors: place in m, turn in rad, body frame shared."""
+    """Poses of one shot, with their slow errors."""
 
     poses: Mapping[str, Sequence[PoseRow]]
-    slow: tuple[float, float]
-    one_body_frame: bool
+    slow: SlowErrors
 
 
 def write_fired(
@@ -70,11 +69,7 @@ def write_fired(
         if (found := _measured(shot, folders)) is not None:
             measured[shot.number] = found
     require_one_setup(campaign, setups)
-    setup = typical(
-        setups[shots[0].id],
-        [each.slow for each in measured.values()],
-        [each.one_body_frame for each in measured.values()],
-    )
+    setup = typical(setups[shots[0].id], [each.slow for each in measured.values()])
     (folder / DESCRIPTION).write_text(description(campaign, setup), encoding="utf-8")
     write_shot_list(folder / SHOT_LIST, [_row(shot) for shot in shots])
     if measured:
@@ -94,12 +89,9 @@ def _measured(shot: ShotRecord, folders: ShotFolders) -> Measured | None:
     result: Json = folders.result(shot.id, shot.results)
     if "poses" not in result:
         return None
-    slow = result.get("slow_errors") or {}
-    return Measured(
-        poses_of(result["poses"]),
-        (float(slow.get("position_m", 0.0)), float(slow.get("rotation_rad", 0.0))),
-        one_body_frame=bool(slow.get("one_body_frame", False)),
-    )
+    slow: Json | None = result.get("slow_errors")
+    unstated = SlowErrors(one_body_frame=False)
+    return Measured(poses_of(result["poses"]), slow_errors_of(slow) if slow else unstated)
 
 
 def _row(shot: ShotRecord) -> ShotRow:

@@ -105,8 +105,8 @@ def _poses(group: h5py.Group, data: PoseData) -> None:
     _number(group, "orientation", data.rotation, RATIO)
     group["orientation"].attrs["meaning"] = "rotation matrices, body to rig axes"
     _number(group, "orientation_errors", data.rotation_sigma, "rad")
-    _number(group, "slow_position_errors", data.slow_position_m, "m")
-    _number(group, "slow_orientation_errors", data.slow_rotation_rad, "rad")
+    _number(group, "slow_position_errors", data.slow.position_m, "m")
+    _number(group, "slow_orientation_errors", data.slow.rotation_rad, "rad")
     _number(group, "gravity", data.gravity, "m/s^2")
     _number(group, "air_density", data.air_density, "kg/m^3")
 

@@ -38,7 +38,7 @@ def test_stored_shots_give_the_poses_that_they_give_together(store: Store, keep:
         np.testing.assert_array_equal(joined(parts, name), getattr(wanted, name))
     for name, values in wanted.covariates.items():
         np.testing.assert_allclose(np.concatenate([p.covariates[name] for p in parts]), values)
-    assert {part.one_body_frame for part in parts} == {wanted.one_body_frame}
+    assert {part.slow for part in parts} == {wanted.slow}
     assert {part.camera for part in parts} == {wanted.camera}
 
 

@@ -12,6 +12,7 @@ import pytest
 
 from analysis.model.poses import PoseData
 from analysis.results.campaign import Results, results
+from analysis.setup import SlowErrors
 from rigctl.cli import run
 from rigctl.errors import ConfigurationError, StoreError
 from rigctl.exports.extras import require
@@ -43,7 +44,10 @@ def test_a_round_trip_gives_the_same_poses_and_the_same_results(
             rotation=poses["orientation"][()],
             rotation_sigma=poses["orientation_errors"][()],
             gravity=float(poses["gravity"][()]),
-            slow_position_m=float(poses["slow_position_errors"][()]),
+            slow=SlowErrors(
+                position_m=float(poses["slow_position_errors"][()]),
+                rotation_rad=float(poses["slow_orientation_errors"][()]),
+            ),
         )
         stored = file["entry/coefficients/velocities"][()]
         e = file["entry/regression/e"][()]

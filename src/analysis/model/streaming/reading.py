@@ -121,9 +121,7 @@ class Reading:
                         self._guessed(part),
                         covariates={name: column[own] for name, column in covariates.items()},
                         camera=camera,
-                        slow_position_m=setup.slow_position_m,
-                        slow_rotation_rad=setup.slow_rotation_rad,
-                        one_body_frame=setup.one_body_frame,
+                        slow=setup.slow,
                     )
                 )
 

@@ -19,6 +19,7 @@ from analysis.model.gather import gather
 from analysis.model.poses import PoseData
 from analysis.model.ranking import rank
 from analysis.model.slow import RATE_FACTOR
+from analysis.setup import NO_SLOW_ERRORS, SlowErrors
 from tests.unit.analysis.model.exchange_folder import write_campaign
 from tests.unit.analysis.model.hard_spheres import campaign
 
@@ -49,16 +50,14 @@ def drifting(shots: int, seed: int) -> PoseData:
 
 
 def stated(data: PoseData) -> PoseData:
-    return replace(data, slow_position_m=PLACE_M, slow_rotation_rad=TURN_RAD)
+    return replace(data, slow=SlowErrors(PLACE_M, TURN_RAD))
 
 
 def test_whitening_is_the_inverse_root_of_the_whole_covariance() -> None:
     data = stated(campaign(2, 3))
     fit = fit_campaign(data)
     line, _ = compare(data, fit.states, fit.theory)
-    bare, _ = compare(
-        replace(data, slow_position_m=0.0, slow_rotation_rad=0.0), fit.states, fit.theory
-    )
+    bare, _ = compare(replace(data, slow=NO_SLOW_ERRORS), fit.states, fit.theory)
     assert line.shared is not None
     assert line.shared.slow is not None
     for shot in (0, 1):
@@ -94,14 +93,14 @@ def test_campaign_toml_hands_them_on(tmp_path: Path) -> None:
     folder = write_campaign(tmp_path / "c", campaign(3, 5))
     path = folder / "campaign.toml"
     _, setup = read_description(path)
-    known = replace(setup, slow_position_m=3e-6, slow_rotation_rad=2e-4)
+    known = replace(setup, slow=SlowErrors(3e-6, 2e-4))
     path.write_text(description("drifting", known), encoding="utf-8")
     _, data = gather(folder)
     assert isinstance(data, PoseData)
-    assert (data.slow_position_m, data.slow_rotation_rad) == (3e-6, 2e-4)
+    assert data.slow == SlowErrors(3e-6, 2e-4)
 
 
 def test_body_axes_of_each_shots_own_leave_nothing_to_say_of_the_centre_of_mass() -> None:
-    data = replace(campaign(20, 6), one_body_frame=False)
+    data = replace(campaign(20, 6), slow=SlowErrors(one_body_frame=False))
     ranking = rank(data, fit_campaign(data), CATALOGUE)
     assert not next(c for c in ranking.candidates if c.effect.name == "mass-offset").seen

@@ -14,6 +14,7 @@ from analysis.model.fit import fit_campaign
 from analysis.model.leaders import refitted
 from analysis.model.poses import PoseData
 from analysis.model.ranking import rank
+from analysis.setup import SlowErrors
 from tests.unit.analysis.model.chosen import chosen
 from tests.unit.analysis.model.hard_spheres import campaign
 
@@ -27,14 +28,14 @@ def off_centre(size_m: float, *, pattern_m: float) -> PoseData:
     data = campaign(60, 41)
     offset = size_m * np.array([[0.8, -0.6, 0.0], [0.0, 0.6, 0.8]])
     moved = data.position + (data.rotation @ offset[..., None])[..., 0]
-    return replace(data, position=moved, slow_position_m=pattern_m, slow_rotation_rad=1e-7)
+    return replace(data, position=moved, slow=SlowErrors(pattern_m, 1e-7))
 
 
 def beside(offset: Floats, *, slow_m: float) -> PoseData:
     """Return spheres of which b is always seen beside where it is."""
     data = campaign(60, 42)
     moved = data.position + np.stack([np.zeros(3), offset])
-    return replace(data, position=moved, slow_position_m=slow_m, slow_rotation_rad=1e-7)
+    return replace(data, position=moved, slow=SlowErrors(slow_m, 1e-7))
 
 
 def promised(data: PoseData, name: str) -> Candidate:
@@ -62,7 +63,8 @@ def test_a_centre_of_mass_far_beyond_the_pattern_is_found_all_the_same() -> None
 
 
 def test_without_a_common_body_frame_there_is_no_pattern_to_blame() -> None:
-    data = replace(off_centre(1.5e-5, pattern_m=PATTERN_M), one_body_frame=False)
+    data = off_centre(1.5e-5, pattern_m=PATTERN_M)
+    data = replace(data, slow=replace(data.slow, one_body_frame=False))
     assert [s.effect.name for s in data.systematics] == ["outline-offset"]
 
 

@@ -63,7 +63,7 @@ def assert_as_a_whole(folder: Path) -> PoseData:
     for part in stream:
         assert part.camera == wanted.camera
         assert part.covariates.keys() == wanted.covariates.keys()
-        assert part.one_body_frame == wanted.one_body_frame
+        assert part.slow == wanted.slow
     for covariate, values in wanted.covariates.items():
         found = np.concatenate([part.covariates[covariate] for part in stream])
         np.testing.assert_allclose(found, values, rtol=1e-14)
