@@ -16,6 +16,34 @@ SINGULAR = 1e-13
 
 
 @part
+def gram(rows: Floats, weight: Floats, products: Floats) -> None:
+    """Fill the lower triangle of the weighted products of rows, sum_k w_k rows_ak rows_bk.
+
+    With residuals in the last row these are normal equations: matrix, right side below it, and the
+    sum of squares in the last corner.
+
+    Parameters
+    ----------
+    rows
+        Shape (rows, points).
+    weight
+        Shape (points,).
+    products
+        Shape (rows, rows).
+    """
+    weighted = np.empty(weight.size)
+    for a in range(rows.shape[0]):
+        own = rows[a]
+        for k in range(weight.size):
+            weighted[k] = weight[k] * own[k]
+        for b in range(a + 1):
+            total, other = 0.0, rows[b]
+            for k in range(weight.size):
+                total += weighted[k] * other[k]
+            products[a, b] = total
+
+
+@part
 def factor(normal: Floats, size: int) -> bool:
     """Put a positive definite matrix's Cholesky root in its lower triangle; false where it is not.
 

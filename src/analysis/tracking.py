@@ -22,13 +22,14 @@ from analysis.imaging.markers import find_markers
 from analysis.imaging.radii import filter_bias, shared_radii, view_radii
 from analysis.imaging.refinement import Knowledge, MarkersInFrame, refine_outlines
 from analysis.imaging.tracks import Spheres
-from analysis.imaging.views import View, ViewGeometry, view_geometries
+from analysis.imaging.views import View, view_geometries
 from analysis.motion.chained import orient_by_steps
 from analysis.motion.pattern import Orientations, orient
 from analysis.motion.poses import Centres, centres
 from analysis.motion.sightings import (
     Finder,
     SeenMarkers,
+    lifted_again,
     marker_angle,
     seen_markers,
     sightings,
@@ -123,11 +124,16 @@ def track_spheres(
     radii = shared_radii(spheres, diameters) if for_a_start else view_radii(spheres)
     bias = filter_bias(frames, spheres, settings, noise)
     find = _by_darkness(frames, noise) if for_a_start else _by_edges(edges)
-    seen, orientations = _markers(find, views, spheres, radii, times_s)
+    seen = seen_markers(find, views, spheres, radii)
+    orientations = _orientations(seen, times_s)
     standing = (_standing(orientations[0]), _standing(orientations[1]))
     known = Knowledge(radii, standing, marker_angle(seen, radii))
     spheres = refine_outlines(edges, views, spheres, known, settings.sigma_px)
-    seen, orientations = _markers(find, views, spheres, radii, times_s)
+    # Dark places depend on where the limb is; closed edges do not.
+    seen = (
+        seen_markers(find, views, spheres, radii) if for_a_start else _again(seen, spheres, radii)
+    )
+    orientations = _orientations(seen, times_s)
     if matching == "proximal":
         front = radii[View.FRONT]
         orientations = (
@@ -186,18 +192,21 @@ def _by_darkness(frames: NDArray[np.uint8], noise: float) -> Finder:
     return lambda k, discs: find_dark_places(frames[k], discs, noise=noise)
 
 
-def _markers(
-    find: Finder,
-    views: tuple[ViewGeometry, ...],
-    spheres: Spheres,
-    radii: dict[View, tuple[float, float]],
-    times_s: Floats,
-) -> tuple[SeenMarkers, tuple[Orientations, Orientations]]:
-    seen = seen_markers(find, views, spheres, radii)
+def _orientations(seen: SeenMarkers, times_s: Floats) -> tuple[Orientations, Orientations]:
     first, second = (
         orient(sightings(own), times_s, name) for own, name in zip(seen, "ab", strict=True)
     )
-    return seen, (first, second)
+    return first, second
+
+
+def _again(
+    seen: SeenMarkers, spheres: Spheres, radii: dict[View, tuple[float, float]]
+) -> SeenMarkers:
+    first, second = (
+        lifted_again(own, spheres[i], {view: pair[i] for view, pair in radii.items()})
+        for i, own in enumerate(seen)
+    )
+    return first, second
 
 
 def _standing(orientations: Orientations) -> MarkersInFrame:

@@ -14,7 +14,7 @@ from analysis.errors import ShotRefusedError
 from analysis.imaging.discs import Disc, discs, peaks_near, vote
 from analysis.imaging.frame import FilmEdges
 from analysis.imaging.limb import LIMB_REACH_PX
-from analysis.imaging.outlines import fit_outlines, nothing_hidden
+from analysis.imaging.outlines import Outline, Place, fit_outlines, nothing_hidden
 from analysis.imaging.tracks import Spheres, Track
 from analysis.imaging.views import View, ViewGeometry
 
@@ -23,6 +23,8 @@ CLEAR_RIM_SHARE = 0.4
 """Where every disc shows as much of its rim, and nothing else does, no better frame is sought."""
 REACH = 0.35
 """A disc is looked for within this many radii of where its motion predicts it."""
+CLOSE_PX = 1.5
+"""So near to its place by two frames before is a disc in free flight; at the contact it is not."""
 MOST_GROWTH = 0.15
 """An outline's radius differs from the expected one by less than this share."""
 LEAST_COVERAGE = 0.4
@@ -145,20 +147,36 @@ def _look(
     radius_px: float,
     least_coverage: float,
 ) -> None:
-    """Fit the outlines of a frame from the best peaks near the places, and keep those that hold."""
+    """Fit the outlines of a frame about the places, and keep those that hold.
+
+    First closely about the places; where that does not find every disc, further around them and
+    from the best peaks of the votes.
+    """
     discs = np.array([(row, column, radius_px) for _, (row, column) in places])
-    reach, windows = REACH * radius_px, discs.copy()
-    windows[:, 2] += reach + LIMB_REACH_PX + 1.0
-    points = film.about(k, windows).points
-    edges = points.row, points.column, points.normal_row, points.normal_column
-    peaks = peaks_near(edges, discs, reach)
-    seen = peaks[:, 2] >= LEAST_RIM_SHARE / 2
-    discs[seen, :2] = peaks[seen, :2]
     limits = KEEP_OFF_SIGMAS * film.settings.sigma_px, False
-    outlines = fit_outlines(points, discs, discs, nothing_hidden(len(discs)), limits)
-    for (track, _), (row, column, _), outline in zip(places, discs, outlines, strict=True):
-        if outline is None or outline.coverage < least_coverage:
-            continue
-        moved = math.hypot(outline.circle.row - row, outline.circle.column - column)
-        if moved < reach and abs(outline.circle.radius - radius_px) < MOST_GROWTH * radius_px:
+    for reach in (CLOSE_PX, REACH * radius_px):
+        close = reach == CLOSE_PX
+        points = film.about(k, discs + np.array([0.0, 0.0, reach + LIMB_REACH_PX + 1.0])).points
+        if not close:
+            edges = points.row, points.column, points.normal_row, points.normal_column
+            peaks = peaks_near(edges, discs, reach)
+            seen = peaks[:, 2] >= LEAST_RIM_SHARE / 2
+            discs[seen, :2] = peaks[seen, :2]
+        found = fit_outlines(points, discs, discs, nothing_hidden(len(discs)), limits)
+        held = [
+            outline is not None and _holds(outline, place, reach, least_coverage)
+            for outline, place in zip(found, discs.tolist(), strict=True)
+        ]
+        if all(held):
+            break
+    for (track, _), outline, holds in zip(places, found, held, strict=True):
+        if outline is not None and holds:
             track.outlines[k] = outline
+
+
+def _holds(outline: Outline, place: Place, reach_px: float, least_coverage: float) -> bool:
+    """Tell whether an outline shows enough of its limb, near its place and of its size."""
+    circle, (row, column, radius) = outline.circle, place
+    moved = math.hypot(circle.row - row, circle.column - column)
+    grown = abs(circle.radius - radius)
+    return outline.coverage >= least_coverage and moved < reach_px and grown < MOST_GROWTH * radius

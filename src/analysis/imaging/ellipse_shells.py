@@ -15,13 +15,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.cholesky import factor, solve
+from analysis.cholesky import factor, gram, solve
 from analysis.compiled import compiled, part
 from analysis.imaging.shells import FUZZIFIER, Ellipse, memberships
 
 Floats = NDArray[np.float64]
 
-LEAST_POINTS, SMALLEST_PX = 6, 1e-6
+LEAST_POINTS, SMALLEST_PX, TINY = 6, 1e-6, 1e-12
 LONGEST_STEP = 0.5
 """Of one iteration, in units of the points' spread."""
 
@@ -160,26 +160,26 @@ def ellipse_step(points: Floats, state: Floats, weight: Floats, step: Floats) ->
     state
         Centre and norm (a11, a12, a22), shape (5,).
     """
-    normal, row = np.zeros((5, 5)), np.empty(5)
-    step[:] = 0.0
-    for k in range(points.shape[0]):
-        x, y = points[k, 0] - state[0], points[k, 1] - state[1]
-        a_x, a_y = state[2] * x + state[3] * y, state[3] * x + state[4] * y
+    count, rows, least = points.shape[0], np.empty((6, points.shape[0])), 1.0
+    middle_x, middle_y, a_11, a_12, a_22 = state[0], state[1], state[2], state[3], state[4]
+    for k in range(count):
+        x, y = points[k, 0] - middle_x, points[k, 1] - middle_y
+        a_x, a_y = a_11 * x + a_12 * y, a_12 * x + a_22 * y
         square = a_x * x + a_y * y
-        if square <= 0.0:
-            return False
-        norm = math.sqrt(square)
-        row[0], row[1] = -a_x / norm, -a_y / norm
-        row[2], row[3], row[4] = 0.5 * x * x / norm, x * y / norm, 0.5 * y * y / norm
-        for a in range(5):
-            step[a] += weight[k] * row[a] * (1.0 - norm)
-            for b in range(a + 1):
-                normal[a, b] += weight[k] * row[a] * row[b]
+        least = min(least, square)
+        norm = math.sqrt(max(square, TINY))
+        rows[0, k], rows[1, k], rows[2, k] = -a_x / norm, -a_y / norm, 0.5 * x * x / norm
+        rows[3, k], rows[4, k], rows[5, k] = x * y / norm, 0.5 * y * y / norm, 1.0 - norm
+    step[:] = 0.0
+    if least <= 0.0:
+        return False
+    normal = np.empty((6, 6))
+    gram(rows, weight, normal)
     if not factor(normal, 5):
         return False
-    solve(normal, 5, step)
+    solve(normal, 5, normal[5])
     for a in range(5):
-        step[a] = min(max(step[a], -LONGEST_STEP), LONGEST_STEP)
+        step[a] = min(max(normal[5, a], -LONGEST_STEP), LONGEST_STEP)
     return True
 
 

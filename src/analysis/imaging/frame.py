@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.compiled import compiled
 from analysis.imaging.edges import half_kernels
 from analysis.imaging.facet import BORDER_SIGMAS, EdgePoints
 from analysis.imaging.windows import edges_about
@@ -85,13 +86,34 @@ def noise_sd(frames: NDArray[np.uint8]) -> float:
     twice the noise of one pixel. The median over small blocks leaves out those that an edge
     crosses. Never below the rounding of 8 bits, 1/sqrt(12).
     """
-    sample = frames[:: max(1, len(frames) // 8)].astype(np.float32)
-    mixed = sample[:, 1:, 1:] - sample[:, 1:, :-1] - sample[:, :-1, 1:] + sample[:, :-1, :-1]
-    rows, columns = (n // NOISE_BLOCK_PX for n in mixed.shape[1:])
-    whole = mixed[:, : rows * NOISE_BLOCK_PX, : columns * NOISE_BLOCK_PX]
-    blocks = whole.reshape(len(mixed), rows, NOISE_BLOCK_PX, columns, NOISE_BLOCK_PX)
-    variance = np.median((blocks**2).mean(axis=(2, 4)))
+    sample = np.require(frames[:: max(1, len(frames) // 8)], None, ["C", "W"])
+    variance = np.median(block_squares(sample))
     return float(max(np.sqrt(variance) / 2.0, 12**-0.5))
+
+
+@compiled
+def block_squares(frames: NDArray[np.uint8]) -> Floats:
+    """Return the mean squares of the mixed second differences over blocks of frames, flat."""
+    count, rows, columns = frames.shape
+    down, across = (rows - 1) // NOISE_BLOCK_PX, (columns - 1) // NOISE_BLOCK_PX
+    squares = np.zeros((count * down, across))
+    line = np.empty(columns - 1)
+    for n in range(count * down):
+        frame, first = frames[n // down], n % down * NOISE_BLOCK_PX
+        for r in range(first, first + NOISE_BLOCK_PX):
+            upper, lower = frame[r], frame[r + 1]
+            for c in range(columns - 1):
+                mixed = (
+                    np.float64(lower[c + 1])
+                    - np.float64(lower[c])
+                    - np.float64(upper[c + 1])
+                    + np.float64(upper[c])
+                )
+                line[c] = mixed * mixed
+            for b in range(across):
+                for c in range(b * NOISE_BLOCK_PX, (b + 1) * NOISE_BLOCK_PX):
+                    squares[n, b] += line[c]
+    return squares.ravel() / NOISE_BLOCK_PX**2
 
 
 def gradient_threshold(noise: float, sigma_px: float) -> float:

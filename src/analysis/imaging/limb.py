@@ -24,7 +24,8 @@ LIMB_REACH_PX = 3.0
 LEAST_ALIGNMENT = 0.95
 """Cosine between an edge's normal and the radius: a marker that cuts the limb turns the edge."""
 NOISE_DISTANCES_PX = (1.5, 0.6, 0.3)
-"""The noise cluster draws in as the fit settles, so a poor start does not lose the limb."""
+"""The noise cluster draws in as the fit settles, so a poor start does not lose the limb. With a
+known radius the start is an outline, and the first is left out."""
 SECTORS, LEAST_POINTS = 36, 12
 MOST_ITERATIONS, SETTLED_PX = 30, 1e-4
 
@@ -85,9 +86,11 @@ def settle_limb(
     """
     place, covariance, accepted = outline
     limb, size = np.empty(edges[0].size, dtype=np.intp), 2 if limits[1] else 3
-    row, column, weight = np.empty(limb.size), np.empty(limb.size), np.empty(limb.size)
-    count = 0
+    row, column = np.empty(limb.size), np.empty(limb.size)
+    rows, weight, count = np.empty((4, 0)), np.empty(0), 0
     for noise in NOISE_DISTANCES_PX:
+        if limits[1] and noise == NOISE_DISTANCES_PX[0]:
+            continue
         near, count = limb_points(edges, place, hidden[0], hidden[1], limb), 0
         for n in range(near):
             r, c = edges[0][limb[n]], edges[1][limb[n]]
@@ -96,9 +99,9 @@ def settle_limb(
                 count += 1
         if count < LEAST_POINTS:
             return 0, -1.0
-        points = row[:count], column[:count], weight[:count]
-        settle_circle(points, place, size, (noise, MOST_ITERATIONS, SETTLED_PX))
-    sandwich((row[:count], column[:count], weight[:count]), place, size, covariance)
+        until = noise, MOST_ITERATIONS, SETTLED_PX
+        rows, weight = settle_circle(row[:count], column[:count], place, size, until)
+    sandwich(rows, weight, size, covariance)
     sectors, kept = np.zeros(SECTORS), 0
     for n in range(count):
         # A weight is the square of a membership; the limb's own is the larger one.

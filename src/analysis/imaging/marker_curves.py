@@ -119,7 +119,7 @@ def dark_ellipses(
     places: Floats,
     around: Floats,
     front: NDArray[np.bool_],
-) -> tuple[Floats, Floats, Indices]:
+) -> tuple[Floats, Floats, Floats, Indices, Indices]:
     """Fit an ellipse to each curve in a disc that closes around something dark.
 
     Parameters
@@ -136,7 +136,8 @@ def dark_ellipses(
     Returns
     -------
     Ellipses in the order of `shells.Ellipse`, shape (markers, 6), disc after disc; what `lift`
-    makes of each, shape (markers, 4); and the number up to the end of each disc, shape (discs,).
+    makes of each, directions, shape (markers, 3), and facing, shape (markers,); the disc of each,
+    shape (markers,); and the number up to the end of each disc, shape (discs,).
     """
     order, first = by_curve(labels)
     curve = curves[0][order], curves[1][order], curves[2][order], curves[3][order]
@@ -148,23 +149,25 @@ def dark_ellipses(
         if b - a < LEAST_POINTS:
             continue
         i = disc_of(curve[0][a:b], curve[1][a:b], places, around)
-        own = curve[0][a:b], curve[1][a:b], curve[2][a:b], curve[3][a:b]
-        if i < 0 or not closes_around_dark(own):
+        points = curve[0][a:b], curve[1][a:b], curve[2][a:b], curve[3][a:b]
+        if i < 0 or not closes_around_dark(points):
             continue
         ellipse = ellipses[count]
-        if not settle_ellipse(own[0], own[1], (ITERATIONS, SETTLED), ellipse):
+        if not settle_ellipse(points[0], points[1], (ITERATIONS, SETTLED), ellipse):
             continue
         if ellipse[5] > MOST_RMS_PX or ellipse[2] >= LARGEST_SEMI_AXIS * places[i, 2]:
             continue
         if lift(ellipse, places[i], front[i], lifted[count]):
             disc[count] = i
             count += 1
-    ends, sorted_by_disc = np.zeros(places.shape[0], dtype=np.intp), np.empty(count, dtype=np.intp)
-    kept = 0
+    ends, kept = np.zeros(places.shape[0], dtype=np.intp), 0
+    ordered, own = np.empty((count, 6)), np.empty(count, dtype=np.intp)
+    directions, facing = np.empty((count, 3)), np.empty(count)
     for i in range(places.shape[0]):
         for n in range(count):
             if disc[n] == i:
-                sorted_by_disc[kept] = n
+                ordered[kept], own[kept] = ellipses[n], i
+                directions[kept], facing[kept] = lifted[n, :3], lifted[n, 3]
                 kept += 1
         ends[i] = kept
-    return ellipses[sorted_by_disc], lifted[sorted_by_disc], ends
+    return ordered, directions, facing, own, ends

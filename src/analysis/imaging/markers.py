@@ -40,7 +40,9 @@ class Markers:
 
     def where(self, chosen: NDArray[np.bool_] | slice) -> Markers:
         """Return the chosen markers."""
-        return Markers(*(getattr(self, name)[chosen] for name in self.__slots__))
+        return Markers(
+            self.ellipses[chosen], self.directions[chosen], self.facing[chosen], self.front[chosen]
+        )
 
     def __len__(self) -> int:
         return len(self.facing)
@@ -92,9 +94,10 @@ def find_markers(
     places = around[: len(discs)].copy()
     places[:, 2] = [disc.radius_px for disc in discs]
     front = np.array([disc.geometry.view is View.FRONT for disc in discs], dtype=np.bool_)
-    ellipses, lifted, ends = dark_ellipses(curves, edges.labels, places, around, front)
-    shown = np.repeat(front, np.diff(ends, prepend=0))
-    return Markers(ellipses, lifted[:, :3], lifted[:, 3], shown), ends
+    ellipses, directions, facing, own, ends = dark_ellipses(
+        curves, edges.labels, places, around, front
+    )
+    return Markers(ellipses, directions, facing, front[own]), ends
 
 
 def joined(parts: Sequence[Markers]) -> Markers:

@@ -57,13 +57,19 @@ def refine_outlines(
     seats = [(i, geometry) for i in (0, 1) for geometry in views]
     limits = KEEP_OFF_SIGMAS * sigma_px, True
     blurred = BLURRED_SIGMAS * sigma_px
+    shadows = [_in_plane(known.markers[i], geometry) for i, geometry in seats]
+    most = max((len(own) for shadow in shadows for own in shadow.values()), default=0)
     for k in frames_of(spheres):
-        own = [(i, g) for i, g in seats if k in spheres[i][g.view].outlines]
+        here = [n for n, (i, g) in enumerate(seats) if k in spheres[i][g.view].outlines]
+        own = [seats[n] for n in here]
         circles = [spheres[i][g.view].outlines[k].circle for i, g in own]
         discs = np.array([(c.row, c.column, c.radius) for c in circles])
         starts = discs.copy()
         starts[:, 2] = [known.radii[g.view][i] for i, g in own]
-        hidden = _hidden([(g, known.markers[i].get(k)) for i, g in own])
+        hidden = np.full((len(own), most, 2), np.nan)
+        for row, n in enumerate(here):
+            shadow = shadows[n].get(k, hidden[0, :0])
+            hidden[row, : len(shadow)] = shadow
         margins = np.cos(known.marker_angle + blurred / starts[:, 2])
         again = fit_outlines(frames[k].points, starts, discs, (hidden, margins), limits)
         for (i, geometry), outline in zip(own, again, strict=True):
@@ -72,11 +78,9 @@ def refine_outlines(
     return refined
 
 
-def _hidden(markers: Sequence[tuple[ViewGeometry, Floats | None]]) -> Floats:
-    """Return what `limb.Hidden` has of the markers' directions."""
-    most = max(0 if own is None else len(own) for _, own in markers)
-    hidden = np.full((len(markers), most, 2), np.nan)
-    for n, (geometry, own) in enumerate(markers):
-        if own is not None:
-            hidden[n, : len(own)] = geometry.offsets(own)[:, :2]
-    return hidden
+def _in_plane(markers: MarkersInFrame, geometry: ViewGeometry) -> dict[int, Floats]:
+    """Return the parts in the image of the markers' directions by frame, shape (markers, 2)."""
+    if not markers:
+        return {}
+    parts = geometry.offsets(np.array(list(markers.values())))[..., :2]
+    return dict(zip(markers, parts, strict=True))

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.cholesky import factor, solve
+from analysis.cholesky import factor, gram, solve
 from analysis.compiled import compiled, part
 
 FUZZIFIER = 2.0
@@ -130,48 +130,29 @@ def share_out(row: Floats, column: Floats, state: Floats, noise: float, u: Float
 
 
 @part
-def add_circle(
-    points: tuple[Floats, Floats, Floats], circle: Floats, normal: Floats, right: Floats
-) -> tuple[float, float]:
-    """Add the weighted normal equations of a circle's centre and radius.
+def circle_rows(row: Floats, column: Floats, circle: Floats, rows: Floats) -> None:
+    """Fill the derivatives of the distance to a circle by -centre and -radius, and the distance.
 
     Parameters
     ----------
-    points
-        Rows, columns and weights.
-
-    Returns
-    -------
-    Sum of weights, and weighted sum of squared distances.
+    rows
+        Shape (4, points), as `cholesky.gram` takes them.
     """
-    total, squares = 0.0, 0.0
-    for k in range(points[0].size):
-        d_r, d_c, weight = points[0][k] - circle[0], points[1][k] - circle[1], points[2][k]
+    down, across, outward, off = rows[0], rows[1], rows[2], rows[3]
+    r, c, radius = circle[0], circle[1], circle[2]
+    for k in range(row.size):
+        d_r, d_c = row[k] - r, column[k] - c
         rho = max(math.sqrt(d_r * d_r + d_c * d_c), NEAREST)
-        n_r, n_c, off = d_r / rho, d_c / rho, rho - circle[2]
-        normal[0, 0] += weight * n_r * n_r
-        normal[1, 0] += weight * n_r * n_c
-        normal[1, 1] += weight * n_c * n_c
-        normal[2, 0] += weight * n_r
-        normal[2, 1] += weight * n_c
-        right[0] += weight * n_r * off
-        right[1] += weight * n_c * off
-        right[2] += weight * off
-        total += weight
-        squares += weight * off * off
-    normal[2, 2] += total
-    return total, squares
+        down[k], across[k], outward[k], off[k] = d_r / rho, d_c / rho, 1.0, rho - radius
 
 
 @part
-def sandwich(
-    points: tuple[Floats, Floats, Floats], circle: Floats, size: int, covariance: Floats
-) -> None:
+def sandwich(rows: Floats, weight: Floats, size: int, covariance: Floats) -> None:
     """Fill the covariance of a circle: least squares with weights, by the points' own scatter."""
-    normal, spread, right = np.zeros((3, 3)), np.zeros((3, 3)), np.zeros(3)
-    total, squares = add_circle(points, circle, normal, right)
-    add_circle((points[0], points[1], points[2] ** 2), circle, spread, right)
-    variance = squares / max(total - 3.0, 1.0)
+    normal, spread = np.empty((4, 4)), np.empty((4, 4))
+    gram(rows, weight, normal)
+    gram(rows, weight**2, spread)
+    variance = normal[3, 3] / max(normal[2, 2] - 3.0, 1.0)
     covariance[:] = 0.0
     if not factor(normal, size):
         return
@@ -185,6 +166,21 @@ def sandwich(
                 for q in range(size):
                     middle = spread[max(p, q), min(p, q)]
                     covariance[a, b] += variance * inverse[a, p] * middle * inverse[b, q]
+
+
+@part
+def move_circle(rows: Floats, weight: Floats, size: int, circle: Floats) -> float:
+    """Take one Gauss-Newton step; return its largest part, 0 where the points do not tell it."""
+    normal, longest = np.empty((4, 4)), 0.0
+    gram(rows, weight, normal)
+    if not factor(normal, size):
+        return 0.0
+    step = normal[3]
+    solve(normal, size, step)
+    for a in range(size):
+        longest = max(longest, abs(step[a]))
+        circle[a] += min(max(step[a], -LONGEST_STEP_PX), LONGEST_STEP_PX)
+    return longest
 
 
 @compiled
@@ -209,61 +205,45 @@ def settle_circles(
     state, u, covariance = shells
     noise, iterations, tolerance = until
     size = 2 if hold_radius else 3
+    rows = np.empty((4, row.size))
     for _ in range(iterations):
         share_out(row, column, state, noise, u)
         longest = 0.0
         for i in range(state.shape[0]):
-            normal, right = np.zeros((3, 3)), np.zeros(3)
-            add_circle((row, column, u[i] ** 2), state[i], normal, right)
-            if not factor(normal, size):
-                continue
-            solve(normal, size, right)
-            for a in range(size):
-                longest = max(longest, abs(right[a]))
-                state[i, a] += min(max(right[a], -LONGEST_STEP_PX), LONGEST_STEP_PX)
+            circle_rows(row, column, state[i], rows)
+            longest = max(longest, move_circle(rows, u[i] ** 2, size, state[i]))
         if longest < tolerance:
             break
     share_out(row, column, state, noise, u)
     for i in range(state.shape[0]):
-        sandwich((row, column, u[i] ** 2), state[i], size, covariance[i])
+        circle_rows(row, column, state[i], rows)
+        sandwich(rows, u[i] ** 2, size, covariance[i])
 
 
 @part
 def settle_circle(
-    points: tuple[Floats, Floats, Floats],
-    circle: Floats,
-    size: int,
-    until: tuple[float, int, float],
-) -> None:
+    row: Floats, column: Floats, circle: Floats, size: int, until: tuple[float, int, float]
+) -> tuple[Floats, Floats]:
     """Fit one circle beside the noise cluster, as `settle_circles` would.
 
     Parameters
     ----------
-    points
-        Rows, columns and weights; these are filled with the squares of the memberships.
     circle
         Row, column and radius, improved, shape (3,).
     size
         3, or 2 to hold the radius.
+
+    Returns
+    -------
+    `circle_rows` and the weights, memberships squared, of the last step, shape (points,).
     """
-    row, column, weight = points
-    noisy = 1.0 / until[0] ** 2
-    normal, right = np.empty((3, 3)), np.empty(3)
+    rows, weight = np.empty((4, row.size)), np.empty(row.size)
+    noisy, off = 1.0 / until[0] ** 2, rows[3]
     for _ in range(until[1]):
-        r, c, radius = circle[0], circle[1], circle[2]
+        circle_rows(row, column, circle, rows)
         for k in range(row.size):
-            d_r, d_c = row[k] - r, column[k] - c
-            off = math.sqrt(d_r * d_r + d_c * d_c) - radius
-            share = 1.0 / (1.0 + (off * off + LEAST_SQUARE) * noisy)
+            share = 1.0 / (1.0 + (off[k] * off[k] + LEAST_SQUARE) * noisy)
             weight[k] = share * share
-        normal[:], right[:] = 0.0, 0.0
-        add_circle(points, circle, normal, right)
-        if not factor(normal, size):
-            return
-        solve(normal, size, right)
-        longest = 0.0
-        for a in range(size):
-            longest = max(longest, abs(right[a]))
-            circle[a] += min(max(right[a], -LONGEST_STEP_PX), LONGEST_STEP_PX)
-        if longest < until[2]:
-            return
+        if move_circle(rows, weight, size, circle) < until[2]:
+            break
+    return rows, weight

@@ -23,6 +23,9 @@ class View(Enum):
     FRONT = "front"
     TOP = "top"
 
+    # Tables by view are read in every frame.
+    __hash__ = object.__hash__
+
 
 @dataclass(frozen=True, slots=True)
 class ViewGeometry:

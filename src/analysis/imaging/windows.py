@@ -129,14 +129,14 @@ def mark_box(
         return count
     # One more on each side: a facet has its neighbours.
     framed = frame_box(frame, box, filters[0].shape[1])
-    log = np.empty((height + 2, width + 2), dtype=np.float32)
+    log = np.empty((height + 2, framed.shape[1]), dtype=np.float32)
     edges = log, np.empty_like(log), np.empty_like(log)
     filter_framed(framed, filters[0], edges)
-    crossing = np.empty(width + 2, dtype=np.bool_)
+    crossing, left = np.empty(framed.shape[1], dtype=np.bool_), filters[0].shape[1]
     for r in range(1, height + 1):
-        mark_row(edges, r, (1, width + 1), filters[1], crossing)
-        for c in range(1, width + 1):
-            row, column = box[0] + r - 1, box[2] + c - 1
+        mark_row(edges, r, (left, left + width), filters[1], crossing)
+        for c in range(left, left + width):
+            row, column = box[0] + r - 1, box[2] + c - left
             if not crossing[c] or number[row, column] > 0:
                 continue
             found[count] = root_along(edges, r, c, points[count])

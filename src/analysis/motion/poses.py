@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -79,5 +80,7 @@ def centre_sigma(outline: Outline, sigma_px: float) -> Floats:
     """
     rim = 2 * np.pi * outline.circle.radius * max(outline.coverage, 1e-3)
     repeats = max(1.0, 2 * np.sqrt(np.pi) * sigma_px * len(outline.points) / rim)
-    variance = np.diag(outline.circle.covariance)[:2] * repeats
-    return np.asarray(np.sqrt(variance + LEAST_SIGMA_PX**2))
+    covariance = outline.circle.covariance
+    return np.array(
+        [math.sqrt(float(covariance[a, a]) * repeats + LEAST_SIGMA_PX**2) for a in (0, 1)]
+    )
