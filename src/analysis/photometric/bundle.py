@@ -45,7 +45,7 @@ def add_turns(
     among, across = sums
     side, size = patches.shape[1], among.shape[0]
     used, value = np.empty(size, np.int64), np.empty(size)
-    for n in range(shadows.shape[0]):
+    for n in range(rows.shape[0]):
         count = 0
         for m in range(patches.shape[0]):
             i, j = pixels[0][n] - corners[m, 0], pixels[1][n] - corners[m, 1]
