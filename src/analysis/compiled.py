@@ -10,6 +10,7 @@ import numba
 from numba import types
 
 from analysis.machine_code import LOCATORS, alone
+from analysis.own_code import complete
 
 SUMS = {"reassoc", "contract", "arcp", "nsz"}
 F = TypeVar("F", bound=Callable[..., object])
@@ -75,7 +76,7 @@ def _kept(decorate: Callable[[F], Any], function: F, *, plain: bool = False) -> 
         if plain and strange:
             message = f"{name} takes arrays that are contiguous in rows and can be written"
             raise TypeError(f"{message}, not {strange[0]}; pass numpy.ascontiguousarray of it")
-        with alone(name):
+        with alone(name), complete():
             missed = sum(dispatcher.stats.cache_misses.values())
             code = compile_here(signature)
         if sum(dispatcher.stats.cache_misses.values()) > missed:

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import analysis
-from analysis.compiled import compiled, kept_on_disk
+from analysis.compiled import compiled, kept_on_disk, part
 
 PART = "from analysis.compiled import part\n\n@part\ndef inner(x):\n    return {} * x\n"
 WHOLE = (
@@ -30,7 +30,7 @@ def package(tmp_path: Path) -> Path:
     root = tmp_path / "analysis"
     (root / "room").mkdir(parents=True)
     own = Path(analysis.__file__).parent
-    for name in ("compiled.py", "machine_code.py"):
+    for name in ("compiled.py", "machine_code.py", "own_code.py"):
         shutil.copy(own / name, root)
     for folder in (root, root / "room"):
         (folder / "__init__.py").touch()
@@ -99,3 +99,24 @@ def test_only_arrays_of_one_kind_are_taken_so_that_all_processes_round_alike(spo
     with pytest.raises(TypeError, match="first_of takes arrays that are contiguous in rows"):
         first_of((strange, whole))
     assert first_of((whole, whole)) == 1.0
+
+
+@part
+def ratio(values):
+    total = 0.0
+    for value in values:
+        total += value
+    return total / values[0] if total > 1.0 else values[-1]
+
+
+@compiled
+def ratios(values):
+    for k in range(values.size):
+        values[k] = ratio(values[k:]) + ratio(values[: k + 1])
+
+
+def test_what_a_function_calls_is_its_own_copy_whatever_the_process_has_met_before() -> None:
+    ratios(np.ones(4))
+    (code,) = ratios.inspect_llvm().values()
+    assert "define internal" in code
+    assert "linkonce_odr" not in code
