@@ -55,6 +55,7 @@ def test_the_stage_gives_every_way_of_a_method(
     assert (tmp_path / "stage.svg").exists()
 
 
+@pytest.mark.long
 def test_the_depth_gives_every_velocity_with_and_without_the_mirror(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:

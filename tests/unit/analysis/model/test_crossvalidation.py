@@ -68,7 +68,7 @@ def left_out(data: PoseData, start: ShotStates, theory: Theory) -> tuple[float, 
     return float(rest @ np.linalg.solve(covariance, rest)), int(after.sum())
 
 
-@pytest.mark.parametrize("stretch", [1.0, 1.002])
+@pytest.mark.parametrize("stretch", [1.0, pytest.param(1.002, marks=pytest.mark.long)])
 def test_the_error_is_that_of_leaving_out_refitting_and_predicting(stretch: float) -> None:
     data = campaign(10, 31)
     data = replace(data, position=stretch * data.position)

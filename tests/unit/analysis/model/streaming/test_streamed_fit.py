@@ -107,6 +107,7 @@ def test_bad_shots_frames_and_sigmas_are_judged_as_in_memory() -> None:
     assert_same_ranking(found.ranked(EFFECTS), rank(wanted.data, wanted.fit, EFFECTS))
 
 
+@pytest.mark.long
 def test_effects_are_added_as_in_memory_those_of_the_noise_too() -> None:
     stated = spoilt(jittered(campaign(40, 34, LAW, hidden=Hidden(slope=0.03))))
     effects = [*chosen("restitution-viscoelastic"), JITTER]
