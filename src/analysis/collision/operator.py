@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -83,7 +84,7 @@ def sticking_or_sliding(encounter: Encounter) -> Floats:
     return np.minimum(sticking, encounter.mu * np.abs(impulse_n))
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Encounter:
     """Two spheres at first touch, in each of S shots, and the law that holds there.
 
@@ -113,18 +114,18 @@ class Encounter:
     covariates: Mapping[str, Floats]
     across: Callable[[Encounter], Floats] = sticking_or_sliding
 
-    @property
+    @cached_property
     def approach(self) -> Floats:
         """Approach speed, m/s, positive, shape (S,)."""
         relative = self.before.velocity_b - self.before.velocity_a
         return np.asarray(-(relative * self.normal).sum(axis=1))
 
-    @property
+    @cached_property
     def sliding(self) -> Floats:
         """Relative surface velocity across the normal, m/s, shape (S, 3)."""
         return surface_velocity(self.before, self.normal, self.bodies)
 
-    @property
+    @cached_property
     def sliding_speed(self) -> Floats:
         """Its amount, m/s, never quite zero so that it has a direction, shape (S,)."""
         return _speed(self.sliding)
@@ -176,8 +177,7 @@ def walton(encounter: Encounter) -> Outcome:
     give_n, _ = gives(encounter.bodies)
     impulse_n = (1 + encounter.e) * encounter.approach / give_n
     impulse_t = encounter.across(encounter)
-    sliding = encounter.sliding
-    along = sliding / _speed(sliding)[:, None]
+    along = encounter.sliding / encounter.sliding_speed[:, None]
     return struck(encounter, impulse_n[:, None] * encounter.normal - impulse_t[:, None] * along)
 
 

@@ -13,18 +13,20 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.effects.effect import BodyEffect, CameraEffect, ClockEffect, Effect, FlightEffect
-from analysis.model.comparison import Comparison, Frames, Snapshot, by_block, weights
+from analysis.effects.effect import Effect
+from analysis.model.comparison import KINDS, Comparison, Snapshot, weights
 from analysis.model.contact import contact_outcome
 from analysis.model.poses import PoseData
-from analysis.model.prediction import appear, displaced, exposed, perturbation, rate
 from analysis.model.sides import flights_by_outcome
 from analysis.model.state import ShotStates
+from analysis.model.steps import Unmoved
 from analysis.model.systematics import Systematic
 from analysis.model.tables import Data
 from analysis.model.theory import LAW, Active, Theory
 
 Floats = NDArray[np.float64]
+Wanted = tuple[Active | Systematic | None, int]
+"""One parameter: of which part of a theory (None: of the law), and its number there."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,15 +50,6 @@ class Columns:
     frames: Floats
     pulled: Floats
 
-    def joined(self, other: Columns) -> Columns:
-        """Return these columns followed by others."""
-        return Columns(
-            moved=np.concatenate([self.moved, other.moved], axis=2),
-            framed=np.concatenate([self.framed, self.moved.shape[2] + other.framed]),
-            frames=np.concatenate([self.frames, other.frames], axis=3),
-            pulled=np.concatenate([self.pulled, other.pulled], axis=2),
-        )
-
     def against_flights(self, line: Comparison) -> Floats:
         """Return slopes' columns, shape (S, 48, K)."""
         return line.weigh(self.moved) + self.pulled
@@ -78,39 +71,61 @@ class Columns:
         product[:, rows, columns] += np.swapaxes(flat, 1, 2) @ flat
         return product
 
+    def whole_gram(self, line: Comparison) -> Floats:
+        """Return the same of all shots together, shape (K, K)."""
+        product = np.zeros(2 * self.moved.shape[2:])
+        flown = np.setdiff1d(np.arange(len(product)), self.framed)
+        moved, pulled = self.moved[:, :, flown], self.pulled[:, :, self.framed]
+        rows = moved.reshape(-1, flown.size)
+        product[np.ix_(flown, flown)] = rows.T @ line.weigh(moved).reshape(rows.shape)
+        between = rows.T @ pulled.reshape(-1, self.framed.size)
+        product[np.ix_(flown, self.framed)] = between
+        product[np.ix_(self.framed, flown)] = between.T
+        flat = self.frames.reshape(-1, self.framed.size)
+        product[np.ix_(self.framed, self.framed)] = flat.T @ flat
+        return product
+
     def _flat(self) -> Floats:
         shots, blocks, length, count = self.frames.shape
         return self.frames.reshape(shots, blocks * length, count)
 
 
-def columns_of(line: Comparison, moved: Floats, frames: Sequence[tuple[int, Floats]]) -> Columns:
-    """Put columns together: changes of the flights (S, 48, K), and by number those of frames."""
-    framed = np.array([k for k, _ in frames], dtype=np.intp)
-    shape = line.residual.shape
-    stacked = np.zeros((*shape, 0))
-    if frames:
-        stacked = line.recast(np.stack([c for _, c in frames], axis=-1))
-    pulled = np.zeros_like(moved)
-    if frames:
-        pulled[:, :, framed] = line.pull(stacked)
-    return Columns(moved, framed, stacked, pulled)
+def columns_of(
+    line: Comparison, moved: Floats, framed: NDArray[np.intp], frames: Floats
+) -> Columns:
+    """Put columns together: changes of the flights (S, 48, K), and by number those of frames.
+
+    Parameters
+    ----------
+    frames
+        By spheres and kinds, not yet whitened for shared noise, shape (S, 4, L, K').
+    """
+    if not framed.size:
+        return Columns(moved, framed, np.zeros((*line.residual.shape, 0)), np.zeros_like(moved))
+    frames, pulled = line.recast(frames), np.zeros_like(moved)
+    pulled[:, :, framed] = line.pull(frames)
+    return Columns(moved, framed, frames, pulled)
 
 
 def no_columns(line: Comparison) -> Columns:
     """Return an empty set of columns: nothing that the shots share is to move."""
-    return columns_of(line, line.by_state[..., :0], ())
+    none = np.zeros(0, dtype=np.intp)
+    return columns_of(line, line.by_state[..., :0], none, line.slopes[..., :0])
 
 
 def theory_columns(
     data: Data, states: ShotStates, theory: Theory, line: Comparison, here: Snapshot
 ) -> Columns:
     """Differentiate by every shared parameter of a theory that is about `here`."""
-    trials = [(None, k) for k in range(len(LAW))]
-    owners = [(a, j) for a in theory.parts for j in range(len(a.values))]
-    return _differences(data, states, theory, line=line, here=here, wanted=[*trials, *owners])
+    return _differences(data, states, theory, line=line, here=here, wanted=_own(theory))
 
 
-def candidate_columns(
+def _own(theory: Theory) -> list[Wanted]:
+    law: list[Wanted] = [(None, k) for k in range(len(LAW))]
+    return law + [(a, j) for a in theory.parts for j in range(len(a.values))]
+
+
+def all_columns(
     data: Data,
     states: ShotStates,
     theory: Theory,
@@ -119,8 +134,9 @@ def candidate_columns(
     here: Snapshot,
     effects: Sequence[Effect],
 ) -> Columns:
-    """Differentiate by the parameters of effects that are not in the theory, where they are off."""
-    wanted = [(Active(e, e.off), j) for e in effects for j in range(len(e.parameters))]
+    """Differentiate by those, then by the parameters of effects not in the theory, where off."""
+    off: list[Wanted] = [(Active(e, e.off), j) for e in effects for j in range(len(e.parameters))]
+    wanted = _own(theory) + off
     return _differences(data, states, theory, line=line, here=here, wanted=wanted)
 
 
@@ -131,26 +147,46 @@ def _differences(
     *,
     line: Comparison,
     here: Snapshot,
-    wanted: Sequence[tuple[Active | Systematic | None, int]],
+    wanted: Sequence[Wanted],
 ) -> Columns:
-    outcomes, places = [], []
-    frames: list[tuple[int, Floats]] = []
-    weight = weights(data) if isinstance(data, PoseData) else None
-    for k, (active, j) in enumerate(wanted):
-        moved, step = _shifted(theory, active, j)
-        if active is not None and active.effect.stage != "contact":
-            # A table of contacts has no frames: nothing in it hangs on how they came about.
-            if here.frames is not None and weight is not None and isinstance(data, PoseData):
-                change = _change(data, theory, moved, here=here.frames, effect=active.effect)
-                frames.append((k, by_block(change * (weight / step))))
-            continue
-        outcomes.append((contact_outcome(data, states, moved) - here.outcome) / step)
-        places.append(k)
-    sides = np.zeros((len(data.shots), line.by_state.shape[1], len(wanted)))
-    if outcomes:
-        change = np.stack(outcomes, axis=-1)
-        sides[:, :, places] = flights_by_outcome(states, here.outcome, change)
-    return columns_of(line, sides, frames)
+    acting = [None if active is None else active.effect for active, _ in wanted]
+    at_contact = [k for k, e in enumerate(acting) if e is None or e.stage == "contact"]
+    moved = np.zeros((len(data.shots), line.by_state.shape[1], len(wanted)))
+    if at_contact:
+        outcomes = []
+        for k in at_contact:
+            shifted, step = _shifted(theory, *wanted[k])
+            outcomes.append((contact_outcome(data, states, shifted) - here.outcome) / step)
+        change = flights_by_outcome(here.outcome, np.stack(outcomes, axis=-1))
+        moved[:, :, at_contact] = change
+    framed = np.setdiff1d(np.arange(len(wanted)), at_contact)
+    if not isinstance(data, PoseData) or here.frames is None:
+        # A table of contacts has no frames: nothing in it hangs on how they came about.
+        framed = framed[:0]
+        return columns_of(line, moved, framed, line.slopes[..., :0])
+    unmoved, weight = Unmoved(data, theory, here.frames), weights(data)
+    steps = [(acting[k], *_shifted(theory, *wanted[k])) for k in framed]
+    frames = _frame_columns(unmoved, weight, [(e, t, s) for e, t, s in steps if e is not None])
+    return columns_of(line, moved, framed, frames)
+
+
+def _frame_columns(
+    unmoved: Unmoved, weight: Floats, steps: Sequence[tuple[Effect, Theory, float]]
+) -> Floats:
+    """Differentiate by steps of effects of frames, over sigma, shape (S, 4, 3 F, K').
+
+    Column by column in memory: they are made so, and multiply each other so.
+    """
+    shots, frames = weight.shape[:2]
+    columns = np.zeros((len(steps), shots, 2, 2, frames, 3))
+    # Shot, frame, sphere, kind, axis.
+    sorted_weight = weight.reshape(shots, frames, 2, 2, 3)
+    for column, (effect, moved, step) in zip(columns, steps, strict=True):
+        for kind, change in enumerate(unmoved.change(moved, effect)):
+            if change is not None:
+                own = np.moveaxis(column[:, :, kind], 2, 1)
+                np.multiply(change, sorted_weight[:, :, :, kind] / step, out=own)
+    return np.moveaxis(columns.reshape(len(steps), shots, KINDS, 3 * frames), 0, -1)
 
 
 def _shifted(
@@ -171,47 +207,3 @@ def _shifted(
     granted = tuple(a for a in parts if isinstance(a, Systematic))
     added = tuple(a for a in parts if isinstance(a, Active))
     return Theory(theory.law, granted, added), parameter.step
-
-
-def _change(
-    data: PoseData,
-    theory: Theory,
-    moved: Theory,
-    *,
-    here: Frames,
-    effect: Effect,
-) -> Floats:
-    """Return what a step of an effect of flight, camera or clock does to frames, (S, F, 2, 6)."""
-    if isinstance(effect, ClockEffect):
-        return _later(data, theory, moved, here)
-    position = here.flown.position
-    if theory.flight:
-        position = position + perturbation(data, here.flown, theory.flight)[0]
-    turned = np.zeros_like(position)
-    if isinstance(effect, FlightEffect):
-        old = [(e, v) for e, v in theory.flight if e is effect]
-        new = [(e, v) for e, v in moved.flight if e is effect]
-        push, turned = perturbation(data, here.flown, new)
-        if old:
-            before = perturbation(data, here.flown, old)
-            push, turned = push - before[0], turned - before[1]
-        position = position + push
-    elif not isinstance(effect, CameraEffect | BodyEffect):
-        raise TypeError(f"effect {effect.name!r} acts in no known stage")
-    position = displaced(data, here.flown, position, moved.body)
-    change = appear(data, position, moved.camera) - here.poses.position
-    return np.concatenate([change, turned], axis=-1)
-
-
-def _later(data: PoseData, theory: Theory, moved: Theory, here: Frames) -> Floats:
-    """Return what other true times do to frames, to first order, (S, F, 2, 6)."""
-    flown = here.flown
-    before, after = (exposed(data, flown.stated, flown.position, t.clock) for t in (theory, moved))
-    shift = rate(data, flown) * (after.position - before.position)
-    place = flown.position
-    if theory.flight:
-        place = place + perturbation(data, flown, theory.flight)[0]
-    place = displaced(data, flown, place + shift, theory.body)
-    change = appear(data, place, theory.camera) - here.poses.position
-    turned = flown.spin * (after.rotation - before.rotation)[..., None]
-    return np.concatenate([change, turned], axis=-1)

@@ -14,6 +14,8 @@ from numpy.typing import NDArray
 
 from analysis.model.contact import differentiated_contact
 from analysis.model.jitter import Jitter, turning_by_frame
+from analysis.model.loops import plain
+from analysis.model.loops.misfit import misfits, slopes_of
 from analysis.model.poses import PoseData
 from analysis.model.prediction import Flown, Poses, appear, fly, rate, shown
 from analysis.model.shared_noise import SharedNoise
@@ -109,12 +111,12 @@ def compare(data: Data, states: ShotStates, theory: Theory) -> tuple[Comparison,
     """
     contact = differentiated_contact(data, states, theory)
     sides = flights(data, states, contact.outcome)
-    by_state = flights_by_state(data, states, contact.outcome, contact.by_state)
+    by_state = flights_by_state(data, states, sides, contact.outcome, contact.by_state)
     if isinstance(data, ContactTable):
         return _tabulated(data, sides, by_state), Snapshot(contact.outcome, sides, None)
     flown = fly(data, states, sides, theory)
     poses = shown(data, flown, theory)
-    residual, slopes = whitened(data, deviation(data, poses)), _slopes(data, flown, theory)
+    residual, slopes = misfit(data, poses), _slopes(data, flown, theory)
     turning = np.repeat((np.arange(KINDS) % 2 == 1)[:, None], slopes.shape[2], axis=1)
     shared = _shared_noise(data, states, flown, slopes)
     if shared is not None:
@@ -155,21 +157,23 @@ def _tabulated(table: ContactTable, sides: Flights, by_state: Floats) -> Compari
     )
 
 
-def deviation(data: PoseData, poses: Poses) -> Floats:
-    """Return observed less predicted, m and rad, shape (S, F, 2, 6)."""
-    turned = rotation_vector(data.rotation @ np.swapaxes(poses.rotation, -1, -2))
-    return np.concatenate([data.position - poses.position, turned], axis=-1)
+def misfit(data: PoseData, poses: Poses) -> Floats:
+    """Return observed less predicted, over sigma, by spheres and kinds, shape (S, 4, 3 F)."""
+    return misfits(
+        (plain(data.position), plain(data.rotation)),
+        (plain(poses.position), plain(poses.rotation)),
+        _sigmas(data),
+    )
+
+
+def _sigmas(data: PoseData) -> tuple[Floats, Floats]:
+    return plain(data.position_sigma), plain(data.rotation_sigma)
 
 
 def difference(poses: Poses, moved: Poses) -> Floats:
     """Return the change from one prediction to another, m and rad, shape (S, F, 2, 6)."""
     turned = rotation_vector(moved.rotation @ np.swapaxes(poses.rotation, -1, -2))
     return np.concatenate([moved.position - poses.position, turned], axis=-1)
-
-
-def whitened(data: PoseData, change: Floats) -> Floats:
-    """Divide changes (S, F, 2, 6, ...) by the sigmas and sort them into blocks, (S, B, L, ...)."""
-    return by_block(change * weights(data).reshape(*change.shape[:4], *[1] * (change.ndim - 4)))
 
 
 def weights(data: PoseData) -> Floats:
@@ -203,31 +207,11 @@ def by_block(numbers: Floats) -> Floats:
 
 def _slopes(data: PoseData, flown: Flown, theory: Theory) -> Floats:
     """Differentiate by the flights' numbers, over sigma, shape (S, 4, 3 F, 12)."""
-    shots, frames = data.times_s.shape
-    # shot, kind, frame, axis seen, side, start or rate, axis moved
-    slopes = np.zeros((shots, 2, 2, frames, 3, 2, 2, 3))
-    tau = np.swapaxes(flown.timing.position, 1, 2)
-    weight = np.swapaxes(weights(data).reshape(shots, frames, 2, 2, 3), 1, 2)
-    sides = (tau <= 0, tau > 0)
+    response = np.zeros((0, *flown.rotation.shape[1:]))
     if theory.camera:
-        response = np.swapaxes(_camera_response(data, flown, theory), 1, 2)
-        response = response * weight[:, :, :, 0, :, None]
-        for side, mask in enumerate(sides):
-            slopes[:, :, 0, :, :, side, 0] = response * mask[..., None, :]
-            slopes[:, :, 0, :, :, side, 1] = response * (mask * tau)[..., None, :]
-    else:
-        # Each axis moves itself alone: a view of these elements.
-        own = np.einsum("sifapqa->sifpqa", slopes[:, :, 0])
-        for side, mask in enumerate(sides):
-            own[..., side, 0, :] = mask * weight[:, :, :, 0]
-            own[..., side, 1, :] = own[..., side, 0, :] * tau
-    tau_turn = np.swapaxes(flown.timing.rotation, 1, 2)[..., None, None]
-    turned = np.swapaxes(flown.turned, 1, 2) * weight[:, :, :, 1, :, None]
-    rate = np.swapaxes(flown.jacobian, 1, 2) * weight[:, :, :, 1, :, None] * tau_turn
-    for side, mask in enumerate((tau_turn <= 0, tau_turn > 0)):
-        slopes[:, :, 1, :, :, side, 0] = turned * mask
-        slopes[:, :, 1, :, :, side, 1] = rate * mask
-    return slopes.reshape(shots, KINDS, 3 * frames, NUMBERS // KINDS)
+        response = _camera_response(data, flown, theory)
+    times = (plain(flown.timing.position), plain(flown.timing.rotation))
+    return slopes_of(times, (flown.turned, flown.jacobian), response, _sigmas(data))
 
 
 def _camera_response(data: PoseData, flown: Flown, theory: Theory) -> Floats:

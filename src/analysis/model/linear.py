@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.model.columns import theory_columns
-from analysis.model.comparison import KINDS, compare, deviation, difference, weights
+from analysis.model.comparison import KINDS, compare, difference, misfit, weights
 from analysis.model.jitter import by_frame
 from analysis.model.poses import PoseData
 from analysis.model.prediction import Poses
@@ -76,7 +76,7 @@ def linearise(data: Data, states: ShotStates, theory: Theory) -> Linearised:
 
 def whitened_residual(data: PoseData, poses: Poses) -> Floats:
     """Return (observed - predicted) / sigma of every number, shape (S, N)."""
-    return (deviation(data, poses) * weights(data)).reshape(len(data.shots), -1)
+    return by_frame(misfit(data, poses)[..., None])[..., 0]
 
 
 def whitened_difference(data: PoseData, poses: Poses, moved: Poses) -> Floats:

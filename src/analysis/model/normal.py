@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 
 from analysis.model.columns import Columns
 from analysis.model.comparison import Comparison
-from analysis.model.state import SIZE
+from analysis.model.loops import plain
+from analysis.model.loops.blocks import RIDGE, solved
 from analysis.model.theory import Theory
 
 Floats = NDArray[np.float64]
 
-RIDGE = 1e-10
 LEAST_INFORMATION = 1e-18
 """Of a parameter that no residual depends on: its variance is then 1e18."""
 
@@ -93,11 +93,7 @@ def with_prior(matrix: Floats, information: Floats) -> Floats:
 
 def solve_blocks(matrices: Floats, right: Floats) -> Floats:
     """Solve each shot's block, scaled to a unit diagonal; numbers without information stay put."""
-    scale = np.sqrt(np.maximum(np.diagonal(matrices, axis1=1, axis2=2), 1e-300))
-    scaled = matrices / scale[:, :, None] / scale[:, None, :]
-    index = np.arange(SIZE)
-    scaled[:, index, index] = np.maximum(scaled[:, index, index], 1.0) + RIDGE
-    return np.asarray(np.linalg.solve(scaled, right / scale[..., None]) / scale[..., None])
+    return solved(plain(matrices), plain(right), np.zeros(len(matrices)))
 
 
 def inverse(matrix: Floats) -> Floats:
@@ -115,11 +111,4 @@ def inverse(matrix: Floats) -> Floats:
 
 def shot_steps(sums: NormalEquations, damping: Floats) -> Floats:
     """Return each shot's own damped step, shape (S, 24); damping of shape (S,)."""
-    damped = sums.states.copy()
-    index = np.arange(SIZE)
-    damped[:, index, index] *= 1.0 + damping[:, None]
-    scale = np.sqrt(np.maximum(np.diagonal(sums.states, axis1=1, axis2=2), 1e-300))
-    scaled = damped / scale[:, :, None] / scale[:, None, :]
-    scaled[:, index, index] = np.maximum(scaled[:, index, index], 1.0) + RIDGE
-    right = (sums.state_gradient / scale)[..., None]
-    return np.asarray(np.linalg.solve(scaled, right)[..., 0] / scale)
+    return solved(plain(sums.states), plain(sums.state_gradient[..., None]), plain(damping))[..., 0]

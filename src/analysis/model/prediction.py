@@ -25,11 +25,12 @@ from analysis.effects.effect import (
     Values,
 )
 from analysis.model.contact import contact_outcome
+from analysis.model.loops import plain
+from analysis.model.loops.flight import free_flight
 from analysis.model.poses import PoseData
 from analysis.model.sides import Flights, flights
 from analysis.model.state import ShotStates
 from analysis.model.theory import Theory
-from analysis.motion.exponential import exponential
 from analysis.motion.rotation import rotation_matrix
 
 Floats = NDArray[np.float64]
@@ -76,9 +77,8 @@ class Flown:
         At mid exposure, without gravity's part in the velocity; shape (S, F, 2, 3).
     touch
         Orientations at first touch, shape (S, 2, 3, 3).
-    since
-        Time since this side began, of each coordinate (S, F, 2, 3) and of the orientation
-        (S, F, 2).
+    duration
+        Of the contact, s, shape (S,).
     spin, rotation, jacobian
         Spin, shape (S, F, 2, 3), orientation, and the left Jacobian of spin times time, shape
         (S, F, 2, 3, 3).
@@ -91,11 +91,21 @@ class Flown:
     touch: Floats
     position: Floats
     velocity: Floats
-    since: tuple[Floats, Floats]
+    duration: Floats
     spin: Floats
     rotation: Floats
     jacobian: Floats
     turned: Floats
+
+    @property
+    def since(self) -> tuple[Floats, Floats]:
+        """Time since this side began, of coordinates (S, F, 2, 3) and orientations (S, F, 2)."""
+        tau, tau_turn = self.timing.position, self.timing.rotation
+        late = self.duration[:, None, None]
+        return (
+            tau - np.where(tau > 0, late[..., None], 0.0),
+            tau_turn - np.where(tau_turn > 0, late, 0.0),
+        )
 
 
 def predict(data: PoseData, states: ShotStates, theory: Theory) -> Poses:
@@ -108,8 +118,8 @@ def fly(data: PoseData, states: ShotStates, sides: Flights, theory: Theory) -> F
     """Follow both flights of both spheres to the frames' true times."""
     stated = data.times_s - states.time_s[:, None]
     start = Timing(
-        np.broadcast_to(stated[..., None, None], (*stated.shape, 2, 3)),
-        np.broadcast_to(stated[..., None], (*stated.shape, 2)),
+        np.broadcast_to(stated[..., None, None], (*stated.shape, 2, 3)).copy(),
+        np.broadcast_to(stated[..., None], (*stated.shape, 2)).copy(),
     )
     flown = _free_flight(data, sides, start, start)
     for _ in range(_CLOCK_PASSES if theory.clock else 0):
@@ -129,7 +139,7 @@ def shown(data: PoseData, flown: Flown, theory: Theory) -> Poses:
     """Add what small forces do on the way, and what turning and camera make of the place."""
     position, rotation = flown.position, flown.rotation
     if theory.flight:
-        push, twist = perturbation(data, flown, theory.flight)
+        push, twist = perturbation(flown, passages(data, flown), theory.flight)
         position = position + push
         rotation = rotation_matrix(twist) @ rotation
     position = displaced(data, flown, position, theory.body)
@@ -162,68 +172,89 @@ def appear(
     return position
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Passage:
+    """A sphere on its way to all frames at one node of the integrals, as small forces find it.
+
+    Attributes
+    ----------
+    sphere
+        0 or 1.
+    flying
+        Its motion there, unperturbed.
+    push
+        Displacement in each frame for a unit of acceleration there, s^2, shape (S, F, 3).
+    twist
+        Rotation for a unit of angular acceleration, s^2, shape (S, F, 1).
+    """
+
+    sphere: int
+    flying: Flying
+    push: Floats
+    twist: Floats
+
+
+def passages(data: PoseData, flown: Flown) -> list[Passage]:
+    """Return the passages of both spheres at both nodes of int_0^t (t - s) a(s) ds."""
+    since, turning = flown.since
+    gravity = np.array([data.gravity, 0.0, 0.0])
+    found = []
+    for i, body in enumerate(data.bodies):
+        own, rate_i = since[:, :, i], np.ascontiguousarray(flown.velocity[:, :, i])
+        spin = np.ascontiguousarray(flown.spin[:, :, i])
+        for node in _NODES:
+            back = (1.0 - node) * own
+            flying = Flying(
+                position=flown.position[:, :, i] - rate_i * back,
+                velocity=rate_i + gravity * node * own,
+                spin=spin,
+                body=body,
+                gravity=data.gravity,
+                air_density=data.air_density,
+            )
+            twist = 0.5 * (1.0 - node) * turning[:, :, i, None] ** 2
+            found.append(Passage(i, flying, 0.5 * own * back, twist))
+    return found
+
+
 def perturbation(
-    data: PoseData, flown: Flown, effects: Sequence[tuple[FlightEffect, Values]]
+    flown: Flown, on_way: Sequence[Passage], effects: Sequence[tuple[FlightEffect, Values]]
 ) -> tuple[Floats, Floats]:
     """Return what small forces add: displacement and rotation vector, shape (S, F, 2, 3).
 
     Double integrals of the acceleration along the unperturbed path, int_0^t (t - s) a(s) ds.
     """
-    since, turning = flown.since[0], flown.since[1][..., None]
-    gravity = np.array([data.gravity, 0.0, 0.0])
     push, twist = np.zeros_like(flown.position), np.zeros_like(flown.position)
-    for node in _NODES:
-        back = (1.0 - node) * since
-        position, velocity = flown.position - flown.velocity * back, flown.velocity
-        velocity = velocity + gravity * node * since
-        for i, body in enumerate(data.bodies):
-            flying = Flying(
-                position=position[:, :, i],
-                velocity=velocity[:, :, i],
-                spin=flown.spin[:, :, i],
-                body=body,
-                gravity=data.gravity,
-                air_density=data.air_density,
-            )
-            for effect, values in effects:
-                linear, angular = effect.accelerate(flying, values)
-                push[:, :, i] += 0.5 * since[:, :, i] * back[:, :, i] * linear
-                twist[:, :, i] += 0.5 * (1.0 - node) * turning[:, :, i] ** 2 * angular
+    for passage in on_way:
+        for effect, values in effects:
+            linear, angular = effect.accelerate(passage.flying, values)
+            if np.any(linear):
+                push[:, :, passage.sphere] += passage.push * linear
+            if np.any(angular):
+                twist[:, :, passage.sphere] += passage.twist * angular
     return push, twist
 
 
 def _free_flight(data: PoseData, sides: Flights, stated: Timing, timing: Timing) -> Flown:
     tau, tau_turn = timing.position, timing.rotation
-    flown, turned_since = tau > 0, tau_turn > 0
-    velocity = _of_side(sides.velocity, flown)
-    position = _of_side(sides.place, flown) + velocity * tau
-    position[..., 0] += 0.5 * data.gravity * tau[..., 0] ** 2
-    spin = _of_side(sides.spin, turned_since[..., None])
-    turned, jacobian = exponential(spin * tau_turn[..., None])
-    start = np.where(
-        turned_since[..., None, None], sides.rotation[:, None, :, 1], sides.rotation[:, None, :, 0]
+    position, velocity, spin, rotation, jacobian, turned = free_flight(
+        (plain(tau), plain(tau_turn)),
+        (sides.place, sides.velocity, sides.spin),
+        sides.rotation,
+        data.gravity,
     )
-    late = sides.duration[:, None, None]
     return Flown(
         stated=stated,
         timing=timing,
         touch=sides.touch,
         position=position,
         velocity=velocity,
-        since=(
-            tau - np.where(flown, late[..., None], 0.0),
-            tau_turn - np.where(turned_since, late, 0.0),
-        ),
+        duration=sides.duration,
         spin=spin,
-        rotation=turned @ start,
+        rotation=rotation,
         jacobian=jacobian,
         turned=turned,
     )
-
-
-def _of_side(numbers: Floats, flown: NDArray[np.bool_]) -> Floats:
-    """Pick the side before or after of numbers (S, 2, 2, 3) for each frame, (S, F, 2, 3)."""
-    return np.where(flown, numbers[:, None, :, 1], numbers[:, None, :, 0])
 
 
 def exposed(

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.special import chdtrc, ndtr
 
 from analysis.effects.effect import Effect
-from analysis.model.columns import candidate_columns, theory_columns
+from analysis.model.columns import all_columns
 from analysis.model.comparison import Comparison, Snapshot, compare
 from analysis.model.fit import Fit
 from analysis.model.normal import inverse, solve_blocks, with_prior
@@ -211,18 +211,16 @@ def _piece(
 ) -> tuple[Floats, Floats, Floats]:
     """Return M, its raw diagonal and each shot's g, the shots' own numbers eliminated."""
     line, here = about
-    fitted = theory_columns(data, states, theory, line, here)
-    trial = candidate_columns(data, states, theory, line=line, here=here, effects=effects)
-    shared = fitted.joined(trial)
+    shared = all_columns(data, states, theory, line=line, here=here, effects=effects)
     by_state = np.swapaxes(line.by_state, 1, 2)
     coupling = by_state @ shared.against_flights(line)
-    eliminated = np.swapaxes(solve_blocks(by_state @ line.weigh(line.by_state), coupling), 1, 2)
-    gram = shared.gram(line)
+    eliminated = solve_blocks(by_state @ line.weigh(line.by_state), coupling)
+    gram, flat = shared.whole_gram(line), (-1, coupling.shape[2])
     own = by_state @ line.pulled[..., None]
     return (
-        (gram - eliminated @ coupling).sum(axis=0),
-        np.diagonal(gram, axis1=1, axis2=2).sum(axis=0),
-        shared.with_residual(line) - (eliminated @ own)[..., 0],
+        gram - eliminated.reshape(flat).T @ coupling.reshape(flat),
+        np.diagonal(gram),
+        shared.with_residual(line) - (np.swapaxes(eliminated, 1, 2) @ own)[..., 0],
     )
 
 

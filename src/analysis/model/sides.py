@@ -13,9 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.model.contact import AFTER, DURATION, SHIFT, TURN
+from analysis.model.loops import plain
+from analysis.model.loops.sides import add_own, by_outcome
 from analysis.model.poses import Observations
-from analysis.model.state import MOTION, POINT, SIZE, TILT, TIME, TURN_A, TURN_B, ShotStates
-from analysis.motion.exponential import exponential
+from analysis.model.state import MOTION, SIZE, TILT, ShotStates
 from analysis.motion.rotation import rotation_matrix
 
 Floats = NDArray[np.float64]
@@ -26,8 +27,6 @@ axes: m and m/s, rad and rad/s."""
 
 SIDES = (-1.0, 1.0)
 """Centre of a and of b along the normal from the point of contact, in radii."""
-
-_OWN_TURN = (TURN_A, TURN_B)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -90,53 +89,31 @@ def rates_of(sides: Flights) -> Floats:
 
 
 def flights_by_state(
-    data: Observations, states: ShotStates, outcome: Floats, by_state: Floats
+    data: Observations, states: ShotStates, sides: Flights, outcome: Floats, by_state: Floats
 ) -> Floats:
     """Differentiate the 48 numbers by the 24 of the shot, shape (S, 48, 24).
 
     Parameters
     ----------
+    sides
+        Both flights of every shot.
     outcome, by_state
         Of the contact, shape (S, 25), and its derivatives by tilt and motion, shape (S, 25, 14).
     """
-    shots = len(outcome)
-    change = np.zeros((shots, outcome.shape[1], SIZE))
+    change = np.zeros((*outcome.shape, SIZE))
     change[..., TILT.start : MOTION.stop] = by_state
-    whole = flights_by_outcome(states, outcome, change)
-    parts = whole.reshape(shots, 2, 2, 2, 2, 3, SIZE)
-    flying = flights(data, states, outcome)
-    tangents = np.stack(states.tangents(), axis=-1)
-    fall = np.array([data.gravity, 0.0, 0.0])
-    for i in (0, 1):
-        parts[:, i, 0, :, 0, :, POINT] += np.eye(3)
-        reach = SIDES[i] * data.bodies[i].radius
-        parts[:, i, 0, :, 0, :, TILT] += reach * tangents[:, None]
-        motion = MOTION.start + 3 * i
-        parts[:, i, 0, 0, 1, :, motion : motion + 3] = np.eye(3)
-        parts[:, i, 1, 0, 1, :, motion + 6 : motion + 9] = np.eye(3)
-        parts[:, i, 0, :, 0, :, TIME] -= flying.velocity[:, i, :, :, None]
-        parts[:, i, 0, :, 1, :, TIME] -= fall[:, None]
-        parts[:, i, 1, :, 0, :, TIME] -= flying.spin[:, i, :, :, None]
-        relative = flying.rotation[:, i] @ np.swapaxes(states.rotation[:, i, None], -1, -2)
-        parts[:, i, 1, :, 0, :, _OWN_TURN[i]] = relative
+    whole = flights_by_outcome(outcome, change)
+    reach_a, reach_b = (way * body.radius for way, body in zip(SIDES, data.bodies, strict=True))
+    add_own(
+        whole,
+        states.tangents(),
+        (sides.velocity, sides.spin),
+        (sides.rotation, plain(sides.touch)),
+        (reach_a, reach_b, data.gravity),
+    )
     return whole
 
 
-def flights_by_outcome(states: ShotStates, outcome: Floats, change: Floats) -> Floats:
+def flights_by_outcome(outcome: Floats, change: Floats) -> Floats:
     """Return what changes of the outcome (S, 25, K) do to the 48 numbers, shape (S, 48, K)."""
-    shots, _, count = change.shape
-    result = np.zeros((shots, 2, 2, 2, 2, 3, count))
-    duration = outcome[:, DURATION, None]
-    after = outcome[:, AFTER].reshape(shots, 4, 3)
-    back = rotation_matrix(-after[:, 2:] * outcome[:, DURATION, None])
-    _, jacobian = exponential(outcome[:, TURN].reshape(shots, 2, 3))
-    late = change[:, DURATION]
-    for i in (0, 1):
-        own = slice(3 * i, 3 * i + 3)
-        velocity, spin = change[:, AFTER][:, own], change[:, AFTER][:, 6 + 3 * i : 9 + 3 * i]
-        moved = change[:, SHIFT][:, own] - velocity * duration - after[:, i, :, None] * late
-        result[:, i, 0, 1, 0], result[:, i, 0, 1, 1] = moved, velocity
-        turned = back[:, i] @ jacobian[:, i] @ change[:, TURN][:, own]
-        turned -= spin * duration + after[:, 2 + i, :, None] * late
-        result[:, i, 1, 1, 0], result[:, i, 1, 1, 1] = turned, spin
-    return result.reshape(shots, NUMBERS, count)
+    return by_outcome(plain(outcome), plain(change))
