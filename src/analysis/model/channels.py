@@ -39,18 +39,21 @@ def contact_columns(data: Data, fit: Fit) -> dict[str, Floats]:
     if isinstance(data, ContactTable):
         return _tabulated_columns(data, fit)
     tau = np.maximum(data.times_s - fit.states.time_s[:, None], 0.0)[..., None]
-    frame = contact_frame(data, fit)
+    weight = weights(data) * tau[:, :, None]
+    turn = weight[..., 3:, None] * _turn_by_spin(data, fit, tau)
+    shots, frames = data.times_s.shape
     columns: dict[str, Floats] = {}
     for kind, turning in (("velocity", False), ("spin", True)):
-        for word, (first, second) in PAIRS:
-            for name, axis in zip(AXES, frame, strict=True):
-                moved = np.zeros((*data.times_s.shape, 2, 6))
-                for i, share in enumerate((first, second)):
-                    moved[:, :, i, 3:] = share * tau * axis[:, None] if turning else 0.0
-                    moved[:, :, i, :3] = 0.0 if turning else share * tau * axis[:, None]
-                if turning:
-                    moved[..., 3:] = _as_turn(data, fit, moved[..., 3:], tau)
-                columns[f"{word} {kind} {name}"] = whitened(data, moved)[..., None]
+        for word, shares in PAIRS:
+            for name, axis in zip(AXES, contact_frame(data, fit), strict=True):
+                moved = np.zeros((shots, frames, 2, 6))
+                for i, share in enumerate(shares):
+                    own = share * axis[:, None]
+                    if turning:
+                        moved[:, :, i, 3:] = (turn[:, :, i] @ own[..., None])[..., 0]
+                    else:
+                        moved[:, :, i, :3] = weight[:, :, i, :3] * own
+                columns[f"{word} {kind} {name}"] = moved.reshape(shots, -1, 1)
     return columns
 
 
@@ -104,8 +107,8 @@ class FrameChannel:
 
     def columns(self) -> Floats:
         """Return the whitened columns, one for each smooth function, shape (S, N, 5)."""
-        parts = [self.whitened() * self.smooth[..., k, None] for k in range(self.smooth.shape[-1])]
-        return np.stack(parts, axis=-1).reshape(len(self.direction), -1, len(parts))
+        columns = self.whitened()[..., None] * self.smooth[..., None, :]
+        return columns.reshape(len(self.direction), -1, self.smooth.shape[-1])
 
 
 def frame_channels(data: Data, fit: Fit) -> tuple[FrameChannel, ...]:
@@ -187,9 +190,8 @@ def contact_frame(data: Data, fit: Fit) -> tuple[Floats, Floats, Floats]:
     return states.normal, along, np.cross(states.normal, along)
 
 
-def _as_turn(data: PoseData, fit: Fit, change: Floats, tau: Floats) -> Floats:
-    """Turn a change of spin after contact times time (S, F, 2, 3) into one of orientation."""
+def _turn_by_spin(data: PoseData, fit: Fit, tau: Floats) -> Floats:
+    """Return the turn by a change of spin after contact, over the time, shape (S, F, 2, 3, 3)."""
     after = contact_outcome(data, fit.states, fit.theory)[:, AFTER]
     spins = after.reshape(-1, 1, 4, 3)[:, :, 2:]
-    response = left_jacobian(spins * tau[..., None, :])
-    return np.asarray((response @ change[..., None])[..., 0])
+    return left_jacobian(spins * tau[..., None, :])

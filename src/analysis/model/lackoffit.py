@@ -7,6 +7,7 @@ cell's chi-squared has its stated degrees of freedom when nothing is missing.
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,11 +15,11 @@ from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 from scipy.stats import chi2 as chi2_distribution
 
-from analysis.model.channels import contact_columns, frame_channels
+from analysis.model.channels import FrameChannel, contact_columns, frame_channels
 from analysis.model.covariates import shot_covariates
 from analysis.model.fit import Fit, fit_campaign
 from analysis.model.noise import rescaled
-from analysis.model.projector import Projector, Solved, projector
+from analysis.model.projector import ByShot, Projector, Solved, projector
 from analysis.model.signature import own_cells
 from analysis.model.tables import Data
 
@@ -78,30 +79,58 @@ def noise_matched(data: Data, fit: Fit) -> tuple[Data, Fit]:
     return data, fit_campaign(data, fit.theory, fit)
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Tested:
+    """What cells are made of: jumps at contact by shot, and the curves of flight and camera."""
+
+    jumps: dict[str, ByShot]
+    curves: tuple[tuple[FrameChannel, Solved], ...]
+
+
 def cells_of(data: Data, fit: Fit, sums: Projector) -> tuple[Cell, ...]:
     """Test every cell of a fit whose sigmas are true; the most striking first."""
+    return tested(data, fit, sums)[0]
+
+
+def tested(data: Data, fit: Fit, sums: Projector) -> tuple[tuple[Cell, ...], Tested]:
+    """Test the same and hand out what was projected on the way."""
     covariates = {name: _basis(values) for name, values in shot_covariates(data, fit).items()}
-    contact = contact_columns(data, fit)
-    frames = [(c.name, c.covariate, c.columns()) for c in frame_channels(data, fit)]
+    contact, whole = contact_columns(data, fit), np.ones((len(data.shots), 1))
+    frames = [(channel, channel.columns()) for channel in frame_channels(data, fit)]
+
+    def projected(sums: Projector) -> Tested:
+        return Tested(
+            {name: sums.project(columns) for name, columns in contact.items()},
+            tuple((c, sums.solve(sums.project(columns), whole)) for c, columns in frames),
+        )
+
+    def solutions(sums: Projector, parts: Tested) -> list[tuple[str, str, Solved]]:
+        found = [
+            (name, covariate, sums.solve(by_shot, basis))
+            for name, by_shot in parts.jumps.items()
+            for covariate, basis in covariates.items()
+        ]
+        return found + [(c.name, c.covariate, curve) for c, curve in parts.curves]
 
     def falls(sums: Projector) -> list[tuple[str, str, Solved]]:
-        found = []
-        for name, columns in contact.items():
-            by_shot = sums.project(columns)
-            found += [(name, c, sums.solve(by_shot, basis)) for c, basis in covariates.items()]
-        whole = np.ones((len(data.shots), 1))
-        for name, covariate, columns in frames:
-            found.append((name, covariate, sums.solve(sums.project(columns), whole)))
-        return found
+        return solutions(sums, projected(sums))
 
+    parts = projected(sums)
+    found = solutions(sums, parts)
+    cells = _cells(fit, found, own_cells(data, fit, sums, falls))
+    return tuple(sorted(cells, key=lambda cell: (cell.p_value, -cell.chi2))), parts
+
+
+def _cells(
+    fit: Fit, found: Sequence[tuple[str, str, Solved]], own: Mapping[str, NDArray[np.intp]]
+) -> list[Cell]:
+    """Judge every cell, with all of them looked at; `own` are those of each effect of the fit."""
     scale2 = max(fit.chi2_per_dof, 1e-12)
-    found = falls(sums)
     p_values = np.array([_chance(solved, scale2) for *_, solved in found])
     looked_at = holm(p_values)
-    own = own_cells(data, fit, sums, falls)
     few = np.unique(np.concatenate([np.zeros(0, dtype=np.intp), *own.values()]))
     looked_at[few] = np.minimum(looked_at[few], OWN_PENALTY * holm(p_values[few]))
-    cells = [
+    return [
         Cell(
             channel=channel,
             covariate=covariate,
@@ -115,7 +144,6 @@ def cells_of(data: Data, fit: Fit, sums: Projector) -> tuple[Cell, ...]:
         )
         for k, (channel, covariate, solved) in enumerate(found)
     ]
-    return tuple(sorted(cells, key=lambda cell: (cell.p_value, -cell.chi2)))
 
 
 def _chance_of_rest(solved: Solved, scale2: float, cells: int) -> float:

@@ -55,7 +55,8 @@ class Cleaned:
 
 def clean(data: Data, theory: Theory | None = None) -> Cleaned:
     """Fit robustly, take out wild frames, then shots that still do not fit, and fit again."""
-    fit = _robust(data, theory)
+    first = fit_campaign(data, theory)
+    fit = _robust(data, first)
     frames: list[tuple[int, int]] = []
     for _ in range(ROUNDS):
         if isinstance(data, ContactTable):
@@ -65,7 +66,7 @@ def clean(data: Data, theory: Theory | None = None) -> Cleaned:
             break
         frames += [(int(data.shots[s]), int(k)) for s, k in np.argwhere(wild)]
         data = data.without(wild)
-        fit = _robust(data, fit.theory)
+        fit = _robust(data, fit_campaign(data, fit.theory))
     kept = np.ones(len(data.shots), dtype=np.bool_)
     for _ in range(ROUNDS):
         bad = bad_shots(fit, int((~kept).sum()))
@@ -77,7 +78,12 @@ def clean(data: Data, theory: Theory | None = None) -> Cleaned:
     rest = data.of_shots(kept)
     names = {int(n) for n in rest.shots}
     # Afresh, now that the law is known: near its corner a shot may have begun on the wrong side.
-    fit = min((fit_campaign(rest, begun) for begun in _starts(fit)), key=lambda one: one.chi2)
+    # Where nothing was taken out or held down, the first fit is the one from its start.
+    fits = [
+        first if fit is first and begun is theory else fit_campaign(rest, begun)
+        for begun in _starts(fit)
+    ]
+    fit = min(fits, key=lambda one: one.chi2)
     return Cleaned(rest, fit, kept, tuple(f for f in frames if f[0] in names))
 
 
@@ -116,9 +122,8 @@ def _quality(fit: FitSummary) -> tuple[Floats, Floats]:
     return fit.shot_chi2 / freedom, freedom
 
 
-def _robust(data: Data, theory: Theory | None) -> Fit:
+def _robust(data: Data, first: Fit) -> Fit:
     """Fit with bad shots held down, then each shot's own numbers and quality as stated."""
-    first = fit_campaign(data, theory)
     weight = robust_weight(first)
     if (weight == 1.0).all():
         return first

@@ -98,11 +98,12 @@ class Projector:
         eliminated = np.swapaxes(solve_blocks(self.states, coupling), 1, 2)
         gradient = transposed @ self.residual[..., None]
         gradient -= eliminated @ self.own_gradient[..., None]
+        squares = transposed @ columns
         return ByShot(
-            own=transposed @ columns - eliminated @ coupling,
+            own=squares - eliminated @ coupling,
             against=transposed @ self.shared,
             gradient=gradient[..., 0],
-            raw=(columns**2).sum(axis=1),
+            raw=np.diagonal(squares, axis1=1, axis2=2),
         )
 
     def summed(self, channel: ByShot, basis: Floats) -> tuple[Floats, Floats]:

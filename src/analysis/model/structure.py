@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.model.channels import FrameChannel, contact_columns, frame_channels
+from analysis.model.channels import FrameChannel
 from analysis.model.covariates import shot_covariates
 from analysis.model.fit import Fit
-from analysis.model.lackoffit import Cell, cells_of, noise_matched
-from analysis.model.projector import LEAST_INFORMATION, Projector, Solved, projector
+from analysis.model.lackoffit import Cell, noise_matched, tested
+from analysis.model.projector import LEAST_INFORMATION, ByShot, Solved, projector
 from analysis.model.tables import Data
 
 Floats = NDArray[np.float64]
@@ -144,18 +144,14 @@ class Structure:
 def structure(data: Data, fit: Fit) -> Structure:
     """Test every cell as `lack_of_fit` does, and keep the residuals."""
     data, fit = noise_matched(data, fit)
-    sums, whole = projector(data, fit), np.ones((len(data.shots), 1))
+    sums = projector(data, fit)
+    cells, parts = tested(data, fit, sums)
     return Structure(
-        cells=cells_of(data, fit, sums),
+        cells=cells,
         data=data,
         covariates=shot_covariates(data, fit),
-        jumps={
-            name: _amplitudes(sums, columns) for name, columns in contact_columns(data, fit).items()
-        },
-        channels=tuple(
-            (channel, sums.solve(sums.project(channel.columns()), whole))
-            for channel in frame_channels(data, fit)
-        ),
+        jumps={name: _amplitudes(by_shot) for name, by_shot in parts.jumps.items()},
+        channels=parts.curves,
         whitened=sums.residual,
     )
 
@@ -184,9 +180,8 @@ def _grid(place: Floats) -> Floats:
     return np.linspace(low, high, GRID) if high - low > 1e-12 else np.zeros(0)
 
 
-def _amplitudes(sums: Projector, columns: Floats) -> tuple[Floats, Floats]:
+def _amplitudes(by_shot: ByShot) -> tuple[Floats, Floats]:
     """Return each shot's amplitude of a jump and its error, shape (S,); infinite: not measured."""
-    by_shot = sums.project(columns)
     own, raw = by_shot.own[:, 0, 0], by_shot.raw[:, 0]
     told = own > LEAST_INFORMATION * raw
     safe = np.where(told, own, 1.0)

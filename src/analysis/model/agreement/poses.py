@@ -10,7 +10,7 @@ covariance S = 1 + J_after (J_before' J_before)^-1 J_after', less what the share
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +33,11 @@ class Group:
     quantity: str
     kind: str
     mask: Mask
+
+    @property
+    def numbers(self) -> NDArray[np.intp]:
+        """Those that are in the group in any shot: nothing else is to be gone over."""
+        return np.flatnonzero(self.mask.any(axis=0))
 
 
 def pose_groups(measured: Mask, side: Mask) -> tuple[Group, ...]:
@@ -64,6 +69,13 @@ class Side:
     shared: Floats
     covariance: Floats
 
+    def at(self, numbers: NDArray[np.intp]) -> Side:
+        """Return some of the N numbers of each shot alone."""
+        residual, by_state, shared = (
+            part[:, numbers] for part in (self.residual, self.by_state, self.shared)
+        )
+        return replace(self, residual=residual, by_state=by_state, shared=shared)
+
 
 def hat_spread(sums: Side, mask: Mask) -> Spread:
     """Return mean and variance of chi-squared of the residuals in a group."""
@@ -72,8 +84,8 @@ def hat_spread(sums: Side, mask: Mask) -> Spread:
     taken = solve_blocks(sums.states, np.swapaxes(own, 1, 2) @ own)
     between = np.swapaxes(own, 1, 2) @ shared
     solved = solve_blocks(sums.states, between)
-    law = sums.covariance @ np.einsum("snp,snq->pq", shared, shared)
-    cross = sums.covariance @ np.einsum("skp,skq->pq", between, solved)
+    law = sums.covariance @ np.einsum("snp,snq->pq", shared, shared, optimize=True)
+    cross = sums.covariance @ np.einsum("skp,skq->pq", between, solved, optimize=True)
     trace = float(np.trace(taken, axis1=1, axis2=2).sum() + np.trace(law))
     square = float(np.einsum("sij,sji->", taken, taken))
     square += float(np.trace(law @ law) + 2 * np.trace(cross))
@@ -134,11 +146,12 @@ def sides(sums: Projector, before: Mask) -> Sides:
 
 def fitted_row(before: Side, group: Group, sigma: Floats) -> Row:
     """Return how the frames before contact fit each other, sigma of shape (S, N)."""
-    residual = before.residual[group.mask]
-    chi2, spread = float(residual @ residual), hat_spread(before, group.mask)
+    own, mask = before.at(group.numbers), group.mask[:, group.numbers]
+    residual = own.residual[mask]
+    chi2, spread = float(residual @ residual), hat_spread(own, mask)
     unit, scale = UNITS[group.kind]
     sigma = scale * sigma[group.mask]
-    kept = (1.0 - _leverage(before))[group.mask]
+    kept = (1.0 - _leverage(own))[mask]
     return Row(
         quantity=group.quantity,
         unit=unit,
@@ -155,13 +168,14 @@ def fitted_row(before: Side, group: Group, sigma: Floats) -> Row:
 
 def predicted_row(split: Sides, group: Group, sigma: Floats) -> Row:
     """Return how well a group after contact is predicted from before it, sigma (S, N)."""
-    information = split.before.states
-    own = split.by_state * group.mask[..., None]
+    information, numbers = split.before.states, group.numbers
+    mask = group.mask[:, numbers]
+    own = split.by_state[:, numbers] * mask[..., None]
     whole = information + np.swapaxes(own, 1, 2) @ own
 
     def product(columns: Floats) -> Floats:
         """Return C' S^-1 C of each shot, by Woodbury, for columns (S, N, C)."""
-        columns = columns * group.mask[..., None]
+        columns = columns[:, numbers] * mask[..., None]
         pull = np.swapaxes(own, 1, 2) @ columns
         inner = np.swapaxes(pull, 1, 2) @ solve_blocks(whole, pull)
         return np.asarray(np.swapaxes(columns, 1, 2) @ columns - inner)
@@ -186,7 +200,7 @@ def predicted_row(split: Sides, group: Group, sigma: Floats) -> Row:
         error=root_mean(left_out, count),
         sampling=float(np.sqrt(0.5 / count)),
         size=root_mean(float(((missed * sigma) ** 2).sum()), count),
-        floor=root_mean(float((variance[group.mask] * sigma**2).sum()), count),
+        floor=root_mean(float((variance[mask] * sigma**2).sum()), count),
     )
 
 

@@ -22,19 +22,22 @@ from analysis.model.projector import LEAST_INFORMATION, ByShot, Projector, Solve
 Floats = NDArray[np.float64]
 
 
-def with_free_contacts(
-    sums: Projector, jumps: dict[str, Floats], columns: Floats
-) -> tuple[Projector, ByShot]:
+def with_free_contacts(sums: Projector, columns: Floats, count: int) -> tuple[Projector, ByShot]:
     """Project columns (S, N, C) with the outcome of every contact free.
+
+    Parameters
+    ----------
+    columns
+        Behind those of the jumps of an outcome.
+    count
+        Number of the jumps.
 
     Returns
     -------
     The projector whose covariance has only what the poses without the law say of the shared
     parameters, and what the columns add up to.
     """
-    freed = np.concatenate(list(jumps.values()), axis=2)
-    count = freed.shape[2]
-    by_shot = sums.project(np.concatenate([freed, columns], axis=2))
+    by_shot = sums.project(columns)
     jumped = ByShot(
         own=by_shot.own[:, :count, :count],
         against=by_shot.against[:, :count],
@@ -50,8 +53,9 @@ def with_free_contacts(
         gradient=gradient[..., 0],
         raw=by_shot.raw[:, count:],
     )
-    taken = np.einsum("scp,scd,sdq->pq", jumped.against, covariance, jumped.against)
-    information = with_prior(np.einsum("snp,snq->pq", sums.shared, sums.shared), sums.held[1])
+    taken = (np.swapaxes(jumped.against, 1, 2) @ covariance @ jumped.against).sum(axis=0)
+    flat = sums.shared.reshape(-1, len(sums.covariance))
+    information = with_prior(flat.T @ flat, sums.held[1])
     law = _law_covariance(information - taken, np.diag(information))
     return replace(sums, covariance=law), reduced
 
@@ -82,8 +86,10 @@ def shape_rows(
     that these smooth functions would bring; its floor what they bring of noise alone.
     """
     parts = [c.columns() for channels in groups.values() for c in channels]
-    columns = np.concatenate(parts, axis=2)
-    free, by_shot = with_free_contacts(sums, jumps, columns)
+    columns, first = np.concatenate([*jumps.values(), *parts], axis=2), len(jumps)
+    free, by_shot = with_free_contacts(sums, columns, first)
+    # Whitened no longer: from here on metres and radians.
+    columns *= sigma[..., None]
     start = 0
     for quantity, channels in groups.items():
         own = slice(start, start := start + SMOOTH * len(channels))
@@ -94,14 +100,14 @@ def shape_rows(
             raw=by_shot.raw[:, own],
         )
         solved = free.solve(chosen, np.ones((len(columns), 1)))
-        moved = (columns[..., own] * sigma[..., None]).reshape(-1, own.stop - own.start)
+        moved = columns[..., first + own.start : first + own.stop]
         unit = "mm" if channels[0].unit == "m" else "mrad"
-        yield _row((quantity, unit), solved, moved[moved.any(axis=1)])
+        yield _row((quantity, unit), solved, moved.reshape(-1, moved.shape[2]))
 
 
 def _row(title: tuple[str, str], solved: Solved, moved: Floats) -> Row:
     """Return the row of fitted amplitudes; `moved` is what each brings to each number."""
-    metric, count = moved.T @ moved, max(len(moved) // 3, 1)
+    metric, count = moved.T @ moved, max(int(moved.any(axis=1).sum()) // 3, 1)
     amplitudes = solved.amplitudes
     spread = Spread(float(solved.freedom), 2.0 * solved.freedom)
     return Row(
