@@ -10,17 +10,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import lru_cache
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.imaging.dark_patches import free_light, lacking, over_share, weigh_places
 from analysis.imaging.marker_curves import FURTHEST_CENTRE
 from analysis.imaging.markers import Markers, SeenDisc, joined
 from analysis.imaging.outlines import Place
 from analysis.imaging.views import View, ViewGeometry
 
 Floats = NDArray[np.float64]
+Singles = NDArray[np.float32]
 
 SMOOTH_PX = 0.7
 WIDEST, BLURRED_PX = 0.5, 2.6
@@ -66,34 +69,26 @@ def _in_disc(
 ) -> Markers:
     radius_px = disc.radius_px
     place = *disc.place()[:2], radius_px
-    patch = _patch(frame.shape, place)
-    rows, columns = np.ogrid[patch]
-    free = _within(rows, columns, (*place[:2], radius_px - LIMB_PX))
-    for row, column, radius in others:
-        free &= ~_within(rows, columns, (row, column, radius + KEEP_OFF_PX))
-    if not free.any():
+    rows, columns = _patch(frame.shape, place)
+    beside = [(row, column, radius + KEEP_OFF_PX) for row, column, radius in others]
+    discs = np.array([(*place[:2], radius_px - LIMB_PX), *beside])
+    free, light = np.empty((2, rows.stop - rows.start, columns.stop - columns.start), np.float32)
+    corner = rows.start, columns.start
+    if not free_light(np.require(frame, None, ["C", "W"]), corner, discs, free, light):
         return joined([])
-    missing = _missing(frame[patch], free, radius_px, noise)
-    count, names, stats, _ = cv2.connectedComponentsWithStats((missing > 0.0).astype(np.uint8))
+    missing, dark = _missing(free, light, radius_px, noise)
+    count, names = cv2.connectedComponents(dark)
+    weighed = weigh_places(missing, np.asarray(names, dtype=np.int32), count)
     least = max(FEWEST_PX, SMALLEST * math.pi * radius_px**2)
     found = []
-    for name in range(1, count):
-        left, top, width, height, area = stats[name].tolist()
+    for area, _, row, column in weighed[1:].tolist():
         if area < least:
             continue
-        box = slice(top, top + height), slice(left, left + width)
-        weight = np.where(names[box] == name, missing[box], 0.0)
-        total = float(weight.sum())
-        down = float((rows[box[0], 0] @ weight).sum()) / total - place[0]
-        across = float((weight @ columns[0, box[1]]).sum()) / total - place[1]
+        down, across = row + corner[0] - place[0], column + corner[1] - place[1]
         marker = _lifted((down / radius_px, across / radius_px), area, place)
         if marker is not None:
             found.append(marker)
     return _directed(np.array(found).reshape(-1, 9), disc.geometry)
-
-
-def _within(rows: Floats, columns: Floats, disc: Place) -> NDArray[np.bool_]:
-    return np.asarray((rows - disc[0]) ** 2 + (columns - disc[1]) ** 2 < disc[2] ** 2)
 
 
 def _patch(shape: tuple[int, ...], place: Place) -> tuple[slice, slice]:
@@ -107,25 +102,30 @@ def _patch(shape: tuple[int, ...], place: Place) -> tuple[slice, slice]:
 
 
 def _missing(
-    image: NDArray[np.uint8], free: NDArray[np.bool_], radius_px: float, noise: float
-) -> Floats:
-    """Return the light that narrow dark places lack, grey levels, 0 elsewhere.
+    free: Singles, light: Singles, radius_px: float, noise: float
+) -> tuple[Singles, NDArray[np.uint8]]:
+    """Return the light that narrow dark places lack, grey levels, 0 elsewhere, and where it does.
 
     All that is not free counts as dark: a dark side between a bright one and a brighter
     background is no marker.
     """
-    own = free.astype(np.float32)
-    light, share = (cv2.GaussianBlur(x, (0, 0), SMOOTH_PX) for x in (own * image, own))
-    smooth = np.where(free, light / np.maximum(share, 1e-3), 0.0)
+    smooth, share = (
+        np.asarray(cv2.GaussianBlur(x, (0, 0), SMOOTH_PX), np.float32) for x in (light, free)
+    )
+    over_share(smooth, share, free)
+    surface = cv2.morphologyEx(smooth, cv2.MORPH_CLOSE, _window(radius_px))
+    missing, dark = np.asarray(surface, np.float32), np.empty(free.shape, np.uint8)
+    lacking(missing, smooth, free, (LEAST_DARKNESS, BEYOND_NOISE * noise), dark)
+    return missing, dark
+
+
+@lru_cache(maxsize=8)
+def _window(radius_px: float) -> NDArray[np.uint8]:
     width = 2 * round((WIDEST * radius_px + BLURRED_PX) / 2) + 1
-    window = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (width, width))
-    surface = np.asarray(cv2.morphologyEx(smooth, cv2.MORPH_CLOSE, window))
-    lack = surface - smooth
-    dark = free & (lack > LEAST_DARKNESS * surface) & (lack > BEYOND_NOISE * noise)
-    return np.where(dark, lack, 0.0)
+    return np.asarray(cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (width, width)), np.uint8)
 
 
-def _lifted(centre: tuple[float, float], area: int, place: Place) -> tuple[float, ...] | None:
+def _lifted(centre: tuple[float, float], area: float, place: Place) -> tuple[float, ...] | None:
     """Return a dark place's ellipse and its direction in the view's axes (row, column, eye).
 
     As for edges, a marker's middle is shortened by the cosine of its angular radius.

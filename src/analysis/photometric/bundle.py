@@ -41,27 +41,58 @@ def add_turns(
     sums
         Products with each other, shape (turns, turns), and with the rows, shape (turns, WIDTH).
     """
-    patches, corners, tangents = drawn.patches, drawn.corners, drawn.turns
-    among, across = sums
-    side, size = patches.shape[1], among.shape[0]
-    used, value = np.empty(size, np.int64), np.empty(size)
-    for n in range(rows.shape[0]):
-        count = 0
-        for m in range(patches.shape[0]):
-            i, j = pixels[0][n] - corners[m, 0], pixels[1][n] - corners[m, 1]
-            if i < 0 or j < 0 or i >= side or j >= side or patches[m, i, 0, j] == 0.0:
+    corners, side, count = drawn.corners, drawn.patches.shape[1], rows.shape[0]
+    changes, used = np.zeros((corners.shape[0], 2, count)), np.empty(count, np.int64)
+    for m in range(corners.shape[0]):
+        if corners[m, 0] > pixels[0][count - 1] or corners[m, 0] + side <= pixels[0][0]:
+            continue
+        found = turn_one(drawn, pixels, m, used, changes[m])
+        for n in used[:found]:
+            add_two(changes[m, :, n], rows[n], shadows[n], sums[1][2 * m : 2 * m + 2])
+        for other in range(m + 1):
+            if abs(corners[m, 0] - corners[other, 0]) >= side:
                 continue
-            for t in range(2):
-                change = 0.0
-                for k in range(3):
-                    change += patches[m, i, 3 + k, j] * tangents[m, t, k]
-                used[count], value[count] = 2 * m + t, -shadows[n] * change
-                count += 1
-        for a in range(count):
-            for b in range(a + 1):
-                among[used[a], used[b]] += value[a] * value[b]
-            for k in range(WIDTH):
-                across[used[a], k] += value[a] * rows[n, k]
+            for n in used[:found]:
+                square = shadows[n] * shadows[n]
+                for a in range(2):
+                    for b in range(2):
+                        product = square * changes[m, a, n] * changes[other, b, n]
+                        sums[0][2 * m + a, 2 * other + b] += product
+
+
+@part
+def turn_one(
+    drawn: Viewed, pixels: tuple[Places, Places], m: int, used: Places, changes: Floats
+) -> int:
+    """Find the pixels that see a marker, and how each of its two turns changes them.
+
+    Parameters
+    ----------
+    used
+        Filled with the indices of those pixels; how many is returned.
+    changes
+        Filled there, shape (2, pixels).
+    """
+    patch, tangents, side, found = drawn.patches[m], drawn.turns[m], drawn.patches.shape[1], 0
+    for n in range(pixels[0].size):
+        i, j = pixels[0][n] - drawn.corners[m, 0], pixels[1][n] - drawn.corners[m, 1]
+        if i < 0 or j < 0 or i >= side or j >= side or patch[i, 0, j] == 0.0:
+            continue
+        for t in range(2):
+            for k in range(3):
+                changes[t, n] -= patch[i, 3 + k, j] * tangents[t, k]
+        used[found] = n
+        found += 1
+    return found
+
+
+@part
+def add_two(changes: Floats, row: Floats, shadow: float, across: Floats) -> None:
+    """Add a pixel's row times its changes by two turns."""
+    first, second = shadow * changes[0], shadow * changes[1]
+    for k in range(np.uint64(WIDTH)):
+        across[0, k] += first * row[k]
+        across[1, k] += second * row[k]
 
 
 @part

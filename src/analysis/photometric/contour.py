@@ -39,6 +39,13 @@ CUT_SPACING = 0.6
 
 
 @part
+def faces(marker: Floats, alpha: float) -> bool:
+    """Tell whether any part of a cap about a direction (row, column, eye) is visible."""
+    flat = math.sqrt(marker[0] * marker[0] + marker[1] * marker[1])
+    return bool(-marker[2] * math.cos(alpha) < flat * math.sin(alpha))
+
+
+@part
 def contour_points(
     marker: Floats, alpha: float, radius: float, sigma: float, points: Floats
 ) -> int:
@@ -60,7 +67,7 @@ def contour_points(
     ca, sa = math.cos(alpha), math.sin(alpha)
     sb = math.sqrt(m_r * m_r + m_c * m_c)
     whole = m_z * ca >= sa * sb
-    if not whole and -m_z * ca >= sa * sb:
+    if not whole and not faces(marker, alpha):
         return 0
     if sb > 1e-9:
         l_r, l_c = m_r / sb, m_c / sb

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from analysis.compiled import part
 from analysis.photometric.camera import disc_of
-from analysis.photometric.contour import ALPHA, GROWTHS, LAYERS, REACH_SIGMAS, add_cover
+from analysis.photometric.contour import ALPHA, GROWTHS, LAYERS, REACH_SIGMAS, add_cover, faces
 from analysis.photometric.covers import closeness, into_view, paint_of, seen_from, window
 from analysis.photometric.residual import Paint
 from analysis.photometric.sight import Sight, Stance
@@ -18,6 +18,8 @@ from analysis.photometric.sight import Sight, Stance
 Floats = NDArray[np.float64]
 
 HALF_TURN = math.pi / 2
+NOWHERE = -(1 << 30)
+"""Row and column of a patch that is not drawn."""
 
 
 class Lesson(NamedTuple):
@@ -50,22 +52,25 @@ def patches_of(
     Returns
     -------
     Patches, shape (markers, side, LAYERS + GROWTHS, side), and the rows and columns of their first
-    pixels in the frame, shape (markers, 2).
+    pixels in the frame, shape (markers, 2): NOWHERE for those that are hidden.
     """
     look, near = sight.look, closeness(sight, stance, view)
     directions, sigma = seen_from(sight, stance, view), look.sigma_px[view]
     reach = place[2] * math.sin(min(look.alpha * (1.0 + near), HALF_TURN)) + REACH_SIGMAS * sigma
     side, count = 2 * math.ceil(reach) + 2, directions.shape[0]
-    patches = np.zeros((count, side, LAYERS + GROWTHS, side))
-    corners = np.zeros((count, 2), dtype=np.int64)
+    patches = np.empty((count, side, LAYERS + GROWTHS, side))
+    corners = np.full((count, 2), NOWHERE)
     for m in range(count):
         size = 1.0 + near * directions[m, 2]
+        if not faces(directions[m], look.alpha * size):
+            continue
         for k in range(2):
             middle = place[k] + place[2] * directions[m, k] * math.cos(look.alpha * size)
             corners[m, k] = math.floor(middle) - side // 2 + 1
+        patches[m] = 0.0
         corner = (corners[m, 0], corners[m, 1])
         add_cover(patches[m], corner, place, directions[m], (look.alpha * size, sigma))
-        for i in range(side):
+        for i in range(side if near > 0.0 else 0):
             for j in range(side):
                 patches[m, i, ALPHA, j] *= size
     return patches, corners
@@ -79,11 +84,16 @@ def put_together(
     rows, layers, columns = canvas.shape
     side = patches.shape[1]
     for m in range(patches.shape[0]):
+        if corners[m, 0] == NOWHERE:
+            continue
         down, across = corners[m, 0] - corner[0], corners[m, 1] - corner[1]
+        first, last = max(0, -across), min(side, columns - across)
         for i in range(max(0, -down), min(side, rows - down)):
-            for layer in range(layers):
-                for j in range(max(0, -across), min(side, columns - across)):
-                    canvas[down + i, layer, across + j] += patches[m, i, layer, j]
+            for layer in range(layers if first < last else 0):
+                own = patches[m, i, layer, first:last]
+                under = canvas[down + i, layer, across + first : across + last]
+                for j in range(own.size):
+                    under[j] += own[j]
 
 
 @part

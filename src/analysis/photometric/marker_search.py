@@ -8,10 +8,9 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.compiled import compiled
+from analysis.compiled import compiled, part
 from analysis.photometric.appearance import Knowledge
-from analysis.photometric.camera import axes_at
-from analysis.photometric.covers import cover_canvas, paint_of
+from analysis.photometric.covers import cover_canvas, into_view, paint_of
 from analysis.photometric.residual import LOOK, cover_at, hidden, model_pixel, shade
 from analysis.photometric.sight import Look, Sight, Stance
 
@@ -56,13 +55,12 @@ def add_darkness(
     canvas, corner, place = cover_canvas(sight, stance, view)
     light, rows = stance.lights[view], sight.optics.rows[view]
     paint = paint_of(sight, stance, view, place[2])
-    directions = (body @ stance.rotation.T) @ axes_at(sight.optics, view, stance.centre).T
-    seen = np.zeros(LOOK)
+    into, seen = into_view(sight, stance, view), np.zeros(LOOK)
     for n in range(body.shape[0]):
-        if directions[n, 2] < LEAST_FACING:
+        if turned_to(into[2], body[n]) < LEAST_FACING:
             continue
-        y = int(np.rint(place[0] + place[2] * directions[n, 0]))
-        x = int(np.rint(place[1] + place[2] * directions[n, 1]))
+        y = int(np.rint(place[0] + place[2] * turned_to(into[0], body[n])))
+        x = int(np.rint(place[1] + place[2] * turned_to(into[1], body[n])))
         i, j = y - corner[0], x - corner[1]
         if i < 0 or j < 0 or i >= canvas.shape[0] or j >= canvas.shape[2]:
             continue
@@ -74,6 +72,12 @@ def add_darkness(
         plain = max(light[1] * seen[3] * seen[0], 3.0 * scene.noise)
         sums[n] += min(max((model - scene.image[y, x]) / plain, -1.0), 1.0)
         counts[n] += 1.0
+
+
+@part
+def turned_to(axis: Floats, direction: Floats) -> float:
+    """Return the part of a direction along an axis."""
+    return float(axis[0] * direction[0] + axis[1] * direction[1] + axis[2] * direction[2])
 
 
 def missed_markers(sights: Iterable[tuple[Sight, Stance]], known: Knowledge, sphere: int) -> Floats:
@@ -91,7 +95,7 @@ def missed_markers(sights: Iterable[tuple[Sight, Stance]], known: Knowledge, sph
 
 @compiled
 def local_darkness(
-    body: Floats, darkness: Floats, often: NDArray[np.bool_], alpha: float
+    body: Floats, darkness: Floats, often: NDArray[np.bool_], alpha: float, least: float
 ) -> Floats:
     """Return by how much a cap about each direction is darker than the ring around it.
 
@@ -102,25 +106,33 @@ def local_darkness(
     ----------
     body
         Of `body_directions`: their third coordinate falls.
+    least
+        Caps less dark than this are not held against their rings, which cannot make them darker.
     """
     local, first = np.zeros(body.shape[0]), 0
     inside, ring, wide = math.cos(alpha), math.cos(RING * alpha), math.cos(WIDE * alpha)
+    # The third coordinate falls by as much from each direction to the next.
+    near = math.ceil(alpha * body.shape[0] / 2) + 1
     for n in range(body.shape[0]):
         while body[first, 2] - body[n, 2] > WIDE * alpha:
             first += 1
         if not often[n]:
             continue
-        total, count, around, beside, k = 0.0, 0, 0.0, 0, first
-        while k < body.shape[0] and body[n, 2] - body[k, 2] <= WIDE * alpha:
-            cosine = body[n, 0] * body[k, 0] + body[n, 1] * body[k, 1] + body[n, 2] * body[k, 2]
-            if often[k] and cosine > inside:
+        total, count = 0.0, 0
+        for k in range(max(n - near, 0), min(n + near + 1, body.shape[0])):
+            if often[k] and turned_to(body[n], body[k]) > inside:
                 total += darkness[k]
                 count += 1
-            elif often[k] and wide < cosine < ring:
+        local[n] = total / count
+        if local[n] < least:
+            continue
+        around, beside, k = 0.0, 0, first
+        while k < body.shape[0] and body[n, 2] - body[k, 2] <= WIDE * alpha:
+            if often[k] and wide < turned_to(body[n], body[k]) < ring:
                 around += darkness[k]
                 beside += 1
             k += 1
-        local[n] = total / count - max(around / max(beside, 1), 0.0)
+        local[n] -= max(around / max(beside, 1), 0.0)
     return local
 
 
@@ -128,13 +140,14 @@ def _peaks(body: Floats, darkness: Floats, often: NDArray[np.bool_], look: Look)
     """Take the darkest caps one after another, away from the known markers and each other."""
     known = list(look.markers)
     found: list[Floats] = []
-    cap = local_darkness(body, darkness, often, float(look.alpha))
+    least = LEAST_DARKNESS * look.darkness
+    cap = local_darkness(body, darkness, often, float(look.alpha), float(least))
     free = np.ones(len(body), dtype=np.bool_)
     if known:
         free &= (body @ np.array(known).T < np.cos(APART * look.alpha)).all(axis=1)
     for _ in range(MOST_NEW):
         best = int(np.where(free, cap, 0.0).argmax())
-        if not free[best] or cap[best] < LEAST_DARKNESS * look.darkness:
+        if not free[best] or cap[best] < least:
             break
         around = (body @ body[best] > np.cos(look.alpha)) & often
         direction = (np.maximum(darkness[around], 0.0)[:, None] * body[around]).sum(axis=0)

@@ -163,7 +163,7 @@ def add_basis(profiles: Floats, gain: float, lanes: Floats, rows: Floats) -> Non
         Filled from OF_SHADING on.
     """
     turns, last = np.zeros((2, ORDER + 1)), np.float64(profiles.shape[0] - 2)
-    band, beside = lanes.reshape(-1), lanes[-BESIDE:]
+    band, beside, values = lanes.reshape(-1), lanes[-BESIDE:], np.zeros(profiles.shape[1])
     for n in range(rows.shape[0]):
         u, v = band[DOWN + np.uint64(n)], band[ACROSS + np.uint64(n)]
         light = gain * beside[LEFT, n] * band[ROOT + np.uint64(n)]
@@ -172,14 +172,15 @@ def add_basis(profiles: Floats, gain: float, lanes: Floats, rows: Floats) -> Non
         i = int(at)
         t = at - i
         c, s = (u / rho, v / rho) if rho > 1e-9 else (1.0, 0.0)
-        turns[0, 0], turns[1, 0] = 1.0, 0.0
+        turns[0, 0], turns[1, 0] = light, 0.0
         for m in range(1, ORDER + 1):
             turns[0, m] = turns[0, m - 1] * c - turns[1, m - 1] * s
             turns[1, m] = turns[1, m - 1] * c + turns[0, m - 1] * s
+        low, high, own = profiles[i], profiles[i + 1], rows[n, OF_SHADING:]
+        for j in range(values.size):
+            values[j] = (1 - t) * low[j] + t * high[j]
         for h in range(HARMONIC.shape[0]):
-            j = HARMONIC[h]
-            value = (1 - t) * profiles[i, j] + t * profiles[i + 1, j]
-            rows[n, OF_SHADING + h] = light * value * turns[SINE[h], ANGULAR[h]]
+            own[h] = values[HARMONIC[h]] * turns[SINE[h], ANGULAR[h]]
 
 
 @part

@@ -14,8 +14,9 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 from scipy.special import i0e, i1e
+
+from analysis.photometric.radial_blur import blur_radials, pairs_near, refined
 
 Floats = NDArray[np.float64]
 
@@ -25,8 +26,6 @@ REACH_SIGMAS = 5.0
 KEPT_PROFILES = 8
 COARSE_PER_SIGMA = 3.0
 NODES_PER_SIGMA, NODE_STEP, MOST_NODES = 5.0, 64, 640
-SMALL = 1e-3
-"""Argument of a Bessel function below which its leading term is exact to 1e-6 of itself."""
 NUDGE = 1e-3
 """Step of a derivative taken by difference."""
 
@@ -52,6 +51,7 @@ HARMONICS = tuple(
     (j, sine) for j, f in enumerate(RADIALS) for sine in ((0, 1) if f.angular else (0,))
 )
 """Index into RADIALS and 0 for cosine, 1 for sine: the coefficients of a shading in order."""
+ANGULAR = np.array([f.angular for f in RADIALS])
 COLUMNS = 2 * ORDER + 1
 DISC = COLUMNS
 """Column of a template behind its angular orders."""
@@ -94,36 +94,13 @@ def blurred_profiles(sigma: float) -> Profiles:
     x = (nodes + 1) * np.pi / 4
     t, height = np.sin(x), np.cos(x)
     measure = weights * np.pi / 4 * height * t / sigma**2
+    shapes = np.stack([t**f.power * height**f.height * measure for f in RADIALS], axis=1)
     reach = 1.0 + REACH_SIGMAS * sigma
     rho = np.linspace(0.0, reach, int(np.ceil(reach * COARSE_PER_SIGMA / sigma)) + 1)
-    gap = (rho[:, None] - t[None, :]) / sigma
-    near = np.abs(gap) < REACH_SIGMAS + 1.0
-    bell = np.exp(-0.5 * gap[near] ** 2)
-    argument = (rho[:, None] * t[None, :])[near] / sigma**2
-    coarse = np.zeros((len(rho), len(RADIALS)))
-    for m, scaled in enumerate(_bessel(argument)):
-        kernel = np.zeros(gap.shape)
-        kernel[near] = bell * scaled
-        columns = [j for j, f in enumerate(RADIALS) if f.angular == m]
-        shapes = [t ** RADIALS[j].power * height ** RADIALS[j].height for j in columns]
-        coarse[:, columns] = kernel @ (np.stack(shapes, 1) * measure[:, None])
-    fine = np.arange(int(reach * STEPS_PER_RADIUS) + 1) / STEPS_PER_RADIUS
-    values = CubicSpline(rho, coarse, axis=0)(fine)
-    return Profiles(np.ascontiguousarray(values))
-
-
-def _bessel(x: Floats) -> list[Floats]:
-    """Return exp(-x) I_m(x) for the orders up to ORDER.
-
-    By recurrence, whose errors stay at rounding beyond SMALL; the leading term before it.
-    """
-    orders = [np.asarray(i0e(x)), np.asarray(i1e(x))]
-    small = x < SMALL
-    safe = np.where(small, 1.0, x)
-    for m in range(2, ORDER + 1):
-        leading = (x / 2) ** m / math.factorial(m)
-        orders.append(np.where(small, leading, orders[m - 2] - 2 * (m - 1) / safe * orders[m - 1]))
-    return orders
+    ends, argument = pairs_near(rho, t, sigma, REACH_SIGMAS + 1.0)
+    bessel = np.asarray(i0e(argument)), np.asarray(i1e(argument))
+    coarse = blur_radials((rho, t), ends, bessel, (shapes, ANGULAR), sigma)
+    return Profiles(refined(coarse, rho[1], int(reach * STEPS_PER_RADIUS) + 1, STEPS_PER_RADIUS))
 
 
 def template(profiles: Profiles, coefficients: Floats) -> Floats:
@@ -138,10 +115,9 @@ def template(profiles: Profiles, coefficients: Floats) -> Floats:
     -------
     Shape (steps, COLUMNS + 1): order 0, then cosine and sine of each order, DISC.
     """
-    table = np.zeros((len(profiles.values), COLUMNS + 1))
+    mixing = np.zeros((len(RADIALS), COLUMNS + 1))
     for (j, sine), coefficient in zip(HARMONICS, coefficients, strict=True):
         m = RADIALS[j].angular
-        column = 0 if m == 0 else 2 * m - 1 + sine
-        table[:, column] += coefficient * profiles.values[:, j]
-    table[:, DISC] = profiles.values[:, 0]
-    return table
+        mixing[j, 0 if m == 0 else 2 * m - 1 + sine] += coefficient
+    mixing[0, DISC] = 1.0
+    return np.asarray(profiles.values @ mixing)

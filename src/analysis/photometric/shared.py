@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from analysis.photometric.bundle import bundle_view
 from analysis.photometric.camera import Optics, by_nearness_and_shift
+from analysis.photometric.folding import eliminate, fold
 from analysis.photometric.lesson import Lesson
 from analysis.photometric.pixel_rows import MARKERS_SHARE, SCALE, VIEW_SHARE
 from analysis.photometric.pose import POSE, add_priors, into_world
@@ -81,24 +82,18 @@ def add_frame(
     for view in range(views):
         own = Equations(np.zeros((size, size)), np.zeros(size))
         bundle_view(sight, stance, view, lesson, own)
-        whole_view = own.normal + np.tril(own.normal, -1).T
-        change = np.zeros((size, total))
-        change[:5, :POSE] = into_world(sight.optics, view, stance.centre)
-        for k in range(LIGHTS):
-            change[5 + k, POSE + LIGHTS * view + k] = 1.0
-        for k in range(common):
-            change[UNKNOWNS + k, local + k] = 1.0
-        for k in range(VIEW_SHARE):
-            change[UNKNOWNS + common + k, local + common + VIEW_SHARE * view + k] = 1.0
         bends = bending(sight.optics, view, stance.centre)
-        change[bent, total - bends.shape[1] :] += bends
-        whole.normal[:] += change.T @ whole_view @ change
-        whole.right[:] += change.T @ own.right
+        turn = np.zeros((len(bent), POSE + bends.shape[1]))
+        turn[:5, :POSE] = into_world(sight.optics, view, stance.centre)
+        turn[:, POSE:] = bends
+        pose = [*range(POSE), *range(total - bends.shape[1], total)]
+        lights = range(POSE + LIGHTS * view, POSE + LIGHTS * (view + 1))
+        behind = local + common + VIEW_SHARE * view
+        shares = [*range(local, local + common), *range(behind, behind + VIEW_SHARE)]
+        at = np.array([-1] * 5 + [*lights, *shares])
+        fold(own, (at, np.array(bent)), (turn, np.array(pose)), whole)
     add_priors(sight, stance, whole)
-    across = whole.normal[:local, local:]
-    gain = np.linalg.solve(whole.normal[:local, :local], across)
-    shared.normal[:] += whole.normal[local:, local:] - across.T @ gain
-    shared.right[:] += whole.right[local:] - gain.T @ whole.right[:local]
+    eliminate(whole, local, shared)
 
 
 def solve_shared(equations: Equations, tangents: Floats, views: int) -> Shared:

@@ -75,23 +75,48 @@ def draw_surface(table: Floats, relief: Floats, surface: Floats) -> None:
     furthest = table.shape[0] - 2
     while furthest > 0 and table[furthest, DISC] < FAINTEST:
         furthest -= 1
-    for a in range(surface.shape[0]):
+    last, turns, parts = surface.shape[0] - 1, np.zeros((2, ORDER + 1)), np.zeros((2, 2))
+    for a in range(surface.shape[0] // 2, surface.shape[0]):
         u = (a / half - 1.0) * SPAN
-        for b in range(surface.shape[1]):
+        for b in range(surface.shape[0] // 2, surface.shape[0]):
             v = (b / half - 1.0) * SPAN
             rho = math.sqrt(u * u + v * v)
             c, s = (u / rho, v / rho) if rho > 1e-9 else (1.0, 0.0)
             place = min(rho * STEPS_PER_RADIUS, float(furthest))
             i = int(place)
             t = place - i
-            value = (1 - t) * table[i, 0] + t * table[i + 1, 0]
-            cm, sm = 1.0, 0.0
+            turns[0, 0], turns[1, 0] = 1.0, 0.0
             for m in range(1, ORDER + 1):
-                cm, sm = cm * c - sm * s, sm * c + cm * s
-                value += ((1 - t) * table[i, 2 * m - 1] + t * table[i + 1, 2 * m - 1]) * cm
-                value += ((1 - t) * table[i, 2 * m] + t * table[i + 1, 2 * m]) * sm
-            disc = (1 - t) * table[i, DISC] + t * table[i + 1, DISC]
-            surface[a, b] = value / disc + relief_at(relief, u, v)
+                turns[0, m] = turns[0, m - 1] * c - turns[1, m - 1] * s
+                turns[1, m] = turns[1, m - 1] * c + turns[0, m - 1] * s
+            add_up(table[i], table[i + 1], t, turns, parts)
+            # Mirrored in u, odd cosines and even sines turn their sign; in v all sines do.
+            for up in range(2):
+                sign = 1.0 - 2.0 * up
+                even, odd = parts[0, 0] + sign * parts[0, 1], parts[1, 1] + sign * parts[1, 0]
+                row = last - a if up else a
+                surface[row, b] = even + odd + relief_at(relief, sign * u, v)
+                surface[row, last - b] = even - odd + relief_at(relief, sign * u, -v)
+
+
+@part
+def add_up(low: Floats, high: Floats, t: float, turns: Floats, parts: Floats) -> None:
+    """Sum a template between two of its rows, over the disc.
+
+    Parameters
+    ----------
+    turns
+        Cosines and sines of the multiples of the angle, shape (2, ORDER + 1).
+    parts
+        Filled with the cosines' and the sines' part, those of even and of odd order, shape (2, 2).
+    """
+    disc = (1 - t) * low[DISC] + t * high[DISC]
+    parts[0, 0], parts[0, 1] = ((1 - t) * low[0] + t * high[0]) / disc, 0.0
+    parts[1, 0], parts[1, 1] = 0.0, 0.0
+    for m in range(1, ORDER + 1):
+        for sine in range(2):
+            value = (1 - t) * low[2 * m - 1 + sine] + t * high[2 * m - 1 + sine]
+            parts[sine, m % 2] += value * turns[sine, m] / disc
 
 
 @part

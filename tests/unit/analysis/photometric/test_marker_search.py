@@ -17,7 +17,7 @@ NEAR = BODY @ MARKER
 
 def test_a_marker_is_as_dark_as_it_is_against_a_light_ring() -> None:
     darkness = np.where(np.cos(ALPHA) < NEAR, 0.7, 0.0)
-    local = local_darkness(BODY, darkness, SEEN, ALPHA)
+    local = local_darkness(BODY, darkness, SEEN, ALPHA, 0.0)
     assert NEAR[int(local.argmax())] > np.cos(0.06)
     assert local.max() == pytest.approx(0.7, abs=0.08)
 
@@ -25,10 +25,19 @@ def test_a_marker_is_as_dark_as_it_is_against_a_light_ring() -> None:
 @pytest.mark.parametrize("reach", [0.4, 0.8, 1.5])
 def test_a_wide_shadow_is_not_half_as_dark_as_a_marker(reach: float) -> None:
     darkness = np.where(np.cos(reach) < NEAR, 0.7, 0.0)
-    assert local_darkness(BODY, darkness, SEEN, ALPHA).max() < 0.45 * 0.7 + 0.12
+    assert local_darkness(BODY, darkness, SEEN, ALPHA, 0.0).max() < 0.45 * 0.7 + 0.12
 
 
 def test_what_is_never_seen_has_no_darkness() -> None:
     darkness = np.where(np.cos(ALPHA) < NEAR, 0.7, 0.0)
     unseen = NEAR < 0.5
-    assert not local_darkness(BODY, darkness, unseen, ALPHA)[~unseen].any()
+    assert not local_darkness(BODY, darkness, unseen, ALPHA, 0.0)[~unseen].any()
+
+
+def test_caps_that_are_too_light_to_count_need_no_ring() -> None:
+    darkness = np.where(np.cos(ALPHA) < NEAR, 0.7, 0.3)
+    every = local_darkness(BODY, darkness, SEEN, ALPHA, 0.0)
+    few = local_darkness(BODY, darkness, SEEN, ALPHA, 0.5)
+    dark = np.array([darkness[own @ BODY.T > np.cos(ALPHA)].mean() for own in BODY]) >= 0.5
+    np.testing.assert_array_equal(few[dark], every[dark])
+    assert few[~dark].max() < 0.5
