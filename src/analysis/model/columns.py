@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 from analysis.effects.effect import Effect
 from analysis.model.comparison import KINDS, Comparison, Snapshot, weights
 from analysis.model.contact import contact_outcome
+from analysis.model.loops import plain
+from analysis.model.loops.misfit import put_whitened
 from analysis.model.poses import PoseData
 from analysis.model.sides import flights_by_outcome
 from analysis.model.state import ShotStates
@@ -76,12 +78,12 @@ class Columns:
         product = np.zeros(2 * self.moved.shape[2:])
         flown = np.setdiff1d(np.arange(len(product)), self.framed)
         moved, pulled = self.moved[:, :, flown], self.pulled[:, :, self.framed]
-        rows = moved.reshape(-1, flown.size)
+        rows = moved.reshape(moved.shape[0] * moved.shape[1], -1)
         product[np.ix_(flown, flown)] = rows.T @ line.weigh(moved).reshape(rows.shape)
-        between = rows.T @ pulled.reshape(-1, self.framed.size)
+        between = rows.T @ pulled.reshape(len(rows), -1)
         product[np.ix_(flown, self.framed)] = between
         product[np.ix_(self.framed, flown)] = between.T
-        flat = self.frames.reshape(-1, self.framed.size)
+        flat = self.frames.reshape(line.residual.size, -1)
         product[np.ix_(self.framed, self.framed)] = flat.T @ flat
         return product
 
@@ -178,15 +180,12 @@ def _frame_columns(
     Column by column in memory: they are made so, and multiply each other so.
     """
     shots, frames = weight.shape[:2]
-    columns = np.zeros((len(steps), shots, 2, 2, frames, 3))
-    # Shot, frame, sphere, kind, axis.
-    sorted_weight = weight.reshape(shots, frames, 2, 2, 3)
+    columns = np.zeros((len(steps), shots, KINDS, 3 * frames))
     for column, (effect, moved, step) in zip(columns, steps, strict=True):
         for kind, change in enumerate(unmoved.change(moved, effect)):
             if change is not None:
-                own = np.moveaxis(column[:, :, kind], 2, 1)
-                np.multiply(change, sorted_weight[:, :, :, kind] / step, out=own)
-    return np.moveaxis(columns.reshape(len(steps), shots, KINDS, 3 * frames), 0, -1)
+                put_whitened(plain(change), weight, kind, step, column)
+    return np.moveaxis(columns, 0, -1)
 
 
 def _shifted(

@@ -8,6 +8,7 @@ whatever moves them. Only what acts on frames (flight, camera, clock) has column
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 from analysis.model.contact import differentiated_contact
 from analysis.model.jitter import Jitter, turning_by_frame
 from analysis.model.loops import plain
+from analysis.model.loops.blocks import information
 from analysis.model.loops.misfit import misfits, slopes_of
 from analysis.model.poses import PoseData
 from analysis.model.prediction import Flown, Poses, appear, fly, rate, shown
@@ -33,7 +35,7 @@ KINDS = 4
 """Blocks of residuals: position of a, orientation of a, position of b, orientation of b."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Comparison:
     """Whitened residuals of S shots and their slopes.
 
@@ -67,7 +69,17 @@ class Comparison:
         """Chi-squared of each shot, shape (S,)."""
         return np.asarray((self.residual**2).sum(axis=(1, 2)))
 
-    @property
+    @cached_property
+    def information(self) -> Floats:
+        """Information on the 24 numbers of each shot, shape (S, 24, 24)."""
+        return information(plain(self.by_state), plain(self.gram))
+
+    @cached_property
+    def downhill(self) -> Floats:
+        """Downhill by the 24 numbers of each shot, shape (S, 24)."""
+        return (np.swapaxes(self.by_state, 1, 2) @ self.pulled[..., None])[..., 0]
+
+    @cached_property
     def pulled(self) -> Floats:
         """Slope times residual: downhill by the 48 numbers, shape (S, 48)."""
         return self.pull(self.residual[..., None])[..., 0]
@@ -116,7 +128,7 @@ def compare(data: Data, states: ShotStates, theory: Theory) -> tuple[Comparison,
         return _tabulated(data, sides, by_state), Snapshot(contact.outcome, sides, None)
     flown = fly(data, states, sides, theory)
     poses = shown(data, flown, theory)
-    residual, slopes = misfit(data, poses), _slopes(data, flown, theory)
+    residual, (slopes, gram) = misfit(data, poses), _slopes(data, flown, theory)
     turning = np.repeat((np.arange(KINDS) % 2 == 1)[:, None], slopes.shape[2], axis=1)
     shared = _shared_noise(data, states, flown, slopes)
     if shared is not None:
@@ -124,10 +136,11 @@ def compare(data: Data, states: ShotStates, theory: Theory) -> tuple[Comparison,
         if shared.jitter is not None:
             slopes, turning = _spread(slopes), turning_by_frame(data.times_s.shape[1])
         slopes = shared.whiten(slopes)
+        gram = np.swapaxes(slopes, 2, 3) @ slopes
     line = Comparison(
         residual=residual,
         slopes=slopes,
-        gram=np.swapaxes(slopes, 2, 3) @ slopes,
+        gram=gram,
         by_state=by_state,
         orientations=turning,
         shared=shared,
@@ -205,8 +218,8 @@ def by_block(numbers: Floats) -> Floats:
     return np.swapaxes(parted, 1, 2).reshape(shots, KINDS, 3 * frames, *rest)
 
 
-def _slopes(data: PoseData, flown: Flown, theory: Theory) -> Floats:
-    """Differentiate by the flights' numbers, over sigma, shape (S, 4, 3 F, 12)."""
+def _slopes(data: PoseData, flown: Flown, theory: Theory) -> tuple[Floats, Floats]:
+    """Differentiate by the flights' numbers, over sigma, shape (S, 4, 3 F, 12), and square."""
     response = np.zeros((0, *flown.rotation.shape[1:]))
     if theory.camera:
         response = _camera_response(data, flown, theory)

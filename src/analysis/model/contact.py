@@ -109,11 +109,15 @@ def _outcomes(
         normal=normal,
         bodies=data.bodies,
         e=np.full(len(motion), law.e),
-        mu=np.tile(friction, repeats),
+        mu=_repeated(friction, repeats),
         beta0=np.full(len(motion), law.beta0),
-        covariates={name: np.tile(value, repeats) for name, value in data.covariates.items()},
+        covariates={name: _repeated(own, repeats) for name, own in data.covariates.items()},
     )
     return _row(theory.operator(encounter))
+
+
+def _repeated(numbers: Floats, repeats: int) -> Floats:
+    return numbers if repeats == 1 else np.tile(numbers, repeats)
 
 
 def _row(outcome: Outcome) -> Floats:

@@ -63,13 +63,12 @@ def linearise(data: Data, states: ShotStates, theory: Theory) -> Linearised:
     by_state = line.slopes @ line.by_state.reshape(shots, blocks, size, -1)
     spread = (line.residual[..., None], by_state, by_theory)
     framed = [by_frame(part) if blocks == KINDS else part[:, 0] for part in spread]
-    transposed = np.swapaxes(line.by_state, 1, 2)
     return Linearised(
         residual=framed[0][..., 0],
         by_state=framed[1],
         by_theory=framed[2],
-        states=transposed @ line.weigh(line.by_state),
-        own_gradient=(transposed @ line.pulled[..., None])[..., 0],
+        states=line.information,
+        own_gradient=line.downhill,
         shared=line.shared,
     )
 

@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 
 from analysis.model.comparison import Comparison, compare
 from analysis.model.fit import Fit
+from analysis.model.loops import plain
+from analysis.model.loops.blocks import whitenings
 from analysis.model.passes import Passes, passes_of
 from analysis.model.tables import ContactTable, Data
 
@@ -75,10 +77,7 @@ class FreeFlight:
 
 def about_free_flight(line: Comparison) -> FreeFlight:
     """Fit the numbers of both flights of each sphere, and nothing else."""
-    scale = np.sqrt(np.maximum(np.diagonal(line.gram, axis1=2, axis2=3), _LEAST))
-    values, vectors = np.linalg.eigh(line.gram / scale[..., :, None] / scale[..., None, :])
-    root = np.where(values > _LEAST, 1 / np.sqrt(np.maximum(values, _LEAST)), 0.0)
-    basis = line.slopes @ (vectors * root[..., None, :] / scale[..., :, None])
+    basis = line.slopes @ whitenings(plain(line.gram), _LEAST)
     taken = np.swapaxes(basis, 2, 3) @ line.residual[..., None]
     measured = line.slopes.any(axis=3)
     return FreeFlight(

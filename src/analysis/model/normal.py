@@ -69,10 +69,10 @@ def sums_of(line: Comparison, shared: Columns) -> NormalEquations:
     by_state = np.swapaxes(line.by_state, 1, 2)
     return NormalEquations(
         chi2=line.chi2,
-        states=by_state @ line.weigh(line.by_state),
+        states=line.information,
         coupling=by_state @ shared.against_flights(line),
         shared=shared.gram(line),
-        state_gradient=(by_state @ line.pulled[..., None])[..., 0],
+        state_gradient=line.downhill,
         shared_gradient=shared.with_residual(line),
     )
 

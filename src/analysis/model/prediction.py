@@ -225,13 +225,17 @@ def perturbation(
     Double integrals of the acceleration along the unperturbed path, int_0^t (t - s) a(s) ds.
     """
     push, twist = np.zeros_like(flown.position), np.zeros_like(flown.position)
-    for passage in on_way:
-        for effect, values in effects:
-            linear, angular = effect.accelerate(passage.flying, values)
-            if np.any(linear):
-                push[:, :, passage.sphere] += passage.push * linear
-            if np.any(angular):
-                twist[:, :, passage.sphere] += passage.twist * angular
+    for i in (0, 1):
+        # In arrays of their own: a sphere's part of the whole is slow to add to.
+        pushed, twisted = np.zeros((2, *push[:, :, i].shape))
+        for passage in (one for one in on_way if one.sphere == i):
+            for effect, values in effects:
+                linear, angular = effect.accelerate(passage.flying, values)
+                if np.any(linear):
+                    pushed += passage.push * linear
+                if np.any(angular):
+                    twisted += passage.twist * angular
+        push[:, :, i], twist[:, :, i] = pushed, twisted
     return push, twist
 
 

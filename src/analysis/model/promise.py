@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import chdtrc, ndtr
+from scipy.special import chdtrc, erfc, ndtr
 
 from analysis.effects.effect import Effect
 from analysis.model.columns import all_columns
@@ -158,6 +158,8 @@ def chance_of_falls(falls: Floats, freedom: int, *, one_sided: bool) -> Floats:
         return np.ones_like(falls)
     if one_sided:
         return np.where(falls > 0, ndtr(-np.sqrt(falls)), 1.0)
+    if freedom == 1:
+        return np.asarray(erfc(np.sqrt(0.5 * falls)))
     return np.asarray(chdtrc(freedom, falls))
 
 
@@ -214,13 +216,13 @@ def _piece(
     shared = all_columns(data, states, theory, line=line, here=here, effects=effects)
     by_state = np.swapaxes(line.by_state, 1, 2)
     coupling = by_state @ shared.against_flights(line)
-    eliminated = solve_blocks(by_state @ line.weigh(line.by_state), coupling)
+    eliminated = solve_blocks(line.information, coupling)
     gram, flat = shared.whole_gram(line), (-1, coupling.shape[2])
-    own = by_state @ line.pulled[..., None]
     return (
         gram - eliminated.reshape(flat).T @ coupling.reshape(flat),
         np.diagonal(gram),
-        shared.with_residual(line) - (np.swapaxes(eliminated, 1, 2) @ own)[..., 0],
+        shared.with_residual(line)
+        - (np.swapaxes(eliminated, 1, 2) @ line.downhill[..., None])[..., 0],
     )
 
 

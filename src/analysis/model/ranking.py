@@ -214,14 +214,24 @@ def smallest_by_chance(matrix: Floats, blocks: Sequence[Block], rng: np.random.G
     root = vectors * np.sqrt(np.clip(values, 0.0, None))
     draws = rng.standard_normal((DRAWS, len(matrix))) @ root.T
     # The smallest p of blocks that share a distribution is that of the largest fall.
-    largest: dict[tuple[int, bool], tuple[Block, Floats]] = {}
+    alike: dict[tuple[int, bool], list[Block]] = {}
     for block in blocks:
-        kind = (block.freedom, block.one_sided)
-        falls = block.falls(draws)
-        known = largest.get(kind)
-        largest[kind] = (block, falls if known is None else np.maximum(known[1], falls))
-    least = [block.p_values(falls) for block, falls in largest.values()]
+        alike.setdefault((block.freedom, block.one_sided), []).append(block)
+    least = [own[0].p_values(_largest_falls(draws, own)) for own in alike.values()]
     return np.asarray(np.min(least, axis=0))
+
+
+def _largest_falls(draws: Floats, blocks: Sequence[Block]) -> Floats:
+    """Return the largest fall of blocks of one distribution, for scores (draws, C)."""
+    wide = [block for block in blocks if len(block.columns) > 1 or block.freedom == 0]
+    single = [block for block in blocks if len(block.columns) == 1 and block.freedom == 1]
+    largest = np.max([np.zeros(len(draws)), *(block.falls(draws) for block in wide)], axis=0)
+    if single:
+        columns = np.concatenate([block.columns for block in single])
+        along = draws[:, columns] * np.concatenate([block.whitening[:, 0] for block in single])
+        far = (along if single[0].one_sided else np.abs(along)).max(axis=1)
+        largest = np.maximum(largest, np.square(np.maximum(far, 0.0)))
+    return np.asarray(largest)
 
 
 def alias_matrix(matrix: Floats, blocks: Sequence[Block]) -> Floats:
@@ -234,9 +244,11 @@ def alias_matrix(matrix: Floats, blocks: Sequence[Block]) -> Floats:
     single, wide = np.flatnonzero(freedom == 1), np.flatnonzero(freedom > 1)
     aliases[np.ix_(single, single)] = np.abs(cross[np.ix_(ends[single], ends[single])])
     for i in wide:
-        for j in np.flatnonzero(freedom > 0):
-            between = cross[ends[i] : ends[i + 1], ends[j] : ends[j + 1]]
-            aliases[i, j] = aliases[j, i] = np.linalg.norm(between, 2)
+        rows = cross[ends[i] : ends[i + 1]]
+        # With a single column the largest singular value is that column's length.
+        aliases[i, single] = aliases[single, i] = np.linalg.norm(rows[:, ends[single]], axis=0)
+        for j in wide:
+            aliases[i, j] = np.linalg.norm(rows[:, ends[j] : ends[j + 1]], 2)
     return np.minimum(aliases, 1.0)
 
 

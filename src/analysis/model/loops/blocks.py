@@ -62,6 +62,88 @@ def solved(matrices: Floats, right: Floats, damping: Floats) -> Floats:
     return result
 
 
+@compiled
+def information(moved: Floats, gram: Floats) -> Floats:
+    """Return B' G B of each shot, B what N numbers do to P others that squares G depend on.
+
+    Most of B and half of G are zero, and are passed over.
+
+    Parameters
+    ----------
+    moved
+        B, shape (S, P, N).
+    gram
+        G, block by block, shape (S, blocks, P / blocks, P / blocks).
+
+    Returns
+    -------
+    Shape (S, N, N).
+    """
+    shots, _, count = moved.shape
+    blocks, size = gram.shape[1], gram.shape[2]
+    result, weighed = np.zeros((shots, count, count)), np.empty(count)
+    for s in range(shots):
+        for block in range(blocks):
+            rows = moved[s, block * size : (block + 1) * size]
+            for p in range(size):
+                weighed[:] = 0.0
+                for q in range(size):
+                    share = gram[s, block, p, q]
+                    if share != 0.0:
+                        for k in range(count):
+                            weighed[k] += share * rows[q, k]
+                for a in range(count):
+                    share = rows[p, a]
+                    if share != 0.0:
+                        for k in range(count):
+                            result[s, a, k] += share * weighed[k]
+    return result
+
+
+@compiled
+def whitenings(gram: Floats, least: float) -> Floats:
+    """Return what takes columns to unit columns across each other, one block after another.
+
+    T with T' G T = 1, and zero in the place of a column that those before it can make.
+
+    Parameters
+    ----------
+    gram
+        G, the columns' products, shape (S, blocks, P, P).
+    least
+        A column of which no larger share of its square is left is made by the others.
+
+    Returns
+    -------
+    T, shape (S, blocks, P, P): upper triangles.
+    """
+    shots, blocks, size, _ = gram.shape
+    result = np.zeros(gram.shape)
+    root, scale = np.zeros((size, size)), np.empty(size)
+    for s in range(shots):
+        for block in range(blocks):
+            product, white = gram[s, block], result[s, block]
+            for a in range(size):
+                scale[a] = math.sqrt(max(product[a, a], least))
+            for a in range(size):
+                left = product[a, a] / scale[a] / scale[a]
+                for b in range(a):
+                    rest = product[a, b] / scale[a] / scale[b]
+                    for k in range(b):
+                        rest -= root[a, k] * root[b, k]
+                    root[a, b] = rest * root[b, b]
+                    left -= root[a, b] * root[a, b]
+                # The diagonal holds one over the root's, zero for a column that is dropped.
+                root[a, a] = 1.0 / math.sqrt(left) if left > least else 0.0
+                for b in range(a):
+                    rest = 0.0
+                    for k in range(b, a):
+                        rest -= root[a, k] * white[b, k] * scale[b]
+                    white[b, a] = rest * root[a, a] / scale[b]
+                white[a, a] = root[a, a] / scale[a]
+    return result
+
+
 @part
 def _factor(matrix: Floats, damping: float, root: Floats, scale: Floats) -> None:
     """Fill the lower triangle of the root of a scaled matrix, and the scale of each number."""

@@ -50,15 +50,38 @@ def misfits(
 
 
 @compiled
+def put_whitened(change: Floats, weights: Floats, kind: int, step: float, column: Floats) -> None:
+    """Put a change over its step, whitened, in its place among residuals (S, 4, 3 F).
+
+    Parameters
+    ----------
+    change
+        Of positions, m, or of orientations, rad, shape (S, F, 2, 3).
+    weights
+        1 / sigma of both, shape (S, F, 2, 6).
+    kind
+        0: positions, 1: orientations.
+    """
+    shots, frames = change.shape[0], change.shape[1]
+    for s in range(shots):
+        for f in range(frames):
+            for i in range(2):
+                for k in range(3):
+                    own = change[s, f, i, k] * weights[s, f, i, 3 * kind + k] / step
+                    column[s, 2 * i + kind, 3 * f + k] = own
+
+
+@compiled
 def slopes_of(
     times: tuple[Floats, Floats],
     turns: tuple[Floats, Floats],
     response: Floats,
     sigmas: tuple[Floats, Floats],
-) -> Floats:
+) -> tuple[Floats, Floats]:
     """Differentiate the poses by the flights' numbers, over sigma, shape (S, 4, 3 F, 12).
 
-    The twelve: before and after contact, start and rate, three axes.
+    The twelve: before and after contact, start and rate, three axes. With the slopes comes what
+    they are times each other, shape (S, 4, 12, 12).
 
     Parameters
     ----------
@@ -73,27 +96,52 @@ def slopes_of(
         As of `misfits`.
     """
     shots, frames = sigmas[1].shape[0], sigmas[1].shape[1]
-    slopes = np.zeros((shots, 4, 3 * frames, 12))
+    slopes, gram = np.zeros((shots, 4, 3 * frames, 12)), np.zeros((shots, 4, 12, 12))
     for s in range(shots):
         for f in range(frames):
             for i in range(2):
+                rows, squares = slopes[s, 2 * i, 3 * f : 3 * f + 3], gram[s, 2 * i]
+                taus, whole = times[0][s, f, i], response.shape[0] == 0
                 for k in range(3):
                     weight = weight_of(sigmas[0][s, f, i, k])
-                    row = slopes[s, 2 * i, 3 * f + k]
-                    if response.shape[0] == 0:
-                        _put(row, k, times[0][s, f, i, k], weight)
+                    if whole:
+                        _put(rows[k], k, taus[k], weight)
+                        _square(rows[k], k + (6 if taus[k] > 0 else 0), 3, squares)
                         continue
                     for axis in range(3):
-                        own = weight * response[s, f, i, k, axis]
-                        _put(row, axis, times[0][s, f, i, axis], own)
+                        _put(rows[k], axis, taus[axis], weight * response[s, f, i, k, axis])
+                    _square(rows[k], 0, 1, squares)
                 tau, weight = times[1][s, f, i], weight_of(sigmas[1][s, f, i])
+                rows, squares = slopes[s, 2 * i + 1, 3 * f : 3 * f + 3], gram[s, 2 * i + 1]
                 first = 6 if tau > 0 else 0
                 for k in range(3):
-                    row = slopes[s, 2 * i + 1, 3 * f + k]
                     for axis in range(3):
-                        row[first + axis] = weight * turns[0][s, f, i, k, axis]
-                        row[first + 3 + axis] = weight * tau * turns[1][s, f, i, k, axis]
-    return slopes
+                        rows[k, first + axis] = weight * turns[0][s, f, i, k, axis]
+                        rows[k, first + 3 + axis] = weight * tau * turns[1][s, f, i, k, axis]
+                _square_side(rows, first, squares)
+        for block in range(4):
+            for a in range(12):
+                for b in range(a):
+                    gram[s, block, b, a] = gram[s, block, a, b]
+    return slopes, gram
+
+
+@part
+def _square(row: Floats, first: int, pace: int, product: Floats) -> None:
+    """Add a row's squares to the lower triangle: of two numbers, or with pace 1 of all."""
+    last = 12 if pace == 1 else first + pace + 1
+    for a in range(first, last, pace):
+        for b in range(first, a + 1, pace):
+            product[a, b] += row[a] * row[b]
+
+
+@part
+def _square_side(rows: Floats, first: int, product: Floats) -> None:
+    """Add three rows' squares to the lower triangle, where they are of one side of contact."""
+    for a in range(first, first + 6):
+        for b in range(first, a + 1):
+            product[a, b] += rows[0, a] * rows[0, b] + rows[1, a] * rows[1, b]
+            product[a, b] += rows[2, a] * rows[2, b]
 
 
 @part

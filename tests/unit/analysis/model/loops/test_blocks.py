@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from analysis.model.loops.blocks import solved
+from analysis.model.loops.blocks import information, solved, whitenings
 
 
 def equations(shots: int, count: int) -> tuple[np.ndarray, np.ndarray]:
@@ -56,3 +56,26 @@ def test_two_numbers_that_cannot_be_told_apart_share_what_both_can_do() -> None:
     matrices[0, :2, :2], right[0, :2] = 1.0, 2.0
     found = solved(matrices, right, np.zeros(1))[0, :, 0]
     np.testing.assert_allclose(found[:2], 1.0, rtol=1e-5)
+
+
+def test_information_is_the_squares_seen_through_what_numbers_move() -> None:
+    rng = np.random.default_rng(6)
+    moved, rows = rng.normal(size=(3, 48, 24)), rng.normal(size=(3, 4, 30, 12))
+    moved[rng.random(moved.shape) < 0.7], rows[:, :, :15, 6:] = 0.0, 0.0
+    slopes = (rows @ moved.reshape(3, 4, 12, 24)).reshape(3, 120, 24)
+    found = information(moved, np.swapaxes(rows, 2, 3) @ rows)
+    np.testing.assert_allclose(found, np.swapaxes(slopes, 1, 2) @ slopes, rtol=1e-10, atol=1e-10)
+
+
+def test_columns_are_taken_to_unit_columns_across_each_other() -> None:
+    rng = np.random.default_rng(8)
+    columns = rng.normal(size=(3, 4, 40, 12)) * 10 ** np.linspace(-4, 4, 12)
+    columns[1, 2, :, 5] = 0.0
+    columns[2, 0, :, 9] = 3 * columns[2, 0, :, 1] - columns[2, 0, :, 2]
+    white = columns @ whitenings(np.swapaxes(columns, 2, 3) @ columns, 1e-12)
+    found = np.swapaxes(white, 2, 3) @ white
+    expected = np.tile(np.eye(12), (3, 4, 1, 1))
+    expected[1, 2, 5, 5] = expected[2, 0, 9, 9] = 0.0
+    np.testing.assert_allclose(found, expected, atol=1e-10)
+    left = columns - white @ (np.swapaxes(white, 2, 3) @ columns)
+    np.testing.assert_allclose(left, 0.0, atol=1e-9 * columns.max())

@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from analysis.model.loops.flight import free_flight
-from analysis.model.loops.misfit import misfits, slopes_of
+from analysis.model.loops.misfit import misfits, put_whitened, slopes_of
 
 SHOTS, FRAMES = 3, 5
 TIMES = np.array([-0.009, -0.002, 0.001, 0.004, 0.011])
@@ -48,7 +48,7 @@ def test_what_was_not_measured_has_no_residual_and_no_slope() -> None:
     found = misfits((place, turn), (np.zeros_like(place), turn), sigmas())
     assert found[1, 0, 7] == 0
     tau = np.ones_like(place)
-    slopes = slopes_of((tau, tau[..., 0].copy()), (turn, turn), turn, sigmas())
+    slopes, _ = slopes_of((tau, tau[..., 0].copy()), (turn, turn), turn, sigmas())
     assert (slopes[1, 0, 7] == 0).all()
     assert (slopes[0, 3, 9:12] == 0).all()
     assert slopes[0, 2, 9:12].any()
@@ -67,7 +67,9 @@ def test_slopes_are_what_differences_of_flights_say(bent: bool) -> None:
     none = np.zeros((0, FRAMES, 2, 3, 3))
     response = np.tile(camera, (SHOTS, FRAMES, 2, 1, 1)) if bent else none
     _, _, _, there, jacobian, turned = free_flight(times, motion, touched, 9.81)
-    slopes = slopes_of(times, (turned, jacobian), response, sigmas()).reshape(SHOTS, 2, 2, -1, 12)
+    slopes, gram = slopes_of(times, (turned, jacobian), response, sigmas())
+    np.testing.assert_allclose(gram, np.swapaxes(slopes, 2, 3) @ slopes, rtol=1e-12, atol=1e-9)
+    slopes = slopes.reshape(SHOTS, 2, 2, -1, 12)
     for number in range(12):
         side, rate, axis = number // 6, number // 3 % 2, number % 3
         changed = []
@@ -89,3 +91,26 @@ def test_slopes_are_what_differences_of_flights_say(bent: bool) -> None:
         expected = (changed[0] - changed[1]) / (2 * abs(step))
         found = slopes[..., number].reshape(expected.shape)
         np.testing.assert_allclose(found, expected, atol=1e-5 * np.abs(found).max())
+
+
+def test_a_frame_seen_at_times_on_both_sides_of_contact_ties_the_sides() -> None:
+    rng = np.random.default_rng(11)
+    tau = rng.uniform(-1e-4, 1e-4, (SHOTS, FRAMES, 2, 3))
+    turn, response = np.tile(np.eye(3), (2, SHOTS, FRAMES, 2, 1, 1))
+    response = response + rng.normal(0, 0.1, response.shape)
+    times = (tau, tau[..., 0].copy())
+    slopes, gram = slopes_of(times, (turn, turn), response, sigmas())
+    assert gram[:, ::2, :6, 6:].any()
+    expected = np.swapaxes(slopes, 2, 3) @ slopes
+    np.testing.assert_allclose(gram, expected, rtol=1e-12, atol=1e-12 * gram.max())
+
+
+def test_changes_are_put_where_the_residuals_of_their_numbers_stand() -> None:
+    rng = np.random.default_rng(13)
+    place, turn = rng.normal(size=(2, SHOTS, FRAMES, 2, 3))
+    own, turning = sigmas()
+    weights = 1 / np.concatenate([own, np.repeat(turning[..., None], 3, axis=3)], axis=3)
+    column = np.zeros((SHOTS, 4, 3 * FRAMES))
+    for kind, change in enumerate((place, turn)):
+        put_whitened(change, weights, kind, 0.5, column)
+    np.testing.assert_allclose(column, blocks(2 * place, 2 * turn), rtol=1e-14)
