@@ -265,7 +265,7 @@ class SerialPort:
         self._require_open()
         try:
             self._serial.write(data)
-            self._serial.flush()
+            self._drain()
         except serial.SerialTimeoutException as error:
             raise DeviceSilentError(
                 f"{self._url} does not take {data!r}",
@@ -275,6 +275,22 @@ class SerialPort:
             ) from error
         except _LINE_FAILED as error:
             raise self._hung_up() from error
+
+    def _drain(self) -> None:
+        """Wait until the last byte has left.
+
+        A signal to this thread (a child that ended, a debugger) breaks that wait off, and nothing
+        takes it up again but this; the bytes themselves are with the kernel and sent once.
+        """
+        until = time.monotonic() + self._timeout_s
+        while True:
+            try:
+                self._serial.flush()
+            except termios.error as error:
+                if error.args[0] != errno.EINTR or time.monotonic() >= until:
+                    raise
+            else:
+                return
 
     def _read_waiting(self) -> bytes:
         self._require_open()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import logging
 import select
 import termios
@@ -95,6 +96,29 @@ class TestFaults:
             port.ask("HELLO")
         with pytest.raises(DeviceAbsentError, match="closed since it hung up"):
             port.ask("HELLO")
+
+    def test_a_signal_while_the_question_leaves_is_no_hang_up_and_sends_nothing_twice(
+        self, pty_device: MakeDevice, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        heard: list[bytes] = []
+
+        def answer(message: bytes) -> bytes:
+            heard.append(message)
+            return b"HERE\n"
+
+        port = opened(pty_device(answer).path)
+        left = port._serial.flush
+        broken_off = [termios.error(errno.EINTR, "Interrupted system call")]
+
+        def drain() -> None:
+            if broken_off:
+                raise broken_off.pop()
+            left()
+
+        monkeypatch.setattr(port._serial, "flush", drain)
+        assert port.ask("HELLO") == "HERE"
+        assert b"".join(heard) == b"HELLO\n"
+        port.close()
 
     def test_a_port_that_another_program_holds_is_busy(self, pty_device: MakeDevice) -> None:
         device = pty_device()
