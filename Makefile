@@ -4,6 +4,9 @@ VENV   := .venv
 BIN    := $(VENV)/bin
 READY  := $(VENV)/ready
 
+# Hundreds of processes are started by tests: each would compile our sources again.
+unexport PYTHONDONTWRITEBYTECODE
+
 .PHONY: demo test test-long lint types contracts check lock clean
 
 demo: $(READY)
@@ -29,7 +32,9 @@ check: lint types contracts
 
 $(READY): requirements.lock pyproject.toml
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --require-hashes -r requirements.lock
+	$(BIN)/python -m pip install --quiet --no-compile --require-hashes -r requirements.lock
+	# On all cores, where pip takes one. Packages hold templates that are no Python.
+	-$(BIN)/python -m compileall -qq -j 0 $(VENV)/lib
 	$(BIN)/python -m pip install --quiet --no-deps --no-build-isolation -e .
 	touch $@
 

@@ -11,6 +11,7 @@ import argparse
 import json
 import tempfile
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -23,7 +24,7 @@ GOALS = {"v_n %": 1.0, "e": 0.01, "v_s m/s": 0.08, "contact ms": 0.1}
 COLUMNS = ("v_n %", "e", "v_s m/s", "v_s' m/s", "contact ms", "normal deg")
 
 
-def errors_of(shot: MeasuredShot, truth: dict) -> tuple[list[float], list[float]]:
+def errors_of(shot: MeasuredShot, truth: dict[str, Any]) -> tuple[list[float], list[float]]:
     """Return the errors in the order of COLUMNS, and the pulls of all but the normal."""
     impact = shot.impact
     angle = np.degrees(np.arccos(min(1.0, float(impact.normal @ np.array(truth["normal"])))))
@@ -40,7 +41,7 @@ def errors_of(shot: MeasuredShot, truth: dict) -> tuple[list[float], list[float]
     return [100 * v_n / truth["v_n"], e, v_s, v_s_after, 1e3 * contact, float(angle)], pulls
 
 
-def compare(folder: Path, options: AnalysisOptions) -> dict:
+def compare(folder: Path, options: AnalysisOptions) -> dict[str, Any]:
     """Analyse a folder, print its table, and return the figures."""
     truths = {s["shot"]: s for s in json.loads((folder / "truth.json").read_text())["shots"]}
     campaign = read_campaign(folder)

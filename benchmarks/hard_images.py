@@ -17,6 +17,7 @@ import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -122,7 +123,7 @@ class Errors:
     level: bool
 
 
-def errors_of(shot: MeasuredShot, truth: dict, scale_px_per_m: float) -> Errors:
+def errors_of(shot: MeasuredShot, truth: dict[str, Any], scale_px_per_m: float) -> Errors:
     impact = shot.impact
     e = impact.e.value + truth["v_n_after"] / truth["v_n"]
     v_n = impact.v_n.value - truth["v_n"]
@@ -142,7 +143,7 @@ def rms(values: Sequence[float]) -> float:
     return float(np.sqrt(np.mean(np.square(values)))) if len(values) else float("nan")
 
 
-def measured(kind: str, folder: Path, *, every_shot: bool) -> dict:
+def measured(kind: str, folder: Path, *, every_shot: bool) -> dict[str, Any]:
     """Measure one kind and print its line."""
     truths = {s["shot"]: s for s in json.loads((folder / "truth.json").read_text())["shots"]}
     found: list[Errors] = []

@@ -28,6 +28,7 @@ from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
+from unittest import mock
 
 import simulators.laboratory  # noqa: F401 - loaded once here instead of in every life
 from rigctl.config import Configuration, load
@@ -152,8 +153,7 @@ def _opened(chosen: Configuration) -> Iterator[Daemon]:
     # Loaded here: the library of the slide runs threads of its own, which no fork survives.
     from rigctl import daemon  # noqa: PLC0415
 
-    daemon.Analyser = _NoAnalysis  # type: ignore[misc,assignment]
-    with daemon.open_daemon(chosen) as opened:
+    with mock.patch.object(daemon, "Analyser", _NoAnalysis), daemon.open_daemon(chosen) as opened:
         yield opened
 
 

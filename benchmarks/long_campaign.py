@@ -46,12 +46,13 @@ class Inline(Executor):
 def analyse(shots: int, folder: Path) -> None:
     """Run `rigctl analyse --out` on a campaign of one film under many numbers."""
     import analysis.campaign  # noqa: PLC0415
+    from analysis.shot import AnalysisOptions  # noqa: PLC0415
     from rigctl import cli  # noqa: PLC0415
     from simulators.world import write_campaign  # noqa: PLC0415
 
     write_campaign(folder / "nylon", [40.0], [6.0], 3, frames=FRAMES)
     read = analysis.campaign.read_campaign(folder / "nylon")
-    one = analysis.campaign.analyse_job(read.jobs[0], analysis.campaign.AnalysisOptions())
+    one = analysis.campaign.analyse_job(read.jobs[0], AnalysisOptions())
     listed = folder / "nylon" / "shots.csv"
     head, row = listed.read_text().splitlines()
     rest = row.partition(",")[2]
@@ -98,7 +99,12 @@ def fill(store: Any, shots: int, result: str) -> None:  # noqa: ANN401
     """Put measured shots into a store, without firing them."""
     from rigctl.store.schema import shots as table  # noqa: PLC0415
 
-    common = {"state": "analysed", "outcome": "stored", "fired": "yes", "settings": SETTINGS}
+    common: dict[str, object] = {
+        "state": "analysed",
+        "outcome": "stored",
+        "fired": "yes",
+        "settings": SETTINGS,
+    }
     common |= {"campaign": "nylon", "actor": "benchmark", "simulated": 1, "configuration": ""}
     common |= {"accepted_at": NOW, "frames": FRAMES, "results": 1}
     for k in range(1, shots + 1):

@@ -11,7 +11,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from analysis.model.gather import ORDER, gather
+from analysis.model.gather import ORDER, gather_poses
 from analysis.model.poses import PoseData
 from simulators.challenge.camera import OPTICS, apparent
 from simulators.challenge.campaign import FRAME_RATE_HZ, Campaign, Noise, run_campaign
@@ -94,4 +94,4 @@ def _stated() -> PoseData:
     with TemporaryDirectory() as made:
         folder = Path(made) / "campaign"
         write_folder(folder, run_campaign(Nature(), 0, shots=3, noise=STATED))
-        return gather(folder)[1]
+        return gather_poses(folder)[1]

@@ -39,8 +39,8 @@ def run(options: Options) -> None:
     for k in range(options.campaigns * len(ABOVE)):
         name, above = OUTSIDE[k % len(OUTSIDE)], ABOVE[(k // len(OUTSIDE)) % len(ABOVE)]
         cells = len(OUTSIDE) * len(ABOVE)
-        own = (threshold() + above) * amplitudes[name] * (-1.0) ** (k // cells)
-        tasks.append(Task(seed=FIRST_SEED + k, shots=options.shots, amplitudes={name: own}))
+        amplitude = (threshold() + above) * amplitudes[name] * (-1.0) ** (k // cells)
+        tasks.append(Task(seed=FIRST_SEED + k, shots=options.shots, amplitudes={name: amplitude}))
         levels.append(above)
     trials = judged(tasks, options.processes)
     show(trial for trial in trials if trial.claimed)

@@ -33,12 +33,15 @@ def drawn(place: Floats, markers: Floats, smear_px: float = 0.0) -> Floats:
     """
     if smear_px > 0.0:
         shifts = smear_px * ((np.arange(EXPOSED) + 0.5) / EXPOSED - 0.5)
-        return np.mean([drawn(place + np.array([0.0, s]), markers) for s in shifts], axis=0)
+        instants = np.array([drawn(place + np.array([0.0, s]), markers) for s in shifts])
+        smeared: Floats = instants.mean(axis=0)
+        return smeared
     canvas = np.full((SIZE * SUBPIXELS,) * 2, BACKGROUND, dtype=np.float32)
     centre = (float(place[0]), float(place[1]))
     Disc(centre, RADIUS, markers, ALPHA, REFLECTANCE, LIGHT).paint(canvas, (0, 0))
     light = canvas.reshape(SIZE, SUBPIXELS, SIZE, SUBPIXELS).mean(axis=(1, 3))
-    return cv2.GaussianBlur(light, (0, 0), BLUR).astype(np.float64)
+    seen: Floats = cv2.GaussianBlur(light, (0, 0), BLUR).astype(np.float64)
+    return seen
 
 
 def with_noise(image: Floats, noise: float, rng: np.random.Generator) -> NDArray[np.uint8]:

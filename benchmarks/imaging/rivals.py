@@ -29,7 +29,7 @@ def enclosing(image: NDArray[np.uint8]) -> Floats:
 
 def others() -> dict[str, Locate]:
     """Return the methods to compare with, of the libraries that are installed."""
-    methods = {"OpenCV Hough": hough, "OpenCV enclosing circle": enclosing}
+    methods: dict[str, Locate] = {"OpenCV Hough": hough, "OpenCV enclosing circle": enclosing}
     for name, build in (("skimage", _skimage), ("trackpy", _trackpy)):
         try:
             methods[name] = build(importlib.import_module(name))
