@@ -19,7 +19,6 @@ LONG = {
     "test_challenge.py",
     "test_demo.py",
     "test_hidden_view.py",
-    "test_killed_sweeps.py",
     "test_launch_command.py",
     "test_model_commands.py",
     "test_model_page.py",

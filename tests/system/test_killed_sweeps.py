@@ -10,11 +10,11 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-KILLS_FOR_S = 15.0
-LASTS_AT_MOST_S = 120.0
+KILLS_FOR_S = 60.0
+LASTS_AT_MOST_S = 200.0
 
 
-@pytest.mark.timeout(150)
+@pytest.mark.timeout(240)
 def test_no_step_is_fired_twice_and_no_shot_is_lost_however_the_daemon_dies(
     tmp_path: Path,
 ) -> None:
