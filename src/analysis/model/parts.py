@@ -12,8 +12,8 @@ from typing import Protocol, TypeVar
 from analysis.model.state import ShotStates
 from analysis.model.tables import Data
 
-SHOTS_AT_ONCE = 128
-"""As many as a processor's cache holds."""
+SHOTS_AT_ONCE = 256
+"""So many that what is done once for each part is little, and no more than a cache holds."""
 
 T = TypeVar("T")
 
