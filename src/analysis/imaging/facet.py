@@ -7,7 +7,6 @@ n points a pixel, as the thesis does, only rounds what its root gives exactly.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,18 +14,11 @@ from numpy.typing import NDArray
 
 from analysis.compiled import compiled, part
 from analysis.imaging.edges import EdgeImage
+from analysis.imaging.roots import Filtered, roots_along
 
 Floats = NDArray[np.float64]
-Filtered = tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]]
-"""Laplacian of the smoothed frame, and its gradient along rows and columns."""
-
 _T = np.array([[1.0, 1.0, 1.0], [-1.0, 0.0, 1.0], [1 / 3, -2 / 3, 1 / 3]])
 _NORM = (_T**2).sum(axis=1)
-NEWTON_STEPS = 4
-REACH_PX = 1.0
-LEAST_SLOPE = 0.25
-FLATTEST = 1e-9
-"""Slope of a facet below which it has no zero to go to."""
 BORDER_SIGMAS = 2.5
 
 
@@ -93,28 +85,20 @@ def mark_row(
     marked: NDArray[np.bool_],
 ) -> None:
     """Mark the pixels of a row, from a first column to before a last one."""
-    log, down, across = edges[0], edges[1][r], edges[2][r]
-    upper, own, lower = log[r - 1], log[r], log[r + 1]
+    first, last = columns
+    down, across = edges[1][r, first:last], edges[2][r, first:last]
+    own, upper, lower = edges[0][r, first:], edges[0][r - 1, first:], edges[0][r + 1, first:]
+    left, right, out = edges[0][r, first - 1 :], edges[0][r, first + 1 :], marked[first:last]
     least = np.float32(least_strength * least_strength)
-    for c in range(columns[0], columns[1]):
-        marked[c] = down[c] * down[c] + across[c] * across[c] >= least
-    for c in range(columns[0], columns[1]):
-        if marked[c]:
-            here = own[c]
-            # Of two that are as near to zero the first is marked.
-            marked[c] = (
-                _nearer(here, lower[c], True)
-                or _nearer(here, own[c + 1], True)
-                or _nearer(here, upper[c], False)
-                or _nearer(here, own[c - 1], False)
-            )
-
-
-@part
-def _nearer(here: float, there: float, first: bool) -> bool:
-    if (here > 0.0) == (there > 0.0):
-        return False
-    return abs(here) < abs(there) or (first and abs(here) == abs(there))
+    # Unsigned indices spare the check for negative ones and become vector instructions.
+    for c in range(np.uint64(last - first)):
+        here, size = own[c], abs(own[c])
+        # Of two that are as near to zero the first is marked.
+        nearer = ((here > 0.0) != (lower[c] > 0.0)) & (size <= abs(lower[c]))
+        nearer |= ((here > 0.0) != (right[c] > 0.0)) & (size <= abs(right[c]))
+        nearer |= ((here > 0.0) != (upper[c] > 0.0)) & (size < abs(upper[c]))
+        nearer |= ((here > 0.0) != (left[c] > 0.0)) & (size < abs(left[c]))
+        out[c] = nearer & (down[c] * down[c] + across[c] * across[c] >= least)
 
 
 def beside_change_of_sign(values: NDArray[np.floating]) -> NDArray[np.bool_]:
@@ -172,82 +156,6 @@ def facet_value(
     return value, by_r, by_c
 
 
-@part
-def relative(edges: Filtered, row: int, column: int, least: float) -> tuple[float, float, float]:
-    """Return the filtered frame over its gradient at three neighbours of a row.
-
-    The square of the gradient counts as `least` where it is less.
-    """
-    log, down, across = edges
-    return (
-        _over_slope(log[row, column - 1], down[row, column - 1], across[row, column - 1], least),
-        _over_slope(log[row, column], down[row, column], across[row, column], least),
-        _over_slope(log[row, column + 1], down[row, column + 1], across[row, column + 1], least),
-    )
-
-
-@part
-def _over_slope(log: float, down: float, across: float, least: float) -> float:
-    return log / math.sqrt(max(down * down + across * across, least))
-
-
-@part
-def powers(before: float, middle: float, after: float) -> tuple[float, float, float]:
-    """Return the coefficients of 1, t and t^2 of the parabola through three values one apart."""
-    return middle, (after - before) / 2, (after + before) / 2 - middle
-
-
-@part
-def root_along(edges: Filtered, row: int, column: int, point: Floats) -> bool:
-    """Go from a pixel along the gradient to the zero of its facet; false where there is none.
-
-    Along a line the biquadratic facet is a polynomial of the fourth degree. Beside a small marker's
-    edge the gradient may vanish; there it counts as `LEAST_SLOPE` of the middle pixel's.
-
-    Parameters
-    ----------
-    point
-        Filled with offsets of row and column, unit normal and strength, shape (5,).
-    """
-    g_r, g_c = float(edges[1][row, column]), float(edges[2][row, column])
-    strength = math.sqrt(g_r * g_r + g_c * g_c)
-    least = (LEAST_SLOPE * strength) ** 2
-    first = relative(edges, row - 1, column, least)
-    middle = relative(edges, row, column, least)
-    last = relative(edges, row + 1, column, least)
-    largest = 1e-12
-    for three in (first, middle, last):
-        largest = max(largest, abs(three[0]), abs(three[1]), abs(three[2]))
-    a, b, c = powers(*first), powers(*middle), powers(*last)
-    one, by_c, by_cc = powers(a[0], b[0], c[0]), powers(a[1], b[1], c[1]), powers(a[2], b[2], c[2])
-    u_r, u_c = g_r / strength, g_c / strength
-    p_1 = one[1] * u_r + by_c[0] * u_c
-    p_2 = one[2] * u_r * u_r + by_c[1] * u_r * u_c + by_cc[0] * u_c * u_c
-    p_3 = (by_c[2] * u_r + by_cc[1] * u_c) * u_r * u_c
-    p_4 = by_cc[2] * (u_r * u_c) ** 2
-    along = 0.0
-    for _ in range(NEWTON_STEPS):
-        value = one[0] + along * (p_1 + along * (p_2 + along * (p_3 + along * p_4)))
-        slope = p_1 + along * (2 * p_2 + along * (3 * p_3 + along * 4 * p_4))
-        if abs(slope) > FLATTEST:
-            along = min(max(along - value / slope, -1.5 * REACH_PX), 1.5 * REACH_PX)
-    value = one[0] + along * (p_1 + along * (p_2 + along * (p_3 + along * p_4)))
-    point[0], point[1] = along * u_r, along * u_c
-    point[2], point[3], point[4] = u_r, u_c, strength
-    return abs(along) <= REACH_PX and abs(value) < 1e-3 * largest
-
-
-@compiled
-def roots_along(
-    edges: Filtered, rows: NDArray[np.intp], columns: NDArray[np.intp], points: Floats
-) -> NDArray[np.bool_]:
-    """Find the zeros of many pixels as `root_along` tells; fill shape (pixels, 5)."""
-    found = np.zeros(rows.size, dtype=np.bool_)
-    for n in range(rows.size):
-        found[n] = root_along(edges, rows[n], columns[n], points[n])
-    return found
-
-
 def edge_points(
     edges: EdgeImage, least_strength: float, samples_per_pixel: int | None = None
 ) -> EdgePoints:
@@ -272,11 +180,11 @@ def points_in(
     edges: EdgeImage, marked: NDArray[np.bool_], samples_per_pixel: int | None = None
 ) -> EdgePoints:
     """Find the edge points of pixels that `zero_crossing_pixels` has marked (`edge_points`)."""
-    rows, columns = map(np.ascontiguousarray, np.nonzero(marked))
-    filled = np.empty((rows.size, 5))
+    pixels = np.argwhere(marked)
+    filled = np.empty((len(pixels), 5))
     filtered = (edges.log, edges.gradient_row, edges.gradient_column)
-    found = roots_along(filtered, rows, columns, filled)
-    rows, columns = rows[found], columns[found]
+    found = roots_along(filtered, np.ascontiguousarray(pixels), filled)
+    rows, columns = np.ascontiguousarray(pixels[found].T)
     d_r, d_c, unit_r, unit_c, strength = np.ascontiguousarray(filled[found].T)
     if samples_per_pixel is not None:
         d_r = np.round(d_r * samples_per_pixel) / samples_per_pixel

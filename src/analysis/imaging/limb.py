@@ -27,7 +27,8 @@ NOISE_DISTANCES_PX = (1.5, 0.6, 0.3)
 """The noise cluster draws in as the fit settles, so a poor start does not lose the limb. With a
 known radius the start is an outline, and the first is left out."""
 SECTORS, LEAST_POINTS = 36, 12
-MOST_ITERATIONS, SETTLED_PX = 30, 1e-4
+MOST_ITERATIONS, SETTLED_PX, ROUGHLY_PX = 30, 1e-4, 1e-2
+"""Steps, pixels, that are the last: of the fit, and of those that only lead to the next one."""
 
 
 @part
@@ -99,7 +100,8 @@ def settle_limb(
                 count += 1
         if count < LEAST_POINTS:
             return 0, -1.0
-        until = noise, MOST_ITERATIONS, SETTLED_PX
+        last = SETTLED_PX if noise == NOISE_DISTANCES_PX[-1] else ROUGHLY_PX
+        until = noise, MOST_ITERATIONS, last
         rows, weight = settle_circle(row[:count], column[:count], place, size, until)
     sandwich(rows, weight, size, covariance)
     sectors, kept = np.zeros(SECTORS), 0

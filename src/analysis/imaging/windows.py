@@ -13,14 +13,15 @@ from numpy.typing import NDArray
 
 from analysis.compiled import compiled, part
 from analysis.imaging.edges import Singles, filter_framed
-from analysis.imaging.facet import mark_row, root_along
+from analysis.imaging.facet import mark_row
 from analysis.imaging.labels import join_neighbours, name_roots
+from analysis.imaging.roots import add_roots
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int32]
 Marked = tuple[Integers, NDArray[np.intp], Floats, NDArray[np.bool_]]
 """Number of the marked pixel counted from 1 at each pixel of a frame; rows and columns of marked
-pixels, shape (most, 2); what `facet.root_along` fills, shape (most, 5); whether it found a root."""
+pixels, shape (most, 2); what `roots.add_roots` fills, shape (most, 5); whether it found a root."""
 
 
 @compiled
@@ -133,14 +134,15 @@ def mark_box(
     edges = log, np.empty_like(log), np.empty_like(log)
     filter_framed(framed, filters[0], edges)
     crossing, left = np.empty(framed.shape[1], dtype=np.bool_), filters[0].shape[1]
+    before, corner = count, (box[0] - 1, box[2] - left)
     for r in range(1, height + 1):
         mark_row(edges, r, (left, left + width), filters[1], crossing)
         for c in range(left, left + width):
             row, column = box[0] + r - 1, box[2] + c - left
             if not crossing[c] or number[row, column] > 0:
                 continue
-            found[count] = root_along(edges, r, c, points[count])
             pixels[count, 0], pixels[count, 1] = row, column
             count += 1
             number[row, column] = count
+    add_roots(edges, pixels[before:count], corner, points[before:count], found[before:count])
     return count

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.imaging.markers import Markers, joined
+from analysis.imaging.markers import Markers
 from analysis.imaging.outlines import Outline
 from analysis.imaging.shells import Circle
 from analysis.imaging.tracks import Track
@@ -16,7 +14,8 @@ from analysis.motion.drift import CENTRE_DRIFT_PER_SIGMA2
 from analysis.motion.pattern import Orientations
 from analysis.motion.poses import Centres
 from analysis.photometric.appearance import Knowledge
-from analysis.photometric.camera import axes_at, disc_of, moved_by
+from analysis.photometric.camera import disc_of, moved_by
+from analysis.photometric.facing_markers import facing_markers
 from analysis.photometric.film import Film
 from analysis.photometric.honesty import enlargement
 from analysis.tracking import Tracking
@@ -93,34 +92,19 @@ def _tracks(film: Film, known: Knowledge, sphere: int) -> dict[View, Track]:
 
 def _markers(film: Film, known: Knowledge, sphere: int) -> dict[int, tuple[Names, Markers]]:
     """Return by frame the markers that face a view, and the index of each in the pattern."""
-    optics, own = known.camera.optics, known.spheres[sphere]
-    seen: dict[int, tuple[Names, Markers]] = {}
-    deep, wide = math.cos(own.alpha), math.sin(own.alpha)
-    for k in map(int, np.flatnonzero(film.placed[sphere])):
-        names, parts = [], []
-        directions = own.markers @ film.rotation[sphere, k].T
-        for v, view in enumerate(known.camera.views):
-            y, x, radius = map(float, disc_of(optics, v, film.centre[sphere, k], own.radius_m))
-            turned = directions @ axes_at(optics, v, film.centre[sphere, k]).T
-            shown = np.flatnonzero(turned[:, 2] >= LEAST_FACING)
-            down, across, facing = turned[shown].T
-            long = np.full(len(shown), radius * wide)
-            ellipses = np.stack(
-                [
-                    y + radius * deep * down,
-                    x + radius * deep * across,
-                    long,
-                    long * facing,
-                    np.arctan2(down, -across),
-                    np.zeros(len(shown)),
-                ],
-                axis=1,
-            )
-            front = np.full(len(shown), view is View.FRONT)
-            parts.append(Markers(ellipses, directions[shown], facing, front))
-            names.append(shown)
-        seen[k] = np.concatenate(names), joined(parts)
-    return seen
+    frames = np.flatnonzero(film.placed[sphere])
+    rows, names, ends = facing_markers(
+        known.camera.optics,
+        known.looks()[sphere],
+        film.centre[sphere, frames],
+        film.rotation[sphere, frames],
+        LEAST_FACING,
+    )
+    front = np.array([view is View.FRONT for view in known.camera.views])[names[:, 1]]
+    every = Markers(rows[:, :6], rows[:, 6:9], rows[:, 9], front)
+    starts = [0, *ends.tolist()]
+    here = {int(k): slice(a, b) for k, a, b in zip(frames, starts, ends.tolist(), strict=False)}
+    return {k: (names[own, 0], every.where(own)) for k, own in here.items()}
 
 
 def _centres(film: Film, known: Knowledge, sphere: int) -> Centres:
