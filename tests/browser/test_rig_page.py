@@ -63,3 +63,12 @@ def test_the_stop_is_in_reach_by_button_and_key_and_is_left_with_a_reason(page: 
     page.get_by_role("link", name="Model").click()
     page.get_by_test_id("stop").click()
     expect(page.get_by_test_id("latched")).to_contain_text("stopped by the page's button")
+
+
+def test_nothing_can_be_pressed_before_the_daemon_hears_it(page: Page, served: Any) -> None:
+    unheard = page.context.new_page()
+    unheard.route_web_socket(re.compile("."), lambda _: None)
+    unheard.route(re.compile("transport=polling"), lambda route: route.abort())
+    unheard.goto(served.url, wait_until="commit")
+    expect(unheard.get_by_test_id("stop")).to_have_css("pointer-events", "none")
+    expect(page.get_by_test_id("stop")).to_have_css("pointer-events", "auto")

@@ -58,6 +58,7 @@ def sheet(desk: Desk, title: str, place: str) -> Iterator[None]:
         stop = button("Stop", lambda: desk.stop("the page's button"), look="stop", testid="stop")
         stop.tooltip("Emergency stop: cuts the power of every actuator now. Key: Ctrl + .")
     ui.keyboard(on_key=lambda event: _on_key(desk, event), ignore=[], repeating=False)
+    _deaf_until_connected()
     _watchdog()
     banner = ui.element("div").classes("latched").props("data-testid=latched role=alert")
     with banner:
@@ -84,6 +85,12 @@ async def _on_key(desk: Desk, event: events.KeyEventArguments) -> None:
 def _turn(dark: ui.dark_mode) -> None:
     """Turn dark and light about; what the browser prefers counts until then."""
     dark.set_value(not dark.value)
+
+
+def _deaf_until_connected() -> None:
+    """Let nothing be pressed before the daemon hears it; such a press would be lost in silence."""
+    deaf = ui.element("div").classes("deaf").props("aria-hidden=true")
+    ui.context.client.on_connect(lambda: deaf.classes(remove="deaf"))
 
 
 def _watchdog() -> None:
