@@ -59,6 +59,9 @@ class SlowErrors:
     position_m, rotation_rad
         Size of what the frames of one flight share, of a coordinate and about each axis; 0: none
         is stated.
+    scale
+        Relative standard error of the images' scale, by which lengths of all shots come out too
+        long or too short together; 0: none is stated.
     one_body_frame
         Whether orientations are of one body frame for each sphere in all shots, so that all share
         what a pattern stands off its sphere.
@@ -66,12 +69,13 @@ class SlowErrors:
 
     position_m: float = 0.0
     rotation_rad: float = 0.0
+    scale: float = 0.0
     one_body_frame: bool = True
 
     @property
     def stated(self) -> bool:
         """Whether any is larger than zero."""
-        return self.position_m > 0 or self.rotation_rad > 0
+        return self.position_m > 0 or self.rotation_rad > 0 or self.scale > 0
 
 
 NO_SLOW_ERRORS = SlowErrors()

@@ -16,14 +16,15 @@ from analysis.shot import MeasuredShot
 def slow_errors(shot: MeasuredShot) -> SlowErrors:
     """Return the slow errors of a measured shot.
 
-    The photometric method learns one pattern for a campaign, so that all shots have one body frame;
-    the thesis's begins anew each time.
+    The photometric method learns one pattern and one scale for a campaign, so that all shots have
+    one body frame and share what the scale is off; the thesis's begins anew each time.
     """
     tracking = shot.tracking
     width, scale = tracking.filter_sigma_px, tracking.scales_px_per_m[View.FRONT]
     return SlowErrors(
         position_m=centre_drift(width, scale, 1.0).sigma,
         rotation_rad=turn_drift(width, min(tracking.radii[View.FRONT]), 1.0).sigma,
+        scale=0.0 if shot.known is None else shot.known.scale_sigma,
         one_body_frame=shot.known is not None,
     )
 
@@ -38,6 +39,7 @@ def typical(setup: Setup, errors: Sequence[SlowErrors]) -> Setup:
     slow = SlowErrors(
         position_m=float(np.median([each.position_m for each in errors])),
         rotation_rad=float(np.median([each.rotation_rad for each in errors])),
+        scale=float(np.median([each.scale for each in errors])),
         one_body_frame=all(each.one_body_frame for each in errors),
     )
     return replace(setup, slow=slow)

@@ -95,5 +95,7 @@ def slow_errors_of(document: Mapping[str, Any]) -> SlowErrors:
     return SlowErrors(
         position_m=float(document["position_m"]),
         rotation_rad=float(document["rotation_rad"]),
+        # Results of earlier versions do not say how well the scale is known.
+        scale=float(document.get("scale", 0.0)),
         one_body_frame=bool(document["one_body_frame"]),
     )

@@ -99,6 +99,7 @@ class _Environment(_Strict):
 class _Measurement(_Strict):
     slow_position_m: Annotated[float, Field(ge=0)] = 0.0
     slow_rotation_rad: Annotated[float, Field(ge=0)] = 0.0
+    scale_sigma: Annotated[float, Field(ge=0, lt=1)] = 0.0
     one_body_frame: bool = True
 
 
@@ -171,6 +172,7 @@ def _setup(description: _Description) -> Setup:
         slow=SlowErrors(
             position_m=description.measurement.slow_position_m,
             rotation_rad=description.measurement.slow_rotation_rad,
+            scale=description.measurement.scale_sigma,
             one_body_frame=description.measurement.one_body_frame,
         ),
     )

@@ -92,6 +92,7 @@ def description(name: str, setup: Setup) -> str:
             "[measurement]",
             f"slow_position_m = {setup.slow.position_m}",
             f"slow_rotation_rad = {setup.slow.rotation_rad}",
+            f"scale_sigma = {setup.slow.scale}",
             f"one_body_frame = {json.dumps(setup.slow.one_body_frame)}",
         ]
     return "\n".join(lines) + "\n"

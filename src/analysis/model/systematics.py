@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.effects.effect import Effect, Values
+from analysis.effects.image_scale import EFFECT as IMAGE_SCALE
 from analysis.effects.mass_offset import EFFECT as MASS_OFFSET
 from analysis.effects.outline_offset import EFFECT as OUTLINE_OFFSET
 from analysis.setup import SlowErrors
@@ -40,12 +41,14 @@ def of_images(slow: SlowErrors) -> tuple[Systematic, ...]:
     As far as the frames of one flight share an error, those of all flights share it too, for the
     light and the learned look stay the same: of the outlines of both spheres against each other,
     and of a learned pattern of markers against its sphere. A pattern that is learned anew in each
-    shot (no common body frame) has no error that they share.
+    shot (no common body frame) has no error that they share. The scale is learned once.
     """
-    if slow.position_m == 0.0:
-        return ()
-    outline = _off(OUTLINE_OFFSET, float(np.sqrt(2.0)) * slow.position_m)
-    return (outline, _off(MASS_OFFSET, slow.position_m)) if slow.one_body_frame else (outline,)
+    stated = (
+        (OUTLINE_OFFSET, float(np.sqrt(2.0)) * slow.position_m),
+        (MASS_OFFSET, slow.position_m if slow.one_body_frame else 0.0),
+        (IMAGE_SCALE, slow.scale),
+    )
+    return tuple(_off(effect, sigma) for effect, sigma in stated if sigma > 0.0)
 
 
 def _off(effect: Effect, sigma: float) -> Systematic:

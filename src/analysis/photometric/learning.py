@@ -222,7 +222,9 @@ def with_shared(
     changed = changed.with_shifted_mirror(float(change[-1]))
     for film in films:
         film.keep_places(camera.optics, changed.optics)
-    told = float(np.hypot(MARKER_SCALE_SIGMA, sigma[0]))
+    # What bends light at the limb, a lamp beside or gloss, has a part in what the markers say too.
+    limb = float(np.mean([step.limb for step in steps]))
+    told = float(np.linalg.norm([MARKER_SCALE_SIGMA, sigma[0], limb]))
     return replace(
         known,
         spheres=(a, b),

@@ -50,6 +50,8 @@ class Shared:
         columns, px, by which the mirror's view is shifted, shape (V + 2,).
     camera_weight
         Inverse of their covariance, shape (V + 2, V + 2).
+    limb
+        By how much the outline wants the sphere larger than its markers do, log of the radius.
     """
 
     markers: Floats
@@ -57,6 +59,7 @@ class Shared:
     alpha: float
     camera: Floats
     camera_weight: Floats
+    limb: float
 
 
 def shared_size(markers: int, views: int, bends: int = BENDS) -> int:
@@ -110,15 +113,17 @@ def solve_shared(equations: Equations, tangents: Floats, views: int) -> Shared:
     inverse = np.linalg.inv(held)
     step = inverse @ equations.right
     views_from = 2 * markers + MARKERS_SHARE
+    on_markers, on_limb = views_from - 1, views_from
     bends = range(len(step) - BENDS, len(step))
     ratios = range(views_from + VIEW_SHARE + SCALE, bends.start, VIEW_SHARE)
-    camera = [views_from - 1, *ratios, *bends]
+    camera = [on_markers, *ratios, *bends]
     return Shared(
         markers=step[: 2 * markers].reshape(markers, 2),
         darkness=float(step[2 * markers]),
         alpha=float(step[2 * markers + 1]),
         camera=step[camera],
         camera_weight=np.linalg.inv(inverse[np.ix_(camera, camera)]),
+        limb=float(step[on_limb] - step[on_markers]),
     )
 
 

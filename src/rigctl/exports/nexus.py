@@ -107,6 +107,8 @@ def _poses(group: h5py.Group, data: PoseData) -> None:
     _number(group, "orientation_errors", data.rotation_sigma, "rad")
     _number(group, "slow_position_errors", data.slow.position_m, "m")
     _number(group, "slow_orientation_errors", data.slow.rotation_rad, "rad")
+    _number(group, "scale_error", data.slow.scale, RATIO)
+    group["one_body_frame"] = data.slow.one_body_frame
     _number(group, "gravity", data.gravity, "m/s^2")
     _number(group, "air_density", data.air_density, "kg/m^3")
 

@@ -47,6 +47,8 @@ def test_a_round_trip_gives_the_same_poses_and_the_same_results(
             slow=SlowErrors(
                 position_m=float(poses["slow_position_errors"][()]),
                 rotation_rad=float(poses["slow_orientation_errors"][()]),
+                scale=float(poses["scale_error"][()]),
+                one_body_frame=bool(poses["one_body_frame"][()]),
             ),
         )
         stored = file["entry/coefficients/velocities"][()]

@@ -38,6 +38,12 @@ def beside(offset: Floats, *, slow_m: float) -> PoseData:
     return replace(data, position=moved, slow=SlowErrors(slow_m, 1e-7))
 
 
+def enlarged(share: float, *, told: float) -> PoseData:
+    """Return spheres of which all lengths are seen too long by a share."""
+    data = campaign(60, 43)
+    return replace(data, position=(1.0 + share) * data.position, slow=SlowErrors(scale=told))
+
+
 def promised(data: PoseData, name: str) -> Candidate:
     ranking = rank(data, fit_campaign(data), EFFECTS)
     return next(c for c in ranking.candidates if c.effect.name == name)
@@ -73,6 +79,17 @@ def test_outlines_that_are_seen_beside_their_spheres_are_no_other_radius() -> No
     granted = promised(beside(OUTLINE_M, slow_m=6e-6), "radius-mismatch")
     assert trusted.p_familywise < 0.001
     assert granted.p_familywise > 0.05
+
+
+def test_a_scale_as_wrong_as_it_may_be_is_no_finding() -> None:
+    trusted = promised(enlarged(1e-3, told=0.0), "image-scale")
+    granted = promised(enlarged(1e-3, told=1e-3), "image-scale")
+    assert trusted.p_familywise < 0.001
+    assert granted.p_familywise > 0.05
+
+
+def test_a_scale_far_beyond_its_error_is_found_all_the_same() -> None:
+    assert promised(enlarged(8e-3, told=1e-3), "image-scale").p_familywise < 0.001
 
 
 def test_what_is_found_of_an_outline_is_said_with_its_error_and_apart_from_the_law() -> None:
