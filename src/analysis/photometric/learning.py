@@ -42,6 +42,8 @@ FINISH_LIMITS = np.array([40.0, 15.0, 6.0])
 SEARCH_ROUNDS = (1, 2, 3)
 SHARED_FROM = 1
 RELIEF_FROM = 2
+INSIDE = 0.2
+"""Of what the inside of a disc says of the shading, where a relief takes what is left there."""
 UNLIMITED = 1e3
 TOGETHER_LIMITS = (15.0, 8.0, 6.0, 6.0)
 EXTENDING_LIMITS = (15.0, 6.0, 6.0)
@@ -76,7 +78,9 @@ def learn(film: Film, start: Knowledge, *, hold_scale: bool) -> Knowledge:
     for turn, limit in enumerate(LIMITS):
         shading_limit = limit if turn else UNLIMITED
         marked = turn >= MARKED_FROM and tells_radius(known)
-        known = with_shading([few], known, shading_limit, hold_radius=hold_scale or marked)
+        inside = INSIDE if turn >= RELIEF_FROM else 1.0
+        hold = hold_scale or marked
+        known = with_shading([few], known, shading_limit, hold_radius=hold, inside=inside)
         if turn in SEARCH_ROUNDS:
             known = with_missed([few], known)
         if turn >= RELIEF_FROM:
@@ -99,7 +103,8 @@ def learn_together(films: Sequence[Film], start: Knowledge, *, hold_scale: bool)
     known = with_missed(few, start)
     for limit in TOGETHER_LIMITS:
         marked = tells_radius(known)
-        known = with_shading(few, known, limit, hold_radius=hold_scale or marked)
+        hold = hold_scale or marked
+        known = with_shading(few, known, limit, hold_radius=hold, inside=INSIDE)
         known = with_reliefs(few, known, limit)
         known = with_shared(few, known, limit, move_radius=marked, hold_scale=hold_scale)
         for film in few:
@@ -124,14 +129,20 @@ def extended(film: Film, known: Knowledge) -> Knowledge:
 
 
 def with_shading(
-    films: Sequence[Film], known: Knowledge, limit: float, *, hold_radius: bool
+    films: Sequence[Film], known: Knowledge, limit: float, *, hold_radius: bool, inside: float
 ) -> Knowledge:
-    """Return the knowledge with the shading, radius and blur that fit all frames best."""
+    """Return the knowledge with the shading, radius and blur that fit all frames best.
+
+    Parameters
+    ----------
+    inside
+        Of `Lesson`.
+    """
     camera = known.camera
     size, views = len(HARMONICS) + COMMON, len(camera.views)
     normal, right = np.zeros((2, views, size, size)), np.zeros((2, views, size))
     for i in range(len(known.spheres)):
-        lesson = _lesson(known, i, limit)
+        lesson = _lesson(known, i, limit)._replace(inside=inside)
         for sight, stance in sights_of(films, known, i):
             for view in range(views):
                 own = Equations(normal[i, view], right[i, view])

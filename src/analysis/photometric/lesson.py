@@ -35,12 +35,15 @@ class Lesson(NamedTuple):
         Two axes across each marker, body axes, shape (markers, 2, 3).
     limit
         Residual that counts no more, in units of the noise.
+    inside
+        Share that pixels keep of what they say of the shading, where a relief takes the rest.
     """
 
     wider: tuple[Floats, Floats]
     profiles: Floats
     tangents: Floats
     limit: float
+    inside: float = 1.0
 
 
 @part

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.compiled import compiled
-from analysis.photometric.bands import BAND, LANES
+from analysis.compiled import compiled, part
+from analysis.photometric.bands import ACROSS, BAND, DOWN, LANES
 from analysis.photometric.lesson import Lesson, drawn_for_bundle
 from analysis.photometric.pixel_rows import (
     BESIDE,
@@ -19,6 +21,7 @@ from analysis.photometric.pixel_rows import (
     lay_pixels,
     pixels_of,
 )
+from analysis.photometric.relief import FULL_TO, NONE_FROM
 from analysis.photometric.sight import Equations, Sight, Stance
 
 Floats = NDArray[np.float64]
@@ -27,6 +30,21 @@ COMMON = 4
 """Behind the harmonics: a shift of all frames along row and column, log radius, blur."""
 USED = np.array([*range(OF_SHADING, WIDTH - 1), 0, 1, OF_LIMB, OF_LIMB + 1, WIDTH - 1])
 """Columns of a pixel's row that take part, in this order, the residual last."""
+
+
+@part
+def _share(lanes: Floats, n: int, inside: float) -> float:
+    """Return the share that a pixel has in the shading.
+
+    Where a marker lies, its own error would be learned as shading. Where a relief ends, at the
+    limb, shading alone can follow, and it must not be held back by the inside: what it leaves there
+    the relief takes at once, but fitted in turns the two would creep to where they belong.
+    """
+    band = lanes.reshape(-1)
+    u, v = band[DOWN + np.uint64(n)], band[ACROSS + np.uint64(n)]
+    covered = (NONE_FROM - math.sqrt(u * u + v * v)) / (NONE_FROM - FULL_TO)
+    kept = 1.0 - (1.0 - inside) * min(max(covered, 0.0), 1.0)
+    return float(lanes[-BESIDE + LEFT, n]) * kept
 
 
 @compiled
@@ -55,9 +73,9 @@ def shading_equations(
         lay_pixels(sight.scene, drawn, sight.others[view], pixels, lanes)
         fill_rows(sight.scene, drawn, lesson.limit, (lanes, wider), rows[:count])
         for n in range(count):
-            # Where a marker lies, its own error would be learned as shading.
+            share = _share(lanes, n, lesson.inside)
             for k in range(size):
-                own[n, k] = rows[n, USED[k]] * lanes[-BESIDE + LEFT, n]
+                own[n, k] = rows[n, USED[k]] * share
         add_squares(own[:count], products)
     for a in range(size - 1):
         equations.right[a] += products[size - 1, a]
