@@ -28,7 +28,9 @@ from analysis.model.ranking import rank
 from analysis.model.tables import Data
 
 DROP_LEVEL = 0.0015
-UNEXPLAINED_LEVEL = 0.01
+UNEXPLAINED_LEVEL = 0.005
+"""Chance of a cell in a campaign with nothing missing below which it alarms. One such campaign in a
+hundred may: outliers and wrong sigmas need room below that."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
