@@ -1,9 +1,9 @@
 """How fast the page is, and what it costs the rig: python -m benchmarks.page.
 
-A daemon of its own with the simulated rig, Chromium in front of it. The browsers have the last core
-to themselves, as they would stand on other machines: what five of them cost a fire request is what
-the daemon does for them, not what they draw. Prints each number beside what is asked, writes
-out/page.json, and ends 1 where one is missed.
+A daemon of its own with the simulated rig, Chromium in front of it. Where it is asked what five
+browsers cost a fire request they stand aside on the last core, as they would on other machines: it
+is what the daemon does for them, not what they draw. Prints each number beside what is asked,
+writes out/page.json, and ends 1 where one is missed.
 """
 
 from __future__ import annotations
@@ -137,6 +137,19 @@ def served(folder: Path) -> Iterator[Served]:
         process.communicate(timeout=60)
 
 
+@contextmanager
+def launched(*, aside: bool) -> Iterator[Browser]:
+    """Start Chromium; aside: on the last core alone, as it would stand on another machine."""
+    everywhere = os.sched_getaffinity(0)
+    # Chromium and its driver inherit the cores of the process that starts them.
+    os.sched_setaffinity(0, {max(everywhere)} if aside else everywhere)
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=SWITCHES)
+        os.sched_setaffinity(0, everywhere)
+        yield browser
+        browser.close()
+
+
 def opened(browser: Browser, url: str, asked: list[str]) -> tuple[Page, float]:
     """Open the page as one who never was there; return it, and when it could be used, s."""
     page = browser.new_context(viewport={"width": 1280, "height": 800}).new_page()
@@ -262,24 +275,21 @@ def main() -> int:
     asked.add_argument("--parts", nargs="+", choices=PARTS, default=list(PARTS))
     asked.add_argument("--out", type=Path, default=OUT)
     options = asked.parse_args()
-    everywhere = os.sched_getaffinity(0)
-    # Chromium and its driver inherit the core of the process that starts them.
-    os.sched_setaffinity(0, {max(everywhere)})
-    with tempfile.TemporaryDirectory() as name, sync_playwright() as playwright:
+    with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         large = folder / "large"
         made = [str(RIGCTL), "challenge", "new", str(large), "--shots", str(options.shots)]
         subprocess.run([*made, "--seed", "4"], check=True, capture_output=True)
-        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=SWITCHES)
-        os.sched_setaffinity(0, everywhere)
         with served(folder) as daemon:
-            parts: dict[str, Callable[[], Iterable[Number]]] = {
-                "first": lambda: first_page(browser, daemon),
-                "fire": lambda: fire_delay(browser, daemon, options.fires),
-                "model": lambda: model_page(browser, daemon, large),
+            parts: dict[str, Callable[[Browser], Iterable[Number]]] = {
+                "first": lambda browser: first_page(browser, daemon),
+                "fire": lambda browser: fire_delay(browser, daemon, options.fires),
+                "model": lambda browser: model_page(browser, daemon, large),
             }
-            found = [number for part in options.parts for number in told(parts[part]())]
-        browser.close()
+            found = []
+            for part in options.parts:
+                with launched(aside=part == "fire") as browser:
+                    found += told(parts[part](browser))
     options.out.parent.mkdir(parents=True, exist_ok=True)
     options.out.write_text(json.dumps([asdict(number) for number in found], indent=1) + "\n")
     return 0 if all(number.met for number in found) else 1

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TypeVar
 
 from nicegui import context, ui
@@ -16,6 +17,8 @@ from rigctl.page.readings import Readings
 from rigctl.service.lanes import Lanes
 
 T = TypeVar("T")
+REST_S = 0.02
+"""Between two parts of pages that are drawn anew."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,6 +35,8 @@ class Desk:
         What shots were measured to be.
     films
         What of a shot's folder is shown.
+    pencil
+        Whose turn it is to draw.
     """
 
     daemon: Daemon
@@ -39,6 +44,19 @@ class Desk:
     feed: Feed
     readings: Readings
     films: Films
+    pencil: asyncio.Lock = field(default_factory=asyncio.Lock)
+
+    async def draw(self, part: Callable[[], object]) -> None:
+        """Draw a part of a page anew when it is its turn; a page that was left is not drawn.
+
+        However many pages are open, requests come in between: a fire request waits for one part of
+        one page at most.
+        """
+        client = context.client
+        async with self.pencil:
+            if not client.is_deleted:
+                part()
+                await asyncio.sleep(REST_S)
 
     async def act(self, call: Callable[[], T]) -> T | None:
         """Run what moves the rig or writes; a refusal is shown in its own words and gives None."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 from datetime import datetime
 from html import escape
 
@@ -92,15 +91,12 @@ class LastShot:
             return
         await read(self._desk, now)
         self._shot = now
-        self._head.refresh()
-        # Others come in between: a fire request waits for one part of one page at most.
-        await asyncio.sleep(0)
-        self.beside.refresh()
-        await asyncio.sleep(0)
+        await self._desk.draw(self._head.refresh)
+        await self._desk.draw(self.beside.refresh)
         filmed = now if now.frames or now.outcome or self._filmed is None else self._filmed
         if _film_of(filmed, now) != _film_of(self._filmed, before):
             self._filmed = filmed
-            self.film.refresh()
+            await self._desk.draw(self.film.refresh)
 
 
 def _film_of(filmed: ShotRecord | None, shot: ShotRecord | None) -> object:
