@@ -42,8 +42,10 @@ def pairs_near(rho: Floats, t: Floats, sigma: float, reach: float) -> tuple[Inte
         count += behind - first
     argument, n = np.empty(count), 0
     for i in range(rho.size):
+        # One product a pair: of two, the order would hang on where the arrays lie in memory.
+        share = rho[i] / sigma**2
         for k in range(ends[i, 0], ends[i, 1]):
-            argument[n] = rho[i] * t[k] / sigma**2
+            argument[n] = share * t[k]
             n += 1
     return ends, argument
 
@@ -76,8 +78,9 @@ def blur_radials(
     (rho, t), (shapes, angular), n = places, radials, 0
     blurred, orders = np.zeros((rho.size, angular.size)), np.zeros(max(angular.max(), 1) + 1)
     for i in range(rho.size):
+        share = rho[i] / sigma**2
         for k in range(ends[i, 0], ends[i, 1]):
-            x, gap = rho[i] * t[k] / sigma**2, (rho[i] - t[k]) / sigma
+            x, gap = share * t[k], (rho[i] - t[k]) / sigma
             orders[0], orders[1] = bessel[0][n], bessel[1][n]
             leading = x / 2
             for m in range(2, orders.size):
@@ -85,8 +88,10 @@ def blur_radials(
                 beyond = orders[m - 2] - 2 * (m - 1) / max(x, SMALL) * orders[m - 1]
                 orders[m] = leading if x < SMALL else beyond
             bell = math.exp(-0.5 * gap * gap)
+            for m in range(orders.size):
+                orders[m] *= bell
             for j in range(angular.size):
-                blurred[i, j] += bell * orders[angular[j]] * shapes[k, j]
+                blurred[i, j] += orders[angular[j]] * shapes[k, j]
             n += 1
     return blurred
 
