@@ -16,15 +16,16 @@ from analysis.shot import MeasuredShot
 def slow_errors(shot: MeasuredShot) -> SlowErrors:
     """Return the slow errors of a measured shot.
 
-    The photometric method learns one pattern and one scale for a campaign, so that all shots have
-    one body frame and share what the scale is off; the thesis's begins anew each time.
+    The photometric method learns one pattern for a campaign, so that all shots have one body frame;
+    the thesis's begins anew each time. The scale is off alike in all shots by either: one is
+    learned, or the same light shifts all outlines alike.
     """
     tracking = shot.tracking
     width, scale = tracking.filter_sigma_px, tracking.scales_px_per_m[View.FRONT]
     return SlowErrors(
         position_m=centre_drift(width, scale, 1.0).sigma,
         rotation_rad=turn_drift(width, min(tracking.radii[View.FRONT]), 1.0).sigma,
-        scale=0.0 if shot.known is None else shot.known.scale_sigma,
+        scale=tracking.scale_sigma,
         one_body_frame=shot.known is not None,
     )
 
