@@ -33,16 +33,22 @@ def run(pairs: int, seed: int) -> None:
     sheet.at_most("6 degrees apart: error", float(np.sqrt((good[:, 0] ** 2).mean())), 0.13, "deg")
     sheet.at_most("6 degrees apart: angle's bias", abs(float(good[:, 1].mean())), 0.02, "deg")
     wide = np.array([one_pair(rng.uniform(0.0, FURTHEST_DEG), rng) for _ in range(pairs)])
-    mixed = sum(int((part[:, 0] >= MIXED_UP_DEG).sum()) for part in (found, wide))
+    both = np.concatenate([found, wide])
+    certain = both[:, 2] > 0.0
+    mixed = int((both[certain, 0] >= MIXED_UP_DEG).sum())
     sheet.at_most(f"up to 30 degrees apart: mixed up of {2 * pairs}", mixed, 0.0)
+    sheet.at_most("left out, as another turn fits as well", float((~certain).sum()), 0.01 * pairs)
     sheet.write()
 
 
-def one_pair(angle_deg: float, rng: np.random.Generator) -> tuple[float, float]:
-    """Return a pair's error of rotation, all three axes, and of its angle, degrees."""
+def one_pair(angle_deg: float, rng: np.random.Generator) -> tuple[float, float, bool]:
+    """Return a pair's error of rotation, all three axes, and of its angle, degrees.
+
+    And whether no other turn of the second frame fits as well.
+    """
     pattern, axis = scatter_markers(MARKERS, rng), rng.normal(size=3)
     turn = rotation_matrix(np.radians(angle_deg) * axis / np.linalg.norm(axis))
-    poses = []
+    poses, certain = [], True
     for rotation, known in ((np.eye(3), True), (turn, False)):
         place = SIZE / 2 + rng.uniform(-0.5, 0.5, 2)
         image = with_noise(drawn(place, pattern @ rotation.T), NOISE, rng)
@@ -52,9 +58,11 @@ def one_pair(angle_deg: float, rng: np.random.Generator) -> tuple[float, float]:
         else:
             centre = np.array([*(place + 0.2) / RADIUS, 0.0])
             start = Stance(centre, np.eye(3), np.array([[0.0, 1.0, 0.0, 0.0]]))
-            _, stance = search_orientation(sight, start, turns())
+            found = search_orientation(sight, start, turns())
+            stance, certain = found.stance, found.certain
             fit_pose(sight, stance, LIMITS, np.zeros((6, 6)))
         poses.append(stance.rotation)
     between = poses[1] @ poses[0].T
     error = math.degrees(float(np.linalg.norm(rotation_vector(between @ turn.T))))
-    return error, math.degrees(float(np.linalg.norm(rotation_vector(between)))) - angle_deg
+    angle = math.degrees(float(np.linalg.norm(rotation_vector(between))))
+    return error, angle - angle_deg, certain

@@ -12,7 +12,7 @@ from analysis.photometric.appearance import Knowledge
 from analysis.photometric.camera import disc_of
 from analysis.photometric.confirmation import confirmed
 from analysis.photometric.film import Film, cost_of, drop_outside, others_of
-from analysis.photometric.orientation_search import search_orientation, turns
+from analysis.photometric.orientation_search import Found, search_orientation, turns
 from analysis.photometric.pose import fit_pose
 from analysis.photometric.sight import Scene, Sight, Stance
 from analysis.photometric.votes import peak_near, peaks, vote_map
@@ -69,6 +69,8 @@ class Follower:
             No frame shows the pair as it is known.
         """
         first = self._find_start()
+        self._film.placed[:] = False
+        self._film.placed[:, first] = True
         for step in (1, -1):
             self._follow(first, step, times_s)
         drop_outside(self._film, self._known.camera)
@@ -83,27 +85,37 @@ class Follower:
 
     def _find_start(self) -> int:
         """Find a frame in which both spheres stand apart and look as they are known to."""
-        count, costs = len(self._film.frames), list[float]()
+        count, costs, doubtful = len(self._film.frames), list[float](), list[int]()
         few = list(range(0, count, max(1, count // LOOKED_AT)))
         for frames in (few, [k for k in range(count) if k not in few]):
             pairs = [(k, *pair) for k in frames if (pair := self._pair(k)) is not None]
             for k, centres, _ in sorted(pairs, key=lambda item: -item[2])[:TRIED_FRAMES]:
-                costs.append(self._cost_at(k, centres))
-                if costs[-1] < MOST_COST:
+                cost, certain = self._cost_at(k, centres)
+                costs.append(cost)
+                if cost < MOST_COST and certain:
                     return k
+                if cost < MOST_COST:
+                    doubtful.append(k)
+        if doubtful:
+            # Spheres with few markers: nothing in the film may tell two of them apart.
+            return doubtful[0]
         what = f"chi-squared {min(costs):.1f} a pixel" if costs else "no two discs of their size"
         raise ShotRefusedError(
             "assignment", f"no frame shows the spheres as they were learned ({what})"
         )
 
-    def _cost_at(self, k: int, centres: Floats) -> float:
-        """Place both spheres in a frame; infinite cost, and no pose, where they are not there."""
+    def _cost_at(self, k: int, centres: Floats) -> tuple[float, bool]:
+        """Place both spheres in a frame; return their cost, and whether no other turns fit as well.
+
+        Infinite cost, and no pose, where they are not there.
+        """
         film = self._film
         film.centre[:, k], film.placed[:, k] = centres, True
-        cost = max(self._search(i, k) for i in (0, 1))
+        found = [self._search(i, k) for i in (0, 1)]
+        cost = max(one.cost for one in found)
         there = all(confirmed(self._sight(i, k), self._stance(i, k)) for i in (0, 1))
         film.placed[:, k] = cost < MOST_COST and there
-        return cost if there else np.inf
+        return cost if there else np.inf, all(one.certain for one in found)
 
     def _pair(self, k: int) -> tuple[Floats, float] | None:
         """Return the centres of spheres a and b, m, shape (2, 3), and the lesser one's votes.
@@ -152,12 +164,12 @@ class Follower:
         film = self._film
         return Stance(film.centre[i, k], film.rotation[i, k], film.lights[i, k])
 
-    def _search(self, i: int, k: int) -> float:
-        cost, stance = search_orientation(self._sight(i, k), self._stance(i, k), self._candidates)
-        film = self._film
+    def _search(self, i: int, k: int) -> Found:
+        found = search_orientation(self._sight(i, k), self._stance(i, k), self._candidates)
+        film, stance = self._film, found.stance
         film.centre[i, k], film.rotation[i, k] = stance.centre, stance.rotation
         film.lights[i, k] = stance.lights
-        return cost
+        return found
 
     def _follow(self, first: int, step: int, times_s: Floats) -> None:
         """Follow both spheres to one end of the shot; one that leaves the frame is let go."""
@@ -190,7 +202,7 @@ class Follower:
             kept = Stance(*(part.copy() for part in self._stance(i, k)))
             self._predict(i, k, step, times_s)
             self._attract(i, k)
-            again = self._search(i, k) if widen else self._fit(i, k, WIDE_LIMITS)
+            again = self._search(i, k).cost if widen else self._fit(i, k, WIDE_LIMITS)
             if again < cost:
                 cost = again
             else:
