@@ -10,29 +10,28 @@ from numpy.typing import NDArray
 
 from analysis.errors import ShotRefusedError
 from analysis.imaging.assignment import LEAST_COVERAGE, follow
-from analysis.imaging.dark_places import find_dark_places
 from analysis.imaging.discs import common_radius
+from analysis.imaging.film_discs import FilmDiscs
 from analysis.imaging.frame import (
     EdgeSettings,
     FilmEdges,
     gradient_threshold,
     noise_sd,
 )
-from analysis.imaging.markers import find_markers
 from analysis.imaging.radii import filter_bias, shared_radii, view_radii
-from analysis.imaging.refinement import Knowledge, MarkersInFrame, refine_outlines
+from analysis.imaging.refinement import Knowledge, refine_outlines
 from analysis.imaging.tracks import Spheres
 from analysis.imaging.views import View, view_geometries
 from analysis.motion.chained import orient_by_steps
 from analysis.motion.pattern import Orientations, orient
 from analysis.motion.poses import Centres, centres
 from analysis.motion.sightings import (
-    Finder,
+    Radii,
     SeenMarkers,
     lifted_again,
     marker_angle,
-    seen_markers,
-    sightings,
+    markers_by_darkness,
+    markers_by_edges,
 )
 from analysis.setup import Setup
 
@@ -42,6 +41,7 @@ Matching = Literal["pattern", "proximal"]
 
 SMALLEST_RADIUS_PX = 6.0
 FRAMES_FOR_RADIUS = 3
+SOME_ROWS = 16
 LEAST_COVERAGE_OF_A_START = 0.3
 
 
@@ -118,21 +118,24 @@ def track_spheres(
     edges = FilmEdges(frames, settings, threshold)
     least = LEAST_COVERAGE_OF_A_START if for_a_start else LEAST_COVERAGE
     radius = _start_radius(edges, setup)
-    spheres = follow(edges, views, radius, least_coverage=least)
-    refuse_repeats(frames, spheres)
+    discs, curves = follow(edges, views, radius, least_coverage=least)
+    refuse_repeats(frames, discs)
     diameters = (setup.spheres[0].diameter_m, setup.spheres[1].diameter_m)
-    radii = shared_radii(spheres, diameters) if for_a_start else view_radii(spheres)
-    bias = filter_bias(frames, spheres, settings, noise)
-    find = _by_darkness(frames, noise) if for_a_start else _by_edges(edges)
-    seen = seen_markers(find, views, spheres, radii)
+    radii = shared_radii(discs, diameters) if for_a_start else view_radii(discs)
+    bias = filter_bias(frames, discs, settings, noise)
+
+    def markers(discs: FilmDiscs) -> SeenMarkers:
+        if for_a_start:
+            return markers_by_darkness(frames, noise, views, discs, radii)
+        return markers_by_edges(curves, discs, radii)
+
+    seen = markers(discs)
     orientations = _orientations(seen, times_s)
-    standing = (_standing(orientations[0]), _standing(orientations[1]))
+    standing = _standing(orientations[0], len(frames)), _standing(orientations[1], len(frames))
     known = Knowledge(radii, standing, marker_angle(seen, radii))
-    spheres = refine_outlines(edges, views, spheres, known, settings.sigma_px)
+    discs = refine_outlines(curves, views, discs, known, settings.sigma_px)
     # Dark places depend on where the limb is; closed edges do not.
-    seen = (
-        seen_markers(find, views, spheres, radii) if for_a_start else _again(seen, spheres, radii)
-    )
+    seen = markers(discs) if for_a_start else _again(seen, discs, radii)
     orientations = _orientations(seen, times_s)
     if matching == "proximal":
         front = radii[View.FRONT]
@@ -141,9 +144,9 @@ def track_spheres(
             orient_by_steps(seen[1], front[1], "b"),
         )
     scales, scale_sigma = _scales(radii, bias, setup)
-    placed = [centres(sphere, views, scales, settings.sigma_px) for sphere in spheres]
+    placed = [centres(discs, i, views, scales, settings.sigma_px) for i in (0, 1)]
     return Tracking(
-        spheres=spheres,
+        spheres=discs.tracks(),
         markers=seen,
         marker_angle=marker_angle(seen, radii),
         filter_sigma_px=settings.sigma_px,
@@ -155,7 +158,7 @@ def track_spheres(
     )
 
 
-def refuse_repeats(frames: NDArray[np.uint8], spheres: Spheres) -> None:
+def refuse_repeats(frames: NDArray[np.uint8], discs: FilmDiscs) -> None:
     """Refuse frames that repeat the one before while a sphere flies: their times cannot be true.
 
     Raises
@@ -163,10 +166,13 @@ def refuse_repeats(frames: NDArray[np.uint8], spheres: Spheres) -> None:
     ShotRefusedError
         With the first frame that does.
     """
-    tracked = {k for sphere in spheres for track in sphere.values() for k in track.outlines}
-    for k in sorted(tracked):
-        if k - 1 in tracked and np.array_equal(frames[k], frames[k - 1]):
-            raise ShotRefusedError("frames", "the same as the frame before, bit for bit", k)
+    shown = np.asarray(discs.found.any(axis=(0, 1)))
+    # Noise tells nearly all apart by a few rows.
+    few = frames[:, ::SOME_ROWS]
+    alike = (np.count_nonzero(few[1:] != few[:-1], axis=(1, 2)) == 0) & shown[1:] & shown[:-1]
+    for k in np.flatnonzero(alike) + 1:
+        if np.array_equal(frames[k], frames[k - 1]):
+            raise ShotRefusedError("frames", "the same as the frame before, bit for bit", int(k))
 
 
 def _start_radius(film: FilmEdges, setup: Setup) -> float:
@@ -184,36 +190,20 @@ def _start_radius(film: FilmEdges, setup: Setup) -> float:
     return float(np.median(found))
 
 
-def _by_edges(edges: FilmEdges) -> Finder:
-    return lambda k, discs: find_markers(edges[k], discs)
-
-
-def _by_darkness(frames: NDArray[np.uint8], noise: float) -> Finder:
-    return lambda k, discs: find_dark_places(frames[k], discs, noise=noise)
-
-
 def _orientations(seen: SeenMarkers, times_s: Floats) -> tuple[Orientations, Orientations]:
-    first, second = (
-        orient(sightings(own), times_s, name) for own, name in zip(seen, "ab", strict=True)
-    )
-    return first, second
+    return orient(seen[0], times_s, "a"), orient(seen[1], times_s, "b")
 
 
-def _again(
-    seen: SeenMarkers, spheres: Spheres, radii: dict[View, tuple[float, float]]
-) -> SeenMarkers:
-    first, second = (
-        lifted_again(own, spheres[i], {view: pair[i] for view, pair in radii.items()})
-        for i, own in enumerate(seen)
-    )
-    return first, second
+def _again(seen: SeenMarkers, discs: FilmDiscs, radii: Radii) -> SeenMarkers:
+    return lifted_again(seen[0], discs, 0, radii), lifted_again(seen[1], discs, 1, radii)
 
 
-def _standing(orientations: Orientations) -> MarkersInFrame:
-    return {
-        int(k): orientations.pattern @ rotation.T
-        for k, rotation in zip(orientations.frames, orientations.rotation, strict=True)
-    }
+def _standing(orientations: Orientations, frames: int) -> Floats:
+    """Return the directions of a sphere's markers in rig axes, shape (frames, markers, 3)."""
+    standing = np.full((frames, *orientations.pattern.shape), np.nan)
+    turned = np.swapaxes(orientations.rotation, 1, 2)
+    standing[orientations.frames] = orientations.pattern @ turned
+    return standing
 
 
 def _scales(

@@ -6,27 +6,18 @@ a sphere may rise into the rows of the other view, so rows alone do not tell.
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from analysis.errors import ShotRefusedError
-from analysis.imaging.discs import Disc, discs, peaks_near, vote
-from analysis.imaging.frame import FilmEdges
-from analysis.imaging.limb import LIMB_REACH_PX
-from analysis.imaging.outlines import Outline, Place, fit_outlines, nothing_hidden
-from analysis.imaging.tracks import Spheres, Track
+from analysis.imaging.discs import Disc, discs, vote
+from analysis.imaging.film_discs import FilmDiscs, film_discs
+from analysis.imaging.film_following import FilmCurves, follow_discs
+from analysis.imaging.frame import FilmEdges, filters
 from analysis.imaging.views import View, ViewGeometry
 
 LEAST_RIM_SHARE = 0.2
 CLEAR_RIM_SHARE = 0.4
 """Where every disc shows as much of its rim, and nothing else does, no better frame is sought."""
-REACH = 0.35
-"""A disc is looked for within this many radii of where its motion predicts it."""
-CLOSE_PX = 1.5
-"""So near to its place by two frames before is a disc in free flight; at the contact it is not."""
-MOST_GROWTH = 0.15
-"""An outline's radius differs from the expected one by less than this share."""
 LEAST_COVERAGE = 0.4
 KEEP_OFF_SIGMAS = 2.5
 
@@ -101,10 +92,8 @@ def follow(
     radius_px: float,
     *,
     least_coverage: float = LEAST_COVERAGE,
-) -> Spheres:
-    """Follow both spheres in all views through all frames.
-
-    Edges are looked for only where a disc may be: where its motion predicts it, with the reach.
+) -> tuple[FilmDiscs, FilmCurves]:
+    """Follow both spheres in all views through all frames (`film_following.follow_discs`).
 
     Parameters
     ----------
@@ -113,70 +102,27 @@ def follow(
 
     Returns
     -------
-    The tracks of sphere a (the one that comes from the left) and of sphere b.
+    The discs of sphere a (the one that comes from the left) and of sphere b; and the edges about
+    them.
+
+    Raises
+    ------
+    ShotRefusedError
+        No frame shows two spheres in each view.
     """
     seed, pairs = seed_frame(film, views, radius_px)
-    spheres: Spheres = ({}, {})
-    places: list[tuple[Track, tuple[float, float]]] = []
-    for view, pair in pairs.items():
-        for sphere, disc in zip(spheres, pair, strict=True):
-            sphere[view] = Track(view)
-            places.append((sphere[view], (disc.row, disc.column)))
-    _look(film, seed, places, radius_px, least_coverage)
-    tracks = [track for track, _ in places]
-    for direction in (1, -1):
-        k = seed + direction
-        while 0 <= k < len(film):
-            predicted = [(track, track.predict(k, direction)) for track in tracks]
-            places = [(track, place) for track, place in predicted if place is not None]
-            if places:
-                _look(film, k, places, radius_px, least_coverage)
-            k += direction
-    first, second = (_first_column(sphere[View.FRONT]) for sphere in spheres)
-    return spheres if first <= second else (spheres[1], spheres[0])
+    places = [[(pair[i].row, pair[i].column, radius_px) for pair in pairs.values()] for i in (0, 1)]
+    start = seed, np.array(places).reshape(-1, 3)
+    frames = np.require(film.frames, None, ["C", "W"])
+    rules = KEEP_OFF_SIGMAS * film.settings.sigma_px, least_coverage
+    filtered = filters(film.settings, film.least_strength)
+    curves, outlines = follow_discs(frames, filtered, start, rules)
+    discs = film_discs(tuple(pairs), outlines)
+    first, second = (_first_column(discs, i) for i in (0, 1))
+    return (discs if first <= second else discs.swapped()), curves
 
 
-def _first_column(track: Track) -> float:
-    return track.outlines[min(track.outlines)].circle.column if track.outlines else np.inf
-
-
-def _look(
-    film: FilmEdges,
-    k: int,
-    places: list[tuple[Track, tuple[float, float]]],
-    radius_px: float,
-    least_coverage: float,
-) -> None:
-    """Fit the outlines of a frame about the places, and keep those that hold.
-
-    First closely about the places; where that does not find every disc, further around them and
-    from the best peaks of the votes.
-    """
-    discs = np.array([(row, column, radius_px) for _, (row, column) in places])
-    limits = KEEP_OFF_SIGMAS * film.settings.sigma_px, False
-    for reach in (CLOSE_PX, REACH * radius_px):
-        close = reach == CLOSE_PX
-        points = film.about(k, discs + np.array([0.0, 0.0, reach + LIMB_REACH_PX + 1.0])).points
-        if not close:
-            edges = points.row, points.column, points.normal_row, points.normal_column
-            peaks = peaks_near(edges, discs, reach)
-            seen = peaks[:, 2] >= LEAST_RIM_SHARE / 2
-            discs[seen, :2] = peaks[seen, :2]
-        found = fit_outlines(points, discs, discs, nothing_hidden(len(discs)), limits)
-        held = [
-            outline is not None and _holds(outline, place, reach, least_coverage)
-            for outline, place in zip(found, discs.tolist(), strict=True)
-        ]
-        if all(held):
-            break
-    for (track, _), outline, holds in zip(places, found, held, strict=True):
-        if outline is not None and holds:
-            track.outlines[k] = outline
-
-
-def _holds(outline: Outline, place: Place, reach_px: float, least_coverage: float) -> bool:
-    """Tell whether an outline shows enough of its limb, near its place and of its size."""
-    circle, (row, column, radius) = outline.circle, place
-    moved = math.hypot(circle.row - row, circle.column - column)
-    grown = abs(circle.radius - radius)
-    return outline.coverage >= least_coverage and moved < reach_px and grown < MOST_GROWTH * radius
+def _first_column(discs: FilmDiscs, sphere: int) -> float:
+    front = sphere, discs.views.index(View.FRONT)
+    frames = np.flatnonzero(discs.found[front])
+    return float(discs.circles[front][frames[0], 1]) if frames.size else np.inf

@@ -19,6 +19,7 @@ from analysis.imaging.facet import EdgePoints
 from analysis.imaging.limb import Edges
 
 Floats = NDArray[np.float64]
+Indices = NDArray[np.intp]
 
 BLUR_PX, HALF_BLUR = 1.3, 5
 HALF_PEAK = 2
@@ -77,17 +78,39 @@ def count_votes(
 
 def discs(votes: NDArray[np.float32], least_share: float, separation_px: float) -> list[Disc]:
     """Return the peaks of a vote image, strongest first, each to a fraction of a pixel."""
-    peaks = np.argwhere(_summits(votes, least_share, separation_px))
-    found = [_peak(votes, int(r), int(c)) for r, c in peaks]
+    peaks = summits(votes, least_share, int(separation_px))
+    found = [_peak(votes, r, c) for r, c in peaks.tolist()]
     return sorted(found, key=lambda disc: -disc.rim_share)
 
 
-def _summits(
-    votes: NDArray[np.float32], least_share: float, separation_px: float
-) -> NDArray[np.bool_]:
-    """Mark pixels that no other within a distance exceeds, shape (rows, columns)."""
-    kernel = np.ones((2 * int(separation_px) + 1,) * 2, np.uint8)
-    return np.asarray((votes >= cv2.dilate(votes, kernel)) & (votes >= least_share))
+@compiled
+def summits(votes: NDArray[np.float32], least_share: float, separation_px: int) -> Indices:
+    """Return the pixels that no other within a distance in rows and in columns exceeds.
+
+    Returns
+    -------
+    Rows and columns, shape (summits, 2).
+    """
+    peaks, count = np.empty((votes.size, 2), dtype=np.intp), 0
+    for r in range(votes.shape[0]):
+        for c in range(votes.shape[1]):
+            # Most are exceeded by a neighbour, which is soon seen.
+            if votes[r, c] < least_share or exceeded(votes, r, c, 1):
+                continue
+            if not exceeded(votes, r, c, separation_px):
+                peaks[count, 0], peaks[count, 1] = r, c
+                count += 1
+    return peaks[:count].copy()
+
+
+@part
+def exceeded(votes: NDArray[np.float32], r: int, c: int, distance: int) -> bool:
+    """Tell whether a pixel has a higher one within a distance in rows and in columns."""
+    for y in range(max(r - distance, 0), min(r + distance + 1, votes.shape[0])):
+        for x in range(max(c - distance, 0), min(c + distance + 1, votes.shape[1])):
+            if votes[y, x] > votes[r, c]:
+                return True
+    return False
 
 
 @compiled
@@ -189,7 +212,8 @@ def common_radius(
     scores = []
     for radius in radii:
         votes = vote(points, float(radius), shape)
-        shares = np.sort(votes[_summits(votes, 0.1, float(radius))])[::-1]
+        peaks = summits(votes, 0.1, int(radius))
+        shares = np.sort(votes[peaks[:, 0], peaks[:, 1]])[::-1]
         best, next_best = shares[:count], shares[count : 2 * count]
         scores.append(float(best.sum(dtype=np.float64) - next_best.sum(dtype=np.float64)))
     return float(radii[int(np.argmax(scores))])

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from analysis.compiled import compiled
 from analysis.imaging.edges import half_kernels
 from analysis.imaging.facet import BORDER_SIGMAS, EdgePoints
-from analysis.imaging.windows import edges_about
+from analysis.imaging.windows import Filters, edges_about
 
 Floats = NDArray[np.float64]
 
@@ -49,34 +49,22 @@ class FrameEdges:
 
 
 class FilmEdges:
-    """Edges of a film's frames, found when they are asked for and where they are looked for."""
+    """Edges of a film's frames, found when they are asked for."""
 
     def __init__(
         self, frames: NDArray[np.uint8], settings: EdgeSettings, least_strength: float
     ) -> None:
         self.frames, self.settings, self.least_strength = frames, settings, least_strength
         self._whole: dict[int, FrameEdges] = {}
-        self._latest: dict[int, FrameEdges] = {}
 
     def __len__(self) -> int:
         return len(self.frames)
-
-    def __getitem__(self, k: int) -> FrameEdges:
-        """Return what was found last in a frame; all of it, where nothing was looked for."""
-        return self._latest[k] if k in self._latest else self.whole(k)
 
     def whole(self, k: int) -> FrameEdges:
         """Return all edges of a frame."""
         if k not in self._whole:
             self._whole[k] = find_edges(self.frames[k], self.settings, self.least_strength)
         return self._whole[k]
-
-    def about(self, k: int, places: Floats) -> FrameEdges:
-        """Return the edges of a frame within squares (`find_edges`)."""
-        if k not in self._whole:
-            found = find_edges(self.frames[k], self.settings, self.least_strength, places)
-            self._latest[k] = found
-        return self[k]
 
 
 def noise_sd(frames: NDArray[np.uint8]) -> float:
@@ -97,22 +85,18 @@ def block_squares(frames: NDArray[np.uint8]) -> Floats:
     count, rows, columns = frames.shape
     down, across = (rows - 1) // NOISE_BLOCK_PX, (columns - 1) // NOISE_BLOCK_PX
     squares = np.zeros((count * down, across))
-    line = np.empty(columns - 1)
+    line = np.empty(across * NOISE_BLOCK_PX, dtype=np.int32)
     for n in range(count * down):
         frame, first = frames[n // down], n % down * NOISE_BLOCK_PX
+        line[:] = 0
         for r in range(first, first + NOISE_BLOCK_PX):
-            upper, lower = frame[r], frame[r + 1]
-            for c in range(columns - 1):
-                mixed = (
-                    np.float64(lower[c + 1])
-                    - np.float64(lower[c])
-                    - np.float64(upper[c + 1])
-                    + np.float64(upper[c])
-                )
-                line[c] = mixed * mixed
-            for b in range(across):
-                for c in range(b * NOISE_BLOCK_PX, (b + 1) * NOISE_BLOCK_PX):
-                    squares[n, b] += line[c]
+            upper, lower, after, below = frame[r], frame[r + 1], frame[r, 1:], frame[r + 1, 1:]
+            for c in range(np.uint64(line.size)):
+                mixed = np.int32(below[c]) - np.int32(lower[c])
+                mixed -= np.int32(after[c]) - np.int32(upper[c])
+                line[c] += mixed * mixed
+        for b in range(across):
+            squares[n, b] = line[b * NOISE_BLOCK_PX : (b + 1) * NOISE_BLOCK_PX].sum()
     return squares.ravel() / NOISE_BLOCK_PX**2
 
 
@@ -126,26 +110,20 @@ def gradient_threshold(noise: float, sigma_px: float) -> float:
     return float(max(5.3 * component, 0.5))
 
 
-def find_edges(
-    frame: NDArray[np.uint8],
-    settings: EdgeSettings,
-    least_strength: float,
-    places: Floats | None = None,
-) -> FrameEdges:
-    """Filter a frame, find its edge points and label its curves.
-
-    Parameters
-    ----------
-    places
-        Row, column and reach, pixels, of squares to which the search is confined, shape
-        (places, 3); None: the whole frame.
-    """
-    rows, columns = frame.shape
-    if places is None:
-        places = np.array([[rows / 2, columns / 2, max(rows, columns)]])
+def filters(settings: EdgeSettings, least_strength: float) -> Filters:
+    """Return what `windows.edges_about` filters with."""
     # Nearer to the border the filter sees the frame's made-up continuation.
     border = max(1, round(BORDER_SIGMAS * settings.sigma_px))
     limits = float(least_strength), border, settings.samples_per_pixel or 0
+    return half_kernels(settings.sigma_px), limits
+
+
+def find_edges(
+    frame: NDArray[np.uint8], settings: EdgeSettings, least_strength: float
+) -> FrameEdges:
+    """Filter a whole frame, find its edge points and label its curves."""
+    rows, columns = frame.shape
+    everywhere = np.array([[rows / 2, columns / 2, max(rows, columns)]])
     plain = np.require(frame, None, ["C", "W"])
-    filled, pixels, labels = edges_about(plain, places, half_kernels(settings.sigma_px), limits)
+    filled, pixels, labels = edges_about(plain, everywhere, *filters(settings, least_strength))
     return FrameEdges((rows, columns), EdgePoints(*filled, *pixels), labels)

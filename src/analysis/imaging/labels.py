@@ -85,13 +85,11 @@ def join_neighbours(
         Each number itself; the least that it equals is found with `root_of`.
     """
     for n in range(pixels.shape[0]):
-        own = n + 1
-        for y in range(pixels[n, 0] - 1, pixels[n, 0] + 2):
-            for x in range(pixels[n, 1] - 1, pixels[n, 1] + 2):
-                other = number[y, x]
-                if other == 0 or other >= n + 1:
-                    continue
-                other, own = root_of(parent, other), root_of(parent, own)
+        r, c = pixels[n, 0], pixels[n, 1]
+        # Of two that touch one is among these of the other.
+        for y, x in ((r, c + 1), (r + 1, c - 1), (r + 1, c), (r + 1, c + 1)):
+            if number[y, x] > 0:
+                own, other = root_of(parent, n + 1), root_of(parent, number[y, x])
                 parent[max(own, other)] = min(own, other)
 
 

@@ -21,6 +21,8 @@ for none, shape (discs, markers, 2), and the cosine of the angle about them, sha
 
 LIMB_REACH_PX = 3.0
 """Edge points this far from the present circle may belong to the limb."""
+DRIFT_PX = 1.0
+"""Points are collected so much further about the limb, and again once it has moved by more."""
 LEAST_ALIGNMENT = 0.95
 """Cosine between an edge's normal and the radius: a marker that cuts the limb turns the edge."""
 NOISE_DISTANCES_PX = (1.5, 0.6, 0.3)
@@ -43,28 +45,71 @@ def beside_others(row: float, column: float, discs: Floats, own: int, keep_off_p
 
 
 @part
-def limb_points(
-    edges: Edges, circle: Floats, markers: Floats, cos_margin: float, limb: Indices
+def points_about(
+    edges: Edges, discs: tuple[Floats, int], circle: Floats, keep_off_px: float, near: Floats
 ) -> int:
-    """Fill the points near a circle whose edge lies along it and that no marker hides."""
+    """Fill the edges that may come to lie near a circle, beside no other disc; return how many.
+
+    Parameters
+    ----------
+    near
+        Rows, columns and unit normals, filled, shape (4, points).
+    """
     row, column, normal_row, normal_column = edges
-    inner, outer, count = max(circle[2] - LIMB_REACH_PX, 1e-9), circle[2] + LIMB_REACH_PX, 0
+    reach = LIMB_REACH_PX + DRIFT_PX
+    inner, outer, count = max(circle[2] - reach, 0.0), circle[2] + reach, 0
     for k in range(row.size):
         d_r, d_c = row[k] - circle[0], column[k] - circle[1]
+        square = d_r * d_r + d_c * d_c
+        # Each is put down and most are written over: a branch would be guessed wrong too often.
+        near[0, count], near[1, count] = row[k], column[k]
+        near[2, count], near[3, count] = normal_row[k], normal_column[k]
+        count += (square >= inner * inner) & (square <= outer * outer)
+    kept = 0
+    for k in range(count):
+        if not beside_others(near[0, k], near[1, k], discs[0], discs[1], keep_off_px):
+            for a in range(4):
+                near[a, kept] = near[a, k]
+            kept += 1
+    return kept
+
+
+@part
+def limb_points(
+    near: Floats, circle: Floats, markers: Floats, cos_margin: float, limb: Floats
+) -> int:
+    """Fill the points near a circle whose edge lies along it and that no marker hides.
+
+    Parameters
+    ----------
+    near
+        Of `points_about`.
+    limb
+        Rows and columns, filled, shape (2, points).
+    """
+    inner, outer, count = max(circle[2] - LIMB_REACH_PX, 1e-9), circle[2] + LIMB_REACH_PX, 0
+    for k in range(near.shape[1]):
+        d_r, d_c = near[0, k] - circle[0], near[1, k] - circle[1]
         square = d_r * d_r + d_c * d_c
         if square <= inner * inner or square >= outer * outer:
             continue
         rho = math.sqrt(square)
-        if abs(normal_row[k] * d_r + normal_column[k] * d_c) <= LEAST_ALIGNMENT * rho:
+        if abs(near[2, k] * d_r + near[3, k] * d_c) <= LEAST_ALIGNMENT * rho:
             continue
         seen = True
         for m in range(markers.shape[0]):
             if markers[m, 0] * d_r + markers[m, 1] * d_c > cos_margin * rho:
                 seen = False
-        if seen:
-            limb[count] = k
-            count += 1
+        limb[0, count], limb[1, count] = near[0, k], near[1, k]
+        count += seen
     return count
+
+
+@part
+def moved_by(circle: Floats, before: Floats) -> float:
+    """Return by how much a circle's rim has moved at most, pixels."""
+    centre = math.hypot(circle[0] - before[0], circle[1] - before[1])
+    return float(centre + abs(circle[2] - before[2]))
 
 
 @part
@@ -86,32 +131,31 @@ def settle_limb(
         accepted points, filled, shape (points, 2).
     """
     place, covariance, accepted = outline
-    limb, size = np.empty(edges[0].size, dtype=np.intp), 2 if limits[1] else 3
-    row, column = np.empty(limb.size), np.empty(limb.size)
-    rows, weight, count = np.empty((4, 0)), np.empty(0), 0
+    size, around, limb = 2 if limits[1] else 3, place.copy(), np.empty((2, edges[0].size))
+    near = np.empty((4, edges[0].size + 1))
+    rows, weight = np.empty((4, 0)), np.empty(0)
+    count, close = 0, points_about(edges, discs, place, limits[0], near)
     for noise in NOISE_DISTANCES_PX:
         if limits[1] and noise == NOISE_DISTANCES_PX[0]:
             continue
-        near, count = limb_points(edges, place, hidden[0], hidden[1], limb), 0
-        for n in range(near):
-            r, c = edges[0][limb[n]], edges[1][limb[n]]
-            if not beside_others(r, c, discs[0], discs[1], limits[0]):
-                row[count], column[count] = r, c
-                count += 1
+        if moved_by(place, around) > DRIFT_PX:
+            around[:] = place
+            close = points_about(edges, discs, place, limits[0], near)
+        count = limb_points(near[:, :close], place, hidden[0], hidden[1], limb)
         if count < LEAST_POINTS:
             return 0, -1.0
         last = SETTLED_PX if noise == NOISE_DISTANCES_PX[-1] else ROUGHLY_PX
         until = noise, MOST_ITERATIONS, last
-        rows, weight = settle_circle(row[:count], column[:count], place, size, until)
+        rows, weight = settle_circle(limb[0, :count], limb[1, :count], place, size, until)
     sandwich(rows, weight, size, covariance)
     sectors, kept = np.zeros(SECTORS), 0
     for n in range(count):
         # A weight is the square of a membership; the limb's own is the larger one.
         if weight[n] <= 0.25:
             continue
-        accepted[kept, 0], accepted[kept, 1] = row[n], column[n]
+        accepted[kept, 0], accepted[kept, 1] = limb[0, n], limb[1, n]
         kept += 1
-        angle = math.atan2(column[n] - place[1], row[n] - place[0])
+        angle = math.atan2(limb[1, n] - place[1], limb[0, n] - place[0])
         sectors[math.floor((angle / (2 * math.pi) + 0.5) * SECTORS) % SECTORS] = 1.0
     return kept, sectors.sum() / SECTORS
 

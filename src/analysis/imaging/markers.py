@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -46,6 +46,54 @@ class Markers:
 
     def __len__(self) -> int:
         return len(self.facing)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FilmMarkers:
+    """Markers of one sphere in all frames that have an outline of it.
+
+    Attributes
+    ----------
+    frames
+        Indices of those frames, increasing, shape (n,).
+    ends
+        Number of markers up to the end of each frame, shape (n,).
+    every
+        All of them, frame after frame.
+    """
+
+    frames: NDArray[np.intp]
+    ends: NDArray[np.intp]
+    every: Markers
+
+    def get(self, frame: int) -> Markers | None:
+        """Return the markers of a frame, None where it has no outline."""
+        n = int(np.searchsorted(self.frames, frame))
+        if n == len(self.frames) or self.frames[n] != frame:
+            return None
+        return self.every.where(self.spans()[n])
+
+    def spans(self) -> list[slice]:
+        """Return where the markers of each frame stand among all."""
+        ends = self.ends.tolist()
+        return [slice(a, b) for a, b in zip([0, *ends], ends, strict=False)]
+
+    def frame_of_each(self) -> NDArray[np.intp]:
+        """Return the index into `frames` of each marker, shape (markers,)."""
+        return np.repeat(np.arange(len(self.frames)), np.diff(self.ends, prepend=0))
+
+    def where(self, chosen: NDArray[np.bool_], every: Markers | None = None) -> FilmMarkers:
+        """Return the chosen of all markers, or of others in their places; all frames stay."""
+        kept = np.bincount(self.frame_of_each()[chosen], minlength=len(self.frames))
+        return FilmMarkers(self.frames, np.cumsum(kept), (every or self.every).where(chosen))
+
+
+def film_markers(seen: Mapping[int, Markers]) -> FilmMarkers:
+    """Return the markers of a film from those of each frame."""
+    frames = sorted(seen)
+    ends = np.cumsum([len(seen[k]) for k in frames], dtype=np.intp)
+    every = joined([seen[k] for k in frames])
+    return FilmMarkers(np.array(frames, dtype=np.intp), ends, every)
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,10 +7,9 @@ from numpy.typing import NDArray
 
 from analysis.errors import ShotRefusedError
 from analysis.imaging.assignment import KEEP_OFF_SIGMAS
-from analysis.imaging.frame import EdgeSettings, find_edges, gradient_threshold
-from analysis.imaging.limb import LIMB_REACH_PX
-from analysis.imaging.outlines import fit_outlines, nothing_hidden
-from analysis.imaging.tracks import Spheres
+from analysis.imaging.film_discs import FilmDiscs
+from analysis.imaging.film_passes import filtered_otherwise
+from analysis.imaging.frame import EdgeSettings, filters, gradient_threshold
 from analysis.imaging.views import View
 
 GOOD_COVERAGE = 0.6
@@ -23,7 +22,7 @@ FEWEST_PAIRS = 3
 """Outlines seen well through both filters, for a bias to be known."""
 
 
-def view_radii(spheres: Spheres) -> dict[View, tuple[float, float]]:
+def view_radii(discs: FilmDiscs) -> dict[View, tuple[float, float]]:
     """Return for each view the median radius of spheres a and b over their frames, pixels.
 
     Raises
@@ -32,12 +31,11 @@ def view_radii(spheres: Spheres) -> dict[View, tuple[float, float]]:
         A sphere is not seen well enough in any frame of a view.
     """
     radii: dict[View, tuple[float, float]] = {}
-    for view in spheres[0]:
+    for v, view in enumerate(discs.views):
         medians = []
-        for name, sphere in zip("ab", spheres, strict=True):
-            outlines = sphere[view].outlines.values()
-            good = [o.circle.radius for o in outlines if o.coverage >= GOOD_COVERAGE]
-            if not good:
+        for i, name in enumerate("ab"):
+            good = discs.circles[i, v, discs.coverage[i, v] >= GOOD_COVERAGE, 2]
+            if good.size == 0:
                 raise ShotRefusedError(
                     "outlines",
                     f"sphere {name} shows at least {GOOD_COVERAGE:.0%} of its limb in no frame "
@@ -49,7 +47,7 @@ def view_radii(spheres: Spheres) -> dict[View, tuple[float, float]]:
 
 
 def shared_radii(
-    spheres: Spheres, diameters_m: tuple[float, float]
+    discs: FilmDiscs, diameters_m: tuple[float, float]
 ) -> dict[View, tuple[float, float]]:
     """Return for each view the radius of spheres a and b, in the ratio of their diameters, pixels.
 
@@ -62,23 +60,20 @@ def shared_radii(
         Neither sphere is found in any frame of a view.
     """
     radii: dict[View, tuple[float, float]] = {}
-    for view in spheres[0]:
-        seen = [
-            (outline.coverage, outline.circle.radius / diameter)
-            for sphere, diameter in zip(spheres, diameters_m, strict=True)
-            for outline in sphere[view].outlines.values()
-        ]
-        if not seen:
+    sizes = discs.circles[..., 2] / np.array(diameters_m)[:, None, None]
+    for v, view in enumerate(discs.views):
+        coverage = discs.coverage[:, v]
+        if not discs.found[:, v].any():
             raise ShotRefusedError("outlines", f"no sphere is found in the {view.value} view")
-        least = min(GOOD_COVERAGE, NEARLY_BEST * max(coverage for coverage, _ in seen))
-        size = float(np.median([own for coverage, own in seen if coverage >= least]))
+        least = min(GOOD_COVERAGE, NEARLY_BEST * float(coverage.max()))
+        size = float(np.median(sizes[:, v][coverage >= least]))
         radii[view] = (size * diameters_m[0], size * diameters_m[1])
     return radii
 
 
 def filter_bias(
     frames: NDArray[np.uint8],
-    spheres: Spheres,
+    discs: FilmDiscs,
     settings: EdgeSettings,
     noise: float,
 ) -> dict[View, float]:
@@ -90,23 +85,19 @@ def filter_bias(
     seen well.
     """
     fine = EdgeSettings(FINER * settings.sigma_px, None, settings.samples_per_pixel)
-    threshold = gradient_threshold(noise, fine.sigma_px)
-    views = list(spheres[0])
-    common = sorted(set.intersection(*(set(s[v].outlines) for s in spheres for v in views)))
+    circles, coverage = discs.flat()
+    common = np.flatnonzero(discs.found.all(axis=(0, 1)))
     chosen = common[:: max(1, len(common) // FRAMES_TRIED)]
-    differences: dict[View, list[float]] = {view: [] for view in views}
-    limits = KEEP_OFF_SIGMAS * settings.sigma_px, False
-    for k in chosen:
-        coarse = [(view, s[view].outlines[k]) for s in spheres for view in views]
-        starts = np.array([(o.circle.row, o.circle.column, o.circle.radius) for _, o in coarse])
-        windows = starts + np.array([0.0, 0.0, LIMB_REACH_PX + 1.0])
-        points = find_edges(frames[k], fine, threshold, windows).points
-        finer = fit_outlines(points, starts, starts, nothing_hidden(len(starts)), limits)
-        for (view, one), other in zip(coarse, finer, strict=True):
-            if other is not None and min(other.coverage, one.coverage) >= GOOD_COVERAGE:
-                differences[view].append(one.circle.radius - other.circle.radius)
-    share = 1.0 / (1.0 - FINER**2)
+    finer, shares = filtered_otherwise(
+        frames[chosen],
+        filters(fine, gradient_threshold(noise, fine.sigma_px)),
+        np.ascontiguousarray(circles[:, chosen]),
+        KEEP_OFF_SIGMAS * settings.sigma_px,
+    )
+    seats = 2, len(discs.views), len(chosen)
+    good = (np.minimum(shares, coverage[:, chosen]) >= GOOD_COVERAGE).reshape(seats)
+    wider = (circles[:, chosen, 2] - finer).reshape(seats) / (1.0 - FINER**2)
     return {
-        v: share * float(np.median(d)) if len(d) >= FEWEST_PAIRS else 0.0
-        for v, d in differences.items()
+        view: float(np.median(wider[:, v][good[:, v]])) if good[:, v].sum() >= FEWEST_PAIRS else 0.0
+        for v, view in enumerate(discs.views)
     }

@@ -12,13 +12,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.compiled import compiled, part
-from analysis.imaging.edges import Singles, filter_framed
+from analysis.imaging.edges import STRIP, Singles, filter_strip, framed_strip
 from analysis.imaging.facet import mark_row
 from analysis.imaging.labels import join_neighbours, name_roots
 from analysis.imaging.roots import add_roots
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int32]
+Filters = tuple[Singles, tuple[float, int, int]]
+"""`edges.half_kernels`; gradient below which a crossing is noise, pixels to keep off the frame's
+border, and samples that a pixel's root is rounded to, 0 for none."""
 Marked = tuple[Integers, NDArray[np.intp], Floats, NDArray[np.bool_]]
 """Number of the marked pixel counted from 1 at each pixel of a frame; rows and columns of marked
 pixels, shape (most, 2); what `roots.add_roots` fills, shape (most, 5); whether it found a root."""
@@ -58,9 +61,13 @@ def edges_about(
     pixels, points = np.empty((most, 2), dtype=np.intp), np.empty((most, 5))
     found = np.empty(most, dtype=np.bool_)
     count = 0
+    marked, widest = (number, pixels, points, found), STRIP - 2 * taps.shape[1]
     for n in range(places.shape[0]):
-        marked = number, pixels, points, found
-        count = mark_box(frame, boxes[n], (taps, limits[0]), marked, count)
+        box, last = boxes[n], boxes[n, 3]
+        while box[2] < last and box[0] < box[1]:
+            box[3] = min(box[2] + widest, last)
+            count = mark_box(frame, box, (taps, limits[0]), marked, count)
+            box[2] = box[3]
     parent = np.arange(count + 1).astype(np.int32)
     join_neighbours(number, pixels[:count], parent)
     name_roots(parent)
@@ -92,21 +99,13 @@ def fill_box(place: Floats, shape: tuple[int, int], border: int, box: NDArray[np
 
 
 @part
-def frame_box(frame: NDArray[np.uint8], box: NDArray[np.intp], margin: int) -> Singles:
-    """Return a box of a frame with a margin; outside the frame its edge pixels go on."""
-    rows, columns = frame.shape
-    top, left = box[0] - margin, box[2] - margin
-    framed = np.empty((box[1] + margin - top, box[3] + margin - left), dtype=np.float32)
-    before, after = max(-left, 0), max(left + framed.shape[1] - columns, 0)
-    for r in range(framed.shape[0]):
-        own, whole = framed[r], frame[min(max(top + r, 0), rows - 1)]
-        inside = whole[left + before : left + framed.shape[1] - after]
-        own_inside = own[before : framed.shape[1] - after]
-        for c in range(inside.size):
-            own_inside[c] = inside[c]
-        own[:before] = whole[0]
-        own[framed.shape[1] - after :] = whole[columns - 1]
-    return framed
+def which(marked: NDArray[np.bool_], places: NDArray[np.intp]) -> int:
+    """Fill the places that are marked; return how many. Few are, at random: no branch guesses."""
+    count = 0
+    for c in range(marked.size):
+        places[count] = c
+        count += marked[c]
+    return count
 
 
 @part
@@ -121,28 +120,29 @@ def mark_box(
 
     Parameters
     ----------
+    box
+        No wider than a strip without its margins.
     filters
         `edges.half_kernels`, and the gradient below which a crossing is noise.
     """
     number, pixels, points, found = marked
     height, width = box[1] - box[0], box[3] - box[2]
-    if height <= 0 or width <= 0:
-        return count
     # One more on each side: a facet has its neighbours.
-    framed = frame_box(frame, box, filters[0].shape[1])
-    log = np.empty((height + 2, framed.shape[1]), dtype=np.float32)
+    left = filters[0].shape[1]
+    framed = framed_strip(frame, (box[0] - left, box[2] - left), height + 2 * left)
+    log = np.empty((height + 2, STRIP), dtype=np.float32)
     edges = log, np.empty_like(log), np.empty_like(log)
-    filter_framed(framed, filters[0], edges)
-    crossing, left = np.empty(framed.shape[1], dtype=np.bool_), filters[0].shape[1]
+    filter_strip(framed, filters[0], edges)
+    crossing = np.empty(STRIP, dtype=np.bool_)
+    marked_here = np.empty(width, dtype=np.intp)
     before, corner = count, (box[0] - 1, box[2] - left)
     for r in range(1, height + 1):
         mark_row(edges, r, (left, left + width), filters[1], crossing)
-        for c in range(left, left + width):
-            row, column = box[0] + r - 1, box[2] + c - left
-            if not crossing[c] or number[row, column] > 0:
-                continue
-            pixels[count, 0], pixels[count, 1] = row, column
-            count += 1
-            number[row, column] = count
+        for n in range(which(crossing[left : left + width], marked_here)):
+            row, column = box[0] + r - 1, box[2] + marked_here[n]
+            if number[row, column] == 0:
+                pixels[count, 0], pixels[count, 1] = row, column
+                count += 1
+                number[row, column] = count
     add_roots(edges, pixels[before:count], corner, points[before:count], found[before:count])
     return count

@@ -12,8 +12,9 @@ from analysis.compiled import compiled, part
 Floats = NDArray[np.float64]
 
 MOST_SWEEPS = 30
-NEGLIGIBLE = 1e-17
-"""Share of the largest element that a rotation may leave off the diagonal."""
+NEGLIGIBLE = 1e-9
+"""Share of the largest element off the diagonal before a sweep that is the last: what it leaves is
+about the square of that."""
 
 
 def rotation_from_directions(

@@ -10,12 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.errors import ShotRefusedError, counted
-from analysis.imaging.markers import Markers
+from analysis.imaging.markers import FilmMarkers, Markers
 from analysis.motion.alignment import rotation_from_directions
-from analysis.motion.pattern import Orientations, Sightings, gathered
+from analysis.motion.pattern import Orientations, sightings
 from analysis.motion.pattern_steps import LEAST_COMMON, average_pattern, orientation_covariances
 from analysis.motion.proximal import match_markers
-from analysis.motion.sightings import sightings
 
 Floats = NDArray[np.float64]
 
@@ -23,13 +22,13 @@ REACH = 0.4
 """Markers move by less than this share of the radius in one frame."""
 
 
-def orient_by_steps(seen: dict[int, Markers], radius_px: float, sphere: str) -> Orientations:
+def orient_by_steps(seen: FilmMarkers, radius_px: float, sphere: str) -> Orientations:
     """Turn the sphere from frame to frame by the markers that two frames share.
 
     Parameters
     ----------
     seen
-        Markers of one sphere by frame; those of the front view are used.
+        Markers of one sphere; those of the front view are used.
     radius_px
         Radius of the sphere in the front view.
     sphere
@@ -40,15 +39,15 @@ def orient_by_steps(seen: dict[int, Markers], radius_px: float, sphere: str) -> 
     ShotRefusedError
         Two neighbouring frames share fewer than three markers.
     """
-    front = {k: markers.where(markers.front) for k, markers in sorted(seen.items())}
+    front = seen.where(seen.every.front)
+    frames = front.frames.tolist()
+    found = [front.every.where(own) for own in front.spans()]
     # Where each stands against the disc's centre, pixels (row, column).
-    points = [radius_px * markers.directions[:, :2] for markers in front.values()]
+    points = [radius_px * markers.directions[:, :2] for markers in found]
     names = match_markers(points, REACH * radius_px)
-    frames = list(front)
-    found = sightings(front)
     rotation = [np.eye(3)]
     for i in range(1, len(frames)):
-        step = _step(found[frames[i - 1]], names[i - 1], found[frames[i]], names[i])
+        step = _step(found[i - 1], names[i - 1], found[i], names[i])
         if step is None:
             common = np.intersect1d(names[i - 1], names[i]).size
             raise ShotRefusedError(
@@ -59,21 +58,21 @@ def orient_by_steps(seen: dict[int, Markers], radius_px: float, sphere: str) -> 
             )
         rotation.append(step @ rotation[-1])
     size = 1 + max((int(n.max()) for n in names if n.size), default=-1)
-    every, match = gathered([found[k] for k in frames]), np.concatenate(names)
+    every, match = sightings(front), np.concatenate(names)
     turns, used = np.array(rotation), np.ones(len(frames), dtype=np.bool_)
     pattern = average_pattern(every, turns, used, match, size)
     return Orientations(
-        frames=np.array(frames, dtype=np.intp),
+        frames=front.frames,
         rotation=turns,
         covariance=orientation_covariances(every, turns, used, match, pattern),
         pattern=pattern,
-        matches=tuple(np.split(match, every[2][:-1])),
+        matches=tuple(match[own] for own in front.spans()),
         left_out={},
     )
 
 
 def _step(
-    before: Sightings, names_before: NDArray[np.intp], now: Sightings, names: NDArray[np.intp]
+    before: Markers, names_before: NDArray[np.intp], now: Markers, names: NDArray[np.intp]
 ) -> Floats | None:
     common, first, second = np.intersect1d(names_before, names, return_indices=True)
     if common.size < LEAST_COMMON:

@@ -7,32 +7,16 @@ the whole shot and the two views, which see different halves, share one pattern.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analysis.errors import ShotRefusedError, counted
+from analysis.imaging.markers import FilmMarkers
 from analysis.motion.pattern_steps import LEAST_COMMON, Seen, learn_pattern
 
 Floats = NDArray[np.float64]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Sightings:
-    """Markers of one sphere in one frame, both views together.
-
-    Attributes
-    ----------
-    directions
-        Unit vectors in rig axes, shape (markers, 3).
-    facing
-        Cosine between each and its line of sight, shape (markers,).
-    """
-
-    directions: Floats
-    facing: Floats
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -63,15 +47,15 @@ class Orientations:
     left_out: dict[int, str]
 
 
-def orient(sightings: dict[int, Sightings], times_s: Floats, sphere: str) -> Orientations:
+def orient(seen: FilmMarkers, times_s: Floats, sphere: str) -> Orientations:
     """Learn the pattern of a sphere and its orientation in each frame.
 
     A frame that shares fewer than three markers with those before it is left out, and said so.
 
     Parameters
     ----------
-    sightings
-        By frame index.
+    seen
+        Markers of the sphere; their directions and facing are used.
     times_s
         Time of each frame of the shot, shape (frames,).
     sphere
@@ -82,32 +66,35 @@ def orient(sightings: dict[int, Sightings], times_s: Floats, sphere: str) -> Ori
     ShotRefusedError
         Fewer than two frames have an orientation.
     """
-    frames = sorted(sightings)
-    seen = gathered([sightings[k] for k in frames])
-    pattern, rotation, covariance, match, common = learn_pattern(seen, times_s[frames])
-    left_out = {k: _few(int(n)) for k, n in zip(frames, common, strict=True) if n < LEAST_COMMON}
+    pattern, rotation, covariance, match, common = learn_pattern(
+        sightings(seen), times_s[seen.frames]
+    )
+    few = np.flatnonzero(common < LEAST_COMMON)
+    left_out = {int(seen.frames[n]): _few(int(common[n])) for n in few}
     used = np.flatnonzero(common >= LEAST_COMMON)
     if len(used) < 2:
         first = min(left_out, default=0)
         raise ShotRefusedError(
             "markers", f"sphere {sphere}: {left_out.get(first, 'no markers in any frame')}", first
         )
-    matches = np.split(match, seen[2][:-1])
+    spans = seen.spans()
     return Orientations(
-        frames=np.array(frames, dtype=np.intp)[used],
+        frames=seen.frames[used],
         rotation=rotation[used],
         covariance=covariance[used],
         pattern=pattern,
-        matches=tuple(matches[f] for f in used),
+        matches=tuple(match[spans[f]] for f in used),
         left_out=left_out,
     )
 
 
-def gathered(sightings: Sequence[Sightings]) -> Seen:
-    """Return the sightings of several frames one after the other."""
-    ends = np.cumsum([len(own.facing) for own in sightings], dtype=np.intp)
-    directions = np.concatenate([np.empty((0, 3)), *(own.directions for own in sightings)])
-    return directions, np.concatenate([np.empty(0), *(own.facing for own in sightings)]), ends
+def sightings(seen: FilmMarkers) -> Seen:
+    """Return directions, facing and ends of a sphere's markers as the compiled steps take them."""
+    return (
+        np.ascontiguousarray(seen.every.directions),
+        np.ascontiguousarray(seen.every.facing),
+        seen.ends,
+    )
 
 
 def _few(common: int) -> str:

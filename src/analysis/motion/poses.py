@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.imaging.outlines import Outline
-from analysis.imaging.tracks import Track
+from analysis.imaging.film_discs import FilmDiscs
 from analysis.imaging.views import View, ViewGeometry
 
 Floats = NDArray[np.float64]
@@ -37,7 +35,8 @@ class Centres:
 
 
 def centres(
-    tracks: dict[View, Track],
+    discs: FilmDiscs,
+    sphere: int,
     views: tuple[ViewGeometry, ...],
     scales_px_per_m: dict[View, float],
     sigma_px: float,
@@ -48,39 +47,47 @@ def centres(
 
     Parameters
     ----------
+    sphere
+        0 for a, 1 for b.
     scales_px_per_m
         Scale of each view.
     sigma_px
         Width of the edge filter: it ties neighbouring edge points together.
     """
     geometry = {g.view: g for g in views}
-    frames = sorted(tracks[View.FRONT].outlines)
+    front = sphere, discs.views.index(View.FRONT)
+    frames = np.flatnonzero(discs.found[front])
     position, sigma = np.zeros((len(frames), 3)), np.full((len(frames), 3), 1e-6)
-    for i, k in enumerate(frames):
-        front, scale = tracks[View.FRONT].outlines[k], scales_px_per_m[View.FRONT]
-        origin = geometry[View.FRONT].origin
-        position[i, 0] = (front.circle.row - origin[0]) / scale
-        position[i, 1] = (front.circle.column - origin[1]) / scale
-        sigma[i, :2] = centre_sigma(front, sigma_px) / scale
-        if View.TOP not in tracks:
-            continue
-        position[i, 2], sigma[i, 2] = np.nan, np.inf
-        if (top := tracks[View.TOP].outlines.get(k)) is not None:
-            scale = scales_px_per_m[View.TOP]
-            position[i, 2] = -(top.circle.row - geometry[View.TOP].origin[0]) / scale
-            sigma[i, 2] = centre_sigma(top, sigma_px)[0] / scale
-    return Centres(np.array(frames, dtype=np.intp), position, sigma)
+    scale = scales_px_per_m[View.FRONT]
+    position[:, :2] = (discs.circles[front][frames, :2] - geometry[View.FRONT].origin) / scale
+    sigma[:, :2] = centre_sigmas(discs, front, sigma_px)[frames] / scale
+    if View.TOP in discs.views:
+        top, scale = (sphere, discs.views.index(View.TOP)), scales_px_per_m[View.TOP]
+        seen = discs.found[top][frames]
+        height = -(discs.circles[top][frames, 0] - geometry[View.TOP].origin[0]) / scale
+        position[:, 2] = np.where(seen, height, np.nan)
+        errors = centre_sigmas(discs, top, sigma_px)[frames, 0] / scale
+        sigma[:, 2] = np.where(seen, errors, np.inf)
+    return Centres(frames, position, sigma)
 
 
-def centre_sigma(outline: Outline, sigma_px: float) -> Floats:
-    """Return the standard errors of row and column, pixels, shape (2,).
+def centre_sigmas(discs: FilmDiscs, seat: tuple[int, int], sigma_px: float) -> Floats:
+    """Return the standard errors of row and column of a sphere's outlines in one view, pixels.
 
     The filter makes edge points within 2 sqrt(pi) sigma of each other repeat one another, so the
     fit's covariance, which takes them as independent, is enlarged by their number in that length.
+
+    Parameters
+    ----------
+    seat
+        Sphere and view, as indices.
+
+    Returns
+    -------
+    Shape (frames, 2); anything in a frame without outline.
     """
-    rim = 2 * np.pi * outline.circle.radius * max(outline.coverage, 1e-3)
-    repeats = max(1.0, 2 * np.sqrt(np.pi) * sigma_px * len(outline.points) / rim)
-    covariance = outline.circle.covariance
-    return np.array(
-        [math.sqrt(float(covariance[a, a]) * repeats + LEAST_SIGMA_PX**2) for a in (0, 1)]
-    )
+    rim = 2 * np.pi * discs.circles[seat][:, 2] * np.maximum(discs.coverage[seat], 1e-3)
+    points = np.diff(discs.spans[seat], axis=1)[:, 0]
+    repeats = np.maximum(1.0, 2 * np.sqrt(np.pi) * sigma_px * points / np.maximum(rim, 1e-9))
+    variance = np.einsum("kaa->ka", discs.covariance[seat])[:, :2]
+    return np.asarray(np.sqrt(variance * repeats[:, None] + LEAST_SIGMA_PX**2))

@@ -1,96 +1,104 @@
-"""All markers of a sphere in every frame, both views together."""
+"""All markers of both spheres in every frame, both views together."""
 
 from __future__ import annotations
-
-from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.imaging.dark_places import find_dark_places
+from analysis.imaging.film_discs import FilmDiscs
+from analysis.imaging.film_following import FilmCurves
+from analysis.imaging.film_passes import film_ellipses
 from analysis.imaging.marker_curves import FURTHEST_CENTRE, LARGEST_SINE
-from analysis.imaging.markers import Markers, SeenDisc, joined
-from analysis.imaging.tracks import Spheres, Track, frames_of
+from analysis.imaging.markers import FilmMarkers, Markers, SeenDisc, film_markers
 from analysis.imaging.views import View, ViewGeometry
-from analysis.motion.pattern import Sightings
 
-Finder = Callable[[int, Sequence[SeenDisc]], tuple[Markers, NDArray[np.intp]]]
-"""Finds the markers in the discs of a frame, given its index, as `markers.find_markers` does."""
+Floats = NDArray[np.float64]
+Radii = dict[View, tuple[float, float]]
+"""Radius of a and of b in each view, pixels."""
 
-SeenMarkers = tuple[dict[int, Markers], dict[int, Markers]]
-"""Markers of a and of b by frame."""
+SeenMarkers = tuple[FilmMarkers, FilmMarkers]
+"""Markers of a and of b."""
 
 
-def seen_markers(
-    find: Finder,
+def markers_by_edges(curves: FilmCurves, discs: FilmDiscs, radii: Radii) -> SeenMarkers:
+    """Find the markers in every disc of a film as closed edges (`markers.find_markers`)."""
+    views = discs.views
+    sizes = np.array([radii[view][i] for i in (0, 1) for view in views])
+    front = np.array([view is View.FRONT for _ in (0, 1) for view in views])
+    found = film_ellipses(curves, discs.flat(), sizes, front)
+    ellipses, directions, facing, disc, frame = found
+    every = Markers(ellipses, directions, facing, front[disc])
+    first, second = (
+        _of_sphere(every.where(own), frame[own], discs.found[i].any(axis=0))
+        for i, own in enumerate((disc < len(views), disc >= len(views)))
+    )
+    return first, second
+
+
+def _of_sphere(every: Markers, frame: NDArray[np.intp], shown: NDArray[np.bool_]) -> FilmMarkers:
+    frames = np.flatnonzero(shown)
+    ends = np.cumsum(np.bincount(frame, minlength=len(shown))[frames])
+    return FilmMarkers(frames, ends, every)
+
+
+def markers_by_darkness(
+    frames: NDArray[np.uint8],
+    noise: float,
     views: tuple[ViewGeometry, ...],
-    spheres: Spheres,
-    radii: dict[View, tuple[float, float]],
+    discs: FilmDiscs,
+    radii: Radii,
 ) -> SeenMarkers:
-    """Find the markers of both spheres in every frame that has an outline of them."""
-    seen: SeenMarkers = ({}, {})
-    for k in frames_of(spheres):
-        discs: list[SeenDisc] = []
+    """Find the markers in every disc of a film as dark places (`dark_places`)."""
+    spheres = discs.tracks()
+    seen: tuple[dict[int, Markers], dict[int, Markers]] = ({}, {})
+    for k in map(int, np.flatnonzero(discs.found.any(axis=(0, 1)))):
+        here: list[SeenDisc] = []
         count = [0, 0]
         for i, sphere in enumerate(spheres):
             for geometry in views:
                 outline = sphere[geometry.view].outlines.get(k)
                 if outline is not None:
-                    discs.append(SeenDisc(outline, radii[geometry.view][i], geometry))
+                    here.append(SeenDisc(outline, radii[geometry.view][i], geometry))
                     count[i] += 1
-        markers, ends = find(k, discs)
+        markers, ends = find_dark_places(frames[k], here, noise=noise)
         middle = int(ends[count[0] - 1]) if count[0] else 0
         for i, own in ((0, slice(0, middle)), (1, slice(middle, None))):
             if count[i]:
                 seen[i][k] = markers.where(own)
-    return seen
+    return film_markers(seen[0]), film_markers(seen[1])
 
 
-def lifted_again(
-    seen: dict[int, Markers], tracks: dict[View, Track], radii_px: dict[View, float]
-) -> dict[int, Markers]:
+def lifted_again(seen: FilmMarkers, discs: FilmDiscs, sphere: int, radii: Radii) -> FilmMarkers:
     """Direct the markers of one sphere anew from the middles of other outlines (`lift`).
 
-    Parameters
-    ----------
-    tracks, radii_px
-        Outlines of the sphere, and its radius, in each view. Markers without an outline, or too
-        near to its limb, are left out.
+    Markers without an outline, or too near to its limb, are left out.
     """
-    every = joined(list(seen.values()))
-    sizes = np.array([len(own) for own in seen.values()], dtype=np.intp)
-    frame = np.repeat(np.arange(len(seen)), sizes)
-    view, centre = np.where(every.front, 0, 1), np.full((len(seen), 2, 2), np.nan)
-    radius = np.array([radii_px.get(own, np.nan) for own in (View.FRONT, View.TOP)])[view]
-    for v, track in enumerate(tracks.get(own) for own in (View.FRONT, View.TOP)):
-        for n, k in enumerate(seen):
-            if track is not None and (place := track.centre(k)) is not None:
-                centre[n, v] = place
+    every, frame = seen.every, seen.frames[seen.frame_of_each()]
+    view = np.where(every.front, *(_index(discs, own) for own in (View.FRONT, View.TOP)))
+    radius = np.array([radii[own][sphere] for own in discs.views])[view]
+    centre = discs.circles[sphere, view, frame, :2]
     sine = np.minimum(every.ellipses[:, 2] / radius, LARGEST_SINE)
     reach = radius * np.sqrt(1.0 - sine**2)
-    down, across = ((every.ellipses[:, :2] - centre[frame, view]) / reach[:, None]).T
+    down, across = ((every.ellipses[:, :2] - centre) / reach[:, None]).T
     square = down**2 + across**2
-    kept = square <= FURTHEST_CENTRE**2
+    kept = (square <= FURTHEST_CENTRE**2) & discs.found[sphere, view, frame]
     facing = np.sqrt(1.0 - np.where(kept, square, 0.0))
     front = np.stack([down, across, facing], axis=1)
     top = np.stack([-facing, across, -down], axis=1)
     directions = np.where(every.front[:, None], front, top)
-    again = Markers(every.ellipses, directions, facing, every.front).where(kept)
-    ends = np.cumsum(np.bincount(frame[kept], minlength=len(seen))).tolist()
-    starts = [0, *ends][: len(ends)]
-    return {k: again.where(slice(a, b)) for k, a, b in zip(seen, starts, ends, strict=True)}
+    return seen.where(kept, Markers(every.ellipses, directions, facing, every.front))
 
 
-def sightings(seen: dict[int, Markers]) -> dict[int, Sightings]:
-    """Return the directions of the markers of one sphere by frame."""
-    return {k: Sightings(own.directions, own.facing) for k, own in seen.items()}
+def _index(discs: FilmDiscs, view: View) -> int:
+    return discs.views.index(view) if view in discs.views else 0
 
 
-def marker_angle(seen: SeenMarkers, radii: dict[View, tuple[float, float]]) -> float:
+def marker_angle(seen: SeenMarkers, radii: Radii) -> float:
     """Return the median angular radius of the markers, radians; 0 where none is seen."""
     sizes = []
     for i, sphere in enumerate(seen):
-        for own in sphere.values():
-            top = radii.get(View.TOP, radii[View.FRONT])[i]
-            sizes.append(own.ellipses[:, 2] / np.where(own.front, radii[View.FRONT][i], top))
-    every = np.concatenate(sizes) if sizes else np.empty(0)
+        own, top = sphere.every, radii.get(View.TOP, radii[View.FRONT])[i]
+        sizes.append(own.ellipses[:, 2] / np.where(own.front, radii[View.FRONT][i], top))
+    every = np.concatenate(sizes)
     return float(np.arcsin(min(np.median(every), 1.0))) if every.size else 0.0

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.imaging.markers import Markers
+from analysis.imaging.markers import FilmMarkers, Markers
 from analysis.imaging.outlines import Outline
 from analysis.imaging.shells import Circle
 from analysis.imaging.tracks import Track
@@ -56,10 +56,7 @@ def tracking_of(film: Film, known: Knowledge, times_s: Floats, gravity: float) -
     }
     return Tracking(
         spheres=(spheres[0], spheres[1]),
-        markers=(
-            {k: own for k, (_, own) in markers[0].items()},
-            {k: own for k, (_, own) in markers[1].items()},
-        ),
+        markers=(markers[0][0], markers[1][0]),
         marker_angle=(known.spheres[0].alpha + known.spheres[1].alpha) / 2,
         filter_sigma_px=float(np.sqrt(SLOW_ERROR_PX / CENTRE_DRIFT_PER_SIGMA2)),
         radii=radii,
@@ -90,8 +87,8 @@ def _tracks(film: Film, known: Knowledge, sphere: int) -> dict[View, Track]:
     return tracks
 
 
-def _markers(film: Film, known: Knowledge, sphere: int) -> dict[int, tuple[Names, Markers]]:
-    """Return by frame the markers that face a view, and the index of each in the pattern."""
+def _markers(film: Film, known: Knowledge, sphere: int) -> tuple[FilmMarkers, Names]:
+    """Return the markers that face a view, and the index of each in the pattern."""
     frames = np.flatnonzero(film.placed[sphere])
     rows, names, ends = facing_markers(
         known.camera.optics,
@@ -102,9 +99,7 @@ def _markers(film: Film, known: Knowledge, sphere: int) -> dict[int, tuple[Names
     )
     front = np.array([view is View.FRONT for view in known.camera.views])[names[:, 1]]
     every = Markers(rows[:, :6], rows[:, 6:9], rows[:, 9], front)
-    starts = [0, *ends.tolist()]
-    here = {int(k): slice(a, b) for k, a, b in zip(frames, starts, ends.tolist(), strict=False)}
-    return {k: (names[own, 0], every.where(own)) for k, own in here.items()}
+    return FilmMarkers(frames, ends, every), names[:, 0]
 
 
 def _centres(film: Film, known: Knowledge, sphere: int) -> Centres:
@@ -118,23 +113,23 @@ def _centres(film: Film, known: Knowledge, sphere: int) -> Centres:
 
 
 def _orientations(
-    film: Film, known: Knowledge, sphere: int, seen: dict[int, tuple[Names, Markers]]
+    film: Film, known: Knowledge, sphere: int, seen: tuple[FilmMarkers, Names]
 ) -> Orientations:
-    placed = np.flatnonzero(film.placed[sphere])
+    (markers, names), placed = seen, np.flatnonzero(film.placed[sphere])
     covariance = film.covariance[sphere, placed][:, 3:, 3:]
     widest = np.sqrt(np.linalg.eigvalsh(covariance)[:, -1])
-    frames = placed[widest < MOST_TURN_RAD]
+    kept = widest < MOST_TURN_RAD
+    frames = placed[kept]
     left_out = {
         int(k): f"its markers leave a turn of {np.degrees(w):.0f} degrees open, "
         f"{np.degrees(MOST_TURN_RAD):.0f} are allowed"
-        for k, w in zip(placed, widest, strict=True)
-        if w >= MOST_TURN_RAD
+        for k, w in zip(placed[~kept], widest[~kept], strict=True)
     }
     return Orientations(
         frames=frames,
         rotation=film.rotation[sphere, frames].copy(),
-        covariance=covariance[widest < MOST_TURN_RAD],
+        covariance=covariance[kept],
         pattern=known.spheres[sphere].markers,
-        matches=tuple(seen[int(k)][0] for k in frames),
+        matches=tuple(names[own] for own, good in zip(markers.spans(), kept, strict=True) if good),
         left_out=left_out,
     )

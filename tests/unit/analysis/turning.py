@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from analysis.motion.pattern import Sightings
+from analysis.imaging.markers import Markers, film_markers
+from analysis.motion.pattern import Orientations, orient
 
 Floats = NDArray[np.float64]
 
@@ -27,9 +28,16 @@ def body_markers(number: int = 16, separation: float = 0.55, seed: int = 4) -> F
     return np.array(chosen)
 
 
+def sighted(directions: Floats, facing: Floats) -> Markers:
+    """Return markers of which only the direction and the facing matter."""
+    return Markers(
+        np.zeros((len(facing), 6)), directions, facing, np.ones(len(facing), dtype=np.bool_)
+    )
+
+
 def sight(
     body: Floats, turn: Rotation, rng: np.random.Generator, noise: float = 0.0
-) -> tuple[Sightings, NDArray[np.intp]]:
+) -> tuple[Markers, NDArray[np.intp]]:
     """Return what both views see of the markers, in any order, and which marker each one is."""
     directions, facing, names = [], [], []
     for eye in (CAMERA, UP):
@@ -42,6 +50,11 @@ def sight(
         names.append(seen)
     order = rng.permutation(sum(len(n) for n in names))
     return (
-        Sightings(np.concatenate(directions)[order], np.concatenate(facing)[order]),
+        sighted(np.concatenate(directions)[order], np.concatenate(facing)[order]),
         np.concatenate(names)[order],
     )
+
+
+def oriented(seen: dict[int, Markers], times_s: Floats, sphere: str) -> Orientations:
+    """Learn orientations from the markers of each frame."""
+    return orient(film_markers(seen), times_s, sphere)

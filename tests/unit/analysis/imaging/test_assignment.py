@@ -4,8 +4,8 @@ from drawings import SETTINGS, THRESHOLD, Place, draw, grey
 
 from analysis.errors import ShotRefusedError
 from analysis.imaging.assignment import follow, seed_frame
+from analysis.imaging.film_discs import FilmDiscs
 from analysis.imaging.frame import FilmEdges
-from analysis.imaging.tracks import Spheres
 from analysis.imaging.views import View, view_geometries
 from analysis.setup import CameraSetup
 
@@ -49,8 +49,8 @@ def filmed(drawings: list[np.ndarray]) -> FilmEdges:
     return FilmEdges(np.array(frames), SETTINGS, THRESHOLD)
 
 
-def assert_followed(spheres: Spheres, truth: list[dict[tuple[str, View], Place]]) -> None:
-    for name, sphere in zip(SPHERES, spheres, strict=True):
+def assert_followed(discs: FilmDiscs, truth: list[dict[tuple[str, View], Place]]) -> None:
+    for name, sphere in zip(SPHERES, discs.tracks(), strict=True):
         for view in View:
             for k, expected in enumerate(truth):
                 centre = sphere[view].centre(k)
@@ -60,7 +60,7 @@ def assert_followed(spheres: Spheres, truth: list[dict[tuple[str, View], Place]]
 
 def test_both_spheres_are_followed_in_both_views_through_all_frames() -> None:
     truth = [places(k, (95.0, 110.0)) for k in range(13)]
-    assert_followed(follow(film(truth), VIEWS, RADIUS), truth)
+    assert_followed(follow(film(truth), VIEWS, RADIUS)[0], truth)
 
 
 def test_a_sphere_that_crosses_into_the_rows_of_the_other_view_keeps_its_name() -> None:
@@ -71,7 +71,7 @@ def test_a_sphere_that_crosses_into_the_rows_of_the_other_view_keeps_its_name() 
         {key: (row - 8 if key[1] is View.TOP else row, c, r) for key, (row, c, r) in t.items()}
         for t in truth
     ]
-    assert_followed(follow(film(moved), VIEWS, RADIUS), moved)
+    assert_followed(follow(film(moved), VIEWS, RADIUS)[0], moved)
 
 
 def passing(k: int) -> dict[tuple[str, View], Place]:
@@ -86,7 +86,7 @@ def passing(k: int) -> dict[tuple[str, View], Place]:
 def test_a_is_the_sphere_that_comes_from_the_left_even_where_it_ends_on_the_right() -> None:
     truth = [passing(k) for k in range(13)]
     assert truth[-1]["a", View.FRONT][1] > truth[-1]["b", View.FRONT][1]
-    assert_followed(follow(film(truth), VIEWS, RADIUS), truth)
+    assert_followed(follow(film(truth), VIEWS, RADIUS)[0], truth)
 
 
 def test_the_seed_is_the_frame_that_shows_both_spheres_in_both_views() -> None:

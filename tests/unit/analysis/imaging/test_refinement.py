@@ -2,12 +2,14 @@ import math
 
 import numpy as np
 from drawings import SETTINGS
+from found import At, discs_at
 from rendered import OPTICS, RADIUS_PX, picture, setup_of
 
+from analysis.imaging.film_discs import FilmDiscs
+from analysis.imaging.film_following import FilmCurves
 from analysis.imaging.frame import find_edges
-from analysis.imaging.outlines import Outline, fit_outline
+from analysis.imaging.outlines import fit_outline
 from analysis.imaging.refinement import Knowledge, refine_outlines
-from analysis.imaging.tracks import Spheres, Track
 from analysis.imaging.views import View, view_geometries
 from simulators.world import WorldDescription
 from simulators.world.optics import front_view
@@ -25,34 +27,45 @@ def true_place(centre: np.ndarray) -> tuple[float, float]:
     return front_view(OPTICS).centre_px(centre, OPTICS.scale_px_per_m)
 
 
-def plain_outline(frame: int, centre: np.ndarray) -> Outline:
+def film_curves() -> FilmCurves:
+    """Return the edges of all frames one after the other."""
+    points = [own.points for own in EDGES]
+    names = "row", "column", "normal_row", "normal_column", "strength"
+    filled = np.array([np.concatenate([getattr(p, name) for p in points]) for name in names])
+    ends = np.cumsum([len(p) for p in points])
+    labels = np.concatenate([own.labels for own in EDGES])
+    return filled, labels, np.stack([ends - [len(p) for p in points], ends], axis=1)
+
+
+def plain_outline(frame: int, centre: np.ndarray) -> At:
     outline = fit_outline(EDGES[frame].points, (*true_place(centre), RADIUS_PX), (), 3.0)
     assert outline is not None
-    return outline
+    circle = outline.circle
+    return At(circle.row, circle.column, circle.radius, outline.coverage)
 
 
-def tracks() -> Spheres:
-    a, b = (Track(View.FRONT, {k: plain_outline(k, c) for k in range(4)}) for c in (A, B))
-    return {View.FRONT: a}, {View.FRONT: b}
+def plain() -> FilmDiscs:
+    a, b = ({View.FRONT: {k: plain_outline(k, c) for k in range(4)}} for c in (A, B))
+    return discs_at(4, a, b)
 
 
-def refined(radius: float, *, known: bool = True) -> Spheres:
-    standing = dict.fromkeys(range(4), LIMB) if known else {}
-    knowledge = Knowledge({View.FRONT: (radius, radius)}, (standing, {}), MARKER_ANGLE)
-    return refine_outlines(EDGES, (FRONT,), tracks(), knowledge, SETTINGS.sigma_px)
+def refined(radius: float, *, known: bool = True) -> FilmDiscs:
+    nothing = np.full((4, 0, 3), np.nan)
+    standing = np.tile(LIMB, (4, 1, 1)) if known else nothing
+    knowledge = Knowledge({View.FRONT: (radius, radius)}, (standing, nothing), MARKER_ANGLE)
+    return refine_outlines(film_curves(), (FRONT,), plain(), knowledge, SETTINGS.sigma_px)
 
 
-def offset(spheres: Spheres, sphere: int) -> np.ndarray:
+def offset(discs: FilmDiscs, sphere: int) -> np.ndarray:
     """Return by how much the centre stands off the truth, mean over the frames, pixels."""
-    row, column = true_place((A, B)[sphere])
-    circles = [outline.circle for outline in spheres[sphere][View.FRONT].outlines.values()]
-    return np.mean([(c.row - row, c.column - column) for c in circles], axis=0)
+    return np.mean(discs.circles[sphere, 0, :, :2] - true_place((A, B)[sphere]), axis=0)
 
 
-def nearest_point_to_a_marker(spheres: Spheres) -> float:
+def nearest_point_to_a_marker(discs: FilmDiscs) -> float:
     """Return the least angle at the centre between a limb point and a marker, radians."""
     row, column = true_place(A)
-    points = np.concatenate([o.points for o in spheres[0][View.FRONT].outlines.values()])
+    outlines = discs.tracks()[0][View.FRONT].outlines.values()
+    points = np.concatenate([o.points for o in outlines])
     angle = np.arctan2(points[:, 1] - column, points[:, 0] - row)
     return float(min(np.abs((angle - a + math.pi) % (2 * math.pi) - math.pi).min() for a in ANGLES))
 
@@ -65,22 +78,28 @@ def test_stretches_of_the_limb_under_a_marker_are_left_out() -> None:
 
 
 def test_a_marked_sphere_is_found_as_well_as_a_plain_one() -> None:
-    plain = [outline.circle.radius for outline in tracks()[1][View.FRONT].outlines.values()]
     # Shading alone moves the plain sphere b by a few hundredths of a pixel, and a as much.
-    found = offset(refined(float(np.mean(plain))), 0)
-    assert np.hypot(*(found - offset(tracks(), 1))) < 0.05
+    found = offset(refined(float(plain().circles[1, 0, :, 2].mean())), 0)
+    assert np.hypot(*(found - offset(plain(), 1))) < 0.05
     assert np.hypot(*found) < 0.1
 
 
 def test_the_known_radius_is_held() -> None:
-    circles = [o.circle for o in refined(RADIUS_PX + 0.2)[0][View.FRONT].outlines.values()]
-    assert [circle.radius for circle in circles] == [RADIUS_PX + 0.2] * 4
+    assert refined(RADIUS_PX + 0.2).circles[0, 0, :, 2].tolist() == [RADIUS_PX + 0.2] * 4
 
 
 def test_a_sphere_without_known_markers_keeps_its_whole_limb() -> None:
-    plain, again = tracks()[1][View.FRONT], refined(RADIUS_PX)[1][View.FRONT]
-    assert sorted(again.outlines) == [0, 1, 2, 3]
-    for k, outline in again.outlines.items():
-        assert outline.coverage == 1.0
-        before, now = plain.outlines[k].circle, outline.circle
-        assert math.hypot(now.row - before.row, now.column - before.column) < 0.1
+    again = refined(RADIUS_PX)
+    assert again.coverage[1, 0].tolist() == [1.0] * 4
+    moved = again.circles[1, 0, :, :2] - plain().circles[1, 0, :, :2]
+    assert np.hypot(*moved.T).max() < 0.1
+
+
+def test_frames_without_an_outline_stay_without() -> None:
+    discs = plain()
+    discs.coverage[0, 0, 1] = -1.0
+    nothing = np.full((4, 0, 3), np.nan)
+    knowledge = Knowledge({View.FRONT: (RADIUS_PX,) * 2}, (nothing, nothing), MARKER_ANGLE)
+    again = refine_outlines(film_curves(), (FRONT,), discs, knowledge, SETTINGS.sigma_px)
+    assert again.found[:, 0].tolist() == [[True, False, True, True], [True] * 4]
+    assert sorted(again.tracks()[0][View.FRONT].outlines) == [0, 2, 3]

@@ -6,10 +6,11 @@ from scipy.spatial.transform import Rotation
 from turning import CAMERA, LEAST_FACING, body_markers
 
 from analysis.errors import ShotRefusedError
-from analysis.imaging.markers import Markers, joined
+from analysis.imaging.markers import Markers, film_markers, joined
 from analysis.imaging.views import View
 from analysis.motion.chained import orient_by_steps
-from analysis.motion.sightings import marker_angle, sightings
+from analysis.motion.pattern import sightings
+from analysis.motion.sightings import marker_angle
 
 RADIUS = 20.0
 STEP = np.array([0.03, 0.05, -0.04])
@@ -28,7 +29,8 @@ def front_markers(turn: Rotation) -> Markers:
 
 def test_steps_from_frame_to_frame_add_up_to_the_whole_turn() -> None:
     turns = [Rotation.from_rotvec(k * STEP) for k in range(8)]
-    found = orient_by_steps({k: front_markers(t) for k, t in enumerate(turns)}, RADIUS, "a")
+    seen = film_markers({k: front_markers(t) for k, t in enumerate(turns)})
+    found = orient_by_steps(seen, RADIUS, "a")
     assert found.frames.tolist() == list(range(8))
     expected = Rotation.concatenate(turns).as_matrix()
     np.testing.assert_allclose(found.rotation, expected, atol=1e-6)
@@ -40,9 +42,8 @@ def test_markers_of_the_top_view_take_no_part() -> None:
     stray = seen_in(View.TOP, np.array([[-1.0, 0.0, 0.0]]))
     plain = {k: front_markers(t) for k, t in enumerate(turns)}
     mixed = {k: joined([markers, stray]) for k, markers in plain.items()}
-    np.testing.assert_array_equal(
-        orient_by_steps(mixed, RADIUS, "a").rotation, orient_by_steps(plain, RADIUS, "a").rotation
-    )
+    found, expected = (orient_by_steps(film_markers(own), RADIUS, "a") for own in (mixed, plain))
+    np.testing.assert_array_equal(found.rotation, expected.rotation)
 
 
 def test_two_common_markers_are_refused_with_both_frames() -> None:
@@ -50,21 +51,23 @@ def test_two_common_markers_are_refused_with_both_frames() -> None:
     seen = {k: front_markers(t) for k, t in enumerate(turns)}
     seen[3] = seen[3].where(slice(2))
     with pytest.raises(ShotRefusedError) as refusal:
-        orient_by_steps(seen, RADIUS, "b")
+        orient_by_steps(film_markers(seen), RADIUS, "b")
     assert (refusal.value.step, refusal.value.frame) == ("markers", 3)
     assert "only 2 markers of sphere b in common with frame 2, 3 are needed" in str(refusal.value)
 
 
 def test_sightings_keep_order_and_facing_and_an_empty_frame_is_empty() -> None:
     markers = front_markers(Rotation.identity())
-    gathered = sightings({0: markers, 1: joined([])})
-    np.testing.assert_array_equal(gathered[0].directions, markers.directions)
-    np.testing.assert_array_equal(gathered[0].facing, markers.facing)
-    assert gathered[1].directions.shape == (0, 3)
+    directions, facing, ends = sightings(film_markers({0: markers, 1: joined([])}))
+    np.testing.assert_array_equal(directions, markers.directions)
+    np.testing.assert_array_equal(facing, markers.facing)
+    assert ends.tolist() == [len(markers)] * 2
 
 
 def test_the_marker_angle_is_the_arc_of_its_median_half_width() -> None:
     sizes = joined([seen_in(View.FRONT, CAMERA[None], s) for s in (2.0, 3.2, 9.0)])
-    angle = marker_angle(({0: sizes}, {}), {View.FRONT: (RADIUS, RADIUS)})
+    angle = marker_angle(
+        (film_markers({0: sizes}), film_markers({})), {View.FRONT: (RADIUS, RADIUS)}
+    )
     assert angle == pytest.approx(math.asin(3.2 / 20.0))
-    assert marker_angle(({}, {}), {View.FRONT: (RADIUS, RADIUS)}) == 0.0
+    assert marker_angle((film_markers({}), film_markers({})), {View.FRONT: (RADIUS, RADIUS)}) == 0.0

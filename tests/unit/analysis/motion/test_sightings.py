@@ -4,11 +4,9 @@ import math
 
 import numpy as np
 import pytest
+from found import At, discs_at
 
-from analysis.imaging.markers import Markers
-from analysis.imaging.outlines import Outline
-from analysis.imaging.shells import Circle
-from analysis.imaging.tracks import Track
+from analysis.imaging.markers import FilmMarkers, Markers, film_markers
 from analysis.imaging.views import View
 from analysis.motion.sightings import lifted_again
 
@@ -29,32 +27,34 @@ def shown(view: View, directions: np.ndarray) -> Markers:
     return Markers(ellipses, np.full((len(flat), 3), np.nan), np.full(len(flat), np.nan), front)
 
 
-def track(view: View, frames: tuple[int, ...]) -> Track:
-    circle = Circle(*CENTRES[view], RADIUS, np.zeros((3, 3)))
-    return Track(view, {k: Outline(circle, 1.0, np.zeros((0, 2))) for k in frames})
+def again_from(view: View, seen: dict[int, Markers], frames: tuple[int, ...]) -> FilmMarkers:
+    """Direct markers anew from outlines of one view in some of five frames."""
+    discs = discs_at(5, {view: {k: At(*CENTRES[view], RADIUS) for k in frames}})
+    return lifted_again(film_markers(seen), discs, 0, {view: (RADIUS, RADIUS)})
 
 
 @pytest.mark.parametrize("view", list(View))
 def test_markers_are_directed_from_the_middles_of_the_new_outlines(view: View) -> None:
     # What faces the camera has X upward as its depth in the top view.
     directions = TRUE if view is View.FRONT else TRUE[:, [2, 1, 0]] * [-1.0, 1.0, 1.0]
-    again = lifted_again({4: shown(view, directions)}, {view: track(view, (4,))}, {view: RADIUS})
-    np.testing.assert_allclose(again[4].directions, directions, atol=1e-12)
-    np.testing.assert_allclose(again[4].facing, TRUE[:, 2], atol=1e-12)
+    again = again_from(view, {4: shown(view, directions)}, (4,)).get(4)
+    assert again is not None
+    np.testing.assert_allclose(again.directions, directions, atol=1e-12)
+    np.testing.assert_allclose(again.facing, TRUE[:, 2], atol=1e-12)
 
 
 def test_markers_without_an_outline_are_left_out_and_other_frames_keep_theirs() -> None:
-    seen = {k: shown(View.FRONT, TRUE[: k + 1]) for k in range(3)}
-    again = lifted_again(seen, {View.FRONT: track(View.FRONT, (0, 2))}, {View.FRONT: RADIUS})
-    assert [len(again[k]) for k in range(3)] == [1, 0, 3]
-    np.testing.assert_allclose(again[2].directions, TRUE, atol=1e-12)
+    again = again_from(View.FRONT, {k: shown(View.FRONT, TRUE[: k + 1]) for k in range(3)}, (0, 2))
+    assert again.ends.tolist() == [1, 1, 4]
+    assert again.get(1) is not None
+    assert again.get(3) is None
+    np.testing.assert_allclose(again.every.directions[1:], TRUE, atol=1e-12)
 
 
 def test_a_marker_that_comes_too_near_to_the_limb_is_left_out() -> None:
     limb = np.array([[0.0, 0.9, math.sqrt(1 - 0.81)]])
-    tracks = {View.FRONT: track(View.FRONT, (0,))}
-    assert len(lifted_again({0: shown(View.FRONT, limb)}, tracks, {View.FRONT: RADIUS})[0]) == 0
+    assert len(again_from(View.FRONT, {0: shown(View.FRONT, limb)}, (0,)).every) == 0
 
 
 def test_a_sphere_that_is_never_seen_has_none() -> None:
-    assert lifted_again({}, {View.FRONT: track(View.FRONT, ())}, {View.FRONT: RADIUS}) == {}
+    assert len(again_from(View.FRONT, {}, ()).frames) == 0
