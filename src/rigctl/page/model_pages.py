@@ -11,6 +11,7 @@ from rigctl.page.challenge_panel import challenge_maker
 from rigctl.page.desk import Desk
 from rigctl.page.layout import sheet
 from rigctl.page.model_view import ModelView
+from rigctl.page.plotting import expect_plots
 from rigctl.page.source import Source
 from rigctl.page.widgets import button
 from rigctl.store import ShotState
@@ -49,6 +50,7 @@ def _view(source: Callable[[], Source], desk: Desk) -> None:
             ui.label(error.sentence()).classes("empty")
             ui.link("Choose a campaign", "/model")
         return
+    expect_plots()
     ModelView(desk, found)
 
 

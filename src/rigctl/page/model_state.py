@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any
 
 from rigctl.errors import RigError
@@ -13,6 +14,7 @@ from rigctl.page.source import Source
 
 Json = dict[str, Any]
 Effects = tuple[str, ...]
+READ_KEPT = 8
 
 
 @dataclass(slots=True)
@@ -82,7 +84,7 @@ class ModelState:
         if job is None:
             self.failure = "The answer was forgotten before it was read; ask again."
         elif job.state is JobState.DONE and job.result is not None:
-            self._answers[stage] = json.loads(job.result)
+            self._answers[stage] = _read(job.result)
         else:
             self.failure = job.failure or f"The work was {job.state}."
 
@@ -91,6 +93,13 @@ class ModelState:
             return self.source.daemon.jobs.job(name)
         except RigError:
             return None
+
+
+@lru_cache(maxsize=READ_KEPT)
+def _read(text: str) -> Json:
+    """Return the answer of a job, read once for all pages that show it; nobody changes it."""
+    document: Json = json.loads(text)
+    return document
 
 
 @dataclass(slots=True)

@@ -8,6 +8,7 @@ from nicegui import events, ui
 
 from rigctl.page.desk import Desk
 from rigctl.page.model_compare import parsed
+from rigctl.page.model_points import apart
 from rigctl.page.model_state import ModelState
 from rigctl.page.plots import heat_map, residuals
 from rigctl.page.widgets import button, plot, redraw, save_csv
@@ -63,6 +64,7 @@ class Where:
     def _look_at(self, cell: Json) -> None:
         self._cell, self._block = cell, block_of(cell)
         self._points = parsed(cell["points"])
+        self._drawn = apart(self._points)
 
     def _redraw(self) -> None:
         self._blocks.refresh()
@@ -96,12 +98,18 @@ class Where:
         return heat_map(self._of(self._block), self._cell, self._found["campaign"])
 
     def _residuals(self) -> Json:
-        return residuals(self._points, self._found["campaign"])
+        return residuals(self._drawn, self._found["campaign"])
 
     def _tell(self) -> None:
-        drawn, all_points = len(self._points["x"]), self._points["of"]
-        few = f"{drawn} of {all_points} points are drawn. " if drawn < all_points else ""
-        self._told.set_text(f"{few}Each point is a shot; click one to see its film.")
+        drawn, all_points = len(self._drawn["x"]), self._points["of"]
+        few = (
+            f"{drawn} of {all_points} points are drawn, none upon another. "
+            if drawn < all_points
+            else ""
+        )
+        self._told.set_text(
+            f"{few if drawn < all_points else ''}Each point is a shot; click one to see its film."
+        )
 
     def _chosen(self) -> Json:
         wanted = self._state.cell

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import gc
+from functools import partial
 from pathlib import Path
 
 from fastapi import FastAPI
+from fastapi.middleware.gzip import GZipMiddleware
 from nicegui import ui
 from starlette.types import ASGIApp
 
@@ -18,6 +20,7 @@ from rigctl.page.feed import Feed
 from rigctl.page.film import film_route
 from rigctl.page.films import Films
 from rigctl.page.model_pages import model_pages
+from rigctl.page.plotting import plotting_route
 from rigctl.page.readings import Readings
 from rigctl.page.rig_page import rig_page
 from rigctl.page.shot_pages import shot_pages
@@ -28,6 +31,8 @@ STYLE = Path(__file__).with_name("style.css")
 RECONNECT_S = 15.0
 """A connection that is lost for less goes on with what stands in the fields. A page that hears
 nothing covers itself long before."""
+PACKING = 1
+"""How hard files are packed, 1 to 9: more holds the daemon up longer than it saves a network."""
 
 
 def with_page(api: FastAPI, daemon: Daemon, key: str) -> ASGIApp:
@@ -40,6 +45,7 @@ def with_page(api: FastAPI, daemon: Daemon, key: str) -> ASGIApp:
     for register in (rig_page, shot_pages, sweep_pages, campaign_pages, model_pages):
         register(desk)
     shell = FastAPI(openapi_url=None, lifespan=api.router.lifespan_context)
+    plotting_route(shell)
     film_route(shell, desk)
     report_route(shell, desk)
     ui.run_with(
@@ -49,6 +55,7 @@ def with_page(api: FastAPI, daemon: Daemon, key: str) -> ASGIApp:
         tailwind=False,
         show_welcome_message=False,
         reconnect_timeout=RECONNECT_S,
+        gzip_middleware_factory=partial(GZipMiddleware, compresslevel=PACKING),
     )
     # What is loaded by now is never garbage; to look through it holds everything up for 0.2 s.
     gc.collect()

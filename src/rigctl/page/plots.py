@@ -25,6 +25,8 @@ TOOLS = {
     ],
     "displayModeBar": "hover",
 }
+LABELS = {"ticklabeloverflow": "allow"}
+"""The margins hold the labels; to find out whether each is cut off costs as much as a heat map."""
 STRUCTURE = [[0.0, "#F6F1EC"], [0.25, "#F7D9C4"], [0.7, FAILS], [1.0, "#7A3300"]]
 BRIGHTEST = 12.0
 """The darkest colour stands for so many standard deviations at least."""
@@ -43,6 +45,7 @@ def figure(data: Sequence[Json], height: int, file_name: str, **layout: object) 
             "font": {"family": 'system-ui, "Segoe UI", Roboto, sans-serif', "size": 12},
             "showlegend": False,
             "hovermode": "closest",
+            "template": {"layout": {"xaxis": LABELS, "yaxis": LABELS}},
             **layout,
         },
         "config": {**TOOLS, "toImageButtonOptions": {"filename": file_name, "scale": 2}},
