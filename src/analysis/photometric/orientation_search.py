@@ -22,13 +22,18 @@ Floats = NDArray[np.float64]
 
 STEP_RAD = 0.14
 LEAST_FACING = 0.3
-TRIED = 60
-"""Of 200 spheres with 8 markers, 12 trials miss the truth on 14, 30 on 3 and 60 on none."""
-CLEAR_COST, CLEAR_SHARE, CLEAR_MARKERS = 2.0, 0.85, 3
-"""A trial this good, with so many markers as dark as expected (`confirmation`), needs no rival.
+TRIED = 30
+"""Of 100 spheres with 8 markers in one view, the truth is among the first 12 on 99."""
+CLEAR_COST, DOUBTFUL_COST, CLEAR_SHARE, CLEAR_MARKERS = 2.0, 4.0, 0.85, 3
+"""A trial that costs less than the first, with so many markers as dark as expected
+(`confirmation`), needs no rival; less than the second, only such as promise enough.
 
 A false turn of a sphere whose markers are known costs 2.4 at least and may show 0.86 of their
-darkness; where some are not known the true one may cost as much, and all trials are compared."""
+darkness; where some are not known the true one may cost as much."""
+RIVAL_SHARE = 0.45
+"""An orientation of the grid that promises less than this share of what the best one fulfils, once
+it is fitted, is no rival. Of 240 spheres with 8 of 8, 11 of 15 or 16 of 16 markers known this lets
+no truth go by; where 2 of 10 are not known, one view may."""
 APART_RAD = 0.25
 CERTAIN_GAP = 25.0
 """Five standard deviations, squared."""
@@ -104,8 +109,13 @@ def darkness_of(sight: Sight, stance: Stance, view: int, dark: Floats) -> None:
 
 
 @compiled
-def scores(dark: Floats, axes: Floats, markers: Floats, rotations: Floats, out: Floats) -> None:
-    """Add for each rotation the darkness under its markers less the mean, over all views.
+def scores(
+    dark: Floats, axes: Floats, marked: tuple[Floats, float], rotations: Floats, out: Floats
+) -> None:
+    """Add for each rotation what its markers explain of the darkness, over all views.
+
+    A marker of darkness D on a place of darkness d takes D (2 d - D) off the sum of squares: one
+    where nothing is dark counts against a rotation as much as one that fits counts for it.
 
     Parameters
     ----------
@@ -113,12 +123,13 @@ def scores(dark: Floats, axes: Floats, markers: Floats, rotations: Floats, out: 
         Of each view, shape (V, n, n).
     axes
         Of each view, shape (V, 3, 3).
+    marked
+        Directions of the markers in body axes, shape (M, 3), and their darkness.
     out
         Added to, shape (rotations,).
     """
-    half, into = (dark.shape[1] - 1) / 2, np.empty((3, 3))
+    half, into, (markers, darkness) = (dark.shape[1] - 1) / 2, np.empty((3, 3)), marked
     for view in range(dark.shape[0]):
-        mean = dark[view].sum() / max((dark[view] != 0.0).sum(), 1)
         for n in range(rotations.shape[0]):
             for a in range(3):
                 for b in range(3):
@@ -134,7 +145,7 @@ def scores(dark: Floats, axes: Floats, markers: Floats, rotations: Floats, out: 
                 v = into[1, 0] * x + into[1, 1] * y + into[1, 2] * w
                 i, j = int((u + 1) * half + 0.5), int((v + 1) * half + 0.5)
                 if dark[view, i, j] != 0.0:
-                    out[n] += z * (dark[view, i, j] - mean)
+                    out[n] += z * (dark[view, i, j] - darkness / 2)
 
 
 def search_orientation(sight: Sight, stance: Stance, candidates: Floats) -> Found:
@@ -147,11 +158,14 @@ def search_orientation(sight: Sight, stance: Stance, candidates: Floats) -> Foun
     candidates
         Of `turns`.
     """
-    total = _promise(sight, stance, candidates)
+    dark = _darkness(sight, stance)
+    total, fulfilled = _promise(dark, sight, candidates), 0.0
     trials: list[tuple[float, Stance]] = []
     best, pixels, covariance = Found(math.inf, stance, math.inf), 0.0, np.zeros((6, 6))
     for _ in range(TRIED):
         n = int(total.argmax())
+        if best.cost < DOUBTFUL_COST and total[n] < RIVAL_SHARE * fulfilled:
+            break
         trial = Stance(stance.centre.copy(), candidates[n].copy(), stance.lights.copy())
         out = fit_pose(sight, trial, LIMITS, covariance)
         cost = float(cost_of(out, LIMITS[-1]))
@@ -159,7 +173,9 @@ def search_orientation(sight: Sight, stance: Stance, candidates: Floats) -> Foun
         if cost < best.cost:
             best, pixels = Found(cost, trial, math.inf), float(out[2])
             share, seen = shown_share(sight, trial)
-            if cost < CLEAR_COST and share > CLEAR_SHARE and seen >= CLEAR_MARKERS:
+            sure = share > CLEAR_SHARE and seen >= CLEAR_MARKERS
+            fulfilled = float(_promise(dark, sight, trial.rotation[None])[0]) if sure else 0.0
+            if cost < CLEAR_COST and sure:
                 return best
         total[_near(candidates[n], candidates)] = -np.inf
     turned = np.stack([trial.rotation for _, trial in trials])
@@ -168,14 +184,20 @@ def search_orientation(sight: Sight, stance: Stance, candidates: Floats) -> Foun
     return best._replace(gap=(rival - best.cost) * pixels / max(best.cost, 1.0))
 
 
-def _promise(sight: Sight, stance: Stance, candidates: Floats) -> Floats:
-    """Return the darkness under the markers of each orientation, shape (candidates,)."""
+def _darkness(sight: Sight, stance: Stance) -> Floats:
+    """Return `darkness_of` each view, shape (V, n, n)."""
     views = len(sight.optics.scales)
     size = 2 * int(np.clip(sight.look.radius_m * sight.optics.scales[0], 12, 40)) + 1
-    dark, total = np.zeros((views, size, size)), np.zeros(len(candidates))
+    dark = np.zeros((views, size, size))
     for view in range(views):
         darkness_of(sight, stance, view, dark[view])
-    scores(dark, sight.optics.axes, sight.look.markers, candidates, total)
+    return dark
+
+
+def _promise(dark: Floats, sight: Sight, rotations: Floats) -> Floats:
+    """Return the `scores` of orientations, shape (n, 3, 3)."""
+    total, marked = np.zeros(len(rotations)), (sight.look.markers, float(sight.look.darkness))
+    scores(dark, sight.optics.axes, marked, np.ascontiguousarray(rotations), total)
     return total
 
 
