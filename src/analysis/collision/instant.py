@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 
 
-def touching_time(separation: Floats, relative_velocity: Floats, distance: float) -> float | None:
-    """Return the time until two spheres on straight paths first touch.
+def touching_time(separation: Floats, relative_velocity: Floats, distance: Floats) -> Floats:
+    """Return the time until two spheres on straight paths first touch, for one pair or many.
 
     Smaller root of |dW + dV t|^2 = D^2, equations (5-34) to (5-37) with c = sum(dW^2) - D^2; the
     thesis prints (5-36) without D^2. Before contact the spheres approach, so the smaller root is
@@ -18,20 +18,20 @@ def touching_time(separation: Floats, relative_velocity: Floats, distance: float
     Parameters
     ----------
     separation
-        Centre of b minus centre of a, m, shape (3,).
+        Centre of b minus centre of a, m, shape (..., 3).
     relative_velocity
-        Velocity of b minus velocity of a, m/s, shape (3,).
+        Velocity of b minus velocity of a, m/s, shape (..., 3).
     distance
-        Half the sum of the diameters, m.
+        Half the sum of the diameters, m, shape (...).
 
     Returns
     -------
-    Seconds, negative where they touched before; None where they pass each other by.
+    Seconds, negative where they touched before; NaN where they pass each other by, shape (...).
     """
-    a = float(relative_velocity @ relative_velocity)
-    b = float(separation @ relative_velocity)
-    c = float(separation @ separation) - distance**2
+    a = (relative_velocity**2).sum(axis=-1)
+    b = (separation * relative_velocity).sum(axis=-1)
+    c = (separation**2).sum(axis=-1) - distance**2
     discriminant = b**2 - a * c
-    if a == 0.0 or discriminant < 0.0:
-        return None
-    return (-b - float(np.sqrt(discriminant))) / a
+    touch = (a > 0.0) & (discriminant >= 0.0)
+    root = np.sqrt(np.where(touch, discriminant, np.nan))
+    return np.asarray((-b - root) / np.where(touch, a, np.nan))

@@ -85,7 +85,7 @@ def test_what_stands_across_the_incident_direction_is_told_apart() -> None:
 
 
 def test_table_3_3_of_the_thesis_gives_its_restitution() -> None:
-    measured = ImpactVelocities(-68.330, 170.586, 48.052, 149.526, 0.0)
+    measured = ImpactVelocities(*np.array([-68.330, 170.586, 48.052, 149.526, 0.0]))
     assert measured.e == pytest.approx(0.703, abs=5e-4)
     # Sliding line: v_s' = v_s - mu (1 + e) |v_n| (1 + 1/K), K = 0.4, with the thesis's mu of 0.052.
     slowed = 0.052 * (1 + measured.e) * 68.330 * 3.5
@@ -99,7 +99,8 @@ turns = st.integers(0, 10**6).map(lambda seed: Rotation.random(rng=np.random.def
 
 
 def scalars(found: ImpactVelocities) -> tuple[float, ...]:
-    return found.v_n, found.v_s, found.v_n_after, found.v_s_after
+    v = found.v_n, found.v_s, found.v_n_after, found.v_s_after
+    return tuple(map(float, v))
 
 
 def rotated(contact: ContactState, turn: Rotation) -> ContactState:
@@ -132,3 +133,19 @@ def test_the_names_of_the_spheres_do_not_matter(
     one = impact_velocities(before, after, normal, (0.0127, 0.01))
     other = impact_velocities(renamed(before), renamed(after), -normal, (0.01, 0.0127))
     assert scalars(other) == pytest.approx(scalars(one), abs=1e-9)
+
+
+def test_many_impacts_at_once_are_what_each_is_alone() -> None:
+    rng = np.random.default_rng(2)
+    before, after = (ContactState(*rng.normal(size=(4, 5, 3))) for _ in range(2))
+    normals = Rotation.random(5, rng=rng).apply(ACROSS)
+    together = impact_velocities(before, after, normals, (0.0127, 0.01))
+
+    def one(contact: ContactState, n: int) -> ContactState:
+        parts = (contact.velocity_a, contact.velocity_b, contact.spin_a, contact.spin_b)
+        return ContactState(*(part[n] for part in parts))
+
+    for n in range(5):
+        alone = impact_velocities(one(before, n), one(after, n), normals[n], (0.0127, 0.01))
+        assert together.beta[n] == pytest.approx(float(alone.beta))
+        assert together.v_s_across[n] == pytest.approx(float(alone.v_s_across))
