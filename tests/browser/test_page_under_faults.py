@@ -28,6 +28,27 @@ def test_a_daemon_that_hangs_covers_the_page_until_it_answers_again(
     expect(page.get_by_test_id("state")).to_have_text("idle")
 
 
+def test_a_browser_without_its_network_is_covered_and_goes_on_with_what_was_typed(
+    page: Page, served: Any
+) -> None:
+    page.get_by_test_id("pressure_a_kpa").fill("47")
+    network = page.context.new_cdp_session(page)
+    cut = {"offline": True, "latency": 0, "downloadThroughput": 0, "uploadThroughput": 0}
+    network.send("Network.emulateNetworkConditions", cut)
+    page.evaluate("window.socket.io.engine.close()")
+    expect(page.get_by_text(SILENCE)).to_be_visible(timeout=SILENT_MS)
+    whole = {**cut, "offline": False, "downloadThroughput": -1, "uploadThroughput": -1}
+    network.send("Network.emulateNetworkConditions", whole)
+    expect(page.get_by_text(SILENCE)).to_be_hidden(timeout=LONG_MS)
+    expect(page.get_by_test_id("pressure_a_kpa")).to_have_value("47")
+    page.get_by_test_id("stop").click()
+    expect(page.get_by_test_id("latched")).to_be_visible()
+    page.get_by_test_id("release").click()
+    page.get_by_test_id("reason").fill("a drill")
+    page.get_by_test_id("release-now").click()
+    expect(page.get_by_test_id("state")).to_have_text("idle")
+
+
 def test_two_operators_see_each_other_and_only_who_armed_may_fire(page: Page, served: Any) -> None:
     second = page.context.new_page()
     second.goto(served.url)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 from nicegui import run, ui
@@ -112,14 +113,17 @@ class CampaignView:
 
     @ui.refreshable_method
     def _remarks(self) -> None:
-        store, name = self._desk.daemon.store, self._campaign
         with ui.element("div").classes("said-of"):
-            Remarks(
-                self._desk,
-                *_words(self._said),
-                annotate=lambda note, who: store.annotate_campaign(name, note, who),
-                tag=lambda tags, who: store.tag_campaign(name, tags, who),
-            ).place()
+            Remarks(self._desk, *_words(self._said), self._annotate, self._tag).place()
+
+    def _annotate(self, note: str | None, who: str) -> CampaignRecord:
+        # What this page says itself is there already: drawn anew, its fields would lose the cursor.
+        self._said = replace(self._said, note=note)
+        return self._desk.daemon.store.annotate_campaign(self._campaign, note, who)
+
+    def _tag(self, tags: Sequence[str], who: str) -> CampaignRecord:
+        self._said = replace(self._said, tags=tuple(tags))
+        return self._desk.daemon.store.tag_campaign(self._campaign, tags, who)
 
     @ui.refreshable_method
     def _plane(self) -> None:

@@ -31,8 +31,8 @@ class Happening:
 class Feed:
     """The last happenings of rig, shots, sweeps and jobs. Any thread may read it.
 
-    `told` is another number after each change of any of them, also where there is nothing to say:
-    who has seen it need not look again.
+    `told` is another number after each change of any of them or of a campaign, also where there is
+    nothing to say: who has seen it need not look again.
     """
 
     def __init__(self, daemon: Daemon) -> None:
@@ -44,6 +44,7 @@ class Feed:
         self._read_back(daemon)
         daemon.rig.listeners.add(self._rig)
         daemon.store.listeners.add(self._shot)
+        daemon.store.campaign_listeners.add(lambda _: self._tell())
         daemon.sweeps.listeners.add(self._sweep)
         daemon.jobs.listeners.add(self._job)
 

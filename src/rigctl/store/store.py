@@ -69,6 +69,7 @@ class Store:
     ) -> None:
         self.path, self.address = folder.absolute(), database
         self.listeners: Listeners[ShotRecord] = Listeners()
+        self.campaign_listeners: Listeners[CampaignRecord] = Listeners()
         self._free_bytes = free_bytes
         self._owned = _own(self.path, shared=shared)
         try:
@@ -153,14 +154,14 @@ class Store:
         return self._told(self.edits.tag(shot, tags, actor))
 
     def annotate_campaign(self, campaign: str, note: str | None, actor: str) -> CampaignRecord:
-        """Give a campaign another note, or none; as `Edits.annotate_campaign`."""
+        """Give a campaign another note, or none; as `Edits`. Campaign listeners are told."""
         self.edits.annotate_campaign(campaign, note, actor)
-        return self.campaigns.one(campaign)
+        return self._campaign_told(campaign)
 
     def tag_campaign(self, campaign: str, tags: Collection[str], actor: str) -> CampaignRecord:
-        """Give a campaign exactly these tags; as `Edits.tag_campaign`."""
+        """Give a campaign exactly these tags; as `Edits`. Campaign listeners are told."""
         self.edits.tag_campaign(campaign, tags, actor)
-        return self.campaigns.one(campaign)
+        return self._campaign_told(campaign)
 
     def frames(self, shot: str) -> FrameSequence:
         """Return a shot's frames; as `ShotFolders.frames`."""
@@ -208,6 +209,11 @@ class Store:
 
     def _told(self, record: ShotRecord) -> ShotRecord:
         self.listeners.tell(record)
+        return record
+
+    def _campaign_told(self, campaign: str) -> CampaignRecord:
+        record = self.campaigns.one(campaign)
+        self.campaign_listeners.tell(record)
         return record
 
 

@@ -1,0 +1,63 @@
+"""What persons say of a campaign: kept as it is typed, and seen by everybody."""
+
+from __future__ import annotations
+
+import uuid
+from typing import Any
+
+import httpx
+import pytest
+from playwright.sync_api import Page, expect
+
+from tests.browser.conftest import KEY
+
+SETTINGS = {"pressure_a_kpa": 40.0, "pressure_b_kpa": 40.0, "offset_mm": 6.0}
+CAMPAIGN = "nylon"
+
+
+@pytest.fixture(scope="module")
+def campaign(served: Any) -> str:
+    """Fire one shot of a campaign; what stands on its page needs no result."""
+    bearer = {"Authorization": f"Bearer {KEY}"}
+    with httpx.Client(base_url=f"{served.url}/api/v1", headers=bearer, timeout=60) as rest:
+        armed = rest.post("/rig/arm", json=SETTINGS).raise_for_status().json()
+        fired = rest.post(
+            "/shots",
+            json={"arm_token": armed["arm_token"], "campaign": CAMPAIGN},
+            headers={"Idempotency-Key": uuid.uuid4().hex},
+        )
+        fired.raise_for_status()
+    return CAMPAIGN
+
+
+def test_a_note_and_tags_are_kept_seen_by_a_second_operator_and_found_in_the_list(
+    page: Page, served: Any, campaign: str
+) -> None:
+    second = page.context.new_page()
+    for each in (page, second):
+        each.goto(f"{served.url}/campaigns/{campaign}")
+        each.wait_for_function("window.did_handshake")
+    page.get_by_test_id("note").fill("lamp exchanged after shot 1")
+    page.get_by_test_id("note").press("Enter")
+    expect(second.get_by_test_id("note")).to_have_value("lamp exchanged after shot 1")
+    second.get_by_test_id("tags").fill("dry")
+    second.get_by_test_id("tags").press("Enter")
+    expect(page.get_by_test_id("remarks")).to_contain_text("dry")
+    second.close()
+    page.goto(f"{served.url}/campaigns")
+    page.get_by_test_id("filter").fill("dry")
+    expect(page.get_by_test_id("campaigns").get_by_role("cell", name=campaign)).to_be_visible()
+    page.get_by_test_id("filter").fill("wet")
+    expect(page.get_by_test_id("campaigns").get_by_role("cell", name=campaign)).to_be_hidden()
+
+
+def test_a_note_that_is_too_long_is_refused_in_words_and_not_kept(
+    page: Page, served: Any, campaign: str
+) -> None:
+    page.goto(f"{served.url}/campaigns/{campaign}")
+    page.wait_for_function("window.did_handshake")
+    page.get_by_test_id("note").fill("n" * 3000)
+    page.get_by_test_id("note").press("Enter")
+    expect(page.get_by_test_id("remarks").get_by_role("alert")).to_contain_text("500")
+    page.reload()
+    expect(page.get_by_test_id("note")).not_to_have_value("n" * 3000)
