@@ -134,7 +134,8 @@ def _speeds(axes: Axes, shot: MeasuredShot) -> None:
     axes.axvline(1e3 * contact, color=FAILS, linewidth=1)
     axes.set_xlabel("time from the first frame, ms")
     axes.set_ylabel("Y, mm")
-    axes.legend(frameon=False, fontsize=8, loc="upper right")
+    # Below the plot: any place inside it is on the way of some shot.
+    axes.legend(frameon=False, fontsize=8, ncols=2, loc="upper right", bbox_to_anchor=(1.0, -0.12))
     axes.spines[["top", "right"]].set_visible(False)
 
 
