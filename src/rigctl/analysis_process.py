@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import json
 import multiprocessing
+import os
 import signal
 import threading
 from collections.abc import Callable
@@ -18,6 +19,8 @@ from rigctl.errors import RigError
 
 Json = dict[str, Any]
 CLOSE_WAIT_S = 5.0
+NICENESS = 5
+"""Of the analysis: a fire request goes before it, and everything of lower priority after it."""
 
 
 class AnalysisFailedError(RigError):
@@ -140,6 +143,7 @@ def _start(function: str) -> tuple[BaseProcess, Connection]:
 def _work(connection: Connection, function: str) -> None:
     """Serve in the worker's process until the daemon's end of the pipe closes."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    os.nice(NICENESS)
     # Loaded here: the daemon starts without the compiler.
     from analysis.compiled import tell_of_compiling  # noqa: PLC0415
 
