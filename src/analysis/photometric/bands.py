@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from analysis.compiled import part
 from analysis.photometric.contour import LAYERS
 from analysis.photometric.covers import cover_canvas, paint_of
-from analysis.photometric.residual import KEEP_OFF_PX, UNKNOWNS, Paint
+from analysis.photometric.residual import KEEP_OFF_PX, LEAST_DISC, LEAST_FALL, UNKNOWNS, Paint
 from analysis.photometric.sight import Equations, Sight, Stance
 from analysis.photometric.surface import SPAN, SQUARE_STEPS
 
@@ -109,7 +109,14 @@ def derive(paint: Paint, band: Floats, count: int) -> None:
         moved_u = gain * band[LIGHT_U + n] + down
         moved_v = gain * band[LIGHT_V + n] + across
         to_row, to_column = shadow * band[L1 + n], shadow * band[L2 + n]
-        bend = bent * (moved_u * band[L1 + n] + moved_v * band[L2 + n])
+        least = max(disc, LEAST_DISC)
+        edge_u, edge_v = band[DISC_U + n] / least, band[DISC_V + n] / least
+        square = edge_u * edge_u + edge_v * edge_v
+        fall = 1.0 - (variance / (radius * radius) * square + math.sqrt(square))
+        fall = min(max(fall - edge_u * u - edge_v * x, LEAST_FALL), 1.0)
+        cut = band[L0 + n] / radius
+        along = moved_u * (band[L1 + n] + cut * edge_u)
+        bend = bent / fall * (along + moved_v * (band[L2 + n] + cut * edge_v))
         band[L0 + n] = edge * band[DISC_U + n] - moved_u * inner - to_row
         band[L1 + n] = edge * band[DISC_V + n] - moved_v * inner - to_column
         band[L2 + n] = -shadow * band[L3 + n]

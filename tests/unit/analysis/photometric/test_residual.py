@@ -38,7 +38,7 @@ def modelled(markers):
     return image
 
 
-@pytest.mark.parametrize("share", [0.0, 0.5, 0.8])
+@pytest.mark.parametrize("share", [0.0, 0.5, 0.8, 0.96, 0.99])
 def test_a_marker_lies_where_it_was_drawn_although_the_light_falls_off_across_it(share):
     marker = np.array([[0.0, share, np.sqrt(1 - share**2)]])
     drawn = sphere_image(place=PLACE, radius=RADIUS, markers=marker, limb=LIMB, blur=BLUR)
@@ -49,6 +49,6 @@ def test_a_marker_lies_where_it_was_drawn_although_the_light_falls_off_across_it
     inside = np.isfinite(found)
     across = np.arange(x - MARKER_PX, x + MARKER_PX + 1.0)
     shift = ((found - dark) * (across - x))[inside].sum() / dark[inside].sum()
-    # A product of blurred light and blurred cover would be off by 0.1 px at the outermost.
-    assert abs(shift) < 0.015
+    # A product of blurred light and blurred cover would be off by 0.1 px where the limb is near.
+    assert abs(shift) < (0.015 if share < 0.9 else 0.03)
     assert np.abs(found - dark)[inside].max() < 0.7
