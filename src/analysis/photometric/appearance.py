@@ -62,6 +62,9 @@ class Knowledge:
         Relative standard error of the scale.
     camera_sigma
         Errors of `shared.Shared.camera` by the noise alone; infinite where nothing tells them.
+    limb_px
+        By how much the outline wants another radius than the markers do: light that no shading
+        here follows at the limb. It shifts an outline by as much. 0 where markers do not tell.
     """
 
     camera: Camera
@@ -69,6 +72,7 @@ class Knowledge:
     spheres: tuple[Sphere, Sphere]
     scale_sigma: float
     camera_sigma: tuple[float, ...]
+    limb_px: float
 
     def looks(self, wider_px: float = 0.0) -> tuple[Look, Look]:
         """Return both spheres in the form of the fit, the blur wider by some pixels."""

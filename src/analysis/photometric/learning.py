@@ -236,12 +236,15 @@ def with_shared(
     # What bends light at the limb, a lamp beside or gloss, has a part in what the markers say too.
     limb = float(np.mean([step.limb for step in steps]))
     told = float(np.linalg.norm([MARKER_SCALE_SIGMA, sigma[0], limb]))
+    radius_px = float(scales[0]) * (a.radius_m + b.radius_m) / 2
+    apart_px = radius_px * float(np.sqrt(np.mean([step.limb**2 for step in steps])))
     return replace(
         known,
         spheres=(a, b),
         camera=changed,
         scale_sigma=told if move_radius and not hold_scale else known.scale_sigma,
         camera_sigma=tuple(map(float, sigma)),
+        limb_px=apart_px if move_radius else known.limb_px,
     )
 
 

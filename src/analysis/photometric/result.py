@@ -28,7 +28,8 @@ MOST_PLACE, MOST_TURN_RAD = 0.2, 0.1
 """Errors, in radii and radians, beyond which a coordinate or a turn counts as not measured."""
 CONSTANT_Z_SIGMA_M = 1e-6
 SLOW_ERROR_PX = 0.004
-"""What shading and pattern leave, over the time in which a marker turns past, about this much."""
+"""What shading and pattern leave, over the time in which a marker turns past, about this much; in
+light that the shading does not follow at the limb, `Knowledge.limb_px` on top."""
 
 
 def tracking_of(film: Film, known: Knowledge, times_s: Floats, gravity: float) -> Tracking:
@@ -47,6 +48,7 @@ def tracking_of(film: Film, known: Knowledge, times_s: Floats, gravity: float) -
     centres = [_centres(film, known, i) for i in (0, 1)]
     turned = [_orientations(film, known, i, markers[i]) for i in (0, 1)]
     optics = known.camera.optics
+    slow_px = np.hypot(SLOW_ERROR_PX, known.limb_px)
     radii = {
         view: (
             float(optics.scales[v] * known.spheres[0].radius_m),
@@ -58,7 +60,7 @@ def tracking_of(film: Film, known: Knowledge, times_s: Floats, gravity: float) -
         spheres=(spheres[0], spheres[1]),
         markers=(markers[0][0], markers[1][0]),
         marker_angle=(known.spheres[0].alpha + known.spheres[1].alpha) / 2,
-        filter_sigma_px=float(np.sqrt(SLOW_ERROR_PX / CENTRE_DRIFT_PER_SIGMA2)),
+        filter_sigma_px=float(np.sqrt(slow_px / CENTRE_DRIFT_PER_SIGMA2)),
         radii=radii,
         scales_px_per_m={
             v: float(s) for v, s in zip(known.camera.views, optics.scales, strict=True)

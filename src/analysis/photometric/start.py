@@ -82,6 +82,7 @@ def first_film(
         spheres=(spheres[0], spheres[1]),
         scale_sigma=tracking.scale_sigma,
         camera_sigma=(math.inf,) * (len(views) + BENDS),
+        limb_px=0.0,
     )
     return film, known
 
