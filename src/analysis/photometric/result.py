@@ -30,6 +30,9 @@ CONSTANT_Z_SIGMA_M = 1e-6
 SLOW_ERROR_PX = 0.004
 """What shading and pattern leave, over the time in which a marker turns past, about this much; in
 light that the shading does not follow at the limb, `Knowledge.limb_px` on top."""
+ORDINARY_LIMB_PX = 0.025
+"""In even light outline and markers differ by up to this much and no track shows it: shadows are
+beyond it now and then, gloss is by ten times."""
 
 
 def tracking_of(film: Film, known: Knowledge, times_s: Floats, gravity: float) -> Tracking:
@@ -48,7 +51,8 @@ def tracking_of(film: Film, known: Knowledge, times_s: Floats, gravity: float) -
     centres = [_centres(film, known, i) for i in (0, 1)]
     turned = [_orientations(film, known, i, markers[i]) for i in (0, 1)]
     optics = known.camera.optics
-    slow_px = np.hypot(SLOW_ERROR_PX, known.limb_px)
+    beyond = max(known.limb_px**2 - ORDINARY_LIMB_PX**2, 0.0)
+    slow_px = np.sqrt(SLOW_ERROR_PX**2 + beyond)
     radii = {
         view: (
             float(optics.scales[v] * known.spheres[0].radius_m),
