@@ -143,13 +143,13 @@ def _start(function: str) -> tuple[BaseProcess, Connection]:
 def _work(connection: Connection, function: str) -> None:
     """Serve in the worker's process until the daemon's end of the pipe closes."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    os.nice(NICENESS)
     # Loaded here: the daemon starts without the compiler.
     from analysis.compiled import tell_of_compiling  # noqa: PLC0415
 
     tell_of_compiling(lambda done, of: connection.send(Compiling(done, of)))
     module, _, name = function.partition(":")
     analyse: Callable[[Path, str], Json] = getattr(importlib.import_module(module), name)
+    first = True
     while True:
         try:
             folder, method = connection.recv()
@@ -161,6 +161,10 @@ def _work(connection: Connection, function: str) -> None:
         except Exception as error:  # noqa: BLE001 - whatever breaks is told, not lost
             answer = (None, f"{type(error).__name__}: {error}")
         connection.send(answer)
+        if first:
+            # Not before: others may wait for the machine code that the first shot compiles.
+            os.nice(NICENESS)
+            first = False
 
 
 def _end_of(process: BaseProcess) -> str:

@@ -95,30 +95,12 @@ class ChallengePanel:
             ui.label(error.sentence()).classes("verdict bad")
             return
         ui.label(f"You committed to: {', '.join(answer)}.")
-        with ui.element("div") as truth:
-            look = "good" if outcome in {"right", "alias"} else "bad"
-            with ui.element("div").classes(f"verdict {look}").props("data-testid=truth"):
-                ui.label(OUTCOMES[outcome]).classes("lead")
-                ui.label(f"The truth is: {', '.join(label.answer)}.")
-            lines = [
-                Line([one.effect, f"{one.amplitude:g}", one.unit, one.meaning])
-                for one in label.effects
-            ]
-            if lines:
-                headings: list[Cell | str] = [
-                    Cell("hidden", "Effect of the catalogue that was put into the shots."),
-                    Cell("size", "Of its first parameter."),
-                    "unit",
-                    "what the number says",
-                ]
-                facts(headings, lines)
-            ui.label("The label is the one that was sealed when the campaign was made.").classes(
-                "note"
-            )
-        truth.set_visibility(False)
+        truth = ui.element("div")
 
         def reveal() -> None:
-            truth.set_visibility(True)
+            # Nothing of it is in the page before.
+            with truth:
+                _truth(label, outcome)
             breaking.set_visibility(False)
 
         breaking = button("Break the seal", reveal, look="fill", testid="reveal")
@@ -133,3 +115,23 @@ class ChallengePanel:
             ui.notify(error.sentence(), type="negative", multi_line=True)
             return
         self._show.refresh()
+
+
+def _truth(label: challenge.Label, outcome: challenge.Outcome) -> None:
+    """Place what was hidden, and how the answer agrees with it."""
+    look = "good" if outcome in {"right", "alias"} else "bad"
+    with ui.element("div").classes(f"verdict {look}").props("data-testid=truth"):
+        ui.label(OUTCOMES[outcome]).classes("lead")
+        ui.label(f"The truth is: {', '.join(label.answer)}.")
+    lines = [
+        Line([one.effect, f"{one.amplitude:g}", one.unit, one.meaning]) for one in label.effects
+    ]
+    if lines:
+        headings: list[Cell | str] = [
+            Cell("hidden", "Effect of the catalogue that was put into the shots."),
+            Cell("size", "Of its first parameter."),
+            "unit",
+            "what the number says",
+        ]
+        facts(headings, lines)
+    ui.label("The label is the one that was sealed when the campaign was made.").classes("note")

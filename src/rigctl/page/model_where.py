@@ -102,13 +102,11 @@ class Where:
 
     def _tell(self) -> None:
         drawn, all_points = len(self._drawn["x"]), self._points["of"]
-        few = (
-            f"{drawn} of {all_points} points are drawn, none upon another. "
-            if drawn < all_points
-            else ""
-        )
+        few = f"{drawn} of {all_points} points are drawn, none upon another. "
+        by_shot = all(frame < 0 for frame in self._points["frames"])
+        each = "Each point is a shot" if by_shot else "Each point is a frame of a shot"
         self._told.set_text(
-            f"{few if drawn < all_points else ''}Each point is a shot; click one to see its film."
+            f"{few if drawn < all_points else ''}{each}; click one to see the shot's film."
         )
 
     def _chosen(self) -> Json:

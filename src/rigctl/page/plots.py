@@ -31,6 +31,8 @@ STRUCTURE = [[0.0, "#F6F1EC"], [0.25, "#F7D9C4"], [0.7, FAILS], [1.0, "#7A3300"]
 BRIGHTEST = 12.0
 """The darkest colour stands for so many standard deviations at least."""
 ALARM = 0.01
+ALARMED = "#8A8F98"
+"""Frame of a cell beyond it: a grey that shows on light and on dark."""
 
 
 def figure(data: Sequence[Json], height: int, file_name: str, **layout: object) -> Json:
@@ -67,7 +69,7 @@ def heat_map(cells: Sequence[Json], chosen: Json | None, title: str) -> Json:
         values[row][column] = round(cell["deviation"], 2)
         chances[row][column] = f"{cell['p_familywise']:.2g}"
         if cell["p_familywise"] < ALARM:
-            frames.append(_frame(column, row, "rgba(40,20,0,0.9)", 1.3))
+            frames.append(_frame(column, row, ALARMED, 1.6))
     if chosen is not None and chosen in cells:
         place = columns.index(chosen["covariate"]), rows.index(chosen["channel"])
         frames.append(_frame(*place, MEASURED, 3.0))

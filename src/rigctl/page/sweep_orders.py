@@ -35,10 +35,12 @@ def orders(desk: Desk, status: SweepStatus) -> None:
 
 
 def how_far(status: SweepStatus) -> tuple[int, int, str]:
-    """Return steps that have ended, all steps, and the same in words with the time left."""
+    """Return steps that had their turn, all steps, and the same in words with the time left."""
     record = status.record
-    done = record.steps - sum(record.counts.get(state, 0) for state in TO_COME)
-    return done, record.steps, f"{done} of {record.steps} shots{_left(status.left_s)}"
+    skipped = record.counts.get(StepState.SKIPPED, 0)
+    done = record.steps - skipped - sum(record.counts.get(state, 0) for state in TO_COME)
+    without = f", {skipped} skipped" if skipped else ""
+    return done, record.steps, f"{done} of {record.steps} shots{without}{_left(status.left_s)}"
 
 
 def bar(status: SweepStatus) -> None:
