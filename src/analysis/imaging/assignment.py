@@ -114,7 +114,7 @@ def follow(
     places = [[(pair[i].row, pair[i].column, radius_px) for pair in pairs.values()] for i in (0, 1)]
     start = seed, np.array(places).reshape(-1, 3)
     frames = np.require(film.frames, None, ["C", "W"])
-    rules = KEEP_OFF_SIGMAS * film.settings.sigma_px, least_coverage
+    rules = (KEEP_OFF_SIGMAS * film.settings.sigma_px, False), least_coverage
     filtered = filters(film.settings, film.least_strength)
     curves, outlines = follow_discs(frames, filtered, start, rules)
     discs = film_discs(tuple(pairs), outlines)

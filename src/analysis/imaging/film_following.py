@@ -21,6 +21,9 @@ each, shape (room,); and where those of each frame begin and end, shape (frames,
 Outlines = tuple[Floats, Floats, Floats, Floats, Indices]
 """Of several discs: circles, covariances, coverages, accepted points and where they begin and end,
 as in `film_discs.FilmDiscs` with one axis of discs."""
+Rules = tuple[tuple[float, bool], float]
+"""Limits of `limb.settle_outlines`, and the share of its limb that an outline shows. The limits
+come from outside: a truth value written here would be a kind of its own to the compiler."""
 Look = tuple[Floats, Floats, Floats, Floats, Indices]
 """Of one frame: circles, covariances, coverages, negative where none holds, accepted points, shape
 (points, 2), and the number up to the end of each disc."""
@@ -84,14 +87,12 @@ def predict(circles: Floats, coverage: Floats, k: int, direction: int, place: Fl
 
 
 @part
-def look_about(
-    edges: Edges, discs: Floats, reach_px: float, rules: tuple[float, float]
-) -> tuple[Look, bool]:
+def look_about(edges: Edges, discs: Floats, reach_px: float, rules: Rules) -> tuple[Look, bool]:
     """Fit the outlines of a frame that hold, and tell whether all do."""
     circles, covariance = discs.copy(), np.zeros((discs.shape[0], 3, 3))
     hidden = np.empty((discs.shape[0], 0, 2)), np.ones(discs.shape[0])
     accepted, ends, coverage = settle_outlines(
-        edges, (circles, covariance), discs, hidden, (rules[0], False)
+        edges, (circles, covariance), discs, hidden, rules[0]
     )
     every = True
     for n in range(discs.shape[0]):
@@ -105,7 +106,7 @@ def look_about(
 
 @part
 def look(
-    frame: NDArray[np.uint8], filters: Filters, discs: Floats, rules: tuple[float, float]
+    frame: NDArray[np.uint8], filters: Filters, discs: Floats, rules: Rules
 ) -> tuple[Floats, Integers, Look]:
     """Find the edges of a frame about some places, and the outlines that hold.
 
@@ -113,21 +114,19 @@ def look(
     from the best peaks of the votes.
     """
     near = discs.copy()
-    near[:, 2] += CLOSE_PX + LIMB_REACH_PX + 1.0
-    points, _, labels = edges_about(frame, near, filters[0], filters[1])
-    edges = points[0], points[1], points[2], points[3]
-    found, every = look_about(edges, discs, CLOSE_PX, rules)
-    if every:
-        return points, labels, found
-    reach = REACH * discs[0, 2]
-    near[:, 2] = discs[:, 2] + reach + LIMB_REACH_PX + 1.0
-    points, _, labels = edges_about(frame, near, filters[0], filters[1])
-    edges = points[0], points[1], points[2], points[3]
-    peaks = peaks_near(edges, discs, reach)
-    for n in range(discs.shape[0]):
-        if peaks[n, 2] >= LEAST_RIM_SHARE:
-            discs[n, :2] = peaks[n, :2]
-    found, every = look_about(edges, discs, reach, rules)
+    for further in range(2):
+        reach = REACH * discs[0, 2] if further > 0 else CLOSE_PX
+        near[:, 2] = discs[:, 2] + reach + LIMB_REACH_PX + 1.0
+        points, _, labels = edges_about(frame, near, filters[0], filters[1])
+        edges = points[0], points[1], points[2], points[3]
+        if further > 0:
+            peaks = peaks_near(edges, discs, reach)
+            for n in range(discs.shape[0]):
+                if peaks[n, 2] >= LEAST_RIM_SHARE:
+                    discs[n, :2] = peaks[n, :2]
+        found, every = look_about(edges, discs, reach, rules)
+        if every:
+            break
     return points, labels, found
 
 
@@ -154,7 +153,7 @@ def follow_discs(
     frames: NDArray[np.uint8],
     filters: Filters,
     start: tuple[int, Floats],
-    rules: tuple[float, float],
+    rules: Rules,
 ) -> tuple[FilmCurves, Outlines]:
     """Follow discs from the frame that shows them best, forth and back.
 
@@ -168,8 +167,8 @@ def follow_discs(
         The frame to begin with, and row, column and radius of each disc in it, pixels, shape
         (discs, 3).
     rules
-        Distance to keep off other discs, pixels; share of its limb that an outline shows, to be
-        believed.
+        Distance to keep off other discs, pixels, and that radii are free; share of its limb that an
+        outline shows, to be believed.
     """
     film, discs = frames.shape[0], start[1].shape[0]
     circles, covariance = np.zeros((discs, film, 3)), np.zeros((discs, film, 3, 3))

@@ -32,7 +32,7 @@ def refit_discs(
     seen: tuple[Floats, Floats],
     radii: Floats,
     hidden: tuple[Floats, Floats],
-    keep_off_px: float,
+    limits: tuple[float, bool],
 ) -> Outlines:
     """Fit every outline of a film again with its radius held.
 
@@ -45,6 +45,8 @@ def refit_discs(
     hidden
         Where markers may hide the limb of each disc in each frame, shape (discs, frames, markers,
         2), and the cosine of the angle about them, shape (discs,), as `limb.Hidden`.
+    limits
+        Distance to keep off other discs, pixels, and that radii are held.
     """
     discs, film = seen[1].shape
     circles, covariance = np.zeros((discs, film, 3)), np.zeros((discs, film, 3, 3))
@@ -62,7 +64,7 @@ def refit_discs(
             shadows[n], margins[n] = hidden[0][own[n], k], hidden[1][own[n]]
         a, b = curves[2][k, 0], curves[2][k, 1]
         edges = curves[0][0, a:b], curves[0][1, a:b], curves[0][2, a:b], curves[0][3, a:b]
-        errors, limits = np.zeros((count, 3, 3)), (keep_off_px, True)
+        errors = np.zeros((count, 3, 3))
         points, ends, shares = settle_outlines(
             edges, (starts, errors), around, (shadows, margins), limits
         )
@@ -74,7 +76,7 @@ def refit_discs(
 
 @compiled
 def filtered_otherwise(
-    frames: NDArray[np.uint8], filters: Filters, circles: Floats, keep_off_px: float
+    frames: NDArray[np.uint8], filters: Filters, circles: Floats, limits: tuple[float, bool]
 ) -> tuple[Floats, Floats]:
     """Return radius and coverage of known discs as another filter gives them.
 
@@ -84,6 +86,8 @@ def filtered_otherwise(
         Those that are looked at, shape (frames, rows, columns).
     circles
         Shape (discs, frames, 3).
+    limits
+        Distance to keep off other discs, pixels, and that radii are free.
 
     Returns
     -------
@@ -99,7 +103,7 @@ def filtered_otherwise(
         points, _, _ = edges_about(frames[k], windows, filters[0], filters[1])
         edges = points[0], points[1], points[2], points[3]
         outlines = fitted, np.empty((discs, 3, 3))
-        _, _, shares = settle_outlines(edges, outlines, starts, hidden, (keep_off_px, False))
+        _, _, shares = settle_outlines(edges, outlines, starts, hidden, limits)
         radii[:, k], coverage[:, k] = fitted[:, 2], shares
     return radii, coverage
 

@@ -92,7 +92,7 @@ def filter_bias(
         frames[chosen],
         filters(fine, gradient_threshold(noise, fine.sigma_px)),
         np.ascontiguousarray(circles[:, chosen]),
-        KEEP_OFF_SIGMAS * settings.sigma_px,
+        (KEEP_OFF_SIGMAS * settings.sigma_px, False),
     )
     seats = 2, len(discs.views), len(chosen)
     good = (np.minimum(shares, coverage[:, chosen]) >= GOOD_COVERAGE).reshape(seats)

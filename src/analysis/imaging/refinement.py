@@ -62,6 +62,6 @@ def refine_outlines(
         markers = known.markers[i]
         own[:, : markers.shape[1]] = geometry[view].offsets(markers)[..., :2]
     margins = np.cos(known.marker_angle + BLURRED_SIGMAS * sigma_px / radii)
-    keep_off = KEEP_OFF_SIGMAS * sigma_px
-    again = refit_discs(curves, discs.flat(), radii, (hidden, margins), keep_off)
+    limits = KEEP_OFF_SIGMAS * sigma_px, True
+    again = refit_discs(curves, discs.flat(), radii, (hidden, margins), limits)
     return film_discs(discs.views, again)
