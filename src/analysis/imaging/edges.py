@@ -15,9 +15,10 @@ Singles = NDArray[np.float32]
 
 HALF_WIDTH_PER_SIGMA = 4
 """The thesis cuts the filter at 17 x 17 pixels for a standard deviation of 2: four each side."""
-ROWS_AT_ONCE, STRIP, PAIRS = 8, 72, 6
+ROWS_AT_ONCE, STRIP, PAIRS = 8, 80, 6
 """Rows filtered as one line; columns of a strip, margins among them; pairs of mirrored taps summed
-at once, as many as a filter of 1.2 to 1.5 pixels has."""
+at once, as many as a filter of 1.2 to 1.5 pixels has. Filters of up to 8 pixels leave a few columns
+of a strip between its margins."""
 LANE = ROWS_AT_ONCE * STRIP
 SLOPE, BEND = np.uint64(LANE), np.uint64(2 * LANE)
 """Where the lanes of first and second derivatives begin. Lanes of one array follow each other, so
@@ -97,10 +98,18 @@ def half_kernels(sigma_px: float) -> Singles:
     Returns
     -------
     Shape (3, 1 + a multiple of PAIRS).
+
+    Raises
+    ------
+    ValueError
+        The filter is so wide that nothing is left of a strip between its margins.
     """
     kernels = np.array(gaussian_kernels(sigma_px))
     later = kernels[:, kernels.shape[1] // 2 :]
-    return np.pad(later, ((0, 0), (0, (1 - later.shape[1]) % PAIRS))).astype(np.float32)
+    taps = np.pad(later, ((0, 0), (0, (1 - later.shape[1]) % PAIRS))).astype(np.float32)
+    if 2 * taps.shape[1] >= STRIP:
+        raise ValueError(f"an edge filter of {sigma_px:g} pixels; at most 8 are possible")
+    return taps
 
 
 @compiled

@@ -132,7 +132,7 @@ def look(
 
 @part
 def keep(found: Look, own: Indices, k: int, outlines: Outlines, size: int) -> tuple[Floats, int]:
-    """Put the outlines of a frame that hold among those of the film; return accepted points."""
+    """Put the outlines of a frame that hold to the film's; return accepted points and how many."""
     circles, covariance, coverage, accepted, spans = outlines
     first, accepted = 0, with_room(accepted, size, found[3].shape[0], coverage.shape[1])
     for n in range(own.size):

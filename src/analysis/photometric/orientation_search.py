@@ -23,7 +23,6 @@ Floats = NDArray[np.float64]
 STEP_RAD = 0.14
 LEAST_FACING = 0.3
 TRIED = 30
-"""Of 100 spheres with 8 markers in one view, the truth is among the first 12 on 99."""
 CLEAR_COST, DOUBTFUL_COST, CLEAR_SHARE, CLEAR_MARKERS = 2.0, 4.0, 0.85, 3
 """A trial that costs less than the first, with so many markers as dark as expected
 (`confirmation`), needs no rival; less than the second, only such as promise enough.
@@ -32,8 +31,8 @@ A false turn of a sphere whose markers are known costs 2.4 at least and may show
 darkness; where some are not known the true one may cost as much."""
 RIVAL_SHARE = 0.45
 """An orientation of the grid that promises less than this share of what the best one fulfils, once
-it is fitted, is no rival. Of 240 spheres with 8 of 8, 11 of 15 or 16 of 16 markers known this lets
-no truth go by; where 2 of 10 are not known, one view may."""
+it is fitted, is no rival. Where markers are not known and one view alone is seen, a truth may be
+among those."""
 APART_RAD = 0.25
 CERTAIN_GAP = 25.0
 """Five standard deviations, squared."""

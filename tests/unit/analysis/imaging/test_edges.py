@@ -2,8 +2,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.ndimage import correlate1d
 
 from analysis.imaging.edges import gaussian_kernels, laplacian_of_gaussian
+from analysis.imaging.frame import EdgeSettings, find_edges
 
 INNER = slice(20, -20)
 slope = st.floats(-2.0, 2.0)
@@ -64,3 +66,33 @@ def test_a_transposed_frame_gives_the_transposed_edges() -> None:
     one, other = laplacian_of_gaussian(frame, 1.2), laplacian_of_gaussian(frame.T, 1.2)
     np.testing.assert_allclose(one.log, other.log.T, atol=1e-3)
     np.testing.assert_allclose(one.gradient_row, other.gradient_column.T, atol=1e-3)
+
+
+@pytest.mark.parametrize("sigma", [0.5, 1.2, 2.0, 4.0, 8.0])
+def test_every_width_gives_what_a_plain_correlation_gives_across_the_strips(sigma: float) -> None:
+    frame = np.random.default_rng(3).integers(0, 256, (90, 170), dtype=np.uint8)
+    smooth, first, second = gaussian_kernels(sigma)
+
+    def filtered(down: np.ndarray, across: np.ndarray) -> np.ndarray:
+        once = correlate1d(frame.astype(float), down, axis=0, mode="nearest")
+        return np.asarray(correlate1d(once, across, axis=1, mode="nearest"))
+
+    edges = laplacian_of_gaussian(frame, sigma)
+    laplacian = filtered(second, smooth) + filtered(smooth, second)
+    np.testing.assert_allclose(edges.log, laplacian, atol=2e-3)
+    np.testing.assert_allclose(edges.gradient_row, filtered(first, smooth), atol=1e-3)
+    np.testing.assert_allclose(edges.gradient_column, filtered(smooth, first), atol=1e-3)
+
+
+@pytest.mark.parametrize("sigma", [1.2, 2.0, 8.0])
+def test_windows_of_every_width_find_the_edge_of_a_half_bright_frame(sigma: float) -> None:
+    frame = np.full((120, 200), 20, dtype=np.uint8)
+    frame[:, 100:] = 180
+    found = find_edges(frame, EdgeSettings(sigma), 1.0).points
+    assert len(found) > 60
+    np.testing.assert_allclose(found.column, 99.5, atol=0.1)
+
+
+def test_a_filter_too_wide_for_a_strip_is_refused_with_the_limit() -> None:
+    with pytest.raises(ValueError, match=r"filter of 9\.5 pixels; at most 8"):
+        laplacian_of_gaussian(np.zeros((20, 20)), 9.5)
