@@ -17,11 +17,12 @@ import numpy as np
 
 from analysis.campaign import analyse_campaign, read_campaign
 from analysis.imaging.frame import EdgeSettings
+from analysis.quantity import Quantity
 from analysis.shot import AnalysisOptions, MeasuredShot
 from simulators.world import write_campaign
 
 GOALS = {"v_n %": 1.0, "e": 0.01, "v_s m/s": 0.08, "contact ms": 0.1}
-COLUMNS = ("v_n %", "e", "v_s m/s", "v_s' m/s", "contact ms", "normal deg")
+COLUMNS = ("v_n %", "e", "v_s m/s", "v_s' m/s", "contact ms", "lasts us", "normal deg")
 
 
 def errors_of(shot: MeasuredShot, truth: dict[str, Any]) -> tuple[list[float], list[float]]:
@@ -38,7 +39,16 @@ def errors_of(shot: MeasuredShot, truth: dict[str, Any]) -> tuple[list[float], l
     error = [quantity.value - true for quantity, true in differences]
     pulls = [e / quantity.sigma for e, (quantity, _) in zip(error, differences, strict=True)]
     v_n, e, v_s, v_s_after, contact = error
-    return [100 * v_n / truth["v_n"], e, v_s, v_s_after, 1e3 * contact, float(angle)], pulls
+    row = [100 * v_n / truth["v_n"], e, v_s, v_s_after, 1e3 * contact]
+    lasts, pull = lasting(impact.duration, truth.get("contact_duration_s"))
+    return [*row, 1e6 * lasts, float(angle)], [*pulls, pull]
+
+
+def lasting(measured: Quantity | None, true: float | None) -> tuple[float, float]:
+    """Return error and pull of the contact's duration; not numbers where one is unknown."""
+    if measured is None or true is None:
+        return np.nan, np.nan
+    return measured.value - true, (measured.value - true) / measured.sigma
 
 
 def compare(folder: Path, options: AnalysisOptions) -> dict[str, Any]:
@@ -71,7 +81,7 @@ def compare(folder: Path, options: AnalysisOptions) -> dict[str, Any]:
         "analysed": len(rows),
         "refused": refused,
         "rms": {name: float(value) for name, value in rms.items()},
-        "pull_rms": dict(zip(COLUMNS[:5], map(float, pull_rms), strict=True)),
+        "pull_rms": dict(zip(COLUMNS[:6], map(float, pull_rms), strict=True)),
     }
 
 

@@ -16,7 +16,9 @@ Json = dict[str, Any]
 def shot_document(shot: MeasuredShot | RefusedShot) -> Json:
     """Return the result of a shot without its number: measured, or refused with the reason.
 
-    `contact_time_s` counts from the shot's first frame. Signs as in section 7.1 of the thesis.
+    `contact_time_s` counts from the shot's first frame; `contact_duration` reaches from there to
+    the parting, null where the paths after contact do not show it. Signs as in section 7.1 of the
+    thesis.
     """
     if isinstance(shot, RefusedShot):
         refused: Json = {"status": "refused", "step": shot.step}
@@ -28,6 +30,7 @@ def shot_document(shot: MeasuredShot | RefusedShot) -> Json:
         "status": "measured",
         "contact_time_s": impact.contact_time.value,
         "contact_time_sigma_s": impact.contact_time.sigma,
+        "contact_duration": None if impact.duration is None else impact.duration.to_json(),
         "normal": [float(n) for n in impact.normal],
         "normal_sigma": [float(n) for n in impact.normal_sigma],
         "v_n": impact.v_n.to_json(),

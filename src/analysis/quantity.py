@@ -14,6 +14,10 @@ class Quantity:
     sigma: float
     unit: str
 
+    def rescaled(self, factor: float, unit: str) -> Quantity:
+        """Return the same quantity in a unit of which `factor` make one of its own."""
+        return Quantity(factor * self.value, factor * self.sigma, unit)
+
     def to_json(self) -> dict[str, float | str]:
         """Return the form of the exchange documents."""
         return {"value": self.value, "sigma": self.sigma, "unit": self.unit}

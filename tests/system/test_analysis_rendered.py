@@ -19,7 +19,7 @@ from simulators.world.truth import FilmedTruth
 SEED = 11
 PRESSURES = np.linspace(20.0, 100.0, 12)
 OFFSETS = (0.0, 13.0, 5.0, 18.0, 9.0, 2.0, 15.0, 7.0, 20.0, 11.0, 4.0, 16.0)
-NUMBERS = ("v_n", "v_s", "v_n_after", "v_s_after", "e", "contact_time")
+NUMBERS = ("v_n", "v_s", "v_n_after", "v_s_after", "e", "contact_time", "duration")
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +38,7 @@ class Judged:
         truth = self.truth
         if name == "e":
             return -truth["v_n_after"] / truth["v_n"]
-        key = "contact_time_s" if name == "contact_time" else name
+        key = {"contact_time": "contact_time_s", "duration": "contact_duration_s"}.get(name, name)
         return float(truth[key])  # type: ignore[literal-required]
 
     def error(self, name: str) -> float:
@@ -68,7 +68,14 @@ def test_the_normal_velocity_is_right_within_half_a_per_cent(judged: list[Judged
 
 
 @pytest.mark.parametrize(
-    ("name", "limit"), [("e", 0.006), ("v_s", 0.03), ("v_s_after", 0.03), ("contact_time", 5e-5)]
+    ("name", "limit"),
+    [
+        ("e", 0.006),
+        ("v_s", 0.03),
+        ("v_s_after", 0.03),
+        ("contact_time", 5e-5),
+        ("duration", 1e-5),
+    ],
 )
 def test_each_number_is_right_within_its_bound(
     judged: list[Judged], name: str, limit: float

@@ -119,6 +119,10 @@ def test_the_command_prints_one_document_of_the_promised_form(
             assert shot[name]["unit"] == unit
             assert shot[name]["value"] == pytest.approx(quantity.value, rel=1e-6)
         assert shot["beta"] is None or shot["beta"]["unit"] == "1"
+        lasts = shot["contact_duration"]
+        assert lasts["unit"] == "s"
+        # These contacts are instantaneous.
+        assert abs(lasts["value"]) < 3 * lasts["sigma"] < 1e-4
 
 
 def test_a_refused_shot_is_an_answer_and_ends_with_success(tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.collision.impact import ContactState, impact_velocities
-from analysis.collision.instant import touching_time
+from analysis.collision.instant import parting_time, touching_time
 from analysis.motion.spin import Spin
 from analysis.motion.velocity import FlightPath
 from analysis.quantity import Quantity
@@ -38,6 +38,10 @@ class Impact:
     ----------
     contact_time
         First touch, s from the shot's first frame.
+    duration
+        From first touch on the paths before contact to the parting on those after it, s; None where
+        the latter pass each other by. An instantaneous contact has 0 within its error. Straight
+        lines through the tracks cross e / (1 + e) of it after first touch: that is their kink.
     normal, normal_sigma
         Unit vector from a to b at first touch and its standard errors, rig axes, shape (3,).
     v_n, v_s, v_n_after, v_s_after
@@ -52,6 +56,7 @@ class Impact:
     """
 
     contact_time: Quantity
+    duration: Quantity | None
     normal: Floats
     normal_sigma: Floats
     v_n: Quantity
@@ -155,7 +160,7 @@ def measure_impact(a: Motion, b: Motion, radii: tuple[float, float], scale_sigma
 def _outcomes(
     states: Floats, reference: float, accelerations: Floats, radii: tuple[float, float]
 ) -> Floats:
-    """Return time, normal (3), v_n, v_s, v_n', v_s', e, beta, and both states (24 numbers).
+    """Return time, normal (3), v_n, v_s, v_n', v_s', e, beta, both states (24 numbers), duration.
 
     Parameters
     ----------
@@ -166,12 +171,15 @@ def _outcomes(
 
     Returns
     -------
-    Shape (n, 34).
+    Shape (n, 35); a duration that the paths after contact do not have is not a number.
     """
     scale = states[:, -1, None]
     paths = scale[..., None, None] * states[:, :24].reshape(-1, 4, 2, 3)
     between = paths[:, 1] - paths[:, 0]
-    wait = _wait(between[:, 0], between[:, 1], np.array(sum(radii)))[:, None, None]
+    touching = np.array(sum(radii))
+    wait = _wait(between[:, 0], between[:, 1], touching)[:, None, None]
+    apart = paths[:, 3] - paths[:, 2]
+    lasts = parting_time(apart[:, 0], apart[:, 1], touching)[:, None] - wait[:, 0]
     velocity = paths[:, :, 1] + accelerations * wait
     place = paths[:, :, 0] + (paths[:, :, 1] + velocity) / 2 * wait
     normal = place[:, 1] - place[:, 0]
@@ -184,7 +192,7 @@ def _outcomes(
     parts = [
         part for s in (before, after) for part in (s.velocity_a, s.velocity_b, s.spin_a, s.spin_b)
     ]
-    return np.concatenate([reference + wait[:, 0], normal, scalars, *parts], axis=1)
+    return np.concatenate([reference + wait[:, 0], normal, scalars, *parts, lasts], axis=1)
 
 
 def _derivative(f: Callable[[Floats], Floats], x: Floats, sigma: Floats) -> Floats:
@@ -214,6 +222,7 @@ def _named(values: Floats, sigma: Floats) -> Impact:
     told = values[5] > BETA_NEEDS_SIGMAS * sigma[5]
     return Impact(
         contact_time=quantity(0, "s"),
+        duration=quantity(34, "s") if np.isfinite(sigma[34]) else None,
         normal=values[1:4],
         normal_sigma=sigma[1:4],
         v_n=quantity(4, "m/s"),

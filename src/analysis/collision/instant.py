@@ -35,3 +35,14 @@ def touching_time(separation: Floats, relative_velocity: Floats, distance: Float
     touch = (a > 0.0) & (discriminant >= 0.0)
     root = np.sqrt(np.where(touch, discriminant, np.nan))
     return np.asarray((-b - root) / np.where(touch, a, np.nan))
+
+
+def parting_time(separation: Floats, relative_velocity: Floats, distance: Floats) -> Floats:
+    """Return the time until two spheres on straight paths last touch: (5-34) run backwards.
+
+    On the paths after contact this is where the spheres part, which a contact of finite length puts
+    later than the touch on the paths before.
+
+    Parameters and result are those of `touching_time`.
+    """
+    return -touching_time(separation, -relative_velocity, distance)

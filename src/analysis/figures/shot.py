@@ -143,10 +143,7 @@ def _numbers(axes: Axes, shot: MeasuredShot) -> None:
     axes.axis("off")
     impact = shot.impact
     rows: list[tuple[str, Quantity | None]] = [
-        (
-            "contact",
-            Quantity(1e3 * impact.contact_time.value, 1e3 * impact.contact_time.sigma, "ms"),
-        ),
+        ("contact", impact.contact_time.rescaled(1e3, "ms")),
         ("v_n", impact.v_n),
         ("v_s", impact.v_s),
         ("v_n'", impact.v_n_after),

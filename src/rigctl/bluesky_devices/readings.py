@@ -16,6 +16,7 @@ SETTINGS = {"pressure_a_kpa": "kPa", "pressure_b_kpa": "kPa", "offset_mm": "mm",
 QUANTITIES = {
     **dict.fromkeys(("v_n", "v_s", "v_n_after", "v_s_after"), "m/s"),
     **dict.fromkeys(("e", "beta"), RATIO),
+    "contact_duration": "s",
 }
 WORDS = ("shot", "state")
 

@@ -9,12 +9,11 @@ from typing import Self
 from rich.console import Console
 
 from analysis.document import shot_document
-from analysis.quantity import Quantity
 from analysis.shot import MeasuredShot, RefusedShot
 from rigctl.commands.spool import Spool
 
 HEADINGS = (
-    *("shot", "contact\nms", "v_n\nm/s", "v_s\nm/s", "v_n'\nm/s", "v_s'\nm/s"),
+    *("shot", "contact\nms", "lasts\nus", "v_n\nm/s", "v_s\nm/s", "v_n'\nm/s", "v_s'\nm/s"),
     *("e", "beta"),
 )
 _CAPTION = "in brackets: standard error in units of the last digit"
@@ -74,7 +73,9 @@ class ShotTable:
 
 def _cells(number: int, shot: MeasuredShot) -> list[str]:
     impact = shot.impact
-    contact = Quantity(1e3 * impact.contact_time.value, 1e3 * impact.contact_time.sigma, "ms")
-    cells = (contact, impact.v_n, impact.v_s, impact.v_n_after, impact.v_s_after, impact.e)
-    beta = "" if impact.beta is None else impact.beta.concise()
-    return [str(number), *(cell.concise() for cell in cells), beta]
+    cells = (
+        impact.contact_time.rescaled(1e3, "ms"),
+        None if impact.duration is None else impact.duration.rescaled(1e6, "us"),
+        *(impact.v_n, impact.v_s, impact.v_n_after, impact.v_s_after, impact.e, impact.beta),
+    )
+    return [str(number), *("" if cell is None else cell.concise() for cell in cells)]

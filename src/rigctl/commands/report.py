@@ -18,7 +18,10 @@ _NAMES = {
     "v_s_after": "surface velocity after",
     "e": "restitution e",
     "beta": "tangential restitution β",
+    "contact_duration": "duration of contact",
 }
+_SHOWN_IN = {"s": (1e6, "µs"), "1": (1.0, "")}
+"""Factor and unit in which the table shows what results hold in SI units."""
 
 
 @contextmanager
@@ -67,7 +70,7 @@ def _table(rows: list[tuple[str, Mapping[str, Any]]]) -> Table:
     for column in table.columns[1:3]:
         column.justify = "right"
     for name, quantity in rows:
-        value, sigma = rounded(float(quantity["value"]), float(quantity["sigma"]))
-        unit = str(quantity["unit"])
-        table.add_row(_NAMES[name], value, sigma, "" if unit == "1" else unit)
+        factor, unit = _SHOWN_IN.get(quantity["unit"], (1.0, str(quantity["unit"])))
+        found, error = factor * float(quantity["value"]), factor * float(quantity["sigma"])
+        table.add_row(_NAMES[name], *rounded(found, error), unit)
     return table

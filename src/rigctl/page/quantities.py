@@ -7,11 +7,18 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Quantity:
-    """A quantity as a table names it, with its unit (empty for a ratio) and its definition."""
+    """A quantity as a table names it, with its unit (empty for a ratio) and its definition.
+
+    Attributes
+    ----------
+    per_si
+        How many of the unit make one of the SI unit that results hold.
+    """
 
     name: str
     unit: str
     meaning: str
+    per_si: float = 1.0
 
 
 COEFFICIENTS = {
@@ -39,6 +46,13 @@ COEFFICIENTS = {
     "e": Quantity("e", "", "Normal restitution, -v_n′ / v_n: 1 loses nothing, 0 sticks."),
     "beta": Quantity(
         "β", "", "Tangential restitution, -v_s′ / v_s: 1 reverses the sliding, -1 leaves it."
+    ),
+    "contact_duration": Quantity(
+        "T",
+        "µs",
+        "Duration of contact: from first touch on the paths before it to the parting on the paths "
+        "after it. The tracks' kink lies e / (1 + e) of it after first touch.",
+        per_si=1e6,
     ),
 }
 PARAMETERS = {

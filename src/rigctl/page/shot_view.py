@@ -67,7 +67,7 @@ def coefficients(desk: Desk, shot: ShotRecord) -> None:
     """Place the table of coefficients, or say what is waited for or why there are none."""
     result = desk.films.result(shot)
     if result.get("status") == "measured":
-        lines = [measured(COEFFICIENTS[name], result[name]) for name in COEFFICIENTS]
+        lines = [measured(COEFFICIENTS[name], result.get(name)) for name in COEFFICIENTS]
         headings: list[Cell | str] = [
             Cell("quantity", "Definitions: point at each."),
             Cell("value ± σ", VALUE),

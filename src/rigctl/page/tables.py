@@ -69,12 +69,13 @@ def measured(about: Quantity, value: Mapping[str, Any] | None, look: str = "") -
     name = Cell(about.name, about.meaning)
     if value is None:
         return Line([name, NOTHING, about.unit], look)
-    return Line([name, with_error(value), Cell(about.unit, look="left dim")], look)
+    return Line([name, with_error(value, about.per_si), Cell(about.unit, look="left dim")], look)
 
 
-def with_error(value: Mapping[str, Any]) -> str:
-    """Return a value as `12.34 ± 0.05`, both with the places that the error allows."""
-    number, sigma = float(value["value"]), value.get("sigma")
+def with_error(value: Mapping[str, Any], factor: float = 1.0) -> str:
+    """Return a value times a factor as `12.34 ± 0.05`, with the places that the error allows."""
+    number, sigma = factor * float(value["value"]), value.get("sigma")
+    sigma = None if sigma is None else factor * sigma
     if sigma is None or not sigma > 0:
         return f"{number:.4g}"
     exponent = math.floor(math.log10(sigma))

@@ -11,7 +11,7 @@ from rigctl.reanalysis.campaign import Outcome
 
 Json = Mapping[str, Any]
 
-QUANTITIES = ("v_n", "v_s", "v_n_after", "v_s_after", "e", "beta")
+QUANTITIES = ("v_n", "v_s", "v_n_after", "v_s_after", "e", "beta", "contact_duration")
 
 
 @dataclass(frozen=True, slots=True)

@@ -33,6 +33,7 @@ SPINS = {
 }
 NAMES = tuple(VELOCITIES)
 TRUE_V_N = float((VELOCITIES["b before"] - VELOCITIES["a before"]) @ NORMAL)
+LASTS_S = 1.5e-4
 TRUE_V_N_AFTER = float((VELOCITIES["b after"] - VELOCITIES["a after"]) @ NORMAL)
 
 
@@ -60,6 +61,12 @@ def spin(name: str) -> Spin:
 def motion(sphere: str) -> Motion:
     before, after = f"{sphere} before", f"{sphere} after"
     return Motion(path(before), path(after), spin(before), spin(after))
+
+
+def parting_later(sphere: Motion, lasts_s: float) -> Motion:
+    """Return the motion whose path after contact leaves from the touch so much later."""
+    after = sphere.after
+    return replace(sphere, after=replace(after, position=after.position - lasts_s * after.velocity))
 
 
 def drawn(sphere: Motion, rng: np.random.Generator) -> Motion:
@@ -90,13 +97,15 @@ def rescaled(sphere: Motion, factor: float) -> Motion:
 
 def numbers(impact: Impact) -> np.ndarray:
     beta = impact.beta.value if impact.beta else np.nan
-    parts = (impact.v_n, impact.v_s, impact.v_n_after, impact.v_s_after, impact.e)
+    assert impact.duration is not None
+    parts = (impact.v_n, impact.v_s, impact.v_n_after, impact.v_s_after, impact.e, impact.duration)
     return np.array([impact.contact_time.value, *(q.value for q in parts), beta, *impact.normal])
 
 
 def stated(impact: Impact) -> np.ndarray:
     beta = impact.beta.sigma if impact.beta else np.nan
-    parts = (impact.v_n, impact.v_s, impact.v_n_after, impact.v_s_after, impact.e)
+    assert impact.duration is not None
+    parts = (impact.v_n, impact.v_s, impact.v_n_after, impact.v_s_after, impact.e, impact.duration)
     times = impact.contact_time.sigma
     return np.array([times, *(q.sigma for q in parts), beta, *impact.normal_sigma])
 
@@ -130,6 +139,46 @@ def test_stated_errors_are_the_scatter_of_four_hundred_measurements() -> None:
         draws.append(numbers(measure_impact(one, other, RADII, 0.0)))
     errors = stated(measure_impact(a, b, RADII, scale_sigma))
     np.testing.assert_allclose(errors, np.std(draws, axis=0), rtol=0.15)
+
+
+def test_a_contact_lasts_from_the_touch_of_the_paths_before_to_the_parting_of_those_after() -> None:
+    impact = measure_impact(
+        parting_later(motion("a"), LASTS_S), parting_later(motion("b"), LASTS_S), RADII, 0.0
+    )
+    assert impact.duration is not None
+    # The carried paths take the velocities at the reference, half a contact from the touch's.
+    assert impact.duration.value == pytest.approx(LASTS_S, abs=1e-7)
+    assert impact.duration.unit == "s"
+    instantaneous = measure_impact(motion("a"), motion("b"), RADII, 0.0)
+    assert instantaneous.duration is not None
+    assert instantaneous.duration.value == pytest.approx(0.0, abs=1e-9)
+
+
+def test_where_the_lines_through_the_tracks_cross_gives_the_same_duration() -> None:
+    aimed = {name: sign * NORMAL for name, sign in (("a", -1.0), ("b", 1.0))}
+    speeds = {"before": -1.6, "after": 1.2}
+
+    def head_on(name: str) -> Motion:
+        whole = motion(name)
+        before = replace(whole.before, position=R * aimed[name], velocity=-1.6 * aimed[name])
+        after = replace(whole.after, position=R * aimed[name], velocity=1.2 * aimed[name])
+        return parting_later(replace(whole, before=before, after=after), LASTS_S)
+
+    impact = measure_impact(head_on("a"), head_on("b"), RADII, 0.0)
+    # Distance of the centres over that of touch: 2 * -1.6 t before, 2 * 1.2 (t - T) after.
+    kink_s = LASTS_S * speeds["after"] / (speeds["after"] - speeds["before"])
+    e = speeds["after"] / -speeds["before"]
+    assert impact.duration is not None
+    assert impact.duration.value == pytest.approx(kink_s * (1 + e) / e)
+
+
+def test_paths_that_pass_each_other_by_after_contact_tell_no_duration() -> None:
+    a, b = motion("a"), motion("b")
+    wide = replace(b.after, position=b.after.position + np.array([0.0, 0.0, 3 * R]))
+    outward = replace(wide, velocity=a.after.velocity + np.array([0.3, 0.0, 0.0]))
+    impact = measure_impact(a, replace(b, after=outward), RADII, 0.0)
+    assert impact.duration is None
+    assert impact.e.sigma > 0
 
 
 def test_the_error_of_each_state_stands_in_its_place() -> None:
