@@ -28,6 +28,7 @@ LONG = {
     "test_next_shots_page.py",
     "test_own_effects.py",
     "test_page_under_faults.py",
+    "test_page_when_busy.py",
     "test_refused_shot.py",
     "test_report_page.py",
     "test_results_pages.py",

@@ -41,7 +41,9 @@ def test_a_stop_in_the_middle_of_a_sweep_fires_nothing_more_until_a_person_says_
     expect(state).to_contain_text("paused", timeout=LONG_MS)
     stopped_at = done(page)
     page.get_by_test_id("resume").click()
-    expect(page.get_by_text("release the rig with a reason")).to_be_visible()
+    expect(
+        page.get_by_role("alert").filter(has_text="release the rig with a reason")
+    ).to_be_visible()
     page.get_by_test_id("release").click()
     page.get_by_test_id("reason").fill("tubes looked at: empty")
     page.get_by_test_id("release-now").click()

@@ -8,6 +8,7 @@ from rigctl.errors import RigError
 from rigctl.page.campaign_view import CampaignView
 from rigctl.page.desk import Desk
 from rigctl.page.layout import sheet
+from rigctl.page.presence import kept_page
 from rigctl.page.shot_table import WHY, column, explain_headings
 from rigctl.store import CampaignRecord, ShotState
 
@@ -38,13 +39,13 @@ HEADINGS = {
 def campaign_pages(desk: Desk) -> None:
     """Register `/campaigns` and `/campaigns/{campaign}`."""
 
-    @ui.page("/campaigns")
+    @kept_page("/campaigns")
     def campaigns() -> None:
         with sheet(desk, "Campaigns", "/campaigns"), ui.element("div").classes("panel"):
             ui.label("Campaigns").classes("title")
             _listed(desk.daemon.store.campaigns.all())
 
-    @ui.page("/campaigns/{campaign}")
+    @kept_page("/campaigns/{campaign}")
     def one(campaign: str) -> None:
         with sheet(desk, f"Campaign {campaign}", "/campaigns"):
             try:

@@ -13,12 +13,17 @@ from rigctl.daemon import Daemon
 from rigctl.errors import RigError
 from rigctl.page.feed import Feed
 from rigctl.page.films import Films
+from rigctl.page.presence import is_late
 from rigctl.page.readings import Readings
 from rigctl.service.lanes import Lanes
 
 T = TypeVar("T")
 REST_S = 0.02
 """Between two parts of pages that are drawn anew."""
+TOO_LATE = (
+    "Not done: it was pressed while the page had no connection. See how the rig stands, and press "
+    "it again."
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,9 +63,16 @@ class Desk:
                 part()
                 await asyncio.sleep(REST_S)
 
-    async def act(self, call: Callable[[], T]) -> T | None:
-        """Run what moves the rig or writes; a refusal is shown in its own words and gives None."""
+    async def act(self, call: Callable[[], T], *, moves: bool = False) -> T | None:
+        """Run what moves the rig or writes; a refusal is shown in its own words and gives None.
+
+        What `moves` the rig is not done if it may have been pressed before the page lost its
+        connection: nobody may be surprised by a rig that arms minutes later.
+        """
         client = context.client
+        if moves and is_late(client):
+            ui.notify(TOO_LATE, type="warning", timeout=12_000)
+            return None
         try:
             return await self.lanes.control(call)
         except RigError as error:
@@ -68,14 +80,14 @@ class Desk:
                 ui.notify(error.sentence(), type="negative", multi_line=True, timeout=12_000)
             return None
 
-    async def done(self, call: Callable[[], None]) -> bool:
+    async def done(self, call: Callable[[], None], *, moves: bool = False) -> bool:
         """Run what gives no answer, as `act`; say whether it was done."""
 
         def work() -> bool:
             call()
             return True
 
-        return bool(await self.act(work))
+        return bool(await self.act(work, moves=moves))
 
     async def stop(self, by: str) -> None:
         """Stop the rig at once; `by` says how."""

@@ -7,6 +7,7 @@ from collections.abc import Awaitable, Callable
 from nicegui import ui
 
 from rigctl.errors import RigError
+from rigctl.page.presence import every
 
 
 def following(period_s: float, look: Callable[[], Awaitable[None] | None]) -> None:
@@ -33,4 +34,4 @@ def following(period_s: float, look: Callable[[], Awaitable[None] | None]) -> No
         else:
             old.set_visibility(False)
 
-    ui.timer(period_s, go)
+    every(period_s, go)

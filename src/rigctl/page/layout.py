@@ -9,6 +9,7 @@ from nicegui import events, ui
 
 from rigctl.page.asking import ask_reason
 from rigctl.page.desk import Desk, actor
+from rigctl.page.presence import come_back, every
 from rigctl.page.widgets import button
 from rigctl.rig.states import LATCHED, RigState
 from rigctl.rig.status import RigStatus
@@ -59,6 +60,7 @@ def sheet(desk: Desk, title: str, place: str) -> Iterator[None]:
         stop.tooltip("Emergency stop: cuts the power of every actuator now. Key: Ctrl + .")
     ui.keyboard(on_key=lambda event: _on_key(desk, event), ignore=[], repeating=False)
     _deaf_until_connected()
+    come_back()
     _watchdog()
     banner = ui.element("div").classes("latched").props("data-testid=latched role=alert")
     with banner:
@@ -72,7 +74,7 @@ def sheet(desk: Desk, title: str, place: str) -> Iterator[None]:
         said.set_text(_latch(now))
 
     show()
-    ui.timer(TICK_S, show)
+    every(TICK_S, show)
     with ui.element("div").classes("sheet"):
         yield
 
@@ -109,7 +111,7 @@ def _watchdog() -> None:
         watch.classes(remove=BEATS[beat % 2], add=BEATS[(beat + 1) % 2])
         beat += 1
 
-    ui.timer(TICK_S * TICKS_A_BEAT, tick)
+    every(TICK_S * TICKS_A_BEAT, tick)
 
 
 def _show_state(chip: ui.label, status: RigStatus) -> None:
@@ -139,7 +141,7 @@ def _latch(status: RigStatus) -> str:
 def _ask_release(desk: Desk) -> None:
     async def release(why: str) -> bool:
         who = actor()
-        return await desk.done(lambda: desk.daemon.rig.release(who, why))
+        return await desk.done(lambda: desk.daemon.rig.release(who, why), moves=True)
 
     ask_reason(
         "Release the rig",

@@ -12,6 +12,7 @@ from rigctl.page.desk import Desk
 from rigctl.page.layout import sheet
 from rigctl.page.model_view import ModelView
 from rigctl.page.plotting import expect_plots
+from rigctl.page.presence import kept_page
 from rigctl.page.source import Source
 from rigctl.page.widgets import button
 from rigctl.store import ShotState
@@ -22,7 +23,7 @@ LEAST_SHOTS = 3
 def model_pages(desk: Desk) -> None:
     """Register `/model`, where a campaign is chosen, and `/model/{campaign}`."""
 
-    @ui.page("/model")
+    @kept_page("/model")
     def choose(folder: str = "") -> None:
         with sheet(desk, "Model", "/model"):
             if folder:
@@ -30,7 +31,7 @@ def model_pages(desk: Desk) -> None:
             else:
                 _choice(desk)
 
-    @ui.page("/model/{campaign}")
+    @kept_page("/model/{campaign}")
     def model(campaign: str) -> None:
         with sheet(desk, f"Model of {campaign}", "/model"):
 

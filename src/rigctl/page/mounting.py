@@ -28,9 +28,12 @@ from rigctl.page.sweep_pages import sweep_pages
 from rigctl.service.lanes import Lanes
 
 STYLE = Path(__file__).with_name("style.css")
-RECONNECT_S = 15.0
-"""A connection that is lost for less goes on with what stands in the fields. A page that hears
-nothing covers itself long before."""
+SILENT_S = 15.0
+"""About so long after a connection went silent either side takes it for lost and makes another. A
+page that hears nothing covers itself long before, and is kept far longer."""
+REPEATED = 20_000
+"""So many changes that a browser has not acknowledged are repeated to it; where one is missing, the
+page library loads the page anew. A page that follows a sweep gets some fifty in a second."""
 PACKING = 1
 """How hard files are packed, 1 to 9: more holds the daemon up longer than it saves a network."""
 
@@ -54,7 +57,8 @@ def with_page(api: FastAPI, daemon: Daemon, key: str) -> ASGIApp:
         dark=None,
         tailwind=False,
         show_welcome_message=False,
-        reconnect_timeout=RECONNECT_S,
+        reconnect_timeout=SILENT_S,
+        message_history_length=REPEATED,
         gzip_middleware_factory=partial(GZipMiddleware, compresslevel=PACKING),
     )
     # What is loaded by now is never garbage; to look through it holds everything up for 0.2 s.

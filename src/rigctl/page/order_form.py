@@ -83,7 +83,7 @@ class OrderForm:
         settings, who = ShotSettings.model_validate(values), actor()
         self._arming = True
         try:
-            armed = await self._desk.act(lambda: self._rig.arm(settings, who))
+            armed = await self._desk.act(lambda: self._rig.arm(settings, who), moves=True)
         finally:
             self._arming = False
         if armed is not None:
@@ -103,7 +103,8 @@ class OrderForm:
                 order.digest(),
                 campaign=order.campaign,
                 actor=who,
-            )
+            ),
+            moves=True,
         )
 
     async def _on_disarm(self) -> None:

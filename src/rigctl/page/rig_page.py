@@ -13,6 +13,7 @@ from rigctl.page.feed import Feed, Happening
 from rigctl.page.following import following
 from rigctl.page.layout import TICK_S, sheet
 from rigctl.page.order_form import OrderForm, words
+from rigctl.page.presence import every, kept_page
 from rigctl.page.shot_view import coefficients, film, read
 from rigctl.page.tables import Cell, Line, facts_html
 from rigctl.rig.interlocks import Interlock
@@ -25,7 +26,7 @@ SHOWN_EVENTS = 12
 def rig_page(desk: Desk) -> None:
     """Register the page at `/`."""
 
-    @ui.page("/")
+    @kept_page("/")
     def page() -> None:
         with sheet(desk, "Rig", "/"):
             for warning in desk.daemon.rig.status().warnings:
@@ -112,7 +113,7 @@ def _order(desk: Desk) -> None:
         ui.label("Next shot").classes("title")
         form = OrderForm(desk)
     form.show(desk.daemon.rig.status())
-    ui.timer(TICK_S, lambda: form.show(desk.daemon.rig.status()))
+    every(TICK_S, lambda: form.show(desk.daemon.rig.status()))
 
 
 def _interlocks(desk: Desk) -> None:
@@ -128,7 +129,7 @@ def _interlocks(desk: Desk) -> None:
         table.set_content(_interlock_table(status) if status.interlocks else "")
 
     show()
-    ui.timer(TICK_S * 5, show)
+    every(TICK_S * 5, show)
 
 
 def _read_when(status: RigStatus, limits: Limits) -> str:
@@ -193,7 +194,7 @@ def _events(feed: Feed) -> None:
         listed.set_content(_happenings(feed.latest(SHOWN_EVENTS)))
 
     show()
-    ui.timer(TICK_S, show)
+    every(TICK_S, show)
 
 
 def _happenings(found: list[Happening]) -> str:

@@ -8,6 +8,7 @@ from rigctl.page.desk import Desk
 from rigctl.page.following import following
 from rigctl.page.layout import TICK_S, sheet
 from rigctl.page.order_form import words
+from rigctl.page.presence import kept_page
 from rigctl.page.shot_judging import Judging
 from rigctl.page.shot_residuals import ShotResiduals
 from rigctl.page.shot_table import ShotTable, latest, stored
@@ -21,13 +22,13 @@ from rigctl.store import ShotRecord
 def shot_pages(desk: Desk) -> None:
     """Register `/shots` and `/shots/{shot}`."""
 
-    @ui.page("/shots")
+    @kept_page("/shots")
     def shots() -> None:
         with sheet(desk, "Shots", "/shots"), ui.element("div").classes("panel"):
             ui.label("Shots").classes("title")
             _Shots(desk)
 
-    @ui.page("/shots/{shot}")
+    @kept_page("/shots/{shot}")
     def one(shot: str, frame: int | None = None, effects: str | None = None) -> None:
         with sheet(desk, f"Shot {shot}", "/shots"):
             if stored(desk, shot) is None:

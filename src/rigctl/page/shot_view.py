@@ -11,6 +11,7 @@ from nicegui import run, ui
 from rigctl.errors import RigError
 from rigctl.page.desk import Desk
 from rigctl.page.player import Player
+from rigctl.page.presence import every
 from rigctl.page.quantities import COEFFICIENTS, VALUE
 from rigctl.page.tables import Cell, facts, measured
 from rigctl.store import ShotRecord, ShotState
@@ -104,7 +105,7 @@ def _compiling(desk: Desk) -> None:
             count.set_text(f"{now.done} of about {now.of} functions")
 
     look()
-    ui.timer(COMPILING_EVERY_S, look)
+    every(COMPILING_EVERY_S, look)
 
 
 def _told(lead: str, why: str, testid: str = "refusal") -> None:

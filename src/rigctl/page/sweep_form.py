@@ -15,6 +15,7 @@ from rigctl.config import Limits
 from rigctl.errors import RigError
 from rigctl.page.desk import Desk, actor
 from rigctl.page.fields import CampaignField, NumberField
+from rigctl.page.presence import every
 from rigctl.page.quantities import SETTINGS, Quantity
 from rigctl.page.sweep_plots import covers, grid
 from rigctl.page.tables import Cell, Line, facts
@@ -71,7 +72,7 @@ class SweepForm:
             self._said = ui.label().classes("note").props("data-testid=sweep-says role=status")
             self._start = button("Start", self._on_start, look="main fill", testid="start-sweep")
         self._shown: Sweep | None = None
-        ui.timer(0.3, self._follow)
+        every(0.3, self._follow)
 
     @ui.refreshable_method
     def preview(self) -> None:
@@ -120,7 +121,8 @@ class SweepForm:
         sweep, who, key = self._sweep(), actor(), self._key
         digest = hashlib.sha256(sweep.model_dump_json().encode()).hexdigest()
         started = await self._desk.act(
-            lambda: self._desk.daemon.sweeps.start(plan_of(sweep), key, digest, who)
+            lambda: self._desk.daemon.sweeps.start(plan_of(sweep), key, digest, who),
+            moves=True,
         )
         if started is not None:
             self._key = secrets.token_hex(16)

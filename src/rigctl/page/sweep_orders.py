@@ -19,9 +19,9 @@ def orders(desk: Desk, status: SweepStatus) -> None:
     """Place the buttons that a sweep's state allows; whoever shows it hears what came of them."""
     sweep, runner, state = status.record.id, desk.daemon.sweeps, status.record.state
 
-    async def order(what: Callable[[str, str], SweepStatus]) -> None:
+    async def order(what: Callable[[str, str], SweepStatus], *, moves: bool = False) -> None:
         who = actor()
-        await desk.act(lambda: what(sweep, who))
+        await desk.act(lambda: what(sweep, who), moves=moves)
 
     if status.asked is not None:
         ui.label(f"{status.asked} asked; the shot under way ends first").classes("aside")
@@ -29,7 +29,7 @@ def orders(desk: Desk, status: SweepStatus) -> None:
     if state is SweepState.RUNNING:
         button("Pause", lambda: order(runner.pause), testid="pause")
     if state is SweepState.PAUSED:
-        button("Resume", lambda: order(runner.resume), look="fill", testid="resume")
+        button("Resume", lambda: order(runner.resume, moves=True), look="fill", testid="resume")
     if state in {SweepState.RUNNING, SweepState.PAUSED}:
         button("Abort", lambda: order(runner.abort), testid="abort")
 

@@ -8,6 +8,7 @@ from rigctl.errors import RigError
 from rigctl.page.desk import Desk
 from rigctl.page.following import following
 from rigctl.page.layout import TICK_S, sheet
+from rigctl.page.presence import kept_page
 from rigctl.page.sweep_form import SweepForm
 from rigctl.page.sweep_orders import bar, how_far, orders
 from rigctl.page.sweep_view import SweepView
@@ -19,7 +20,7 @@ SHOWN = 12
 def sweep_pages(desk: Desk) -> None:
     """Register `/sweeps` and `/sweeps/{sweep}`."""
 
-    @ui.page("/sweeps")
+    @kept_page("/sweeps")
     def sweeps(form: str = "") -> None:
         with sheet(desk, "Sweeps", "/sweeps"), ui.element("div").classes("columns sweep"):
             placed = SweepForm(desk, form)
@@ -27,7 +28,7 @@ def sweep_pages(desk: Desk) -> None:
                 placed.preview()
                 _Listed(desk)
 
-    @ui.page("/sweeps/{sweep}")
+    @kept_page("/sweeps/{sweep}")
     def one(sweep: str) -> None:
         with sheet(desk, f"Sweep {sweep}", "/sweeps"):
             try:
