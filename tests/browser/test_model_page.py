@@ -13,11 +13,17 @@ from typing import Any
 from urllib.parse import quote
 
 import pytest
-from playwright.sync_api import Page, expect
+from playwright.sync_api import Page, ViewportSize, expect
 
 from tests.browser.conftest import PORT, Served
 
 LONG_MS = 60_000
+SCREENS: list[ViewportSize] = [
+    {"width": 820, "height": 1180},
+    {"width": 1180, "height": 820},
+    {"width": 1280, "height": 800},
+]
+STEPS = ("error-path", "missing", "where-it-fails", "compare")
 SEED = "4"
 """Hides the angle of the mirror, and nothing else."""
 HIDDEN = "mirror-angle"
@@ -62,6 +68,9 @@ def test_a_hidden_effect_is_found_added_answered_and_revealed(page: Page, served
     page.goto(f"{served.url}/model?folder={quote(str(folder))}")
     page.get_by_test_id("heat-map").locator(".main-svg").first.wait_for(timeout=LONG_MS)
     expect(page.get_by_test_id("verdict")).to_contain_text("missing")
+    for size in SCREENS:
+        page.set_viewport_size(size)
+        assert read_in_rows(page) == ["compare", "where-it-fails", "missing", "error-path"]
     before = error_now(page)
     page.get_by_test_id(f"add-{HIDDEN}").click()
     expect(page.get_by_test_id("verdict")).to_contain_text(
@@ -100,6 +109,22 @@ def test_an_effect_of_ones_own_is_ranked_explained_added_and_mends_the_model(
     )
     assert error_now(page) < 1.05 < before
     expect(page.get_by_test_id("compare")).to_contain_text("restitution-warmth.a")
+
+
+def read_in_rows(page: Page) -> list[str]:
+    """Return the four steps as a person reads them: rows from above, each from the left.
+
+    What begins above the middle of the uppermost stands in its row.
+    """
+    left = {step: page.get_by_test_id(step).bounding_box() or {} for step in STEPS}
+    found = []
+    while left:
+        top = min(left, key=lambda step: left[step]["y"])
+        middle = left[top]["y"] + left[top]["height"] / 2
+        row = [step for step, box in left.items() if box["y"] < middle]
+        found += sorted(row, key=lambda step: left[step]["x"])
+        left = {step: box for step, box in left.items() if step not in row}
+    return found
 
 
 def challenge(folder: Path, seed: str) -> Path:

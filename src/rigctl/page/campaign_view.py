@@ -11,6 +11,7 @@ from nicegui import run, ui
 from rigctl.page.campaign_output import Output
 from rigctl.page.campaign_plots import plane
 from rigctl.page.desk import Desk
+from rigctl.page.empty_plots import READING
 from rigctl.page.following import following
 from rigctl.page.impact_plots import over_incidence, over_speed
 from rigctl.page.layout import TICK_S
@@ -69,10 +70,12 @@ class CampaignView:
                 self._plane()
             with ui.element("div").classes("panel"):
                 self._titled("Restitution over approach speed", "restitution", SPEED)
-                self._speed = plot(over_speed([], campaign)).props("data-testid=restitution")
+                self._speed = plot(over_speed([], campaign, READING)).props(
+                    "data-testid=restitution"
+                )
             with ui.element("div").classes("panel"):
                 self._titled("Tangential restitution over incidence", "tangential", INCIDENCE)
-                self._incidence = plot(over_incidence([], campaign))
+                self._incidence = plot(over_incidence([], campaign, READING))
         with ui.element("div").classes("panel"):
             self._titled("Shots", "coefficients", "A click opens one.")
             self._table = ShotTable(measured=True)
@@ -172,7 +175,7 @@ def _words(campaign: CampaignRecord) -> tuple[str | None, tuple[str, ...]]:
 
 def _counts(campaign: CampaignRecord) -> str:
     states = ", ".join(f"{count} {state}" for state, count in campaign.states.items())
-    return f"{campaign.shots} shots: {states}"
+    return f"{campaign.shots} shot{'' if campaign.shots == 1 else 's'}: {states}"
 
 
 def _plane_rows(found: Json) -> list[list[object]]:

@@ -6,33 +6,47 @@ from collections.abc import Sequence
 from typing import Any
 
 from analysis.figures.palette import FLOOR, MEASURED
+from rigctl.page.empty_plots import NO_SHOTS, NO_SLIDING, empty
 from rigctl.page.plots import figure
 from rigctl.page.readings import Impact
 
 Json = dict[str, Any]
 HEIGHT = 340
+LEAST_SPAN = 0.1
+"""Speeds that differ by less, m/s, do not fill the axis: its labels would be all places."""
 ERROR_BAR = {"type": "data", "thickness": 0.9, "width": 0, "color": "rgba(0,114,178,0.4)"}
 
 
-def over_speed(found: Sequence[Impact], title: str) -> Json:
-    """Return e over |v_n| of measured shots."""
+def over_speed(found: Sequence[Impact], title: str, none: str = NO_SHOTS) -> Json:
+    """Return e over |v_n| of measured shots; `none` is said where there are none."""
     told = [(one.number, one.v_n[0], *one.e) for one in found if one.v_n and one.e]
+    if not told:
+        return empty(none, HEIGHT, f"{title}-restitution")
     return figure(
         [_shots([(n, abs(v), e, s) for n, v, e, s in told], "m/s")],
         HEIGHT,
         f"{title}-restitution",
-        xaxis={"title": {"text": "|v_n| before contact, m/s"}, "zeroline": False},
+        xaxis={
+            "title": {"text": "|v_n| before contact, m/s"},
+            "zeroline": False,
+            "range": _span([abs(v) for _, v, _, _ in told]),
+        },
         yaxis={"title": {"text": "normal restitution e"}, "zeroline": False, "automargin": True},
     )
 
 
-def over_incidence(found: Sequence[Impact], title: str) -> Json:
-    """Return beta over v_s / |v_n|; shots that hardly slide, and tell nothing of it, left out."""
+def over_incidence(found: Sequence[Impact], title: str, none: str = NO_SHOTS) -> Json:
+    """Return beta over v_s / |v_n|; shots that hardly slide, and tell nothing of it, left out.
+
+    `none` is said where there are no shots.
+    """
     told = [
         (one.number, one.incidence, *one.beta)
         for one in found
         if one.incidence is not None and one.beta is not None and one.beta[1] < 1
     ]
+    if not told:
+        return empty(NO_SLIDING if found else none, HEIGHT, f"{title}-tangential")
     return figure(
         [_shots(told, "")],
         HEIGHT,
@@ -41,11 +55,17 @@ def over_incidence(found: Sequence[Impact], title: str) -> Json:
         xaxis={"title": {"text": "v_s / |v_n| before contact"}, "rangemode": "tozero"},
         yaxis={
             "title": {"text": "tangential restitution β"},
-            "range": [-1.1, 0.1 + max([0.9, *(beta for _, _, beta, _ in told)])],
+            "range": [-1.1, 0.1 + max(0.9, *(beta for _, _, beta, _ in told))],
             "zeroline": False,
             "automargin": True,
         },
     )
+
+
+def _span(values: Sequence[float]) -> list[float]:
+    low, high = min(values), max(values)
+    room = max(0.06 * (high - low), (LEAST_SPAN - (high - low)) / 2)
+    return [low - room, high + room]
 
 
 def _shots(told: Sequence[tuple[int, float, float, float]], unit: str) -> Json:

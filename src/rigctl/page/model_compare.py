@@ -14,6 +14,8 @@ from rigctl.page.widgets import save_csv
 
 Json = dict[str, Any]
 ALARM = 0.01
+SHOWN = 8
+"""So many that disagree stand on the page at once, the least likely ones."""
 PARAMETER = Cell("parameter", "What the fit is free to choose, from all shots together.")
 
 
@@ -39,8 +41,11 @@ def compare(found: Json) -> None:
         fails = [row for stage in found["stages"] for row in stage["quantities"] if _fails(row)]
         count = sum(len(stage["quantities"]) for stage in found["stages"])
         if fails:
-            facts(headings, [_line(row) for row in fails], "agreement")
-        ui.label(f"{count - len(fails)} of {count} quantities agree within the noise.")
+            worst = sorted(row["p_familywise"] for row in fails)[:SHOWN][-1]
+            shown = [row for row in fails if row["p_familywise"] <= worst][:SHOWN]
+            facts(headings, [_line(row) for row in shown], "agreement")
+        few = "" if len(fails) <= SHOWN else f" Of the others the {SHOWN} least likely stand above."
+        ui.label(f"{count - len(fails)} of {count} quantities agree within the noise.{few}")
         with ui.expansion("All quantities").props("dense").classes("wide"):
             facts(headings, _lines(found), "all-quantities")
         facts([PARAMETER, Cell("value ± σ", VALUE), ""], _parameters(found), "parameters")

@@ -20,13 +20,18 @@ Json = dict[str, Any]
 class Steps:
     """Compare, where it fails, what is missing, error path; nothing before the first answer.
 
-    `take` has the model taken with other effects.
+    `take` has the model taken with other effects. `last` is where more can be placed after them.
     """
 
     def __init__(self, desk: Desk, state: ModelState, take: Callable[[Effects], None]) -> None:
         self._desk, self._state, self._take = desk, state, take
         self._shown: Json = {}
-        self._place = ui.element("div").classes("columns model")
+        # In the order in which they are read: in rows, or in one column on a tablet.
+        with ui.element("div").classes("columns model"):
+            self._first, self._second, self._offered = (ui.element("div") for _ in range(3))
+            self.last = ui.element("div").classes("stack")
+            with self.last:
+                self._fourth = ui.element("div")
         self.show()
 
     def show(self) -> None:
@@ -48,15 +53,14 @@ class Steps:
         self._hold()
 
     def _build(self) -> None:
-        with self._place:
-            with ui.element("div").classes("stack"):
-                self._compared()
-                self._path = GrownPath(self._state, self._take)
-            with ui.element("div").classes("stack"):
-                self._where = Where(self._desk, self._state, self._shown)
-                self._offered = ui.element("div")
-                with self._offered:
-                    self._ranked()
+        with self._first:
+            self._compared()
+        with self._second:
+            self._where = Where(self._desk, self._state, self._shown)
+        with self._offered:
+            self._ranked()
+        with self._fourth:
+            self._path = GrownPath(self._state, self._take)
         self._hold()
 
     def _hold(self) -> None:

@@ -34,8 +34,9 @@ class ModelView:
         self._busy()
         self._failed()
         self._steps = Steps(desk, self._state, self._take)
-        self._next = NextShots(desk, self._state)
-        ChallengePanel(source)
+        with self._steps.last:
+            self._next = NextShots(desk, self._state)
+            ChallengePanel(source)
         following(TICK_S, self._follow)
 
     def _follow(self) -> None:
@@ -111,7 +112,7 @@ def _since(job: Job) -> str:
 
 
 def _counted(found: dict[str, object]) -> str:
-    text = f"{found['shots']} shots used"
+    text = f"{found['shots']} shot{'' if found['shots'] == 1 else 's'} used"
     for key, why in LEFT_OUT.items():
         numbers = found[key]
         if isinstance(numbers, list) and numbers:

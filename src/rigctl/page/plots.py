@@ -28,6 +28,7 @@ TOOLS = {
 LABELS = {"ticklabeloverflow": "allow"}
 """The margins hold the labels; to find out whether each is cut off costs as much as a heat map."""
 STRUCTURE = [[0.0, "#F6F1EC"], [0.25, "#F7D9C4"], [0.7, FAILS], [1.0, "#7A3300"]]
+LONGEST_LABEL = 34
 BRIGHTEST = 12.0
 """The darkest colour stands for so many standard deviations at least."""
 ALARM = 0.01
@@ -165,7 +166,7 @@ def residuals(points: Json, title: str) -> Json:
         f"{title}-residuals",
         margin={"l": 56, "r": 12, "t": 12, "b": 58},
         xaxis={
-            "title": {"text": points["x_label"].replace(", ", "<br>"), "font": {"size": 11.5}},
+            "title": {"text": _in_lines(points["x_label"]), "font": {"size": 11.5}},
             "zeroline": False,
         },
         yaxis={"title": {"text": f"residual, {points['unit']}"}, "automargin": True},
@@ -246,3 +247,8 @@ def _in_order(names: Sequence[str]) -> list[str]:
 
 def _short(covariate: str) -> str:
     return covariate.removesuffix("_kpa").replace("_", " ")
+
+
+def _in_lines(label: str) -> str:
+    """Return a label in lines where it is longer than its axis."""
+    return label.replace(", ", "<br>") if len(label) > LONGEST_LABEL else label

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from nicegui import run, ui
 
 from rigctl.page.desk import Desk
+from rigctl.page.empty_plots import NONE_OF_SWEEP, READING
 from rigctl.page.following import following
 from rigctl.page.impact_plots import over_incidence, over_speed
 from rigctl.page.layout import TICK_S
@@ -49,10 +50,10 @@ class SweepView:
                 self._plane = plot(progress({}, self._limits))
             with ui.element("div").classes("panel"):
                 self._titled("Restitution over approach speed", "restitution", SPEED)
-                self._speed = plot(over_speed([], sweep)).props("data-testid=grows")
+                self._speed = plot(over_speed([], sweep, READING)).props("data-testid=grows")
             with ui.element("div").classes("panel"):
                 self._titled("Tangential restitution over incidence", "tangential", INCIDENCE)
-                self._incidence = plot(over_incidence([], sweep))
+                self._incidence = plot(over_incidence([], sweep, READING))
         with ui.element("div").classes("panel"):
             ui.label("Steps").classes("title")
             self._table = StepsTable()
@@ -65,15 +66,17 @@ class SweepView:
         stand = await run.io_bound(self._stand)
         if stand is None:
             return
+        first = self._heard < 0
         self._heard, before, self._now = heard, self._now, stand
         if stand.status != before.status:
             self._head.refresh()
         if stand.steps != before.steps or stand.shots != before.shots:
             self._table.show(stand.steps, stand.shots)
             self._plane.update_figure(progress(self._by_fate(), self._limits))
-        if stand.impacts != before.impacts:
-            self._speed.update_figure(over_speed(stand.impacts, self._sweep))
-            self._incidence.update_figure(over_incidence(stand.impacts, self._sweep))
+        if first or stand.impacts != before.impacts:
+            told = stand.impacts, self._sweep, NONE_OF_SWEEP
+            self._speed.update_figure(over_speed(*told))
+            self._incidence.update_figure(over_incidence(*told))
 
     def _stand(self) -> _Stand:
         """Read the sweep; blocks for the disk. A shot that has ended is not read again."""

@@ -32,7 +32,7 @@ class Label:
 
 
 class Page:
-    """Keeps the label and what the timer is to call."""
+    """Keeps the label and what is to be called every so often."""
 
     go: Callable[[], Awaitable[None]]
 
@@ -42,7 +42,7 @@ class Page:
     def label(self) -> Label:
         return self.said
 
-    def timer(self, _: float, go: Callable[[], Awaitable[None]]) -> None:
+    def every(self, _: float, go: Callable[[], Awaitable[None]]) -> None:
         self.go = go
 
     def tick(self) -> None:
@@ -53,6 +53,7 @@ class Page:
 def page(monkeypatch: pytest.MonkeyPatch) -> Page:
     placed = Page()
     monkeypatch.setattr(module, "ui", placed)
+    monkeypatch.setattr(module, "every", placed.every)
     return placed
 
 
