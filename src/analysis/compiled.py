@@ -43,7 +43,11 @@ def compiled(function: F) -> F:
         compiled for such would from then on serve others in this process too, and round otherwise
         than in a process that met them first.
     """
-    return _kept(numba.njit(cache=True, error_model="numpy", fastmath=SUMS), function, plain=True)
+    # These options are missing from the library's type hints; nobody takes an address from outside.
+    decorate = cast("Any", numba.njit)(
+        cache=True, error_model="numpy", fastmath=SUMS, no_cfunc_wrapper=True
+    )
+    return _kept(decorate, function, plain=True)
 
 
 def part(function: F) -> F:
@@ -71,7 +75,9 @@ def _kept(decorate: Callable[[F], Any], function: F, *, plain: bool = False) -> 
     name = f"{function.__module__}.{function.__name__}"
     _functions.add(name)
 
-    def compile_alone(signature: tuple[object, ...]) -> object:
+    def compile_alone(signature: tuple[Any, ...]) -> object:
+        # A number that is written at a call would be a kind of its own: each, compiled once more.
+        signature = tuple(cast("Any", types).unliteral(kind) for kind in signature)
         strange = [kind for kind in arrays_of(signature) if kind.layout != "C" or not kind.mutable]
         if plain and strange:
             message = f"{name} takes arrays that are contiguous in rows and can be written"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import shutil
 import subprocess
 import sys
@@ -85,6 +86,56 @@ def test_processes_that_start_together_compile_a_function_once(package: Path) ->
     ]
     answers = sorted(process.communicate(timeout=120)[0].split() for process in both)
     assert answers == [["7.0", "0"], ["7.0", "1"]]
+
+
+LARGE = (
+    "import math\n\nfrom analysis.compiled import part\n\n@part\ndef inner(x):\n"
+    + "    x = math.sin(x + 1.0)\n" * 200
+    + "    return x\n"
+)
+LARGE_ASK = (
+    "from analysis.room.whole import whole\n"
+    "value = whole(3.0)\n"
+    "(code,) = whole.inspect_llvm().values() if {looks} else ['']\n"
+    "print(value, sum(whole.stats.cache_hits.values()), code.count('llvm.sin'))\n"
+)
+
+
+def test_a_large_part_is_compiled_once_and_goes_along_with_what_calls_it(package: Path) -> None:
+    room = package / "analysis" / "room"
+    (room / "inner.py").write_text(LARGE)
+    expected = 3.0
+    for _ in range(200):
+        expected = math.sin(expected + 1.0)
+    value, *others = asked(package, LARGE_ASK.format(looks=True))
+    assert others == ["0", "0"]
+    assert float(value) == pytest.approx(expected + 1.0, abs=1e-12)
+    # What the part itself was kept as is not needed any more.
+    for kept in (room / "__pycache__").glob("inner.inner*.nb?"):
+        kept.unlink()
+    assert asked(package, LARGE_ASK.format(looks=False)) == [value, "1", "0"]
+
+
+NUMBERED = (
+    "from analysis.compiled import compiled\nfrom analysis.room.inner import inner\n\n"
+    "@compiled\ndef whole(x):\n    return inner(2) + inner(5) + inner(int(x))\n"
+)
+
+
+def test_numbers_written_at_a_call_are_no_kinds_of_their_own(package: Path) -> None:
+    (package / "analysis" / "room" / "whole.py").write_text(NUMBERED)
+    count = "from analysis.room.inner import inner\nprint(len(inner.signatures))\n"
+    assert asked(package, ASK + count) == ["20.0", "0", "1"]
+
+
+@compiled
+def row_put(table, row):
+    table[0] = row
+
+
+def test_a_row_of_another_length_is_refused() -> None:
+    with pytest.raises(ValueError, match="another shape"):
+        row_put(np.zeros((2, 3)), np.zeros(4))
 
 
 @compiled
