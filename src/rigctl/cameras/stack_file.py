@@ -14,7 +14,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from rigctl.cameras.frames import FrameSequence
 from rigctl.errors import FramesError
 
-_NOT_A_TIFF = (ValueError, IndexError, KeyError, RuntimeError, struct.error)
+_NOT_A_TIFF = (ValueError, IndexError, KeyError, TypeError, RuntimeError, struct.error)
 _Number = Annotated[int, Field(ge=0)]
 
 

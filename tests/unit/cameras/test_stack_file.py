@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import struct
 from pathlib import Path
 from typing import Any
 
@@ -148,6 +149,16 @@ def test_no_damage_inside_the_stack_raises_anything_but_a_frames_error(
     except FramesError:
         return
     assert frames.pixels.shape == NOISE.shape
+
+
+def test_a_page_with_two_heights_is_refused(tmp_path: Path) -> None:
+    path = write(tmp_path)
+    with tifffile.TiffFile(path.with_suffix(".tiff"), mode="r+") as tiff:
+        height = tiff.pages.first.tags[257]
+        tiff.filehandle.seek(height.offset + 2)
+        tiff.filehandle.write(struct.pack("<HIHH", 3, 2, 12, 12))
+    with pytest.raises(FramesError, match="damaged"):
+        read_stack(path, picture_rate_hz=RATE)
 
 
 @pytest.mark.parametrize("tag", [256, 257, 277])

@@ -100,8 +100,8 @@ MANY = 20
 
 
 @pytest.fixture
-def many(campaign: Path, monkeypatch: pytest.MonkeyPatch) -> list[int]:
-    """Let one shot be measured under many numbers; return how many were held as each was taken."""
+def many(campaign: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[list[int]]:
+    """Let one shot be measured under many numbers; give how many were held as each was taken."""
     read = read_campaign(campaign)
     ((job, shot, frames),) = analyse_campaign(read, AnalysisOptions())
     assert isinstance(shot, MeasuredShot)
@@ -118,7 +118,11 @@ def many(campaign: Path, monkeypatch: pytest.MonkeyPatch) -> list[int]:
     longer = Campaign(read.name, jobs)
     monkeypatch.setattr("rigctl.commands.analyse.read_campaign", lambda *_: longer)
     monkeypatch.setattr("rigctl.commands.analyse.analyse_campaign", measured_again)
-    return held
+    # What is older is not gone through each time.
+    gc.collect()
+    gc.freeze()
+    yield held
+    gc.unfreeze()
 
 
 @pytest.mark.parametrize("form", [["--json"], []])
