@@ -124,7 +124,7 @@ def _announce_compiling(method: Method) -> None:
 
         first, wait = compiles_first(), "about a minute"
     else:
-        first, wait = not kept_on_disk(dark_ellipses), "about ten seconds"
+        first, wait = not kept_on_disk(dark_ellipses), "about half a minute"
     if first:
         note = f"rigctl: first {method} analysis here; compiling takes {wait}, once"
         print(note, file=sys.stderr)  # noqa: T201
