@@ -28,6 +28,7 @@ def empty(words: str, height: int, name: str) -> Json:
         [],
         height,
         name,
+        margin={"l": 12, "r": 12, "t": 12, "b": 12},
         annotations=[said],
         xaxis={"visible": False, "fixedrange": True},
         yaxis={"visible": False, "fixedrange": True},

@@ -26,6 +26,7 @@ class Steps:
     def __init__(self, desk: Desk, state: ModelState, take: Callable[[Effects], None]) -> None:
         self._desk, self._state, self._take = desk, state, take
         self._shown: Json = {}
+        self._due = False
         # In the order in which they are read: in rows, or in one column on a tablet.
         with ui.element("div").classes("columns model"):
             self._first, self._second, self._offered = (ui.element("div") for _ in range(3))
@@ -48,9 +49,19 @@ class Steps:
             self._compared.refresh()
             # A plot that is drawn over costs half of one that is made anew.
             self._where.show(shown)
-            self._ranked.refresh()
+            self._due = True
         self._path.show()
         self._hold()
+
+    def rank(self) -> None:
+        """Draw the ranking of the answer that `show` drew, once the browser has begun with that.
+
+        It is a third of all that is drawn, and what was asked is answered above it.
+        """
+        if self._due:
+            self._due = False
+            self._ranked.refresh()
+            self._hold()
 
     def _build(self) -> None:
         with self._first:
@@ -64,8 +75,8 @@ class Steps:
         self._hold()
 
     def _hold(self) -> None:
-        """Let no further effect be added while the answer with the last one is waited for."""
-        waiting = self._state.present is None
+        """Let no effect be added from a ranking that is not that of the present effects."""
+        waiting = self._due or self._state.present is None
         self._offered.props(add="inert" if waiting else None, remove=None if waiting else "inert")
 
     @ui.refreshable_method

@@ -29,6 +29,7 @@ class ModelView:
         self._desk = desk
         self._state = ModelState(source)
         self._state.take(())
+        self._rest = False
         self._head()
         self._verdict = Verdict(self._state)
         self._busy()
@@ -40,6 +41,10 @@ class ModelView:
         following(TICK_S, self._follow)
 
     def _follow(self) -> None:
+        if self._rest:
+            self._rest = False
+            self._steps.rank()
+            self._next.show.refresh()
         job = self._state.waits()
         self._working.set_visibility(job is not None)
         if job is not None:
@@ -54,7 +59,7 @@ class ModelView:
         self._verdict.show.refresh()
         self._failed.refresh()
         self._steps.show()
-        self._next.show.refresh()
+        self._rest = True
 
     def _take(self, effects: tuple[str, ...]) -> None:
         self._state.take(effects)

@@ -123,13 +123,14 @@ class Player:
                 self._key(name, by)
             speed = ui.select(SPEEDS, value=10, on_change=self._set_speed)
             speed.props('dense outlined options-dense aria-label="frames shown per second"')
-            for layer in LAYERS:
-                box = ui.checkbox(layer, value=layer in self._layers)
-                box.props("dense").tooltip(HELP[layer])
-                box.on_value_change(
-                    lambda event, layer=layer: self._switch(layer, on=bool(event.value))
-                )
+            with ui.element("div").classes("keys"):
+                for layer in LAYERS:
+                    self._layer(layer)
         self._where = ui.label().classes("note").props("data-testid=where")
+
+    def _layer(self, name: str) -> None:
+        box = ui.checkbox(name, value=name in self._layers).props("dense").tooltip(HELP[name])
+        box.on_value_change(lambda event: self._switch(name, on=bool(event.value)))
 
     def _key(self, name: str, by: int) -> None:
         button(name, lambda: self.step(by))

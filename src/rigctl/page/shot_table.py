@@ -45,9 +45,9 @@ MEASURED_COLUMNS = [
     column("v_n", "v_n, m/s"),
     column("v_s", "v_s, m/s"),
     column("e", "e"),
-    column("e_sigma", "± of e"),
+    column("e_sigma", "±\u00a0of\u00a0e"),
     column("beta", "β"),
-    column("beta_sigma", "± of β"),
+    column("beta_sigma", "±\u00a0of\u00a0β"),
     column("failure", "why not", "left", **WHY),
     column("tags", "tags", "left"),
 ]
