@@ -79,7 +79,8 @@ def sight_of(
     rows = np.array([[0, SIZE]])
     optics = Optics(np.eye(3)[None], np.zeros((1, 2)), np.array([RADIUS]), np.ones(1), rows)
     background = np.full(image.shape, BACKGROUND)
-    return Sight(Scene(image, background, noise), optics, look, np.zeros((1, 0, 3)))
+    shadowed = np.zeros(image.shape, dtype=np.bool_)
+    return Sight(Scene(image, background, noise, shadowed), optics, look, np.zeros((1, 0, 3)))
 
 
 def fitted(sight: Sight, near: Floats, turn: Floats) -> tuple[Stance, Floats]:

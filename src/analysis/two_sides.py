@@ -122,7 +122,9 @@ def _sphere(tracking: Tracking, i: int, times_s: Floats) -> _Sphere:
         orientations.rotation[1:] @ orientations.rotation[:-1].transpose(0, 2, 1)
     )
     rates = np.linalg.norm(turns, axis=1) / np.diff(times_s[orientations.frames])
-    lasting = memory(tracking.marker_angle, float(np.median(rates)))
+    # Without two orientations there is no rate; the shot is refused when its spin is asked for.
+    rate = float(np.median(rates)) if rates.size else 0.0
+    lasting = memory(tracking.marker_angle, rate)
     sigma_px, view = tracking.filter_sigma_px, View.FRONT
     return _Sphere(
         name="ab"[i],

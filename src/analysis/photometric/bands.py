@@ -130,11 +130,19 @@ def derive(paint: Paint, band: Floats, count: int) -> None:
 
 
 @part
-def hide_along(row: int, first: int, others: Floats, piece: tuple[Floats, int, int]) -> int:
-    """Take a row's pixels in or close to other discs out of the count; return how many.
+def hide_along(
+    shadowed: NDArray[np.bool_],
+    row: int,
+    first: int,
+    others: Floats,
+    piece: tuple[Floats, int, int],
+) -> int:
+    """Take a row's pixels in shadow, in or close to other discs out of the count; return how many.
 
     Parameters
     ----------
+    shadowed
+        Of the row's pixels here.
     row, first
         Of the frame: the row, and the column of its first pixel here.
     others
@@ -143,7 +151,8 @@ def hide_along(row: int, first: int, others: Floats, piece: tuple[Floats, int, i
     band, at, width = piece
     count = 0
     for k in range(width):
-        band[np.uint64(at + k) + ROOT] = 1.0
+        band[np.uint64(at + k) + ROOT] = -1.0 if shadowed[k] else 1.0
+        count += shadowed[k]
     for n in range(others.shape[0]):
         reach, off = others[n, 2] + KEEP_OFF_PX, row - others[n, 0]
         if abs(off) >= reach:
@@ -274,7 +283,9 @@ def accumulate(
                 scene.image[y, x : x + width],
             )
             lay_along(lines, u, ((x - place[1]) / place[2], 1.0 / place[2]), piece)
-            count += width - hide_along(y, x, sight.others[view], piece)
+            count += width - hide_along(
+                scene.shadowed[y, x : x + width], y, x, sight.others[view], piece
+            )
             filled += width
             start += width
     part = settle(seen, paint, (band, filled), (scene.noise, widest), equations)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from analysis.photometric.appearance import Knowledge
 from analysis.photometric.background import background_of
 from analysis.photometric.camera import Camera, Optics, discs_of, keep_places
+from analysis.photometric.cast_shadows import mark_shadows
 from analysis.photometric.confirmation import confirmed
 from analysis.photometric.pose import fit_frames
 from analysis.photometric.sight import LIGHTS, Reel, Scene, Sight, Stance
@@ -20,6 +21,11 @@ Floats = NDArray[np.float64]
 ALL = slice(None)
 MOST_STEPS, STILL = 4, 1e-3
 """Steps of the last fit, and their length in radii and radians from which another follows."""
+MOST_REJECTED = 0.07
+"""Share of a pose's pixels that a limit of 6 does not believe: 0.055 of noise alone, 0.06 to 0.08
+in even light, 0.065 to 0.3 with shadows."""
+LEFT_OF_SHADOWS = 0.33
+"""Of what shadows moved a pose by, once they are taken out."""
 MISFIT = 1.7
 """Growth of a frame's cost beyond which its pose is not believed."""
 
@@ -34,6 +40,10 @@ class Film:
         Grey levels, shape (F, rows, columns).
     background, noise
         Grey levels, shape (rows, columns), and the standard deviation of a pixel.
+    shadowed
+        Pixels in shadows cast on a sphere, same shape as the frames.
+    shadow_px
+        What shadows may leave of error in the discs' places, pixels.
     centre, rotation
         m and body to rig axes, shapes (2, F, 3), (2, F, 3, 3).
     lights
@@ -49,6 +59,8 @@ class Film:
     frames: NDArray[np.uint8]
     background: Floats
     noise: float
+    shadowed: NDArray[np.bool_]
+    shadow_px: float
     centre: Floats
     rotation: Floats
     lights: Floats
@@ -66,6 +78,8 @@ class Film:
             frames=np.ascontiguousarray(frames),
             background=np.zeros(frames.shape[1:]),
             noise=1.0,
+            shadowed=np.zeros(frames.shape, dtype=np.bool_),
+            shadow_px=0.0,
             centre=np.zeros((2, count, 3)),
             rotation=np.tile(np.eye(3), (2, count, 1, 1)),
             lights=lights,
@@ -79,7 +93,7 @@ class Film:
         both = np.flatnonzero(self.placed.all(axis=0))
         shown = both if len(both) else np.flatnonzero(self.placed.any(axis=0))
         few = shown[np.unique(np.linspace(0, len(shown) - 1, most).round().astype(np.intp))]
-        part = replace(self, frames=self.frames[few])
+        part = replace(self, frames=self.frames[few], shadowed=self.shadowed[few])
         for name in ("centre", "rotation", "lights", "covariance", "quality", "placed"):
             setattr(part, name, np.ascontiguousarray(getattr(self, name)[:, few]))
         return part
@@ -109,6 +123,7 @@ class Film:
             images=self.frames,
             background=self.background,
             noise=self.noise,
+            shadowed=self.shadowed,
             optics=known.camera.optics,
             look=known.looks()[sphere],
             others=others_of(self.discs(known), sphere),
@@ -123,7 +138,7 @@ class Film:
         """Yield each frame that has a pose of a sphere, with that pose to be read or improved."""
         others, look = others_of(self.discs(known), sphere), known.looks()[sphere]
         for k in np.flatnonzero(self.placed[sphere]):
-            scene = Scene(self.frames[k], self.background, self.noise)
+            scene = Scene(self.frames[k], self.background, self.noise, self.shadowed[k])
             stance = Stance(
                 self.centre[sphere, k], self.rotation[sphere, k], self.lights[sphere, k]
             )
@@ -167,13 +182,49 @@ def fit_film(film: Film, known: Knowledge, limits: Floats) -> None:
 def settle_film(film: Film, known: Knowledge, limit: float) -> None:
     """Improve every pose of a film until it stays where it is.
 
-    Poses that followed their frame well need one step; those beside a contact need more.
+    Poses that followed their frame well need one step; those beside a contact need more. Shadows
+    found before are forgotten.
     """
+    film.shadowed[:] = False
+    _settle(film, known, limit, film.placed)
+
+
+def settle_without_shadows(film: Film, known: Knowledge, limit: float) -> None:
+    """Take the shadows out of a film that has settled, and settle the frames that have any.
+
+    By how far shadows had moved the poses says what may be left of it (`Film.shadow_px`).
+    """
+    before, doubtful = film.centre.copy(), film.placed & (_rejected(film) > MOST_REJECTED)
+    take_out_shadows(film, known, doubtful)
+    _settle(film, known, limit, film.placed & film.shadowed.any(axis=(1, 2)))
+    moved = (film.centre - before)[film.placed] * float(known.camera.optics.scales[0])
+    film.shadow_px = LEFT_OF_SHADOWS * float(np.sqrt((moved**2).mean())) if moved.size else 0.0
+
+
+def _settle(film: Film, known: Knowledge, limit: float, poses: NDArray[np.bool_]) -> None:
     for i in (0, 1):
-        reel, frames = film.reel(known, i), np.flatnonzero(film.placed[i])
+        reel, frames = film.reel(known, i), np.flatnonzero(poses[i])
         for _ in range(MOST_STEPS):
             fit_frames(reel, frames, np.array([limit]))
             frames = frames[(film.quality[i, frames, 3:] > STILL).any(axis=1)]
+
+
+def _rejected(film: Film) -> Floats:
+    """Return the share of each pose's pixels that the last fit did not believe, shape (2, F)."""
+    looked_at = np.maximum(film.quality[..., 2], 1.0)
+    return np.asarray((looked_at - film.quality[..., 1]) / looked_at)
+
+
+def take_out_shadows(film: Film, known: Knowledge, poses: NDArray[np.bool_] | None = None) -> None:
+    """Find the shadows on the spheres of a film anew, in all poses or in some, shape (2, F)."""
+    film.shadowed[:] = False
+    for i in (0, 1):
+        placed = np.flatnonzero(film.placed[i])
+        chosen = film.placed[i] if poses is None else poses[i]
+        for k, (sight, stance) in zip(placed, film.sights(known, i), strict=True):
+            for view in range(len(known.camera.views)):
+                if chosen[k]:
+                    mark_shadows(sight, stance, view)
 
 
 def drop_outside(film: Film, camera: Camera) -> None:

@@ -157,7 +157,7 @@ class Follower:
     def _sight(self, i: int, k: int) -> Sight:
         film, known = self._film, self._known
         discs = film.discs(known, slice(k, k + 1))[0]
-        scene = Scene(film.frames[k], film.background, film.noise)
+        scene = Scene(film.frames[k], film.background, film.noise, film.shadowed[k])
         return Sight(scene, self._optics, self._looks[i], others_of(discs, i))
 
     def _stance(self, i: int, k: int) -> Stance:

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 
 from analysis.motion.rotation import rotation_matrix
 from analysis.photometric.appearance import Knowledge, Sphere, profiles_of
-from analysis.photometric.film import Film, fit_film, sights_of
+from analysis.photometric.confirmation import borne_out
+from analysis.photometric.film import Film, fit_film, sights_of, take_out_shadows
 from analysis.photometric.lesson import Lesson
 from analysis.photometric.marker_search import missed_markers
 from analysis.photometric.relief import add_residuals, changed_relief
@@ -83,6 +84,8 @@ def learn(film: Film, start: Knowledge, *, hold_scale: bool) -> Knowledge:
         known = with_shading([few], known, shading_limit, hold_radius=hold, inside=inside)
         if turn in SEARCH_ROUNDS:
             known = with_missed([few], known)
+        elif turn > SEARCH_ROUNDS[-1]:
+            known = without_false([few], known)
         if turn >= RELIEF_FROM:
             known = with_reliefs([few], known, limit)
         if turn >= SHARED_FROM:
@@ -102,6 +105,7 @@ def learn_together(films: Sequence[Film], start: Knowledge, *, hold_scale: bool)
     few = [film.picked(MOST_FRAMES) for film in films]
     known = with_missed(few, start)
     for limit in TOGETHER_LIMITS:
+        known = without_false(few, known)
         marked = tells_radius(known)
         hold = hold_scale or marked
         known = with_shading(few, known, limit, hold_radius=hold, inside=INSIDE)
@@ -109,6 +113,7 @@ def learn_together(films: Sequence[Film], start: Knowledge, *, hold_scale: bool)
         known = with_shared(few, known, limit, move_radius=marked, hold_scale=hold_scale)
         for film in few:
             fit_film(film, known, np.full(1, limit))
+            take_out_shadows(film, known)
     return known
 
 
@@ -122,6 +127,8 @@ def extended(film: Film, known: Knowledge) -> Knowledge:
     more, before = with_missed([few], known), [len(s.markers) for s in known.spheres]
     if [len(s.markers) for s in more.spheres] == before:
         return known
+    # So far the new markers count as shadows.
+    take_out_shadows(few, more)
     for limit in EXTENDING_LIMITS:
         fit_film(few, more, np.full(1, limit))
         more = with_shared([few], more, limit, move_radius=False, hold_scale=True)
@@ -191,6 +198,15 @@ def with_missed(films: Sequence[Film], known: Knowledge) -> Knowledge:
             ),
         )
         for i, sphere in enumerate(known.spheres)
+    )
+    return replace(known, spheres=(a, b))
+
+
+def without_false(films: Sequence[Film], known: Knowledge) -> Knowledge:
+    """Return the knowledge without the markers that the frames do not bear out."""
+    a, b = (
+        replace(s, markers=s.markers[borne_out(sights_of(films, known, i), len(s.markers))])
+        for i, s in enumerate(known.spheres)
     )
     return replace(known, spheres=(a, b))
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from analysis.compiled import compiled, part
 from analysis.photometric.appearance import Knowledge
 from analysis.photometric.covers import cover_canvas, into_view, paint_of
-from analysis.photometric.residual import LOOK, cover_at, hidden, model_pixel, shade
+from analysis.photometric.residual import LOOK, cover_at, covered, model_pixel, shade
 from analysis.photometric.sight import Look, Sight, Stance
 
 Floats = NDArray[np.float64]
@@ -64,7 +64,7 @@ def add_darkness(
         i, j = y - corner[0], x - corner[1]
         if i < 0 or j < 0 or i >= canvas.shape[0] or j >= canvas.shape[2]:
             continue
-        if y < rows[0] or y >= rows[1] or hidden(y, x, sight.others[view]):
+        if y < rows[0] or y >= rows[1] or covered(y, x, sight.others[view]):
             continue
         u, v = (y - place[0]) / place[2], (x - place[1]) / place[2]
         shade(look.discs[view], look.surfaces[view], u, v, seen)

@@ -15,7 +15,7 @@ from analysis.photometric.appearance import Knowledge
 from analysis.photometric.background import first_background
 from analysis.photometric.confirmation import shown_share
 from analysis.photometric.dead_lines import filled
-from analysis.photometric.film import Film, drop_misfits, settle_film
+from analysis.photometric.film import Film, drop_misfits, settle_film, settle_without_shadows
 from analysis.photometric.following import Follower
 from analysis.photometric.learning import extended, learn, learn_together
 from analysis.photometric.pose import fit_frames
@@ -93,6 +93,7 @@ def learned_film(
     film, guess = first_film(frames, times_s, start, setup)
     known = learn(film, guess, hold_scale=setup.camera.scale_px_per_m is not None)
     settle_film(film, known, LAST_LIMIT)
+    settle_without_shadows(film, known, LAST_LIMIT)
     drop_misfits(film, known, LAST_LIMIT)
     refuse_few(film)
     return film, known
@@ -113,6 +114,7 @@ def followed_film(frames: NDArray[np.uint8], times_s: Floats, known: Knowledge) 
     film.refresh(known)
     settle_film(film, known, LAST_LIMIT)
     refuse_strangers(film, known)
+    settle_without_shadows(film, known, LAST_LIMIT)
     drop_misfits(film, known, LAST_LIMIT)
     refuse_few(film)
     return film
@@ -192,6 +194,7 @@ def measure_poses(
     elif extend and (more := extended(film, known)) is not known:
         known = more
         settle_film(film, known, LAST_LIMIT)
+        settle_without_shadows(film, known, LAST_LIMIT)
         drop_misfits(film, known, LAST_LIMIT)
         refuse_few(film)
     return tracking_of(film, known, times_s, setup.gravity_m_per_s2), known

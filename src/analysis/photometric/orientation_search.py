@@ -100,7 +100,7 @@ def darkness_of(sight: Sight, stance: Stance, view: int, dark: Floats) -> None:
             y, x = int(np.rint(place[0] + place[2] * u)), int(np.rint(place[1] + place[2] * v))
             if y < max(rows[0], 0) or y >= rows[1] or x < 0 or x >= scene.image.shape[1]:
                 continue
-            if hidden(y, x, sight.others[view]):
+            if hidden(scene, y, x, sight.others[view]):
                 continue
             shade(look.discs[view], look.surfaces[view], u, v, seen)
             plain = max(seen[3], 3.0 * scene.noise)

@@ -143,7 +143,7 @@ def lay_pixels(
         band[ACROSS + np.uint64(n)] = (x - place[1]) / place[2]
         band[L6 + np.uint64(n)] = background[y, x]
         band[RESIDUAL + np.uint64(n)] = np.float64(image[y, x])
-        band[ROOT + np.uint64(n)] = -1.0 if hidden(y, x, others) else 1.0
+        band[ROOT + np.uint64(n)] = -1.0 if hidden(scene, y, x, others) else 1.0
         beside[COVER, n], beside[TO_ROW, n] = canvas[i, 0, j], canvas[i, 1, j]
         beside[TO_ALPHA, n], beside[TO_RADIUS, n] = canvas[i, ALPHA, j], canvas[i, RADIUS, j]
         beside[TO_BLUR, n], beside[BEHIND, n] = sigma * roughness(canvas, i, j), background[y, x]

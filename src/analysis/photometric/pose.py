@@ -185,6 +185,7 @@ def fit_pose(sight: Sight, stance: Stance, limits: Floats, covariance: Floats) -
         images=scene.image[None],
         background=scene.background,
         noise=scene.noise,
+        shadowed=scene.shadowed[None],
         optics=sight.optics,
         look=sight.look,
         others=sight.others[None],
@@ -230,7 +231,7 @@ def move(stance: Stance, step: Floats, radius_m: float) -> tuple[float, float]:
 def fit_frames(reel: Reel, frames: NDArray[np.intp], limits: Floats) -> None:
     """Improve the poses of some frames of a reel, each by `fit_pose`."""
     for k in frames:
-        scene = Scene(reel.images[k], reel.background, reel.noise)
+        scene = Scene(reel.images[k], reel.background, reel.noise, reel.shadowed[k])
         sight = Sight(scene, reel.optics, reel.look, reel.others[k])
         stance = Stance(reel.centre[k], reel.rotation[k], reel.lights[k])
         out = take_steps(sight, stance, limits, reel.covariance[k])

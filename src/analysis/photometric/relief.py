@@ -66,7 +66,7 @@ def add_residuals(
         for j in range(canvas.shape[2]):
             x = corner[1] + j
             v = (x - place[1]) / place[2]
-            if u * u + v * v >= 1.0 or hidden(y, x, sight.others[view]):
+            if u * u + v * v >= 1.0 or hidden(scene, y, x, sight.others[view]):
                 continue
             shade(look.discs[view], look.surfaces[view], u, v, seen)
             cover = cover_at(canvas, i, j)

@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.compiled import part
+from analysis.photometric.sight import Scene
 from analysis.photometric.surface import SPAN, SQUARE_STEPS
 
 Floats = NDArray[np.float64]
@@ -85,7 +86,19 @@ def shade(disc: Floats, surface: Floats, u: float, v: float, look: Floats) -> bo
 
 
 @part
-def hidden(row: int, column: int, others: Floats) -> bool:
+def hidden(scene: Scene, row: int, column: int, others: Floats) -> bool:
+    """Tell whether a pixel lies in a shadow, or in or close to another disc.
+
+    Parameters
+    ----------
+    others
+        Row, column and radius of each other disc, shape (others, 3).
+    """
+    return bool(scene.shadowed[row, column]) or covered(row, column, others)
+
+
+@part
+def covered(row: int, column: int, others: Floats) -> bool:
     """Tell whether a pixel lies in, or close to, one of the other discs (row, column, radius)."""
     for n in range(others.shape[0]):
         d_r, d_c = row - others[n, 0], column - others[n, 1]

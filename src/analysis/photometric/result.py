@@ -52,7 +52,7 @@ def tracking_of(film: Film, known: Knowledge, times_s: Floats, gravity: float) -
     turned = [_orientations(film, known, i, markers[i]) for i in (0, 1)]
     optics = known.camera.optics
     beyond = max(known.limb_px**2 - ORDINARY_LIMB_PX**2, 0.0)
-    slow_px = np.sqrt(SLOW_ERROR_PX**2 + beyond)
+    slow_px = np.sqrt(SLOW_ERROR_PX**2 + beyond + film.shadow_px**2)
     radii = {
         view: (
             float(optics.scales[v] * known.spheres[0].radius_m),

@@ -56,11 +56,15 @@ class Scene(NamedTuple):
         Grey levels without spheres, same shape.
     noise
         Standard deviation of a pixel, grey levels.
+    shadowed
+        Pixels that lie in shadows cast on a sphere (`cast_shadows`) and say nothing of its pose,
+        same shape.
     """
 
     image: NDArray[np.uint8]
     background: Floats
     noise: float
+    shadowed: NDArray[np.bool_]
 
 
 class Sight(NamedTuple):
@@ -108,8 +112,8 @@ class Reel(NamedTuple):
 
     Attributes
     ----------
-    images, background, noise
-        As in a Scene; the images with shape (F, rows, columns).
+    images, background, noise, shadowed
+        As in a Scene; images and shadows with shape (F, rows, columns).
     others
         As in a Sight, shape (F, V, others, 3).
     centre, rotation, lights
@@ -123,6 +127,7 @@ class Reel(NamedTuple):
     images: NDArray[np.uint8]
     background: Floats
     noise: float
+    shadowed: NDArray[np.bool_]
     optics: Optics
     look: Look
     others: Floats

@@ -26,10 +26,14 @@ def sphere_image(
     limb: float = 0.3,
     brightness: float = 140.0,
     background: float = 40.0,
+    shadow: tuple[float, float, float] | None = None,
+    left: float = 0.4,
 ) -> NDArray[np.float64]:
     """Return the image, shape (size, size), of a sphere in front of an even background.
 
-    Side light along the columns; markers are 70 per cent darker; directions (row, column, eye).
+    Side light along the columns; markers are 70 per cent darker; directions (row, column, eye). A
+    shadow leaves a part of the light: row, column and radius of a circle, in radii from the
+    sphere's centre.
     """
     fine = (np.arange(size * SUBPIXELS) + 0.5) / SUBPIXELS - 0.5
     v, u = np.meshgrid((fine - place[1]) / radius, (fine - place[0]) / radius)
@@ -40,6 +44,9 @@ def sphere_image(
     for marker in markers:
         covered = u * marker[0] + v * marker[1] + height * marker[2] > np.cos(alpha)
         shade = np.where(covered, 0.3 * shade, shade)
+    if shadow is not None:
+        in_shadow = (u - shadow[0]) ** 2 + (v - shadow[1]) ** 2 < shadow[2] ** 2
+        shade = np.where(in_shadow, left * shade, shade)
     scene = np.where(inside, shade, background)
     soft = cv2.GaussianBlur(scene, (0, 0), blur * SUBPIXELS)
     return soft.reshape(size, SUBPIXELS, size, SUBPIXELS).mean(axis=(1, 3))
@@ -98,7 +105,7 @@ def sight_of(
         hands=np.ones(1),
         rows=np.array([[0, len(image)]]),
     )
-    scene = Scene(image, np.full(image.shape, background), noise)
+    scene = Scene(image, np.full(image.shape, background), noise, np.zeros(image.shape, bool))
     return Sight(scene, optics, look, np.zeros((1, 0, 3)))
 
 
