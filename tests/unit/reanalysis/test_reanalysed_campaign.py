@@ -2,104 +2,28 @@
 
 from __future__ import annotations
 
-import errno
 import gc
-import os
-import sqlite3
-import uuid
 import weakref
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import BrokenExecutor, Executor, Future
-from datetime import UTC, datetime
+from concurrent.futures import Future
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
-from rigctl.analysis_process import AnalysisFailedError
-from rigctl.cameras.frames import FrameSequence
 from rigctl.errors import NotFoundError
 from rigctl.reanalysis import Comparison, Comparisons, Outcome, Pool, reanalyse_campaign
 from rigctl.reanalysis.pools import AHEAD
-from rigctl.settings import ShotSettings
-from rigctl.store import Change, NewShot, ShotState, Store
+from rigctl.store import ShotState, Store
+from tests.unit.reanalysis.stored_campaign import (
+    Inline,
+    measured,
+    reanalysed,
+    silent,
+    stored,
+)
 
 Json = dict[str, Any]
-NOW = datetime(2026, 1, 31, 12, tzinfo=UTC)
-SETTINGS = ShotSettings(pressure_a_kpa=40.0, pressure_b_kpa=40.0, offset_mm=6.0)
-
-
-class Inline(Executor):
-    """Does the work at once, and counts it."""
-
-    def __init__(self) -> None:
-        self.done: list[str] = []
-
-    def submit(self, call: Callable[..., Any], /, *given: Any, **named: Any) -> Future[Any]:
-        future = Future[Any]()
-        self.done.append(call.__name__)
-        try:
-            future.set_result(call(*given, **named))
-        except Exception as error:  # noqa: BLE001 - it is told by the future
-            future.set_exception(error)
-        return future
-
-
-@pytest.fixture
-def store(tmp_path: Path) -> Iterator[Store]:
-    opened = Store(tmp_path / "data")
-    yield opened
-    opened.close()
-
-
-@pytest.fixture
-def shots(store: Store) -> list[str]:
-    """Three stored shots of a campaign, and one that misfired."""
-    names = [stored(store) for _ in range(3)]
-    store.move(firing(store), ShotState.MISFIRE)
-    return names
-
-
-def firing(store: Store) -> str:
-    new = NewShot(SETTINGS, "nylon", None, "anna", True, "c0ffee", NOW)
-    record, _ = store.accept(str(uuid.uuid4()), "body", lambda: new)
-    return store.move(record.id, ShotState.FIRING).id
-
-
-def stored(store: Store) -> str:
-    shot = firing(store)
-    store.move(shot, ShotState.CAPTURING)
-    pixels = np.zeros((2, 8, 8), dtype=np.uint8)
-    frames = FrameSequence(pixels, np.arange(2) / 1e3, np.arange(2), (), "test")
-    store.folders.write(shot, frames, {"shot": shot})
-    store.move(shot, ShotState.STORED, Change(frames=2))
-    return shot
-
-
-@pytest.fixture
-def answers(monkeypatch: pytest.MonkeyPatch) -> Callable[[Callable[[str, str], Json]], None]:
-    """Let a function of a shot's name and the method stand in for the analysis."""
-
-    def use(answer: Callable[[str, str], Json]) -> None:
-        def analyse(folder: Path, method: str, known: None) -> Json:
-            return answer(folder.name, method)
-
-        monkeypatch.setattr("rigctl.stored_shot.analyse_stored_shot_as_taught", analyse)
-
-    return use
-
-
-def measured(e: float, sigma: float = 0.01) -> Json:
-    return {"status": "measured", "e": {"value": e, "sigma": sigma, "unit": "1"}}
-
-
-def reanalysed(
-    store: Store, campaign: str, method: str, executor: Executor | None = None
-) -> list[Outcome]:
-    """Analyse a campaign once more by one worker, to its end."""
-    pool = Pool(executor or Inline(), lambda: 1)
-    return list(reanalyse_campaign(store, campaign, method, pool, silent))
 
 
 def compared(outcomes: Iterable[Outcome]) -> list[Comparison]:
@@ -107,10 +31,6 @@ def compared(outcomes: Iterable[Outcome]) -> list[Comparison]:
     for outcome in outcomes:
         comparisons.add(outcome)
     return comparisons.found()
-
-
-def silent(_text: str, _share: float | None) -> None:
-    """Say nothing."""
 
 
 def test_results_are_added_beside_those_there_are(
@@ -326,77 +246,6 @@ def test_a_task_that_is_lost_costs_its_own_shots_alone(
     lost = "OSError: the worker died"
     assert [outcome.failure for outcome in outcomes] == [lost, lost, None]
     assert [store.shot(shot).results for shot in shots] == [0, 0, 1]
-
-
-def test_a_pool_that_died_is_named_and_what_was_added_stays(
-    store: Store, shots: list[str], answers: Any
-) -> None:
-    class Dying(Inline):
-        def submit(self, call: Callable[..., Any], /, *given: Any, **named: Any) -> Future[Any]:
-            if len(self.done) == 2:
-                raise BrokenExecutor("terminated abruptly")
-            return super().submit(call, *given, **named)
-
-    answers(lambda shot, method: measured(0.7))
-    outcomes = reanalyse_campaign(store, "nylon", "thesis", Pool(Dying(), lambda: 0), silent)
-    with pytest.raises(AnalysisFailedError, match=f"terminated abruptly.*{shots[2]}"):
-        list(outcomes)
-    assert [store.shot(shot).results for shot in shots] == [1, 1, 0]
-
-
-def test_a_result_that_was_damaged_is_not_compared_and_nothing_is_added_beside_it(
-    store: Store, shots: list[str], answers: Any
-) -> None:
-    answers(lambda shot, method: measured(0.7))
-    reanalysed(store, "nylon", "thesis")
-    store.folders.results(shots[0])[1].write_text("{")
-    outcomes = reanalysed(store, "nylon", "thesis")
-    assert "result-0001.json" in str(outcomes[0].failure)
-    assert [outcome.failure for outcome in outcomes[1:]] == [None, None]
-
-
-def test_a_full_disk_leaves_shots_as_they_were_and_free_for_the_next_time(
-    store: Store, shots: list[str], answers: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    refusal = {"status": "refused", "step": "markers", "reason": "only one marker"}
-    answers(lambda shot, method: refusal if shot == shots[1] else measured(0.7))
-    reanalysed(store, "nylon", "thesis")
-    before = [store.shot(shot) for shot in shots]
-
-    def refuse(source: object, target: object) -> None:
-        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-
-    with monkeypatch.context() as full:
-        full.setattr(os, "link", refuse)
-        outcomes = reanalysed(store, "nylon", "thesis")
-    assert all("No space left" in str(outcome.failure) for outcome in outcomes)
-    assert [outcome.shot for outcome in outcomes] == before
-    assert [store.shot(shot) for shot in shots] == before
-    reanalysed(store, "nylon", "thesis")
-    assert [store.shot(shot).results for shot in shots] == [2, 2, 2]
-
-
-def test_a_catalogue_that_another_program_locks_costs_the_shots_of_that_time_alone(
-    tmp_path: Path, answers: Any
-) -> None:
-    store = Store(tmp_path / "locked", busy_timeout_s=0.01)
-    shots = [stored(store) for _ in range(3)]
-    holder = sqlite3.connect(tmp_path / "locked" / "catalogue.db", isolation_level=None)
-    holder.execute("BEGIN IMMEDIATE")
-
-    def let_go(text: str, share: float | None) -> None:
-        if shots[1] in text:
-            holder.execute("ROLLBACK")
-
-    answers(lambda shot, method: measured(0.7))
-    pool = Pool(Inline(), lambda: 1)
-    first, second, third = reanalyse_campaign(store, "nylon", "thesis", pool, let_go)
-    assert "locked" in str(first.failure)
-    assert "locked" in str(second.failure)
-    assert third.failure is None
-    assert [store.shot(shot).state for shot in shots] == ["stored", "stored", "analysed"]
-    holder.close()
-    store.close()
 
 
 def test_shots_that_are_fired_meanwhile_are_left_for_the_next_time(
