@@ -169,6 +169,32 @@ def hide_along(
 
 
 @part
+def lay_piece(
+    sight: Sight,
+    view: int,
+    covers: Floats,
+    at: tuple[int, int, tuple[float, float, float]],
+    piece: tuple[Floats, int, int],
+) -> int:
+    """Lay pixels of one row of a frame into a band; return how many of them count.
+
+    Parameters
+    ----------
+    covers
+        As for `lay_along`.
+    at
+        Row and column of the first pixel; row, column and radius of the disc.
+    piece
+        As for `lay_along`.
+    """
+    (y, x, place), width, scene = at, piece[2], sight.scene
+    lines = (covers, scene.background[y, x : x + width], scene.image[y, x : x + width])
+    across = ((x - place[1]) / place[2], 1.0 / place[2])
+    lay_along(lines, (y - place[0]) / place[2], across, piece)
+    return width - hide_along(scene.shadowed[y, x : x + width], y, x, sight.others[view], piece)
+
+
+@part
 def weigh(band: Floats, count: int, spread: tuple[float, float]) -> tuple[float, float]:
     """Weight a band's pixels (`residual.biweight`), and put each over its error.
 
@@ -275,17 +301,9 @@ def accumulate(
             if filled + width > BAND:
                 part = settle(seen, paint, (band, filled), (scene.noise, widest), equations)
                 squares, weights, filled = squares + part[0], weights + part[1], none
-            x, y = corner[1] + start, corner[0] + i
-            piece = (band, filled, width)
-            lines = (
-                canvas[i, :, start : start + width],
-                scene.background[y, x : x + width],
-                scene.image[y, x : x + width],
-            )
-            lay_along(lines, u, ((x - place[1]) / place[2], 1.0 / place[2]), piece)
-            count += width - hide_along(
-                scene.shadowed[y, x : x + width], y, x, sight.others[view], piece
-            )
+            y, x = corner[0] + i, corner[1] + start
+            covers = canvas[i, :, start : start + width]
+            count += lay_piece(sight, view, covers, (y, x, place), (band, filled, width))
             filled += width
             start += width
     part = settle(seen, paint, (band, filled), (scene.noise, widest), equations)

@@ -14,9 +14,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.compiled import compiled, part
+from analysis.photometric.bands import (
+    BAND,
+    DISC,
+    LANES,
+    RESIDUAL,
+    ROOT,
+    derive,
+    lay_piece,
+    look_up,
+)
 from analysis.photometric.covers import cover_canvas, paint_of
-from analysis.photometric.residual import LEAST_DISC, LOOK, cover_at, covered, model_pixel, shade
-from analysis.photometric.sight import Sight, Stance
+from analysis.photometric.residual import LEAST_DISC
+from analysis.photometric.sight import Reel, Sight, Stance, sight_at
 
 Floats = NDArray[np.float64]
 Places = NDArray[np.int64]
@@ -41,23 +51,32 @@ def missing_light(sight: Sight, stance: Stance, view: int) -> tuple[Floats, tupl
     Shape (rows, columns), less where markers are and 0 where the sphere is not seen; row and column
     of its first pixel; radius of the disc, pixels.
     """
-    scene, look = sight.scene, sight.look
     canvas, corner, place = cover_canvas(sight, stance, view)
-    rows, paint = sight.optics.rows[view], paint_of(sight, stance, view, place[2])
-    missing, seen = np.zeros((canvas.shape[0], canvas.shape[2])), np.zeros(LOOK)
+    missing, band = np.zeros((canvas.shape[0], canvas.shape[2])), np.empty(LANES * BAND)
+    rows, darkness, noise = sight.optics.rows[view], sight.look.darkness, sight.scene.noise
+    disc, surface = sight.look.discs[view], sight.look.surfaces[view]
+    paint = paint_of(sight, stance, view, place[2])
+    # What takes a literal 0 would be compiled for it and once more for other numbers.
+    none: int = 0 * rows[0]
     for i in range(max(rows[0] - corner[0], 0), min(canvas.shape[0], rows[1] - corner[0])):
-        y = corner[0] + i
-        u = (y - place[0]) / place[2]
-        for j in range(canvas.shape[2]):
-            x = corner[1] + j
-            v = (x - place[1]) / place[2]
-            if u * u + v * v >= 1.0 or covered(y, x, sight.others[view]):
-                continue
-            shade(look.discs[view], look.surfaces[view], u, v, seen)
-            cover = cover_at(canvas, i, j)
-            model = model_pixel(seen, cover, scene.background[y, x], paint)
-            left = max(1.0 - look.darkness * cover[0] / max(seen[0], LEAST_DISC), 0.0)
-            missing[i, j] = (model - scene.image[y, x]) / scene.noise * left * left
+        u = (corner[0] + i - place[0]) / place[2]
+        if u * u >= 1.0:
+            continue
+        half, middle = math.sqrt(1.0 - u * u) * place[2], place[1] - corner[1]
+        start = max(math.ceil(middle - half), 0)
+        end = min(math.floor(middle + half) + 1, canvas.shape[2])
+        while start < end:
+            width = min(end - start, BAND)
+            covers = canvas[i, :, start : start + width]
+            at, piece = (corner[0] + i, corner[1] + start, place), (band, none, width)
+            lay_piece(sight, view, covers, at, piece)
+            look_up(disc, surface, band, width)
+            derive(paint, band, width)
+            for n in range(np.uint64(width)):
+                left = max(1.0 - darkness * covers[0, n] / max(band[DISC + n], LEAST_DISC), 0.0)
+                counts = 1.0 if band[ROOT + n] > 0.0 else 0.0
+                missing[i, start + n] = -band[RESIDUAL + n] / noise * left * left * counts
+            start += width
     return missing, corner, place[2]
 
 
@@ -110,11 +129,13 @@ def spread(row: int, column: int, rows: Places, shadowed: Mask) -> None:
             shadowed[i, j] = True
 
 
-@compiled
-def mark_shadows(sight: Sight, stance: Stance, view: int) -> None:
+@part
+def mark_view(sight: Sight, stance: Stance, view: int) -> None:
     """Mark the shadows on a sphere in one view, and their margins, in the scene's own mask."""
     missing, corner, radius = missing_light(sight, stance, view)
     mean, rows = box_mean(missing), sight.optics.rows[view]
+    if mean.size == 0 or mean.max() < DEEP:
+        return
     taken, places = np.zeros(mean.shape, np.bool_), np.empty((mean.size, 2), np.int64)
     least = LEAST_MARKERS * math.pi * (sight.look.alpha * radius) ** 2
     for i in range(mean.shape[0]):
@@ -127,3 +148,12 @@ def mark_shadows(sight: Sight, stance: Stance, view: int) -> None:
             for n in range(found):
                 row, column = corner[0] + places[n, 0], corner[1] + places[n, 1]
                 spread(row, column, rows, sight.scene.shadowed)
+
+
+@compiled
+def mark_shadows(reel: Reel, frames: NDArray[np.intp]) -> None:
+    """Mark the shadows on a sphere in some frames of a reel, and their margins, in its masks."""
+    for k in frames:
+        sight, stance = sight_at(reel, k)
+        for view in range(reel.optics.scales.shape[0]):
+            mark_view(sight, stance, view)

@@ -15,7 +15,7 @@ from analysis.compiled import compiled
 from analysis.photometric.camera import disc_of
 from analysis.photometric.covers import seen_from
 from analysis.photometric.residual import LOOK, hidden, lit, shade
-from analysis.photometric.sight import Sight, Stance
+from analysis.photometric.sight import Reel, Sight, Stance, sight_at
 
 Floats = NDArray[np.float64]
 
@@ -82,6 +82,14 @@ def shown_share(sight: Sight, stance: Stance) -> tuple[float, int]:
     return (shown.sum() / expected.sum() if count else 1.0), count
 
 
+@compiled
+def shown_shares(reel: Reel, frames: NDArray[np.intp], shown: Floats) -> None:
+    """Fill `shown_share` of some frames of a reel: share and number, shape (frames, 2)."""
+    for n in range(frames.shape[0]):
+        sight, stance = sight_at(reel, frames[n])
+        shown[n, 0], shown[n, 1] = shown_share(sight, stance)
+
+
 def borne_out(sights: Iterable[tuple[Sight, Stance]], markers: int) -> NDArray[np.bool_]:
     """Tell which markers of a sphere its frames show; a shadow's edge may have passed for one.
 
@@ -95,7 +103,8 @@ def borne_out(sights: Iterable[tuple[Sight, Stance]], markers: int) -> NDArray[n
     return np.asarray((shown >= LEAST_BORNE_OUT * expected) | (expected < LEAST_WEIGHT))
 
 
-def confirmed(sight: Sight, stance: Stance) -> bool:
-    """Tell whether the markers of a pose are there; true where none can be seen."""
-    share, _ = shown_share(sight, stance)
-    return bool(share >= LEAST_SHARE)
+def confirmed(reel: Reel, frames: NDArray[np.intp]) -> NDArray[np.bool_]:
+    """Tell of some frames of a reel whether the markers are there; true where none can be seen."""
+    shown = np.empty((len(frames), 2))
+    shown_shares(reel, frames, shown)
+    return np.asarray(shown[:, 0] >= LEAST_SHARE)

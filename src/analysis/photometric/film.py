@@ -218,13 +218,8 @@ def _rejected(film: Film) -> Floats:
 def take_out_shadows(film: Film, known: Knowledge, poses: NDArray[np.bool_] | None = None) -> None:
     """Find the shadows on the spheres of a film anew, in all poses or in some, shape (2, F)."""
     film.shadowed[:] = False
-    for i in (0, 1):
-        placed = np.flatnonzero(film.placed[i])
-        chosen = film.placed[i] if poses is None else poses[i]
-        for k, (sight, stance) in zip(placed, film.sights(known, i), strict=True):
-            for view in range(len(known.camera.views)):
-                if chosen[k]:
-                    mark_shadows(sight, stance, view)
+    for i, chosen in enumerate(film.placed if poses is None else poses):
+        mark_shadows(film.reel(known, i), np.flatnonzero(chosen))
 
 
 def drop_outside(film: Film, camera: Camera) -> None:
@@ -262,6 +257,5 @@ def drop_misfits(film: Film, known: Knowledge, limit: float) -> None:
         if not film.placed[i].any():
             continue
         frames = np.flatnonzero(film.placed[i])
-        there = [confirmed(sight, stance) for sight, stance in film.sights(known, i)]
         sound = costs[i, frames] < MISFIT * np.median(costs[i, frames])
-        film.placed[i, frames] = sound & np.array(there)
+        film.placed[i, frames] = sound & confirmed(film.reel(known, i), frames)

@@ -13,16 +13,20 @@ from analysis.photometric.camera import disc_of
 from analysis.photometric.confirmation import confirmed
 from analysis.photometric.film import Film, cost_of, drop_outside, others_of
 from analysis.photometric.orientation_search import Found, search_orientation, turns
-from analysis.photometric.pose import fit_pose
-from analysis.photometric.sight import Scene, Sight, Stance
+from analysis.photometric.pose import fit_frames
+from analysis.photometric.sight import Reel, Scene, Sight, Stance
 from analysis.photometric.votes import peak_near, peaks, vote_map
 
 Floats = NDArray[np.float64]
 Single = NDArray[np.float32]
 
+NEAR_LIMITS = np.array([6.0])
 FOLLOW_LIMITS = np.array([15.0, 6.0])
 WIDE_LIMITS = np.array([40.0, 15.0, 6.0, 6.0])
-"""From a prediction by two frames, and from a lesser one."""
+"""From a prediction by two frames in free flight, from one that a contact spoilt, and from a lesser
+one."""
+NEAR = 0.004
+"""Step, in radii and radians, that shows a prediction to have been near: five errors of one."""
 REACH_PX = 6.0
 MOST_COST = 6.0
 """1 to 2 for a sound frame (`film.cost_of`), 2 to 4 where the spheres turn a side with unknown
@@ -58,6 +62,7 @@ class Follower:
         self._optics = known.camera.optics
         self._radius = float(self._optics.scales[0] * known.spheres[0].radius_m)
         self._candidates = turns()
+        self._reels = film.reel(known, 0), film.reel(known, 1)
         self._votes: dict[int, Single] = {}
 
     def run(self, times_s: Floats) -> None:
@@ -113,7 +118,7 @@ class Follower:
         film.centre[:, k], film.placed[:, k] = centres, True
         found = [self._search(i, k) for i in (0, 1)]
         cost = max(one.cost for one in found)
-        there = all(confirmed(self._sight(i, k), self._stance(i, k)) for i in (0, 1))
+        there = all(self._confirmed(i, k) for i in (0, 1))
         film.placed[:, k] = cost < MOST_COST and there
         return cost if there else np.inf, all(one.certain for one in found)
 
@@ -154,21 +159,26 @@ class Follower:
             return None
         return float(-self._known.camera.at_pixels(1, best[0][:2], 0.0)[0])
 
-    def _sight(self, i: int, k: int) -> Sight:
-        film, known = self._film, self._known
-        discs = film.discs(known, slice(k, k + 1))[0]
-        scene = Scene(film.frames[k], film.background, film.noise, film.shadowed[k])
-        return Sight(scene, self._optics, self._looks[i], others_of(discs, i))
+    def _reel(self, i: int, k: int) -> Reel:
+        """Return the film as sphere i is seen in it, the other sphere where it is in frame k."""
+        discs = self._film.discs(self._known, slice(k, k + 1))[0]
+        self._reels[i].others[k] = others_of(discs, i)
+        return self._reels[i]
 
     def _stance(self, i: int, k: int) -> Stance:
         film = self._film
         return Stance(film.centre[i, k], film.rotation[i, k], film.lights[i, k])
 
+    def _confirmed(self, i: int, k: int) -> bool:
+        return bool(confirmed(self._reel(i, k), np.array([k]))[0])
+
     def _search(self, i: int, k: int) -> Found:
-        found = search_orientation(self._sight(i, k), self._stance(i, k), self._candidates)
-        film, stance = self._film, found.stance
-        film.centre[i, k], film.rotation[i, k] = stance.centre, stance.rotation
-        film.lights[i, k] = stance.lights
+        film, reel, stance = self._film, self._reel(i, k), self._stance(i, k)
+        scene = Scene(film.frames[k], film.background, film.noise, film.shadowed[k])
+        sight = Sight(scene, self._optics, self._looks[i], reel.others[k])
+        found = search_orientation(sight, stance, self._candidates)
+        for part, best in zip(stance, found.stance, strict=True):
+            part[:] = best
         return found
 
     def _follow(self, first: int, step: int, times_s: Floats) -> None:
@@ -193,11 +203,14 @@ class Follower:
         Beside a contact the prediction is wrong by pixels: then the discs themselves say where
         they are, and at last all orientations are tried. The best of these stays.
         """
-        if not self._has_velocity(i, k, step):
-            self._attract(i, k)
-        cost = self._fit(i, k, FOLLOW_LIMITS)
+        cost = self._fit(i, k, NEAR_LIMITS)
+        if cost > most or (self._film.quality[i, k, 3:] > NEAR).any():
+            self._predict(i, k, step, times_s)
+            if not self._has_velocity(i, k, step):
+                self._attract(i, k)
+            cost = self._fit(i, k, FOLLOW_LIMITS)
         for widen in (False, True):
-            if cost <= most and confirmed(self._sight(i, k), self._stance(i, k)):
+            if cost <= most and self._confirmed(i, k):
                 break
             kept = Stance(*(part.copy() for part in self._stance(i, k)))
             self._predict(i, k, step, times_s)
@@ -212,11 +225,8 @@ class Follower:
 
     def _fit(self, i: int, k: int, limits: Floats) -> float:
         """Fit a pose; return its `film.cost`."""
-        film = self._film
-        film.quality[i, k] = fit_pose(
-            self._sight(i, k), self._stance(i, k), limits, film.covariance[i, k]
-        )
-        return float(cost_of(film.quality[i, k], limits[-1]))
+        fit_frames(self._reel(i, k), np.array([k]), limits)
+        return float(cost_of(self._film.quality[i, k], limits[-1]))
 
     def _predict(self, i: int, k: int, step: int, times_s: Floats) -> None:
         """Carry the pose on from the two frames before, or the one there is."""

@@ -13,7 +13,7 @@ from analysis.errors import ShotRefusedError
 from analysis.imaging.frame import EdgeSettings, noise_sd
 from analysis.photometric.appearance import Knowledge
 from analysis.photometric.background import first_background
-from analysis.photometric.confirmation import shown_share
+from analysis.photometric.confirmation import shown_shares
 from analysis.photometric.dead_lines import filled
 from analysis.photometric.film import Film, drop_misfits, settle_film, settle_without_shadows
 from analysis.photometric.following import Follower
@@ -132,9 +132,11 @@ def refuse_strangers(film: Film, known: Knowledge) -> None:
         With the sphere and what its markers show.
     """
     for i, name in enumerate("ab"):
-        shown = [shown_share(sight, stance) for sight, stance in film.sights(known, i)]
-        shares = [share for share, count in shown if count]
-        middle = float(np.median(shares)) if shares else 1.0
+        frames = np.flatnonzero(film.placed[i])
+        shown = np.empty((len(frames), 2))
+        shown_shares(film.reel(known, i), frames, shown)
+        shares = shown[shown[:, 1] > 0, 0]
+        middle = float(np.median(shares)) if len(shares) else 1.0
         if middle < LEAST_SHARE_OF_FILM:
             raise ShotRefusedError(
                 "assignment",

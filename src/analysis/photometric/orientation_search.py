@@ -202,5 +202,5 @@ def _promise(dark: Floats, sight: Sight, rotations: Floats) -> Floats:
 
 def _near(rotation: Floats, others: Floats) -> NDArray[np.bool_]:
     """Tell which orientations, shape (n, 3, 3), are less than APART_RAD from one."""
-    traces = np.einsum("ij,nij->n", rotation, others)
+    traces = others.reshape(len(others), 9) @ rotation.reshape(9)
     return np.asarray(traces > 1 + 2 * math.cos(APART_RAD))

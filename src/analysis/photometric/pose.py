@@ -12,7 +12,7 @@ from analysis.motion.turning import turned
 from analysis.photometric.bands import accumulate
 from analysis.photometric.camera import Optics, axes_at, moved_by
 from analysis.photometric.residual import UNKNOWNS
-from analysis.photometric.sight import LIGHTS, Equations, Reel, Scene, Sight, Stance
+from analysis.photometric.sight import LIGHTS, Equations, Reel, Sight, Stance, reel_of, sight_at
 
 Floats = NDArray[np.float64]
 
@@ -180,23 +180,10 @@ def fit_pose(sight: Sight, stance: Stance, limits: Floats, covariance: Floats) -
     Weighted chi-squared, weights, pixels looked at, and the last step's length in radii and
     radians, shape (5,).
     """
-    scene, quality = sight.scene, np.zeros((1, 5))
-    reel = Reel(
-        images=scene.image[None],
-        background=scene.background,
-        noise=scene.noise,
-        shadowed=scene.shadowed[None],
-        optics=sight.optics,
-        look=sight.look,
-        others=sight.others[None],
-        centre=stance.centre[None],
-        rotation=stance.rotation[None],
-        lights=stance.lights[None],
-        covariance=covariance[None],
-        quality=quality,
-    )
+    reel = reel_of(sight, stance)
     fit_frames(reel, ONLY, limits)
-    only: Floats = quality[0]
+    covariance[:] = reel.covariance[0]
+    only: Floats = reel.quality[0]
     return only
 
 
@@ -231,9 +218,7 @@ def move(stance: Stance, step: Floats, radius_m: float) -> tuple[float, float]:
 def fit_frames(reel: Reel, frames: NDArray[np.intp], limits: Floats) -> None:
     """Improve the poses of some frames of a reel, each by `fit_pose`."""
     for k in frames:
-        scene = Scene(reel.images[k], reel.background, reel.noise, reel.shadowed[k])
-        sight = Sight(scene, reel.optics, reel.look, reel.others[k])
-        stance = Stance(reel.centre[k], reel.rotation[k], reel.lights[k])
+        sight, stance = sight_at(reel, k)
         out = take_steps(sight, stance, limits, reel.covariance[k])
         for n in range(out.shape[0]):
             reel.quality[k, n] = out[n]

@@ -14,7 +14,7 @@ from analysis.motion.drift import CENTRE_DRIFT_PER_SIGMA2
 from analysis.motion.pattern import Orientations
 from analysis.motion.poses import Centres
 from analysis.photometric.appearance import Knowledge
-from analysis.photometric.camera import disc_of, moved_by
+from analysis.photometric.camera import moved_by
 from analysis.photometric.facing_markers import facing_markers
 from analysis.photometric.film import Film
 from analysis.photometric.honesty import enlargement
@@ -76,14 +76,12 @@ def tracking_of(film: Film, known: Knowledge, times_s: Floats, gravity: float) -
 
 
 def _tracks(film: Film, known: Knowledge, sphere: int) -> dict[View, Track]:
-    optics = known.camera.optics
-    tracks = {}
-    for v, view in enumerate(known.camera.views):
+    optics, views = known.camera.optics, known.camera.views
+    discs, tracks = film.discs(known)[:, len(views) * sphere :], {}
+    for v, view in enumerate(views):
         track = Track(view)
         for k in map(int, np.flatnonzero(film.placed[sphere])):
-            row, column, radius = disc_of(
-                optics, v, film.centre[sphere, k], known.spheres[sphere].radius_m
-            )
+            row, column, radius = discs[k, v]
             into = moved_by(optics, v, film.centre[sphere, k])
             errors = np.zeros((3, 3))
             errors[:2, :2] = into @ film.covariance[sphere, k, :3, :3] @ into.T

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.compiled import part
 from analysis.photometric.camera import Optics
 
 Floats = NDArray[np.float64]
@@ -136,3 +137,30 @@ class Reel(NamedTuple):
     lights: Floats
     covariance: Floats
     quality: Floats
+
+
+@part
+def sight_at(reel: Reel, frame: int) -> tuple[Sight, Stance]:
+    """Return a frame of a reel, with the pose in it to be read or improved."""
+    scene = Scene(reel.images[frame], reel.background, reel.noise, reel.shadowed[frame])
+    sight = Sight(scene, reel.optics, reel.look, reel.others[frame])
+    return sight, Stance(reel.centre[frame], reel.rotation[frame], reel.lights[frame])
+
+
+def reel_of(sight: Sight, stance: Stance) -> Reel:
+    """Return a reel of one frame that shares its arrays with the sight and the stance."""
+    scene = sight.scene
+    return Reel(
+        images=scene.image[None],
+        background=scene.background,
+        noise=scene.noise,
+        shadowed=scene.shadowed[None],
+        optics=sight.optics,
+        look=sight.look,
+        others=sight.others[None],
+        centre=stance.centre[None],
+        rotation=stance.rotation[None],
+        lights=stance.lights[None],
+        covariance=np.zeros((1, 6, 6)),
+        quality=np.zeros((1, 5)),
+    )

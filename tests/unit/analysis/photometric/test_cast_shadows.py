@@ -4,8 +4,8 @@ from numpy.typing import NDArray
 
 from analysis.photometric.cast_shadows import mark_shadows
 from analysis.photometric.confirmation import borne_out
-from analysis.photometric.pose import fit_pose
-from analysis.photometric.sight import Sight
+from analysis.photometric.pose import ONLY, fit_pose
+from analysis.photometric.sight import Sight, reel_of
 from tests.unit.analysis.photometric.drawn import (
     sight_of,
     sphere_image,
@@ -44,7 +44,7 @@ def test_a_shadow_is_marked_with_what_surrounds_it_and_the_rest_is_not(
     shadow: tuple[float, float, float],
 ) -> None:
     sight = filmed(1, shadow)
-    mark_shadows(sight, stance_at(*PLACE, RADIUS), 0)
+    mark_shadows(reel_of(sight, stance_at(*PLACE, RADIUS)), ONLY)
     marked = sight.scene.shadowed
     sphere = within((0.0, 0.0, 1.0), marked.shape, -1.0)
     assert marked[sphere & within(shadow, marked.shape, -1.0)].mean() > 0.97
@@ -54,7 +54,7 @@ def test_a_shadow_is_marked_with_what_surrounds_it_and_the_rest_is_not(
 def test_a_sphere_that_looks_as_it_is_known_has_no_shadow() -> None:
     for seed in range(40):
         sight = filmed(seed, None)
-        mark_shadows(sight, stance_at(*PLACE, RADIUS), 0)
+        mark_shadows(reel_of(sight, stance_at(*PLACE, RADIUS)), ONLY)
         assert not sight.scene.shadowed.any()
 
 
@@ -63,7 +63,7 @@ def test_a_shadow_at_the_limb_no_longer_draws_the_centre_away() -> None:
     for seed in range(20):
         sight = filmed(seed, FROM_THE_LEFT, left=0.8)
         drawn.append(fitted_column(sight) - PLACE[1])
-        mark_shadows(sight, stance_at(*PLACE, RADIUS), 0)
+        mark_shadows(reel_of(sight, stance_at(*PLACE, RADIUS)), ONLY)
         kept.append(fitted_column(sight) - PLACE[1])
     # One centre scatters by 0.012 pixels, their mean by 0.003.
     assert abs(np.mean(drawn)) > 0.03
