@@ -7,16 +7,13 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import BrokenExecutor, Future
 from dataclasses import dataclass
 from itertools import chain, islice
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from typing import Any
 
 from rigctl.analysis_process import AnalysisFailedError
 from rigctl.errors import NotFoundError, RigError
 from rigctl.reanalysis.pools import Pool
+from rigctl.reanalysis.work import Broken, Found, analysed, taught
 from rigctl.store import Change, ShotRecord, ShotState, Store
-
-if TYPE_CHECKING:
-    from analysis.photometric.appearance import Knowledge
 
 Json = dict[str, Any]
 Say = Callable[[str, float | None], None]
@@ -28,27 +25,13 @@ FREE = frozenset({ShotState.STORED, ShotState.ANALYSED, ShotState.REFUSED})
 """States in which nobody else is about to write a result."""
 
 
-@dataclass(frozen=True, slots=True)
-class Broken:
-    """Why the analysis of a shot came to nothing, in words that any process understands."""
-
-    why: str
-
-    @classmethod
-    def of(cls, error: Exception) -> Self:
-        """Return the words of an error."""
-        if isinstance(error, RigError):
-            return cls(error.sentence())
-        return cls(f"{type(error).__name__}: {error}")
-
-
 Placed = tuple[int, ShotRecord]
 """A shot, with its place in the order of firing, from 1."""
 
-Task = tuple[list[Placed], Future[list[Json | Broken]]]
+Task = tuple[list[Placed], Future[list[Found | Broken]]]
 """Shots that one worker was given together, and what comes of each."""
 
-Submit = Callable[[Sequence[Placed]], Future[list[Json | Broken]]]
+Submit = Callable[[Sequence[Placed]], Future[list[Found | Broken]]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +43,8 @@ class Outcome:
     shot
         As it stands now.
     before, after
-        Its latest result before, and the one that was added; None: there is none.
+        Its latest result before, and the one that was added, this one without its poses and what
+        to draw; None: there is none.
     failure
         Why nothing was added; None where something was.
     """
@@ -112,7 +96,7 @@ def reanalyse_campaign(
         teaching = [store.folders.folder(shot.id) for _, shot in first]
         known = pool.executor.submit(taught, teaching).result()
 
-    def submit(batch: Sequence[Placed]) -> Future[list[Json | Broken]]:
+    def submit(batch: Sequence[Placed]) -> Future[list[Found | Broken]]:
         folders = [store.folders.folder(shot.id) for _, shot in batch]
         try:
             return pool.executor.submit(analysed, folders, method, known)
@@ -126,30 +110,6 @@ def reanalyse_campaign(
 
     tasks = _under_way(chain(first, shots), total, submit, pool)
     return _outcomes(store, tasks, lambda shot, place: say(f"shot {shot}", place / total))
-
-
-def analysed(folders: Sequence[Path], method: str, known: Knowledge | None) -> list[Json | Broken]:
-    """Analyse shots one after another, wherever this runs; one that breaks stops no other."""
-    # Loaded by the process that analyses: the others have no use for it.
-    from rigctl.stored_shot import analyse_stored_shot_as_taught  # noqa: PLC0415
-
-    found: list[Json | Broken] = []
-    for folder in folders:
-        try:
-            found.append(analyse_stored_shot_as_taught(folder, method, known))
-        except Exception as error:  # noqa: BLE001 - whatever breaks is this shot's failure alone
-            found.append(Broken.of(error))
-    return found
-
-
-def taught(folders: Sequence[Path]) -> Knowledge | None:
-    """Return what shots teach of their spheres, wherever this runs; those that cannot do not."""
-    from analysis.photometric.method import teach  # noqa: PLC0415
-    from rigctl.stored_shot import read_stored_shot  # noqa: PLC0415
-
-    read = [read_stored_shot(folder) for folder in folders]
-    setup = read[0][2]
-    return teach([(frames, times_s) for frames, times_s, own in read if own == setup], setup)
 
 
 def _under_way(shots: Iterator[Placed], total: int, submit: Submit, pool: Pool) -> Iterator[Task]:
@@ -175,7 +135,7 @@ def _outcomes(
     store: Store, tasks: Iterator[Task], done: Callable[[str, int], None]
 ) -> Iterator[Outcome]:
     for batch, future in tasks:
-        found: list[Json | Broken] = _found(future, len(batch))
+        found: list[Found | Broken] = _found(future, len(batch))
         # A future holds its results, which would be held until the next is done.
         del future
         for place, shot in batch:
@@ -185,7 +145,7 @@ def _outcomes(
             del outcome
 
 
-def _found(future: Future[list[Json | Broken]], count: int) -> list[Json | Broken]:
+def _found(future: Future[list[Found | Broken]], count: int) -> list[Found | Broken]:
     """Return what came of the shots of a task; the same of all where the task itself broke."""
     try:
         return list(future.result())
@@ -193,7 +153,7 @@ def _found(future: Future[list[Json | Broken]], count: int) -> list[Json | Broke
         return [Broken.of(error)] * count
 
 
-def _kept(store: Store, shot: ShotRecord, result: Json | Broken) -> Outcome:
+def _kept(store: Store, shot: ShotRecord, result: Found | Broken) -> Outcome:
     """Store what came of a shot beside what there was."""
     before: Json | None = None
     try:
@@ -207,13 +167,14 @@ def _kept(store: Store, shot: ShotRecord, result: Json | Broken) -> Outcome:
     except RigError as error:
         return Outcome(store.shot(shot.id), before, None, error.sentence())
     try:
-        number = store.folders.add_result(shot.id, result)
+        number = store.folders.add_result(shot.id, result.text)
     except RigError as error:
         as_before = Change(failure=shot.failure, failure_code=shot.failure_code)
         record = store.move(shot.id, shot.state, as_before)
         return Outcome(record, before, None, error.sentence())
-    if result["status"] == "refused":
-        change = Change(results=number, failure=str(result["reason"]), failure_code="refused")
-        return Outcome(store.move(shot.id, ShotState.REFUSED, change), before, result)
+    brief = result.brief
+    if brief["status"] == "refused":
+        change = Change(results=number, failure=str(brief["reason"]), failure_code="refused")
+        return Outcome(store.move(shot.id, ShotState.REFUSED, change), before, brief)
     change = Change(results=number)
-    return Outcome(store.move(shot.id, ShotState.ANALYSED, change), before, result)
+    return Outcome(store.move(shot.id, ShotState.ANALYSED, change), before, brief)

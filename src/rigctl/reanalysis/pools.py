@@ -21,7 +21,7 @@ ANSWER_WAIT_S = 10.0
 AHEAD = 4
 """Tasks under way for each worker, so that none waits for the next while results are stored."""
 
-TOGETHER = 4
+TOGETHER = 8
 """Shots that a cluster's worker is given at a time: a task costs scheduler, network and client
 some milliseconds of a processor, however little it asks for."""
 

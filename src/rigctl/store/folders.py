@@ -138,8 +138,13 @@ class ShotFolders:
             return False
         return True
 
-    def add_result(self, shot: str, result: Mapping[str, Any]) -> int:
+    def add_result(self, shot: str, result: Mapping[str, Any] | bytes) -> int:
         """Write a result beside those there are; return its number, counted from 1.
+
+        Parameters
+        ----------
+        result
+            Itself, or its `result_text`.
 
         Raises
         ------
@@ -151,7 +156,7 @@ class ShotFolders:
         folder = self.folder(shot)
         partial = folder / f".result{_PARTIAL}"
         with _in_words(shot, folder):
-            text = _lines(result)
+            text = result if isinstance(result, bytes) else result_text(result)
             partial.unlink(missing_ok=True)
             try:
                 write_synced(partial, lambda file: file.write(text))
@@ -225,6 +230,20 @@ def read_pixels(path: Path) -> NDArray[np.uint8]:
         raise ValueError(str(error)) from error
 
 
+def result_text(result: Mapping[str, Any]) -> bytes:
+    """Return a result as its file has it: JSON with a line for each field.
+
+    To indent all of it takes three times as long.
+
+    Raises
+    ------
+    ValueError
+        It holds a number that is not finite.
+    """
+    fields = (f"{json.dumps(k)}: {json.dumps(v, allow_nan=False)}" for k, v in result.items())
+    return "\n".join(("{", ",\n".join(fields), "}", "")).encode()
+
+
 def _fill(folder: Path, frames: FrameSequence, manifest: Mapping[str, Any]) -> None:
     def save(file: BinaryIO) -> None:
         np.save(file, frames.pixels, allow_pickle=False)
@@ -257,12 +276,6 @@ def sha256(path: Path) -> str:
 
 def _results(folder: Path) -> list[Path]:
     return sorted(folder.glob("result-*.json"), key=_number)
-
-
-def _lines(result: Mapping[str, Any]) -> bytes:
-    """Return JSON with a line for each field: to indent all of it takes three times as long."""
-    fields = (f"{json.dumps(k)}: {json.dumps(v, allow_nan=False)}" for k, v in result.items())
-    return "\n".join(("{", ",\n".join(fields), "}", "")).encode()
 
 
 def _result_name(number: int) -> str:

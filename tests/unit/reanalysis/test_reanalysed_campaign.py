@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import gc
+import math
 import weakref
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -153,27 +155,54 @@ def nothing_older() -> Iterator[None]:
     gc.unfreeze()
 
 
-@pytest.mark.usefixtures("nothing_older")
-def test_few_results_are_held_however_many_shots_there_are(store: Store, answers: Any) -> None:
-    alive = weakref.WeakSet[Result]()
-    most = 0
+class Watching(Inline):
+    """Sees how many results anybody still holds when the next is asked for."""
 
-    def answer(shot: str, method: str) -> Json:
-        nonlocal most
+    def __init__(self) -> None:
+        super().__init__()
+        self.alive = weakref.WeakSet[Result]()
+        self.most = 0
+
+    def submit(self, call: Callable[..., Any], /, *given: Any, **named: Any) -> Future[Any]:
         # Only what somebody still holds is to be counted.
         gc.collect()
-        most = max(most, len(alive) + 1)
-        alive.add(result := Result(measured(0.7)))
-        return result
+        self.most = max(self.most, len(self.alive) + 1)
+        (found,) = super().submit(call, *given, **named).result()
+        self.alive.add(brief := Result(found.brief))
+        future = Future[Any]()
+        future.set_result([replace(found, brief=brief)])
+        return future
 
-    answers(answer)
+
+@pytest.mark.usefixtures("nothing_older")
+def test_few_results_are_held_however_many_shots_there_are(store: Store, answers: Any) -> None:
+    answers(lambda shot, method: measured(0.7))
     shots = [stored(store) for _ in range(5 * AHEAD)]
-    pool = Pool(Inline(), lambda: 1)
+    executor = Watching()
+    pool = Pool(executor, lambda: 1)
     names = [
         outcome.shot.id for outcome in reanalyse_campaign(store, "nylon", "thesis", pool, silent)
     ]
     assert names == shots
-    assert most <= AHEAD + 2
+    assert AHEAD <= executor.most <= AHEAD + 2
+
+
+def test_poses_are_in_the_file_and_not_in_what_is_compared(
+    store: Store, shots: list[str], answers: Any
+) -> None:
+    answers(lambda shot, method: {**measured(0.7), "poses": [1.0], "overlay": {"frames": []}})
+    outcomes = reanalysed(store, "nylon", "thesis")
+    assert [outcome.after for outcome in outcomes] == [measured(0.7)] * 3
+    assert store.result(shots[0]) == {**measured(0.7), "poses": [1.0], "overlay": {"frames": []}}
+
+
+def test_a_number_that_is_not_finite_is_said_and_not_stored(
+    store: Store, shots: list[str], answers: Any
+) -> None:
+    answers(lambda shot, method: measured(math.nan if shot == shots[0] else 0.7))
+    outcomes = reanalysed(store, "nylon", "thesis")
+    assert "not JSON compliant" in str(outcomes[0].failure)
+    assert [store.shot(shot).results for shot in shots] == [0, 1, 1]
 
 
 def test_a_shot_is_stored_before_the_last_is_begun(store: Store, answers: Any) -> None:

@@ -1,0 +1,83 @@
+"""What is done wherever shots are analysed, and what is sent back of it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Self
+
+from rigctl.errors import RigError
+from rigctl.reanalysis.memory import keep_memory
+from rigctl.store.folders import result_text
+
+if TYPE_CHECKING:
+    from analysis.photometric.appearance import Knowledge
+
+Json = dict[str, Any]
+
+LONG = frozenset({"poses", "overlay"})
+"""What nearly all of a result consists of, and nobody asks for who stores it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """What an analysis found.
+
+    Attributes
+    ----------
+    text
+        The result as its file is to have it: to make it takes longer than to store it, and those
+        who analyse are many.
+    brief
+        The result without what is `LONG`.
+    """
+
+    text: bytes
+    brief: Json
+
+    @classmethod
+    def of(cls, result: Json) -> Self:
+        """Return a result in this form; raise `ValueError` for a number that is not finite."""
+        brief = {name: value for name, value in result.items() if name not in LONG}
+        return cls(result_text(result), brief)
+
+
+@dataclass(frozen=True, slots=True)
+class Broken:
+    """Why the analysis of a shot came to nothing, in words that any process understands."""
+
+    why: str
+
+    @classmethod
+    def of(cls, error: Exception) -> Self:
+        """Return the words of an error."""
+        if isinstance(error, RigError):
+            return cls(error.sentence())
+        return cls(f"{type(error).__name__}: {error}")
+
+
+def analysed(folders: Sequence[Path], method: str, known: Knowledge | None) -> list[Found | Broken]:
+    """Analyse shots one after another; one that breaks stops no other."""
+    # Loaded by the process that analyses: the others have no use for it.
+    from rigctl.stored_shot import analyse_stored_shot_as_taught  # noqa: PLC0415
+
+    keep_memory()
+    found: list[Found | Broken] = []
+    for folder in folders:
+        try:
+            found.append(Found.of(analyse_stored_shot_as_taught(folder, method, known)))
+        except Exception as error:  # noqa: BLE001 - whatever breaks is this shot's failure alone
+            found.append(Broken.of(error))
+    return found
+
+
+def taught(folders: Sequence[Path]) -> Knowledge | None:
+    """Return what shots teach of their spheres; those that cannot do not."""
+    from analysis.photometric.method import teach  # noqa: PLC0415
+    from rigctl.stored_shot import read_stored_shot  # noqa: PLC0415
+
+    keep_memory()
+    read = [read_stored_shot(folder) for folder in folders]
+    setup = read[0][2]
+    return teach([(frames, times_s) for frames, times_s, own in read if own == setup], setup)
