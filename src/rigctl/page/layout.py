@@ -36,7 +36,7 @@ def sheet(desk: Desk, title: str, place: str) -> Iterator[None]:
     ui.page_title(f"{title} · rigctl")
     status = desk.daemon.rig.status()
     dark = ui.dark_mode(None)
-    with ui.header().classes("top"):
+    with ui.header().classes("top deaf") as header:
         ui.label("rigctl").classes("brand")
         with ui.element("nav").classes("places"):
             for name, target in PLACES:
@@ -59,10 +59,9 @@ def sheet(desk: Desk, title: str, place: str) -> Iterator[None]:
         stop = button("Stop", lambda: desk.stop("the page's button"), look="stop", testid="stop")
         stop.tooltip("Emergency stop: cuts the power of every actuator now. Key: Ctrl + .")
     ui.keyboard(on_key=lambda event: _on_key(desk, event), ignore=[], repeating=False)
-    _deaf_until_connected()
     come_back()
     _watchdog()
-    banner = ui.element("div").classes("latched").props("data-testid=latched role=alert")
+    banner = ui.element("div").classes("latched deaf").props("data-testid=latched role=alert")
     with banner:
         said = ui.label()
         button("Release …", lambda: _ask_release(desk), look="release", testid="release")
@@ -75,8 +74,10 @@ def sheet(desk: Desk, title: str, place: str) -> Iterator[None]:
 
     show()
     every(TICK_S, show)
-    with ui.element("div").classes("sheet"):
+    with ui.element("div").classes("sheet deaf") as below:
         yield
+    for part in (header, banner, below):
+        _hear_once_connected(part)
 
 
 async def _on_key(desk: Desk, event: events.KeyEventArguments) -> None:
@@ -89,10 +90,9 @@ def _turn(dark: ui.dark_mode) -> None:
     dark.set_value(not dark.value)
 
 
-def _deaf_until_connected() -> None:
-    """Let nothing be pressed before the daemon hears it; such a press would be lost in silence."""
-    deaf = ui.element("div").classes("deaf").props("aria-hidden=true")
-    ui.context.client.on_connect(lambda: deaf.classes(remove="deaf"))
+def _hear_once_connected(part: ui.element) -> None:
+    """Let something be pressed as soon as the daemon hears it; before, it would be lost."""
+    ui.context.client.on_connect(lambda: part.classes(remove="deaf"))
 
 
 def _watchdog() -> None:

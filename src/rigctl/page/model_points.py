@@ -9,8 +9,8 @@ Json = dict[str, Any]
 
 ALL_DRAWN = 300
 """So few points are drawn each, with their error bars."""
-ACROSS, UP = 80, 64
-"""Places in a plot, each about as large as a marker; one point is drawn in each."""
+ACROSS, UP = 60, 48
+"""Places in a plot, each a little larger than a marker; one point is drawn in each."""
 BY_POINT = ("shots", "frames", "x", "residual", "sigma")
 
 

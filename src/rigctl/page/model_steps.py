@@ -28,7 +28,7 @@ class Steps:
         self._shown: Json = {}
         self._due = False
         # In the order in which they are read: in rows, or in one column on a tablet.
-        with ui.element("div").classes("columns model"):
+        with ui.element("div").classes("columns model nothing") as self._all:
             self._first, self._second, self._offered = (ui.element("div") for _ in range(3))
             self.last = ui.element("div").classes("stack")
             with self.last:
@@ -64,6 +64,7 @@ class Steps:
             self._hold()
 
     def _build(self) -> None:
+        self._all.classes(remove="nothing")
         with self._first:
             self._compared()
         with self._second:

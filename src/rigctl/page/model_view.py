@@ -10,7 +10,6 @@ from rigctl.jobs import Job
 from rigctl.page.challenge_panel import ChallengePanel
 from rigctl.page.desk import Desk
 from rigctl.page.following import following
-from rigctl.page.layout import TICK_S
 from rigctl.page.model_next import NextShots
 from rigctl.page.model_state import ModelState
 from rigctl.page.model_steps import Steps
@@ -18,6 +17,8 @@ from rigctl.page.model_verdict import Verdict
 from rigctl.page.source import Source
 from rigctl.page.widgets import button
 
+LOOK_S = 0.05
+"""How often the page looks for an answer: who waits for a fit waits for half of it on average."""
 WORTH_SAYING_S = 3.0
 LEFT_OUT = {"rejected": "left out as too far from the rest", "excluded": "excluded by a person"}
 
@@ -38,7 +39,7 @@ class ModelView:
         with self._steps.last:
             self._next = NextShots(desk, self._state)
             ChallengePanel(source)
-        following(TICK_S, self._follow)
+        following(LOOK_S, self._follow)
 
     def _follow(self) -> None:
         if self._rest:

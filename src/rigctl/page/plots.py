@@ -29,6 +29,9 @@ LABELS = {"ticklabeloverflow": "allow"}
 """The margins hold the labels; to find out whether each is cut off costs as much as a heat map."""
 STRUCTURE = [[0.0, "#F6F1EC"], [0.25, "#F7D9C4"], [0.7, FAILS], [1.0, "#7A3300"]]
 LONGEST_LABEL = 34
+WIDEST_LABEL = 78
+"""Room for the longest number at an axis and its title, px. A plot that finds out by itself how
+much it needs is drawn twice."""
 BRIGHTEST = 12.0
 """The darkest colour stands for so many standard deviations at least."""
 ALARM = 0.01
@@ -164,12 +167,12 @@ def residuals(points: Json, title: str) -> Json:
         [scatter, band, mean],
         330,
         f"{title}-residuals",
-        margin={"l": 56, "r": 12, "t": 12, "b": 58},
+        margin={"l": WIDEST_LABEL, "r": 12, "t": 12, "b": 58},
         xaxis={
             "title": {"text": _in_lines(points["x_label"]), "font": {"size": 11.5}},
             "zeroline": False,
         },
-        yaxis={"title": {"text": f"residual, {points['unit']}"}, "automargin": True},
+        yaxis={"title": {"text": f"residual, {points['unit']}"}},
     )
 
 
