@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
+from analysis.model.alarm import UNEXPLAINED_LEVEL, is_shared
 from analysis.model.candidate import Candidate, Ranking
 from analysis.model.design.between import Telling
 from analysis.model.design.document import shots_document
 from analysis.model.documents import noise_document
 from analysis.model.lackoffit import Cell
-from analysis.model.selection import UNEXPLAINED_LEVEL, Verdict
+from analysis.model.selection import Verdict
 from analysis.model.tables import Data
 
 Json = dict[str, Any]
@@ -46,9 +47,15 @@ def verdict_document(
         "parameters": {name: q.to_json() for name, q in verdict.fit.parameters().items()},
         "candidates": candidates_document(verdict.first_ranking),
         "noise": noise_document(verdict.noise),
-        "structure": [_cell(cell) for cell in verdict.cells if cell.p_holm < UNEXPLAINED_LEVEL],
+        "structure": [_cell(cell) for cell in _left(verdict, int(kept.sum()))],
         "next_shots": [] if following is None else shots_document(following.shots),
     }
+
+
+def _left(verdict: Verdict, shots: int) -> list[Cell]:
+    """Return the cells that stand out, those first that more than two shots speak for."""
+    left = [cell for cell in verdict.cells if cell.p_holm < UNEXPLAINED_LEVEL]
+    return sorted(left, key=lambda cell: not is_shared(cell, shots))
 
 
 def candidates_document(ranking: Ranking) -> list[Json]:

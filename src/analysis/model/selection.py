@@ -15,6 +15,7 @@ from scipy.stats import chi2 as chi2_distribution
 
 from analysis.effects.effect import Effect
 from analysis.effects.timing_jitter import EFFECT as JITTER
+from analysis.model.alarm import UNEXPLAINED_LEVEL, alarms
 from analysis.model.candidate import Ranking
 from analysis.model.evidence import Stage, stage_of, weighed
 from analysis.model.exchange import AliasSets, exchanged
@@ -22,15 +23,11 @@ from analysis.model.fit import Fit, fit_campaign
 from analysis.model.forward import LATER_LEVEL, Found, forward
 from analysis.model.inside import without_contact_frames
 from analysis.model.lackoffit import Cell, lack_of_fit
-from analysis.model.leaders import most_carried
 from analysis.model.outliers import Cleaned
 from analysis.model.ranking import rank
 from analysis.model.tables import Data
 
 DROP_LEVEL = 0.0015
-UNEXPLAINED_LEVEL = 0.005
-"""Chance of a cell in a campaign with nothing missing below which it alarms. One such campaign in a
-hundred may: outliers and wrong sigmas need room below that."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -138,20 +135,13 @@ def _left(found: Found) -> tuple[Cell, ...]:
 
 
 def _alarmed(found: Found, cells: Sequence[Cell]) -> bool:
-    carried = most_carried(len(found.evidence.data.shots))
-    return any(_alarms(cell, carried) for cell in cells)
+    return any(alarms(cell, len(found.evidence.data.shots)) for cell in cells)
 
 
 def _word(alias_sets: AliasSets) -> str:
     if not alias_sets:
         return "none"
     return "alias" if any(len(alike) > 1 for alike in alias_sets.values()) else "effect"
-
-
-def _alarms(cell: Cell, carried: float) -> bool:
-    """Whether a cell stands out, and not by the word of two shots alone."""
-    believed = cell.carried_share < carried or cell.p_rest < UNEXPLAINED_LEVEL
-    return cell.p_holm < UNEXPLAINED_LEVEL and believed
 
 
 def _unmasked(path: Sequence[Stage], cells: tuple[Cell, ...], data: Data) -> tuple[Cell, ...]:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from analysis.model.alarm import FEWEST
+from analysis.model.leaders import FEW
 from analysis.quantity import Quantity
 
 Json = dict[str, Any]
@@ -17,6 +19,8 @@ COMPARABLE = 0.5
 def verdict_sentence(document: Json) -> str:
     """Say the verdict."""
     name, used = document["campaign"], document["used"]
+    if document["verdict"] == "none" and used < FEWEST:
+        return f"{name}: {too_few(used)}"
     if document["verdict"] == "none":
         return f"{name}: nothing is missing, as far as {used} shots can tell."
     if document["verdict"] == "effect":
@@ -29,10 +33,39 @@ def verdict_sentence(document: Json) -> str:
 
 
 def doubts(document: Json) -> list[str]:
-    """Say which candidates promise much at a size that is not believed on this rig.
+    """Say what few shots leave open, and which candidates promise much at an unbelievable size.
 
-    They are never hidden; plausibility only decides which of two alike is tried first.
+    These are never hidden; plausibility only decides which of two alike is tried first.
     """
+    return [*_of_few(document), *_not_believed(document)]
+
+
+def too_few(used: int) -> str:
+    """Say that so few shots tell nothing, and how many would."""
+    shots = "1 shot is" if used == 1 else f"{used} shots are"
+    return (
+        f"{shots} too few to tell what is missing: what stands out may be an error of "
+        f"{'its' if used == 1 else 'their'} own. Fire {FEWEST - used} more at least, and better "
+        f"{FEW + 1 - used}, at several pressures and offsets."
+    )
+
+
+def _of_few(document: Json) -> list[str]:
+    """Say what to think of what a few shots leave over where the verdict does not count it."""
+    used, verdict = document["used"], document["verdict"]
+    if used < FEWEST and verdict != "none":
+        return [f"But {too_few(used)}"]
+    if used > FEW or used < FEWEST or verdict == "unexplained" or not document["structure"]:
+        return []
+    where = document["structure"][0]
+    return [
+        f"What is left shows most in {where['channel']} against {where['covariate']}, but two of "
+        f"the {used} shots carry it: an error of their own, or something that more than {FEW} "
+        "shots would tell."
+    ]
+
+
+def _not_believed(document: Json) -> list[str]:
     if document["verdict"] not in {"effect", "alias"}:
         return []
     falls = {c["effect"]: c["promised_fall"] for c in document["candidates"]}

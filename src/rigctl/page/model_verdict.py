@@ -6,7 +6,9 @@ from typing import Any
 
 from nicegui import ui
 
-from analysis.model.words import doubts, verdict_sentence
+from analysis.model.alarm import FEWEST
+from analysis.model.leaders import FEW
+from analysis.model.words import doubts, too_few, verdict_sentence
 from rigctl.page.model_state import ModelState, Question
 from rigctl.page.widgets import button
 
@@ -69,9 +71,14 @@ class Verdict:
         self.show.refresh()
 
 
-def sentence(found: Json) -> tuple[str, str, bool]:
-    """Say what a fit leaves open: the point, what goes with it, and whether all is well."""
+def sentence(found: Json) -> tuple[str, str, bool | None]:
+    """Say what a fit leaves open: the point, what goes with it, and whether all is well.
+
+    None where these shots are too few to say.
+    """
     error = f"The error on shots left out is {found['prediction_error']:.3f} of the noise"
+    if found["shots"] < FEWEST:
+        return "Too few shots to tell.", f"{error}; {too_few(found['shots'])}", None
     added = " and ".join(found["with"])
     fails = [
         row
@@ -79,16 +86,20 @@ def sentence(found: Json) -> tuple[str, str, bool]:
         for row in stage["quantities"]
         if row["p_familywise"] < ALARM
     ]
-    cells = [cell for cell in found["cells"] if cell["p_familywise"] < ALARM]
+    left = [cell for cell in found["cells"] if cell["p_familywise"] < ALARM]
+    cells = [cell for cell in left if cell["shared"]]
     strong = [
         c
         for c in found["candidates"]
         if c["seen"] and c["p_familywise"] < STRONG and c["effect"] not in found["with"]
     ]
-    if not (fails or cells or strong):
+    if not (cells or strong) and (fails or left) and found["shots"] <= FEW:
+        lead = f"With {added} nothing more is sure." if added else "Nothing is sure to be missing."
+        return lead, f"{error}; {_of_single_shots(fails, left or found['cells'])}", None
+    if not (fails or left or strong):
         lead = f"With {added} nothing stands out." if added else "Nothing stands out."
         return lead, f"{error}: these shots show no more than their own noise.", True
-    where = f"most in {_worst(fails, cells or found['cells'])}"
+    where = f"most in {_worst(fails, cells or left or found['cells'])}"
     lead = f"With {added} something is still missing." if added else "Something is missing."
     if not strong:
         return (
@@ -100,6 +111,13 @@ def sentence(found: Json) -> tuple[str, str, bool]:
     alike = [name for name in best["like"] if name in {c["effect"] for c in strong}]
     also = f", which these shots do not tell from {' or '.join(alike)}," if alike else ""
     return lead, f"{error}; it shows {where}. {best['effect']}{also} promises most.", False
+
+
+def _of_single_shots(fails: list[Json], cells: list[Json]) -> str:
+    return (
+        f"what stands out most, {_worst(fails, cells)}, may be errors of single shots. More than "
+        f"{FEW} shots at several pressures and offsets would tell."
+    )
 
 
 def _worst(fails: list[Json], cells: list[Json]) -> str:

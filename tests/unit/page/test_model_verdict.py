@@ -9,14 +9,29 @@ from rigctl.page.model_verdict import sentence
 Json = dict[str, Any]
 
 
-def found(*, row: float = 1.0, cell: float = 1.0, effect: float = 1.0, added: str = "") -> Json:
+def found(
+    *,
+    row: float = 1.0,
+    cell: float = 1.0,
+    effect: float = 1.0,
+    added: str = "",
+    shots: int = 30,
+    shared: bool = True,
+) -> Json:
     """Return an answer of one row, one cell and one effect with these chances."""
     return {
+        "shots": shots,
         "prediction_error": 1.5,
         "with": [added] if added else [],
         "stages": [{"quantities": [{"quantity": "normal velocity", "p_familywise": row}]}],
         "cells": [
-            {"channel": "spin n", "covariate": "time", "deviation": 2.0, "p_familywise": cell}
+            {
+                "channel": "spin n",
+                "covariate": "time",
+                "deviation": 2.0,
+                "p_familywise": cell,
+                "shared": shared,
+            }
         ],
         "candidates": [{"effect": "drag", "seen": True, "like": [], "p_familywise": effect}],
     }
@@ -43,3 +58,24 @@ def test_a_quantity_that_disagrees_is_named_where_no_cell_stands_out() -> None:
 def test_an_effect_already_in_the_model_is_not_offered_again() -> None:
     said = sentence(found(effect=1e-6, added="drag"))
     assert said[0] == "With drag nothing stands out."
+
+
+def test_of_one_shot_nothing_is_said_but_how_many_would_tell() -> None:
+    lead, rest, good = sentence(found(row=1e-9, cell=1e-9, effect=1e-3, shots=1))
+    assert (lead, good) == ("Too few shots to tell.", None)
+    assert "1 shot is too few" in rest
+    assert "Fire 4 more at least, and better 12" in rest
+
+
+def test_what_two_of_a_few_shots_carry_is_no_finding() -> None:
+    lead, rest, good = sentence(found(row=1e-9, cell=1e-9, added="wind", shots=10, shared=False))
+    assert (lead, good) == ("With wind nothing more is sure.", None)
+    assert "may be errors of single shots" in rest
+
+
+def test_what_most_of_a_few_shots_show_is_one() -> None:
+    assert sentence(found(cell=1e-9, shots=10))[0] == "Something is missing."
+
+
+def test_of_many_shots_what_stands_out_is_said_whoever_carries_it() -> None:
+    assert sentence(found(cell=1e-9, shared=False))[0] == "Something is missing."

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from analysis.model.agreement.table import Agreement, Row
+from analysis.model.alarm import is_shared
 from analysis.model.covariates import covariate_label
 from analysis.model.lackoffit import Cell, standard_deviations
 from analysis.model.structure import CellResiduals, Structure
@@ -57,10 +58,14 @@ def structure_document(found: Structure) -> Json:
 
 
 def cells_document(found: Structure) -> list[Json]:
-    """Return all cells with their deviation and, as a text of JSON, the points behind each."""
+    """Return all cells with their deviation and, as a text of JSON, the points behind each.
+
+    `shared`: whether more than two shots speak for it.
+    """
     return [
         {
             **_cell(cell),
+            "shared": is_shared(cell, len(found.data.shots)),
             "deviation": standard_deviations(cell),
             "points": json.dumps(_drawn(found.residuals(cell.channel, cell.covariate))),
         }

@@ -1,0 +1,35 @@
+"""When structure that is left is believed to be more than the errors of single shots.
+
+Stated errors of few shots cannot be checked: an outline or a marker that errs by more in one of
+them leaves structure that no chance explains and no other shot repeats. What is missing in the
+model shows in every shot that can see it.
+"""
+
+from __future__ import annotations
+
+from analysis.model.lackoffit import Cell
+from analysis.model.leaders import FEW, most_carried
+
+UNEXPLAINED_LEVEL = 0.005
+"""Chance of a cell in a campaign with nothing missing below which it alarms. One such campaign in a
+hundred may: outliers and wrong sigmas need room below that."""
+FEWEST = 5
+"""Of fewer shots nobody can say which of them errs: two are no finding, nor are two against two."""
+
+
+def is_shared(cell: Cell, shots: int) -> bool:
+    """Say whether a cell's structure is that of a campaign, and not of two of its shots alone.
+
+    Of up to `FEW` shots the others have to alarm by themselves. Of more it is enough if two do not
+    carry nearly all of it.
+    """
+    if shots < FEWEST:
+        return False
+    if cell.p_rest < UNEXPLAINED_LEVEL:
+        return True
+    return shots > FEW and cell.carried_share < most_carried(shots)
+
+
+def alarms(cell: Cell, shots: int) -> bool:
+    """Say whether a cell stands out, with all cells looked at, and is shared."""
+    return cell.p_holm < UNEXPLAINED_LEVEL and is_shared(cell, shots)
