@@ -150,13 +150,18 @@ def _numbers(axes: Axes, shot: MeasuredShot) -> None:
         ("v_s'", impact.v_s_after),
         ("e", impact.e),
         ("beta", impact.beta),
+        ("lasts", None if impact.duration is None else impact.duration.rescaled(1e6, "us")),
     ]
     for line, (name, quantity) in enumerate(rows):
-        height = 0.95 - 0.14 * line
+        height = 0.97 - 0.125 * line
         axes.text(0.04, height, name, fontsize=11, va="top")
         if quantity is None:
-            axes.text(0.5, height, "v_s is not told from zero", fontsize=11, va="top", color=GREY)
+            why = "not told" if name == "lasts" else "v_s is not told from zero"
+            axes.text(0.5, height, why, fontsize=11, va="top", color=GREY)
             continue
         unit = "" if quantity.unit == "1" else f" {quantity.unit}"
-        axes.text(0.5, height, f"{quantity.value:.4f}", fontsize=11, va="top", ha="right")
-        axes.text(0.54, height, f"± {quantity.sigma:.4f}{unit}", fontsize=11, va="top", color=GREY)
+        # Microseconds of a contact are known to some few of them.
+        places = 1 if name == "lasts" else 4
+        value, sigma = f"{quantity.value:.{places}f}", f"± {quantity.sigma:.{places}f}{unit}"
+        axes.text(0.5, height, value, fontsize=11, va="top", ha="right")
+        axes.text(0.54, height, sigma, fontsize=11, va="top", color=GREY)

@@ -18,6 +18,7 @@ SCALE = (0.0, 0.25, 0.5, 1.0, 2.0)
 """Values of v_s / v_n marked beside the offsets."""
 LOOKS: dict[str, Json] = {
     "waits": {"color": "rgba(0,0,0,0)", "size": 10, "line": {"color": GREY, "width": 1.4}},
+    "fired": {"color": GREY, "size": 9, "symbol": "square"},
     "under way": {"color": "#E69F00", "size": 13, "symbol": "diamond"},
     "measured": {"color": MEASURED, "size": 10},
     "not measured": {"color": FAILS, "size": 11, "symbol": "triangle-up"},

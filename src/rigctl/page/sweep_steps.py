@@ -20,16 +20,19 @@ COLUMNS = [
 
 
 def what_became(step: StepRecord, shot: ShotRecord | None) -> str:
-    """Return the fate of a step as the plots name it: a key of `sweep_plots.LOOKS`."""
+    """Return the fate of a step as the plots name it: a key of `sweep_plots.LOOKS`.
+
+    `shot` is None also where it was not read yet.
+    """
     if step.state is StepState.WAITING:
         return "waits"
     if step.state is StepState.SKIPPED:
         return "skipped"
     if step.state is StepState.TAKEN:
         return "under way"
-    if step.state is StepState.STORED and shot is not None:
+    if step.state is StepState.STORED:
         fates = {ShotState.ANALYSED: "measured", ShotState.REFUSED: "not measured"}
-        return fates.get(shot.state, "under way")
+        return "fired" if shot is None else fates.get(shot.state, "under way")
     return "not measured"
 
 

@@ -42,12 +42,14 @@ class SweepView:
         self._desk, self._sweep = desk, sweep
         self._limits = desk.daemon.configuration.limits
         self._heard = -1
-        self._now = _Stand(desk.daemon.sweeps.status(sweep), [], {}, [])
+        # What is planned is there at once; what the shots were measured to be takes a disk.
+        steps = desk.daemon.store.sweeps.steps(sweep)
+        self._now = _Stand(desk.daemon.sweeps.status(sweep), steps, {}, [])
         self._head()
         with ui.element("div").classes("columns third"):
             with ui.element("div").classes("panel"):
                 ui.label("Where it is").classes("title")
-                self._plane = plot(progress({}, self._limits))
+                self._plane = plot(progress(self._by_fate(), self._limits))
             with ui.element("div").classes("panel"):
                 self._titled("Restitution over approach speed", "restitution", SPEED)
                 self._speed = plot(over_speed([], sweep, READING)).props("data-testid=grows")
@@ -57,6 +59,7 @@ class SweepView:
         with ui.element("div").classes("panel"):
             ui.label("Steps").classes("title")
             self._table = StepsTable()
+            self._table.show(steps, {})
         following(TICK_S * 3, self._follow)
 
     async def _follow(self) -> None:

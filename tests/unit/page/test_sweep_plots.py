@@ -61,6 +61,7 @@ def test_only_fates_that_occur_are_drawn() -> None:
         (StepState.WAITING, None, "waits"),
         (StepState.SKIPPED, None, "skipped"),
         (StepState.TAKEN, None, "under way"),
+        (StepState.STORED, None, "fired"),
         (StepState.STORED, ShotState.STORED, "under way"),
         (StepState.STORED, ShotState.ANALYSED, "measured"),
         (StepState.STORED, ShotState.REFUSED, "not measured"),
