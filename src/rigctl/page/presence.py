@@ -15,8 +15,9 @@ KEPT_S = 600.0
 network or a browser that is busy for a while comes back to the page that it had."""
 UNSEEN_S = 1.0
 """How often a page without a connection looks whether it has one."""
-ECHO = "0"
-"""A browser sends whatever waited for the connection before it answers this."""
+ECHO = "view"
+"""A property of the page's layout, asked of the browser only for its answer: it sends whatever
+waited for the connection before that."""
 ECHO_S = 30.0
 POLL_S = 0.02
 
@@ -86,7 +87,7 @@ async def _after(held: dict[int, Any], client: Client) -> None:
     for key, element in held.items():
         outbox.updates.setdefault(key, element)
     with suppress(TimeoutError):
-        await client.run_javascript(ECHO, timeout=ECHO_S)
+        await client.layout.get_computed_prop(ECHO, timeout=ECHO_S)
         # What came before the answer is under way by then.
         await asyncio.sleep(POLL_S)
     if client.id in _coming_back:
