@@ -133,7 +133,7 @@ class CampaignView:
         answer = self._fitted.answer
         with ui.element("div").classes("title"):
             ui.label("Rebound of the surface").tooltip(REBOUND)
-            ui.label("figure 7.4 of the thesis").classes("aside")
+            ui.label("figure 7.4").classes("aside")
             ui.space()
             if answer is not None:
                 found: Json = answer["plane"]

@@ -21,6 +21,8 @@ _RANGES = {
     "angle_a_deg": "angle_deg",
     "angle_b_deg": "angle_deg",
 }
+PLACES = 3
+"""So many places a field starts with: finer than any rig sets."""
 START = {"pressure_a_kpa": 40.0, "pressure_b_kpa": 40.0, "offset_mm": 6.0, "delay_us": 0.0}
 """Values that a first shot starts from, as far as the rig allows them."""
 
@@ -108,7 +110,9 @@ def setting_fields(limits: Limits, present: ShotSettings | None) -> dict[str, Nu
             continue
         known = None if present is None else getattr(present, name)
         start = START.get(name, bounds[0]) if known is None else known
-        fields[name] = NumberField(about, bounds, min(max(start, bounds[0]), bounds[1]), name)
+        # Settings that a sweep fired last are halves and thirds with all their places.
+        start = round(min(max(start, bounds[0]), bounds[1]), PLACES)
+        fields[name] = NumberField(about, bounds, start, name)
     return fields
 
 

@@ -15,7 +15,7 @@ from rigctl.page.layout import TICK_S, sheet
 from rigctl.page.order_form import OrderForm, words
 from rigctl.page.presence import every, kept_page
 from rigctl.page.shot_view import coefficients, film, read
-from rigctl.page.tables import Cell, Line, facts_html
+from rigctl.page.tables import Cell, Line, facts_html, minus
 from rigctl.rig.interlocks import Interlock
 from rigctl.rig.status import RigStatus
 from rigctl.store import ShotRecord
@@ -171,7 +171,8 @@ def _interlock(found: Interlock, now: float) -> Line:
 
 def _short(value: float) -> str:
     """Return a reading with the places that any of them is read for."""
-    return f"{value:.0f}" if abs(value) >= 1000 else f"{value:.4f}".rstrip("0").rstrip(".")
+    text = f"{value:.0f}" if abs(value) >= 1000 else f"{value:.4f}".rstrip("0").rstrip(".")
+    return "0" if text == "-0" else minus(text)
 
 
 def _age(seconds: float) -> str:

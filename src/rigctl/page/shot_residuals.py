@@ -115,7 +115,9 @@ class ShotResiduals:
                 ui.spinner(size="sm")
                 ui.label(f"fitting {campaign} …")
             return
-        ui.label(f"Fits all of {campaign} and shows what this shot leaves over.").classes("note")
+        ui.label(f"Fits the campaign “{campaign}” and shows what this shot leaves over.").classes(
+            "note"
+        )
         button("Compare", self._start, testid="compare-shot")
 
 
