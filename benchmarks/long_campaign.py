@@ -130,11 +130,14 @@ def name_of(number: int) -> str:
 
 def measured(kind: str, shots: int) -> float:
     """Return the largest resident memory, MiB, of a process that goes over so many shots."""
-    child = subprocess.Popen(
-        [sys.executable, "-m", "benchmarks.long_campaign", "--child", kind, "--shots", str(shots)],
-        env={**os.environ, "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"},
-    )
-    _, status, usage = os.wait4(child.pid, 0)
+    # Removed here: to remove a folder of many takes a list of all that lies in it.
+    with tempfile.TemporaryDirectory() as folder:
+        asked = ["--child", kind, "--shots", str(shots), "--folder", folder]
+        child = subprocess.Popen(
+            [sys.executable, "-m", "benchmarks.long_campaign", *asked],
+            env={**os.environ, "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"},
+        )
+        _, status, usage = os.wait4(child.pid, 0)
     child.returncode = os.waitstatus_to_exitcode(status)
     if child.returncode != 0:
         raise RuntimeError(f"{kind} of {shots} shots ended with {child.returncode}")
@@ -146,10 +149,10 @@ def main() -> int:
     asked = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     asked.add_argument("--shots", type=int, default=2000)
     asked.add_argument("--child", choices=("analyse", "reanalyse"), help=argparse.SUPPRESS)
+    asked.add_argument("--folder", type=Path, help=argparse.SUPPRESS)
     options = asked.parse_args()
     if options.child is not None:
-        with tempfile.TemporaryDirectory() as folder:
-            {"analyse": analyse, "reanalyse": reanalyse}[options.child](options.shots, Path(folder))
+        {"analyse": analyse, "reanalyse": reanalyse}[options.child](options.shots, options.folder)
         return 0
     worst = 0.0
     for kind in ("analyse", "reanalyse"):
