@@ -89,6 +89,8 @@ def _server(app: object, hub: EventHub) -> _Server:
         access_log=False,
         server_header=False,
         timeout_graceful_shutdown=END_WITHIN_S,
+        # Packing what each open page is told holds the event loop, and with it a fire request.
+        ws_per_message_deflate=False,
     )
     return _Server(settings, hub)
 
