@@ -58,7 +58,9 @@ def analyse(shots: int, folder: Path) -> None:
     listed = folder / "nylon" / "shots.csv"
     head, row = listed.read_text().splitlines()
     rest = row.partition(",")[2]
-    listed.write_text("\n".join([head, *(f"{k},{rest}" for k in range(1, shots + 1))]) + "\n")
+    with listed.open("w") as file:
+        file.write(f"{head}\n")
+        file.writelines(f"{k},{rest}\n" for k in range(1, shots + 1))
 
     stand_in = mock.patch("analysis.campaign.analyse_job", copies(one))
     arguments = ["analyse", str(folder / "nylon"), "--workers", "1", "--json"]
