@@ -15,6 +15,8 @@ from simulators.world.description import WorldDescription
 from simulators.world.launch import Launch
 from simulators.world.shots import render_shot
 
+COLUMNS = ("shot", "time", "pressure_a_kpa", "pressure_b_kpa", "offset_mm", "exposure_us")
+
 
 def write_campaign(
     folder: Path,
@@ -51,10 +53,11 @@ def write_campaign(
         tifffile.imwrite(path, rendered.frames, photometric="minisblack", metadata=None)
         truths.append(rendered.truth)
         time = datetime(2026, 1, 1, 9, tzinfo=UTC) + timedelta(minutes=shot - 1)
-        rows.append([shot, time.strftime("%Y-%m-%dT%H:%M:%SZ"), pressure, pressure, offset])
+        when = time.strftime("%Y-%m-%dT%H:%M:%SZ")
+        rows.append([shot, when, pressure, pressure, offset, 1e6 * description.optics.exposure_s])
     with (folder / "shots.csv").open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(["shot", "time", "pressure_a_kpa", "pressure_b_kpa", "offset_mm"])
+        writer.writerow(COLUMNS)
         writer.writerows(rows)
     (folder / "campaign.toml").write_text(
         campaign_toml(folder.name, description, frame_rate_hz, state_scale=state_scale),

@@ -243,7 +243,7 @@ def _known(jobs: Sequence[ShotJob]) -> dict[Setup, Knowledge | None]:
 
 
 def _without_exposure(setup: Setup) -> Setup:
-    return replace(setup, camera=replace(setup.camera, exposure_s=0.0))
+    return replace(setup, camera=replace(setup.camera, exposure_s=None))
 
 
 def analyse_campaign(

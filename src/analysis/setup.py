@@ -22,7 +22,7 @@ class CameraSetup:
     front_origin_px, top_origin_px
         (row, column) where X = Y = Z = 0 appears; None: the centre of the view.
     exposure_s
-        Time the shutter is open, centred on a frame's time.
+        Time the shutter is open, centred on a frame's time; None: not stated.
     """
 
     frame_rate_hz: float
@@ -33,7 +33,12 @@ class CameraSetup:
     scale_px_per_m: float | None = None
     front_origin_px: tuple[float, float] | None = None
     top_origin_px: tuple[float, float] | None = None
-    exposure_s: float = 0.0
+    exposure_s: float | None = None
+
+    @property
+    def longest_exposure_s(self) -> float:
+        """Time that the shutter may be open: from picture to picture, where none is stated."""
+        return 1.0 / self.frame_rate_hz if self.exposure_s is None else self.exposure_s
 
 
 @dataclass(frozen=True, slots=True)

@@ -79,6 +79,8 @@ class MeasuredShot:
         Time of each frame, s from the first, shape (frames,).
     used_before, used_after
         Frames on either side of the contact that entered the fit.
+    between
+        Frames that were exposed during the contact and show neither side.
     notes
         What was left out, and why.
     known
@@ -92,6 +94,7 @@ class MeasuredShot:
     times_s: Floats
     used_before: tuple[int, ...]
     used_after: tuple[int, ...]
+    between: tuple[int, ...]
     notes: tuple[str, ...]
     known: Knowledge | None = None
 
@@ -158,6 +161,7 @@ def analyse_shot(
         times_s=elapsed_s,
         used_before=sides.used_before,
         used_after=sides.used_after,
+        between=sides.between,
         notes=(*sides.notes, *_odd_times(elapsed_s, setup)),
         known=known,
     )

@@ -41,11 +41,12 @@ IMPOSSIBLE_SIGMAS, LEAST_BEYOND = 5.0, 0.02
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TwoSides:
-    """The impact, and the frames on either side that it rests on."""
+    """The impact, the frames on either side that it rests on, and those that show neither."""
 
     impact: Impact
     used_before: tuple[int, ...]
     used_after: tuple[int, ...]
+    between: tuple[int, ...]
     notes: tuple[str, ...]
 
 
@@ -87,10 +88,11 @@ def measure_two_sides(
     before, after = common[common < split], common[common >= split]
     contact = _contact_time(spheres, before, times_s, setup, radii)
     _check_between(contact, before, after, times_s)
-    half_open = setup.camera.exposure_s / 2
+    half_open = setup.camera.longest_exposure_s / 2
     before = before[times_s[before] < contact - half_open]
     after = after[times_s[after] > contact + LONGEST_CONTACT_S + half_open]
-    notes = _left_out(np.setdiff1d(common, np.concatenate([before, after])), tracking)
+    between = np.setdiff1d(common, np.concatenate([before, after]))
+    notes = _left_out(between, tracking, setup)
     if three_and_three:
         before, after = _three(before[::-1], times_s)[::-1], _three(after, times_s)
     sides = _Side("before", before, times_s, -1), _Side("after", after, times_s, 0)
@@ -112,7 +114,8 @@ def measure_two_sides(
     except NoTouchError as miss:
         raise _never_meet(miss, radii) from miss
     _check_possible(impact)
-    return TwoSides(impact, tuple(map(int, before)), tuple(map(int, after)), notes)
+    used_before, used_after, left_out = (tuple(map(int, k)) for k in (before, after, between))
+    return TwoSides(impact, used_before, used_after, left_out, notes)
 
 
 def _sphere(tracking: Tracking, i: int, times_s: Floats) -> _Sphere:
@@ -231,8 +234,10 @@ def _check_possible(impact: Impact) -> None:
             )
 
 
-def _left_out(frames: Frames, tracking: Tracking) -> tuple[str, ...]:
-    notes = [f"frame {k} left out: exposed during the contact" for k in frames]
+def _left_out(frames: Frames, tracking: Tracking, setup: Setup) -> tuple[str, ...]:
+    sure = setup.camera.exposure_s is not None
+    why = "exposed" if sure else "perhaps exposed, as no exposure is stated,"
+    notes = [f"frame {k} left out: {why} during the contact" for k in frames]
     for name, sphere in zip("ab", tracking.spheres, strict=True):
         for view, track in sphere.items():
             followed = range(min(track.outlines), max(track.outlines) + 1)

@@ -84,6 +84,6 @@ class LearnedPairs:
 
     def _path(self, campaign: str | None, setup: Setup) -> Path:
         """Return a lesson's file; the exposure, which may change from shot to shot, has no part."""
-        still = replace(setup, camera=replace(setup.camera, exposure_s=0.0))
+        still = replace(setup, camera=replace(setup.camera, exposure_s=None))
         text = json.dumps([campaign, asdict(still)], sort_keys=True)
         return self._folder / f"{hashlib.sha256(text.encode()).hexdigest()[:16]}.npz"

@@ -156,7 +156,8 @@ def measured(
 def _exposed(manifest: Json) -> Setup:
     """Return the set-up with this shot's own exposure, where it is known."""
     setup = setup_of(manifest)
-    camera = replace(setup.camera, exposure_s=float(manifest.get("exposure_s", 0.0)))
+    own = manifest.get("exposure_s")
+    camera = setup.camera if own is None else replace(setup.camera, exposure_s=float(own))
     return replace(setup, camera=camera)
 
 
@@ -182,6 +183,7 @@ def setup_of(manifest: Json) -> Setup:
             scale_px_per_m=optics["scale_px_per_m"],
             front_origin_px=_pixel(optics["front_origin_px"]),
             top_origin_px=_pixel(optics["top_origin_px"]),
+            exposure_s=_seconds(camera.get("exposure_us")),
         ),
         spheres=(a, b),
         gravity_m_per_s2=manifest["environment"]["gravity_m_per_s2"],
@@ -191,6 +193,10 @@ def setup_of(manifest: Json) -> Setup:
 
 def _pixel(values: list[float] | None) -> tuple[float, float] | None:
     return None if values is None else (values[0], values[1])
+
+
+def _seconds(microseconds: float | None) -> float | None:
+    return None if microseconds is None else microseconds * 1e-6
 
 
 def _rows(values: list[int] | None) -> tuple[int, int] | None:

@@ -116,13 +116,18 @@ def _measured_now(folder: Path, setup: Setup) -> tuple[Shots, Setup]:
 
 
 def measured_poses(shot: MeasuredShot) -> dict[str, list[PoseRow]]:
-    """Return the poses of a measured shot in the form of poses.csv."""
+    """Return the poses of a measured shot in the form of poses.csv.
+
+    Without the frames that were exposed during the contact: they show no one state.
+    """
     times = shot.times_s - shot.times_s[0]
     spheres: dict[str, list[PoseRow]] = {}
     for name, centres, turned in zip("ab", shot.centres, shot.orientations, strict=True):
         where = {int(k): i for i, k in enumerate(turned.frames)}
         spheres[name] = []
         for k, place, sigma in zip(centres.frames, centres.position, centres.sigma, strict=True):
+            if int(k) in shot.between:
+                continue
             at, spread = None, np.inf
             if (i := where.get(int(k))) is not None:
                 w, x, y, z = map(float, quaternion(turned.rotation[i]))
@@ -255,8 +260,9 @@ def _body(sphere: SphereSetup) -> Body:
 
 def _camera(camera: CameraSetup, numbers: Sequence[int], rows: Sequence[ShotRow]) -> CameraSetup:
     """Return the camera with the longest exposure of these shots."""
-    exposures = [row.numbers.get("exposure_us", 0.0) for row in rows if row.shot in numbers]
-    return replace(camera, exposure_s=max(exposures, default=0.0) * 1e-6)
+    own = [row.numbers for row in rows if row.shot in numbers]
+    stated = [numbers["exposure_us"] for numbers in own if "exposure_us" in numbers]
+    return replace(camera, exposure_s=max(stated) * 1e-6 if stated else None)
 
 
 def _matrices(quaternions: Floats) -> Floats:

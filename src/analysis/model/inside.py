@@ -59,6 +59,7 @@ def without_contact_frames(data: Data) -> Data:
     approach = -(relative * states.normal).sum(axis=1)
     lasting = DURATIONS_AFTER * hertz_duration(approach, data.bodies)
     tau = data.times_s - states.time_s[:, None]
-    half_open = data.camera.exposure_s / 2
+    # Poses without a stated exposure are those of instants.
+    half_open = (data.camera.exposure_s or 0.0) / 2
     inside = tau > -(MARGIN_BEFORE_S + half_open)
     return data.without(inside & (tau < lasting[:, None] + half_open))

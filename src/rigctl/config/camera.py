@@ -61,6 +61,12 @@ class _Recording(StrictModel):
     collect_timeout_s: Seconds = Field(description="longest wait for the frames, s")
     frames_before_mark: int = Field(ge=0, le=10_000)
     frames_after_mark: int = Field(ge=1, le=10_000)
+    exposure_us: float | None = Field(
+        default=None,
+        ge=0,
+        le=1e6,
+        description="time the shutter is open, us; not known: up to that between two pictures",
+    )
 
 
 class EktaproCamera(_Recording):

@@ -73,7 +73,7 @@ def manifest(shot: str, row: ShotRow, contents: Contents, campaign: str, frames:
         "imported": {"folder": contents.folder.name, "campaign": contents.title},
         "program": {"name": "rigctl", "version": version("rigctl")},
         **_scene(setup),
-        "exposure_s": row.numbers.get(EXPOSURE, 0.0) * 1e-6,
+        "exposure_s": row.numbers[EXPOSURE] * 1e-6 if EXPOSURE in row.numbers else None,
         "frames": frames or None,
     }
 

@@ -47,7 +47,7 @@ class Analysis:
             known = lesson(self.shown)
         nothing: Any = None
         empty = (nothing, nothing)
-        return MeasuredShot(nothing, empty, empty, nothing, TIMES, (), (), (), known)
+        return MeasuredShot(nothing, empty, empty, nothing, TIMES, (), (), (), (), known)
 
 
 @pytest.fixture

@@ -57,14 +57,15 @@ class ShotColumns:
         covariates[ORDER] = rank / max(len(numbers) - 1, 1) - 0.5
         return covariates
 
-    def exposure_s(self, numbers: NDArray[np.intp]) -> float:
-        """Return the longest exposure of these shots, s; 0 where none is stated."""
+    def exposure_s(self, numbers: NDArray[np.intp]) -> float | None:
+        """Return the longest exposure of these shots, s; None where none is stated."""
         column = self._columns.get(EXPOSURE)
         if column is None:
-            return 0.0
+            return None
         places, known = self._places(numbers)
         exposures = np.asarray(column)[places[known]]
-        return float(np.nan_to_num(exposures).max(initial=0.0)) * 1e-6
+        stated = exposures[~np.isnan(exposures)]
+        return float(stated.max()) * 1e-6 if stated.size else None
 
     def _places(self, numbers: NDArray[np.intp]) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
         """Return the rows of these shots, shape (S,), and which of them have one."""
