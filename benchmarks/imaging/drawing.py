@@ -53,7 +53,7 @@ def sight_of(
 ) -> Sight:
     """Return the frame with what is known: radius, blur, shading and marker pattern.
 
-    Of a smear the fit is told the mean of its variance over both axes: its blur is round.
+    A smear is along the columns, and known as that of a sphere whose track is known.
     """
     shares = {(0, 0, 0): 1 - LIMB, (0, 0, 1): LIMB}
     side = {(1, 1, 0): SIDE * (1 - LIMB), (1, 1, 1): SIDE * LIMB}
@@ -64,7 +64,7 @@ def sight_of(
         )
         for j, sine in HARMONICS
     ]
-    wide = float(np.sqrt(BLUR**2 + 1 / 12 + smear_px**2 / 24))
+    wide = float(np.sqrt(BLUR**2 + 1 / 12))
     table = template(blurred_profiles(wide / RADIUS), np.array(coefficients))
     discs, surfaces = draw([table], np.zeros((1, 17, 17)), RADIUS)
     look = Look(
@@ -80,7 +80,9 @@ def sight_of(
     optics = Optics(np.eye(3)[None], np.zeros((1, 2)), np.array([RADIUS]), np.ones(1), rows)
     background = np.full(image.shape, BACKGROUND)
     shadowed = np.zeros(image.shape, dtype=np.bool_)
-    return Sight(Scene(image, background, noise, shadowed), optics, look, np.zeros((1, 0, 3)))
+    scene = Scene(image, background, noise, shadowed)
+    motion = np.array([0.0, smear_px / RADIUS, 0.0, 0.0, 0.0, 0.0])
+    return Sight(scene, optics, look, np.zeros((1, 0, 3)), motion)
 
 
 def fitted(sight: Sight, near: Floats, turn: Floats) -> tuple[Stance, Floats]:

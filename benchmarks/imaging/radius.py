@@ -28,7 +28,7 @@ def run(seed: int) -> None:
             render_shot(world, Launch(kpa, kpa, offset), seed, shot=number)
             for number, (kpa, offset) in enumerate(SHOTS, start=1)
         ]
-        known = teach([(shot.frames, shot.times_s) for shot in shots], setup)
+        known = teach([(shot.frames, shot.times_s, setup) for shot in shots])
         if known is None:
             print(f"  {limb:g} {side:g} {blur:g}: cannot be learned")
             continue

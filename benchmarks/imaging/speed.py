@@ -35,7 +35,7 @@ def run(seed: int) -> None:
     setup, times_s = jobs[0].setup, np.arange(FRAMES) / jobs[0].setup.camera.frame_rate_hz
     print(f"\nprocessor time, {'compiling' if compiles_first() else 'compiled before'}")
     started = time.process_time()
-    known = teach([(first, times_s)], setup)
+    known = teach([(first, times_s, setup)])
     if known is None:
         raise SystemExit("the rendered pair cannot be learned")
     film = followed_film(second, times_s, known)
@@ -59,7 +59,7 @@ def run(seed: int) -> None:
     print(f"  OpenCV's 17 x 17 filter alone, beside it: {alone:.0f} frames/s")
     sheet.at_most(f"a shot of {FRAMES} frames, known pair", shot("photometric"), 60.0, "ms")
     print(f"  the same by edges: {shot('thesis'):.0f} ms")
-    learning = 1e3 * best_of(5, lambda: teach([(first, times_s)], setup))
+    learning = 1e3 * best_of(5, lambda: teach([(first, times_s, setup)]))
     sheet.at_most("learning a pair", learning, 500.0, "ms")
     sheet.write()
 

@@ -20,7 +20,7 @@ from analysis.errors import InputError, ShotRefusedError
 from analysis.exchange.description import read_description
 from analysis.exchange.shot_list import EXPOSURE, ShotRow, each_shot_row
 from analysis.imaging.stack import SUFFIXES, holds_png, read_stack
-from analysis.setup import CameraSetup, Setup, SphereSetup
+from analysis.setup import CameraSetup, Setup, SphereSetup, without_exposure
 from analysis.shot import AnalysisOptions, MeasuredShot, RefusedShot, analyse_shot, check_frames
 
 if TYPE_CHECKING:
@@ -227,7 +227,7 @@ def _known(jobs: Sequence[ShotJob]) -> dict[Setup, Knowledge | None]:
 
     by_setup: dict[Setup, list[ShotJob]] = {}
     for job in jobs:
-        own = by_setup.setdefault(_without_exposure(job.setup), [])
+        own = by_setup.setdefault(without_exposure(job.setup), [])
         if len(own) < TEACHING_SHOTS:
             own.append(job)
     known: dict[Setup, Knowledge | None] = {}
@@ -237,13 +237,9 @@ def _known(jobs: Sequence[ShotJob]) -> dict[Setup, Knowledge | None]:
             with suppress(InputError, ShotRefusedError):
                 pixels, times, _ = read_job(job)
                 check_frames(pixels, times, job.setup)
-                shots.append((pixels, times - times[0]))
-        known[setup] = teach(shots, setup) if len(own) > 1 else None
+                shots.append((pixels, times - times[0], job.setup))
+        known[setup] = teach(shots) if len(own) > 1 else None
     return known
-
-
-def _without_exposure(setup: Setup) -> Setup:
-    return replace(setup, camera=replace(setup.camera, exposure_s=None))
 
 
 def analyse_campaign(
@@ -270,7 +266,7 @@ def analyse_campaign(
     count = min(workers or os.cpu_count() or 1, total)
     if count <= 1 or (workers is None and total <= 2):
         for done, job in enumerate(jobs, start=1):
-            result, frames = analyse_job(job, options, known.get(_without_exposure(job.setup)))
+            result, frames = analyse_job(job, options, known.get(without_exposure(job.setup)))
             if progress is not None:
                 progress(done, total)
             yield job, result, frames
@@ -280,7 +276,7 @@ def analyse_campaign(
         waiting: deque[tuple[ShotJob, Future[tuple[MeasuredShot | RefusedShot, int]]]] = deque()
         for done in range(1, total + 1):
             for job in islice(left, count * AHEAD - len(waiting)):
-                own = known.get(_without_exposure(job.setup))
+                own = known.get(without_exposure(job.setup))
                 waiting.append((job, pool.submit(analyse_job, job, options, own)))
             job, future = waiting.popleft()
             result, frames = future.result()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,3 +99,8 @@ class Setup:
     gravity_m_per_s2: float = 9.80665
     air_density_kg_per_m3: float = 1.2
     slow: SlowErrors = NO_SLOW_ERRORS
+
+
+def without_exposure(setup: Setup) -> Setup:
+    """Return the set-up as all shots share it: the exposure may change from one to the next."""
+    return replace(setup, camera=replace(setup.camera, exposure_s=None))

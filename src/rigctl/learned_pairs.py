@@ -13,12 +13,12 @@ import json
 import logging
 import os
 import tempfile
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from analysis.errors import InputError
-from analysis.setup import Setup
+from analysis.setup import Setup, without_exposure
 
 if TYPE_CHECKING:
     from analysis.photometric.appearance import Knowledge
@@ -84,6 +84,6 @@ class LearnedPairs:
 
     def _path(self, campaign: str | None, setup: Setup) -> Path:
         """Return a lesson's file; the exposure, which may change from shot to shot, has no part."""
-        still = replace(setup, camera=replace(setup.camera, exposure_s=None))
+        still = without_exposure(setup)
         text = json.dumps([campaign, asdict(still)], sort_keys=True)
         return self._folder / f"{hashlib.sha256(text.encode()).hexdigest()[:16]}.npz"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,10 +16,10 @@ from analysis.calibration.table import estimates_of
 from analysis.campaign import TEACHING_SHOTS, Campaign, ShotJob, read_job
 from analysis.errors import InputError, ShotRefusedError
 from analysis.photometric.appearance import Knowledge
-from analysis.photometric.method import Frames, followed_film, teach
+from analysis.photometric.method import Taught, followed_film, teach
 from analysis.photometric.result import tracking_of
 from analysis.photometric.sight import Equations
-from analysis.setup import Setup
+from analysis.setup import Setup, without_exposure
 from analysis.shot import check_frames
 
 Floats = NDArray[np.float64]
@@ -70,14 +70,14 @@ def calibrate(
         Shots under different set-ups, or none that can be used.
     """
     setup = _setup_of(campaign)
-    known = teach(list(_first_shots(campaign.jobs, setup)), setup)
+    known = teach(list(_first_shots(campaign.jobs, setup)))
     heard: list[tuple[Equations, Equations]] = []
     falls: list[Fall] = []
     used: list[int] = []
     refused: dict[int, str] = {}
     for count, job in enumerate(campaign.jobs, start=1):
         try:
-            frames, times_s = _frames(job, setup)
+            frames, times_s, _ = _frames(job, setup)
             if known is None:
                 raise ShotRefusedError("assignment", "no spheres could be learned")
             film = followed_film(frames, times_s, known)
@@ -102,10 +102,7 @@ def calibrate(
 
 
 def _setup_of(campaign: Campaign) -> Setup:
-    setups = {
-        replace(job.setup, camera=replace(job.setup.camera, exposure_s=0.0))
-        for job in campaign.jobs
-    }
+    setups = {without_exposure(job.setup) for job in campaign.jobs}
     if len(setups) != 1:
         raise InputError(
             campaign.name,
@@ -114,13 +111,13 @@ def _setup_of(campaign: Campaign) -> Setup:
     return setups.pop()
 
 
-def _frames(job: ShotJob, setup: Setup) -> Frames:
+def _frames(job: ShotJob, setup: Setup) -> Taught:
     pixels, times, _ = read_job(job)
     check_frames(pixels, times, setup)
-    return pixels, times - times[0]
+    return pixels, times - times[0], setup
 
 
-def _first_shots(jobs: Sequence[ShotJob], setup: Setup) -> Iterator[Frames]:
+def _first_shots(jobs: Sequence[ShotJob], setup: Setup) -> Iterator[Taught]:
     for job in jobs[:TEACHING_SHOTS]:
         with suppress(InputError, ShotRefusedError):
             yield _frames(job, setup)

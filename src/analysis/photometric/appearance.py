@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -16,6 +16,8 @@ from analysis.photometric.surface import draw
 Floats = NDArray[np.float64]
 
 KEPT_LOOKS = 8
+NARROWEST_PX = 0.35
+"""Standard deviation of a blur at least: a pixel's own is 0.29."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -65,6 +67,9 @@ class Knowledge:
     limb_px
         By how much the outline wants another radius than the markers do: light that no shading
         here follows at the limb. It shifts an outline by as much. 0 where markers do not tell.
+    smear_px2
+        Variance that motion during the exposure added to the blur of the frames that taught, as
+        far as it is round (`smear.round_variance`), shape (V,).
     """
 
     camera: Camera
@@ -73,10 +78,26 @@ class Knowledge:
     scale_sigma: float
     camera_sigma: tuple[float, ...]
     limb_px: float
+    smear_px2: Floats
+
+    def smeared(self) -> Knowledge:
+        """Return the pair as a round blur shows it, the mean smear in it."""
+        return _smeared(self) if self.smear_px2.any() else self
+
+    def sharpened(self, smear_px2: Floats) -> Knowledge:
+        """Return the pair without the mean smear that a round blur has taken in."""
+        sharp = np.maximum(self.sigma_px**2 - smear_px2, NARROWEST_PX**2)
+        return replace(self, sigma_px=np.sqrt(sharp), smear_px2=self.sigma_px**2 - sharp)
 
     def looks(self, wider_px: float = 0.0) -> tuple[Look, Look]:
         """Return both spheres in the form of the fit, the blur wider by some pixels."""
         return _looks(self, wider_px)
+
+
+@lru_cache(maxsize=KEPT_LOOKS)
+def _smeared(known: Knowledge) -> Knowledge:
+    wide = np.sqrt(known.sigma_px**2 + known.smear_px2)
+    return replace(known, sigma_px=wide, smear_px2=np.zeros_like(wide))
 
 
 @lru_cache(maxsize=KEPT_LOOKS)

@@ -14,9 +14,8 @@ from numpy.typing import NDArray
 
 from analysis.compiled import part
 from analysis.photometric.contour import LAYERS
-from analysis.photometric.covers import cover_canvas, paint_of
 from analysis.photometric.residual import KEEP_OFF_PX, LEAST_DISC, LEAST_FALL, UNKNOWNS, Paint
-from analysis.photometric.sight import Equations, Sight, Stance
+from analysis.photometric.sight import Equations, Sight
 from analysis.photometric.surface import SPAN, SQUARE_STEPS
 
 Floats = NDArray[np.float64]
@@ -234,77 +233,3 @@ def add_products(band: Floats, equations: Equations) -> None:
         for b in range(a + 1):
             equations.normal[a, b] += products[a, b]
         equations.right[a] += products[a, UNKNOWNS]
-
-
-@part
-def settle(
-    seen: tuple[Floats, Floats],
-    paint: Paint,
-    filled: tuple[Floats, int],
-    spread: tuple[float, float],
-    equations: Equations,
-) -> tuple[float, float]:
-    """Add a filled band to the normal equations; return what `weigh` returns.
-
-    Parameters
-    ----------
-    seen
-        Disc and surface of the view (`sight.Look`).
-    filled
-        The band and its number of pixels.
-    spread
-        As for `weigh`.
-    """
-    band, count = filled
-    look_up(seen[0], seen[1], band, count)
-    derive(paint, band, count)
-    sums = weigh(band, count, spread)
-    add_products(band, equations)
-    return sums
-
-
-@part
-def accumulate(
-    sight: Sight, stance: Stance, view: int, limit: float, equations: Equations
-) -> tuple[float, float, int]:
-    """Add one view of one sphere to its normal equations.
-
-    Parameters
-    ----------
-    limit
-        Residual from which a pixel counts no more, in units of the noise.
-    equations
-        Of the view's UNKNOWNS.
-
-    Returns
-    -------
-    Weighted sum of squares over the noise's variance, sum of weights, pixels looked at.
-    """
-    scene, disc, surface = sight.scene, sight.look.discs[view], sight.look.surfaces[view]
-    canvas, corner, place = cover_canvas(sight, stance, view)
-    rows, reach2 = sight.optics.rows[view], (disc.shape[0] - 1) / SQUARE_STEPS
-    seen, paint = (disc, surface), paint_of(sight, stance, view, place[2])
-    band, widest = np.empty(LANES * BAND), limit * scene.noise
-    # What takes a literal 0 would be compiled for it and once more for other numbers.
-    none: int = 0 * rows[0]
-    squares, weights, count, filled = 0.0, 0.0, 0, none
-    first_row = max(rows[0] - corner[0], 0)
-    for i in range(first_row, min(canvas.shape[0], rows[1] - corner[0])):
-        u = (corner[0] + i - place[0]) / place[2]
-        if u * u >= reach2:
-            continue
-        half, middle = math.sqrt(reach2 - u * u) * place[2], place[1] - corner[1]
-        start = max(math.ceil(middle - half), 0)
-        end = min(math.floor(middle + half) + 1, canvas.shape[2])
-        while start < end:
-            width = min(end - start, BAND)
-            if filled + width > BAND:
-                part = settle(seen, paint, (band, filled), (scene.noise, widest), equations)
-                squares, weights, filled = squares + part[0], weights + part[1], none
-            y, x = corner[0] + i, corner[1] + start
-            covers = canvas[i, :, start : start + width]
-            count += lay_piece(sight, view, covers, (y, x, place), (band, filled, width))
-            filled += width
-            start += width
-    part = settle(seen, paint, (band, filled), (scene.noise, widest), equations)
-    return (squares + part[0]) * limit * limit, weights + part[1], count

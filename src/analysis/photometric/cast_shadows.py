@@ -14,17 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.compiled import compiled, part
-from analysis.photometric.bands import (
-    BAND,
-    DISC,
-    LANES,
-    RESIDUAL,
-    ROOT,
-    derive,
-    lay_piece,
-    look_up,
-)
-from analysis.photometric.covers import cover_canvas, paint_of
+from analysis.photometric.accumulation import lay_instants, resolve, span_along
+from analysis.photometric.bands import BAND, DISC, LANES, RESIDUAL, ROOT
+from analysis.photometric.covers import cover_canvases, paint_of
 from analysis.photometric.residual import LEAST_DISC
 from analysis.photometric.sight import Reel, Sight, Stance, sight_at
 
@@ -51,29 +43,25 @@ def missing_light(sight: Sight, stance: Stance, view: int) -> tuple[Floats, tupl
     Shape (rows, columns), less where markers are and 0 where the sphere is not seen; row and column
     of its first pixel; radius of the disc, pixels.
     """
-    canvas, corner, place = cover_canvas(sight, stance, view)
-    missing, band = np.zeros((canvas.shape[0], canvas.shape[2])), np.empty(LANES * BAND)
+    canvases, corner, places = cover_canvases(sight, stance, view)
+    canvas, place = canvases[0], (places[0, 0], places[0, 1], places[0, 2])
+    missing = np.zeros((canvas.shape[0], canvas.shape[2]))
+    bands = np.empty((places.shape[0], LANES * BAND))
     rows, darkness, noise = sight.optics.rows[view], sight.look.darkness, sight.scene.noise
-    disc, surface = sight.look.discs[view], sight.look.surfaces[view]
+    seen = (sight.look.discs[view], sight.look.surfaces[view])
     paint = paint_of(sight, stance, view, place[2])
     # What takes a literal 0 would be compiled for it and once more for other numbers.
     none: int = 0 * rows[0]
     for i in range(max(rows[0] - corner[0], 0), min(canvas.shape[0], rows[1] - corner[0])):
-        u = (corner[0] + i - place[0]) / place[2]
-        if u * u >= 1.0:
-            continue
-        half, middle = math.sqrt(1.0 - u * u) * place[2], place[1] - corner[1]
-        start = max(math.ceil(middle - half), 0)
-        end = min(math.floor(middle + half) + 1, canvas.shape[2])
+        start, end = span_along(corner[0] + i, place, 1.0, (corner[1], canvas.shape[2]))
         while start < end:
             width = min(end - start, BAND)
-            covers = canvas[i, :, start : start + width]
-            at, piece = (corner[0] + i, corner[1] + start, place), (band, none, width)
-            lay_piece(sight, view, covers, at, piece)
-            look_up(disc, surface, band, width)
-            derive(paint, band, width)
+            at = (corner[0] + i, corner[1] + start, corner)
+            lay_instants(sight, view, (canvases, places), at, (bands, none, width))
+            resolve(seen, paint, bands, width)
+            covers, band = canvas[i, 0, start : start + width], bands[0]
             for n in range(np.uint64(width)):
-                left = max(1.0 - darkness * covers[0, n] / max(band[DISC + n], LEAST_DISC), 0.0)
+                left = max(1.0 - darkness * covers[n] / max(band[DISC + n], LEAST_DISC), 0.0)
                 counts = 1.0 if band[ROOT + n] > 0.0 else 0.0
                 missing[i, start + n] = -band[RESIDUAL + n] / noise * left * left * counts
             start += width

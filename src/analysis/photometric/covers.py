@@ -12,6 +12,7 @@ from analysis.photometric.camera import axes_at, disc_of, nearer, own_nearness
 from analysis.photometric.contour import LAYERS, add_cover
 from analysis.photometric.residual import Paint
 from analysis.photometric.sight import Sight, Stance
+from analysis.photometric.smear import at_instant, instants_of
 
 Floats = NDArray[np.float64]
 
@@ -86,13 +87,50 @@ def cover_canvas(
     shape = (sight.scene.image.shape[0], sight.scene.image.shape[1])
     first_r, last_r, first_c, last_c = window(place, shape)
     canvas = np.zeros((last_r - first_r, LAYERS, last_c - first_c))
+    draw_covers(sight, stance, view, (canvas, (first_r, first_c), place))
+    return canvas, (first_r, first_c), place
+
+
+@part
+def draw_covers(
+    sight: Sight,
+    stance: Stance,
+    view: int,
+    drawn: tuple[Floats, tuple[int, int], tuple[float, float, float]],
+) -> None:
+    """Add the covers of all markers to a canvas, given with its first pixel and the disc."""
+    canvas, corner, place = drawn
     directions = seen_from(sight, stance, view)
     near = closeness(sight, stance, view)
     for m in range(directions.shape[0]):
         # The conformal map enlarges a cap on the near side.
         cap = (sight.look.alpha * (1.0 + near * directions[m, 2]), sight.look.sigma_px[view])
-        add_cover(canvas, (first_r, first_c), place, directions[m], cap)
-    return canvas, (first_r, first_c), place
+        add_cover(canvas, corner, place, directions[m], cap)
+
+
+@part
+def cover_canvases(
+    sight: Sight, stance: Stance, view: int
+) -> tuple[Floats, tuple[int, int], Floats]:
+    """Draw the covers of all markers at each instant of the exposure (`smear`).
+
+    Returns
+    -------
+    The canvases, the middle instant's first, shape (instants, rows, LAYERS, columns); row and
+    column of their first pixel; row, column and radius of the disc, shape (instants, 3).
+    """
+    middle = disc_of(sight.optics, view, stance.centre, sight.look.radius_m)
+    shape = (sight.scene.image.shape[0], sight.scene.image.shape[1])
+    first_r, last_r, first_c, last_c = window(middle, shape)
+    count = instants_of(sight)
+    canvases = np.zeros((count, last_r - first_r, LAYERS, last_c - first_c))
+    places = np.empty((count, 3))
+    for n in range(count):
+        own = stance if n == 0 else at_instant(sight, stance, n)
+        place = disc_of(sight.optics, view, own.centre, sight.look.radius_m)
+        places[n, 0], places[n, 1], places[n, 2] = place
+        draw_covers(sight, own, view, (canvases[n], (first_r, first_c), place))
+    return canvases, (first_r, first_c), places
 
 
 @part

@@ -175,7 +175,7 @@ class Follower:
     def _search(self, i: int, k: int) -> Found:
         film, reel, stance = self._film, self._reel(i, k), self._stance(i, k)
         scene = Scene(film.frames[k], film.background, film.noise, film.shadowed[k])
-        sight = Sight(scene, self._optics, self._looks[i], reel.others[k])
+        sight = Sight(scene, self._optics, self._looks[i], reel.others[k], film.motion[i, k])
         found = search_orientation(sight, stance, self._candidates)
         for part, best in zip(stance, found.stance, strict=True):
             part[:] = best

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.motion.rotation import rotation_matrix
-from analysis.photometric.appearance import Knowledge, Sphere, profiles_of
+from analysis.photometric.appearance import NARROWEST_PX, Knowledge, Sphere, profiles_of
 from analysis.photometric.confirmation import borne_out
 from analysis.photometric.film import Film, fit_film, sights_of, take_out_shadows
 from analysis.photometric.lesson import Lesson
@@ -31,6 +31,7 @@ from analysis.photometric.shared import (
     tangents_of,
 )
 from analysis.photometric.sight import Equations
+from analysis.photometric.unsmeared import unsmeared
 
 Floats = NDArray[np.float64]
 
@@ -48,7 +49,7 @@ INSIDE = 0.2
 UNLIMITED = 1e3
 TOGETHER_LIMITS = (15.0, 8.0, 6.0, 6.0)
 EXTENDING_LIMITS = (15.0, 6.0, 6.0)
-NARROWEST_PX, WIDEST_PX = 0.35, 3.0
+WIDEST_PX = 3.0
 LIMB_SCALE_SIGMA, MARKER_SCALE_SIGMA = 5e-3, 1e-3
 """What the scale is good to, relative, by the limb and by the markers.
 
@@ -102,7 +103,7 @@ def learn_together(films: Sequence[Film], start: Knowledge, *, hold_scale: bool)
 
     One film shows some markers only at the limb, and its radius is the less certain for it.
     """
-    few = [film.picked(MOST_FRAMES) for film in films]
+    few = [unsmeared(film.picked(MOST_FRAMES), start) for film in films]
     known = with_missed(few, start)
     for limit in TOGETHER_LIMITS:
         known = without_false(few, known)
@@ -123,7 +124,7 @@ def extended(film: Film, known: Knowledge) -> Knowledge:
     One film alone does not turn every side of a sphere to the camera. The same object comes back
     where nothing is added.
     """
-    few = film.picked(MOST_FRAMES)
+    few = unsmeared(film.picked(MOST_FRAMES), known)
     more, before = with_missed([few], known), [len(s.markers) for s in known.spheres]
     if [len(s.markers) for s in more.spheres] == before:
         return known

@@ -15,7 +15,13 @@ from analysis.photometric.appearance import Knowledge
 from analysis.photometric.background import first_background
 from analysis.photometric.confirmation import shown_shares
 from analysis.photometric.dead_lines import filled
-from analysis.photometric.film import Film, drop_misfits, settle_film, settle_without_shadows
+from analysis.photometric.film import (
+    Film,
+    drop_misfits,
+    round_smear,
+    settle_film,
+    settle_without_shadows,
+)
 from analysis.photometric.following import Follower
 from analysis.photometric.learning import extended, learn, learn_together
 from analysis.photometric.pose import fit_frames
@@ -28,13 +34,15 @@ Floats = NDArray[np.float64]
 
 LAST_LIMIT = 6.0
 LEAST_PLACED = 6
+SMEARED_ROUNDS = 3
+"""Of learning once more from frames whose smear is taken out."""
 LEAST_SHARE_OF_FILM = 0.88
 """Median over a film's frames: the learned spheres show 0.96 to 1.01, others 0.7 to 0.85."""
 NOISE_FRAMES = 3
 """Of the first guess of the noise."""
 
-Frames = tuple[NDArray[np.uint8], Floats]
-"""Grey levels (frames, rows, columns) and times, s (frames,), of one shot."""
+Taught = tuple[NDArray[np.uint8], Floats, Setup]
+"""Grey levels (frames, rows, columns) and times, s (frames,), of one shot, and its set-up."""
 
 
 def compiles_first() -> bool:
@@ -42,8 +50,13 @@ def compiles_first() -> bool:
     return not kept_on_disk(fit_frames)
 
 
-def teach(shots: Sequence[Frames], setup: Setup) -> Knowledge | None:
+def teach(shots: Sequence[Taught]) -> Knowledge | None:
     """Learn how a pair looks from the first shots of a campaign, together.
+
+    Parameters
+    ----------
+    shots
+        With set-ups that differ by their exposures alone.
 
     Returns
     -------
@@ -51,18 +64,29 @@ def teach(shots: Sequence[Frames], setup: Setup) -> Knowledge | None:
     """
     known: Knowledge | None = None
     films: list[Film] = []
-    hold = setup.camera.scale_px_per_m is not None
-    for frames, times_s in shots:
+    for frames, times_s, setup in shots:
         try:
             if known is None:
                 film, known = learned_film(frames, times_s, setup)
             else:
-                film = followed_film(frames, times_s, known)
+                film = followed_film(frames, times_s, known, setup.camera.exposure_s)
         except ShotRefusedError:
             continue
         films.append(film)
     if known is not None and len(films) > 1:
+        hold = shots[0][2].camera.scale_px_per_m is not None
         known = learn_together(films, known, hold_scale=hold)
+        known = _sharper(films, known, hold_scale=hold)
+    return known
+
+
+def _sharper(films: Sequence[Film], known: Knowledge, *, hold_scale: bool) -> Knowledge:
+    """Learn films whose smear is known once more: what is known tells what the smear changes."""
+    for _ in range(SMEARED_ROUNDS if any(film.motion.any() for film in films) else 0):
+        for film in films:
+            settle_film(film, known, LAST_LIMIT)
+            settle_without_shadows(film, known, LAST_LIMIT)
+        known = learn_together(films, known, hold_scale=hold_scale)
     return known
 
 
@@ -91,16 +115,29 @@ def learned_film(
         for_a_start=True,
     )
     film, guess = first_film(frames, times_s, start, setup)
-    known = learn(film, guess, hold_scale=setup.camera.scale_px_per_m is not None)
+    hold = setup.camera.scale_px_per_m is not None
+    known = learn(film, guess, hold_scale=hold)
+    film.set_motion(known, times_s, setup.camera.exposure_s)
+    if film.motion.any():
+        known = known.sharpened(round_smear(film, known))
+        known = _sharper([film], known, hold_scale=hold)
     settle_film(film, known, LAST_LIMIT)
-    settle_without_shadows(film, known, LAST_LIMIT)
-    drop_misfits(film, known, LAST_LIMIT)
-    refuse_few(film)
+    _finish(film, known)
     return film, known
 
 
-def followed_film(frames: NDArray[np.uint8], times_s: Floats, known: Knowledge) -> Film:
+def followed_film(
+    frames: NDArray[np.uint8],
+    times_s: Floats,
+    known: Knowledge,
+    exposure_s: float | None = None,
+) -> Film:
     """Measure the poses of a pair that is known.
+
+    Parameters
+    ----------
+    exposure_s
+        Time the shutter was open; None where it is not stated: then no smear is rendered.
 
     Raises
     ------
@@ -110,14 +147,22 @@ def followed_film(frames: NDArray[np.uint8], times_s: Floats, known: Knowledge) 
     noise = noise_of(frames)
     film = Film.blank(filled(frames, noise), len(known.camera.views))
     film.background, film.noise = first_background(film.frames), noise
-    Follower(film, known).run(times_s)
-    film.refresh(known)
-    settle_film(film, known, LAST_LIMIT)
-    refuse_strangers(film, known)
+    Follower(film, known.smeared()).run(times_s)
+    film.set_motion(known, times_s, exposure_s)
+    # Where no exposure is stated the blur stays as round as it was learned.
+    drawn = known.smeared() if exposure_s is None else known
+    film.refresh(drawn)
+    settle_film(film, drawn, LAST_LIMIT)
+    refuse_strangers(film, drawn)
+    _finish(film, drawn)
+    return film
+
+
+def _finish(film: Film, known: Knowledge) -> None:
+    """Take shadows out of a film that has settled, and what is not to be believed."""
     settle_without_shadows(film, known, LAST_LIMIT)
     drop_misfits(film, known, LAST_LIMIT)
     refuse_few(film)
-    return film
 
 
 def refuse_strangers(film: Film, known: Knowledge) -> None:
@@ -190,13 +235,11 @@ def measure_poses(
     if known is not None:
         # Other spheres, or another place of the camera: then the shot speaks for itself.
         with suppress(ShotRefusedError):
-            film = followed_film(frames, times_s, known)
+            film = followed_film(frames, times_s, known, setup.camera.exposure_s)
     if film is None or known is None:
         film, known = learned_film(frames, times_s, setup)
     elif extend and (more := extended(film, known)) is not known:
         known = more
         settle_film(film, known, LAST_LIMIT)
-        settle_without_shadows(film, known, LAST_LIMIT)
-        drop_misfits(film, known, LAST_LIMIT)
-        refuse_few(film)
+        _finish(film, known)
     return tracking_of(film, known, times_s, setup.gravity_m_per_s2), known

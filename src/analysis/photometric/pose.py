@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from analysis.compiled import compiled, part
 from analysis.motion.turning import turned
-from analysis.photometric.bands import accumulate
+from analysis.photometric.accumulation import accumulate
 from analysis.photometric.camera import Optics, axes_at, moved_by
 from analysis.photometric.residual import UNKNOWNS
 from analysis.photometric.sight import LIGHTS, Equations, Reel, Sight, Stance, reel_of, sight_at

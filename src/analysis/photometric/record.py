@@ -18,7 +18,7 @@ from analysis.photometric.camera import Camera, Optics
 
 Floats = NDArray[np.float64]
 
-FORMAT = 2
+FORMAT = 3
 SPHERES = ("a", "b")
 OWN = tuple(f.name for f in fields(Knowledge) if f.name not in {"camera", "spheres"})
 """Numbers that are the pair's own."""

@@ -75,12 +75,16 @@ class Sight(NamedTuple):
     ----------
     others
         For each view the other discs of the frame (row, column, radius), shape (V, others, 3).
+    motion
+        What the sphere moves, m, and turns by, rad, rig axes, while the shutter is open, shape
+        (6,); 0 where that is not known.
     """
 
     scene: Scene
     optics: Optics
     look: Look
     others: Floats
+    motion: Floats
 
 
 class Stance(NamedTuple):
@@ -115,8 +119,8 @@ class Reel(NamedTuple):
     ----------
     images, background, noise, shadowed
         As in a Scene; images and shadows with shape (F, rows, columns).
-    others
-        As in a Sight, shape (F, V, others, 3).
+    others, motion
+        As in a Sight, shapes (F, V, others, 3) and (F, 6).
     centre, rotation, lights
         As in a Stance, shapes (F, 3), (F, 3, 3), (F, V, LIGHTS).
     covariance
@@ -132,6 +136,7 @@ class Reel(NamedTuple):
     optics: Optics
     look: Look
     others: Floats
+    motion: Floats
     centre: Floats
     rotation: Floats
     lights: Floats
@@ -143,7 +148,7 @@ class Reel(NamedTuple):
 def sight_at(reel: Reel, frame: int) -> tuple[Sight, Stance]:
     """Return a frame of a reel, with the pose in it to be read or improved."""
     scene = Scene(reel.images[frame], reel.background, reel.noise, reel.shadowed[frame])
-    sight = Sight(scene, reel.optics, reel.look, reel.others[frame])
+    sight = Sight(scene, reel.optics, reel.look, reel.others[frame], reel.motion[frame])
     return sight, Stance(reel.centre[frame], reel.rotation[frame], reel.lights[frame])
 
 
@@ -158,6 +163,7 @@ def reel_of(sight: Sight, stance: Stance) -> Reel:
         optics=sight.optics,
         look=sight.look,
         others=sight.others[None],
+        motion=sight.motion[None],
         centre=stance.centre[None],
         rotation=stance.rotation[None],
         lights=stance.lights[None],

@@ -83,6 +83,7 @@ def first_film(
         scale_sigma=tracking.scale_sigma,
         camera_sigma=(math.inf,) * (len(views) + BENDS),
         limb_px=0.0,
+        smear_px2=np.zeros(len(views)),
     )
     return film, known
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
+from analysis.setup import without_exposure
 from rigctl.errors import RigError
 from rigctl.reanalysis.memory import keep_memory
 from rigctl.store.folders import result_text
@@ -79,5 +80,5 @@ def taught(folders: Sequence[Path]) -> Knowledge | None:
 
     keep_memory()
     read = [read_stored_shot(folder) for folder in folders]
-    setup = read[0][2]
-    return teach([(frames, times_s) for frames, times_s, own in read if own == setup], setup)
+    setup = without_exposure(read[0][2])
+    return teach([shot for shot in read if without_exposure(shot[2]) == setup])

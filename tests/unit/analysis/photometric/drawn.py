@@ -106,7 +106,7 @@ def sight_of(
         rows=np.array([[0, len(image)]]),
     )
     scene = Scene(image, np.full(image.shape, background), noise, np.zeros(image.shape, bool))
-    return Sight(scene, optics, look, np.zeros((1, 0, 3)))
+    return Sight(scene, optics, look, np.zeros((1, 0, 3)), np.zeros(6))
 
 
 def stance_at(row: float, column: float, radius: float) -> Stance:

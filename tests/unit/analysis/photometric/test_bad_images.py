@@ -54,7 +54,7 @@ def filmed(optics: Optics) -> Filmed:
     world = WorldDescription(optics=optics)
     shot = render_shot(world, LAUNCH, SEED, frames=FRAMES)
     setup = setup_of(world)
-    known = teach([(shot.frames, shot.times_s)], setup)
+    known = teach([(shot.frames, shot.times_s, setup)])
     assert known is not None
     return Filmed(shot, setup, known)
 

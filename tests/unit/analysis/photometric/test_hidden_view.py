@@ -42,7 +42,7 @@ def test_the_height_of_a_hidden_sphere_is_not_stated_better_than_it_is_known(
     upright: RenderedShot,
 ) -> None:
     lesson = shot(1, 0.008)
-    known = teach([(lesson.frames, lesson.times_s)], SETUP)
+    known = teach([(lesson.frames, lesson.times_s, SETUP)])
     assert known is not None
     film = followed_film(upright.frames, upright.times_s, known)
     optics, radius_m = known.camera.optics, known.spheres[1].radius_m

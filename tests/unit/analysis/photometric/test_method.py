@@ -35,7 +35,7 @@ def second():
 
 @pytest.fixture(scope="module")
 def known(first):
-    return teach([(first.frames, first.times_s)], SETUP)
+    return teach([(first.frames, first.times_s, SETUP)])
 
 
 def true_centres(shot, sphere):
