@@ -40,6 +40,7 @@ CASES = (
     Case("plain, noise 5", 5.0, 0, 1.25),
     Case("16 markers, noise 5", 5.0, 16, 1.25),
     Case("plain, smeared over 3.7 px", 2.0, 0, 1.25, 3.7),
+    Case("8 markers, smeared over 3.7 px", 2.0, 8, 1.25, 3.7),
     Case("16 markers, smeared over 3.7 px", 2.0, 16, 1.25, 3.7),
 )
 

@@ -34,7 +34,7 @@ def others() -> dict[str, Locate]:
         try:
             methods[name] = build(importlib.import_module(name))
         except ImportError:
-            print(f"{name} is not installed")
+            print(f"{name} is not installed; python -m pip install scikit-image trackpy has both")
     return methods
 
 
