@@ -2,11 +2,11 @@
 
 Perspective, a real mirror, strong side light, gloss broad and narrow, one lamp and two, cast
 shadows, uneven light, a bright background, a full well, dead rows, a shutter that is open from
-picture to picture, small and large spheres, each kind by itself and many at once, rendered by the simulators with the scale unstated and measured by
-the photometric method. Prints the errors beside what is asked: e within 0.003 RMS
-for normals less than 37 degrees from the horizontal and within 0.006 in the median over all, the
-scale within 0.15 % or within three of its stated errors; pulls are errors over stated errors, 1 is
-right. Writes hard_images.json.
+picture to picture, small and large spheres, each kind by itself and many at once, rendered by the
+simulators with the scale unstated and measured by the photometric method. Prints the errors beside
+what is asked: e within 0.003 RMS for normals less than 37 degrees from the horizontal and within
+0.006 in the median over all, the scale within 0.15 % or within three of its stated errors; pulls
+are errors over stated errors, 1 is right. Writes hard_images.json.
 """
 
 from __future__ import annotations
