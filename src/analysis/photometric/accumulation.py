@@ -14,8 +14,10 @@ from analysis.compiled import part
 from analysis.photometric.bands import (
     BAND,
     LANES,
+    Ground,
     add_products,
     derive,
+    ground_of,
     lay_piece,
     look_up,
     weigh,
@@ -99,9 +101,10 @@ def accumulate(
     scene, disc, surface = sight.scene, sight.look.discs[view], sight.look.surfaces[view]
     canvases, corner, places = cover_canvases(sight, stance, view)
     rows, place = sight.optics.rows[view], (places[0, 0], places[0, 1], places[0, 2])
-    reach2 = reach_of(disc, places)
+    reach2, ground = reach_of(disc, places), ground_of(sight, view)
     seen, paint = (disc, surface), paint_of(sight, stance, view, place[2])
     bands, widest = np.empty((places.shape[0], LANES * BAND)), limit * scene.noise
+    canvas, band, smeared = canvases[0], bands[0], places.shape[0] > 1
     # What takes a literal 0 would be compiled for it and once more for other numbers.
     none: int = 0 * rows[0]
     squares, weights, count, filled = 0.0, 0.0, 0, none
@@ -113,8 +116,12 @@ def accumulate(
             if filled + width > BAND:
                 part = settle(seen, paint, (bands, filled), (scene.noise, widest), equations)
                 squares, weights, filled = squares + part[0], weights + part[1], none
-            at = (corner[0] + i, corner[1] + start, corner)
-            count += lay_instants(sight, view, (canvases, places), at, (bands, filled, width))
+            y, x = corner[0] + i, corner[1] + start
+            covers = canvas[i, :, start : start + width]
+            count += lay_piece(ground, covers, (y, x, place), (band, filled, width))
+            if smeared:
+                at = (y, x, corner)
+                lay_outer_instants(ground, (canvases, places), at, (bands, filled, width))
             filled += width
             start += width
     part = settle(seen, paint, (bands, filled), (scene.noise, widest), equations)
@@ -154,17 +161,18 @@ def reach_of(disc: Floats, places: Floats) -> float:
 
 
 @part
-def lay_instants(
-    sight: Sight,
-    view: int,
+def lay_outer_instants(
+    ground: Ground,
     drawn: tuple[Floats, Floats],
     at: tuple[int, int, tuple[int, int]],
     piece: tuple[Floats, int, int],
-) -> int:
-    """Lay pixels of one row of a frame into the bands of all instants (`lay_piece`).
+) -> None:
+    """Lay pixels of one row of a frame into the bands of all instants but the middle one.
 
     Parameters
     ----------
+    ground
+        Of `bands.ground_of`.
     drawn
         Canvases and places (`covers.cover_canvases`).
     at
@@ -173,9 +181,8 @@ def lay_instants(
         The bands, where the row starts in them, and its number of pixels.
     """
     (canvases, places), (y, x, corner), (bands, filled, width) = drawn, at, piece
-    i, start, count = y - corner[0], x - corner[1], 0
-    for n in range(places.shape[0]):
+    i, start = y - corner[0], x - corner[1]
+    for n in range(1, places.shape[0]):
         covers = canvases[n, i, :, start : start + width]
         place = (places[n, 0], places[n, 1], places[n, 2])
-        count = lay_piece(sight, view, covers, (y, x, place), (bands[n], filled, width))
-    return count
+        lay_piece(ground, covers, (y, x, place), (bands[n], filled, width))

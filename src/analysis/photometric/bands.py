@@ -20,6 +20,9 @@ from analysis.photometric.surface import SPAN, SQUARE_STEPS
 
 Floats = NDArray[np.float64]
 
+Ground = tuple[Floats, NDArray[np.uint8], NDArray[np.bool_], Floats]
+"""Background, grey levels and shadows of a frame, and the other discs in a view."""
+
 BAND = 256
 RESIDUAL, ROOT = np.uint64(UNKNOWNS * BAND), np.uint64((UNKNOWNS + 1) * BAND)
 DISC, DISC_U, DISC_V, LIGHT, LIGHT_U, LIGHT_V, ACROSS, DOWN = (
@@ -168,9 +171,15 @@ def hide_along(
 
 
 @part
+def ground_of(sight: Sight, view: int) -> Ground:
+    """Return what the pixels of a view are laid with; a whole sight takes long to hand over."""
+    scene = sight.scene
+    return scene.background, scene.image, scene.shadowed, sight.others[view]
+
+
+@part
 def lay_piece(
-    sight: Sight,
-    view: int,
+    ground: Ground,
     covers: Floats,
     at: tuple[int, int, tuple[float, float, float]],
     piece: tuple[Floats, int, int],
@@ -179,6 +188,8 @@ def lay_piece(
 
     Parameters
     ----------
+    ground
+        Of `ground_of`.
     covers
         As for `lay_along`.
     at
@@ -186,11 +197,11 @@ def lay_piece(
     piece
         As for `lay_along`.
     """
-    (y, x, place), width, scene = at, piece[2], sight.scene
-    lines = (covers, scene.background[y, x : x + width], scene.image[y, x : x + width])
+    (background, image, shadowed, others), (y, x, place), width = ground, at, piece[2]
+    lines = (covers, background[y, x : x + width], image[y, x : x + width])
     across = ((x - place[1]) / place[2], 1.0 / place[2])
     lay_along(lines, (y - place[0]) / place[2], across, piece)
-    return width - hide_along(scene.shadowed[y, x : x + width], y, x, sight.others[view], piece)
+    return width - hide_along(shadowed[y, x : x + width], y, x, others, piece)
 
 
 @part

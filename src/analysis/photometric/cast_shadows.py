@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.compiled import compiled, part
-from analysis.photometric.accumulation import lay_instants, resolve, span_along
-from analysis.photometric.bands import BAND, DISC, LANES, RESIDUAL, ROOT
+from analysis.photometric.accumulation import lay_outer_instants, resolve, span_along
+from analysis.photometric.bands import BAND, DISC, LANES, RESIDUAL, ROOT, ground_of, lay_piece
 from analysis.photometric.covers import cover_canvases, paint_of
 from analysis.photometric.residual import LEAST_DISC
 from analysis.photometric.sight import Reel, Sight, Stance, sight_at
@@ -47,21 +47,23 @@ def missing_light(sight: Sight, stance: Stance, view: int) -> tuple[Floats, tupl
     canvas, place = canvases[0], (places[0, 0], places[0, 1], places[0, 2])
     missing = np.zeros((canvas.shape[0], canvas.shape[2]))
     bands = np.empty((places.shape[0], LANES * BAND))
+    band = bands[0]
     rows, darkness, noise = sight.optics.rows[view], sight.look.darkness, sight.scene.noise
     seen = (sight.look.discs[view], sight.look.surfaces[view])
-    paint = paint_of(sight, stance, view, place[2])
+    paint, ground = paint_of(sight, stance, view, place[2]), ground_of(sight, view)
     # What takes a literal 0 would be compiled for it and once more for other numbers.
     none: int = 0 * rows[0]
     for i in range(max(rows[0] - corner[0], 0), min(canvas.shape[0], rows[1] - corner[0])):
         start, end = span_along(corner[0] + i, place, 1.0, (corner[1], canvas.shape[2]))
         while start < end:
             width = min(end - start, BAND)
-            at = (corner[0] + i, corner[1] + start, corner)
-            lay_instants(sight, view, (canvases, places), at, (bands, none, width))
+            y, x = corner[0] + i, corner[1] + start
+            covers = canvas[i, :, start : start + width]
+            lay_piece(ground, covers, (y, x, place), (band, none, width))
+            lay_outer_instants(ground, (canvases, places), (y, x, corner), (bands, none, width))
             resolve(seen, paint, bands, width)
-            covers, band = canvas[i, 0, start : start + width], bands[0]
             for n in range(np.uint64(width)):
-                left = max(1.0 - darkness * covers[n] / max(band[DISC + n], LEAST_DISC), 0.0)
+                left = max(1.0 - darkness * covers[0, n] / max(band[DISC + n], LEAST_DISC), 0.0)
                 counts = 1.0 if band[ROOT + n] > 0.0 else 0.0
                 missing[i, start + n] = -band[RESIDUAL + n] / noise * left * left * counts
             start += width

@@ -14,9 +14,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.compiled import compiled, part
-from analysis.photometric.accumulation import lay_instants, reach_of, span_along
+from analysis.photometric.accumulation import lay_outer_instants, reach_of, span_along
 from analysis.photometric.appearance import Knowledge
-from analysis.photometric.bands import BAND, LANES, RESIDUAL, ROOT, derive, look_up
+from analysis.photometric.bands import (
+    BAND,
+    LANES,
+    RESIDUAL,
+    ROOT,
+    derive,
+    ground_of,
+    lay_piece,
+    look_up,
+)
 from analysis.photometric.covers import cover_canvases, paint_of
 from analysis.photometric.film import Film
 from analysis.photometric.sight import Reel, Sight, Stance, sight_at
@@ -34,7 +43,7 @@ def add_difference(sight: Sight, stance: Stance, view: int, change: Floats) -> N
     rows, place = sight.optics.rows[view], (places[0, 0], places[0, 1], places[0, 2])
     disc, surface = sight.look.discs[view], sight.look.surfaces[view]
     reach2, paint = reach_of(disc, places), paint_of(sight, stance, view, place[2])
-    bands = np.empty((places.shape[0], LANES * BAND))
+    bands, ground = np.empty((places.shape[0], LANES * BAND)), ground_of(sight, view)
     none: int = 0 * rows[0]
     size = (canvases.shape[1], canvases.shape[3])
     for i in range(max(rows[0] - corner[0], 0), min(size[0], rows[1] - corner[0])):
@@ -42,8 +51,9 @@ def add_difference(sight: Sight, stance: Stance, view: int, change: Floats) -> N
         start, end = span_along(y, place, reach2, (corner[1], size[1]))
         while start < end:
             width = min(end - start, BAND)
-            at = (y, corner[1] + start, corner)
-            lay_instants(sight, view, (canvases, places), at, (bands, none, width))
+            x, covers = corner[1] + start, canvases[0, i, :, start : start + width]
+            lay_piece(ground, covers, (y, x, place), (bands[0], none, width))
+            lay_outer_instants(ground, (canvases, places), (y, x, corner), (bands, none, width))
             for n in range(places.shape[0]):
                 look_up(disc, surface, bands[n], width)
                 derive(paint, bands[n], width)
@@ -51,7 +61,7 @@ def add_difference(sight: Sight, stance: Stance, view: int, change: Floats) -> N
                 middle, outer = bands[0, RESIDUAL + k], bands[1, RESIDUAL + k]
                 mean = 0.5 * (outer + bands[2, RESIDUAL + k])
                 if bands[0, ROOT + k] > 0.0:
-                    change[y, corner[1] + start + k] += (1.0 - MIDDLE) * (mean - middle)
+                    change[y, x + k] += (1.0 - MIDDLE) * (mean - middle)
             start += width
 
 
