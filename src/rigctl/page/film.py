@@ -4,17 +4,16 @@ from __future__ import annotations
 
 from functools import lru_cache
 
-import numpy as np
 from fastapi import FastAPI
-from numpy.typing import NDArray
 from starlette.responses import Response
 
 from rigctl.errors import RigError
 from rigctl.page.desk import Desk
+from rigctl.page.shared_reading import read_once
 from rigctl.service.pictures import frame_of, png
 from rigctl.service.problems import answer, from_error
 
-KEPT_STACKS = 3
+KEPT_STACKS, KEPT_PICTURES = 3, 300
 FOREVER = {"Cache-Control": "private, max-age=86400, immutable"}
 """Frames on disk never change."""
 
@@ -26,15 +25,16 @@ def frame_address(shot: str, frame: int) -> str:
 
 def film_route(app: FastAPI, desk: Desk) -> None:
     """Register the route of the frames, beside the pages: a browser often gives frames up."""
+    pixels = read_once(lambda shot: desk.daemon.store.frames(shot).pixels, KEPT_STACKS)
 
-    @lru_cache(maxsize=KEPT_STACKS)
-    def pixels(shot: str) -> NDArray[np.uint8]:
-        return desk.daemon.store.frames(shot).pixels
+    @lru_cache(maxsize=KEPT_PICTURES)
+    def picture(shot: str, frame: int) -> bytes:
+        return png(frame_of(pixels(shot), frame, shot))
 
     @app.get("/film/{shot}/{frame}.png", include_in_schema=False)
     def frame(shot: str, frame: int) -> Response:
         try:
-            picture = frame_of(pixels(shot), frame, shot)
+            drawn = picture(shot, frame)
         except RigError as error:
             return answer(from_error(error))
-        return Response(png(picture), media_type="image/png", headers=FOREVER)
+        return Response(drawn, media_type="image/png", headers=FOREVER)

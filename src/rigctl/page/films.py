@@ -11,6 +11,7 @@ import numpy as np
 
 from rigctl.errors import NotFoundError
 from rigctl.page.overlay import Overlays
+from rigctl.page.shared_reading import read_once
 from rigctl.store import ShotRecord, Store
 
 Json = Mapping[str, Any]
@@ -18,6 +19,8 @@ KEPT = 64
 LEAST_CONTRAST = 15
 """Grey levels by which the brightest thousandth of a frame stands out where a sphere is seen; noise
 alone reaches half of it."""
+EVERY = 4
+"""Rows and columns of which one tells how bright a frame is: a sphere covers dozens."""
 FEW = ("poses", "overlay")
 """Parts of a result that are large, and that no table shows."""
 
@@ -53,7 +56,7 @@ class Films:
     def __init__(self, store: Store) -> None:
         self._store = store
         self._read = lru_cache(maxsize=KEPT)(self._read_result)
-        self._seen = lru_cache(maxsize=KEPT)(self._look)
+        self._seen = read_once(self._look, KEPT)
 
     def result(self, shot: ShotRecord) -> Json:
         """Return the latest result but for its poses and drawings; empty while there is none."""
@@ -83,7 +86,7 @@ class Films:
         about = self._store.folders.manifest(shot)["frames"]
         _, rows, columns = about["shape"]
         pixels = self._store.frames(shot).pixels
-        brightest = int(pixels.mean(axis=(1, 2)).argmax())
+        brightest = int(pixels[:, ::EVERY, ::EVERY].mean(axis=(1, 2)).argmax())
         middle, bright = np.percentile(pixels[brightest], (50.0, 99.9))
         blank = bool(bright - middle < LEAST_CONTRAST)
         return (columns, rows), tuple(about["times_s"]), brightest, blank
