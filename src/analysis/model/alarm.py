@@ -7,8 +7,13 @@ model shows in every shot that can see it.
 
 from __future__ import annotations
 
-from analysis.model.lackoffit import Cell
-from analysis.model.leaders import FEW, most_carried
+from typing import TYPE_CHECKING
+
+from analysis.model.carried import FEW, most_carried
+
+if TYPE_CHECKING:
+    # The page takes a number from here, and starts without the model.
+    from analysis.model.lackoffit import Cell
 
 UNEXPLAINED_LEVEL = 0.005
 """Chance of a cell in a campaign with nothing missing below which it alarms. One such campaign in a

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from analysis.effects.effect import ScatterEffect
 from analysis.model.candidate import Candidate, Ranking, believed
+from analysis.model.carried import most_carried
 from analysis.model.fit import Fit, fit_campaign
 from analysis.model.poses import PoseData
 from analysis.model.scatter import with_jitter
@@ -26,8 +27,6 @@ LEAST_PROMISED = 0.1
 """Share of the best promise below which no refit comes out first, however large the effect."""
 BELIEVED_SHARE = 0.2
 """A plausible effect goes before an implausible one if it has this share of its fall."""
-MOST_CARRIED, MOST_CARRIED_OF_FEW, MANY, FEW = 0.6, 0.85, 60, 12
-"""No finding is believed of whose fall two of many, or of few, shots carry more than this share."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -150,15 +149,6 @@ def alias_set(chosen: Leader, leaders: Sequence[Leader], ranking: Ranking) -> tu
         < ALIAS_WITHIN
     ]
     return (chosen.name, *near)
-
-
-def most_carried(shots: int) -> float:
-    """Return the share of a finding that two of so many shots may carry.
-
-    Between few and many shots it falls with their logarithm.
-    """
-    ends = np.log([FEW, MANY])
-    return float(np.interp(np.log(max(shots, 1)), ends, [MOST_CARRIED_OF_FEW, MOST_CARRIED]))
 
 
 def _refit(data: Data, fit: Fit, candidate: Candidate, *, carried: bool) -> Leader:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from analysis.model.alarm import FEWEST
-from analysis.model.leaders import FEW
+from analysis.model.carried import FEW
 from analysis.quantity import Quantity
 
 Json = dict[str, Any]

@@ -7,7 +7,7 @@ from typing import Any
 from nicegui import ui
 
 from analysis.model.alarm import FEWEST
-from analysis.model.leaders import FEW
+from analysis.model.carried import FEW
 from analysis.model.words import doubts, too_few, verdict_sentence
 from rigctl.page.model_state import ModelState, Question
 from rigctl.page.widgets import button

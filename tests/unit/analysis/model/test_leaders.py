@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from analysis.model.candidate import Ranking
+from analysis.model.carried import most_carried
 from analysis.model.fit import fit_campaign
-from analysis.model.leaders import Leader, alias_set, in_order, most_carried, refitted
+from analysis.model.leaders import Leader, alias_set, in_order, refitted
 from analysis.model.poses import PoseData
 from analysis.model.ranking import rank
 from tests.unit.analysis.model.chosen import chosen
