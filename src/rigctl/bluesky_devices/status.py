@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import logging
 import threading
 from collections.abc import Callable
 
 from bluesky.protocols import Status
+
+_log = logging.getLogger(__name__)
 
 
 class WorkStatus(Status):
@@ -71,4 +74,8 @@ class WorkStatus(Status):
             self._ended.set()
             callbacks, self._callbacks = self._callbacks, []
         for callback in callbacks:
-            callback(self)
+            try:
+                callback(self)
+            except Exception:  # noqa: BLE001 - whatever the others' callbacks raise
+                # Such as that of an engine which was closed meanwhile; the others are called.
+                _log.exception("%s has ended, and a callback of it failed", self.name)
