@@ -82,7 +82,7 @@ def demo(out: Path, seed: int) -> None:
         figure = error_path_figure(f"{CAMPAIGN}: the error falls", verdict.path)
         pictures = [*_draw(daemon, records, out / "shot.png"), *write(figure, out, "error-path")]
     document = verdict_document(CAMPAIGN, data, verdict)
-    answer = commit(truth, ",".join(_answer(verdict)), known=[each.name for each in CATALOGUE])
+    answer = commit(truth, ",".join(answer_of(verdict)), known=[each.name for each in CATALOGUE])
     tell(Story(records, document, answer, truth), pictures, folder)
 
 
@@ -139,8 +139,11 @@ def _draw(daemon: Daemon, records: list[Json], path: Path) -> list[Path]:
     return [path]
 
 
-def _answer(verdict: Verdict) -> list[str]:
-    """Return the effects whose adding is worth it, or what the verdict says instead of names."""
+def answer_of(verdict: Verdict) -> list[str]:
+    """Return the effects whose adding is worth it, or what the verdict says instead of names.
+
+    Where the verdict leaves nothing unexplained, the first that it names is the answer at least.
+    """
     named = [
         effect
         for before, after in pairwise(verdict.path)
@@ -148,4 +151,6 @@ def _answer(verdict: Verdict) -> list[str]:
         for effect in after.effects
         if effect not in before.effects and effect in verdict.effects
     ]
-    return named or ["none" if verdict.verdict == "none" else "unexplained"]
+    if named or verdict.verdict in {"none", "unexplained"}:
+        return named or [verdict.verdict]
+    return list(verdict.effects[:1])
