@@ -45,8 +45,14 @@ class Optics:
         Half-open row ranges of the two views.
     background, background_per_row, background_per_column
         Grey level at the upper left corner and its slope.
+    texture_grey
+        Standard deviation of blotches that stand still behind the spheres, of a few pixels each.
     blur_px
         Standard deviation of the lens's Gaussian point spread.
+    defocus_px
+        Radius of the even disc that a point out of focus is spread over besides.
+    flicker
+        Share by which all light rises and falls, twice in a period of mains of 50 Hz.
     exposure_s
         Shutter time; a picture is the mean over it, centred on the picture's time.
     noise_grey
@@ -75,7 +81,10 @@ class Optics:
     background_per_column: float = 0.045
     front_light: Lighting = Lighting(142.0, 0.34, 0.14, -0.8, -0.6)
     top_light: Lighting = Lighting(134.0, 0.30, 0.20, -0.5, 0.866)
+    texture_grey: float = 0.0
     blur_px: float = 0.8
+    defocus_px: float = 0.0
+    flicker: float = 0.0
     exposure_s: float = 1.0e-4
     noise_grey: float = 1.5
     mirror_rad: float = 0.0

@@ -26,6 +26,10 @@ from simulators.world.state import Pose
 # The lens spreads light from just outside the frame into it.
 _MARGIN = 4
 _SMEAR_PER_POSE_PX = 0.35
+FLICKER_HZ = 100.0
+_BLOTCH_PX = 2.0
+_WALL = 7
+"""Seed of the one wall there is: it stands still from shot to shot."""
 
 
 Poses = Callable[[float], Sequence[Pose | None]]
@@ -68,12 +72,10 @@ class Camera:
         light = np.zeros_like(self._background)
         for time in times:
             light += self._instant(poses(time))
-        light = self.optics.sensor.reached(light / np.float32(len(times)))
-        blur = self.optics.blur_px
-        seen = cv2.GaussianBlur(light, (0, 0), blur) if blur > 0.0 else light
-        return np.asarray(
-            seen[_MARGIN + first : _MARGIN + last, _MARGIN:-_MARGIN], dtype=np.float32
-        )
+        light *= np.float32(self._lamps(time_s) / len(times))
+        seen = through_lens(self.optics, self.optics.sensor.reached(light))
+        whole = seen[_MARGIN + first : _MARGIN + last, _MARGIN:-_MARGIN]
+        return self.optics.sensor.grey(whole)
 
     def take(
         self,
@@ -83,8 +85,13 @@ class Camera:
         rows: int | None = None,
     ) -> NDArray[np.uint8]:
         """Return the picture (rows, columns) with read noise, rounded and clipped to 8 bit."""
-        seen = digitised(self.expose(poses, time_s, rows), self.optics.noise_grey, rng)
-        return self.optics.sensor.read(seen, picture_rows(self.optics, rows)[0])
+        grey, sensor = self.expose(poses, time_s, rows), self.optics.sensor
+        seen = digitised(grey, sensor.noise_grey(grey, self.optics.noise_grey), rng)
+        return sensor.read(seen, picture_rows(self.optics, rows)[0])
+
+    def _lamps(self, time_s: float) -> float:
+        """Return the brightness of the lamps, 1 in the mean."""
+        return 1.0 + self.optics.flicker * math.sin(2.0 * math.pi * FLICKER_HZ * time_s)
 
     def _instants(self, poses: Poses, time_s: float) -> list[float]:
         """Spread instants over the exposure, so that no image moves far between two."""
@@ -196,12 +203,30 @@ def _within_margin(eye: Eye) -> Eye:
     return replace(eye, middle_px=(row + _MARGIN, column + _MARGIN))
 
 
+def through_lens(optics: Optics, light: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Return light (rows, columns) as the lens spreads it."""
+    if optics.defocus_px > 0.0:
+        light = np.asarray(cv2.filter2D(light, -1, _even_disc(optics.defocus_px)), np.float32)
+    blur = optics.blur_px
+    seen = cv2.GaussianBlur(light, (0, 0), blur) if blur > 0.0 else light
+    return np.asarray(seen, dtype=np.float32)
+
+
+def _even_disc(radius_px: float) -> NDArray[np.float32]:
+    """Return the share of a disc's area in each pixel about its centre, by sub-pixels."""
+    half = math.ceil(radius_px)
+    fine = (np.arange((2 * half + 1) * SUBPIXELS) + 0.5) / SUBPIXELS - half - 0.5
+    within = (np.hypot(fine[:, None], fine) <= radius_px).astype(np.float32)
+    shares = cv2.resize(within, (2 * half + 1,) * 2, interpolation=cv2.INTER_AREA)
+    return np.asarray(shares / shares.sum(), dtype=np.float32)
+
+
 def digitised(
-    light: NDArray[np.float32], noise_grey: float, rng: np.random.Generator
+    light: NDArray[np.float32], noise_grey: float | NDArray[np.float32], rng: np.random.Generator
 ) -> NDArray[np.uint8]:
-    """Return light (rows, columns) as a picture: with read noise, rounded, clipped to 8 bit."""
+    """Return light (rows, columns) as a picture: with noise, rounded, clipped to 8 bit."""
     noise = rng.standard_normal(light.shape, dtype=np.float32)
-    grey = light + np.float32(noise_grey) * noise
+    grey = light + np.asarray(noise_grey, dtype=np.float32) * noise
     return np.clip(np.rint(grey), 0, 255).astype(np.uint8)
 
 
@@ -209,4 +234,9 @@ def _background(optics: Optics) -> NDArray[np.float32]:
     rows = np.arange(-_MARGIN, optics.rows + _MARGIN)[:, None]
     columns = np.arange(-_MARGIN, optics.columns + _MARGIN)[None, :]
     plane = optics.background + optics.background_per_row * rows
-    return np.asarray(plane + optics.background_per_column * columns, dtype=np.float32)
+    plane = plane + optics.background_per_column * columns
+    if optics.texture_grey > 0.0:
+        blotches = np.random.default_rng(_WALL).standard_normal(plane.shape)
+        soft = cv2.GaussianBlur(blotches, (0, 0), _BLOTCH_PX)
+        plane = np.maximum(plane + optics.texture_grey / soft.std() * soft, 0.0)
+    return np.asarray(plane, dtype=np.float32)

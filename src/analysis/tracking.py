@@ -12,6 +12,7 @@ from analysis.errors import ShotRefusedError
 from analysis.imaging.assignment import LEAST_COVERAGE, follow
 from analysis.imaging.discs import common_radius
 from analysis.imaging.film_discs import FilmDiscs
+from analysis.imaging.film_following import FilmCurves
 from analysis.imaging.frame import (
     EdgeSettings,
     FilmEdges,
@@ -20,6 +21,7 @@ from analysis.imaging.frame import (
 )
 from analysis.imaging.radii import filter_bias, shared_radii, view_radii
 from analysis.imaging.refinement import Knowledge, refine_outlines
+from analysis.imaging.silhouettes import silhouettes
 from analysis.imaging.tracks import Spheres
 from analysis.imaging.views import View, view_geometries
 from analysis.motion.chained import orient_by_steps
@@ -117,8 +119,12 @@ def track_spheres(
     threshold = settings.least_strength or gradient_threshold(noise, settings.sigma_px)
     edges = FilmEdges(frames, settings, threshold)
     least = LEAST_COVERAGE_OF_A_START if for_a_start else LEAST_COVERAGE
-    radius = _start_radius(edges, setup)
-    discs, curves = follow(edges, views, radius, least_coverage=least)
+    try:
+        discs, curves = _followed(edges, setup, least)
+    except ShotRefusedError as plainly:
+        if not for_a_start:
+            raise
+        discs, curves = _followed_by_motion(edges, noise, setup, plainly)
     refuse_repeats(frames, discs)
     diameters = (setup.spheres[0].diameter_m, setup.spheres[1].diameter_m)
     radii = shared_radii(discs, diameters) if for_a_start else view_radii(discs)
@@ -173,6 +179,30 @@ def refuse_repeats(frames: NDArray[np.uint8], discs: FilmDiscs) -> None:
     for k in np.flatnonzero(alike) + 1:
         if np.array_equal(frames[k], frames[k - 1]):
             raise ShotRefusedError("frames", "the same as the frame before, bit for bit", int(k))
+
+
+def _followed(edges: FilmEdges, setup: Setup, least: float) -> tuple[FilmDiscs, FilmCurves]:
+    """Follow the discs of whatever radius the edges or the set-up tell."""
+    views, radius = view_geometries(setup.camera), _start_radius(edges, setup)
+    return follow(edges, views, radius, least_coverage=least)
+
+
+def _followed_by_motion(
+    edges: FilmEdges, noise: float, setup: Setup, plainly: ShotRefusedError
+) -> tuple[FilmDiscs, FilmCurves]:
+    """Follow the discs that move before a scene with edges of its own.
+
+    Raises
+    ------
+    ShotRefusedError
+        The one given: they do not stand out by their motion either.
+    """
+    moving = silhouettes(edges.frames, noise)
+    least = gradient_threshold(noise_sd(moving), edges.settings.sigma_px)
+    try:
+        return _followed(FilmEdges(moving, edges.settings, least), setup, LEAST_COVERAGE_OF_A_START)
+    except ShotRefusedError:
+        raise plainly from None
 
 
 def _start_radius(film: FilmEdges, setup: Setup) -> float:

@@ -13,7 +13,7 @@ from simulators.world.description import Sphere
 from simulators.world.lamp import Lamp
 from simulators.world.optics import Optics
 from simulators.world.pinhole import mirror_height_m, seen_at
-from simulators.world.render import Camera
+from simulators.world.render import Camera, through_lens
 from simulators.world.sensor import Sensor
 from simulators.world.state import Pose
 
@@ -142,3 +142,45 @@ def test_corners_are_darker_by_the_stated_share():
     dark = picture(optics, [None, None])
     assert dark[0, 0] / bright[0, 0] == pytest.approx(0.5, abs=0.05)
     assert dark[96, 120] == pytest.approx(bright[96, 120], rel=0.001)
+
+
+def test_a_point_out_of_focus_is_an_even_disc_of_the_stated_radius():
+    light = np.zeros((31, 31), dtype=np.float32)
+    light[15, 15] = 1.0
+    seen = through_lens(replace(OPTICS, defocus_px=3.5), light)
+    assert seen.sum() == pytest.approx(1.0, rel=1e-4)
+    assert seen[15, 15] == pytest.approx(1.0 / (np.pi * 3.5**2), rel=0.02)
+    assert seen[15, 15 + 5] == 0.0
+
+
+def test_light_flickers_about_its_mean_twice_in_a_period_of_mains():
+    optics = replace(OPTICS, flicker=0.1)
+    camera = Camera(optics, [Sphere()] * 2, [PLAIN] * 2)
+    levels = [camera.expose(lambda _: [None, None], 1e-3 * k)[50, 50] for k in range(20)]
+    assert np.mean(levels) == pytest.approx(OPTICS.background, rel=1e-4)
+    assert max(levels) == pytest.approx(1.1 * OPTICS.background, rel=0.01)
+    assert levels[:10] == pytest.approx(levels[10:], rel=1e-4)
+
+
+def test_blotches_stand_still_behind_the_spheres():
+    optics = replace(OPTICS, texture_grey=8.0)
+    empty = picture(optics, [None, None])
+    assert empty.std() == pytest.approx(8.0, rel=0.05)
+    behind = picture(optics, [(0.0, 0.0, 0.0), None])
+    assert np.array_equal(behind[:, :60], empty[:, :60])
+    row, column = (round(value) for value in OPTICS.front_origin_px)
+    plain = picture(OPTICS, [(0.0, 0.0, 0.0), None])
+    assert behind[row, column] == pytest.approx(plain[row, column])
+
+
+def test_counted_electrons_make_bright_pixels_noisier():
+    optics = replace(OPTICS, background=100.0, sensor=Sensor(grey_per_electron=0.25))
+    camera = Camera(optics, [Sphere()] * 2, [PLAIN] * 2)
+    taken = camera.take(lambda _: [None, None], 0.0, np.random.default_rng(3))
+    # 100 grey levels are 400 electrons: their scatter is 20, or 5 grey levels.
+    assert taken.std() == pytest.approx(5.0, rel=0.02)
+
+
+def test_a_bent_response_keeps_black_and_the_full_well():
+    light = np.array([[0.0, 63.75, 255.0]], dtype=np.float32)
+    assert Sensor(response=0.5).grey(light)[0] == pytest.approx([0.0, 127.5, 255.0])
