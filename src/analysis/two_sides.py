@@ -37,6 +37,8 @@ LEAST_FROM_ABOVE = 2
 MOST_FLIGHT_CHI2 = 8.0
 """Of a track's fit, slow errors allowed for; sound shots stay below 1.5."""
 IMPOSSIBLE_SIGMAS, LEAST_BEYOND = 5.0, 0.02
+DRAG_COEFFICIENT = 0.4
+"""Of a smooth sphere at Reynolds numbers of 1e3 to 1e5 (L. Schiller and A. Naumann, 1935)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -52,13 +54,14 @@ class TwoSides:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Sphere:
-    """Poses of one sphere with their slow errors."""
+    """Poses of one sphere with their slow errors; by what share air slows it on a metre of way."""
 
     name: str
     centres: Centres
     orientations: Orientations
     centre_drift: Drift
     turn_drift: Drift
+    drag_per_m: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -82,7 +85,7 @@ def measure_two_sides(
         No contact in the frames, too few frames on a side, or paths that do not meet.
     """
     radii = (setup.spheres[0].diameter_m / 2, setup.spheres[1].diameter_m / 2)
-    spheres = [_sphere(tracking, i, times_s) for i in (0, 1)]
+    spheres = [_sphere(tracking, i, times_s, setup) for i in (0, 1)]
     split = split_at_contact(*tracking.centres, times_s, setup.gravity_m_per_s2)
     common = np.intersect1d(tracking.centres[0].frames, tracking.centres[1].frames)
     before, after = common[common < split], common[common >= split]
@@ -118,7 +121,7 @@ def measure_two_sides(
     return TwoSides(impact, used_before, used_after, left_out, notes)
 
 
-def _sphere(tracking: Tracking, i: int, times_s: Floats) -> _Sphere:
+def _sphere(tracking: Tracking, i: int, times_s: Floats, setup: Setup) -> _Sphere:
     """Gather a sphere's poses and the slow errors that its spin and markers give them."""
     orientations = tracking.orientations[i]
     turns = rotation_vector(
@@ -129,12 +132,16 @@ def _sphere(tracking: Tracking, i: int, times_s: Floats) -> _Sphere:
     rate = float(np.median(rates)) if rates.size else 0.0
     lasting = memory(tracking.marker_angle, rate)
     sigma_px, view = tracking.filter_sigma_px, View.FRONT
+    body = setup.spheres[i]
+    # rho/2 c A v^2 over the mass of a solid sphere.
+    drag = 0.75 * DRAG_COEFFICIENT * setup.air_density_kg_per_m3
     return _Sphere(
         name="ab"[i],
         centres=tracking.centres[i],
         orientations=orientations,
         centre_drift=centre_drift(sigma_px, tracking.scales_px_per_m[view], lasting),
         turn_drift=turn_drift(sigma_px, tracking.radii[view][i], lasting),
+        drag_per_m=drag / (body.density_kg_per_m3 * body.diameter_m),
     )
 
 
@@ -293,6 +300,7 @@ def _flight(sphere: _Sphere, side: _Side, reference: float, gravity: float) -> F
         sphere.centre_drift,
         gravity=gravity,
         reference_s=reference,
+        drag_per_m=sphere.drag_per_m,
     )
 
 

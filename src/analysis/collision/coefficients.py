@@ -119,7 +119,7 @@ def measure_impact(a: Motion, b: Motion, radii: tuple[float, float], scale_sigma
     The normal is taken at first touch on the incoming paths, not where the tracks have their
     kink: a contact of finite length turns it (P. Mueller and T. Poeschel, Granular Matter 14, 115
     (2012)). Errors follow from those of the paths, the spins and the scale by the derivative of
-    the whole calculation.
+    the whole calculation. The drag of air, which is not taken out, is one of them (decision 0020).
 
     Parameters
     ----------
@@ -147,6 +147,9 @@ def measure_impact(a: Motion, b: Motion, radii: tuple[float, float], scale_sigma
         + [s.covariance for s in spins]
         + [np.array([[scale_sigma**2]])]
     )
+    # Drag slows all four paths together.
+    drag = np.concatenate([*(p.drag_shift for p in parts), np.zeros(len(centre) - 24)])
+    covariance += np.outer(drag, drag)
     accelerations = np.array([p.acceleration for p in parts])
 
     def outcomes(states: Floats) -> Floats:

@@ -33,6 +33,9 @@ class FlightPath:
         Of (position, velocity), shape (6, 6).
     chi2_per_dof
         Of the fit; 1 where the stated errors are right. Not a number without freedom.
+    drag_shift
+        By how much drag that the fit leaves out moves (position, velocity), shape (6,): an error
+        that all paths of a shot have together.
     """
 
     reference_s: float
@@ -41,6 +44,7 @@ class FlightPath:
     acceleration: Floats
     covariance: Floats
     chi2_per_dof: float
+    drag_shift: Floats
 
     def at(self, time_s: float) -> tuple[Floats, Floats]:
         """Return position and velocity at a time."""
@@ -61,6 +65,7 @@ class FlightPath:
             acceleration=self.acceleration,
             covariance=carry @ self.covariance @ carry.T,
             chi2_per_dof=self.chi2_per_dof,
+            drag_shift=carry @ self.drag_shift,
         )
 
 
@@ -72,12 +77,14 @@ def fit_flight(
     *,
     gravity: float,
     reference_s: float,
+    drag_per_m: float = 0.0,
 ) -> FlightPath:
     """Fit X = X0 + V tau + g tau^2 / 2 to all frames of one side.
 
     Gravity is known; leaving the acceleration free costs a factor of 3.6 in the error of the
-    velocity for nothing, since drag changes it by less than 2 mm/s in 6 ms. A coordinate whose
-    residuals exceed its stated errors has its covariance enlarged by that much, never reduced.
+    velocity for nothing, since drag changes it by less than 2 mm/s in 6 ms. What that much does
+    to the fit is told beside it (`FlightPath.drag_shift`). A coordinate whose residuals exceed its
+    stated errors has its covariance enlarged by that much, never reduced.
 
     Parameters
     ----------
@@ -92,17 +99,20 @@ def fit_flight(
         m/s^2 along +X.
     reference_s
         Time at which the result holds.
+    drag_per_m
+        Deceleration by drag over the square of the speed, 1/m.
     """
     tau = times_s - reference_s
     acceleration = gravity * DOWN
     straight = positions - 0.5 * acceleration * tau[:, None] ** 2
-    state, covariance = np.zeros((2, 3)), np.zeros((6, 6))
+    state, bend, covariance = np.zeros((2, 3)), np.zeros((2, 3)), np.zeros((6, 6))
     chi2, freedom = 0.0, 0
     slow = drift.covariance(times_s)
     for axis in range(3):
         seen = np.isfinite(sigmas[:, axis])
         spread = slow[np.ix_(seen, seen)]
         spread[np.diag_indices_from(spread)] += sigmas[seen, axis] ** 2
+        bend[:, axis], *_ = fit_line(tau[seen], 0.5 * tau[seen] ** 2, spread.copy())
         state[:, axis], inverse, axis_chi2 = fit_line(tau[seen], straight[seen, axis], spread)
         axis_freedom = int(seen.sum()) - 2
         chi2, freedom = chi2 + axis_chi2, freedom + axis_freedom
@@ -115,6 +125,7 @@ def fit_flight(
         acceleration=acceleration,
         covariance=covariance,
         chi2_per_dof=chi2 / freedom if freedom else float("nan"),
+        drag_shift=(-drag_per_m * np.linalg.norm(state[1]) * state[1] * bend).ravel(),
     )
 
 
@@ -193,4 +204,5 @@ def three_frame_flight(
         acceleration=state[2],
         covariance=covariance,
         chi2_per_dof=float("nan"),
+        drag_shift=np.zeros(6),
     )

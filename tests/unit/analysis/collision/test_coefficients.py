@@ -51,7 +51,7 @@ def path(name: str) -> FlightPath:
     # The velocities above hold at the touch.
     velocity = VELOCITIES[name] + GRAVITY * wait
     position = place + VELOCITIES[name] * wait + 0.5 * GRAVITY * wait**2
-    return FlightPath(REFERENCE_S, position, velocity, GRAVITY, covariance(), 1.0)
+    return FlightPath(REFERENCE_S, position, velocity, GRAVITY, covariance(), 1.0, np.zeros(6))
 
 
 def spin(name: str) -> Spin:
@@ -211,12 +211,55 @@ def test_without_surface_velocity_there_is_no_beta() -> None:
     assert impact.e.value == pytest.approx(-TRUE_V_N_AFTER / TRUE_V_N)
 
 
+def test_what_drag_does_to_all_paths_together_is_one_error_of_each_number() -> None:
+    def slowed(sphere: Motion, share: float) -> Motion:
+        # As a fit without drag: too fast before the contact, too slow after it.
+        def off(p: FlightPath, sign: float) -> FlightPath:
+            shift = sign * np.concatenate([-4e-6 * p.velocity, np.zeros(3)])
+            shift[3:] = sign * 3e-4 * p.velocity
+            return replace(
+                p,
+                position=p.position + share * shift[:3],
+                velocity=p.velocity + share * shift[3:],
+                covariance=1e-4 * p.covariance,
+                drag_shift=shift,
+            )
+
+        return replace(sphere, before=off(sphere.before, 1.0), after=off(sphere.after, -1.0))
+
+    def without_drag(sphere: Motion) -> Motion:
+        before, after = (replace(p, drag_shift=np.zeros(6)) for p in (sphere.before, sphere.after))
+        return replace(sphere, before=before, after=after)
+
+    still = slowed(motion("a"), 0.0), slowed(motion("b"), 0.0)
+    plain = measure_impact(without_drag(still[0]), without_drag(still[1]), RADII, 0.0)
+    with_drag = measure_impact(*still, RADII, 0.0)
+    moved = measure_impact(slowed(motion("a"), 1.0), slowed(motion("b"), 1.0), RADII, 0.0)
+    np.testing.assert_allclose(numbers(with_drag), numbers(plain))
+    added = np.sqrt(np.maximum(stated(with_drag) ** 2 - stated(plain) ** 2, 0.0))
+    np.testing.assert_allclose(added, np.abs(numbers(moved) - numbers(plain)), rtol=0.01, atol=1e-7)
+    # v_n too large and v_n' too small by 3e-4 each: e by twice that share of itself.
+    assert added[5] == pytest.approx(6e-4 * plain.e.value, rel=0.2)
+
+
 def test_paths_that_do_not_meet_say_how_near_they_come() -> None:
     a = FlightPath(
-        0.0, np.array([0.0, -0.05, 0.0]), np.array([0.0, 2.0, 0.0]), GRAVITY, np.eye(6), 1.0
+        0.0,
+        np.array([0.0, -0.05, 0.0]),
+        np.array([0.0, 2.0, 0.0]),
+        GRAVITY,
+        np.eye(6),
+        1.0,
+        np.zeros(6),
     )
     b = FlightPath(
-        0.0, np.array([0.03, 0.05, 0.0]), np.array([0.0, -2.0, 0.0]), GRAVITY, np.eye(6), 1.0
+        0.0,
+        np.array([0.03, 0.05, 0.0]),
+        np.array([0.0, -2.0, 0.0]),
+        GRAVITY,
+        np.eye(6),
+        1.0,
+        np.zeros(6),
     )
     with pytest.raises(NoTouchError) as miss:
         first_touch(a, b, RADII)

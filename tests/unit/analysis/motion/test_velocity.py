@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
 
 from analysis.motion.drift import Drift
 from analysis.motion.velocity import FlightPath, fit_flight, fit_line, three_frame_flight
@@ -84,6 +85,32 @@ def test_a_slow_error_is_followed_and_not_averaged_away() -> None:
     assert (stated > 2 * np.sqrt(np.diag(fit(true, sigmas).covariance))[3:]).all()
 
 
+@pytest.mark.parametrize("reference_s", [0.0, 9.5e-3])
+def test_a_fit_tells_how_far_drag_that_it_leaves_out_moves_it(reference_s: float) -> None:
+    drag_per_m = 0.05
+
+    def slowed(_: float, state: np.ndarray) -> np.ndarray:
+        velocity = state[3:]
+        drag = drag_per_m * np.linalg.norm(velocity) * velocity
+        return np.concatenate([velocity, G * DOWN - drag])
+
+    start = np.concatenate([POSITION, VELOCITY])
+    flight = solve_ivp(slowed, (0.0, 0.01), start, dense_output=True, rtol=1e-12, atol=1e-12).sol
+    path = fit_flight(
+        TIMES,
+        flight(TIMES).T[:, :3],
+        SIGMAS,
+        NO_DRIFT,
+        gravity=G,
+        reference_s=reference_s,
+        drag_per_m=drag_per_m,
+    )
+    off = np.concatenate([path.position, path.velocity]) - flight(reference_s)
+    # 0.22 m/s^2 over some 4 ms.
+    assert abs(off[4]) == pytest.approx(9e-4, rel=0.3)
+    np.testing.assert_allclose(path.drag_shift[[1, 4]], off[[1, 4]], rtol=0.05)
+
+
 def test_two_frames_give_a_line_without_freedom() -> None:
     path = fit_flight(
         TIMES[:2], flown(TIMES, 0.0)[:2], SIGMAS[:2], NO_DRIFT, gravity=G, reference_s=0.0
@@ -132,7 +159,7 @@ def test_a_path_moved_to_another_time_is_the_same_path(first: float, second: flo
 
 
 def test_a_path_falls_as_a_stone_does() -> None:
-    path = FlightPath(1.0, np.zeros(3), np.zeros(3), G * DOWN, np.eye(6), 1.0)
+    path = FlightPath(1.0, np.zeros(3), np.zeros(3), G * DOWN, np.eye(6), 1.0, np.zeros(6))
     position, velocity = path.at(1.5)
     np.testing.assert_allclose(position, (0.5 * G * 0.25, 0.0, 0.0))
     np.testing.assert_allclose(velocity, (0.5 * G, 0.0, 0.0))
