@@ -17,13 +17,18 @@ SMALL = 1e-3
 
 
 @compiled
-def pairs_near(rho: Floats, t: Floats, sigma: float, reach: float) -> tuple[Integers, Floats]:
+def pairs_near(
+    rho: Floats, shares: Floats, t: Floats, sigma: float, reach: float
+) -> tuple[Integers, Floats]:
     """Return the nodes near each radius, and the argument of the Bessel functions there.
 
     Parameters
     ----------
     rho, t
         Radii and nodes of the integral, both ascending.
+    shares
+        rho / sigma^2. Made here it would be two products a pair, whose order would hang on where
+        the arrays lie in memory (decision 0017).
     sigma, reach
         Of the blur, in radii; nodes nearer than so many of it are near.
 
@@ -42,10 +47,8 @@ def pairs_near(rho: Floats, t: Floats, sigma: float, reach: float) -> tuple[Inte
         count += behind - first
     argument, n = np.empty(count), 0
     for i in range(rho.size):
-        # One product a pair: of two, the order would hang on where the arrays lie in memory.
-        share = rho[i] / sigma**2
         for k in range(ends[i, 0], ends[i, 1]):
-            argument[n] = share * t[k]
+            argument[n] = shares[i] * t[k]
             n += 1
     return ends, argument
 

@@ -97,7 +97,7 @@ def blurred_profiles(sigma: float) -> Profiles:
     shapes = np.stack([t**f.power * height**f.height * measure for f in RADIALS], axis=1)
     reach = 1.0 + REACH_SIGMAS * sigma
     rho = np.linspace(0.0, reach, int(np.ceil(reach * COARSE_PER_SIGMA / sigma)) + 1)
-    ends, argument = pairs_near(rho, t, sigma, REACH_SIGMAS + 1.0)
+    ends, argument = pairs_near(rho, rho / sigma**2, t, sigma, REACH_SIGMAS + 1.0)
     bessel = np.asarray(i0e(argument)), np.asarray(i1e(argument))
     coarse = blur_radials((rho, t), ends, bessel, (shapes, ANGULAR), sigma)
     return Profiles(refined(coarse, rho[1], int(reach * STEPS_PER_RADIUS) + 1, STEPS_PER_RADIUS))
