@@ -7,9 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.cholesky import factor, gram, solve
-from analysis.compiled import compiled
 from analysis.motion.drift import Drift
+from analysis.motion.lines import fit_axes
 
 Floats = NDArray[np.float64]
 
@@ -105,73 +104,23 @@ def fit_flight(
     tau = times_s - reference_s
     acceleration = gravity * DOWN
     straight = positions - 0.5 * acceleration * tau[:, None] ** 2
-    state, bend, covariance = np.zeros((2, 3)), np.zeros((2, 3)), np.zeros((6, 6))
-    chi2, freedom = 0.0, 0
-    slow = drift.covariance(times_s)
+    state, bend, inverse, chi2, seen = fit_axes(
+        tau, straight, np.ascontiguousarray(sigmas), drift.covariance(times_s)
+    )
+    freedom = seen - 2
+    enlarged = inverse * np.maximum(1.0, chi2 / np.maximum(freedom, 1))[:, None, None]
+    covariance = np.zeros((2, 3, 2, 3))
     for axis in range(3):
-        seen = np.isfinite(sigmas[:, axis])
-        spread = slow[np.ix_(seen, seen)]
-        spread[np.diag_indices_from(spread)] += sigmas[seen, axis] ** 2
-        bend[:, axis], *_ = fit_line(tau[seen], 0.5 * tau[seen] ** 2, spread.copy())
-        state[:, axis], inverse, axis_chi2 = fit_line(tau[seen], straight[seen, axis], spread)
-        axis_freedom = int(seen.sum()) - 2
-        chi2, freedom = chi2 + axis_chi2, freedom + axis_freedom
-        enlarged = inverse * (max(1.0, axis_chi2 / axis_freedom) if axis_freedom else 1.0)
-        covariance[axis::3, axis::3] = enlarged
+        covariance[:, axis, :, axis] = enlarged[axis] if freedom[axis] else inverse[axis]
     return FlightPath(
         reference_s=reference_s,
         position=state[0],
         velocity=state[1],
         acceleration=acceleration,
-        covariance=covariance,
-        chi2_per_dof=chi2 / freedom if freedom else float("nan"),
+        covariance=covariance.reshape(6, 6),
+        chi2_per_dof=float(chi2.sum() / freedom.sum()) if freedom.any() else float("nan"),
         drag_shift=(-drag_per_m * np.linalg.norm(state[1]) * state[1] * bend).ravel(),
     )
-
-
-@compiled
-def fit_line(tau: Floats, values: Floats, spread: Floats) -> tuple[Floats, Floats, float]:
-    """Fit a straight line through values with correlated errors.
-
-    Parameters
-    ----------
-    tau, values
-        Shape (points,), at least 2.
-    spread
-        Covariance of the values, shape (points, points); its lower triangle is used up.
-
-    Returns
-    -------
-    Value at 0 and slope, shape (2,); their covariance, shape (2, 2); chi-squared.
-
-    Raises
-    ------
-    ValueError
-        The covariance is not positive definite, or all points have one time.
-    """
-    count = tau.size
-    if not factor(spread, count):
-        raise ValueError("the errors of a track must be positive and no two of them the same one")
-    # Each column over the errors' root: constant, time and value.
-    white, products = np.ones((3, count)), np.zeros((3, 3))
-    white[1], white[2] = tau, values
-    for column in white:
-        for a in range(count):
-            left = column[a]
-            for k in range(a):
-                left -= spread[a, k] * column[k]
-            column[a] = left / spread[a, a]
-    gram(white, np.ones(count), products)
-    normal, line, inverse = products[:2, :2].copy(), products[2, :2].copy(), np.eye(2)
-    if not factor(normal, 2):
-        raise ValueError("a line through one time has no slope: give two frames at least")
-    solve(normal, 2, line)
-    for k in range(2):
-        solve(normal, 2, inverse[k])
-    chi2 = 0.0
-    for a in range(count):
-        chi2 += (white[2, a] - line[0] * white[0, a] - line[1] * white[1, a]) ** 2
-    return line, inverse, chi2
 
 
 def three_frame_flight(

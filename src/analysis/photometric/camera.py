@@ -189,6 +189,26 @@ def moved_by(optics: Optics, view: int, centre: Floats) -> Floats:
 
 
 @compiled
+def place_covariances(optics: Optics, view: int, centres: Floats, covariances: Floats) -> Floats:
+    """Return the covariances of row and column in a view, px^2, shape (n, 2, 2).
+
+    Parameters
+    ----------
+    centres, covariances
+        m, shape (n, 3), and of centre and turn, m^2 and rad^2, shape (n, 6, 6).
+    """
+    places = np.zeros((centres.shape[0], 2, 2))
+    for n in range(centres.shape[0]):
+        moved = moved_by(optics, view, centres[n])
+        for a in range(2):
+            for b in range(2):
+                for i in range(3):
+                    for j in range(3):
+                        places[n, a, b] += moved[a, i] * covariances[n, i, j] * moved[b, j]
+    return places
+
+
+@compiled
 def keep_places(old: Optics, new: Optics, centres: Floats) -> None:
     """Move centres, m, shape (n, 3), so that another camera shows them in place.
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -209,12 +210,16 @@ def others_of(discs: Floats, sphere: int) -> Floats:
     -------
     Shape (..., V, 2 V - 1, 3).
     """
-    count = discs.shape[-2]
+    return np.take(discs, _of_others(discs.shape[-2], sphere), axis=-2)
+
+
+@lru_cache
+def _of_others(count: int, sphere: int) -> NDArray[np.intp]:
     views = count // 2
     kept = [
         [disc for disc in range(count) if disc != views * sphere + view] for view in range(views)
     ]
-    return np.ascontiguousarray(discs[..., kept, :])
+    return np.array(kept, dtype=np.intp)
 
 
 def fit_film(film: Film, known: Knowledge, limits: Floats) -> None:

@@ -14,7 +14,7 @@ from analysis.motion.drift import CENTRE_DRIFT_PER_SIGMA2
 from analysis.motion.pattern import Orientations
 from analysis.motion.poses import Centres
 from analysis.photometric.appearance import Knowledge
-from analysis.photometric.camera import moved_by
+from analysis.photometric.camera import place_covariances
 from analysis.photometric.facing_markers import facing_markers
 from analysis.photometric.film import Film
 from analysis.photometric.honesty import enlargement
@@ -78,15 +78,15 @@ def tracking_of(film: Film, known: Knowledge, times_s: Floats, gravity: float) -
 def _tracks(film: Film, known: Knowledge, sphere: int) -> dict[View, Track]:
     optics, views = known.camera.optics, known.camera.views
     discs, tracks = film.discs(known)[:, len(views) * sphere :], {}
+    frames = np.flatnonzero(film.placed[sphere])
+    centre, covariance = film.centre[sphere, frames], film.covariance[sphere, frames]
     for v, view in enumerate(views):
-        track = Track(view)
-        for k in map(int, np.flatnonzero(film.placed[sphere])):
-            row, column, radius = discs[k, v]
-            into = moved_by(optics, v, film.centre[sphere, k])
+        track, spread = Track(view), place_covariances(optics, v, centre, covariance)
+        for n, k in enumerate(frames.tolist()):
             errors = np.zeros((3, 3))
-            errors[:2, :2] = into @ film.covariance[sphere, k, :3, :3] @ into.T
-            circle = Circle(float(row), float(column), float(radius), errors)
-            track.outlines[k] = Outline(circle, 1.0, np.zeros((0, 2)))
+            errors[:2, :2] = spread[n]
+            row, column, radius = discs[k, v].tolist()
+            track.outlines[k] = Outline(Circle(row, column, radius, errors), 1.0, np.zeros((0, 2)))
         tracks[view] = track
     return tracks
 

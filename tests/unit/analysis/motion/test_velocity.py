@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from analysis.motion.drift import Drift
-from analysis.motion.velocity import FlightPath, fit_flight, fit_line, three_frame_flight
+from analysis.motion.velocity import FlightPath, fit_flight, three_frame_flight
 
 G = 9.80665
 DOWN = np.array([1.0, 0.0, 0.0])
@@ -163,30 +163,3 @@ def test_a_path_falls_as_a_stone_does() -> None:
     position, velocity = path.at(1.5)
     np.testing.assert_allclose(position, (0.5 * G * 0.25, 0.0, 0.0))
     np.testing.assert_allclose(velocity, (0.5 * G, 0.0, 0.0))
-
-
-@given(st.integers(2, 30), st.integers(0, 2**32 - 1))
-def test_a_line_through_correlated_values_is_that_of_generalised_least_squares(
-    points: int, seed: int
-) -> None:
-    rng = np.random.default_rng(seed)
-    tau, values = np.sort(rng.normal(size=points)), rng.normal(size=points)
-    root = rng.normal(size=(points, points))
-    spread = root @ root.T + np.eye(points)
-    design = np.stack([np.ones(points), tau], 1)
-    weight = np.linalg.inv(spread)
-    inverse = np.linalg.inv(design.T @ weight @ design)
-    expected = inverse @ design.T @ weight @ values
-    left = values - design @ expected
-    line, covariance, chi2 = fit_line(tau, values, spread.copy())
-    largest = float(np.abs(inverse).max())
-    np.testing.assert_allclose(line, expected, rtol=1e-6, atol=1e-8 * largest)
-    np.testing.assert_allclose(covariance, inverse, rtol=1e-6, atol=1e-9 * largest)
-    assert chi2 == pytest.approx(left @ weight @ left, rel=1e-6, abs=1e-9 * largest)
-
-
-def test_a_line_needs_two_times_and_errors_of_their_own() -> None:
-    with pytest.raises(ValueError, match="no slope"):
-        fit_line(np.ones(3), np.arange(3.0), np.eye(3))
-    with pytest.raises(ValueError, match="must be positive"):
-        fit_line(np.arange(3.0), np.arange(3.0), np.ones((3, 3)))
