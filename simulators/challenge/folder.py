@@ -22,6 +22,8 @@ _POSES = (
     *("sigma_x_m", "sigma_y_m", "sigma_z_m", "qw", "qx", "qy", "qz", "sigma_rot_rad"),
 )
 _SHOTS = ("shot", "time", "pressure_a_kpa", "pressure_b_kpa", "offset_mm", "temperature_c")
+_EXPOSURE, _FLASH_US = "exposure_us", 0.0
+"""A flash shows one instant."""
 _FIRST_SHOT = datetime(2026, 1, 1, 9, tzinfo=UTC)
 
 
@@ -33,7 +35,8 @@ def write_folder(folder: Path, campaign: Campaign) -> None:
     OSError
         The folder cannot be written.
     """
-    _describe(folder, campaign.settings)
+    _describe(folder)
+    _write(folder / "shots.csv", _SHOTS, _shots(campaign.settings))
     _write(folder / "poses.csv", _POSES, _poses(campaign))
 
 
@@ -45,18 +48,19 @@ def write_frames(folder: Path, settings: Settings, shots: Iterable[NDArray[np.ui
     OSError
         The folder cannot be written.
     """
-    _describe(folder, settings)
+    _describe(folder)
+    rows = ([*row, _FLASH_US] for row in _shots(settings))
+    _write(folder / "shots.csv", (*_SHOTS, _EXPOSURE), rows)
     (folder / "frames").mkdir()
     for shot, frames in enumerate(shots, start=1):
         path = folder / "frames" / f"{shot:04d}.tiff"
         tifffile.imwrite(path, frames, photometric="minisblack", metadata=None, compression="zlib")
 
 
-def _describe(folder: Path, settings: Settings) -> None:
+def _describe(folder: Path) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     description = campaign_toml(folder.name, WorldDescription(optics=OPTICS), FRAME_RATE_HZ)
     (folder / "campaign.toml").write_text(description, encoding="utf-8")
-    _write(folder / "shots.csv", _SHOTS, _shots(settings))
 
 
 def _write(path: Path, names: Iterable[str], rows: Iterable[Iterable[object]]) -> None:

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import csv
 from functools import cache
 from pathlib import Path
 
@@ -109,3 +110,7 @@ def test_a_challenge_in_frames_holds_no_poses_and_the_seal_of_the_same_label(
     assert tifffile.imread(frames / "frames/0003.tiff").shape == (24, 320, 400)
     sealed = [(tmp_path / name / "sealed.txt").read_bytes() for name in ("poses", "frames")]
     assert sealed[0] == sealed[1]
+    # Nothing is smeared, and no frame shows a contact while it lasts.
+    listed = csv.DictReader((frames / "shots.csv").read_text(encoding="utf-8").splitlines())
+    assert [float(row["exposure_us"]) for row in listed] == [0.0, 0.0, 0.0]
+    assert "exposure_us" not in (tmp_path / "poses" / "shots.csv").read_text(encoding="utf-8")
