@@ -3,7 +3,7 @@
 Perspective, a real mirror, strong side light, gloss broad and narrow, one lamp and two, cast
 shadows, uneven light, a bright and a blotched background, a lens out of focus, flicker, a full
 well, a bent response, dead rows, a shutter that is open from picture to picture, small and large
-spheres, each kind by itself and many at once, rendered by the
+spheres, faint markers, each kind by itself and many at once, rendered by the
 simulators with the scale unstated and measured by the photometric method. Prints the errors beside
 what is asked: e within 0.003 RMS for normals less than 37 degrees from the horizontal and within
 0.006 in the median over all, the scale within 0.15 % or within three of its stated errors; pulls
@@ -26,6 +26,7 @@ from analysis.campaign import analyse_campaign, read_campaign
 from analysis.imaging.views import View
 from analysis.shot import AnalysisOptions, MeasuredShot
 from simulators.world import WorldDescription, write_campaign
+from simulators.world.description import Sphere
 from simulators.world.lamp import Lamp
 from simulators.world.optics import Optics
 from simulators.world.sensor import Sensor
@@ -107,9 +108,18 @@ KINDS = {
     "flicker of 10 %": replace(BASE, lamp=MATT, flicker=0.1),
     "electrons": replace(BASE, lamp=MATT, sensor=Sensor(grey_per_electron=0.06)),
     "bent response": replace(BASE, lamp=MATT, sensor=Sensor(response=0.7)),
+    "markers of 40 %": replace(BASE, lamp=MATT),
+    "markers of 25 %": replace(BASE, lamp=MATT),
     "exposed for 0.99 ms": replace(BASE, exposure_s=9.9e-4),
     "everything": replace(BASE, distance_m=AWAY_M, lamp=EVERYTHING),
 }
+
+
+SPHERES = {
+    "markers of 40 %": Sphere(marker_reflectance=0.6),
+    "markers of 25 %": Sphere(marker_reflectance=0.75),
+}
+"""Of some kinds; 0.3 of the light is left by those of the others."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -198,7 +208,8 @@ def rendered(kind: str, folder: Path, shots: int, seed: int) -> Path:
     spread = np.random.default_rng(seed)
     pressures = spread.uniform(25, 100, shots).tolist()
     offsets = spread.uniform(0, 22, shots).tolist()
-    description = WorldDescription(optics=KINDS[kind])
+    sphere = SPHERES.get(kind, Sphere())
+    description = WorldDescription(optics=KINDS[kind], sphere_a=sphere, sphere_b=sphere)
     write_campaign(folder, pressures, offsets, seed, description=description, state_scale=False)
     return folder
 

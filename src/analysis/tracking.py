@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from analysis.errors import ShotRefusedError
 from analysis.imaging.assignment import LEAST_COVERAGE, follow
+from analysis.imaging.dark_places import FAINT_DARKNESS, LEAST_DARKNESS
 from analysis.imaging.discs import common_radius
 from analysis.imaging.film_discs import FilmDiscs
 from analysis.imaging.film_following import FilmCurves
@@ -130,18 +131,26 @@ def track_spheres(
     radii = shared_radii(discs, diameters) if for_a_start else view_radii(discs)
     bias = filter_bias(frames, discs, settings, noise)
 
-    def markers(discs: FilmDiscs) -> SeenMarkers:
+    def markers(discs: FilmDiscs, darkness: float) -> SeenMarkers:
         if for_a_start:
-            return markers_by_darkness(frames, noise, views, discs, radii)
+            return markers_by_darkness(frames, views, discs, radii, (darkness, noise))
         return markers_by_edges(curves, discs, radii)
 
-    seen = markers(discs)
-    orientations = _orientations(seen, times_s)
+    darkness = LEAST_DARKNESS
+    seen = markers(discs, darkness)
+    try:
+        orientations = _orientations(seen, times_s)
+    except ShotRefusedError as plainly:
+        if not for_a_start:
+            raise
+        darkness = FAINT_DARKNESS
+        seen = markers(discs, darkness)
+        orientations = _orientations_or(plainly, seen, times_s)
     standing = _standing(orientations[0], len(frames)), _standing(orientations[1], len(frames))
     known = Knowledge(radii, standing, marker_angle(seen, radii))
     discs = refine_outlines(curves, views, discs, known, settings.sigma_px)
     # Dark places depend on where the limb is; closed edges do not.
-    seen = markers(discs) if for_a_start else _again(seen, discs, radii)
+    seen = markers(discs, darkness) if for_a_start else _again(seen, discs, radii)
     orientations = _orientations(seen, times_s)
     if matching == "proximal":
         front = radii[View.FRONT]
@@ -222,6 +231,16 @@ def _start_radius(film: FilmEdges, setup: Setup) -> float:
 
 def _orientations(seen: SeenMarkers, times_s: Floats) -> tuple[Orientations, Orientations]:
     return orient(seen[0], times_s, "a"), orient(seen[1], times_s, "b")
+
+
+def _orientations_or(
+    plainly: ShotRefusedError, seen: SeenMarkers, times_s: Floats
+) -> tuple[Orientations, Orientations]:
+    """Return the orientations, or refuse the shot for the reason that it had before."""
+    try:
+        return _orientations(seen, times_s)
+    except ShotRefusedError:
+        raise plainly from None
 
 
 def _again(seen: SeenMarkers, discs: FilmDiscs, radii: Radii) -> SeenMarkers:

@@ -31,8 +31,9 @@ WIDEST, BLURRED_PX = 0.5, 2.6
 LIMB_PX = 1.5
 """So far inward the blur carries what lies beyond the limb, which may be brighter."""
 KEEP_OFF_PX = 2.0
-LEAST_DARKNESS = 0.25
-"""Share of the light that is missing; a marker's middle lacks 0.5 to 0.9 of it."""
+LEAST_DARKNESS, FAINT_DARKNESS = 0.25, 0.08
+"""Share of the light that is missing: the middle of a marker in ink lacks 0.5 to 0.9 of it. Less
+than the first are smudges and shading too; the second is for spheres that show nothing else."""
 BEYOND_NOISE = 2.5
 """In units of a pixel's noise, of which smoothing leaves 0.4; the largest of a window lies 1 above
 the mean."""
@@ -47,6 +48,7 @@ def find_dark_places(
     others: Sequence[Place] = (),
     *,
     noise: float,
+    least_darkness: float = LEAST_DARKNESS,
 ) -> tuple[Markers, NDArray[np.intp]]:
     """Find the dark places in the discs of one frame.
 
@@ -54,18 +56,21 @@ def find_dark_places(
     ----------
     noise
         Standard deviation of a pixel, grey levels.
+    least_darkness
+        Share of the light that is missing at least.
     discs, others
         As for `markers.find_markers`, and so is what is returned.
     """
     found = []
     for n, disc in enumerate(discs):
         beside = [other.place() for m, other in enumerate(discs) if m != n]
-        found.append(_in_disc(frame, disc, [*beside, *others], noise))
+        limits = least_darkness, noise
+        found.append(_in_disc(frame, disc, [*beside, *others], limits))
     return joined(found), np.cumsum([len(own) for own in found], dtype=np.intp)
 
 
 def _in_disc(
-    frame: NDArray[np.uint8], disc: SeenDisc, others: Sequence[Place], noise: float
+    frame: NDArray[np.uint8], disc: SeenDisc, others: Sequence[Place], least: tuple[float, float]
 ) -> Markers:
     radius_px = disc.radius_px
     place = *disc.place()[:2], radius_px
@@ -76,13 +81,13 @@ def _in_disc(
     corner = rows.start, columns.start
     if not free_light(np.require(frame, None, ["C", "W"]), corner, discs, free, light):
         return joined([])
-    missing, dark = _missing(free, light, radius_px, noise)
+    missing, dark = _missing(free, light, radius_px, least)
     count, names = cv2.connectedComponents(dark)
     weighed = weigh_places(missing, np.asarray(names, dtype=np.int32), count)
-    least = max(FEWEST_PX, SMALLEST * math.pi * radius_px**2)
+    smallest = max(FEWEST_PX, SMALLEST * math.pi * radius_px**2)
     found = []
     for area, _, row, column in weighed[1:].tolist():
-        if area < least:
+        if area < smallest:
             continue
         down, across = row + corner[0] - place[0], column + corner[1] - place[1]
         marker = _lifted((down / radius_px, across / radius_px), area, place)
@@ -102,12 +107,17 @@ def _patch(shape: tuple[int, ...], place: Place) -> tuple[slice, slice]:
 
 
 def _missing(
-    free: Singles, light: Singles, radius_px: float, noise: float
+    free: Singles, light: Singles, radius_px: float, least: tuple[float, float]
 ) -> tuple[Singles, NDArray[np.uint8]]:
     """Return the light that narrow dark places lack, grey levels, 0 elsewhere, and where it does.
 
     All that is not free counts as dark: a dark side between a bright one and a brighter
     background is no marker.
+
+    Parameters
+    ----------
+    least
+        Share of the light that is missing, and the noise of a pixel.
     """
     smooth, share = (
         np.asarray(cv2.GaussianBlur(x, (0, 0), SMOOTH_PX), np.float32) for x in (light, free)
@@ -115,7 +125,7 @@ def _missing(
     over_share(smooth, share, free)
     surface = cv2.morphologyEx(smooth, cv2.MORPH_CLOSE, _window(radius_px))
     missing, dark = np.asarray(surface, np.float32), np.empty(free.shape, np.uint8)
-    lacking(missing, smooth, free, (LEAST_DARKNESS, BEYOND_NOISE * noise), dark)
+    lacking(missing, smooth, free, (least[0], BEYOND_NOISE * least[1]), dark)
     return missing, dark
 
 

@@ -44,12 +44,18 @@ def _of_sphere(every: Markers, frame: NDArray[np.intp], shown: NDArray[np.bool_]
 
 def markers_by_darkness(
     frames: NDArray[np.uint8],
-    noise: float,
     views: tuple[ViewGeometry, ...],
     discs: FilmDiscs,
     radii: Radii,
+    least: tuple[float, float],
 ) -> SeenMarkers:
-    """Find the markers in every disc of a film as dark places (`dark_places`)."""
+    """Find the markers in every disc of a film as dark places (`dark_places`).
+
+    Parameters
+    ----------
+    least
+        Share of the light that they lack at least, and the noise of a pixel, grey levels.
+    """
     spheres = discs.tracks()
     seen: tuple[dict[int, Markers], dict[int, Markers]] = ({}, {})
     for k in map(int, np.flatnonzero(discs.found.any(axis=(0, 1)))):
@@ -61,7 +67,7 @@ def markers_by_darkness(
                 if outline is not None:
                     here.append(SeenDisc(outline, radii[geometry.view][i], geometry))
                     count[i] += 1
-        markers, ends = find_dark_places(frames[k], here, noise=noise)
+        markers, ends = find_dark_places(frames[k], here, noise=least[1], least_darkness=least[0])
         middle = int(ends[count[0] - 1]) if count[0] else 0
         for i, own in ((0, slice(0, middle)), (1, slice(middle, None))):
             if count[i]:

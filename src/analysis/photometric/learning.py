@@ -38,6 +38,9 @@ Floats = NDArray[np.float64]
 MOST_FRAMES = 10
 """Of a film: more tell little more of the spheres, and learning takes as much longer."""
 LIMITS = (60.0, 30.0, 15.0, 8.0, 6.0, 6.0)
+ORDINARY_DARKNESS = 0.6
+"""Of the markers that LIMITS are for."""
+FAINT_TURNS = 6
 MARKED_FROM = 2
 """Turns from which the markers tell the radius."""
 FINISH_LIMITS = np.array([40.0, 15.0, 6.0])
@@ -77,7 +80,7 @@ def learn(film: Film, start: Knowledge, *, hold_scale: bool) -> Knowledge:
     """
     film.refresh(start)
     few, known = film.picked(MOST_FRAMES), start
-    for turn, limit in enumerate(LIMITS):
+    for turn, limit in enumerate(_limits(start.spheres[0].darkness)):
         shading_limit = limit if turn else UNLIMITED
         marked = turn >= MARKED_FROM and tells_radius(known)
         inside = INSIDE if turn >= RELIEF_FROM else 1.0
@@ -96,6 +99,18 @@ def learn(film: Film, start: Knowledge, *, hold_scale: bool) -> Knowledge:
     fit_film(film, known, FINISH_LIMITS)
     film.refresh(known)
     return known
+
+
+def _limits(darkness: float) -> tuple[float, ...]:
+    """Return the limit of each turn.
+
+    What faint markers lack of the light must be beyond it as that of others is, or the shading
+    takes them for its own; and they part from it slowly.
+    """
+    if darkness >= ORDINARY_DARKNESS:
+        return LIMITS
+    nearer = (max(darkness / ORDINARY_DARKNESS * own, LIMITS[-1]) for own in LIMITS)
+    return *nearer, *LIMITS[-1:] * FAINT_TURNS
 
 
 def learn_together(films: Sequence[Film], start: Knowledge, *, hold_scale: bool) -> Knowledge:

@@ -26,7 +26,7 @@ from analysis.photometric.following import Follower
 from analysis.photometric.learning import extended, learn, learn_together
 from analysis.photometric.pose import fit_frames
 from analysis.photometric.result import tracking_of
-from analysis.photometric.start import first_film
+from analysis.photometric.start import LEAST_DARKNESS, first_film
 from analysis.setup import Setup
 from analysis.tracking import Tracking, track_spheres
 
@@ -121,9 +121,25 @@ def learned_film(
     if film.motion.any():
         known = known.sharpened(round_smear(film, known))
         known = _sharper([film], known, hold_scale=hold)
+    refuse_faint(known)
     settle_film(film, known, LAST_LIMIT)
     _finish(film, known)
     return film, known
+
+
+def refuse_faint(known: Knowledge) -> None:
+    """Refuse spheres whose markers came out as next to nothing: they tell no turn and no radius.
+
+    Raises
+    ------
+    ShotRefusedError
+        With the sphere and what its markers swallow.
+    """
+    for name, sphere in zip("ab", known.spheres, strict=True):
+        if sphere.darkness < LEAST_DARKNESS:
+            found = f"what was taken for markers of sphere {name} swallows"
+            share = f"{100 * sphere.darkness:.0f} % of the light, {100 * LEAST_DARKNESS:.0f} %"
+            raise ShotRefusedError("markers", f"{found} {share} are needed to learn from")
 
 
 def followed_film(

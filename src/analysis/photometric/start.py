@@ -13,6 +13,7 @@ from analysis.motion.rotation import rotation_matrix, rotation_vector
 from analysis.photometric.appearance import Knowledge, Sphere
 from analysis.photometric.camera import Camera, camera_of
 from analysis.photometric.film import Film, drop_outside
+from analysis.photometric.first_darkness import first_darkness
 from analysis.photometric.relief import nodes_for
 from analysis.photometric.saturation import refuse_full
 from analysis.photometric.shading import HARMONICS
@@ -23,8 +24,11 @@ from analysis.tracking import Tracking
 Floats = NDArray[np.float64]
 
 FIRST_BLUR_PX = 0.85
-FIRST_DARKNESS = 0.6
+FIRST_DARKNESS, FAINT = 0.6, 0.4
+"""Of markers in ink; those that lack less of the light are taken as they are seen."""
 SMALLEST_ALPHA = 0.06
+LEAST_DARKNESS = 0.1
+"""With less of it markers cannot be told from smudges of the surface."""
 EDGE_BIAS_PX = 0.5
 """Strong light from one side moves an edge by up to this much."""
 BEYOND = 3
@@ -70,10 +74,11 @@ def first_film(
     shading = np.zeros((len(views), len(HARMONICS)))
     shading[:, 0] = float(np.percentile(frames, 95))
     alpha = max(tracking.marker_angle, SMALLEST_ALPHA)
+    darkness = _first_guess(first_darkness(frames, tracking.markers))
     radius = float(camera.optics.scales[0] * setup.spheres[0].diameter_m / 2)
     reliefs = np.zeros((len(views), nodes_for(radius), nodes_for(radius)))
     spheres = [
-        Sphere(body.diameter_m / 2, turned.pattern, alpha, FIRST_DARKNESS, shading, reliefs)
+        Sphere(body.diameter_m / 2, turned.pattern, alpha, darkness, shading, reliefs)
         for body, turned in zip(setup.spheres, tracking.orientations, strict=True)
     ]
     known = Knowledge(
@@ -86,6 +91,13 @@ def first_film(
         smear_px2=np.zeros(len(views)),
     )
     return film, known
+
+
+def _first_guess(darkness: float | None) -> float:
+    """Return the darkness to begin with, where the markers seem to have this one."""
+    if darkness is None or darkness > FAINT:
+        return FIRST_DARKNESS
+    return max(darkness, LEAST_DARKNESS)
 
 
 def _carried(times_s: Floats, known: NDArray[np.intp], values: Floats) -> Floats:
