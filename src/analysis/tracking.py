@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Literal
+from dataclasses import dataclass, replace
+from typing import Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analysis.errors import ShotRefusedError
 from analysis.imaging.assignment import LEAST_COVERAGE, follow
-from analysis.imaging.dark_places import FAINT_DARKNESS, LEAST_DARKNESS
 from analysis.imaging.discs import common_radius
 from analysis.imaging.film_discs import FilmDiscs
 from analysis.imaging.film_following import FilmCurves
@@ -20,9 +19,8 @@ from analysis.imaging.frame import (
     gradient_threshold,
     noise_sd,
 )
-from analysis.imaging.radii import filter_bias, shared_radii, view_radii
+from analysis.imaging.radii import filter_bias, view_radii
 from analysis.imaging.refinement import Knowledge, refine_outlines
-from analysis.imaging.silhouettes import silhouettes
 from analysis.imaging.tracks import Spheres
 from analysis.imaging.views import View, view_geometries
 from analysis.motion.chained import orient_by_steps
@@ -33,7 +31,6 @@ from analysis.motion.sightings import (
     SeenMarkers,
     lifted_again,
     marker_angle,
-    markers_by_darkness,
     markers_by_edges,
 )
 from analysis.setup import Setup
@@ -45,7 +42,6 @@ Matching = Literal["pattern", "proximal"]
 SMALLEST_RADIUS_PX = 6.0
 FRAMES_FOR_RADIUS = 3
 SOME_ROWS = 16
-LEAST_COVERAGE_OF_A_START = 0.3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -95,81 +91,115 @@ def track_spheres(
     setup: Setup,
     settings: EdgeSettings,
     matching: Matching,
-    *,
-    for_a_start: bool = False,
 ) -> Tracking:
-    """Measure the poses of both spheres in every frame that shows them.
+    """Measure the poses of both spheres by edges, in every frame that shows them.
 
     The outlines are found twice: once plainly, and once the radius is known and the learned
     marker pattern says which stretches of the limb a marker cuts.
-
-    Parameters
-    ----------
-    for_a_start
-        Go on where a sphere shows less than most of its limb in every frame, and find the markers
-        as dark places instead of by their edges: coarser, but also beside highlights and where a
-        marker is a few pixels wide. Good enough to begin a rendering with.
 
     Raises
     ------
     ShotRefusedError
         With the step, the frame and the reason.
     """
-    views = view_geometries(setup.camera)
-    noise = noise_sd(frames)
-    threshold = settings.least_strength or gradient_threshold(noise, settings.sigma_px)
-    edges = FilmEdges(frames, settings, threshold)
-    least = LEAST_COVERAGE_OF_A_START if for_a_start else LEAST_COVERAGE
-    try:
-        discs, curves = _followed(edges, setup, least)
-    except ShotRefusedError as plainly:
-        if not for_a_start:
-            raise
-        discs, curves = _followed_by_motion(edges, noise, setup, plainly)
+    edges = film_edges(frames, settings)
+    discs, curves = followed_discs(edges, setup, LEAST_COVERAGE)
     refuse_repeats(frames, discs)
-    diameters = (setup.spheres[0].diameter_m, setup.spheres[1].diameter_m)
-    radii = shared_radii(discs, diameters) if for_a_start else view_radii(discs)
-    bias = filter_bias(frames, discs, settings, noise)
-
-    def markers(discs: FilmDiscs, darkness: float) -> SeenMarkers:
-        if for_a_start:
-            return markers_by_darkness(frames, views, discs, radii, (darkness, noise))
-        return markers_by_edges(curves, discs, radii)
-
-    darkness = LEAST_DARKNESS
-    seen = markers(discs, darkness)
-    try:
-        orientations = _orientations(seen, times_s)
-    except ShotRefusedError as plainly:
-        if not for_a_start:
-            raise
-        darkness = FAINT_DARKNESS
-        seen = markers(discs, darkness)
-        orientations = _orientations_or(plainly, seen, times_s)
-    standing = _standing(orientations[0], len(frames)), _standing(orientations[1], len(frames))
-    known = Knowledge(radii, standing, marker_angle(seen, radii))
-    discs = refine_outlines(curves, views, discs, known, settings.sigma_px)
-    # Dark places depend on where the limb is; closed edges do not.
-    seen = markers(discs, darkness) if for_a_start else _again(seen, discs, radii)
-    orientations = _orientations(seen, times_s)
+    radii = view_radii(discs)
+    rough = Sighting.of(markers_by_edges(curves, discs, radii), radii, times_s)
+    refined = refined_discs(discs, curves, rough, setup, settings)
+    # Closed edges stand where they are; where the limb is says what they are directed to.
+    again = tuple(lifted_again(own, refined, i, radii) for i, own in enumerate(rough.markers))
+    seen = Sighting.of((again[0], again[1]), radii, times_s)
     if matching == "proximal":
         front = radii[View.FRONT]
-        orientations = (
-            orient_by_steps(seen[0], front[0], "a"),
-            orient_by_steps(seen[1], front[1], "b"),
+        a, b = (
+            orient_by_steps(own, radius, name)
+            for own, radius, name in zip(seen.markers, front, "ab", strict=True)
         )
-    scales, scale_sigma = _scales(radii, bias, setup)
-    placed = [centres(discs, i, views, scales, settings.sigma_px) for i in (0, 1)]
+        seen = replace(seen, orientations=(a, b))
+    bias = filter_bias(frames, discs, settings, noise_sd(frames))
+    return tracking_of(refined, seen, setup, settings, bias)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sighting:
+    """The markers of both spheres, and how these stand by them.
+
+    Attributes
+    ----------
+    markers, orientations
+        Of a and b.
+    radii
+        Of a and b in each view, pixels.
+    """
+
+    markers: SeenMarkers
+    orientations: tuple[Orientations, Orientations]
+    radii: Radii
+
+    @classmethod
+    def of(cls, markers: SeenMarkers, radii: Radii, times_s: Floats) -> Self:
+        """Return the orientations of markers; raise `ShotRefusedError` where they tell none."""
+        a, b = (orient(own, times_s, name) for own, name in zip(markers, "ab", strict=True))
+        return cls(markers, (a, b), radii)
+
+    @property
+    def angle(self) -> float:
+        """Angular radius of the markers, radians; 0 where none is seen."""
+        return marker_angle(self.markers, self.radii)
+
+
+def film_edges(frames: NDArray[np.uint8], settings: EdgeSettings) -> FilmEdges:
+    """Return the edges of a film that stand out of its noise, found when they are asked for."""
+    least = settings.least_strength or gradient_threshold(noise_sd(frames), settings.sigma_px)
+    return FilmEdges(frames, settings, least)
+
+
+def followed_discs(
+    edges: FilmEdges, setup: Setup, least_coverage: float
+) -> tuple[FilmDiscs, FilmCurves]:
+    """Follow the discs of whatever radius the edges or the set-up tell (`assignment.follow`)."""
+    views, radius = view_geometries(setup.camera), _start_radius(edges, setup)
+    return follow(edges, views, radius, least_coverage=least_coverage)
+
+
+def refined_discs(
+    discs: FilmDiscs, curves: FilmCurves, seen: Sighting, setup: Setup, settings: EdgeSettings
+) -> FilmDiscs:
+    """Return the outlines without the stretches of the limb that markers cut."""
+    a, b = (_standing(own, discs.found.shape[-1]) for own in seen.orientations)
+    known = Knowledge(seen.radii, (a, b), seen.angle)
+    return refine_outlines(curves, view_geometries(setup.camera), discs, known, settings.sigma_px)
+
+
+def tracking_of(
+    discs: FilmDiscs,
+    seen: Sighting,
+    setup: Setup,
+    settings: EdgeSettings,
+    bias: dict[View, float],
+) -> Tracking:
+    """Return the poses; raise `ShotRefusedError` where the images contradict the stated scale.
+
+    Parameters
+    ----------
+    bias
+        By how much the filter enlarges a radius in each view, pixels.
+    """
+    views = view_geometries(setup.camera)
+    scales, scale_sigma = _scales(seen.radii, bias, setup)
+    a, b = (centres(discs, i, views, scales, settings.sigma_px) for i in (0, 1))
     return Tracking(
         spheres=discs.tracks(),
-        markers=seen,
-        marker_angle=marker_angle(seen, radii),
+        markers=seen.markers,
+        marker_angle=seen.angle,
         filter_sigma_px=settings.sigma_px,
-        radii=radii,
+        radii=seen.radii,
         scales_px_per_m=scales,
         scale_sigma=scale_sigma,
-        centres=(placed[0], placed[1]),
-        orientations=orientations,
+        centres=(a, b),
+        orientations=seen.orientations,
     )
 
 
@@ -190,30 +220,6 @@ def refuse_repeats(frames: NDArray[np.uint8], discs: FilmDiscs) -> None:
             raise ShotRefusedError("frames", "the same as the frame before, bit for bit", int(k))
 
 
-def _followed(edges: FilmEdges, setup: Setup, least: float) -> tuple[FilmDiscs, FilmCurves]:
-    """Follow the discs of whatever radius the edges or the set-up tell."""
-    views, radius = view_geometries(setup.camera), _start_radius(edges, setup)
-    return follow(edges, views, radius, least_coverage=least)
-
-
-def _followed_by_motion(
-    edges: FilmEdges, noise: float, setup: Setup, plainly: ShotRefusedError
-) -> tuple[FilmDiscs, FilmCurves]:
-    """Follow the discs that move before a scene with edges of its own.
-
-    Raises
-    ------
-    ShotRefusedError
-        The one given: they do not stand out by their motion either.
-    """
-    moving = silhouettes(edges.frames, noise)
-    least = gradient_threshold(noise_sd(moving), edges.settings.sigma_px)
-    try:
-        return _followed(FilmEdges(moving, edges.settings, least), setup, LEAST_COVERAGE_OF_A_START)
-    except ShotRefusedError:
-        raise plainly from None
-
-
 def _start_radius(film: FilmEdges, setup: Setup) -> float:
     """Return the discs' radius to about a pixel."""
     if setup.camera.scale_px_per_m is not None:
@@ -227,24 +233,6 @@ def _start_radius(film: FilmEdges, setup: Setup) -> float:
     largest = min(busiest[0].shape) / 2
     found = [common_radius(e.points, e.shape, SMALLEST_RADIUS_PX, largest, discs) for e in busiest]
     return float(np.median(found))
-
-
-def _orientations(seen: SeenMarkers, times_s: Floats) -> tuple[Orientations, Orientations]:
-    return orient(seen[0], times_s, "a"), orient(seen[1], times_s, "b")
-
-
-def _orientations_or(
-    plainly: ShotRefusedError, seen: SeenMarkers, times_s: Floats
-) -> tuple[Orientations, Orientations]:
-    """Return the orientations, or refuse the shot for the reason that it had before."""
-    try:
-        return _orientations(seen, times_s)
-    except ShotRefusedError:
-        raise plainly from None
-
-
-def _again(seen: SeenMarkers, discs: FilmDiscs, radii: Radii) -> SeenMarkers:
-    return lifted_again(seen[0], discs, 0, radii), lifted_again(seen[1], discs, 1, radii)
 
 
 def _standing(orientations: Orientations, frames: int) -> Floats:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from analysis.compiled import kept_on_disk
 from analysis.errors import ShotRefusedError
-from analysis.imaging.frame import EdgeSettings, noise_sd
+from analysis.imaging.frame import noise_sd
 from analysis.photometric.appearance import Knowledge
 from analysis.photometric.background import first_background
 from analysis.photometric.confirmation import shown_shares
@@ -22,13 +22,14 @@ from analysis.photometric.film import (
     settle_film,
     settle_without_shadows,
 )
+from analysis.photometric.first_tracking import first_tracking
 from analysis.photometric.following import Follower
 from analysis.photometric.learning import extended, learn, learn_together
 from analysis.photometric.pose import fit_frames
 from analysis.photometric.result import tracking_of
 from analysis.photometric.start import LEAST_DARKNESS, first_film
 from analysis.setup import Setup
-from analysis.tracking import Tracking, track_spheres
+from analysis.tracking import Tracking
 
 Floats = NDArray[np.float64]
 
@@ -106,14 +107,7 @@ def learned_film(
         With the step, the frame and the reason.
     """
     frames = filled(frames, noise_of(frames))
-    start = track_spheres(
-        frames,
-        times_s,
-        setup,
-        EdgeSettings(),
-        "pattern",
-        for_a_start=True,
-    )
+    start = first_tracking(frames, times_s, setup)
     film, guess = first_film(frames, times_s, start, setup)
     hold = setup.camera.scale_px_per_m is not None
     known = learn(film, guess, hold_scale=hold)
