@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from typing import Literal, Self
 
 import numpy as np
@@ -66,6 +67,13 @@ class Tracking:
         Relative standard error of the scale.
     centres, orientations
         Poses of a and b.
+    notes
+        Frames that show a sphere and hold no pose of it, and why; what else there is to say.
+    left_out
+        Those frames of a and b, with the reason.
+    learned_alone
+        The spheres did not look as they were known, and were learned from this shot by itself: its
+        body axes and its scale are its own.
     """
 
     spheres: Spheres
@@ -77,6 +85,9 @@ class Tracking:
     scale_sigma: float
     centres: tuple[Centres, Centres]
     orientations: tuple[Orientations, Orientations]
+    notes: tuple[str, ...] = ()
+    left_out: tuple[Mapping[int, str], Mapping[int, str]] = field(default_factory=lambda: ({}, {}))
+    learned_alone: bool = False
 
 
 MOST_SCALE_CONFLICT = 0.02

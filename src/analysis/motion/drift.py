@@ -23,6 +23,10 @@ the centre errors of eight shots of spheres with 16 markers: 0.05 px at sigma 1.
 """
 TURN_PER_CENTRE_ERROR = 1.5
 """An error of the centre tilts every marker's direction; both views together tilt by this much."""
+WIDTHS = 3.0
+"""Of a marker, by which a sphere turns until others stand where it stood: what light and pattern
+leave lasts about as long. Read off the offsets and slopes of 216 flights by the photometric method
+(docs/decisions/0022-tracks-end-where-they-tear.md)."""
 SHORTEST_S, LONGEST_S = 1e-3, 1.0
 
 
@@ -59,6 +63,6 @@ def turn_drift(filter_sigma_px: float, radius_px: float, memory_s: float) -> Dri
 
 
 def memory(marker_angle: float, spin_rad_per_s: float) -> float:
-    """Return the time in which a marker turns by its own width, s."""
+    """Return the time in which a marker turns by WIDTHS of its own, s."""
     width = max(2 * marker_angle, 0.05)
-    return float(np.clip(width / max(spin_rad_per_s, 1e-6), SHORTEST_S, LONGEST_S))
+    return float(np.clip(WIDTHS * width / max(spin_rad_per_s, 1e-6), SHORTEST_S, LONGEST_S))

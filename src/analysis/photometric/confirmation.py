@@ -90,17 +90,25 @@ def shown_shares(reel: Reel, frames: NDArray[np.intp], shown: Floats) -> None:
         shown[n, 0], shown[n, 1] = shown_share(sight, stance)
 
 
-def borne_out(sights: Iterable[tuple[Sight, Stance]], markers: int) -> NDArray[np.bool_]:
+def borne_out(
+    sights: Iterable[tuple[Sight, Stance]], markers: int, *, unseen: bool = True
+) -> NDArray[np.bool_]:
     """Tell which markers of a sphere its frames show; a shadow's edge may have passed for one.
+
+    Parameters
+    ----------
+    unseen
+        What to tell of those that never face a view.
 
     Returns
     -------
-    Shape (markers,); true for those that hardly face a view.
+    Shape (markers,).
     """
     shown, expected = np.zeros(markers), np.zeros(markers)
     for sight, stance in sights:
         add_shown(sight, stance, LEAST_CONTRAST, (shown, expected))
-    return np.asarray((shown >= LEAST_BORNE_OUT * expected) | (expected < LEAST_WEIGHT))
+    doubtful = (expected >= LEAST_WEIGHT) & (shown < LEAST_BORNE_OUT * expected)
+    return np.asarray(~doubtful & (unseen | (expected > 0.0)))
 
 
 def confirmed(reel: Reel, frames: NDArray[np.intp]) -> NDArray[np.bool_]:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from analysis.photometric.appearance import Knowledge
 from analysis.photometric.background import background_of
-from analysis.photometric.camera import Camera, Optics, discs_of, keep_places
+from analysis.photometric.camera import Optics, discs_of, keep_places
 from analysis.photometric.cast_shadows import mark_shadows
 from analysis.photometric.confirmation import confirmed
 from analysis.photometric.pose import fit_frames
@@ -22,6 +22,7 @@ from analysis.photometric.smear import (
     motion_through,
     round_variance,
 )
+from analysis.photometric.whereabouts import whereabouts
 
 Floats = NDArray[np.float64]
 
@@ -64,6 +65,11 @@ class Film:
     motion
         What each sphere moves, m, and turns by, rad, while the shutter is open, shape (2, F, 6); 0
         where no exposure is stated.
+    times_s, gravity
+        Of the frames, s, shape (F,), and m/s^2 along +X: they tell where spheres without a pose
+        are.
+    left_out
+        Frames of each sphere that show it and hold no pose to be believed, and why.
     """
 
     frames: NDArray[np.uint8]
@@ -78,9 +84,12 @@ class Film:
     quality: Floats
     placed: NDArray[np.bool_]
     motion: Floats
+    times_s: Floats
+    gravity: float
+    left_out: tuple[dict[int, str], dict[int, str]]
 
     @classmethod
-    def blank(cls, frames: NDArray[np.uint8], views: int) -> Film:
+    def blank(cls, frames: NDArray[np.uint8], views: int, times_s: Floats, gravity: float) -> Film:
         """Return a film without poses."""
         count = len(frames)
         lights = np.zeros((2, count, views, LIGHTS))
@@ -98,6 +107,9 @@ class Film:
             quality=np.zeros((2, count, 5)),
             placed=np.zeros((2, count), dtype=np.bool_),
             motion=np.zeros((2, count, 6)),
+            times_s=times_s,
+            gravity=gravity,
+            left_out=({}, {}),
         )
 
     def picked(self, most: int) -> Film:
@@ -105,14 +117,27 @@ class Film:
         both = np.flatnonzero(self.placed.all(axis=0))
         shown = both if len(both) else np.flatnonzero(self.placed.any(axis=0))
         few = shown[np.unique(np.linspace(0, len(shown) - 1, most).round().astype(np.intp))]
-        part = replace(self, frames=self.frames[few], shadowed=self.shadowed[few])
+        part = replace(
+            self,
+            frames=self.frames[few],
+            shadowed=self.shadowed[few],
+            times_s=self.times_s[few],
+        )
         for name in ("centre", "rotation", "lights", "covariance", "quality", "placed", "motion"):
             setattr(part, name, np.ascontiguousarray(getattr(self, name)[:, few]))
         return part
 
     def refresh(self, known: Knowledge) -> None:
-        """Take background and noise from the pixels that no disc comes near."""
-        self.background, self.noise = background_of(self.frames, self.discs(known))
+        """Take background and noise from the pixels that no disc comes near.
+
+        Nor one of a sphere that has no pose there (`whereabouts`).
+        """
+        self.background, self.noise = background_of(self.frames, self.discs_anywhere(known))
+
+    def leave_out(self, sphere: int, frames: NDArray[np.intp], reason: str) -> None:
+        """Take the poses of a sphere from some frames, and keep in mind why."""
+        self.placed[sphere, frames] = False
+        self.left_out[sphere].update(dict.fromkeys(frames.tolist(), reason))
 
     def set_motion(self, known: Knowledge, times_s: Floats, exposure_s: float | None) -> None:
         """Take what the spheres move by during an exposure from their poses, where one is stated.
@@ -147,6 +172,25 @@ class Film:
         placed = np.ascontiguousarray(self.placed[:, frames])
         return discs_of(known.camera.optics, centre, radii, placed)
 
+    def discs_anywhere(self, known: Knowledge) -> Floats:
+        """Return `discs` with those of spheres that have no pose in a frame (`whereabouts`).
+
+        As much larger as they may be elsewhere.
+        """
+        if self.placed.all():
+            return self.discs(known)
+        radii = np.array([sphere.radius_m for sphere in known.spheres])
+        anywhere = self.placed | np.any(self.placed, axis=1, keepdims=True)
+        there = [
+            whereabouts(*own, self.times_s, self.gravity)
+            for own in zip(self.centre, self.placed, strict=True)
+        ]
+        optics = known.camera.optics
+        discs = discs_of(optics, np.stack([centres for centres, _ in there]), radii, anywhere)
+        doubt = np.stack([own for _, own in there], axis=1)
+        discs[..., 2] += np.repeat(doubt, len(optics.scales), axis=1) * optics.scales[0]
+        return discs
+
     def reel(self, known: Knowledge, sphere: int) -> Reel:
         """Return the frames with the poses of a sphere, to be read or improved."""
         return Reel(
@@ -167,7 +211,7 @@ class Film:
 
     def _others(self, known: Knowledge, sphere: int) -> Floats:
         """Return `others_of` all frames, as wide as the other sphere's smear makes them."""
-        discs = self.discs(known)
+        discs = self.discs_anywhere(known)
         if self.motion.any():
             ways = np.linalg.norm(self.motion[:, :, :3], axis=2) / 2
             scales = known.camera.optics.scales
@@ -271,16 +315,6 @@ def take_out_shadows(film: Film, known: Knowledge, poses: NDArray[np.bool_] | No
         mark_shadows(film.reel(known, i), np.flatnonzero(chosen))
 
 
-def drop_outside(film: Film, camera: Camera) -> None:
-    """Take away poses whose centre lies outside the frame in the front view."""
-    rows, columns = film.frames.shape[1:]
-    everywhere = np.ones(film.placed.shape, dtype=np.bool_)
-    discs = discs_of(camera.optics, film.centre, np.zeros(2), everywhere)
-    place = discs[:, :: len(camera.views), :2].transpose(1, 0, 2)
-    inside = (place >= -0.5).all(axis=2) & (place <= [rows - 0.5, columns - 0.5]).all(axis=2)
-    film.placed &= inside
-
-
 def cost_of(quality: Floats, limit: float) -> Floats:
     """Return chi-squared a pixel, those rejected counted as far as the limit allows.
 
@@ -307,4 +341,6 @@ def drop_misfits(film: Film, known: Knowledge, limit: float) -> None:
             continue
         frames = np.flatnonzero(film.placed[i])
         sound = costs[i, frames] < MISFIT * np.median(costs[i, frames])
-        film.placed[i, frames] = sound & confirmed(film.reel(known, i), frames)
+        shown = confirmed(film.reel(known, i), frames)
+        film.leave_out(i, frames[~sound], "it looks much less like the sphere than other frames do")
+        film.leave_out(i, frames[sound & ~shown], "the markers are not where they should be")

@@ -11,10 +11,11 @@ from analysis.motion.turning import turn_between, turned
 from analysis.photometric.appearance import Knowledge
 from analysis.photometric.camera import disc_of
 from analysis.photometric.confirmation import confirmed
-from analysis.photometric.film import Film, cost_of, drop_outside, others_of
+from analysis.photometric.film import Film, cost_of, others_of
 from analysis.photometric.orientation_search import Found, search_orientation, turns
 from analysis.photometric.pose import fit_frames
 from analysis.photometric.sight import Reel, Scene, Sight, Stance
+from analysis.photometric.visibility import drop_unseen, seen_as_own
 from analysis.photometric.votes import peak_near, peaks, vote_map
 
 Floats = NDArray[np.float64]
@@ -36,6 +37,9 @@ GROWS, LOST = 1.1, 1.25
 SAME_COLUMN_PX = 2.0
 LEAST_APART = 2.3
 """Radii between the centres in the frame where the pair is looked for."""
+LEAST_INSIDE = 0.5
+"""Radii from the frame's edge to the centres there: a sphere that enters with half of itself would
+be lost again before its motion is known."""
 TRIED_FRAMES = 4
 LOOKED_AT = 4
 """Frames that are looked at before all are."""
@@ -78,7 +82,8 @@ class Follower:
         self._film.placed[:, first] = True
         for step in (1, -1):
             self._follow(first, step, times_s)
-        drop_outside(self._film, self._known.camera)
+        radii = np.array([sphere.radius_m for sphere in self._known.spheres])
+        drop_unseen(self._film, self._optics, radii)
 
     def _vote(self, frame: int) -> Single:
         if frame not in self._votes:
@@ -130,7 +135,7 @@ class Follower:
         votes = self._vote(k)
         split = self._front_from()
         front = peaks(votes[split:], 2, LEAST_APART * self._radius)
-        if len(front) < 2:
+        if len(front) < 2 or not all(self._well_inside(*place[:2]) for place in front):
             return None
         centres = np.zeros((2, 3))
         for centre, (row, column, _) in zip(centres, sorted(front, key=_column), strict=True):
@@ -141,6 +146,13 @@ class Follower:
                     return None
                 centre[2] = above
         return centres, min(share for _, _, share in front)
+
+    def _well_inside(self, row: float, column: float) -> bool:
+        """Tell of a place below the top view whether a disc there does not leave the frame soon."""
+        rows, columns = self._film.frames.shape[1:]
+        least = LEAST_INSIDE * self._radius
+        last = rows - 1 - self._front_from() - least
+        return bool(row <= last and least <= column <= columns - 1 - least)
 
     def _front_from(self) -> int:
         """Return the first row that can hold a centre of the front view."""
@@ -182,7 +194,10 @@ class Follower:
         return found
 
     def _follow(self, first: int, step: int, times_s: Floats) -> None:
-        """Follow both spheres to one end of the shot; one that leaves the frame is let go."""
+        """Follow both spheres to one end of the shot.
+
+        One that leaves the frame, or rises into what the mirror shows, is let go.
+        """
         film = self._film
         usual = [self._fit(i, first, FOLLOW_LIMITS) for i in (0, 1)]
         k = first + step
@@ -190,7 +205,9 @@ class Follower:
             here = [i for i in (0, 1) if film.placed[i, k - step]]
             for i in here:
                 self._predict(i, k, step, times_s)
-                film.placed[i, k] = self._inside(i, k)
+                film.placed[i, k] = True
+            seen = [seen_as_own(film, self._known, i, k) for i in here]
+            film.placed[here, k] = seen
             here = [i for i in here if film.placed[i, k]]
             for i in here:
                 cost = self._settle(i, k, step, times_s, LOST * usual[i])
@@ -263,8 +280,3 @@ class Follower:
             return True
         apart = (self._film.centre[0, k] - self._film.centre[1, k]) * self._optics.scales[1]
         return float(np.hypot(apart[1], apart[2])) > 2 * REACH_PX
-
-    def _inside(self, i: int, k: int) -> bool:
-        row, column, _ = disc_of(self._optics, 0, self._film.centre[i, k], 0.0)
-        rows, columns = self._film.frames.shape[1:]
-        return bool(-0.5 <= row <= rows - 0.5 and -0.5 <= column <= columns - 0.5)

@@ -51,6 +51,7 @@ INSIDE = 0.2
 """Of what the inside of a disc says of the shading, where a relief takes what is left there."""
 UNLIMITED = 1e3
 TOGETHER_LIMITS = (15.0, 8.0, 6.0, 6.0)
+SEARCH_TOGETHER = (0, 1)
 EXTENDING_LIMITS = (15.0, 6.0, 6.0)
 WIDEST_PX = 3.0
 LIMB_SCALE_SIGMA, MARKER_SCALE_SIGMA = 5e-3, 1e-3
@@ -119,8 +120,10 @@ def learn_together(films: Sequence[Film], start: Knowledge, *, hold_scale: bool)
     One film shows some markers only at the limb, and its radius is the less certain for it.
     """
     few = [unsmeared(film.picked(MOST_FRAMES), start) for film in films]
-    known = with_missed(few, start)
-    for limit in TOGETHER_LIMITS:
+    known = start
+    for turn, limit in enumerate(TOGETHER_LIMITS):
+        if turn in SEARCH_TOGETHER:
+            known = with_missed(few, known)
         known = without_false(few, known)
         marked = tells_radius(known)
         hold = hold_scale or marked
@@ -218,11 +221,18 @@ def with_missed(films: Sequence[Film], known: Knowledge) -> Knowledge:
     return replace(known, spheres=(a, b))
 
 
-def without_false(films: Sequence[Film], known: Knowledge) -> Knowledge:
-    """Return the knowledge without the markers that the frames do not bear out."""
+def without_false(films: Sequence[Film], known: Knowledge, *, unseen: bool = True) -> Knowledge:
+    """Return the knowledge without the markers that the frames do not bear out.
+
+    Parameters
+    ----------
+    unseen
+        Keep those that never face a view. What stands at the limb throughout a film may be no
+        marker, and other films that turn its place to the camera would be taken for strangers'.
+    """
     a, b = (
-        replace(s, markers=s.markers[borne_out(sights_of(films, known, i), len(s.markers))])
-        for i, s in enumerate(known.spheres)
+        replace(s, markers=s.markers[borne_out(sights, len(s.markers), unseen=unseen)])
+        for s, sights in ((s, sights_of(films, known, i)) for i, s in enumerate(known.spheres))
     )
     return replace(known, spheres=(a, b))
 

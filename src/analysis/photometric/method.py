@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from contextlib import suppress
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +24,7 @@ from analysis.photometric.film import (
 )
 from analysis.photometric.first_tracking import first_tracking
 from analysis.photometric.following import Follower
-from analysis.photometric.learning import extended, learn, learn_together
+from analysis.photometric.learning import extended, learn, learn_together, without_false
 from analysis.photometric.pose import fit_frames
 from analysis.photometric.result import tracking_of
 from analysis.photometric.start import LEAST_DARKNESS, first_film
@@ -39,6 +39,7 @@ SMEARED_ROUNDS = 3
 """Of learning once more from frames whose smear is taken out."""
 LEAST_SHARE_OF_FILM = 0.88
 """Median over a film's frames: the learned spheres show 0.96 to 1.01, others 0.7 to 0.85."""
+STANDARD_GRAVITY = 9.80665
 NOISE_FRAMES = 3
 """Of the first guess of the noise."""
 
@@ -69,8 +70,10 @@ def teach(shots: Sequence[Taught]) -> Knowledge | None:
         try:
             if known is None:
                 film, known = learned_film(frames, times_s, setup)
+                if len(shots) > 1:
+                    known = without_false([film], known, unseen=False)
             else:
-                film = followed_film(frames, times_s, known, setup.camera.exposure_s)
+                film = followed_film(frames, times_s, known, *_circumstances(setup))
         except ShotRefusedError:
             continue
         films.append(film)
@@ -141,6 +144,7 @@ def followed_film(
     times_s: Floats,
     known: Knowledge,
     exposure_s: float | None = None,
+    gravity: float = STANDARD_GRAVITY,
 ) -> Film:
     """Measure the poses of a pair that is known.
 
@@ -148,6 +152,8 @@ def followed_film(
     ----------
     exposure_s
         Time the shutter was open; None where it is not stated: then no smear is rendered.
+    gravity
+        m/s^2 along +X.
 
     Raises
     ------
@@ -155,7 +161,7 @@ def followed_film(
         No frame shows the spheres as they are known.
     """
     noise = noise_of(frames)
-    film = Film.blank(filled(frames, noise), len(known.camera.views))
+    film = Film.blank(filled(frames, noise), len(known.camera.views), times_s, gravity)
     film.background, film.noise = first_background(film.frames), noise
     Follower(film, known.smeared()).run(times_s)
     film.set_motion(known, times_s, exposure_s)
@@ -166,6 +172,10 @@ def followed_film(
     refuse_strangers(film, drawn)
     _finish(film, drawn)
     return film
+
+
+def _circumstances(setup: Setup) -> tuple[float | None, float]:
+    return setup.camera.exposure_s, setup.gravity_m_per_s2
 
 
 def _finish(film: Film, known: Knowledge) -> None:
@@ -241,15 +251,21 @@ def measure_poses(
     ShotRefusedError
         With the step, the frame and the reason.
     """
-    film = None
+    film, unlike = None, ""
     if known is not None:
         # Other spheres, or another place of the camera: then the shot speaks for itself.
-        with suppress(ShotRefusedError):
-            film = followed_film(frames, times_s, known, setup.camera.exposure_s)
+        try:
+            film = followed_film(frames, times_s, known, *_circumstances(setup))
+        except ShotRefusedError as refusal:
+            unlike = refusal.reason
     if film is None or known is None:
         film, known = learned_film(frames, times_s, setup)
     elif extend and (more := extended(film, known)) is not known:
         known = more
         settle_film(film, known, LAST_LIMIT)
         _finish(film, known)
-    return tracking_of(film, known, times_s, setup.gravity_m_per_s2), known
+    tracking = tracking_of(film, known, times_s, setup.gravity_m_per_s2)
+    if unlike:
+        alone = f"learned by itself, with body axes and a scale of its own: {unlike}"
+        tracking = replace(tracking, notes=(alone, *tracking.notes), learned_alone=True)
+    return tracking, known

@@ -10,6 +10,7 @@ from analysis.imaging.outlines import Outline
 from analysis.imaging.shells import Circle
 from analysis.imaging.tracks import Track
 from analysis.imaging.views import View
+from analysis.motion.cutting import cut_tears, notes_of, refuse_jumps
 from analysis.motion.drift import CENTRE_DRIFT_PER_SIGMA2
 from analysis.motion.pattern import Orientations
 from analysis.motion.poses import Centres
@@ -27,9 +28,9 @@ LEAST_FACING = 0.4
 MOST_PLACE, MOST_TURN_RAD = 0.2, 0.1
 """Errors, in radii and radians, beyond which a coordinate or a turn counts as not measured."""
 CONSTANT_Z_SIGMA_M = 1e-6
-SLOW_ERROR_PX = 0.004
-"""What shading and pattern leave, over the time in which a marker turns past, about this much; in
-light that the shading does not follow at the limb, `Knowledge.limb_px` on top."""
+SLOW_ERROR_PX = 0.002
+"""What shading and pattern leave while the same markers are seen, about this much; in light that
+the shading does not follow at the limb, `Knowledge.limb_px` on top."""
 ORDINARY_LIMB_PX = 0.025
 """In even light outline and markers differ by up to this much and no track shows it: shadows are
 beyond it now and then, gloss is by ten times."""
@@ -41,6 +42,7 @@ def tracking_of(film: Film, known: Knowledge, times_s: Floats, gravity: float) -
     The stated errors are those of the pixels, enlarged to the scatter about free flight
     (`honesty.enlargement`); the filter width given is that of an equal slow error.
     """
+    _cut_tears(film, known, times_s, gravity)
     markers = [_markers(film, known, i) for i in (0, 1)]
     raw = _centres(film, known, 0), _centres(film, known, 1)
     standing = _orientations(film, known, 0, markers[0]), _orientations(film, known, 1, markers[1])
@@ -72,7 +74,20 @@ def tracking_of(film: Film, known: Knowledge, times_s: Floats, gravity: float) -
         scale_sigma=known.scale_sigma,
         centres=(centres[0], centres[1]),
         orientations=(turned[0], turned[1]),
+        notes=(*notes_of("a", film.left_out[0]), *notes_of("b", film.left_out[1])),
+        left_out=film.left_out,
     )
+
+
+def _cut_tears(film: Film, known: Knowledge, times_s: Floats, gravity: float) -> None:
+    """Take away the poses that belong to no free flight on either side of the contact."""
+    centres = _centres(film, known, 0), _centres(film, known, 1)
+    touch_m = sum(sphere.radius_m for sphere in known.spheres)
+    off = cut_tears(centres, times_s, gravity, touch_m)
+    refuse_jumps(centres, off, touch_m)
+    for i, left_out in enumerate(off):
+        for k, reason in left_out.items():
+            film.leave_out(i, np.array([k]), reason)
 
 
 def _tracks(film: Film, known: Knowledge, sphere: int) -> dict[View, Track]:

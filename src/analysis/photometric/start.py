@@ -12,12 +12,13 @@ from analysis.imaging.views import View
 from analysis.motion.rotation import rotation_matrix, rotation_vector
 from analysis.photometric.appearance import Knowledge, Sphere
 from analysis.photometric.camera import Camera, camera_of
-from analysis.photometric.film import Film, drop_outside
+from analysis.photometric.film import Film
 from analysis.photometric.first_darkness import first_darkness
 from analysis.photometric.relief import nodes_for
 from analysis.photometric.saturation import refuse_full
 from analysis.photometric.shading import HARMONICS
 from analysis.photometric.shared import BENDS
+from analysis.photometric.visibility import drop_unseen
 from analysis.setup import Setup
 from analysis.tracking import Tracking
 
@@ -55,7 +56,7 @@ def first_film(
             raise ShotRefusedError("markers", f"{found}, {LEAST_TURNED} are needed to learn it")
     views = tuple(tracking.scales_px_per_m)
     camera = camera_of(setup.camera, np.array([tracking.scales_px_per_m[v] for v in views]))
-    film = Film.blank(frames, len(views))
+    film = Film.blank(frames, len(views), times_s, setup.gravity_m_per_s2)
     for i in (0, 1):
         centres = tracking.centres[i]
         for axis in range(3):
@@ -70,7 +71,8 @@ def first_film(
         first = max(int(centres.frames[0]) - BEYOND, 0)
         film.placed[i, first : int(centres.frames[-1]) + BEYOND + 1] = True
     camera = camera.with_origins(_agreeing_origins(camera, tracking, film))
-    drop_outside(film, camera)
+    radii = np.array([body.diameter_m / 2 for body in setup.spheres])
+    drop_unseen(film, camera.optics, radii)
     shading = np.zeros((len(views), len(HARMONICS)))
     shading[:, 0] = float(np.percentile(frames, 95))
     alpha = max(tracking.marker_angle, SMALLEST_ALPHA)

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from analysis.motion.drift import Drift
-from analysis.motion.velocity import FlightPath, fit_flight, three_frame_flight
+from analysis.motion.velocity import Drag, FlightPath, fit_flight, three_frame_flight
 
 G = 9.80665
 DOWN = np.array([1.0, 0.0, 0.0])
@@ -103,12 +103,39 @@ def test_a_fit_tells_how_far_drag_that_it_leaves_out_moves_it(reference_s: float
         NO_DRIFT,
         gravity=G,
         reference_s=reference_s,
-        drag_per_m=drag_per_m,
+        drag=Drag(sigma_per_m=drag_per_m),
     )
     off = np.concatenate([path.position, path.velocity]) - flight(reference_s)
     # 0.22 m/s^2 over some 4 ms.
     assert abs(off[4]) == pytest.approx(9e-4, rel=0.3)
     np.testing.assert_allclose(path.drag_shift[[1, 4]], off[[1, 4]], rtol=0.05)
+
+
+@pytest.mark.parametrize("reference_s", [0.0, 9.5e-3])
+def test_stated_drag_is_taken_out_of_the_flight(reference_s: float) -> None:
+    drag_per_m = 0.05
+
+    def slowed(_: float, state: np.ndarray) -> np.ndarray:
+        velocity = state[3:]
+        drag = drag_per_m * np.linalg.norm(velocity) * velocity
+        return np.concatenate([velocity, G * DOWN - drag])
+
+    start = np.concatenate([POSITION, VELOCITY])
+    flight = solve_ivp(slowed, (0.0, 0.01), start, dense_output=True, rtol=1e-12, atol=1e-12).sol
+
+    def fitted(drag: Drag) -> FlightPath:
+        seen = flight(TIMES).T[:, :3]
+        return fit_flight(
+            TIMES, seen, SIGMAS, NO_DRIFT, gravity=G, reference_s=reference_s, drag=drag
+        )
+
+    def off(path: FlightPath) -> np.ndarray:
+        return np.abs(np.concatenate([path.position, path.velocity]) - flight(reference_s))
+
+    known = off(fitted(Drag(drag_per_m, 0.1 * drag_per_m)))
+    assert (known[[1, 4]] < 0.03 * off(fitted(Drag()))[[1, 4]]).all()
+    shift = fitted(Drag(drag_per_m, 0.1 * drag_per_m)).drag_shift
+    np.testing.assert_allclose(shift, 0.1 * fitted(Drag(0.0, drag_per_m)).drag_shift, rtol=0.01)
 
 
 def test_two_frames_give_a_line_without_freedom() -> None:

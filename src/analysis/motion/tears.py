@@ -1,0 +1,163 @@
+"""Frames in which a track is no free flight any more: a law-free look from the contact outward.
+
+Each frame is foretold by a straight line, gravity taken out, through the last good ones. One that
+lies off by more than its errors, or is far less certain than its track, is bad; where three in a
+row are, the track is torn and ends.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.compiled import compiled, part
+
+Floats = NDArray[np.float64]
+Track = tuple[Floats, Floats, Floats]
+"""Time from the contact, s, shape (n,); centres with gravity taken out and their standard errors,
+m, shape (n, 3), infinite where a coordinate was not measured."""
+Told = NDArray[np.int64]
+
+WINDOW = 25
+"""Good frames that foretell the next."""
+LEAST, FIRST = 4, 6
+"""Frames next to the contact that begin, all of them good; if they are not, LEAST of FIRST."""
+MOST_SIGMAS, MOST_OFF_M = 6.0, 20e-6
+"""A frame may lie off by this many of its errors and this far more: what lasts in a track bends
+it a little."""
+LESS_CERTAIN = 6.0
+"""Times the median error of the good frames."""
+IN_A_ROW = 3
+SOUND, OFF, UNCERTAIN, BEYOND = 0, 1, 2, 3
+
+
+@compiled
+def torn(tau: Floats, straight: Floats, sigma: Floats) -> Told:
+    """Tell of the frames of one side of a contact, from it outward, which are sound.
+
+    Parameters
+    ----------
+    tau, straight, sigma
+        Of a `Track`.
+
+    Returns
+    -------
+    SOUND, OFF, UNCERTAIN or BEYOND the end of the track, shape (n,). All are SOUND where there are
+    fewer than LEAST.
+    """
+    count, track = tau.size, (tau, straight, sigma)
+    told = np.zeros(count, dtype=np.int64)
+    if count < LEAST:
+        return told
+    first = LEAST
+    if not begin(track, told, (0, first)):
+        first = min(FIRST, count)
+        told[:first] = SOUND
+        if not begin(track, told, (0, first)):
+            told[:] = BEYOND
+            return told
+    row = 0
+    for k in range(count):
+        if k >= first:
+            told[k] = judged(track, told, (0, k), k)
+        row = row + 1 if told[k] != SOUND else 0
+        if row == IN_A_ROW:
+            told[k - IN_A_ROW + 1 :] = BEYOND
+            break
+    return told
+
+
+@part
+def begin(track: Track, told: Told, among: tuple[int, int]) -> bool:
+    """Mark those of the first frames that do not lie on one line.
+
+    Parameters
+    ----------
+    among
+        Half-open range of the first frames.
+
+    Returns
+    -------
+    Whether LEAST of them do.
+    """
+    left = among[1] - among[0]
+    while left >= LEAST:
+        worst, which = 1.0, -1
+        for k in range(among[0], among[1]):
+            if told[k] == SOUND:
+                told[k] = OFF
+                beside = beyond(track, told, among, k)
+                told[k] = SOUND
+                if beside > worst:
+                    worst, which = beside, k
+        if which < 0:
+            return True
+        told[which] = OFF
+        left -= 1
+    return False
+
+
+@part
+def judged(track: Track, told: Told, among: tuple[int, int], k: int) -> int:
+    """Judge a frame by the good ones nearest to it in a half-open range on one side of it."""
+    if beyond(track, told, among, k) > 1.0:
+        return OFF
+    sigma = track[2]
+    near = np.empty(WINDOW)
+    for axis in range(3):
+        if not math.isfinite(sigma[k, axis]):
+            continue
+        found = 0
+        for n in range(among[1] - among[0]):
+            m = nearest(among, k, n)
+            if told[m] == SOUND and math.isfinite(sigma[m, axis]) and found < WINDOW:
+                near[found] = sigma[m, axis]
+                found += 1
+        if found >= LEAST and sigma[k, axis] > LESS_CERTAIN * np.median(near[:found]):
+            return UNCERTAIN
+    return SOUND
+
+
+@part
+def nearest(among: tuple[int, int], k: int, n: int) -> int:
+    """Return the n-th frame of a range, counted from the end that lies nearest frame k."""
+    return among[1] - 1 - n if among[1] <= k else among[0] + n
+
+
+@part
+def beyond(track: Track, told: Told, among: tuple[int, int], k: int) -> float:
+    """Return how far a frame lies off the line through others, in what it may; 0 without a line.
+
+    Parameters
+    ----------
+    told, among
+        The WINDOW frames nearest to it that are SOUND in this half-open range make the line.
+    """
+    tau, straight, sigma = track
+    most = 0.0
+    for axis in range(3):
+        if not math.isfinite(sigma[k, axis]):
+            continue
+        found, weight, first, second, value, product = 0, 0.0, 0.0, 0.0, 0.0, 0.0
+        for n in range(among[1] - among[0]):
+            m = nearest(among, k, n)
+            if told[m] != SOUND or not math.isfinite(sigma[m, axis]) or found == WINDOW:
+                continue
+            found += 1
+            own, late = sigma[m, axis] ** -2.0, tau[m] - tau[k]
+            weight += own
+            first += own * late
+            second += own * late * late
+            value += own * straight[m, axis]
+            product += own * late * straight[m, axis]
+        spread = weight * second - first * first
+        if found < LEAST - 1 or not spread > 0.0:
+            continue
+        # At the frame's own time the line's height is its constant.
+        expected = (second * value - first * product) / spread
+        error = math.sqrt(second / spread + sigma[k, axis] ** 2)
+        off = abs(straight[k, axis] - expected)
+        most = max(most, off / (MOST_SIGMAS * error + MOST_OFF_M))
+    return most
