@@ -32,8 +32,9 @@ DESCRIPTION = "campaign.toml"
 SHOT_LIST = "shots.csv"
 FRAMES = "frames"
 POSES = "poses.csv"
-TEACHING_SHOTS = 3
-"""Shots from which the photometric method learns the spheres before it measures any."""
+TEACHING_SHOTS = 6
+"""Shots from which the photometric method learns the spheres before it measures any: of three, some
+show a marker in no frame, and later shots that turn it to the camera are the worse for it."""
 AHEAD = 4
 """Shots under way for each process: results of no more are held."""
 

@@ -12,6 +12,7 @@ from collections.abc import Callable
 from queue import Empty, SimpleQueue
 
 from rigctl.analysis_process import (
+    AGAIN,
     CLOSE_WAIT_S,
     AnalysisFailedError,
     AnalysisProcess,
@@ -122,4 +123,7 @@ class Analyser:
                 why = str(error) if known else repr(error)
                 keeper.fail(before, why, AnalysisFailedError.code)
             return
+        again = result.pop(AGAIN, [])
         keeper.keep(before, result)
+        for other in again:
+            self.submit_by(str(other), method)

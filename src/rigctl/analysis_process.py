@@ -19,6 +19,8 @@ from rigctl.errors import RigError
 
 Json = dict[str, Any]
 CLOSE_WAIT_S = 5.0
+AGAIN = "again"
+"""Key of a result under which it names other shots to be analysed once more; it is not stored."""
 NICENESS = 5
 """Of the analysis: a fire request goes before it, and everything of lower priority after it."""
 

@@ -13,6 +13,7 @@ import json
 import logging
 import os
 import tempfile
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -75,6 +76,28 @@ class LearnedPairs:
             write_knowledge(file, known)
         os.replace(file.name, path)
         self._hold(path, path.stat().st_mtime_ns, known)
+
+    def teachers(self, campaign: str | None, setup: Setup) -> tuple[str, ...]:
+        """Return the shots that showed the pair so far, as many as it takes to learn it."""
+        try:
+            named = json.loads(self._path(campaign, setup).with_suffix(".json").read_bytes())
+        except (OSError, ValueError):
+            return ()
+        return tuple(map(str, named))
+
+    def keep_teachers(self, campaign: str | None, setup: Setup, shots: Sequence[str]) -> None:
+        """Let all processes know which shots showed the pair.
+
+        Raises
+        ------
+        OSError
+            It cannot be written.
+        """
+        path = self._path(campaign, setup).with_suffix(".json")
+        self._folder.mkdir(exist_ok=True)
+        with tempfile.NamedTemporaryFile("w", dir=self._folder, prefix=".", delete=False) as file:
+            json.dump(list(shots), file)
+        os.replace(file.name, path)
 
     def _hold(self, path: Path, stamp: int, known: Knowledge) -> None:
         self._held.pop(path, None)

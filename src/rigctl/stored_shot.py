@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import logging
 from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache
@@ -15,18 +14,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.document import overlay_document, shot_document
-from analysis.model.gather import measured_poses
-from analysis.setup import CameraSetup, Setup, SphereSetup
+from analysis.exchange.pose_writing import measured_poses
+from analysis.setup import DRAG_SIGMA, CameraSetup, Setup, SphereSetup
 from analysis.shot import AnalysisOptions, MeasuredShot, RefusedShot, analyse_shot
-from analysis.slow_errors import slow_errors
+from rigctl.analysis_process import AGAIN
 from rigctl.learned_pairs import LearnedPairs
+from rigctl.lesson import Lesson
 from rigctl.store.folders import read_pixels
 from rigctl.stored_poses import poses_document, slow_errors_document
 
 if TYPE_CHECKING:
     from analysis.photometric.appearance import Knowledge
-
-_log = logging.getLogger(__name__)
 
 Json = dict[str, Any]
 Floats = NDArray[np.float64]
@@ -44,17 +42,12 @@ def analyse_stored_shot(folder: Path, method: str) -> Json:
     Returns
     -------
     The result document (commands.md) with the shot's name, the method, the frame rate and,
-    when it was measured, the poses of both spheres and what to draw over each frame.
+    when it was measured, the poses of both spheres and what to draw over each frame. `AGAIN` names
+    shots that are worth another analysis, now that more is known of their spheres.
     """
     campaign = json.loads((folder / "manifest.json").read_bytes()).get("campaign")
-    pairs = pairs_beside(folder)
-
-    def measure(
-        frames: NDArray[np.uint8], times_s: Floats, setup: Setup, options: AnalysisOptions
-    ) -> MeasuredShot | RefusedShot:
-        return measured((frames, times_s), setup, options, pairs, campaign)
-
-    return _result(folder, method, measure)
+    lesson = Lesson(folder, campaign, pairs_beside(folder), read_stored_shot)
+    return {**_result(folder, method, lesson.measure), AGAIN: list(lesson.again)}
 
 
 @lru_cache(maxsize=1)
@@ -116,41 +109,9 @@ def _result(folder: Path, method: str, measure: Measure) -> Json:
     document = {**about, **shot_document(shot)}
     if isinstance(shot, MeasuredShot):
         document["poses"] = poses_document(measured_poses(shot))
-        # Pairs are taken up and learned on as shots come, so each result has axes of its own.
-        slow = replace(slow_errors(shot), one_body_frame=False)
-        document["slow_errors"] = slow_errors_document(slow)
+        document["slow_errors"] = slow_errors_document(shot.slow)
         document["overlay"] = overlay_document(shot)
     return document
-
-
-def measured(
-    film: tuple[NDArray[np.uint8], Floats],
-    setup: Setup,
-    options: AnalysisOptions,
-    pairs: LearnedPairs,
-    campaign: str | None,
-) -> MeasuredShot | RefusedShot:
-    """Measure a shot with what any process has learned of the spheres of its campaign.
-
-    The first shot teaches the photometric method; those that follow are only followed, and add
-    markers on sides that were not seen before. One that shows other spheres is learned from anew,
-    and teaches those after it.
-
-    Parameters
-    ----------
-    film
-        Frames and their times in s.
-    """
-    if options.method != "photometric":
-        return analyse_shot(*film, setup, options)
-    known = pairs.recall(campaign, setup)
-    shot = analyse_shot(*film, setup, options, known, extend=True)
-    if isinstance(shot, MeasuredShot) and shot.known is not None and shot.known is not known:
-        try:
-            pairs.remember(campaign, setup, shot.known)
-        except OSError as error:
-            _log.warning("other processes will learn these spheres anew: %s", error)
-    return shot
 
 
 def _exposed(manifest: Json) -> Setup:
@@ -188,6 +149,8 @@ def setup_of(manifest: Json) -> Setup:
         spheres=(a, b),
         gravity_m_per_s2=manifest["environment"]["gravity_m_per_s2"],
         air_density_kg_per_m3=manifest["environment"]["air_density_kg_per_m3"],
+        drag_coefficient=manifest["environment"].get("drag_coefficient"),
+        drag_sigma=manifest["environment"].get("drag_coefficient_sigma", DRAG_SIGMA),
     )
 
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from itertools import chain, islice
 from typing import Any
 
+from analysis.campaign import TEACHING_SHOTS
 from rigctl.analysis_process import AnalysisFailedError
 from rigctl.errors import NotFoundError, RigError
 from rigctl.reanalysis.pools import Pool
@@ -17,9 +18,6 @@ from rigctl.store import Change, ShotRecord, ShotState, Store
 
 Json = dict[str, Any]
 Say = Callable[[str, float | None], None]
-
-TEACHING_SHOTS = 3
-"""Shots from which the photometric method learns the spheres before it measures any."""
 
 FREE = frozenset({ShotState.STORED, ShotState.ANALYSED, ShotState.REFUSED})
 """States in which nobody else is about to write a result."""

@@ -4,18 +4,20 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
 
+import rigctl.lesson
 from analysis.campaign import THESIS_SETUP
 from analysis.photometric.appearance import Knowledge, Sphere
 from analysis.photometric.camera import camera_of
 from analysis.setup import Setup
 from analysis.shot import AnalysisOptions, MeasuredShot, RefusedShot
-from rigctl import stored_shot
 from rigctl.learned_pairs import LearnedPairs
+from rigctl.lesson import Lesson
 
 FRAMES, TIMES = np.zeros((6, 4, 4), np.uint8), np.linspace(0.0, 5e-3, 6)
 
@@ -34,26 +36,28 @@ class Analysis:
 
     def __init__(self) -> None:
         self.known: list[float | None] = []
+        self.extended: list[bool] = []
         self.shown = 0.5
         self.refuses = False
 
-    def __call__(self, *arguments: Any, extend: bool) -> MeasuredShot | RefusedShot:
-        assert extend
+    def __call__(self, *arguments: Any, extend: bool = False) -> MeasuredShot | RefusedShot:
+        self.extended.append(extend)
         known = arguments[4]
         self.known.append(None if known is None else known.spheres[0].darkness)
         if self.refuses:
             return RefusedShot("frames", "dark", None)
-        if known is None or known.spheres[0].darkness != self.shown:
+        alone = known is None or known.spheres[0].darkness != self.shown
+        if alone:
             known = lesson(self.shown)
         nothing: Any = None
-        empty = (nothing, nothing)
-        return MeasuredShot(nothing, empty, empty, nothing, TIMES, (), (), (), (), known)
+        empty, tracking = (nothing, nothing), cast("Any", SimpleNamespace(learned_alone=alone))
+        return MeasuredShot(nothing, empty, empty, tracking, TIMES, (), (), (), (), known)
 
 
 @pytest.fixture
 def analysis(monkeypatch: pytest.MonkeyPatch) -> Analysis:
     double = Analysis()
-    monkeypatch.setattr(stored_shot, "analyse_shot", double)
+    monkeypatch.setattr(rigctl.lesson, "analyse_shot", double)
     return double
 
 
@@ -68,9 +72,15 @@ def other_process(tmp_path: Path) -> LearnedPairs:
 
 
 def measure(
-    pairs: LearnedPairs, setup: Setup = THESIS_SETUP, campaign: str | None = "nylon"
-) -> None:
-    stored_shot.measured((FRAMES, TIMES), setup, AnalysisOptions(), pairs, campaign)
+    pairs: LearnedPairs,
+    setup: Setup = THESIS_SETUP,
+    campaign: str | None = "nylon",
+    shot: str = "20261123-000001",
+) -> Lesson:
+    folder = Path("shots/20261123") / shot
+    own = Lesson(folder, campaign, pairs, lambda _: (FRAMES, TIMES, setup))
+    own.measure(FRAMES, TIMES, setup, AnalysisOptions())
+    return own
 
 
 def test_the_spheres_of_a_campaign_are_learned_once(
@@ -118,6 +128,37 @@ def test_another_exposure_needs_no_other_lesson(analysis: Analysis, process: Lea
     assert analysis.known == [None, 0.5]
 
 
+def names(count: int) -> list[str]:
+    return [f"20261123-{n:06d}" for n in range(1, count + 1)]
+
+
+def test_six_shots_teach_together_and_the_first_five_are_measured_again(
+    analysis: Analysis, process: LearnedPairs, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    taught: list[int] = []
+
+    def teach(shots: list[Any]) -> Knowledge:
+        taught.append(len(shots))
+        analysis.shown = 0.9
+        return lesson(0.9)
+
+    monkeypatch.setattr("analysis.photometric.method.teach", teach)
+    again = [measure(process, shot=name).again for name in names(8)]
+    assert taught == [6]
+    assert again == [()] * 5 + [tuple(names(5))] + [()] * 2
+    assert analysis.known == [None, *[0.5] * 5, 0.9, 0.9, 0.9]
+    # Once the pair is known nothing more is learned: all shots have one body frame.
+    assert analysis.extended == [True] * 6 + [False] * 3
+
+
+def test_a_shot_that_is_measured_again_teaches_no_second_time(
+    analysis: Analysis, process: LearnedPairs
+) -> None:
+    for _ in range(9):
+        measure(process)
+    assert process.teachers("nylon", THESIS_SETUP) == (names(1)[0],)
+
+
 def test_a_refused_shot_teaches_nothing(analysis: Analysis, process: LearnedPairs) -> None:
     analysis.refuses = True
     measure(process)
@@ -144,8 +185,8 @@ def test_a_spoilt_lesson_is_told_and_learned_anew(
 def test_a_process_holds_few_lessons_and_reads_the_others_again(
     analysis: Analysis, process: LearnedPairs
 ) -> None:
-    names = [f"campaign {n}" for n in range(6)]
-    for name in [*names, *names]:
+    campaigns = [f"campaign {n}" for n in range(6)]
+    for name in [*campaigns, *campaigns]:
         measure(process, campaign=name)
     assert analysis.known == [None] * 6 + [0.5] * 6
 
