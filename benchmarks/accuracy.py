@@ -29,6 +29,8 @@ def errors_of(shot: MeasuredShot, truth: dict[str, Any]) -> tuple[list[float], l
     """Return the errors in the order of COLUMNS, and the pulls of all but the normal."""
     impact = shot.impact
     angle = np.degrees(np.arccos(min(1.0, float(impact.normal @ np.array(truth["normal"])))))
+    if impact.v_s is None or impact.v_s_after is None:
+        raise ValueError("too few orientations tell the spins")
     differences = [
         (impact.v_n, truth["v_n"]),
         (impact.e, -truth["v_n_after"] / truth["v_n"]),

@@ -8,6 +8,7 @@ import numpy as np
 
 from analysis.imaging.markers import Markers
 from analysis.imaging.views import View
+from analysis.quantity import Quantity
 from analysis.shot import MeasuredShot, RefusedShot
 
 Json = dict[str, Any]
@@ -30,20 +31,24 @@ def shot_document(shot: MeasuredShot | RefusedShot) -> Json:
         "status": "measured",
         "contact_time_s": impact.contact_time.value,
         "contact_time_sigma_s": impact.contact_time.sigma,
-        "contact_duration": None if impact.duration is None else impact.duration.to_json(),
+        "contact_duration": _told(impact.duration),
         "normal": [float(n) for n in impact.normal],
         "normal_sigma": [float(n) for n in impact.normal_sigma],
         "v_n": impact.v_n.to_json(),
-        "v_s": impact.v_s.to_json(),
+        "v_s": _told(impact.v_s),
         "v_n_after": impact.v_n_after.to_json(),
-        "v_s_after": impact.v_s_after.to_json(),
+        "v_s_after": _told(impact.v_s_after),
         "e": impact.e.to_json(),
-        "beta": None if impact.beta is None else impact.beta.to_json(),
+        "beta": _told(impact.beta),
         "frames_before": list(shot.used_before),
         "frames_after": list(shot.used_after),
         "scale_px_per_m": {v.value: s for v, s in shot.tracking.scales_px_per_m.items()},
         "notes": list(shot.notes),
     }
+
+
+def _told(quantity: Quantity | None) -> Json | None:
+    return None if quantity is None else quantity.to_json()
 
 
 def overlay_document(shot: MeasuredShot) -> list[Json]:

@@ -55,6 +55,10 @@ class SphereSetup:
     plate: bool = False
 
 
+MEMORY_RAD = 0.3
+"""Of the thesis's markers, 4 mm on a sphere of an inch."""
+
+
 @dataclass(frozen=True, slots=True)
 class SlowErrors:
     """Errors of poses that no scatter betrays, as they last through a flight or a campaign.
@@ -67,6 +71,9 @@ class SlowErrors:
     scale
         Relative standard error of the images' scale, by which lengths of all shots come out too
         long or too short together; 0: none is stated.
+    memory_rad
+        By how much a sphere turns while what the frames of a flight share lasts: what its markers
+        are wide.
     one_body_frame
         Whether orientations are of one body frame for each sphere in all shots, so that all share
         what a pattern stands off its sphere.
@@ -76,6 +83,7 @@ class SlowErrors:
     rotation_rad: float = 0.0
     scale: float = 0.0
     one_body_frame: bool = True
+    memory_rad: float = MEMORY_RAD
 
     @property
     def stated(self) -> bool:
@@ -84,6 +92,8 @@ class SlowErrors:
 
 
 NO_SLOW_ERRORS = SlowErrors()
+DRAG_SIGMA = 0.2
+"""Standard error of a stated drag coefficient where none is stated with it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +101,8 @@ class Setup:
     """Everything a shot's analysis needs beside its frames.
 
     `gravity_m_per_s2` acts along +X (down). Poses that were measured elsewhere may come with their
-    slow errors.
+    slow errors. `drag_coefficient` is that of the spheres in air, F = rho/2 Cd A v^2, with its
+    standard error; None: nobody stated it.
     """
 
     camera: CameraSetup
@@ -99,6 +110,8 @@ class Setup:
     gravity_m_per_s2: float = 9.80665
     air_density_kg_per_m3: float = 1.2
     slow: SlowErrors = NO_SLOW_ERRORS
+    drag_coefficient: float | None = None
+    drag_sigma: float = DRAG_SIGMA
 
 
 def without_exposure(setup: Setup) -> Setup:

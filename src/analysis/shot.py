@@ -13,7 +13,11 @@ from analysis.errors import ShotRefusedError
 from analysis.imaging.frame import EdgeSettings
 from analysis.motion.pattern import Orientations
 from analysis.motion.poses import Centres
-from analysis.setup import Setup
+from analysis.notes import measuring_notes
+from analysis.scene import Scene
+from analysis.setup import NO_SLOW_ERRORS, Setup, SlowErrors
+from analysis.shot_poses import ShotPoses
+from analysis.slow_errors import slow_errors
 from analysis.tracking import Matching, Tracking, track_spheres
 from analysis.two_sides import measure_two_sides
 
@@ -85,6 +89,8 @@ class MeasuredShot:
         What was left out, and why.
     known
         What the photometric method has learned of the spheres; it serves the next shot.
+    slow
+        How the poses err beside their scatter.
     """
 
     impact: Impact
@@ -97,6 +103,7 @@ class MeasuredShot:
     between: tuple[int, ...]
     notes: tuple[str, ...]
     known: Knowledge | None = None
+    slow: SlowErrors = NO_SLOW_ERRORS
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,7 +157,13 @@ def analyse_shot(
             known = None
         else:
             tracking, known = _photometric(frames, elapsed_s, setup, known, extend=extend)
-        sides = measure_two_sides(tracking, elapsed_s, setup, chosen.three_and_three)
+        slow = slow_errors(
+            tracking, one_body_frame=known is not None and not tracking.learned_alone
+        )
+        poses = ShotPoses.of_tracks(tracking.centres, tracking.orientations, elapsed_s)
+        sides = measure_two_sides(
+            poses, Scene.of(setup, slow), three_and_three=chosen.three_and_three
+        )
     except ShotRefusedError as refusal:
         return RefusedShot(refusal.step, refusal.reason, refusal.frame)
     return MeasuredShot(
@@ -162,8 +175,13 @@ def analyse_shot(
         used_before=sides.used_before,
         used_after=sides.used_after,
         between=sides.between,
-        notes=(*sides.notes, *_odd_times(elapsed_s, setup)),
+        notes=(
+            *tracking.notes,
+            *measuring_notes(tracking, setup, sides),
+            *_odd_times(elapsed_s, setup),
+        ),
         known=known,
+        slow=slow,
     )
 
 

@@ -10,23 +10,27 @@ import numpy as np
 from analysis.imaging.views import View
 from analysis.motion.drift import centre_drift, turn_drift
 from analysis.setup import Setup, SlowErrors
-from analysis.shot import MeasuredShot
+from analysis.tracking import Tracking
+
+NARROWEST_RAD = 0.05
+"""Of markers, where none is seen or they are points."""
 
 
-def slow_errors(shot: MeasuredShot) -> SlowErrors:
-    """Return the slow errors of a measured shot.
+def slow_errors(tracking: Tracking, *, one_body_frame: bool) -> SlowErrors:
+    """Return the slow errors of a tracked shot.
 
     The photometric method learns one pattern for a campaign, so that all shots have one body frame;
     the thesis's begins anew each time. The scale is off alike in all shots by either: one is
-    learned, or the same light shifts all outlines alike.
+    learned, or the same light shifts all outlines alike. A shot whose spheres did not look as they
+    were known has body axes of its own.
     """
-    tracking = shot.tracking
     width, scale = tracking.filter_sigma_px, tracking.scales_px_per_m[View.FRONT]
     return SlowErrors(
         position_m=centre_drift(width, scale, 1.0).sigma,
         rotation_rad=turn_drift(width, min(tracking.radii[View.FRONT]), 1.0).sigma,
         scale=tracking.scale_sigma,
-        one_body_frame=shot.known is not None,
+        one_body_frame=one_body_frame,
+        memory_rad=max(2 * tracking.marker_angle, NARROWEST_RAD),
     )
 
 
@@ -42,5 +46,6 @@ def typical(setup: Setup, errors: Sequence[SlowErrors]) -> Setup:
         rotation_rad=float(np.median([each.rotation_rad for each in errors])),
         scale=float(np.median([each.scale for each in errors])),
         one_body_frame=all(each.one_body_frame for each in errors),
+        memory_rad=float(np.median([each.memory_rad for each in errors])),
     )
     return replace(setup, slow=slow)

@@ -136,12 +136,13 @@ def stored_shot(campaign: str, files: MeasuredFiles) -> StoredShot:
     manifest, result = _read(files.manifest), _read(files.result)
     try:
         errors = result.get("slow_errors")
+        slow = None if errors is None else slow_errors_of(errors)
         return StoredShot(
             name=str(manifest["shot"]),
             row=_row(int(manifest["number"]), manifest, excluded=files.excluded),
-            spheres=poses_of(result["poses"]),
+            spheres=poses_of(result["poses"], slow),
             setup=setup_of(manifest),
-            slow=None if errors is None else slow_errors_of(errors),
+            slow=slow,
         )
     except (KeyError, TypeError, ValueError) as error:
         raise AnalysisInputError(

@@ -12,7 +12,7 @@ from dataclasses import asdict
 from typing import Any
 
 from analysis.exchange.pose_table import PoseRow
-from analysis.setup import SlowErrors
+from analysis.setup import MEMORY_RAD, SlowErrors
 
 Json = dict[str, Any]
 
@@ -39,8 +39,10 @@ def poses_document(spheres: Mapping[str, Sequence[PoseRow]]) -> list[Json]:
     ]
 
 
-def poses_of(document: Sequence[Mapping[str, Any]]) -> dict[str, list[PoseRow]]:
-    """Return the poses that `poses_document` wrote.
+def poses_of(
+    document: Sequence[Mapping[str, Any]], slow: SlowErrors | None = None
+) -> dict[str, list[PoseRow]]:
+    """Return the poses that `poses_document` wrote, with the slow errors of their shot.
 
     Raises
     ------
@@ -60,6 +62,7 @@ def poses_of(document: Sequence[Mapping[str, Any]]) -> dict[str, list[PoseRow]]:
                 position_sigma=(u, v, w),
                 quaternion=None if turned is None else _four(turned),
                 rotation_sigma=_stated(row["sigma_rot_rad"]),
+                slow=None if slow is None else (slow.position_m, slow.rotation_rad),
             )
         )
     return spheres
@@ -95,7 +98,9 @@ def slow_errors_of(document: Mapping[str, Any]) -> SlowErrors:
     return SlowErrors(
         position_m=float(document["position_m"]),
         rotation_rad=float(document["rotation_rad"]),
-        # Results of earlier versions do not say how well the scale is known.
+        # Results of earlier versions do not say how well the scale is known, nor how long errors
+        # last.
         scale=float(document.get("scale", 0.0)),
         one_body_frame=bool(document["one_body_frame"]),
+        memory_rad=float(document.get("memory_rad", MEMORY_RAD)),
     )

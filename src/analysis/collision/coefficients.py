@@ -16,18 +16,25 @@ from analysis.quantity import Quantity
 
 Floats = NDArray[np.float64]
 
+HELD = 2
+"""Of the shared errors, those that the covariance holds."""
+VELOCITIES, STATES = slice(4, 8), slice(10, 34)
+"""Where v_n, v_s, v_n', v_s' and where both states stand among the outcomes."""
 BETA_NEEDS_SIGMAS = 3.0
 """Below this many standard errors of v_s its ratio has no meaning and is not given."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Motion:
-    """Motion of one sphere on both sides of the contact, paths at one reference time."""
+    """Motion of one sphere on both sides of the contact, paths at one reference time.
+
+    A spin that too few orientations tell is None.
+    """
 
     before: FlightPath
     after: FlightPath
-    spin_before: Spin
-    spin_after: Spin
+    spin_before: Spin | None
+    spin_after: Spin | None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -45,11 +52,19 @@ class Impact:
     normal, normal_sigma
         Unit vector from a to b at first touch and its standard errors, rig axes, shape (3,).
     v_n, v_s, v_n_after, v_s_after
-        Section 7.1; v_n negative, v_n_after positive, v_s a length, v_s_after along it.
+        Section 7.1; v_n negative, v_n_after positive, v_s a length, v_s_after along it. Surface
+        velocities are None where a spin is not told.
     e, beta
         Restitution; beta is None where v_s is not told from zero.
+    covariance
+        Of v_n, v_s, v_n_after and v_s_after, (m/s)^2, shape (4, 4).
+    shared
+        What one standard error of each thing that all shots of a campaign share does to these four,
+        m/s, shape (5, 4): of the scale, of the air's drag, and of one sphere's outlines against the
+        other's along X, Y and Z. The covariance holds the first two (`HELD`); the outlines' stands
+        in it as an error of each flight.
     before, after
-        State just before and just after contact.
+        State just before and just after contact; a spin that is not told is not a number.
     state_sigma
         Standard errors of velocities (m/s) and spins (rad/s), before and after, shape (2, 4, 3)
         in the order velocity a, velocity b, spin a, spin b.
@@ -60,11 +75,13 @@ class Impact:
     normal: Floats
     normal_sigma: Floats
     v_n: Quantity
-    v_s: Quantity
+    v_s: Quantity | None
     v_n_after: Quantity
-    v_s_after: Quantity
+    v_s_after: Quantity | None
     e: Quantity
     beta: Quantity | None
+    covariance: Floats
+    shared: Floats
     before: ContactState
     after: ContactState
     state_sigma: Floats
@@ -113,13 +130,19 @@ def _wait(separation: Floats, relative: Floats, distance: Floats) -> Floats:
     return wait
 
 
-def measure_impact(a: Motion, b: Motion, radii: tuple[float, float], scale_sigma: float) -> Impact:
+def measure_impact(
+    a: Motion,
+    b: Motion,
+    radii: tuple[float, float],
+    scale_sigma: float,
+    offset_sigma: float = 0.0,
+) -> Impact:
     """Combine the motions of both spheres into the impact.
 
     The normal is taken at first touch on the incoming paths, not where the tracks have their
     kink: a contact of finite length turns it (P. Mueller and T. Poeschel, Granular Matter 14, 115
-    (2012)). Errors follow from those of the paths, the spins and the scale by the derivative of
-    the whole calculation. The drag of air, which is not taken out, is one of them (decision 0020).
+    (2012)). Errors follow from those of the paths, the spins, the scale and the drag of the air by
+    the derivative of the whole calculation.
 
     Parameters
     ----------
@@ -129,6 +152,9 @@ def measure_impact(a: Motion, b: Motion, radii: tuple[float, float], scale_sigma
         Of a and b, m.
     scale_sigma
         Relative standard error of the scale, common to all lengths.
+    offset_sigma
+        Standard error of the centres of b against those of a along each axis, m, before and after
+        contact alike.
 
     Raises
     ------
@@ -139,25 +165,30 @@ def measure_impact(a: Motion, b: Motion, radii: tuple[float, float], scale_sigma
     spins = (a.spin_before, b.spin_before, a.spin_after, b.spin_after)
     centre = np.concatenate(
         [np.concatenate([p.position, p.velocity]) for p in parts]
-        + [s.velocity for s in spins]
+        + [np.zeros(3) if s is None else s.velocity for s in spins]
         + [np.ones(1)]
     )
-    covariance = _block_diagonal(
+    own = _block_diagonal(
         [p.covariance for p in parts]
-        + [s.covariance for s in spins]
-        + [np.array([[scale_sigma**2]])]
+        + [np.zeros((3, 3)) if s is None else s.covariance for s in spins]
+        + [np.zeros((1, 1))]
     )
-    # Drag slows all four paths together.
-    drag = np.concatenate([*(p.drag_shift for p in parts), np.zeros(len(centre) - 24)])
-    covariance += np.outer(drag, drag)
+    # Drag slows all four paths together, and the scale is one for all lengths.
+    common = np.zeros((HELD + 3, len(centre)))
+    common[0, -1] = scale_sigma
+    common[1, :24] = np.concatenate([p.drag_shift for p in parts])
+    for axis in range(3):
+        common[HELD + axis, [6 + axis, 18 + axis]] = offset_sigma
+    covariance = own + common[:HELD].T @ common[:HELD]
     accelerations = np.array([p.acceleration for p in parts])
 
     def outcomes(states: Floats) -> Floats:
         return _outcomes(states, a.before.reference_s, accelerations, radii)
 
     jacobian = _derivative(outcomes, centre, np.sqrt(np.diag(covariance)))
-    sigma = np.sqrt(np.clip(np.diag(jacobian @ covariance @ jacobian.T), 0.0, None))
-    return _named(outcomes(centre[None])[0], sigma)
+    spread = jacobian @ covariance @ jacobian.T
+    told = np.array([s is not None for s in spins])
+    return _named(outcomes(centre[None])[0], spread, common @ jacobian.T, told)
 
 
 def _outcomes(
@@ -215,26 +246,42 @@ def _block_diagonal(blocks: list[Floats]) -> Floats:
     return whole
 
 
-def _named(values: Floats, sigma: Floats) -> Impact:
+def _named(values: Floats, spread: Floats, shared: Floats, told: NDArray[np.bool_]) -> Impact:
+    """Name the outcomes.
+
+    Parameters
+    ----------
+    values, spread
+        Shapes (35,) and (35, 35).
+    shared
+        What one standard error of each shared thing does to them, shape (5, 35).
+    told
+        Which spins are: of a and b before, of a and b after.
+    """
+    sigma = np.sqrt(np.clip(np.diag(spread), 0.0, None))
+    state, state_sigma = (part[STATES].reshape(2, 4, 3).copy() for part in (values, sigma))
+    for part in (state, state_sigma):
+        part[:, 2:][~told.reshape(2, 2)] = np.nan
+
     def quantity(i: int, unit: str) -> Quantity:
         return Quantity(float(values[i]), float(sigma[i]), unit)
 
-    before, after = (
-        ContactState(*(values[start : start + 12].reshape(4, 3))) for start in (10, 22)
-    )
-    told = values[5] > BETA_NEEDS_SIGMAS * sigma[5]
+    surface = bool(told.all())
+    above_zero = surface and values[5] > BETA_NEEDS_SIGMAS * sigma[5]
     return Impact(
         contact_time=quantity(0, "s"),
         duration=quantity(34, "s") if np.isfinite(sigma[34]) else None,
         normal=values[1:4],
         normal_sigma=sigma[1:4],
         v_n=quantity(4, "m/s"),
-        v_s=quantity(5, "m/s"),
+        v_s=quantity(5, "m/s") if surface else None,
         v_n_after=quantity(6, "m/s"),
-        v_s_after=quantity(7, "m/s"),
+        v_s_after=quantity(7, "m/s") if surface else None,
         e=quantity(8, "1"),
-        beta=quantity(9, "1") if told else None,
-        before=before,
-        after=after,
-        state_sigma=sigma[10:34].reshape(2, 4, 3),
+        beta=quantity(9, "1") if above_zero else None,
+        covariance=spread[VELOCITIES, VELOCITIES],
+        shared=shared[:, VELOCITIES],
+        before=ContactState(*state[0]),
+        after=ContactState(*state[1]),
+        state_sigma=state_sigma,
     )

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from analysis.exchange.rows import TableRow, read_rows
-from analysis.exchange.tables import CONTACTS
+from analysis.exchange.tables import CONTACT_SIGMAS, CONTACTS
 from analysis.exchange.tabulated import Tabulated, require_errors_alike, require_once
 
 NORMAL = ("nx", "ny", "nz")
@@ -29,7 +29,10 @@ class ContactRow(Tabulated):
     before, after
         Velocities of a and b, m/s, then spins of a and b, rad/s, in rig axes: 12 numbers each.
     sigma_v, sigma_w
-        Standard errors, m/s and rad/s; None: not stated.
+        Standard errors of velocities and spins, m/s and rad/s; None: not stated.
+    sigmas
+        Of each of the 24 numbers before and after, where it has one of its own; else None, and the
+        one of its kind holds.
     """
 
     normal: tuple[float, float, float]
@@ -37,6 +40,15 @@ class ContactRow(Tabulated):
     after: tuple[float, ...]
     sigma_v: float | None
     sigma_w: float | None
+    sigmas: tuple[float | None, ...] = (None,) * 24
+
+    @property
+    def errors(self) -> tuple[float | None, ...]:
+        """Standard errors of the 24 numbers, before and after."""
+        kinds = (*(self.sigma_v,) * 6, *(self.sigma_w,) * 6) * 2
+        return tuple(
+            kind if own is None else own for own, kind in zip(self.sigmas, kinds, strict=True)
+        )
 
 
 def read_contacts(path: Path, *, plate: bool) -> list[ContactRow]:
@@ -56,7 +68,7 @@ def read_contacts(path: Path, *, plate: bool) -> list[ContactRow]:
         twice; with the line.
     """
     needed = [name for name in CONTACTS if name not in SIGMAS]
-    rows = read_rows(path, needed, SIGMAS)
+    rows = read_rows(path, needed, (*SIGMAS, *CONTACT_SIGMAS))
     found = [_contact(row, plate=plate) for row in rows]
     require_once(rows, found)
     require_errors_alike(rows, [_without_error(contact, plate=plate) for contact in found])
@@ -78,7 +90,9 @@ def _contact(row: TableRow, *, plate: bool) -> ContactRow:
         raise row.fault(
             f"the bodies part at {-approach:.4g} m/s before contact, along the normal from a to b"
         )
-    return ContactRow(row.whole("shot"), normal, before, after, *map(row.sigma, SIGMAS))
+    sigma_v, sigma_w = map(row.sigma, SIGMAS)
+    own = tuple(map(row.sigma, CONTACT_SIGMAS))
+    return ContactRow(row.whole("shot"), normal, before, after, sigma_v, sigma_w, own)
 
 
 def _normal(row: TableRow) -> tuple[float, float, float]:
@@ -109,8 +123,11 @@ def _at_rest(state: Sequence[float]) -> tuple[float, ...]:
 
 def _without_error(contact: ContactRow, *, plate: bool) -> tuple[str, ...]:
     """Return the sigmas that are needed and not stated."""
-    own = slice(6, 9 if plate else 12)
-    spins = (*contact.before[own], *contact.after[own])
-    needed = SIGMAS[:1] if all(map(math.isnan, spins)) else SIGMAS
-    stated = dict(zip(SIGMAS, (contact.sigma_v, contact.sigma_w), strict=True))
-    return tuple(name for name in needed if stated[name] is None)
+    moving = [not plate or k % 6 < 3 for k in range(24)]
+    numbers = (*contact.before, *contact.after)
+    missing = [
+        k
+        for k, (value, sigma) in enumerate(zip(numbers, contact.errors, strict=True))
+        if moving[k] and sigma is None and not math.isnan(value)
+    ]
+    return tuple(dict.fromkeys(SIGMAS[k % 12 >= 6] for k in missing))

@@ -17,7 +17,7 @@ from pydantic import (
 
 from analysis.errors import InputError
 from analysis.exchange.faults import fault
-from analysis.setup import CameraSetup, Setup, SlowErrors, SphereSetup
+from analysis.setup import DRAG_SIGMA, MEMORY_RAD, CameraSetup, Setup, SlowErrors, SphereSetup
 
 FORMAT = 1
 N = TypeVar("N", int, float)
@@ -94,12 +94,15 @@ class _Sphere(_Strict):
 class _Environment(_Strict):
     gravity_m_per_s2: float = 9.80665
     air_density_kg_per_m3: Annotated[float, Field(ge=0)] = 1.2
+    drag_coefficient: Annotated[float | None, Field(ge=0)] = None
+    drag_coefficient_sigma: Annotated[float, Field(ge=0)] = DRAG_SIGMA
 
 
 class _Measurement(_Strict):
     slow_position_m: Annotated[float, Field(ge=0)] = 0.0
     slow_rotation_rad: Annotated[float, Field(ge=0)] = 0.0
     scale_sigma: Annotated[float, Field(ge=0, lt=1)] = 0.0
+    slow_memory_rad: Positive = MEMORY_RAD
     one_body_frame: bool = True
 
 
@@ -174,7 +177,10 @@ def _setup(description: _Description) -> Setup:
             rotation_rad=description.measurement.slow_rotation_rad,
             scale=description.measurement.scale_sigma,
             one_body_frame=description.measurement.one_body_frame,
+            memory_rad=description.measurement.slow_memory_rad,
         ),
+        drag_coefficient=description.environment.drag_coefficient,
+        drag_sigma=description.environment.drag_coefficient_sigma,
     )
 
 

@@ -10,11 +10,12 @@ from pathlib import Path
 
 from analysis.campaign import DESCRIPTION, SHOT_LIST, ShotJob
 from analysis.exchange.description import FORMAT
+from analysis.exchange.pose_writing import pose_writer
 from analysis.exchange.shot_list import ShotRow
-from analysis.exchange.tables import WriteShot, contact_writer, pose_writer
-from analysis.setup import Setup, SlowErrors
+from analysis.exchange.tables import WriteShot, contact_writer
+from analysis.setup import DRAG_SIGMA, Setup, SlowErrors
 from analysis.shot import MeasuredShot
-from analysis.slow_errors import slow_errors, typical
+from analysis.slow_errors import typical
 
 
 @contextmanager
@@ -46,7 +47,7 @@ def folder_writer(folder: Path, name: str, jobs: Sequence[ShotJob]) -> Iterator[
         def write(number: int, shot: MeasuredShot) -> None:
             write_poses(number, shot)
             write_contact(number, shot)
-            errors.append(slow_errors(shot))
+            errors.append(shot.slow)
 
         yield write
     setup = typical(next(iter(jobs)).setup, errors)
@@ -87,12 +88,17 @@ def description(name: str, setup: Setup) -> str:
         f"gravity_m_per_s2 = {setup.gravity_m_per_s2}",
         f"air_density_kg_per_m3 = {setup.air_density_kg_per_m3}",
     ]
+    if setup.drag_coefficient is not None:
+        lines.append(f"drag_coefficient = {setup.drag_coefficient}")
+    if setup.drag_coefficient is not None or setup.drag_sigma != DRAG_SIGMA:
+        lines.append(f"drag_coefficient_sigma = {setup.drag_sigma}")
     if setup.slow.stated or not setup.slow.one_body_frame:
         lines += [
             "[measurement]",
             f"slow_position_m = {setup.slow.position_m}",
             f"slow_rotation_rad = {setup.slow.rotation_rad}",
             f"scale_sigma = {setup.slow.scale}",
+            f"slow_memory_rad = {setup.slow.memory_rad}",
             f"one_body_frame = {json.dumps(setup.slow.one_body_frame)}",
         ]
     return "\n".join(lines) + "\n"

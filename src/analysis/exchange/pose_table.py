@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import groupby
 from pathlib import Path
 
 from analysis.exchange.numbers_seen import NumbersSeen
 from analysis.exchange.rows import TableRow, each_row, read_rows
-from analysis.exchange.tables import POSES
+from analysis.exchange.tables import POSES, POSES_SLOW
+from analysis.setup import SlowErrors
 
 _POSITION = ("x_m", "y_m", "z_m")
 _POSITION_SIGMA = ("sigma_x_m", "sigma_y_m", "sigma_z_m")
@@ -34,6 +35,9 @@ class PoseRow:
         Scalar first, body to rig axes, of length 1.
     rotation_sigma
         About each axis, rad; NaN: not stated.
+    slow
+        Size of what the frames of this flight share, of a coordinate in m and about each axis in
+        rad; None: as campaign.toml states it.
     """
 
     frame: int
@@ -42,10 +46,20 @@ class PoseRow:
     position_sigma: tuple[float, float, float]
     quaternion: tuple[float, float, float, float] | None
     rotation_sigma: float
+    slow: tuple[float, float] | None = None
 
 
 Spheres = dict[str, list[PoseRow]]
 """Rows of spheres a and b, in the order of their frames."""
+
+
+def own_slow_errors(spheres: Mapping[str, Sequence[PoseRow]], stated: SlowErrors) -> SlowErrors:
+    """Return the slow errors of one shot: as its rows have them, else as the campaign states."""
+    for rows in spheres.values():
+        for row in rows:
+            if row.slow is not None:
+                return replace(stated, position_m=row.slow[0], rotation_rad=row.slow[1])
+    return stated
 
 
 def read_poses(path: Path) -> dict[int, Spheres]:
@@ -58,7 +72,7 @@ def read_poses(path: Path) -> dict[int, Spheres]:
         negative, a quaternion that is not of length 1, a frame that stands twice; with the line.
     """
     rows: dict[int, list[TableRow]] = defaultdict(list)
-    for row in read_rows(path, POSES):
+    for row in read_rows(path, POSES, POSES_SLOW):
         rows[row.whole("shot")].append(row)
     return {shot: _spheres(own) for shot, own in sorted(rows.items())}
 
@@ -72,7 +86,7 @@ def each_shot(path: Path) -> Iterator[tuple[int, Spheres]]:
         As `read_poses`, and where the rows of a shot do not follow each other.
     """
     seen = NumbersSeen()
-    for shot, own in groupby(each_row(path, POSES), lambda row: row.whole("shot")):
+    for shot, own in groupby(each_row(path, POSES, POSES_SLOW), lambda row: row.whole("shot")):
         rows = list(own)
         if not seen.add(shot):
             raise rows[0].fault(
@@ -113,7 +127,11 @@ def _pose(row: TableRow) -> PoseRow:
         math.inf if p is None else math.nan if s is None else s
         for p, s in zip(place, sigma, strict=True)
     )
-    return PoseRow(row.whole("frame"), time, (x, y, z), (u, v, w), quaternion, turn_sigma)
+    place_slow, turn_slow = (row.number(name) for name in POSES_SLOW)
+    slow = None if place_slow is None or turn_slow is None else (place_slow, turn_slow)
+    if slow is not None and min(slow) < 0:
+        raise row.fault(f"{' and '.join(POSES_SLOW)}: {slow} are sizes, and not negative")
+    return PoseRow(row.whole("frame"), time, (x, y, z), (u, v, w), quaternion, turn_sigma, slow)
 
 
 def _orientation(row: TableRow) -> tuple[tuple[float, float, float, float] | None, float]:

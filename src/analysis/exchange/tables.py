@@ -1,4 +1,4 @@
-"""poses.csv and contacts.csv: what the analysis hands on."""
+"""The columns of poses.csv and contacts.csv, and writing the contacts of measured shots."""
 
 from __future__ import annotations
 
@@ -9,13 +9,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from analysis.collision.impact import ContactState
-from analysis.motion.rotation import quaternion
 from analysis.shot import MeasuredShot
 
 if TYPE_CHECKING:
     from _csv import Writer
+
+Floats = NDArray[np.float64]
 
 WriteShot = Callable[[int, MeasuredShot], object]
 """Adds a measured shot under its number."""
@@ -25,7 +27,11 @@ POSES = [
     *("x_m", "y_m", "z_m", "sigma_x_m", "sigma_y_m", "sigma_z_m"),
     *("qw", "qx", "qy", "qz", "sigma_rot_rad"),
 ]
+POSES_SLOW = ["slow_position_m", "slow_rotation_rad"]
+"""May stand in poses.csv: slow errors of a shot, in each of its rows, where they are its own."""
 _STATE = [f"{kind}{sphere}_{axis}" for kind in "vw" for sphere in "ab" for axis in "xyz"]
+CONTACT_SIGMAS = [f"sigma_{name}{suffix}" for suffix in ("", "_after") for name in _STATE]
+"""May stand in contacts.csv: standard errors of single numbers, m/s and rad/s."""
 CONTACTS = [
     "shot",
     "nx",
@@ -39,60 +45,44 @@ CONTACTS = [
 
 
 @contextmanager
-def pose_writer(path: Path) -> Iterator[WriteShot]:
-    """Give a function that adds a shot to poses.csv: one row for each sphere and frame.
-
-    What was not measured stays empty.
-    """
-    with _table(path, POSES) as table:
-        yield lambda number, shot: table.writerows(_poses(number, shot))
-
-
-@contextmanager
 def contact_writer(path: Path) -> Iterator[WriteShot]:
     """Give a function that adds a shot to contacts.csv: one row for each.
 
-    The sigmas are root mean squares over axes and spheres.
+    Beside the sigma of each number stand the root mean squares over axes and spheres. What was not
+    measured stays empty.
     """
-    with _table(path, CONTACTS) as table:
+    with table_writer(path, [*CONTACTS, *CONTACT_SIGMAS]) as table:
         yield lambda number, shot: table.writerow(_contact(number, shot))
 
 
 @contextmanager
-def _table(path: Path, names: list[str]) -> Iterator[Writer]:
+def table_writer(path: Path, names: list[str]) -> Iterator[Writer]:
+    """Give a CSV file with its heading written."""
     with path.open("w", newline="", encoding="utf-8") as file:
         table = csv.writer(file, lineterminator="\n")
         table.writerow(names)
         yield table
 
 
-def _poses(number: int, shot: MeasuredShot) -> Iterator[list[object]]:
-    times = shot.times_s - shot.times_s[0]
-    for name, centres, turned in zip("ab", shot.centres, shot.orientations, strict=True):
-        where = {int(k): i for i, k in enumerate(turned.frames)}
-        for k, position, sigma in zip(centres.frames, centres.position, centres.sigma, strict=True):
-            placed: list[object]
-            orientation: list[object] = [""] * 5
-            if (i := where.get(int(k))) is not None:
-                spread = float(np.sqrt(np.trace(turned.covariance[i]) / 3))
-                orientation = [*map(float, quaternion(turned.rotation[i])), spread]
-            seen = np.isfinite(sigma)
-            placed = [float(p) if ok else "" for p, ok in zip(position, seen, strict=True)]
-            placed += [float(s) if ok else "" for s, ok in zip(sigma, seen, strict=True)]
-            yield [number, int(k), float(times[k]), name, *placed, *orientation]
-
-
 def _contact(number: int, shot: MeasuredShot) -> list[object]:
     impact = shot.impact
-    spread = np.sqrt((impact.state_sigma**2).mean(axis=(0, 2)))
     return [
         number,
         *map(float, impact.normal),
-        *_numbers(impact.before),
-        *_numbers(impact.after),
-        float(np.sqrt((spread[:2] ** 2).mean())),
-        float(np.sqrt((spread[2:] ** 2).mean())),
+        *(_field(x) for state in (impact.before, impact.after) for x in _numbers(state)),
+        *(_field(_mean(impact.state_sigma[:, part])) for part in (slice(0, 2), slice(2, 4))),
+        *(_field(sigma) for sigma in impact.state_sigma.ravel()),
     ]
+
+
+def _mean(sigmas: Floats) -> float:
+    """Return the root mean square of those that are known, not a number where none is."""
+    known = sigmas[np.isfinite(sigmas)]
+    return float(np.sqrt((known**2).mean())) if known.size else float("nan")
+
+
+def _field(value: float) -> object:
+    return float(value) if np.isfinite(value) else ""
 
 
 def _numbers(state: ContactState) -> list[float]:

@@ -33,7 +33,7 @@ def require_once(rows: Sequence[TableRow], found: Sequence[Tabulated]) -> None:
 def require_errors_alike(rows: Sequence[TableRow], missing: Sequence[Sequence[str]]) -> None:
     """Require standard errors to be stated everywhere or nowhere.
 
-    What is not stated is estimated as one scale for the whole table, which a mixture would belie.
+    What is not stated is estimated as a scale for each channel, which a mixture would belie.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ def require_errors_alike(rows: Sequence[TableRow], missing: Sequence[Sequence[st
         if names and not all(map(_none_of_them, rows)):
             raise row.fault(
                 f"{names[0]}: not stated, where other errors are; state all of them, or none and "
-                "have one scale estimated"
+                "have them estimated"
             )
 
 

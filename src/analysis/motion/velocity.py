@@ -16,6 +16,17 @@ DOWN = np.array([1.0, 0.0, 0.0])
 """Gravity acts along +X."""
 
 
+@dataclass(frozen=True, slots=True)
+class Drag:
+    """Deceleration by the air over the square of the speed, 1/m: what is taken out, its error."""
+
+    per_m: float = 0.0
+    sigma_per_m: float = 0.0
+
+
+NO_DRAG = Drag()
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class FlightPath:
     """Free flight about a reference time.
@@ -27,14 +38,14 @@ class FlightPath:
     position, velocity
         m and m/s in rig axes, shape (3,).
     acceleration
-        m/s^2, shape (3,): gravity, or what three frames gave.
+        m/s^2, shape (3,): gravity and stated drag, or what three frames gave.
     covariance
         Of (position, velocity), shape (6, 6).
     chi2_per_dof
         Of the fit; 1 where the stated errors are right. Not a number without freedom.
     drag_shift
-        By how much drag that the fit leaves out moves (position, velocity), shape (6,): an error
-        that all paths of a shot have together.
+        By how much one standard error of the drag moves (position, velocity), shape (6,): an
+        error that all paths of a shot have together.
     """
 
     reference_s: float
@@ -76,14 +87,15 @@ def fit_flight(
     *,
     gravity: float,
     reference_s: float,
-    drag_per_m: float = 0.0,
+    drag: Drag = NO_DRAG,
 ) -> FlightPath:
-    """Fit X = X0 + V tau + g tau^2 / 2 to all frames of one side.
+    """Fit X = X0 + V tau + (g - k |V| V) tau^2 / 2 to all frames of one side.
 
-    Gravity is known; leaving the acceleration free costs a factor of 3.6 in the error of the
-    velocity for nothing, since drag changes it by less than 2 mm/s in 6 ms. What that much does
-    to the fit is told beside it (`FlightPath.drag_shift`). A coordinate whose residuals exceed its
-    stated errors has its covariance enlarged by that much, never reduced.
+    Gravity is known, and the drag k of the air as far as it is stated; leaving the acceleration
+    free costs a factor of 3.6 in the error of the velocity for nothing, since drag changes it by
+    less than 2 mm/s in 6 ms. What the error of k does to the fit is told beside it
+    (`FlightPath.drag_shift`). A coordinate whose residuals exceed its stated errors has its
+    covariance enlarged by that much, never reduced.
 
     Parameters
     ----------
@@ -98,15 +110,21 @@ def fit_flight(
         m/s^2 along +X.
     reference_s
         Time at which the result holds.
-    drag_per_m
-        Deceleration by drag over the square of the speed, 1/m.
+    drag
+        Of the air on this sphere.
     """
     tau = times_s - reference_s
     acceleration = gravity * DOWN
-    straight = positions - 0.5 * acceleration * tau[:, None] ** 2
-    state, bend, inverse, chi2, seen = fit_axes(
-        tau, straight, np.ascontiguousarray(sigmas), drift.covariance(times_s)
-    )
+    sigmas, lasting = np.ascontiguousarray(sigmas), drift.covariance(times_s)
+
+    def fitted() -> tuple[Floats, Floats, Floats, Floats, Floats]:
+        straight = positions - 0.5 * acceleration * tau[:, None] ** 2
+        return fit_axes(tau, straight, sigmas, lasting)
+
+    state, bend, inverse, chi2, seen = fitted()
+    if drag.per_m > 0.0:
+        acceleration = acceleration - drag.per_m * np.linalg.norm(state[1]) * state[1]
+        state, bend, inverse, chi2, seen = fitted()
     freedom = seen - 2
     enlarged = inverse * np.maximum(1.0, chi2 / np.maximum(freedom, 1))[:, None, None]
     covariance = np.zeros((2, 3, 2, 3))
@@ -119,7 +137,7 @@ def fit_flight(
         acceleration=acceleration,
         covariance=covariance.reshape(6, 6),
         chi2_per_dof=float(chi2.sum() / freedom.sum()) if freedom.any() else float("nan"),
-        drag_shift=(-drag_per_m * np.linalg.norm(state[1]) * state[1] * bend).ravel(),
+        drag_shift=(-drag.sigma_per_m * np.linalg.norm(state[1]) * state[1] * bend).ravel(),
     )
 
 

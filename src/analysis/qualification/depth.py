@@ -32,7 +32,7 @@ class BothWays:
         """
         with_mirror = getattr(self.measured_z, name).value
         change = getattr(self.constant_z, name).value - with_mirror
-        over = self.measured_z.v_s.value if name == "v_s_after" else with_mirror
+        over = getattr(self.measured_z, "v_s" if name == "v_s_after" else name).value
         return float(change / over)
 
 
@@ -59,6 +59,8 @@ def measure_both_ways(
         shot = analyse_shot(frames, times_s, known, options)
         if not isinstance(shot, MeasuredShot):
             return shot
+        if shot.impact.v_s is None:
+            return RefusedShot("rotation", "too few orientations tell the spins", None)
         impacts.append(shot.impact)
     return BothWays(*impacts)
 

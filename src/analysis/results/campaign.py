@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analysis.model.fit import fit_campaign
 from analysis.model.judged import Judged, judged
+from analysis.model.poses import PoseData
 from analysis.model.tables import ContactTable, Data
 from analysis.quantity import Quantity
 from analysis.results.from_poses import pose_impacts
@@ -63,7 +63,7 @@ def results(data: Data) -> Results:
         No shot has a measured impact.
     """
     found = judged(data)
-    impacts = _impacts(found)
+    impacts = _impacts(data, found)
     unusable = [LeftOut(number, NO_BOTH) for number in found.evidence.stated.unusable]
     each, lines = ratios(impacts), fit_lines(impacts)
     return Results(
@@ -89,20 +89,13 @@ def _far(impacts: Impacts, lines: Lines) -> tuple[LeftOut, ...]:
     )
 
 
-def _impacts(found: Judged) -> Impacts:
+def _impacts(data: Data, found: Judged) -> Impacts:
     """Measure the impacts of all shots, also of those that the fit to all poses leaves out.
 
-    That fit drops shots which are unlike its law; here no law may choose.
+    That fit drops shots and frames which are unlike its law; here no law may choose.
     """
-    evidence = found.evidence
-    stated = evidence.stated
-    if isinstance(stated, ContactTable):
-        return table_impacts(stated)
-    position, rotation = evidence.noise
-    scaled = stated.with_sigmas(position * stated.position_sigma, rotation * stated.rotation_sigma)
-    wild = np.zeros(scaled.times_s.shape, dtype=np.bool_)
-    rows = {int(shot): row for row, shot in enumerate(scaled.shots)}
-    for shot, frame in evidence.cleaned.frames:
-        wild[rows[shot], frame] = True
-    whole = scaled.without(wild)
-    return pose_impacts(whole, fit_campaign(whole, found.fit.theory))
+    if isinstance(data, PoseData):
+        return pose_impacts(data)
+    stated = found.evidence.stated
+    assert isinstance(stated, ContactTable)  # noqa: S101
+    return table_impacts(stated)

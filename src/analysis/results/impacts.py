@@ -11,12 +11,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.collision.coefficients import HELD
 from analysis.collision.operator import Body, gives
 
 Floats = NDArray[np.float64]
 
 V_N, V_S, V_N_AFTER, V_S_AFTER = range(4)
 """Where the velocities stand in a row."""
+SHARED = HELD + 3
 TOLD_SIGMAS = 3.0
 """An approach that is not so many standard errors from zero is no measured impact."""
 
@@ -42,6 +44,9 @@ class Impacts:
         number where spins, and with them v_s and v_s', were not measured.
     covariance
         Of these, (m/s)^2, shape (S, 4, 4).
+    shared
+        What one standard error of each thing that all shots share does to the velocities, m/s,
+        shape (S, SHARED, 4), as `analysis.collision.coefficients` orders them; None: none is known.
     lever
         By how much friction changes the surface velocity more than the velocity along: 1 + 1/K of
         the thesis, 3.5 for solid spheres.
@@ -54,6 +59,7 @@ class Impacts:
     covariance: Floats
     lever: float
     left_out: tuple[LeftOut, ...] = ()
+    shared: Floats | None = None
 
     @property
     def surface(self) -> NDArray[np.bool_]:
@@ -67,7 +73,21 @@ class Impacts:
             shots=self.shots[chosen],
             velocities=self.velocities[chosen],
             covariance=self.covariance[chosen],
+            shared=None if self.shared is None else self.shared[chosen],
         )
+
+    def apart(self) -> Impacts:
+        """Return the same with a covariance of what each shot errs by itself."""
+        if self.shared is None:
+            return self
+        held = self.shared[:, :HELD]
+        return replace(self, covariance=self.covariance - np.swapaxes(held, 1, 2) @ held)
+
+    def moved(self, error: int) -> Impacts:
+        """Return the same as one standard error of something shared would have it."""
+        if self.shared is None:
+            return self
+        return replace(self, velocities=self.velocities + self.shared[:, error])
 
     def without_surface(self) -> Impacts:
         """Return the same with the normal velocities alone."""
@@ -92,13 +112,14 @@ def told(
     velocities: Floats,
     covariance: Floats,
     bodies: tuple[Body, Body],
+    shared: Floats | None = None,
 ) -> Impacts:
     """Return the impacts whose normal velocities are measured; the others are left out, and named.
 
     Parameters
     ----------
-    velocities, covariance
-        Shapes (S, 4) and (S, 4, 4); a row without a finite v_n has no impact.
+    velocities, covariance, shared
+        Shapes (S, 4), (S, 4, 4) and (S, K, 4); a row without a finite v_n has no impact.
     """
     touching = np.isfinite(velocities[:, V_N])
     sigma = np.sqrt(np.where(touching, covariance[:, V_N, V_N], 0.0))
@@ -116,5 +137,10 @@ def told(
         left_out.append(LeftOut(int(shots[row]), reason))
     kept = approaching & parting
     return Impacts(
-        shots[kept], velocities[kept], covariance[kept], lever_of(bodies), tuple(left_out)
+        shots=shots[kept],
+        velocities=velocities[kept],
+        covariance=covariance[kept],
+        lever=lever_of(bodies),
+        left_out=tuple(left_out),
+        shared=None if shared is None else shared[kept],
     )

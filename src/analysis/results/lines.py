@@ -15,7 +15,7 @@ from scipy.stats import chi2 as chi2_distribution
 
 from analysis.collision.operator import WaltonLaw
 from analysis.quantity import Quantity
-from analysis.results.impacts import V_N, V_N_AFTER, V_S, V_S_AFTER, Impacts
+from analysis.results.impacts import SHARED, V_N, V_N_AFTER, V_S, V_S_AFTER, Impacts
 from analysis.results.likelihood import Likelihood, friction_reach, likelihood
 from analysis.results.minimum import minimum
 
@@ -51,13 +51,15 @@ class Lines:
     fitted
         Names of what the shots determine.
     covariance
-        Of these, in their order, as the shots' errors give it.
+        Of these, in their order, as the shots' own errors give it.
     held
         All shots against this law.
     used
         Which of them the fit used, shape (S,).
     chi2, freedom
         -2 log likelihood, and measured constraints less fitted parameters, of those.
+    shared
+        What errors that all shots share add to the covariance, which no scatter betrays.
     """
 
     law: WaltonLaw
@@ -67,6 +69,7 @@ class Lines:
     used: NDArray[np.bool_]
     chi2: float
     freedom: int
+    shared: Floats
 
     @property
     def p_value(self) -> float:
@@ -89,8 +92,9 @@ class Lines:
         return bool(np.isfinite(self.covariance).all())
 
     def parameters(self) -> dict[str, Quantity]:
-        """Return what the shots determine, errors enlarged by the scatter."""
-        sigma = self.scatter * np.sqrt(np.diag(self.covariance))
+        """Return what the shots determine, their own errors enlarged by the scatter."""
+        whole = self.scatter**2 * self.covariance + self.shared
+        sigma = np.sqrt(np.diag(whole))
         return {
             name: Quantity(getattr(self.law, name), float(s), "1")
             for name, s in zip(self.fitted, sigma, strict=True)
@@ -104,6 +108,9 @@ class TooFewShotsError(ValueError):
 def fit_lines(impacts: Impacts) -> Lines:
     """Fit e, mu and beta0 to all impacts.
 
+    Shots are weighed by what each errs by itself; what an error that all share does to the whole
+    is added to the errors of the result.
+
     Raises
     ------
     TooFewShotsError
@@ -111,13 +118,30 @@ def fit_lines(impacts: Impacts) -> Lines:
     """
     if len(impacts.shots) == 0:
         raise TooFewShotsError("no shot of this campaign has a measured impact")
-    first = _of_all(impacts)
+    own = impacts.apart()
+    first = _of_all(own)
     near = ~_far(first)
     if near.all():
-        return first
-    second = _of_all(impacts.of_shots(near))
-    known = impacts if len(second.fitted) > 1 else impacts.without_surface()
-    return replace(second, held=likelihood(known, second.law), used=near)
+        return _with_shared(first, own)
+    second = _of_all(own.of_shots(near))
+    known = own if len(second.fitted) > 1 else own.without_surface()
+    held = replace(second, held=likelihood(known, second.law), used=near)
+    return _with_shared(held, own)
+
+
+def _with_shared(found: Lines, own: Impacts) -> Lines:
+    """Add what each shared error, one standard error of it, does to the fit."""
+    if own.shared is None or not found.determined:
+        return found
+    used = own.of_shots(found.used)
+    known = used if len(found.fitted) > 1 else used.without_surface()
+    shared = np.zeros_like(found.covariance)
+    here = np.array([getattr(found.law, name) for name in found.fitted])
+    for error in range(SHARED):
+        law = _fitted(known.moved(error), found.law, found.fitted).law
+        change = np.array([getattr(law, name) for name in found.fitted]) - here
+        shared += np.outer(change, change)
+    return replace(found, shared=shared)
 
 
 def _far(found: Lines) -> NDArray[np.bool_]:
@@ -224,4 +248,5 @@ def _fitted(impacts: Impacts, start: WaltonLaw, names: tuple[str, ...]) -> Lines
         used=np.ones(len(impacts.shots), dtype=np.bool_),
         chi2=float(held.chi2.sum()),
         freedom=told - len(names),
+        shared=np.zeros_like(curvature),
     )

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.collision.coefficients import BETA_NEEDS_SIGMAS
 from analysis.results.impacts import V_N, V_N_AFTER, V_S, V_S_AFTER, Impacts
 
 Floats = NDArray[np.float64]
@@ -33,7 +34,7 @@ class Ratios:
     e
         Normal restitution, -v_n' / v_n.
     beta
-        Rotational restitution, -v_s' / v_s.
+        Rotational restitution, -v_s' / v_s; not a number where v_s is not told from zero.
     f
         Impulse across over impulse along the normal, (v_s - v_s') / ((1 + 1/K) (v_n' - v_n)): the
         coefficient of friction where the contact slides, less where it sticks.
@@ -55,13 +56,17 @@ def ratios(impacts: Impacts) -> Ratios:
     """Return the coefficients of every shot, errors to first order."""
     lever = impacts.lever
 
+    # As of a single shot: a ratio to what is not told from zero has no meaning.
+    spread_s = np.sqrt(impacts.covariance[:, V_S, V_S])
+    told = impacts.velocities[:, V_S] > BETA_NEEDS_SIGMAS * spread_s
+
     def all_of(v: Floats) -> Floats:
         approach, sliding = -v[:, V_N], v[:, V_S]
         impulse = lever * (v[:, V_N_AFTER] + approach)
         return np.stack(
             [
                 v[:, V_N_AFTER] / approach,
-                -v[:, V_S_AFTER] / sliding,
+                np.where(told, -v[:, V_S_AFTER] / sliding, np.nan),
                 (sliding - v[:, V_S_AFTER]) / impulse,
                 sliding / approach,
                 v[:, V_S_AFTER] / approach,

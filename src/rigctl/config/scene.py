@@ -6,6 +6,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
+from analysis.setup import DRAG_SIGMA
 from rigctl.config.model import Rows, StrictModel
 
 Pixel = tuple[float, float]
@@ -68,3 +69,7 @@ class Environment(StrictModel):
 
     gravity_m_per_s2: float = Field(ge=0, le=20)
     air_density_kg_per_m3: float = Field(ge=0, le=10)
+    drag_coefficient: float | None = Field(
+        default=None, ge=0, le=10, description="of the spheres in air: F = rho/2 Cd A v^2"
+    )
+    drag_coefficient_sigma: float = Field(default=DRAG_SIGMA, ge=0, le=10)

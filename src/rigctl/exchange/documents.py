@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
+from analysis.exchange.pose_table import own_slow_errors
 from analysis.exchange.shot_list import EXCLUDED, EXPOSURE, NOTE, TAGS, ShotRow
 from analysis.setup import Setup, SphereSetup
 from rigctl.exchange.amending import tags_in
@@ -88,7 +89,7 @@ def first_result(shot: str, row: ShotRow, contents: Contents) -> Json:
         "status": METHOD,
         "frame_rate_hz": setup.camera.frame_rate_hz,
         **({} if poses is None else {"poses": poses_document(poses)}),
-        "slow_errors": slow_errors_document(setup.slow),
+        "slow_errors": slow_errors_document(own_slow_errors(poses or {}, setup.slow)),
     }
 
 
@@ -124,6 +125,8 @@ def _scene(setup: Setup) -> Json:
         "environment": {
             "gravity_m_per_s2": setup.gravity_m_per_s2,
             "air_density_kg_per_m3": setup.air_density_kg_per_m3,
+            "drag_coefficient": setup.drag_coefficient,
+            "drag_coefficient_sigma": setup.drag_sigma,
         },
     }
 

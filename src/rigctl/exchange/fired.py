@@ -89,9 +89,9 @@ def _measured(shot: ShotRecord, folders: ShotFolders) -> Measured | None:
     result: Json = folders.result(shot.id, shot.results)
     if "poses" not in result:
         return None
-    slow: Json | None = result.get("slow_errors")
-    unstated = SlowErrors(one_body_frame=False)
-    return Measured(poses_of(result["poses"]), slow_errors_of(slow) if slow else unstated)
+    errors: Json | None = result.get("slow_errors")
+    slow = slow_errors_of(errors) if errors else SlowErrors(one_body_frame=False)
+    return Measured(poses_of(result["poses"], slow), slow)
 
 
 def _row(shot: ShotRecord) -> ShotRow:

@@ -111,6 +111,9 @@ def _poses(group: h5py.Group, data: PoseData) -> None:
     group["one_body_frame"] = data.slow.one_body_frame
     _number(group, "gravity", data.gravity, "m/s^2")
     _number(group, "air_density", data.air_density, "kg/m^3")
+    if data.drag_coefficient is not None:
+        _number(group, "drag_coefficient", data.drag_coefficient, RATIO)
+        _number(group, "drag_coefficient_error", data.drag_sigma, RATIO)
 
 
 def _bodies(group: h5py.Group, bodies: tuple[Body, Body]) -> None:

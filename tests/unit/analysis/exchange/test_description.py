@@ -66,6 +66,13 @@ def test_what_is_left_out_has_the_format_s_defaults(tmp_path: Path) -> None:
     assert setup.camera == CameraSetup(500.0, 192, 240, (0, 192), None)
     assert setup.spheres[1].plate
     assert (setup.gravity_m_per_s2, setup.air_density_kg_per_m3) == (9.80665, 1.2)
+    assert setup.drag_coefficient is None
+
+
+def test_a_drag_coefficient_without_an_error_is_known_to_0_2(tmp_path: Path) -> None:
+    text = WHOLE.replace("[environment]", "[environment]\ndrag_coefficient = 0.42")
+    _, setup = read_description(written(tmp_path, text))
+    assert (setup.drag_coefficient, setup.drag_sigma) == (0.42, 0.2)
 
 
 @pytest.mark.parametrize(
@@ -101,6 +108,7 @@ def test_what_is_left_out_has_the_format_s_defaults(tmp_path: Path) -> None:
         (("[0, 88]", "[0, 193]"), "camera.top_view_rows", "[0, 193]"),
         (("[88, 192]", "[100, 88]"), "camera.front_view_rows", "[100, 88]"),
         (("air_density_kg_per_m3 = 1.1", "air_density_kg_per_m3 = -1"), "air_density", "-1"),
+        (("[environment]", "[environment]\ndrag_coefficient = -0.1"), "drag_coefficient", "-0.1"),
         (("format = 1", "format = 2"), "format", "2"),
         (("format = 1\n", ""), "format: is missing", ""),
         (("[camera]", "[camera"), "not TOML", "line 3"),
@@ -198,6 +206,8 @@ setups = st.builds(
     ),
     gravity_m_per_s2=st.floats(-100, 100),
     air_density_kg_per_m3=st.floats(0, 100),
+    drag_coefficient=st.none() | st.floats(0, 10),
+    drag_sigma=st.floats(0, 10),
 )
 
 

@@ -12,8 +12,10 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from analysis.errors import InputError
-from analysis.exchange.pose_table import PoseRow, read_poses
-from analysis.exchange.tables import POSES, pose_writer
+from analysis.exchange.pose_table import PoseRow, own_slow_errors, read_poses
+from analysis.exchange.pose_writing import pose_writer
+from analysis.exchange.tables import POSES, POSES_SLOW
+from analysis.setup import SlowErrors
 from analysis.shot import MeasuredShot, analyse_shot
 from simulators.world import WorldDescription
 from tests.unit.analysis.rendered import setup_of, shot
@@ -37,6 +39,17 @@ def changed(**fields: str) -> str:
 def test_a_row_is_read_into_si_units_and_rig_axes(tmp_path: Path) -> None:
     [pose] = read_poses(written(tmp_path, ROW))[1]["a"]
     assert pose == PoseRow(0, 0.0, (0.1, 0.2, 0.3), (1e-5, 2e-5, 3e-5), (1.0, 0.0, 0.0, 0.0), 0.01)
+
+
+def test_a_shot_may_have_slow_errors_of_its_own(tmp_path: Path) -> None:
+    path = tmp_path / "poses.csv"
+    path.write_text(f"{HEADER},slow_position_m,slow_rotation_rad\n{ROW},2e-5,3e-3\n")
+    shots = read_poses(path)
+    assert shots[1]["a"][0].slow == (2e-5, 3e-3)
+    stated = SlowErrors(position_m=1e-6, scale=1e-3)
+    own = own_slow_errors(shots[1], stated)
+    assert (own.position_m, own.rotation_rad, own.scale) == (2e-5, 3e-3, 1e-3)
+    assert own_slow_errors({"a": [], "b": []}, stated) == stated
 
 
 def test_rows_in_any_order_come_back_by_shot_sphere_and_frame(tmp_path: Path) -> None:
@@ -167,7 +180,7 @@ def test_what_the_analysis_writes_comes_back_to_the_last_digit(
     with pose_writer(path) as write:
         write(7, measured)
     spheres = read_poses(path)[7]
-    assert path.read_text(encoding="utf-8").splitlines()[0].split(",") == POSES
+    assert path.read_text(encoding="utf-8").splitlines()[0].split(",") == [*POSES, *POSES_SLOW]
     for name, centres, turned in zip("ab", measured.centres, measured.orientations, strict=True):
         rows = spheres[name]
         assert [row.frame for row in rows] == centres.frames.tolist()

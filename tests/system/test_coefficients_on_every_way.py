@@ -1,0 +1,147 @@
+"""A sweep that a daemon fired, measured on every way, against the simulator's truth."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.system.test_sweeps_live import RIGCTL, daemon
+
+Found = dict[int, dict[str, tuple[float, float]]]
+QUANTITIES = ("v_n", "v_s", "v_n_after", "v_s_after", "e", "beta")
+UNIT = dict.fromkeys(QUANTITIES[:4], "_m_per_s")
+SWEEP = ("--pressure-kpa", "30:60:2", "--offset-mm", "0:10:6")
+WAIT_S = 300.0
+LEAST_SHOTS = 10
+
+
+def rigctl(folder: Path, *arguments: str) -> str:
+    done = subprocess.run(
+        [*RIGCTL, *arguments],
+        cwd=folder,
+        env={**os.environ, "RIGCTL_KEY": ""},
+        capture_output=True,
+        text=True,
+        timeout=WAIT_S,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def await_analysis(folder: Path) -> None:
+    """Ask for the shots until none waits for its analysis; each question takes its time."""
+    states: list[str] = []
+    for _ in range(400):
+        listed = json.loads(rigctl(folder, "shots", "list", "--json"))
+        states = [shot["state"] for shot in listed["shots"]]
+        if not {"stored", "analysing"} & set(states):
+            break
+    assert states.count("analysed") >= LEAST_SHOTS, states
+
+
+def of_report(folder: Path, campaign: str) -> Found:
+    rigctl(folder, "report", campaign, "--out", "r.html", "--csv", "csv")
+    with (folder / "csv" / "coefficients.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    return {
+        int(row["shot"]): {
+            name: (float(row[name + unit]), float(row[f"sigma_{name}{unit}"]))
+            for name in QUANTITIES
+            if row[name + (unit := UNIT.get(name, ""))]
+        }
+        for row in rows
+    }
+
+
+def of_json(text: str) -> Found:
+    return {
+        shot["shot"]: {
+            name: (shot[name]["value"], shot[name]["sigma"])
+            for name in QUANTITIES
+            if shot[name] is not None
+        }
+        for shot in json.loads(text)["shots"]
+        if shot["status"] == "measured"
+    }
+
+
+def truth_of(folder: Path) -> dict[int, dict[str, float]]:
+    [path] = folder.rglob("truth.jsonl")
+    lines = [json.loads(line) for line in path.read_text().splitlines()]
+    return {
+        number: {
+            **{name: line[name] for name in QUANTITIES[:4]},
+            "e": -line["v_n_after"] / line["v_n"],
+        }
+        for number, line in enumerate(lines, start=1)
+        if not line["missed"]
+    }
+
+
+@pytest.fixture(scope="module")
+def ways(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict[str, Found], Path]:
+    """Return what each way says of the shots of a fired sweep, and the folder of the rig."""
+    folder = tmp_path_factory.mktemp("rig")
+    with daemon(folder):
+        rigctl(folder, "sweep", "run", *SWEEP, "--campaign", "nylon")
+        await_analysis(folder)
+        found = {"stored": of_report(folder, "nylon")}
+        rigctl(folder, "export", "nylon", "exported")
+    found["exported"] = of_report(folder, "exported")
+    (folder / "exported" / "poses.csv").unlink()
+    found["frames"] = of_json(rigctl(folder, "analyse", "exported", "--out", "measured", "--json"))
+    (folder / "measured" / "contacts.csv").unlink()
+    found["poses"] = of_report(folder, "measured")
+    found["frames in a report"] = of_report(folder, "exported")
+    return found, folder
+
+
+def largest_difference(one: Found, other: Found) -> float:
+    assert one.keys() == other.keys()
+    return max(
+        abs(one[shot][name][0] - other[shot][name][0]) / one[shot][name][1]
+        for shot in one
+        for name in one[shot].keys() & other[shot].keys()
+    )
+
+
+@pytest.mark.long
+def test_frames_poses_and_reports_of_the_same_frames_say_the_same(
+    ways: tuple[dict[str, Found], Path],
+) -> None:
+    found, _ = ways
+    for one, other in (("frames", "poses"), ("frames", "frames in a report")):
+        assert largest_difference(found[one], found[other]) < 1e-6
+    assert largest_difference(found["stored"], found["exported"]) < 1e-6
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("way", ["stored", "exported", "frames", "poses", "frames in a report"])
+def test_every_way_is_as_near_the_truth_as_it_says(
+    ways: tuple[dict[str, Found], Path], way: str
+) -> None:
+    found, folder = ways
+    truth = {shot: own for shot, own in truth_of(folder).items() if shot in found[way]}
+    assert len(truth) >= LEAST_SHOTS
+
+    def compared(name: str) -> tuple[np.ndarray, np.ndarray]:
+        value, sigma = np.array([found[way][shot][name] for shot in truth]).T
+        off = value - np.array([own[name] for own in truth.values()])
+        return off, off / sigma
+
+    for name in ("e", "v_n"):
+        _, pulls = compared(name)
+        assert np.abs(pulls).max() < 4.0
+        # Scale and drag are one draw for the campaign, which may lie far within their errors.
+        assert np.sqrt(np.mean(pulls**2)) < 1.25
+    assert np.sqrt(np.mean(compared("e")[0] ** 2)) < 1e-3
+    v_n = np.array([own["v_n"] for own in truth.values()])
+    assert np.sqrt(np.mean((compared("v_n")[0] / v_n) ** 2)) < 1e-3
+    assert np.sqrt(np.mean(compared("v_s")[0] ** 2)) < 5e-3

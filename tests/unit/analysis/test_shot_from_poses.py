@@ -1,0 +1,88 @@
+"""A shot measured from its written poses is the shot measured right after tracking."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from analysis.campaign import ShotJob
+from analysis.errors import ShotRefusedError
+from analysis.exchange.folder import folder_writer
+from analysis.exchange.tables import CONTACT_SIGMAS
+from analysis.model.gather import gather
+from analysis.model.poses import PoseData
+from analysis.results.from_poses import pose_impacts
+from analysis.scene import Scene
+from analysis.shot import MeasuredShot, analyse_shot
+from analysis.shot_poses import ShotPoses
+from analysis.two_sides import measure_two_sides
+from simulators.world import WorldDescription
+from tests.unit.analysis.rendered import setup_of, shot
+
+SETUP = setup_of(WorldDescription())
+
+
+@pytest.fixture(scope="module")
+def measured() -> MeasuredShot:
+    rendered = shot(40.0, 6.0, frames=14)
+    analysed = analyse_shot(rendered.frames, rendered.times_s, SETUP)
+    assert isinstance(analysed, MeasuredShot)
+    return analysed
+
+
+@pytest.fixture
+def folder(tmp_path: Path, measured: MeasuredShot) -> Path:
+    job = ShotJob(1, Path("frames/0001.tiff"), SETUP, None)
+    with folder_writer(tmp_path / "written", "nylon", [job]) as write:
+        write(1, measured)
+    return tmp_path / "written"
+
+
+def poses_of(measured: MeasuredShot) -> ShotPoses:
+    return ShotPoses.of_tracks(measured.centres, measured.orientations, measured.times_s)
+
+
+def test_written_poses_give_the_same_impact(folder: Path, measured: MeasuredShot) -> None:
+    _, data = gather(folder / "poses.csv")
+    assert isinstance(data, PoseData)
+    found, impact = pose_impacts(data), measured.impact
+    assert impact.v_s is not None
+    assert impact.v_s_after is not None
+    told = (impact.v_n, impact.v_s, impact.v_n_after, impact.v_s_after)
+    assert found.velocities[0] == pytest.approx([q.value for q in told], rel=1e-9)
+    sigma = np.sqrt(np.diag(found.covariance[0]))
+    assert sigma == pytest.approx([q.sigma for q in told], rel=1e-6)
+
+
+def test_written_contacts_have_the_error_of_each_number(
+    folder: Path, measured: MeasuredShot
+) -> None:
+    with (folder / "contacts.csv").open() as file:
+        [row] = csv.DictReader(file)
+    written = [float(row[name]) for name in CONTACT_SIGMAS]
+    assert written == measured.impact.state_sigma.ravel().tolist()
+
+
+def test_without_orientations_restitution_is_as_it_was(measured: MeasuredShot) -> None:
+    poses = poses_of(measured)
+    blind = ShotPoses(
+        *(poses.frames, poses.times_s, poses.position, poses.position_sigma, poses.rotation),
+        np.full_like(poses.rotation_sigma, np.inf),
+    )
+    found = measure_two_sides(blind, Scene.of(SETUP, measured.slow)).impact
+    assert (found.v_s, found.v_s_after, found.beta) == (None, None, None)
+    assert abs(found.e.value - measured.impact.e.value) < measured.impact.e.sigma
+    assert np.isnan(found.before.spin_a).all()
+
+
+def test_no_poses_at_all_are_refused_in_words() -> None:
+    none = np.empty((0, 2, 3))
+    empty = ShotPoses(
+        np.empty(0, np.intp), np.empty(0), none, none, np.empty((0, 2, 3, 3)), np.empty((0, 2))
+    )
+    scene = Scene.of(SETUP, SETUP.slow)
+    with pytest.raises(ShotRefusedError, match="no frame shows both spheres"):
+        measure_two_sides(empty, scene)
