@@ -24,7 +24,6 @@ from simulators.wire.pty_port import PtyPort
 from simulators.wire.trigger_box import Pulses, TriggerBox
 from simulators.wire.zaber import ZaberStage
 from simulators.world import Launch, World, WorldDescription
-from simulators.world.description import Environment
 
 RELAY_CHANNELS = 2
 CUT_OFF_CHANNEL = 1
@@ -35,6 +34,8 @@ STUCK, UNPLUG, PLUG_IN, NEVER_STARTS = "stuck", "unplug", "plug-in", "never-star
 
 # Above the numbers that the world gives its own chances.
 _LABEL, _SALT = 100, 101
+LASTING = "lasting-contact"
+"""What every contact of the rig has: an answer may name it beside what is hidden."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -255,19 +256,21 @@ def open_laboratory(folder: Path, options: Mapping[str, object]) -> Laboratory:
 
 
 def _world(options: Options, truth: Path) -> World:
-    """Return the nylon rig's world; or plain theory with what is hidden, its label sealed."""
+    """Return the nylon rig's world, with what is hidden on top, its label sealed."""
     if not options.hides:
         return World(WorldDescription(), options.seed, truth)
     # Slow to load, and of no use to a laboratory that hides nothing.
     from simulators.challenge.effects import switched  # noqa: PLC0415
+    from simulators.challenge.force_choice import Forces  # noqa: PLC0415
     from simulators.challenge.label import draw_in_contact, label_document  # noqa: PLC0415
     from simulators.challenge.law import contact_law  # noqa: PLC0415
     from simulators.challenge.seal import write_seal  # noqa: PLC0415
 
     named = None if options.hides == DRAWN else options.hides
     hidden = draw_in_contact(np.random.default_rng([options.seed, _LABEL]), named)
-    still = replace(Environment(), drag_coefficient=0.0)
-    law = contact_law(switched(hidden))
-    world = World(WorldDescription(environment=still), options.seed, truth, law)
-    write_seal(truth, label_document(hidden), np.random.default_rng([options.seed, _SALT]))
+    law = contact_law(replace(switched(hidden), forces=Forces()))
+    world = World(WorldDescription(), options.seed, truth, law)
+    label = label_document(hidden)
+    label["beside"] = [*label["beside"], LASTING]
+    write_seal(truth, label, np.random.default_rng([options.seed, _SALT]))
     return world

@@ -10,17 +10,16 @@ from simulators.wire.alicat import LAG_S
 from simulators.wire.zaber import SPEED_MM_PER_S
 
 IN_CONTACT = (
-    "finite-contact",
     "friction-speed",
     "inertia-factor",
     "mass-mismatch",
     "restitution-obliquity",
     "restitution-plastic",
     "restitution-viscoelastic",
-    "tangential-compliance",
     "torsional-friction",
 )
-"""Effects that act while the spheres touch, whenever and wherever that is."""
+"""Effects that act while the spheres touch, whenever and wherever that is, on top of a contact that
+lasts."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,8 +37,8 @@ class Options:
     run_up_s
         Time from RECORD to the recorder's first picture in seconds.
     hides
-        One of `HIDES`. Empty: spheres of nylon in still air. Else they obey the plain theory and
-        one effect in their contact: that of this name, or the one that the seed draws.
+        One of `HIDES`. Empty: spheres of nylon in still air. Else one effect comes on top in their
+        contact: that of this name, or the one that the seed draws.
     """
 
     seed: int = 1

@@ -4,7 +4,18 @@ from __future__ import annotations
 
 import argparse
 
-from benchmarks.discovery import blind, frames, memory, null, outside, pairs, power, removed, speed
+from benchmarks.discovery import (
+    blind,
+    frames,
+    lasting,
+    memory,
+    null,
+    outside,
+    pairs,
+    power,
+    removed,
+    speed,
+)
 from benchmarks.discovery.options import Options
 
 SECTIONS = {
@@ -15,6 +26,7 @@ SECTIONS = {
     "blind": blind.run,
     "removed": removed.run,
     "frames": frames.run,
+    "lasting": lasting.run,
     "speed": speed.run,
     "memory": memory.run,
 }

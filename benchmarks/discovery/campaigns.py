@@ -40,8 +40,8 @@ def campaign(
     """Return poses of a campaign that hides these effects, sigmas as stated whatever the noise."""
     nature = switched(amplitudes)
     if one_setting:
-        return _poses(_at_one_setting(nature, seed, shots))
-    return _poses(run_campaign(nature, seed, shots=shots, noise=noise))
+        return posed(_at_one_setting(nature, seed, shots))
+    return posed(run_campaign(nature, seed, shots=shots, noise=noise))
 
 
 def _at_one_setting(nature: Nature, seed: int, shots: int) -> Campaign:
@@ -65,7 +65,8 @@ def _at_one_setting(nature: Nature, seed: int, shots: int) -> Campaign:
     return Campaign(settings, times, centres, quaternions, sigma, STATED.rotation_rad)
 
 
-def _poses(fired: Campaign) -> PoseData:
+def posed(fired: Campaign) -> PoseData:
+    """Return the poses of a fired campaign in memory, sigmas as stated whatever the noise."""
     settings, stated = fired.settings, _stated()
     shots = len(settings.offset_mm)
     shape = fired.centres.shape

@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from simulators.challenge.bodies import Bodies
-from simulators.challenge.coefficients import coefficients
+from simulators.challenge.coefficients import Coefficients, coefficients
 from simulators.challenge.flight import Acceleration, acceleration, fly
+from simulators.challenge.forces import press_by
 from simulators.challenge.impact import grip, strike, twist
 from simulators.challenge.launch import Settings, Touch
 from simulators.challenge.nature import Nature
@@ -75,6 +76,9 @@ def collide(nature: Nature, settings: Settings, touch: Touch, accelerate: Accele
     sphere = Sphere()
     bodies = Bodies.of(sphere, nature)
     held = coefficients(nature, settings, touch, sphere.radius_m)
+    if nature.forces is not None:
+        passage = press_by(nature.forces, touch, held, bodies, accelerate)
+        return _twisted(nature, touch, held, passage, bodies)
     ratio = grip(nature, touch, held, bodies)
     if nature.softness > 0.0:
         softness = nature.softness
@@ -85,6 +89,12 @@ def collide(nature: Nature, settings: Settings, touch: Touch, accelerate: Accele
         unmoved = np.broadcast_to(place, (2, *place.shape))
         ends = np.zeros(len(place))
         passage = Passage(ends, unmoved, np.zeros_like(unmoved), velocity, spin)
+    return _twisted(nature, touch, held, passage, bodies)
+
+
+def _twisted(
+    nature: Nature, touch: Touch, held: Coefficients, passage: Passage, bodies: Bodies
+) -> Passage:
     if nature.torsion_radius_m == 0.0:
         return passage
     return replace(passage, spin=twist(nature, touch, held, passage.spin, bodies))

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from simulators.challenge.force_choice import Forces
+
 Vector = tuple[float, float, float]
 
 
@@ -39,6 +41,8 @@ class Nature:
         Radius, at 2 m/s, of the contact spot that resists spinning about the normal.
     softness
         Duration of contact in units of Hertz's for solid nylon (3 GPa, 0.4); 0 is instantaneous.
+    forces
+        Of a contact that is followed in time by all of them; None: one of the plain theory.
     compliance
         Share of the tangential impulse that comes through elastic springs under the normal load.
     drag_coefficient, lift
@@ -78,6 +82,7 @@ class Nature:
     mass_difference: float = 0.0
     torsion_radius_m: float = 0.0
     softness: float = 0.0
+    forces: Forces | None = None
     compliance: float = 0.0
     drag_coefficient: float = 0.0
     lift: float = 0.0

@@ -23,7 +23,7 @@ EFFECT = FlightEffect(
             symbol="Cd",
             unit="1",
             meaning="drag coefficient",
-            plausible=(0.0, 0.6),
+            plausible=(0.0, 1.5),
             step=1e-3,
             one_sided=True,
         ),

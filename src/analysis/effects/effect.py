@@ -39,6 +39,8 @@ class Parameter:
         A small change of it, for differences: far below what data can see, far above rounding.
     one_sided
         It cannot be less than `off`.
+    possible
+        Range outside which the effect has no meaning; a fit stays within.
     """
 
     symbol: str
@@ -48,6 +50,7 @@ class Parameter:
     off: float = 0.0
     step: float = 1e-5
     one_sided: bool = False
+    possible: tuple[float, float] = (-np.inf, np.inf)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -73,6 +76,8 @@ class Effect:
     variants
         The same effect with other values of what it holds fixed, which a fit cannot find from
         where the effect is off; the likeliest of all speaks for the effect.
+    of_pairs
+        Whether it needs two spheres: it is not offered for a sphere on a plate.
     """
 
     stage: ClassVar[str]
@@ -85,6 +90,7 @@ class Effect:
     confused_with: tuple[str, ...] = ()
     contains: tuple[str, ...] = ()
     variants: tuple[Effect, ...] = ()
+    of_pairs: bool = False
 
     @property
     def off(self) -> Values:
@@ -106,6 +112,27 @@ class ContactEffect(Effect):
 
     stage: ClassVar[str] = "contact"
     wrap: Callable[[Operator, Values], Operator]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ContactLaw(Effect):
+    """Puts another law in the place of the hard-sphere operator, with e and mu, without beta0.
+
+    Effects of the contact wrap round it as they do round the operator. It has no values at which it
+    changes nothing; what is scored beside the hard-sphere law is its share in a mixture of both.
+
+    Attributes
+    ----------
+    law
+        From the values of its parameters to the operator.
+    shares
+        Effects whose one parameter mixes the law, at typical values, into the operator: 0 is the
+        operator, 1 the law.
+    """
+
+    stage: ClassVar[str] = "contact"
+    law: Callable[[Values], Operator]
+    shares: tuple[ContactEffect, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)

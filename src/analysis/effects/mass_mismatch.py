@@ -37,4 +37,5 @@ EFFECT = ContactEffect(
     gives_away="the mean velocity of both spheres jumps along the normal at contact",
     confused_with=("radius-mismatch", "mirror-angle"),
     wrap=wrap,
+    of_pairs=True,
 )

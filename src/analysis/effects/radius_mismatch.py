@@ -82,4 +82,5 @@ EFFECT = ContactEffect(
     gives_away="spheres kink with a gap or an overlap; spins and mean velocity change with it",
     confused_with=("image-scale", "mass-mismatch", "finite-contact"),
     wrap=wrap,
+    of_pairs=True,
 )

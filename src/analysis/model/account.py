@@ -24,12 +24,15 @@ class Account:
         (shot number, frame index) of frames that were taken out of shots that were kept.
     noise
         By what stated sigmas of positions and of orientations were multiplied.
+    torn
+        Shot number and sphere of each track that was cut where it leaves free flight.
     """
 
     excluded: list[int]
     rejected: list[int]
     frames: tuple[tuple[int, int], ...]
     noise: tuple[float, float]
+    torn: tuple[tuple[int, str], ...] = ()
 
     def remarks(self) -> list[str]:
         """Say what was left out, and where stated sigmas were not believed."""
@@ -43,6 +46,9 @@ class Account:
         if self.frames:
             frames = [f"{frame} of shot {shot}" for shot, frame in self.frames]
             found.append(f"frames left out: {', '.join(frames)}")
+        if self.torn:
+            tracks = [f"of sphere {sphere} in shot {shot}" for shot, sphere in self.torn]
+            found.append(f"tracks cut where they leave free flight: {', '.join(tracks)}")
         if self.noise != AS_STATED:
             position, rotation = self.noise
             found.append(

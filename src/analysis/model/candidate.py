@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.effects.effect import Effect
+from analysis.effects.effect import ContactLaw, Effect
 from analysis.model.promise import chance_of_falls
 
 Floats = NDArray[np.float64]
@@ -40,6 +40,8 @@ class Candidate:
         Numbers of the two shots that speak loudest for it.
     carried_share
         Share of the fall that is gone without these two.
+    law
+        The law that takes the operator's place in a refit, where the effect is its share.
     """
 
     effect: Effect
@@ -52,6 +54,7 @@ class Candidate:
     seen: bool
     carriers: tuple[int, ...]
     carried_share: float
+    law: ContactLaw | None = None
 
     @property
     def score(self) -> float:
@@ -105,11 +108,15 @@ class Ranking:
 
 
 def believed(effect: Effect, values: Floats, sigmas: Floats) -> bool:
-    """Return whether values lie in the effect's plausible ranges, two standard errors allowed."""
+    """Return whether values lie in the effect's plausible ranges, two standard errors allowed.
+
+    An error larger than the whole range leaves the value undetermined: that is no belief.
+    """
     return all(
         parameter.plausible[0] - BEYOND_RANGE_SIGMAS * sigma
         <= value
         <= parameter.plausible[1] + BEYOND_RANGE_SIGMAS * sigma
+        and sigma < np.ptp(parameter.plausible)
         for parameter, value, sigma in zip(effect.parameters, values, sigmas, strict=True)
     )
 

@@ -73,6 +73,9 @@ def _tabulated_columns(table: ContactTable, fit: Fit) -> dict[str, Floats]:
     return {name: columns[name] for name in SCALARS} if table.scalars else columns
 
 
+LEAST_ON_A_LINE = 3
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class FrameChannel:
     """A displacement or turn that hangs smoothly on something known of each frame.
@@ -109,6 +112,23 @@ class FrameChannel:
         """Return the whitened columns, one for each smooth function, shape (S, N, 5)."""
         columns = self.whitened()[..., None] * self.smooth[..., None, :]
         return columns.reshape(len(self.direction), -1, self.smooth.shape[-1])
+
+    def size(self, amplitudes: Floats) -> float:
+        """Return how large a disturbance of these amplitudes (5,) is, root mean square.
+
+        Less the straight line on each side of the contact, or along the field, that the shots' own
+        numbers take up.
+        """
+        values, seen = self.smooth @ amplitudes, np.asarray((self.weights > 0).any(axis=3))
+        if self.place.shape[2] == 1:
+            seen = np.asarray(seen.any(axis=2, keepdims=True))
+        later = (self.place > 0) & (self.covariate == "time")
+        squares = 0.0
+        for side in (seen & later, seen & ~later):
+            if side.sum() > LEAST_ON_A_LINE:
+                line = np.polynomial.Polynomial.fit(self.place[side], values[side], 1)
+                squares += float(((values[side] - line(self.place[side])) ** 2).sum())
+        return float(np.sqrt(squares / max(int(seen.sum()), 1)))
 
 
 def frame_channels(data: Data, fit: Fit) -> tuple[FrameChannel, ...]:

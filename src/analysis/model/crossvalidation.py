@@ -21,7 +21,7 @@ Floats = NDArray[np.float64]
 FOLDS = 5
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class PredictionError:
     """Whitened error on shots left out.
 
@@ -31,10 +31,13 @@ class PredictionError:
         Root of the mean squared whitened error; 1 is the floor set by the measurement's noise.
     sampling
         Its standard deviation when nothing is missing.
+    by_shot
+        Whitened squares of each shot left out, shape (S,).
     """
 
     value: float
     sampling: float
+    by_shot: Floats
 
 
 def prediction_error(data: Data, fit: Fit, seed: int = 0) -> PredictionError:
@@ -50,16 +53,16 @@ def prediction_error(data: Data, fit: Fit, seed: int = 0) -> PredictionError:
     least, early_least = _least(whole), _least(early)
     folds = np.random.default_rng(seed).permutation(len(least)) % min(FOLDS, len(least))
     pull, held = fit.theory.held
-    total = 0.0
+    squares = np.zeros(len(least))
     for fold in np.unique(folds):
         own, others = folds == fold, folds != fold
         information = with_prior(matrix[others].sum(axis=0), held)
         downhill = gradient[others].sum(axis=0) + pull
         step = np.linalg.lstsq(information, downhill, rcond=1e-12)[0]
-        total += float(_moved(least, gradient, matrix, own, step))
-        total -= float(_moved(early_least, early_gradient, early_matrix, own, step))
-    value = np.sqrt(max(total, 0.0) / max(count, 1))
-    return PredictionError(float(value), float(np.sqrt(0.5 / max(count, 1))))
+        squares[own] = _moved(least, gradient, matrix, own, step)
+        squares[own] -= _moved(early_least, early_gradient, early_matrix, own, step)
+    value = np.sqrt(max(float(squares.sum()), 0.0) / max(count, 1))
+    return PredictionError(float(value), float(np.sqrt(0.5 / max(count, 1))), squares)
 
 
 def _known_before(data: Data, fit: Fit) -> tuple[Data, int]:
@@ -79,7 +82,7 @@ def _least(sums: NormalEquations) -> Floats:
 def _moved(
     least: Floats, gradient: Floats, matrix: Floats, own: NDArray[np.bool_], step: Floats
 ) -> Floats:
-    """Return chi-squared of some shots at parameters a step away."""
+    """Return chi-squared of some shots at parameters a step away, shape (shots,)."""
     linear = gradient[own] @ step
     square = np.einsum("i,sij,j->s", step, matrix[own], step)
-    return np.asarray((least[own] - 2 * linear + square).sum())
+    return np.asarray(least[own] - 2 * linear + square)

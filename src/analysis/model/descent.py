@@ -90,8 +90,27 @@ class Place:
 
     def step(self) -> Floats:
         """Return the joint step, shape (P,), no longer than the law is believed to be linear."""
-        step = inverse(self.matrix) @ self.gradient
+        step = self._within()
         return np.asarray(step / max(1.0, float(np.abs(step[:3] / LARGEST_LAW_STEP).max())))
+
+    def _within(self) -> Floats:
+        """Return the step to the minimum that leaves no parameter outside its possible range.
+
+        One that would leave it goes as far as its bound, and the others step about that.
+        """
+        here, (least, largest) = self.theory.vector, self.theory.possible
+        step, bound = np.zeros(len(here)), np.zeros(len(here), dtype=np.bool_)
+        for _ in here:
+            free = ~bound
+            pull = self.gradient[free] - self.matrix[np.ix_(free, bound)] @ step[bound]
+            step[free] = inverse(self.matrix[np.ix_(free, free)]) @ pull
+            to = np.clip(here + step, least, largest)
+            beyond = free & (to != here + step)
+            if not beyond.any():
+                break
+            step[beyond] = (to - here)[beyond]
+            bound |= beyond
+        return step
 
     def promise(self, step: Floats) -> float:
         """Return by how much a joint step and the shots' own would lower the cost, if linear."""

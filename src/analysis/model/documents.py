@@ -24,6 +24,7 @@ def fit_document(title: str, names: Sequence[str], found: Accounted) -> Json:
         "excluded": account.excluded,
         "rejected": account.rejected,
         "rejected_frames": [list(frame) for frame in account.frames],
+        "torn_tracks": [list(track) for track in account.torn],
         "noise": noise_document(account.noise),
         "with": list(names),
         "chi2_per_dof": fit.chi2_per_dof,

@@ -48,6 +48,16 @@ class Evidence:
         """What is left."""
         return self.cleaned.data
 
+    @property
+    def whole(self) -> Data:
+        """Every shot, sigmas as they really are."""
+        if not isinstance(self.stated, PoseData):
+            return self.stated
+        position, rotation = self.noise
+        return self.stated.with_sigmas(
+            position * self.stated.position_sigma, rotation * self.stated.rotation_sigma
+        )
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Stage:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
@@ -14,9 +16,12 @@ from analysis.model.parts import in_memory, parts_of
 from analysis.model.start import first_states
 from analysis.model.state import ShotStates
 from analysis.model.summary import FitSummary
+from analysis.model.systematics import Systematic
 from analysis.model.tables import Data
 from analysis.model.theory import LAW, LAW_PRIOR, Theory
 from analysis.model.unseen import fitted_numbers
+
+F = TypeVar("F", bound=FitSummary)
 
 START = WaltonLaw(*LAW_PRIOR)
 FEW = 30
@@ -49,10 +54,9 @@ def fit_campaign(data: Data, theory: Theory | None = None, start: Fit | None = N
         An earlier fit of the same data whose states are taken over. Without one each shot is
         first fitted by itself.
     """
-    if theory is None and start is None and len(data.shots) <= FEW:
-        starts = [Theory(law, data.systematics) for law in (START, *OTHER_STARTS)]
-        fits = [fit_campaign(data, begun) for begun in starts]
-        return min(fits, key=lambda fit: fit.chi2 + prior_cost(fit.theory))
+    if theory is None and start is None:
+        begun = starting_theories(len(data.shots), data.systematics)
+        return likeliest([fit_campaign(data, one) for one in begun])
     present = Theory(START, data.systematics) if theory is None else theory
     if start is None:
         guessed = parts_of(data, first_states(data))
@@ -76,6 +80,17 @@ def fit_campaign(data: Data, theory: Theory | None = None, start: Fit | None = N
         converged=converged,
         scatter=start.scatter if start is not None and data.jitter_s > 0 else {},
     )
+
+
+def starting_theories(shots: int, systematics: tuple[Systematic, ...]) -> list[Theory]:
+    """Return where a fit of so many shots begins: the hard-sphere operator, of few at more laws."""
+    laws = (START, *OTHER_STARTS) if shots <= FEW else (START,)
+    return [Theory(law, systematics) for law in laws]
+
+
+def likeliest(fits: Sequence[F]) -> F:
+    """Return the fit of the least chi-squared, the prior in."""
+    return min(fits, key=lambda fit: fit.chi2 + prior_cost(fit.theory))
 
 
 def normal_equations(data: Data, states: ShotStates, theory: Theory) -> NormalEquations:

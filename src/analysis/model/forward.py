@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from analysis.effects.effect import Effect
+from analysis.effects.effect import ContactLaw, Effect
+from analysis.model.adding import law_again
 from analysis.model.candidate import Ranking
 from analysis.model.evidence import Evidence, Stage, stage_of, weighed_again
 from analysis.model.exchange import AliasSets
 from analysis.model.fit import fit_campaign
+from analysis.model.gain import is_shared
 from analysis.model.leaders import Leader, alias_set, in_order, refitted
 from analysis.model.ranking import rank
 
@@ -63,9 +65,28 @@ def forward(
         alike = alias_set(leader, leaders, found.ranking)
         jitter_s = leader.data.jitter_s
         evidence, path = weighed_again(found.evidence, [*found.path, stage], jitter_s)
+        for law in _laws_in(path[-1], effects):
+            evidence, path = _law_again(evidence, path, law, jitter_s)
         ranking = rank(evidence.data, path[-1].fit, effects)
         found = Found(evidence, tuple(path), ranking, {**found.alias_sets, leader.name: alike})
     return found
+
+
+def _laws_in(stage: Stage, effects: Sequence[Effect]) -> list[ContactLaw]:
+    """Return the law that takes the operator's place, with all its families."""
+    return [e for e in effects if isinstance(e, ContactLaw) and e.name in stage.effects]
+
+
+def _law_again(
+    evidence: Evidence, path: list[Stage], law: ContactLaw, jitter_s: float
+) -> tuple[Evidence, list[Stage]]:
+    """Look for a law once more, now that another effect is in and shots have come back."""
+    last = path[-1]
+    theory = law_again(evidence, last.fit, law)
+    if theory is last.fit.theory:
+        return evidence, path
+    better = stage_of(evidence.data, fit_campaign(evidence.data, theory))
+    return weighed_again(evidence, [*path[:-1], better], jitter_s)
 
 
 def _accepted(
@@ -76,15 +97,26 @@ def _accepted(
     What two shots carry is passed over, and so is what only stands in for it.
     """
     passed = [x for x in in_order(leaders) if x.carried and not trusting]
-    believed = [x for x in in_order(leaders) if x not in passed and not _shadow(x, passed, ranking)]
+    believed = [
+        x
+        for x in in_order(leaders)
+        if x.plausible and x not in passed and not _shadow(x, passed, ranking)
+    ]
     for leader in believed[:MOST_TRIED]:
         fit = leader.fit
         if not fit.converged:
             fit = fit_campaign(leader.data, fit.theory, fit)
         stage = stage_of(leader.data, fit)
-        if stage.error.value < present.error.value:
+        if stage.error.value < present.error.value and _shared(present, stage, trusting=trusting):
             return leader, stage
     return None
+
+
+def _shared(present: Stage, stage: Stage, *, trusting: bool) -> bool:
+    """Tell whether the gain on shots left out is that of most shots."""
+    gains = present.error.by_shot - stage.error.by_shot
+    fall = (present.fit.chi2 - stage.fit.chi2) / max(stage.fit.chi2_per_dof, 1e-12)
+    return trusting or is_shared(gains, fall)
 
 
 def _shadow(leader: Leader, passed: Sequence[Leader], ranking: Ranking) -> bool:

@@ -16,7 +16,8 @@ from analysis.errors import InputError
 from analysis.exchange.contact_table import read_contacts
 from analysis.exchange.description import read_description
 from analysis.exchange.impact_table import read_impacts
-from analysis.exchange.pose_table import PoseRow, read_poses
+from analysis.exchange.pose_table import PoseRow, own_slow_errors, read_poses
+from analysis.exchange.pose_writing import measured_poses
 from analysis.exchange.shot_list import ShotRow, read_shot_list
 from analysis.exchange.tabulated import Tabulated
 from analysis.model.poses import PoseData
@@ -24,10 +25,10 @@ from analysis.model.start import LEAST_FRAMES, both_seen
 from analysis.model.tables import ContactTable, Data
 from analysis.model.tables_build import contacts_table, impacts_table
 from analysis.model.tables_noise import with_scatter_as_noise
-from analysis.motion.rotation import quaternion
-from analysis.setup import CameraSetup, Setup, SlowErrors, SphereSetup
+from analysis.scene import body_of
+from analysis.setup import CameraSetup, Setup, SlowErrors
 from analysis.shot import AnalysisOptions, MeasuredShot
-from analysis.slow_errors import slow_errors, typical
+from analysis.slow_errors import typical
 
 Floats = NDArray[np.float64]
 
@@ -111,32 +112,8 @@ def _measured_now(folder: Path, setup: Setup) -> tuple[Shots, Setup]:
     for job, shot, _ in analyse_campaign(read_campaign(folder), AnalysisOptions()):
         if isinstance(shot, MeasuredShot):
             poses[job.shot] = measured_poses(shot)
-            errors.append(slow_errors(shot))
+            errors.append(shot.slow)
     return poses, typical(setup, errors)
-
-
-def measured_poses(shot: MeasuredShot) -> dict[str, list[PoseRow]]:
-    """Return the poses of a measured shot in the form of poses.csv.
-
-    Without the frames that were exposed during the contact: they show no one state.
-    """
-    times = shot.times_s - shot.times_s[0]
-    spheres: dict[str, list[PoseRow]] = {}
-    for name, centres, turned in zip("ab", shot.centres, shot.orientations, strict=True):
-        where = {int(k): i for i, k in enumerate(turned.frames)}
-        spheres[name] = []
-        for k, place, sigma in zip(centres.frames, centres.position, centres.sigma, strict=True):
-            if int(k) in shot.between:
-                continue
-            at, spread = None, np.inf
-            if (i := where.get(int(k))) is not None:
-                w, x, y, z = map(float, quaternion(turned.rotation[i]))
-                at, spread = (w, x, y, z), float(np.sqrt(np.trace(turned.covariance[i]) / 3))
-            px, py, pz = map(float, place)
-            sx, sy, sz = map(float, sigma)
-            row = PoseRow(int(k), float(times[k]), (px, py, pz), (sx, sy, sz), at, spread)
-            spheres[name].append(row)
-    return spheres
 
 
 def pose_data(shots: Shots, rows: Sequence[ShotRow], setup: Setup) -> PoseData:
@@ -186,9 +163,12 @@ def stated_poses(shots: Shots, rows: Sequence[ShotRow], setup: Setup) -> PoseDat
         rotation=_matrices(quaternions),
         rotation_sigma=turn_sigma,
         slow=setup.slow,
-        bodies=(_body(setup.spheres[0]), _body(setup.spheres[1])),
+        own_slow={number: own_slow_errors(shots[number], setup.slow) for number in numbers},
+        bodies=(body_of(setup.spheres[0]), body_of(setup.spheres[1])),
         gravity=setup.gravity_m_per_s2,
         air_density=setup.air_density_kg_per_m3,
+        drag_coefficient=setup.drag_coefficient,
+        drag_sigma=setup.drag_sigma,
         covariates=_covariates(numbers, rows),
         camera=_camera(setup.camera, numbers, rows),
         excluded=tuple(sorted(excluded & set(shots))),
@@ -221,7 +201,7 @@ def _of_shots(
     found = [row for row in found if row.shot not in excluded]
     if not found:
         raise InputError(path, "holds no shots that count")
-    bodies = (_body(setup.spheres[0]), _body(setup.spheres[1]))
+    bodies = (body_of(setup.spheres[0]), body_of(setup.spheres[1]))
     covariates = _covariates([row.shot for row in found], rows)
     return found, bodies, covariates, setup.gravity_m_per_s2
 
@@ -250,12 +230,6 @@ def with_guesses(sigma: Floats, guess: float) -> tuple[Floats, bool]:
     stated = sigma[np.isfinite(sigma)]
     typical = float(np.median(stated)) if stated.size else guess
     return np.where(missing, typical, sigma), bool(missing.any())
-
-
-def _body(sphere: SphereSetup) -> Body:
-    if sphere.plate:
-        return Body.plate()
-    return Body.sphere(sphere.diameter_m, sphere.density_kg_per_m3, sphere.inertia_factor)
 
 
 def _camera(camera: CameraSetup, numbers: Sequence[int], rows: Sequence[ShotRow]) -> CameraSetup:

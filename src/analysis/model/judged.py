@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from analysis.effects.effect import Effect
+from analysis.effects.effect import ContactLaw, Effect
 from analysis.model.account import Account
+from analysis.model.adding import added, law_again
 from analysis.model.evidence import Evidence, stage_of, weighed, weighed_again
-from analysis.model.fit import Fit
+from analysis.model.fit import Fit, fit_campaign
 from analysis.model.inside import without_contact_frames
-from analysis.model.scatter import added
-from analysis.model.tables import Data
+from analysis.model.tables import ContactTable, Data
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,7 +48,8 @@ class Judged:
     def account(self) -> Account:
         """What was left out, and how large the noise was taken to be."""
         evidence = self.evidence
-        return Account(self.excluded, self.rejected, evidence.cleaned.frames, evidence.noise)
+        torn = () if isinstance(evidence.stated, ContactTable) else evidence.stated.torn
+        return Account(self.excluded, self.rejected, evidence.cleaned.frames, evidence.noise, torn)
 
     def remarks(self) -> list[str]:
         """Say what was left out, and where stated sigmas were not believed."""
@@ -64,6 +65,12 @@ def judged(poses: Data, effects: Sequence[Effect] = ()) -> Judged:
     for effect in effects:
         data, fit = added(data, fit, effect)
     again, path = weighed_again(evidence, [stage_of(data, fit)], data.jitter_s)
-    if again is evidence:
+    for law in (effect for effect in effects if isinstance(effect, ContactLaw)):
+        last = path[-1].fit
+        theory = law_again(again, last, law) if last.theory.contact_law else last.theory
+        if theory is not last.theory:
+            better = stage_of(again.data, fit_campaign(again.data, theory))
+            again, path = weighed_again(again, [better], data.jitter_s)
+    if again is evidence and path[-1].fit is fit:
         return Judged(evidence, data, fit)
     return Judged(again, again.data, path[-1].fit)

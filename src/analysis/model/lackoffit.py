@@ -8,7 +8,7 @@ cell's chi-squared has its stated degrees of freedom when nothing is missing.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -19,13 +19,17 @@ from analysis.model.channels import FrameChannel, contact_columns, frame_channel
 from analysis.model.covariates import shot_covariates
 from analysis.model.fit import Fit, fit_campaign
 from analysis.model.noise import rescaled
+from analysis.model.poses import PoseData
 from analysis.model.projector import ByShot, Projector, Solved, projector
 from analysis.model.signature import own_cells
 from analysis.model.tables import Data
+from analysis.setup import SlowErrors
 
 Floats = NDArray[np.float64]
 
 SMOOTH = 5
+BOTH = float(np.sqrt(2.0))
+"""Spheres err each by itself: their difference by so much more."""
 OWN_PENALTY = 3.0
 """An effect's own cells have a chance to alarm for each effect accepted: it is a third of the
 level, so that true effects with company are not called unexplained more often than nothing is."""
@@ -50,6 +54,9 @@ class Cell:
         `p_holm` without these two, every cell counted.
     own_of
         Names of the fit's effects that show in this cell most.
+    size, stated
+        Of structure of frames, m or rad: how large it is, root mean square, and how large the
+        stated slow errors of the poses let it be. 0 and 0: of a contact, or where none are stated.
     """
 
     channel: str
@@ -61,6 +68,13 @@ class Cell:
     carried_share: float
     p_rest: float
     own_of: tuple[str, ...] = ()
+    size: float = 0.0
+    stated: float = 0.0
+
+    @property
+    def of_measurement(self) -> bool:
+        """Whether it is no larger than what the measurement itself leaves."""
+        return self.size < self.stated
 
 
 def lack_of_fit(data: Data, fit: Fit) -> tuple[Cell, ...]:
@@ -118,7 +132,26 @@ def tested(data: Data, fit: Fit, sums: Projector) -> tuple[tuple[Cell, ...], Tes
     parts = projected(sums)
     found = solutions(sums, parts)
     cells = _cells(fit, found, own_cells(data, fit, sums, falls))
+    if isinstance(data, PoseData):
+        cells = _sized(cells, parts.curves, data.slow)
     return tuple(sorted(cells, key=lambda cell: (cell.p_value, -cell.chi2))), parts
+
+
+def _sized(
+    cells: Sequence[Cell], curves: Sequence[tuple[FrameChannel, Solved]], slow: SlowErrors
+) -> list[Cell]:
+    """Give cells of frames the size of their structure, beside what slow errors may leave."""
+    stated = {"m": BOTH * slow.position_m, "rad": BOTH * slow.rotation_rad}
+    sizes = {
+        (channel.name, channel.covariate): (channel.size(curve.amplitudes), stated[channel.unit])
+        for channel, curve in curves
+    }
+    return [
+        replace(cell, size=found[0], stated=found[1])
+        if (found := sizes.get((cell.channel, cell.covariate))) is not None
+        else cell
+        for cell in cells
+    ]
 
 
 def _cells(

@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.effects.effect import ScatterEffect
+from analysis.model.adding import ALIAS_WITHIN, added
 from analysis.model.candidate import Candidate, Ranking, believed
 from analysis.model.carried import most_carried
-from analysis.model.fit import Fit, fit_campaign
+from analysis.model.fit import Fit
 from analysis.model.poses import PoseData
 from analysis.model.scatter import with_jitter
 from analysis.model.tables import Data
@@ -19,12 +20,12 @@ from analysis.model.tables import Data
 Floats = NDArray[np.float64]
 
 MOST_REFITTED = 10
-ALIAS_WITHIN = (2 * 1.2816) ** 2
-"""Refits this close in deviance are told apart rightly in less than nine of ten campaigns."""
 SMALL_FALL = 64.0
 """Eight standard errors: refits then bring what scores promise."""
 LEAST_PROMISED = 0.1
 """Share of the best promise below which no refit comes out first, however large the effect."""
+DURATION_SIGMAS = 3.0
+"""A duration that is not so many standard errors from zero is that of no lasting contact."""
 BELIEVED_SHARE = 0.2
 """A plausible effect goes before an implausible one if it has this share of its fall."""
 
@@ -78,8 +79,12 @@ def refitted(data: Data, fit: Fit, ranking: Ranking, level: float) -> list[Leade
     invited = [c for c in ranking.candidates if c.seen and c.p_familywise < level]
     threshold, most = ranking.threshold(level), most_carried(len(data.shots))
     leaders = [
-        _refit(data, fit, c, carried=c.carried_share >= most and _by_others(c) > threshold)
+        leader
         for c in _worth_it(invited, len(data.shots))
+        for leader in [
+            _refit(data, fit, c, carried=c.carried_share >= most and _by_others(c) > threshold)
+        ]
+        if leader is not None
     ]
     if not leaders:
         return []
@@ -151,15 +156,20 @@ def alias_set(chosen: Leader, leaders: Sequence[Leader], ranking: Ranking) -> tu
     return (chosen.name, *near)
 
 
-def _refit(data: Data, fit: Fit, candidate: Candidate, *, carried: bool) -> Leader:
+def _refit(data: Data, fit: Fit, candidate: Candidate, *, carried: bool) -> Leader | None:
+    """Return a candidate refitted; None where these shots tell nothing of its law."""
     if isinstance(candidate.effect, ScatterEffect) and isinstance(data, PoseData):
         return _with_scatter(data, fit, candidate, candidate.effect)
-    refit = fit_campaign(data, fit.theory.with_effect(candidate.effect), fit)
-    count = len(candidate.effect.parameters)
+    effect = candidate.law or candidate.effect
+    data, refit = added(data, fit, effect)
+    if refit is fit:
+        return None
+    count = len(effect.parameters)
     fall = fit.chi2 - refit.chi2
     values = refit.theory.vector[-count:]
     sigmas = np.sqrt(np.diag(refit.covariance))[-count:] * np.sqrt(refit.chi2_per_dof)
-    penalty = candidate.freedom * float(np.log(max(len(data.shots), 2)))
+    freedom = candidate.freedom if candidate.law is None else count - 1
+    penalty = freedom * float(np.log(max(len(data.shots), 2)))
     return Leader(
         candidate=candidate,
         data=data,
@@ -167,9 +177,14 @@ def _refit(data: Data, fit: Fit, candidate: Candidate, *, carried: bool) -> Lead
         values=values,
         fall=fall,
         criterion=fall / max(refit.chi2_per_dof, 1e-12) - penalty,
-        plausible=believed(candidate.effect, values, sigmas),
+        plausible=believed(effect, values, sigmas) and _lasts(candidate, values, sigmas),
         carried=carried,
     )
+
+
+def _lasts(candidate: Candidate, values: Floats, sigmas: Floats) -> bool:
+    """Tell whether a contact that lasts has a duration at all; other effects have none."""
+    return candidate.law is None or bool(values[0] > DURATION_SIGMAS * sigmas[0])
 
 
 def _with_scatter(data: PoseData, fit: Fit, candidate: Candidate, effect: ScatterEffect) -> Leader:

@@ -23,6 +23,8 @@ from analysis.model.theory import Theory
 Floats = NDArray[np.float64]
 
 ROUNDS = 4
+FEWEST = 6
+"""Of fewer shots none is bad for lying off the others: the fastest of five may be the physics."""
 ALARM_SHARE = 0.005
 """Of a campaign without bad shots this share has one called bad."""
 WILD_FRAME, WILD_AGAINST_MEDIAN, WILD_AGAINST_NEXT = 45.0, 6.0, 2.5
@@ -81,13 +83,13 @@ def clean(data: Data, theory: Theory | None = None) -> Cleaned:
     # Where nothing was taken out or held down, the first fit is the one from its start.
     fits = [
         first if fit is first and begun is theory else fit_campaign(rest, begun)
-        for begun in _starts(fit)
+        for begun in starts_afresh(fit)
     ]
     fit = min(fits, key=lambda one: one.chi2)
     return Cleaned(rest, fit, kept, tuple(f for f in frames if f[0] in names))
 
 
-def _starts(fit: Fit) -> list[Theory | None]:
+def starts_afresh(fit: FitSummary) -> list[Theory | None]:
     """Return from where to fit afresh: the law as it is, and for the base model any other."""
     return [fit.theory] if fit.theory.active else [fit.theory, None]
 
@@ -105,7 +107,7 @@ def bad_shots(fit: FitSummary, gone: int = 0) -> NDArray[np.bool_]:
         be taken out a few at a time.
     """
     quality, freedom = _quality(fit)
-    if len(quality) < 4:
+    if len(quality) < FEWEST:
         return np.zeros(len(quality), dtype=np.bool_)
     ratio = quality / np.median(quality)
     spread = 2 / (9 * freedom)

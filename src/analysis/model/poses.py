@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analysis.collision.operator import Body
-from analysis.model.systematics import Systematic, of_images
-from analysis.setup import NO_SLOW_ERRORS, CameraSetup, SlowErrors
+from analysis.model.systematics import Systematic, of_air, of_images
+from analysis.setup import DRAG_SIGMA, NO_SLOW_ERRORS, CameraSetup, SlowErrors
 
 Floats = NDArray[np.float64]
 
@@ -60,6 +60,8 @@ class PoseData:
         m/s^2 along +X.
     air_density
         kg/m^3.
+    drag_coefficient, drag_sigma
+        Of the spheres in that air as stated, with its standard error; None: nobody stated it.
     covariates
         What else is known of each shot, by name, each of shape (S,): `order` from -0.5 to 0.5 in
         the order of firing, and every numeric column of the shot list.
@@ -71,8 +73,12 @@ class PoseData:
         Numbers of shots that are not here, having no frames that show both spheres.
     excluded
         Numbers of shots that are not here because a person left them out.
+    torn
+        Shot number and sphere of each track that was cut where it leaves free flight.
     slow
-        Errors that last.
+        Errors that last, of a typical shot.
+    own_slow
+        The same of single shots, by their numbers.
     jitter_s
         Standard deviation of each frame's time, common to both spheres, s.
     """
@@ -91,8 +97,12 @@ class PoseData:
     estimated: bool = False
     unusable: tuple[int, ...] = ()
     excluded: tuple[int, ...] = ()
+    torn: tuple[tuple[int, str], ...] = ()
     slow: SlowErrors = NO_SLOW_ERRORS
     jitter_s: float = 0.0
+    own_slow: Mapping[int, SlowErrors] = field(default_factory=dict)
+    drag_coefficient: float | None = None
+    drag_sigma: float = DRAG_SIGMA
 
     def without(self, frames: NDArray[np.bool_]) -> PoseData:
         """Return the data with some frames taken out, mask of shape (S, F)."""
@@ -140,12 +150,13 @@ class PoseData:
             for name, values in self.covariates.items()
             if name in other.covariates
         }
-        return replace(self, **arrays, covariates=covariates)
+        own_slow = {**self.own_slow, **other.own_slow}
+        return replace(self, **arrays, covariates=covariates, own_slow=own_slow)
 
     @property
     def systematics(self) -> tuple[Systematic, ...]:
-        """Return the errors that all shots share."""
-        return of_images(self.slow)
+        """Return what all shots share and is known beforehand with an error."""
+        return (*of_images(self.slow), *of_air(self.drag_coefficient, self.drag_sigma))
 
     @property
     def measured(self) -> NDArray[np.bool_]:

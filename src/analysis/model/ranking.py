@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.effects.effect import Effect, ScatterEffect
+from analysis.effects.effect import ContactLaw, Effect, ScatterEffect
 from analysis.effects.jitter_score import JitterScore
 from analysis.model.candidate import Candidate, Ranking, one_sided
 from analysis.model.fit import Fit
@@ -44,7 +44,7 @@ def rank(data: Data, fit: Fit, effects: Sequence[Effect], seed: int = 0) -> Rank
 
 def rank_over(passes: Passes, effects: Sequence[Effect], seed: int = 0) -> Ranking:
     """Score the same in one pass over a campaign."""
-    wanted, scatters = _free(passes.fit.theory, effects)
+    wanted, scatters = _free(passes.fit.theory, _suitable(passes, effects))
     trial = JitterTrial(passes) if scatters and passes.jitter_s == 0 else None
     scale = float(np.sqrt(max(passes.fit.chi2_per_dof, 1e-12)))
     if not wanted and not scatters:
@@ -62,6 +62,12 @@ def rank_over(passes: Passes, effects: Sequence[Effect], seed: int = 0) -> Ranki
     order = sorted(range(len(scored)), key=lambda k: (not scored[k].seen, -scored[k].fall))
     ranked = tuple(scored[k] for k in order)
     return Ranking(ranked, *_likeness(shifts, order), np.sort(smallest), scale)
+
+
+def _suitable(passes: Passes, effects: Sequence[Effect]) -> list[Effect]:
+    """Return the effects that make sense for the campaign's bodies."""
+    data, _ = next(iter(passes.parts()))
+    return [effect for effect in effects if not (effect.of_pairs and data.bodies[1].is_plate)]
 
 
 def _free(theory: Theory, effects: Sequence[Effect]) -> tuple[list[Effect], list[ScatterEffect]]:
@@ -87,7 +93,7 @@ def _shifts(
     passes: Passes, wanted: Sequence[Effect], scale: float, beside: Beside | None
 ) -> _Shifts:
     """Score effects in all their variants; p-values are of each by itself."""
-    forms = [(k, form) for k, e in enumerate(wanted) for form in (e, *e.variants)]
+    forms = [(k, form) for k, e in enumerate(wanted) for form in _forms(e)]
     sums = sums_over(passes, [form for _, form in forms], beside)
     blocks = _blocks(sums, [form for _, form in forms])
     falls = np.array([float(block.falls(sums.gradient)) for block in blocks]) / scale**2
@@ -107,10 +113,16 @@ def _shifts(
             p=p_values[i],
             carriers=tuple(int(n) for n in passes.shots[list(places)]),
             share=share,
+            of=wanted[forms[i][0]],
         )
         for i, (places, share) in zip(best, _carried(sums, shown), strict=True)
     ]
     return _Shifts(sums, blocks, shown, candidates)
+
+
+def _forms(effect: Effect) -> tuple[Effect, ...]:
+    """Return what is scored of an effect: itself and its variants, or the shares of a law."""
+    return effect.shares if isinstance(effect, ContactLaw) else (effect, *effect.variants)
 
 
 def _likeness(shifts: _Shifts, order: Sequence[int]) -> tuple[Floats, Floats]:
@@ -143,6 +155,7 @@ def _candidate(
     p: float,
     carriers: tuple[int, ...],
     share: float,
+    of: Effect,
 ) -> Candidate:
     count = len(effect.parameters)
     seen = block.freedom > 0
@@ -161,6 +174,7 @@ def _candidate(
         seen=seen,
         carriers=carriers,
         carried_share=share,
+        law=of if isinstance(of, ContactLaw) else None,
     )
 
 

@@ -30,6 +30,7 @@ def verdict_document(
         "excluded": list(data.excluded),
         "rejected": sorted([*data.unusable, *(int(number) for number in data.shots[~kept])]),
         "rejected_frames": [list(frame) for frame in verdict.cleaned.frames],
+        "torn_tracks": [list(track) for track in verdict.torn],
         "verdict": verdict.verdict,
         "effects": list(verdict.effects),
         "alias_set": list(verdict.alias_set),
@@ -55,7 +56,7 @@ def verdict_document(
 def _left(verdict: Verdict, shots: int) -> list[Cell]:
     """Return the cells that stand out, those first that more than two shots speak for."""
     left = [cell for cell in verdict.cells if cell.p_holm < UNEXPLAINED_LEVEL]
-    return sorted(left, key=lambda cell: not is_shared(cell, shots))
+    return sorted(left, key=lambda cell: (cell.of_measurement, not is_shared(cell, shots)))
 
 
 def candidates_document(ranking: Ranking) -> list[Json]:
@@ -85,4 +86,5 @@ def _cell(cell: Cell) -> Json:
         "chi2": cell.chi2,
         "degrees_of_freedom": cell.freedom,
         "p_value": max(cell.p_holm, SMALLEST_P),
+        "of_measurement": cell.of_measurement,
     }

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.effects.effect import Effect, ScatterEffect
+from analysis.effects.effect import ScatterEffect
 from analysis.effects.jitter_score import Directions, JitterScore, directions, score_of
 from analysis.model.comparison import KINDS, Comparison, Snapshot, by_block, compare, rates
 from analysis.model.fit import Fit, fit_campaign
@@ -65,16 +65,6 @@ class JitterTrial:
             return score_of(self._found, round(self._freedom))
         except ValueError:
             return None
-
-
-def added(data: Data, fit: Fit, effect: Effect) -> tuple[Data, Fit]:
-    """Fit again with one more effect; one that is noise of its own enters the data's noise."""
-    if not isinstance(effect, ScatterEffect):
-        return data, fit_campaign(data, fit.theory.with_effect(effect), fit)
-    score = timing_jitter(data, fit)
-    if score is None or isinstance(data, ContactTable):
-        return data, fit
-    return with_jitter(data, fit, effect, score.amplitude, score.sigma)
 
 
 def with_jitter(

@@ -15,7 +15,7 @@ from scipy.stats import chi2 as chi2_distribution
 
 from analysis.effects.effect import Effect
 from analysis.effects.timing_jitter import EFFECT as JITTER
-from analysis.model.alarm import UNEXPLAINED_LEVEL, alarms
+from analysis.model.alarm import UNEXPLAINED_LEVEL, alarms, is_far_off
 from analysis.model.candidate import Ranking
 from analysis.model.evidence import Stage, stage_of, weighed
 from analysis.model.exchange import AliasSets, exchanged
@@ -25,9 +25,9 @@ from analysis.model.inside import without_contact_frames
 from analysis.model.lackoffit import Cell, lack_of_fit
 from analysis.model.outliers import Cleaned
 from analysis.model.ranking import rank
-from analysis.model.tables import Data
+from analysis.model.tables import ContactTable, Data
 
-DROP_LEVEL = 0.0015
+DROP_LEVEL = 0.0005
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -51,6 +51,8 @@ class Verdict:
         most, if it would explain more than the effects that silenced it.
     cleaned
         What was used, and what was taken out.
+    torn
+        Shot number and sphere of each track that was cut where it leaves free flight.
     noise
         By what stated sigmas of positions and orientations were multiplied; 1: as stated.
     """
@@ -64,6 +66,7 @@ class Verdict:
     cells: tuple[Cell, ...]
     cleaned: Cleaned
     noise: tuple[float, float]
+    torn: tuple[tuple[int, str], ...] = ()
 
     @property
     def alias_set(self) -> tuple[str, ...]:
@@ -85,7 +88,8 @@ def explain(
 ) -> Verdict:
     """Go the whole way from the base model to a verdict."""
     progress("fitting the base model")
-    evidence = weighed(without_contact_frames(data))
+    stated = without_contact_frames(data)
+    evidence = weighed(stated)
     base = stage_of(evidence.data, evidence.cleaned.fit)
     first_ranking = rank(evidence.data, base.fit, effects)
     start = Found(evidence, (base,), first_ranking, {})
@@ -98,9 +102,11 @@ def explain(
         if len(again.path) > len(found.path) and not _alarmed(again, quiet := _left(again)):
             found, cells = again, quiet
     names = found.path[-1].effects
-    alias_sets = {name: found.alias_sets[name] for name in names}
+    alias_sets, last = {name: found.alias_sets[name] for name in names}, found.path[-1].fit
     return Verdict(
-        verdict="unexplained" if _alarmed(found, cells) else _word(alias_sets),
+        verdict="unexplained"
+        if _alarmed(found, cells) or is_far_off(last.chi2_per_dof, len(last.shot_chi2))
+        else _word(alias_sets),
         effects=names,
         alias_sets=alias_sets,
         path=found.path,
@@ -109,6 +115,7 @@ def explain(
         cells=cells,
         cleaned=found.evidence.cleaned,
         noise=found.evidence.noise,
+        torn=() if isinstance(stated, ContactTable) else stated.torn,
     )
 
 

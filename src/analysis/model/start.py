@@ -14,7 +14,7 @@ from analysis.motion.rotation import rotation_matrix, rotation_vector
 
 Floats = NDArray[np.float64]
 
-LEAST_FRAMES = 3
+LEAST_FRAMES, LEAST_FOR_A_LINE = 3, 2
 LEAST_COORDINATES = 2
 
 
@@ -91,8 +91,10 @@ def _splits(times: Floats, values: Floats, seen: NDArray[np.bool_]) -> NDArray[n
     early = np.zeros_like(total)
     early[:, 1:] = total[:, :-1]
     late = total[:, -1:] - early
-    enough = (early[..., 0] >= LEAST_FRAMES) & (late[..., 0] >= LEAST_FRAMES)
-    costs = np.where(enough, _misfit(early) + _misfit(late), np.inf)
+    fewer = np.minimum(early[..., 0], late[..., 0])
+    # Where no split leaves as many on both sides, two frames make a line.
+    least = np.where(fewer.max(axis=1) >= LEAST_FRAMES, LEAST_FRAMES, LEAST_FOR_A_LINE)
+    costs = np.where(fewer >= least[:, None], _misfit(early) + _misfit(late), np.inf)
     return np.asarray(costs.argmin(axis=1))
 
 

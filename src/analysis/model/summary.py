@@ -8,10 +8,14 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.model.theory import LAW, Theory
+from analysis.model.theory import LAW, LAW_PRIOR_SIGMA, Theory
 from analysis.quantity import Quantity
 
 Floats = NDArray[np.float64]
+
+KNOWN_BEFOREHAND, MOST_RANGES = 0.9, 10.0
+"""A standard error as large as this share of the prior's, or as so many plausible ranges, is that
+of a parameter without influence."""
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -57,9 +61,23 @@ class FitSummary:
         return self.chi2 / max(self.freedom, 1)
 
     def parameters(self) -> dict[str, Quantity]:
-        """Return law and effects with their standard errors."""
+        """Return law and effects with their standard errors.
+
+        What the shots say nothing of is not determined: its prior is no result. A law that takes
+        the operator's place has no beta0.
+        """
         start, stop, every = len(LAW), self.theory.given, self._every()
-        return {**dict(every[:start]), **dict(every[stop:]), **self.scatter}
+        law = [
+            (name, _told(q, KNOWN_BEFOREHAND * prior))
+            for (name, q), prior in zip(every[:start], LAW_PRIOR_SIGMA, strict=True)
+            if name != "beta0" or self.theory.contact_law is None
+        ]
+        ranges = [np.ptp(p.plausible) for a in self.theory.active for p in a.effect.parameters]
+        added = [
+            (name, _told(q, MOST_RANGES * float(wide)))
+            for (name, q), wide in zip(every[stop:], ranges, strict=True)
+        ]
+        return {**dict(law), **dict(added), **self.scatter}
 
     def systematics(self) -> dict[str, Quantity]:
         """Return the errors that all shots share: what was found of them and how well."""
@@ -69,3 +87,8 @@ class FitSummary:
         theory, sigma = self.theory, np.sqrt(np.diag(self.covariance))
         numbers = zip(theory.names, theory.vector, sigma, theory.units, strict=True)
         return [(name, Quantity(float(v), float(s), unit)) for name, v, s, unit in numbers]
+
+
+def _told(quantity: Quantity, largest: float) -> Quantity:
+    """Return a quantity, or that it is not determined where its error is not below a largest."""
+    return quantity if quantity.sigma < largest else Quantity.undetermined(quantity.unit)

@@ -1,6 +1,6 @@
-"""Errors that all shots of a campaign share and whose size is known beforehand.
+"""What all shots of a campaign share and is known beforehand with an error: of images, and of air.
 
-They do not average out. Each is fitted beside the law with a prior as wide as it is stated, in the
+It does not average out. Each is fitted beside the law with a prior as wide as it is stated, in the
 base model already: what it explains is no finding, and what it hides makes the errors larger.
 """
 
@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.effects.drag import EFFECT as DRAG
 from analysis.effects.effect import Effect, Values
 from analysis.effects.image_scale import EFFECT as IMAGE_SCALE
 from analysis.effects.mass_offset import EFFECT as MASS_OFFSET
@@ -27,12 +28,15 @@ class Systematic:
     Attributes
     ----------
     sigma
-        Standard error of each parameter about the value where the effect is off.
+        Standard error of each parameter about its stated value.
+    stated
+        Stated values of its parameters.
     """
 
     effect: Effect
     values: Values
     sigma: float
+    stated: Values
 
 
 def of_images(slow: SlowErrors) -> tuple[Systematic, ...]:
@@ -51,5 +55,13 @@ def of_images(slow: SlowErrors) -> tuple[Systematic, ...]:
     return tuple(_off(effect, sigma) for effect, sigma in stated if sigma > 0.0)
 
 
+def of_air(coefficient: float | None, sigma: float) -> tuple[Systematic, ...]:
+    """Return the drag of the air, where the campaign states its coefficient and its error."""
+    if coefficient is None:
+        return ()
+    stated = np.array([coefficient])
+    return (Systematic(DRAG, stated, sigma, stated),)
+
+
 def _off(effect: Effect, sigma: float) -> Systematic:
-    return Systematic(effect, effect.off, sigma)
+    return Systematic(effect, effect.off, sigma, effect.off)

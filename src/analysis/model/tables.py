@@ -47,7 +47,7 @@ class ContactTable:
         Whether only the scalars of thesis, section 7.1, are given: then n and t stand for the
         directions of every contact, and nothing is known across them.
     estimated
-        Whether no errors are stated, and sigma is one scale taken from the scatter itself.
+        Whether no errors are stated, and sigma is a scale for each channel, from the scatter.
     excluded
         Numbers of shots that are not here because a person left them out.
     """
@@ -119,8 +119,18 @@ class ContactTable:
         """Return the table with the sigmas of each shot divided by a weight, shape (S,)."""
         return replace(self, sigma=self.sigma / weight[:, None])
 
-    def scaled(self, factor: float) -> ContactTable:
-        """Return the table with all sigmas multiplied."""
+    @property
+    def channels(self) -> NDArray[np.bool_]:
+        """Return which numbers are measured alike, shape (2, L).
+
+        Velocities and spins; of scalars what is along the normal and what is across.
+        """
+        place = np.arange(len(self.after))
+        first = place % 2 == 0 if self.scalars else place % 12 < 6
+        return np.stack([first, ~first])
+
+    def scaled(self, factor: Floats) -> ContactTable:
+        """Return the table with the sigmas of each number multiplied, factors of shape (L,)."""
         return replace(self, sigma=self.sigma * factor)
 
     def of_shots(self, chosen: NDArray[np.bool_]) -> ContactTable:

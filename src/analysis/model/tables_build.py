@@ -39,11 +39,8 @@ def contacts_table(
     """
     before, after = (np.array([getattr(row, k) for row in rows]) for k in ("before", "after"))
     numbers = np.concatenate([before, after], axis=1)
-    estimated = all(row.sigma_v is None for row in rows)
-    sigma = np.repeat(
-        [_contact_sigmas(row, bodies, estimated=estimated) for row in rows], 3, axis=1
-    )
-    sigma = np.tile(sigma, 2)
+    estimated = all(sigma is None for row in rows for sigma in row.errors)
+    sigma = np.array([_contact_sigmas(row, bodies, estimated=estimated) for row in rows])
     sigma[np.isnan(numbers)] = np.inf
     # What a spin became says nothing where it is not known what it was.
     unknown = np.isnan(before[:, 6:]).reshape(-1, 2, 3).any(axis=2)
@@ -114,16 +111,16 @@ def impacts_table(
     )
 
 
-def _contact_sigmas(
-    row: ContactRow, bodies: tuple[Body, Body], *, estimated: bool
-) -> tuple[float, float, float, float]:
-    """Return the sigmas of both velocities and both spins; a plate at rest is not measured."""
-    speed, turning = _or_infinite(row.sigma_v), _or_infinite(row.sigma_w)
+def _contact_sigmas(row: ContactRow, bodies: tuple[Body, Body], *, estimated: bool) -> Floats:
+    """Return the sigmas of the 24 numbers; a plate at rest is not measured."""
     if estimated:
-        speed, turning = FIRST_GUESS, FIRST_GUESS / bodies[0].radius
+        spin = FIRST_GUESS / bodies[0].radius
+        sigma = np.tile(np.repeat([FIRST_GUESS, spin], 6), 2)
+    else:
+        sigma = np.array([_or_infinite(own) for own in row.errors])
     if bodies[1].is_plate:
-        return speed, np.inf, turning, np.inf
-    return speed, speed, turning, turning
+        sigma.reshape(4, 2, 3)[:, 1] = np.inf
+    return sigma
 
 
 def _or_infinite(sigma: float | None) -> float:

@@ -1,26 +1,37 @@
-"""The noise of a table that does not state it: one scale, taken from the scatter about the law."""
+"""The noise of a table that does not state it, channel by channel, from the scatter about the law.
+
+Velocities and spins of contacts, normal and surface velocities of impacts have a scale each, so
+that good normal velocities are not buried under bad spins.
+"""
 
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.stats import chi2 as chi2_distribution
 
+from analysis.model.comparison import compare
 from analysis.model.fit import Fit, fit_campaign
 from analysis.model.tables import ContactTable
 from analysis.model.theory import Theory
 
-ROUNDS = 8
+Floats = NDArray[np.float64]
+
+ROUNDS = 12
 SETTLED = 0.01
 LEAST_SPREAD = 1e-9
 """Of sigmas over their first guess: less is the rounding of a table that fits exactly."""
+LEAST_FREEDOM = 0.25
+"""Of a channel in a shot: with less it has no scatter of its own, and takes that of all."""
+LEAST_SINGULAR = 1e-9
 
 
 def with_scatter_as_noise(table: ContactTable, theory: Theory | None = None) -> ContactTable:
-    """Multiply all sigmas by one factor, so that a theory fits as well as noise lets it.
+    """Multiply the sigmas of each channel by a factor, so that a theory fits as noise lets it.
 
-    The factor is that of the median shot, which bad shots do not move: its chi-squared is set to
-    the median of its distribution. The prior of beta0 does not scale with the noise, so the factor
-    is found in a few rounds.
+    The factor is that of the median shot, which bad shots do not move: the chi-squared of its
+    channel is set to the median of its distribution. Which channel a fit gives way to depends on
+    the factors, so they are found in a few rounds.
 
     Parameters
     ----------
@@ -32,28 +43,54 @@ def with_scatter_as_noise(table: ContactTable, theory: Theory | None = None) -> 
     ValueError
         More is fitted than is tabulated, or the table fits exactly.
     """
-    whole = 1.0
+    whole = np.ones(len(table.channels))
     for _ in range(ROUNDS):
-        factor = _factor(fit_campaign(table, theory))
-        whole *= factor
-        if whole < LEAST_SPREAD:
+        factors = _factors(table, fit_campaign(table, theory))
+        whole *= factors
+        if whole.min() < LEAST_SPREAD:
             raise ValueError("the numbers fit the model exactly, so that there is no scatter")
-        table = table.scaled(factor)
-        if abs(factor - 1) < SETTLED:
+        table = table.scaled(factors @ table.channels)
+        if (np.abs(factors - 1) < SETTLED).all():
             break
     return table
 
 
-def _factor(fit: Fit) -> float:
-    """Return by what the sigmas are to be multiplied."""
+def _factors(table: ContactTable, fit: Fit) -> Floats:
+    """Return by what the sigmas of each channel are to be multiplied, shape (channels,)."""
     left = fit.shot_residuals - fit.own_numbers
     if fit.freedom < 1 or not (left > 0).any():
         raise ValueError(
             f"{fit.residuals} numbers leave no scatter about {fit.residuals - fit.freedom} fitted "
             "ones"
         )
-    told = left > 0
     # Fitted parameters take their share of the scatter from every shot alike.
     share = fit.freedom / left.sum()
-    expected = share * chi2_distribution.median(left[told])
-    return float(np.sqrt(np.median(fit.shot_chi2[told] / expected)))
+    squares, freedom = _scatter(table, fit)
+    channels = table.channels.astype(np.float64)
+    together = _factor(fit.shot_chi2, share * left)
+    apart = zip((squares @ channels.T).T, share * (freedom @ channels.T).T, strict=True)
+    return np.array([_factor(own, free) or together for own, free in apart])
+
+
+def _factor(chi2: Floats, freedom: Floats) -> float:
+    """Return the factor of the median shot, 0 where no shot has any freedom."""
+    told = freedom > LEAST_FREEDOM
+    if not told.any():
+        return 0.0
+    expected = chi2_distribution.median(freedom[told])
+    return float(np.sqrt(np.median(chi2[told] / expected)))
+
+
+def _scatter(table: ContactTable, fit: Fit) -> tuple[Floats, Floats]:
+    """Return squares of whitened residuals and one less the leverage of each, shape (S, L).
+
+    The leverage is that of the shot's own numbers.
+    """
+    line, _ = compare(table, fit.states, fit.theory)
+    shots, length = table.sigma.shape
+    slopes = line.slopes.reshape(shots, length, -1) @ line.by_state[:, :, table.open]
+    left, singular, _ = np.linalg.svd(slopes, full_matrices=False)
+    fitted = singular > LEAST_SINGULAR * singular.max(axis=1, keepdims=True)
+    leverage = (left**2 * fitted[:, None, :]).sum(axis=2)
+    squares = line.residual.reshape(shots, length) ** 2
+    return squares, np.where(table.measured, 1.0 - leverage, 0.0)

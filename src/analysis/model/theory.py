@@ -13,6 +13,7 @@ from analysis.effects.effect import (
     CameraEffect,
     ClockEffect,
     ContactEffect,
+    ContactLaw,
     Effect,
     FlightEffect,
     Values,
@@ -32,10 +33,17 @@ _LAW_STEP = 1e-6
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Active:
-    """An effect that takes part, at some values of its parameters."""
+    """An effect that takes part, at some values of its parameters.
+
+    Attributes
+    ----------
+    freed
+        Errors of the measurement whose place it takes: they are no longer held to a stated size.
+    """
 
     effect: Effect
     values: Values
+    freed: tuple[Systematic, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -72,6 +80,14 @@ class Theory:
         return np.concatenate([law, *(a.values for a in self.parts)])
 
     @property
+    def possible(self) -> tuple[Floats, Floats]:
+        """Least and largest value of each parameter, shapes (P,)."""
+        law = [(0.0, np.inf), (0.0, np.inf), (-np.inf, np.inf)]
+        ranges = [*law, *(p.possible for a in self.parts for p in a.effect.parameters)]
+        least, largest = zip(*ranges, strict=True)
+        return np.array(least), np.array(largest)
+
+    @property
     def steps(self) -> Floats:
         """A step for differences of each parameter, shape (P,)."""
         added = [p.step for a in self.parts for p in a.effect.parameters]
@@ -96,7 +112,7 @@ class Theory:
         start = len(LAW)
         for s in self.systematics:
             stop = start + len(s.values)
-            centre[start:stop], information[start:stop] = s.effect.off, s.sigma**-2
+            centre[start:stop], information[start:stop] = s.stated, s.sigma**-2
             start = stop
         return centre, information
 
@@ -113,7 +129,7 @@ class Theory:
     @property
     def strain(self) -> float:
         """Chi-squared of the systematics against their stated sizes; each is one residual."""
-        off = [((s.values - s.effect.off) / s.sigma) ** 2 for s in self.systematics]
+        off = [((s.values - s.stated) / s.sigma) ** 2 for s in self.systematics]
         return float(sum(part.sum() for part in off))
 
     def at(self, vector: Floats) -> Theory:
@@ -127,35 +143,54 @@ class Theory:
             tuple(replace(a, values=v) for a, v in zip(self.active, own[count:], strict=True)),
         )
 
-    def with_effect(self, effect: Effect) -> Theory:
-        """Return the theory with one more effect, at the values where it is off.
+    def with_effect(self, effect: Effect, start: Values | None = None) -> Theory:
+        """Return the theory with one more effect, at `start` or else where it is off.
 
-        One that the new effect contains makes room for it, and hands on what its parameters are.
+        What the new effect contains, and an error of the measurement that it is, make room for it
+        and hand on what their parameters are.
         """
-        values = effect.off
-        for contained in self.active:
-            if contained.effect.name in effect.contains:
-                found = dict(
-                    zip(
-                        (p.symbol for p in contained.effect.parameters),
-                        contained.values,
-                        strict=True,
-                    )
-                )
-                values = np.array(
-                    [found.get(p.symbol, v) for p, v in zip(effect.parameters, values, strict=True)]
-                )
-        left = tuple(a for a in self.active if a.effect.name not in effect.contains)
-        return replace(self, active=(*left, Active(effect, values)))
+        replaced = {effect.name, *effect.contains}
+        parts: tuple[Systematic | Active, ...] = (*self.systematics, *self.active)
+        room = [a for a in parts if a.effect.name in replaced]
+        known = {
+            p.symbol: v for a in room for p, v in zip(a.effect.parameters, a.values, strict=True)
+        }
+        if start is None:
+            start = np.array([known.get(p.symbol, p.off) for p in effect.parameters])
+        freed = tuple(a for a in room if isinstance(a, Systematic))
+        freed += tuple(s for a in room if isinstance(a, Active) for s in a.freed)
+        return replace(
+            self,
+            systematics=tuple(s for s in self.systematics if s.effect.name not in replaced),
+            active=(
+                *(a for a in self.active if a.effect.name not in replaced),
+                Active(effect, start, freed),
+            ),
+        )
 
     def without_effect(self, name: str) -> Theory:
-        """Return the theory less one effect."""
-        return replace(self, active=tuple(a for a in self.active if a.effect.name != name))
+        """Return the theory less one effect; errors whose place it took are held again."""
+        gone = [a for a in self.active if a.effect.name == name]
+        held = tuple(replace(s, values=s.stated) for a in gone for s in a.freed)
+        return replace(
+            self,
+            systematics=(*self.systematics, *held),
+            active=tuple(a for a in self.active if a.effect.name != name),
+        )
+
+    @property
+    def contact_law(self) -> ContactLaw | None:
+        """Return the law that stands in the place of the hard-sphere operator, if one does."""
+        laws = (a.effect for a in self.active if isinstance(a.effect, ContactLaw))
+        return next(laws, None)
 
     @property
     def operator(self) -> Operator:
         """The collision operator with all contact effects wrapped round it."""
         operator: Operator = walton
+        for a in self.parts:
+            if isinstance(a.effect, ContactLaw):
+                operator = a.effect.law(a.values)
         for a in self.parts:
             if isinstance(a.effect, ContactEffect):
                 operator = a.effect.wrap(operator, a.values)

@@ -107,19 +107,47 @@ def _fall(document: Json) -> str:
     it = "them" if len(document["effects"]) > 1 else "it"
     return (
         f"with {it} the error on shots left out falls from {first['prediction_error']:.3f} to "
-        f"{last['prediction_error']:.3f} of the noise"
+        f"{last['prediction_error']:.3f} of the noise{_each(document)}"
     )
+
+
+def _each(document: Json) -> str:
+    """Say where several effects leave the error, one after the other."""
+    steps, before = [], set[str]()
+    for stage in document["path"][1:]:
+        new = [name for name in stage["with"] if name not in before]
+        before = set(stage["with"])
+        if len(new) == 1 and new[0] in document["effects"]:
+            steps.append(f"{stage['prediction_error']:.3f} with {new[0]}")
+    return f" ({', '.join(steps)})" if len(steps) > 1 else ""
 
 
 def _unexplained(document: Json) -> str:
     names = _listed(document["effects"])
     verb = "explain" if len(document["effects"]) > 1 else "explains"
     part = f" {names} {verb} part of it." if names else ""
+    if not document["structure"]:
+        return (
+            f"{document['campaign']}: chi-squared is {document['chi2_per_dof']:.3g} per degree of "
+            f"freedom, where 1 is the noise, and no effect that {document['used']} shots tell "
+            f"explains it.{part} The stated errors are too small, or more shots are needed to see "
+            "what is missing."
+        )
     where = document["structure"][0]
     return (
         f"{document['campaign']}: something is missing that the catalogue does not hold.{part} "
-        f"What is left shows most in {where['channel']} against {where['covariate']}."
+        f"What is left shows most in {where['channel']} against {where['covariate']}"
+        f"{_kind(where['channel'])}."
     )
+
+
+def _kind(channel: str) -> str:
+    """Say of what kind structure of frames is; that of a contact says so itself."""
+    if channel.startswith("image"):
+        return ": the images, not the contact"
+    if " position " in channel or " orientation " in channel:
+        return ": the flight or the images, not the contact"
+    return ""
 
 
 def _listed(names: list[str]) -> str:

@@ -8,13 +8,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.effects.effect import Effect
+from analysis.effects.effect import ContactLaw, Effect
 from analysis.launch.result import LaunchFit
+from analysis.model.adding import ALIAS_WITHIN, added
 from analysis.model.design.candidates import FINE, Candidates, Setting, candidates
 from analysis.model.design.choice import chosen, fewest_even
 from analysis.model.design.duel import Belief, Duels, truth
-from analysis.model.fit import Fit, fit_campaign
-from analysis.model.leaders import ALIAS_WITHIN
+from analysis.model.fit import Fit
 from analysis.model.poses import PoseData
 
 Floats = NDArray[np.float64]
@@ -131,9 +131,8 @@ def best_fit(data: PoseData, base: Fit, effect: Effect | None) -> Fit:
     """Return the fit with an effect in its likeliest variant; without one, the base."""
     if effect is None:
         return base
-    forms = (effect, *effect.variants)
-    fits = [fit_campaign(data, base.theory.with_effect(form), base) for form in forms]
-    return min(fits, key=lambda fit: fit.chi2)
+    forms = (effect,) if isinstance(effect, ContactLaw) else (effect, *effect.variants)
+    return min((added(data, base, form)[1] for form in forms), key=lambda fit: fit.chi2)
 
 
 def repeated(drawn: Candidates, counts: Floats) -> tuple[Repeated, ...]:

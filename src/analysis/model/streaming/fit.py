@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.model.descent import Stand, descended, linearised, summed
-from analysis.model.fit import START
+from analysis.model.fit import START, likeliest, starting_theories
 from analysis.model.normal import inverse
 from analysis.model.own_fit import own_states
 from analysis.model.parts import Kept
@@ -78,6 +78,9 @@ def fit_stream(
     OSError
         The temporary folder is full.
     """
+    if theory is None and states is None:
+        begun = starting_theories(len(stream.shots), next(iter(stream)).systematics)
+        return likeliest([fit_stream(stream, one) for one in begun])
     present = Theory(START, next(iter(stream)).systematics) if theory is None else theory
     if states is None:
         states = (own_states(part, first_states(part), present) for part in stream)

@@ -8,13 +8,20 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.effects.effect import Effect, ScatterEffect
+from analysis.effects.effect import ContactLaw, Effect, ScatterEffect
 from analysis.model.account import AS_STATED, Account
+from analysis.model.adding import with_law
 from analysis.model.candidate import Ranking
 from analysis.model.evidence import corrections
 from analysis.model.inside import without_contact_frames
 from analysis.model.noise import scales_over
-from analysis.model.outliers import ROUNDS, bad_shots, robust_weight, wild_frames
+from analysis.model.outliers import (
+    ROUNDS,
+    bad_shots,
+    robust_weight,
+    starts_afresh,
+    wild_frames,
+)
 from analysis.model.ranking import rank_over
 from analysis.model.scatter import jitter_found, jitter_over
 from analysis.model.streaming.fit import StreamedFit, fit_stream, passes_of_stream
@@ -47,6 +54,7 @@ class JudgedStream:
             rejected=sorted([*data.unusable, *left]),
             frames=tuple(frame for frame in data.gone if frame[0] not in left),
             noise=data.noise,
+            torn=tuple(track for part in data.parts for track in part.torn),
         )
 
     def ranked(self, effects: Sequence[Effect]) -> Ranking:
@@ -109,7 +117,8 @@ def _clean(stream: PoseStream, theory: Theory | None) -> JudgedStream:
         stream = stream.of_shots(~bad)
         fit = fit_stream(stream, fit.theory, fit.states(~bad))
     # Afresh, now that the law is known: near its corner a shot may have begun on the wrong side.
-    return JudgedStream(stream, fit_stream(stream, fit.theory))
+    fits = [fit_stream(stream, begun) for begun in starts_afresh(fit)]
+    return JudgedStream(stream, min(fits, key=lambda one: one.chi2))
 
 
 def _robust(stream: PoseStream, theory: Theory | None) -> StreamedFit:
@@ -140,6 +149,12 @@ def _wild(stream: PoseStream, fit: StreamedFit) -> list[Frame]:
 def _added(found: JudgedStream, effect: Effect) -> JudgedStream:
     """Fit again with one more effect; one that is noise of its own enters the data's noise."""
     data, fit = found.data, found.fit
+    if isinstance(effect, ContactLaw):
+
+        def refit(theory: Theory, start: StreamedFit | None) -> StreamedFit:
+            return fit_stream(data, theory, None if start is None else start.states())
+
+        return JudgedStream(data, with_law(passes_of_stream(data, fit), fit, effect, refit))
     if not isinstance(effect, ScatterEffect):
         theory = fit.theory.with_effect(effect)
         return JudgedStream(data, fit_stream(data, theory, fit.states(), scatter=fit.scatter))

@@ -14,7 +14,7 @@ import pytest
 
 from analysis.collision.operator import Encounter, Outcome, walton
 from analysis.effects.catalogue import CATALOGUE
-from analysis.effects.effect import CameraEffect, ContactEffect, Effect
+from analysis.effects.effect import CameraEffect, ContactEffect, ContactLaw, Effect
 from analysis.effects.own.dropping import without_faulty
 from analysis.effects.own.fault import EffectFault
 from analysis.effects.own.guard import FUNCTIONS
@@ -164,7 +164,7 @@ def test_a_fault_crosses_to_another_process_whole(tmp_path: Path) -> None:
 
 
 def test_every_file_of_the_catalogue_handed_in_as_ones_own_scores_the_same(tmp_path: Path) -> None:
-    stages = [effect for effect in CATALOGUE if effect.stage in FUNCTIONS]
+    stages = [e for e in CATALOGUE if e.stage in FUNCTIONS and not isinstance(e, ContactLaw)]
     sources = {effect.name: source_of(effect) for effect in stages}
     for name, text in sources.items():
         write(tmp_path, text.replace(f'name="{name}"', f'name="my-{name}"'), f"my-{name}")

@@ -12,8 +12,8 @@ from scipy.spatial.transform import Rotation
 
 from analysis.errors import InputError
 from analysis.exchange.pose_table import read_poses
-from analysis.exchange.tables import pose_writer
-from analysis.model.gather import gather, measured_poses
+from analysis.exchange.pose_writing import measured_poses, pose_writer
+from analysis.model.gather import gather
 from analysis.model.judged import judged
 from analysis.model.poses import PoseData
 from analysis.shot import MeasuredShot, analyse_shot

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from analysis.collision.contact_frames import hertz_duration
 from analysis.collision.operator import Body
-from analysis.model.inside import hertz_duration, without_contact_frames
+from analysis.model.inside import without_contact_frames
 from tests.unit.analysis.model.hard_spheres import campaign, draw
 
 NYLON = Body.sphere(0.0254, 1150.0, 0.4)

@@ -12,23 +12,23 @@ import pytest
 from analysis.model.report import verdict_document
 from analysis.model.selection import explain
 from analysis.model.words import doubts, verdict_sentence
-from tests.unit.analysis.model.chosen import EFFECTS
+from tests.unit.analysis.model.chosen import WIDELY_BELIEVED
 from tests.unit.analysis.model.hard_spheres import Hidden, campaign
 
 KEYS = {
     *("campaign", "shots", "used", "excluded", "rejected", "rejected_frames", "verdict", "effects"),
     *("alias_set", "alias_sets", "unexplained", "chi2_per_dof", "path", "parameters", "candidates"),
-    *("noise", "structure", "next_shots"),
+    *("noise", "structure", "next_shots", "torn_tracks"),
 }
 CANDIDATE = {
     *("effect", "score", "p_value", "p_familywise", "promised_fall"),
     *("amplitude", "sigma", "unit", "plausible", "plausible_range"),
 }
-CELL = {"channel", "covariate", "chi2", "degrees_of_freedom", "p_value"}
+CELL = {"channel", "covariate", "chi2", "degrees_of_freedom", "p_value", "of_measurement"}
 
 
 def document(data: Any) -> dict[str, Any]:
-    made = verdict_document("nylon", data, explain(data, EFFECTS))
+    made = verdict_document("nylon", data, explain(data, WIDELY_BELIEVED))
     # Out and in again: what is not JSON, or is not a number, cannot pass.
     return json.loads(json.dumps(made, allow_nan=False))
 

@@ -10,10 +10,11 @@ from scipy.spatial.transform import Rotation
 
 from analysis.effects.catalogue import CATALOGUE
 from analysis.effects.timing_jitter import EFFECT
+from analysis.model.adding import added
 from analysis.model.fit import fit_campaign
 from analysis.model.poses import PoseData
 from analysis.model.ranking import rank
-from analysis.model.scatter import added, timing_jitter
+from analysis.model.scatter import timing_jitter
 from analysis.model.selection import explain
 from tests.unit.analysis.model.hard_spheres import campaign
 

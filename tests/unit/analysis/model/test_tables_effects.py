@@ -232,11 +232,13 @@ def test_full_states_on_a_plate_give_back_the_law(tmp_path: Path) -> None:
     assert sum(row.count for row in rows) == 60 * 6
 
 
-def test_what_makes_no_sense_on_a_plate_cannot_be_seen(tmp_path: Path) -> None:
+def test_what_makes_no_sense_on_a_plate_is_not_offered_or_cannot_be_seen(tmp_path: Path) -> None:
     data = table(folder_with(tmp_path, "contacts.csv", bounced(30, 16), PLATE))
     ranking = rank(data, fit_campaign(data), CATALOGUE)
     unseen = {c.effect.name for c in ranking.candidates if not c.seen}
-    assert {"mass-mismatch", "finite-contact", "mass-offset"} <= unseen
+    assert {"finite-contact", "mass-offset"} <= unseen
+    offered = {c.effect.name for c in ranking.candidates}
+    assert not offered & {"mass-mismatch", "radius-mismatch"}
     assert {"restitution-viscoelastic", "friction-speed"}.isdisjoint(unseen)
 
 

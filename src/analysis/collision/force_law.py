@@ -1,0 +1,103 @@
+"""Force laws of a contact that lasts: which power of the overlap presses, which one damps.
+
+Along the normal N = k x^p - c x^q dx/dt, never pulling, x the overlap. Across it a spring of
+stiffness kappa dN/dx and a dashpot under Coulomb's limit mu N. Simulation codes differ in what the
+spring keeps while its stiffness changes, and in where the dashpot acts.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import gamma
+from typing import Literal
+
+History = Literal["elongation", "increment"]
+
+
+@dataclass(frozen=True, slots=True)
+class NormalForce:
+    """N = k x^p - c x^q dx/dt.
+
+    Attributes
+    ----------
+    title
+        As its field calls it.
+    elastic, damping
+        The exponents p and q.
+    """
+
+    title: str
+    elastic: float
+    damping: float
+
+    @property
+    def depth_exponent(self) -> float:
+        """Return the power of the speed with which the depth grows: v^(2 / (p + 1))."""
+        return 2.0 / (self.elastic + 1.0)
+
+    @property
+    def loss_exponent(self) -> float:
+        """Return the power of the speed with which the dimensionless damping grows.
+
+        0 where restitution does not depend on speed.
+        """
+        return 1.0 + (self.damping - self.elastic) * self.depth_exponent
+
+    @property
+    def elastic_duration(self) -> float:
+        """Return the duration of an undamped contact in units of L / v, L = (m* v^2 / k)^(1/(p+1)).
+
+        2 (x_max / L) int_0^1 dy / sqrt(1 - y^(p+1)): 3.218 of Hertz's force, pi of a linear spring.
+        """
+        n = self.elastic + 1.0
+        deepest = (n / 2.0) ** (1.0 / n)
+        return float(2 * deepest * gamma(0.5) * gamma(1 + 1 / n) / gamma(0.5 + 1 / n))
+
+    def stiffness(self, mass: float, duration_s: float) -> float:
+        """Return k, N/m^p, of a reduced mass (kg) that an undamped contact turns in so many s.
+
+        At an approach speed of 1 m/s.
+        """
+        length = duration_s / self.elastic_duration
+        return float(mass / length ** (self.elastic + 1.0))
+
+
+TSUJI = NormalForce("Hertz's force with Tsuji's damping", 1.5, 0.25)
+"""Y. Tsuji, T. Tanaka and T. Ishida, Powder Technol. 71, 239 (1992): e does not depend on speed."""
+KUWABARA_KONO = NormalForce("Hertz's force with viscous damping", 1.5, 0.5)
+"""G. Kuwabara and K. Kono, Jpn. J. Appl. Phys. 26, 1230 (1987): e falls with speed."""
+LINEAR = NormalForce("linear spring and dashpot", 1.0, 0.0)
+"""P. A. Cundall and O. D. L. Strack, Geotechnique 29, 47 (1979): all contacts last as long."""
+
+
+@dataclass(frozen=True, slots=True)
+class ForceLaw:
+    """Normal and tangential force of a contact.
+
+    Attributes
+    ----------
+    normal
+        Along the line of centres.
+    history
+        What the tangential spring keeps while its stiffness changes: its "elongation", so that the
+        force follows the stiffness, or its force, to which each "increment" of slip adds.
+    dashpot_slides
+        Whether the tangential dashpot acts also while the contact slides.
+    shortened
+        Whether the levers end at the middle of the overlap, or at the spheres' own radii.
+    """
+
+    normal: NormalForce
+    history: History
+    dashpot_slides: bool = True
+    shortened: bool = True
+
+    @property
+    def title(self) -> str:
+        """Return what tells it from the others."""
+        parts = [self.normal.title, f"tangential spring by {self.history}"]
+        if not self.dashpot_slides:
+            parts.append("damped while it sticks")
+        if not self.shortened:
+            parts.append("levers of full length")
+        return ", ".join(parts)

@@ -1,0 +1,121 @@
+"""The collision operator of a contact that lasts: its forces integrated from touch to parting."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from analysis.collision.contact_loop import SPRING, collide
+from analysis.collision.damping import damping
+from analysis.collision.force_law import ForceLaw
+from analysis.collision.operator import Body, Encounter, Floats, Outcome, States, gives
+
+REFERENCE_SPEED = 2.0
+"""m/s: the approach speed at which e of a law whose e depends on speed is the stated one."""
+LEAST_SPEED, LEAST_E, LEAST_RATIO = 1e-3, 0.05, 1e-6
+STEPS = 40
+"""In an undamped duration: velocities after contact are then right to some 0.1 mm/s."""
+
+
+@dataclass(frozen=True, slots=True)
+class Stiffness:
+    """What a contact that lasts has beside e and mu.
+
+    Attributes
+    ----------
+    duration_s
+        Of an undamped contact at an approach of 1 m/s.
+    ratio
+        Tangential over normal stiffness: 2 (1 - nu) / (2 - nu) for like solids (Mindlin).
+    damping
+        Tangential damping over its critical value.
+    """
+
+    duration_s: float
+    ratio: float
+    damping: float
+
+
+def lasting(
+    encounter: Encounter, law: ForceLaw, stiffness: Stiffness, steps: int = STEPS
+) -> Outcome:
+    """Return what a contact that lasts makes of each encounter.
+
+    The relative motion is integrated about the turning line of centres; gravity and air act on both
+    spheres alike meanwhile. Beside a plate the normal stays. A contact that never parts leaves not
+    a number.
+    """
+    a, b = encounter.bodies
+    give, give_t = gives(encounter.bodies)
+    before, mass = encounter.before, 1.0 / give
+    k = law.normal.stiffness(mass, stiffness.duration_s)
+    speed = encounter.approach.clip(min=LEAST_SPEED)
+    depth = (mass * speed**2 / k) ** (law.normal.depth_exponent / 2)
+    loss = damping(encounter.e.clip(min=LEAST_E), law.normal, steps)
+    loss = loss * (speed / REFERENCE_SPEED) ** law.normal.loss_exponent
+    dashpot = loss * k * depth ** (law.normal.elastic - law.normal.damping) / speed
+    pair = np.array(
+        [
+            a.radius,
+            b.radius,
+            give,
+            1.0 / a.inertia,
+            1.0 / b.inertia,
+            (1.0 if b.is_plate else 0.5) if law.shortened else 0.0,
+            0.0 if b.is_plate else 1.0,
+        ]
+    )
+    numbers = np.array(
+        [
+            k,
+            law.normal.elastic,
+            law.normal.damping,
+            max(stiffness.ratio, LEAST_RATIO),
+            2.0 * max(stiffness.damping, 0.0) * np.sqrt(1.0 / give_t),
+            1.0 if law.history == "increment" else 0.0,
+            1.0 if law.dashpot_slides else 0.0,
+        ]
+    )
+    relative = before.velocity_b - before.velocity_a
+    spins = np.stack([before.spin_a, before.spin_b], axis=1)
+    ends, durations, turns = collide(
+        (_rows(encounter.normal), _rows(relative), _rows(spins)),
+        pair,
+        numbers,
+        (
+            _rows(dashpot),
+            _rows(encounter.mu.clip(min=0.0)),
+            _rows(law.normal.elastic_duration * depth / speed),
+        ),
+        steps,
+    )
+    return _outcome(encounter, (a, b), ends, durations, turns)
+
+
+def _rows(numbers: Floats) -> Floats:
+    """Return numbers as a compiled loop takes them, copied where they are not so yet."""
+    return np.require(numbers, np.float64, ("C", "W"))
+
+
+def _outcome(
+    encounter: Encounter, bodies: tuple[Body, Body], ends: Floats, durations: Floats, turns: Floats
+) -> Outcome:
+    """Return the outcome from the states at separation (N, 15)."""
+    a, b = bodies
+    before = encounter.before
+    place, velocity, spin_a, spin_b = (ends[:, k : k + 3] for k in range(0, SPRING, 3))
+    share_a = 0.0 if b.is_plate else a.mass / (a.mass + b.mass)
+    common = share_a * before.velocity_a + (1.0 - share_a) * before.velocity_b
+    way = common * durations[:, None]
+    apart = place - (a.radius + b.radius) * encounter.normal
+    return Outcome(
+        after=States(
+            common - (1.0 - share_a) * velocity, common + share_a * velocity, spin_a, spin_b
+        ),
+        duration=durations,
+        shift_a=way - (1.0 - share_a) * apart,
+        shift_b=way + share_a * apart,
+        turn_a=turns[:, 0],
+        turn_b=turns[:, 1],
+    )

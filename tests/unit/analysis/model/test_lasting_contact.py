@@ -1,0 +1,132 @@
+"""Contacts that last, of the simulators' making, found and fitted."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from analysis.effects.catalogue import CATALOGUE
+from analysis.effects.lasting_contact import EFFECT, contact_modulus, hertz_duration
+from analysis.model.account import AS_STATED
+from analysis.model.judged import Judged, judged
+from analysis.model.poses import PoseData
+from analysis.model.ranking import rank
+from analysis.model.selection import explain
+from analysis.model.streaming.judged import judged_stream
+from analysis.model.streaming.stream import PoseStream
+from benchmarks.discovery.campaigns import posed
+from simulators.challenge.campaign import run_campaign
+from simulators.challenge.force_choice import Forces
+from simulators.challenge.nature import Nature
+from tests.unit.analysis.model.chosen import chosen
+
+AIR = 0.4
+
+
+@cache
+def poses(forces: Forces, shots: int = 60, seed: int = 42) -> PoseData:
+    nature = Nature(forces=forces, drag_coefficient=AIR)
+    return replace(posed(run_campaign(nature, seed, shots=shots)), drag_coefficient=0.42)
+
+
+@cache
+def fitted(forces: Forces) -> Judged:
+    return judged(poses(forces), [EFFECT])
+
+
+INCREMENTS = Forces(drag="increment", stiffness_ratio=0.6, damping_ratio=0.1)
+LINEAR = Forces(push="linear", stiffness_ratio=0.3, damping_ratio=0.1)
+SOFT = Forces(duration_s=4e-4, stiffness_ratio=0.25, damping_ratio=0.08)
+
+
+@pytest.mark.parametrize("forces", [INCREMENTS, LINEAR, SOFT])
+def test_a_fit_with_the_lasting_contact_reaches_the_noise(forces: Forces) -> None:
+    found = fitted(forces)
+    spread = np.sqrt(2 / found.fit.freedom)
+    assert found.fit.chi2_per_dof < 1.0 + 3 * spread
+    assert found.evidence.noise == AS_STATED
+
+
+@pytest.mark.parametrize("forces", [INCREMENTS, SOFT])
+def test_its_parameters_are_those_of_the_simulated_contact(forces: Forces) -> None:
+    found = fitted(forces).fit.parameters()
+    truth = {
+        "e": 0.74,
+        "mu": 0.08,
+        "lasting-contact.kappa": forces.stiffness_ratio,
+        "lasting-contact.zeta": forces.damping_ratio,
+    }
+    for name, value in truth.items():
+        assert abs(found[name].value - value) < 4 * found[name].sigma + 2e-4, name
+    assert found["lasting-contact.t"].value == pytest.approx(forces.duration_s, rel=0.02)
+
+
+def test_a_law_of_its_own_has_no_beta0() -> None:
+    assert "beta0" not in fitted(SOFT).fit.parameters()
+    assert "beta0" in judged(poses(SOFT)).fit.parameters()
+
+
+def test_the_verdict_names_it_alone_and_what_it_contains_is_offered_no_more() -> None:
+    verdict = explain(poses(INCREMENTS), CATALOGUE)
+    assert (verdict.verdict, verdict.effects) == ("effect", ("lasting-contact",))
+    offered = {candidate.effect.name for candidate in verdict.ranking.candidates}
+    assert not offered & {*EFFECT.contains, EFFECT.name}
+
+
+def test_its_share_leads_the_candidates_of_the_hard_sphere_law() -> None:
+    data, fit = judged(poses(SOFT)).data, judged(poses(SOFT)).fit
+    leaders = [c.effect.name for c in rank(data, fit, CATALOGUE).candidates[:3]]
+    assert set(leaders) & {"lasting-contact", "finite-contact"}
+
+
+def test_in_parts_it_is_fitted_to_the_same_numbers() -> None:
+    data = poses(SOFT)
+    whole = judged(data, [EFFECT]).fit.parameters()
+    parts = judged_stream(PoseStream.of([data]), [EFFECT]).fit.parameters()
+    assert parts.keys() == whole.keys()
+    for name, quantity in whole.items():
+        assert parts[name].value == pytest.approx(quantity.value, abs=0.02 * quantity.sigma), name
+
+
+def test_hard_spheres_have_no_lasting_contact() -> None:
+    nature = Nature(drag_coefficient=AIR, compliance=1.0)
+    data = replace(posed(run_campaign(nature, 44, shots=60)), drag_coefficient=0.42)
+    assert "lasting-contact" not in explain(data, CATALOGUE).effects
+
+
+def test_without_spins_the_law_across_the_normal_stays_open() -> None:
+    data = poses(SOFT)
+    blind = data.with_sigmas(data.position_sigma, np.full_like(data.rotation_sigma, np.inf))
+    found = judged(blind, [EFFECT]).fit.parameters()
+    assert not found["mu"].determined
+    assert not found["beta0"].determined
+    assert found["e"].value == pytest.approx(0.74, abs=0.02)
+
+
+def test_few_shots_and_frames_give_e_and_no_error() -> None:
+    data = poses(SOFT)
+    one = data.of_shots(np.arange(60) == 3)
+    frames = np.abs(np.arange(data.times_s.shape[1]) - 11.5) > 5
+    for few in (one, data.without(np.tile(frames, (60, 1)))):
+        assert judged(few, [EFFECT]).fit.parameters()["e"].value == pytest.approx(0.74, abs=0.03)
+        assert explain(few, chosen("drag", "lasting-contact")).verdict in {"none", "effect"}
+
+
+def test_a_drag_that_is_stated_is_no_finding_and_three_times_as_much_is() -> None:
+    thrice = Nature(forces=SOFT, drag_coefficient=3 * AIR)
+    data = replace(posed(run_campaign(thrice, 43, shots=60)), drag_coefficient=0.42)
+    drag = fitted(SOFT).fit.systematics()["drag.Cd"]
+    assert abs(drag.value - AIR) < 3 * drag.sigma
+    named = judged(data, [EFFECT, *chosen("drag")]).fit.parameters()["drag.Cd"]
+    assert abs(named.value - 3 * AIR) < 3 * named.sigma
+
+
+def test_modulus_and_duration_are_each_others_inverse() -> None:
+    bodies = poses(SOFT).bodies
+    # Nylon of 3 GPa and Poisson's ratio 0.4, two one-inch spheres: 0.19 ms at 1 m/s.
+    modulus = 3e9 / (2 * (1 - 0.4**2))
+    assert hertz_duration(modulus, bodies) == pytest.approx(1.878e-4, rel=1e-3)
+    assert contact_modulus(hertz_duration(modulus, bodies), bodies) == pytest.approx(modulus)
