@@ -156,6 +156,7 @@ def chance_of_falls(falls: Floats, freedom: int, *, one_sided: bool) -> Floats:
     """
     if freedom == 0:
         return np.ones_like(falls)
+    falls = np.maximum(falls, 0.0)
     if one_sided:
         return np.where(falls > 0, ndtr(-np.sqrt(falls)), 1.0)
     if freedom == 1:
