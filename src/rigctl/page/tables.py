@@ -73,7 +73,12 @@ def measured(about: Quantity, value: Mapping[str, Any] | None, look: str = "") -
 
 
 def with_error(value: Mapping[str, Any], factor: float = 1.0) -> str:
-    """Return a value times a factor as `12.34 ± 0.05`, with the places that the error allows."""
+    """Return a value times a factor as `12.34 ± 0.05`, with the places that the error allows.
+
+    What is null was not determined.
+    """
+    if value["value"] is None:
+        return "not determined"
     number, sigma = factor * float(value["value"]), value.get("sigma")
     sigma = None if sigma is None else factor * sigma
     if sigma is None or not sigma > 0:
