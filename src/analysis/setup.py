@@ -102,7 +102,7 @@ class Setup:
 
     `gravity_m_per_s2` acts along +X (down). Poses that were measured elsewhere may come with their
     slow errors. `drag_coefficient` is that of the spheres in air, F = rho/2 Cd A v^2, with its
-    standard error; None: nobody stated it.
+    standard error; None: not stated.
     """
 
     camera: CameraSetup

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.collision.force_law import hertz_duration
 from analysis.collision.operator import Body
 
 Floats = NDArray[np.float64]
@@ -19,22 +20,13 @@ POISSON_RATIO = 0.25
 MARGIN_BEFORE_S = 0.06e-3
 DURATIONS_AFTER = 1.6
 SLOWEST = 0.05
+"""Approach speed, m/s, below which a contact is taken to last no longer."""
 
 
-def hertz_duration(approach: Floats, bodies: tuple[Body, Body]) -> Floats:
-    """Return how long an elastic Hertzian contact lasts, s, for approach speeds in m/s.
-
-    t = 2.94 x / v with x = (5 m* v^2 / (4 k))^(2/5), k = (4/3) E* sqrt(R*): K. L. Johnson, Contact
-    Mechanics (1985), section 11.4.
-    """
-    a, b = bodies
-    mass = 1 / (1 / a.mass + 1 / b.mass)
-    radius = 1 / (1 / a.radius + 1 / b.radius)
+def longest_contact(approach: Floats, bodies: tuple[Body, Body]) -> Floats:
+    """Return how long an elastic contact of soft nylon lasts, s, for approach speeds in m/s."""
     modulus = YOUNGS_MODULUS / (2 * (1 - POISSON_RATIO**2))
-    stiffness = 4 / 3 * modulus * np.sqrt(radius)
-    speed = np.maximum(approach, SLOWEST)
-    depth = (1.25 * mass * speed**2 / stiffness) ** 0.4
-    return np.asarray(2.94 * depth / speed)
+    return np.asarray(hertz_duration(modulus, bodies) * np.maximum(approach, SLOWEST) ** -0.2)
 
 
 def inside_contact(
@@ -52,6 +44,6 @@ def inside_contact(
         Time that the shutter was open, centred on a frame's time; 0: poses of instants.
     """
     half_open = exposure_s / 2
-    lasting = DURATIONS_AFTER * hertz_duration(approach, bodies)
+    lasting = DURATIONS_AFTER * longest_contact(approach, bodies)
     begun = since_touch_s > -(MARGIN_BEFORE_S + half_open)
     return np.asarray(begun & (since_touch_s < lasting[..., None] + half_open))

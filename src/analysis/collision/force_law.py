@@ -11,6 +11,8 @@ from dataclasses import dataclass
 from math import gamma
 from typing import Literal
 
+from analysis.collision.operator import Body, gives
+
 History = Literal["elongation", "increment"]
 
 
@@ -94,10 +96,23 @@ class ForceLaw:
 
     @property
     def title(self) -> str:
-        """Return what tells it from the others."""
+        """Return its name among the force laws."""
         parts = [self.normal.title, f"tangential spring by {self.history}"]
         if not self.dashpot_slides:
             parts.append("damped while it sticks")
         if not self.shortened:
             parts.append("levers of full length")
         return ", ".join(parts)
+
+
+def hertz_duration(modulus: float, bodies: tuple[Body, Body]) -> float:
+    """Return how long an undamped Hertzian contact of a contact modulus E*, Pa, lasts at 1 m/s, s.
+
+    F = (4/3) E* sqrt(R*) x^(3/2): K. L. Johnson, Contact Mechanics (1985), section 11.4. At another
+    approach speed v, m/s, it is v^(-1/5) times that.
+    """
+    a, b = bodies
+    curvature = 1 / a.radius + (0.0 if b.is_plate else 1 / b.radius)
+    stiffness = 4 / 3 * modulus * curvature**-0.5
+    mass = 1 / gives(bodies)[0]
+    return float(TSUJI.elastic_duration * (mass / stiffness) ** 0.4)

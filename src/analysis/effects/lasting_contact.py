@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from analysis.collision.force_law import LINEAR, TSUJI, ForceLaw
-from analysis.collision.operator import Body, Encounter, Floats, Operator, Outcome, States, gives
+from analysis.collision.force_law import LINEAR, TSUJI, ForceLaw, hertz_duration
+from analysis.collision.operator import Body, Encounter, Floats, Operator, Outcome, States
 from analysis.effects.effect import ContactEffect, ContactLaw, Parameter, Values
 
 NORMAL_FORCES = (TSUJI, LINEAR)
@@ -40,18 +40,6 @@ def law_of(force: ForceLaw, values: Values) -> Operator:
         return lasting(encounter, force, Stiffness(duration, ratio, damping))
 
     return operator
-
-
-def hertz_duration(modulus: float, bodies: tuple[Body, Body]) -> float:
-    """Return how long an undamped Hertzian contact of a contact modulus E*, Pa, lasts at 1 m/s, s.
-
-    F = (4/3) E* sqrt(R*) x^(3/2): K. L. Johnson, Contact Mechanics (1985), section 11.4.
-    """
-    a, b = bodies
-    curvature = 1 / a.radius + (0.0 if b.is_plate else 1 / b.radius)
-    stiffness = 4 / 3 * modulus * np.sqrt(1 / curvature)
-    mass = 1 / gives(bodies)[0]
-    return float(TSUJI.elastic_duration * (mass / stiffness) ** 0.4)
 
 
 def contact_modulus(duration_s: float, bodies: tuple[Body, Body]) -> float:

@@ -22,7 +22,8 @@ from analysis.model.theory import LAW_PRIOR, Theory
 F = TypeVar("F", bound=FitSummary)
 
 ALIAS_WITHIN = (2 * 1.2816) ** 2
-"""Refits this close in deviance are told apart rightly in less than nine of ten campaigns."""
+"""Difference of deviance below which the better of two fits is the wrong one in more than one of
+ten campaigns."""
 NEAR, MOST_STARTS = 40.0, 5
 """Starts whose loss in the scan is this near the least are fitted, so many at most."""
 

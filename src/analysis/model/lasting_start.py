@@ -12,9 +12,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.collision.force_law import hertz_duration
 from analysis.collision.operator import Operator
 from analysis.effects.effect import ContactLaw, Values
-from analysis.effects.lasting_contact import TYPICAL_MODULUS, hertz_duration
+from analysis.effects.lasting_contact import TYPICAL_MODULUS
 from analysis.model.free_flights import SIDE, FreeFlights
 from analysis.model.theory import Theory
 

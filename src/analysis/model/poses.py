@@ -61,7 +61,7 @@ class PoseData:
     air_density
         kg/m^3.
     drag_coefficient, drag_sigma
-        Of the spheres in that air as stated, with its standard error; None: nobody stated it.
+        Drag coefficient of the spheres in air, 1, and its standard error; None: not stated.
     covariates
         What else is known of each shot, by name, each of shape (S,): `order` from -0.5 to 0.5 in
         the order of firing, and every numeric column of the shot list.

@@ -180,7 +180,7 @@ class Theory:
 
     @property
     def contact_law(self) -> ContactLaw | None:
-        """Return the law that stands in the place of the hard-sphere operator, if one does."""
+        """Return the law that replaces the hard-sphere operator; None: the operator is used."""
         laws = (a.effect for a in self.active if isinstance(a.effect, ContactLaw))
         return next(laws, None)
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from analysis.collision.contact_frames import hertz_duration
+from analysis.collision.contact_frames import longest_contact
 from analysis.collision.operator import Body
 from analysis.model.inside import without_contact_frames
 from tests.unit.analysis.model.hard_spheres import campaign, draw
@@ -36,15 +36,15 @@ def integrated(speed: float) -> float:
 
 @pytest.mark.parametrize("speed", [0.3, 1.0, 3.0, 6.0])
 def test_the_duration_is_that_of_an_integrated_contact(speed: float) -> None:
-    [closed] = hertz_duration(np.array([speed]), (NYLON, NYLON))
+    [closed] = longest_contact(np.array([speed]), (NYLON, NYLON))
     assert closed == pytest.approx(integrated(speed), rel=2e-3)
 
 
 def test_slow_contacts_last_longer_by_the_fifth_root_and_never_for_ever() -> None:
-    slow, fast = hertz_duration(np.array([0.1, 3.2]), (NYLON, NYLON))
+    slow, fast = longest_contact(np.array([0.1, 3.2]), (NYLON, NYLON))
     assert slow / fast == pytest.approx(2.0, rel=1e-9)
-    grazing = hertz_duration(np.array([0.0, -1.0]), (NYLON, NYLON))
-    assert np.array_equal(grazing, hertz_duration(np.array([0.05, 0.05]), (NYLON, NYLON)))
+    grazing = longest_contact(np.array([0.0, -1.0]), (NYLON, NYLON))
+    assert np.array_equal(grazing, longest_contact(np.array([0.05, 0.05]), (NYLON, NYLON)))
 
 
 @pytest.mark.parametrize("exposure_s", [0.0, 2e-4])

@@ -8,8 +8,9 @@ from functools import cache
 import numpy as np
 import pytest
 
+from analysis.collision.force_law import hertz_duration
 from analysis.effects.catalogue import CATALOGUE
-from analysis.effects.lasting_contact import EFFECT, contact_modulus, hertz_duration
+from analysis.effects.lasting_contact import EFFECT, contact_modulus
 from analysis.model.account import AS_STATED
 from analysis.model.judged import Judged, judged
 from analysis.model.poses import PoseData

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.integrate import solve_ivp
+from scipy.integrate import OdeSolution, solve_ivp
 
 from analysis.motion.drift import Drift
 from analysis.motion.velocity import Drag, FlightPath, fit_flight, three_frame_flight
@@ -14,12 +14,26 @@ DOWN = np.array([1.0, 0.0, 0.0])
 NO_DRIFT = Drift(0.0, 1.0)
 TIMES = np.array([0.0, 1.0, 2.0, 3.0, 5.0, 6.0, 7.0, 9.0]) * 1e-3
 POSITION, VELOCITY = np.array([0.01, -0.03, 0.002]), np.array([-0.2, 2.1, 0.05])
+DRAG_PER_M = 0.05
 SIGMAS = np.tile([2e-5, 3e-5, 5e-5], (8, 1))
 
 
 def flown(times_s: np.ndarray, reference_s: float) -> np.ndarray:
     tau = (times_s - reference_s)[:, None]
     return POSITION + VELOCITY * tau + 0.5 * G * DOWN * tau**2
+
+
+def slowed_by_drag() -> OdeSolution:
+    def slowed(_: float, state: np.ndarray) -> np.ndarray:
+        velocity = state[3:]
+        drag = DRAG_PER_M * np.linalg.norm(velocity) * velocity
+        return np.concatenate([velocity, G * DOWN - drag])
+
+    start = np.concatenate([POSITION, VELOCITY])
+    flight: OdeSolution = solve_ivp(
+        slowed, (0.0, 0.01), start, dense_output=True, rtol=1e-12, atol=1e-12
+    ).sol
+    return flight
 
 
 def fit(
@@ -87,15 +101,7 @@ def test_a_slow_error_is_followed_and_not_averaged_away() -> None:
 
 @pytest.mark.parametrize("reference_s", [0.0, 9.5e-3])
 def test_a_fit_tells_how_far_drag_that_it_leaves_out_moves_it(reference_s: float) -> None:
-    drag_per_m = 0.05
-
-    def slowed(_: float, state: np.ndarray) -> np.ndarray:
-        velocity = state[3:]
-        drag = drag_per_m * np.linalg.norm(velocity) * velocity
-        return np.concatenate([velocity, G * DOWN - drag])
-
-    start = np.concatenate([POSITION, VELOCITY])
-    flight = solve_ivp(slowed, (0.0, 0.01), start, dense_output=True, rtol=1e-12, atol=1e-12).sol
+    flight = slowed_by_drag()
     path = fit_flight(
         TIMES,
         flight(TIMES).T[:, :3],
@@ -103,7 +109,7 @@ def test_a_fit_tells_how_far_drag_that_it_leaves_out_moves_it(reference_s: float
         NO_DRIFT,
         gravity=G,
         reference_s=reference_s,
-        drag=Drag(sigma_per_m=drag_per_m),
+        drag=Drag(sigma_per_m=DRAG_PER_M),
     )
     off = np.concatenate([path.position, path.velocity]) - flight(reference_s)
     # 0.22 m/s^2 over some 4 ms.
@@ -113,15 +119,7 @@ def test_a_fit_tells_how_far_drag_that_it_leaves_out_moves_it(reference_s: float
 
 @pytest.mark.parametrize("reference_s", [0.0, 9.5e-3])
 def test_stated_drag_is_taken_out_of_the_flight(reference_s: float) -> None:
-    drag_per_m = 0.05
-
-    def slowed(_: float, state: np.ndarray) -> np.ndarray:
-        velocity = state[3:]
-        drag = drag_per_m * np.linalg.norm(velocity) * velocity
-        return np.concatenate([velocity, G * DOWN - drag])
-
-    start = np.concatenate([POSITION, VELOCITY])
-    flight = solve_ivp(slowed, (0.0, 0.01), start, dense_output=True, rtol=1e-12, atol=1e-12).sol
+    flight = slowed_by_drag()
 
     def fitted(drag: Drag) -> FlightPath:
         seen = flight(TIMES).T[:, :3]
@@ -132,10 +130,10 @@ def test_stated_drag_is_taken_out_of_the_flight(reference_s: float) -> None:
     def off(path: FlightPath) -> np.ndarray:
         return np.abs(np.concatenate([path.position, path.velocity]) - flight(reference_s))
 
-    known = off(fitted(Drag(drag_per_m, 0.1 * drag_per_m)))
+    known = off(fitted(Drag(DRAG_PER_M, 0.1 * DRAG_PER_M)))
     assert (known[[1, 4]] < 0.03 * off(fitted(Drag()))[[1, 4]]).all()
-    shift = fitted(Drag(drag_per_m, 0.1 * drag_per_m)).drag_shift
-    np.testing.assert_allclose(shift, 0.1 * fitted(Drag(0.0, drag_per_m)).drag_shift, rtol=0.01)
+    shift = fitted(Drag(DRAG_PER_M, 0.1 * DRAG_PER_M)).drag_shift
+    np.testing.assert_allclose(shift, 0.1 * fitted(Drag(0.0, DRAG_PER_M)).drag_shift, rtol=0.01)
 
 
 def test_two_frames_give_a_line_without_freedom() -> None:
