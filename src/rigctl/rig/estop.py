@@ -26,6 +26,9 @@ RETRY_S = 0.2
 LINE_WAIT_S = 2.0
 """Longest wait for the cut-off's line. The cut goes on after it; only the caller is let go."""
 
+KEEP_AGAIN_S = 1.0
+"""Pause before a latch that the disk refused is written again, s."""
+
 WITNESS_WAIT_S = 1.0
 """Longest wait of a caller for the trigger's word that the power is off, s."""
 
@@ -55,8 +58,8 @@ class EmergencyStop:
     ----------
     cut_off
         The device that takes the actuators' power.
-    latch_file
-        Where the latch is kept; see `LatchFile`.
+    folder
+        Where the reason of the latch is kept; see `LatchFile`.
     clock
         Time.
     afterwards
@@ -69,13 +72,13 @@ class EmergencyStop:
     def __init__(
         self,
         cut_off: CutOff,
-        latch_file: Path,
+        folder: Path,
         clock: Clock,
         *,
         afterwards: Callable[[], None],
         witness: Witness | None,
     ) -> None:
-        self._cut_off, self._file, self._clock = cut_off, LatchFile(latch_file), clock
+        self._cut_off, self._file, self._clock = cut_off, LatchFile(folder), clock
         self._afterwards, self._witness = afterwards, witness
         self._lock = threading.Lock()
         # Guards what is known of the power; never held while a disk or a device is waited for.
@@ -84,6 +87,8 @@ class EmergencyStop:
         self._powered = False
         self._doubt: str | None = None
         self._latch = self._file.read()
+        self._unkept: str | None = None
+        self._closed = threading.Event()
         self._requests: SimpleQueue[_Request | None] = SimpleQueue()
         self._followers: list[threading.Thread] = []
         self._thread = threading.Thread(target=self._serve, name="cut-off", daemon=True)
@@ -101,11 +106,17 @@ class EmergencyStop:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Say so while the power is not known to be off after a cut."""
-        doubt = self._doubt
-        if doubt is None:
-            return ()
-        return (f"the power is NOT confirmed off: {doubt}; {_BY_HAND}",)
+        """Say what is not as it should be after a stop: the power, or the record of its reason."""
+        doubt, unkept = self._doubt, self._unkept
+        said = []
+        if doubt is not None:
+            said.append(f"the power is NOT confirmed off: {doubt}; {_BY_HAND}")
+        if unkept is not None:
+            said.append(
+                f"the stop holds and outlasts a restart, but its reason is not on disk ({unkept}); "
+                f"it is written again every {KEEP_AGAIN_S:g} s: make room on the disk"
+            )
+        return tuple(said)
 
     def check(self) -> None:
         """Ask the cut-off for its sign of life; opens nothing.
@@ -145,7 +156,7 @@ class EmergencyStop:
             latch = self._latch or Latch(actor, reason, self._clock.wall().isoformat())
             self._latch = latch
             request.latched.set()
-            self._file.keep(latch)
+            self._keep(latch)
         self._await_cut(request)
 
     def restore(self) -> None:
@@ -181,6 +192,7 @@ class EmergencyStop:
                 self._await_cut(self._order_cut(self._take_power))
             except RigError:
                 _log.exception("on closing the cut-off")
+        self._closed.set()
         self._requests.put(None)
         self._thread.join(LINE_WAIT_S)
         self._await_followers()
@@ -202,6 +214,29 @@ class EmergencyStop:
             self._powered, self._doubt = False, _UNDER_WAY
         self._requests.put(request)
         return request
+
+    def _keep(self, latch: Latch) -> None:
+        """Write the latch, and go on trying where the disk refuses. The caller holds the lock."""
+        trying = self._unkept is not None
+        self._unkept = self._refused_by_disk(latch)
+        if self._unkept is not None and not trying:
+            threading.Thread(target=self._keep_again, name="latch-file", daemon=True).start()
+
+    def _keep_again(self) -> None:
+        while not self._closed.wait(KEEP_AGAIN_S):
+            with self._lock:
+                if self._latch is not None:
+                    self._unkept = self._refused_by_disk(self._latch)
+                if self._unkept is None:
+                    return
+
+    def _refused_by_disk(self, latch: Latch) -> str | None:
+        try:
+            self._file.keep(latch)
+        except OSError as error:
+            _log.warning("the reason of the stop is not on disk: %s", error)
+            return error.strerror or str(error)
+        return None
 
     def _stop_all(self, request: _Request) -> None:
         try:
@@ -290,6 +325,7 @@ class EmergencyStop:
                 if self._stops != seen:
                     raise self._stopped_again()
                 self._file.forget()
+                self._unkept = None
                 with self._known:
                     self._latch, self._powered, self._doubt = None, True, None
         except Exception:

@@ -1,16 +1,16 @@
-"""The latch of the emergency stop, and the file in which it outlives the process."""
+"""What outlives the process: why the rig is stopped, and whether its last daemon ended clean."""
 
 from __future__ import annotations
 
 import json
-import logging
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from rigctl.errors import RefusedError
+from rigctl.errors import RefusedError, StoreError
 from rigctl.store.durable import sync_folder, write_synced
 
-_log = logging.getLogger(__name__)
+LATCH_FILE = "estop.json"
+CLEAN_END_FILE = "clean-end"
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,10 +23,19 @@ class Latch:
 
 
 class LatchFile:
-    """A file beside the catalogue, so a full or locked catalogue cannot lose the latch."""
+    """The reason of a stop, in a file beside the catalogue.
 
-    def __init__(self, path: Path) -> None:
-        self._path = path
+    The latch itself does not depend on it: a stopped rig leaves no `CleanEnd`, and so starts
+    latched, whatever became of this file.
+
+    Parameters
+    ----------
+    folder
+        Of the store.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._path = folder / LATCH_FILE
 
     def read(self) -> Latch | None:
         """Return the latch; a file that cannot be read counts as one."""
@@ -38,18 +47,18 @@ class LatchFile:
             return Latch("rig", f"the latch file cannot be read: {error}", "")
 
     def keep(self, latch: Latch) -> None:
-        """Force the latch to disk; where the disk refuses it holds in memory, and the log says so.
+        """Force the latch to disk.
 
-        Never raises.
+        Raises
+        ------
+        OSError
+            The disk refuses; the latch holds all the same, without its reason.
         """
         partial = self._path.with_suffix(".partial")
-        try:
-            partial.unlink(missing_ok=True)
-            write_synced(partial, lambda file: file.write(json.dumps(asdict(latch)).encode()))
-            partial.replace(self._path)
-            sync_folder(self._path.parent)
-        except OSError:
-            _log.exception("the latch holds in memory only")
+        partial.unlink(missing_ok=True)
+        write_synced(partial, lambda file: file.write(json.dumps(asdict(latch)).encode()))
+        partial.replace(self._path)
+        sync_folder(self._path.parent)
 
     def forget(self) -> None:
         """Remove the file.
@@ -68,3 +77,47 @@ class LatchFile:
                 part=str(self._path),
                 todo="correct the folder's rights, then release again",
             ) from error
+
+
+class CleanEnd:
+    """A mark that the last daemon left behind when it ended unlatched, with the power cut.
+
+    A daemon takes the mark away when it starts, and leaves one only where a start may give power.
+    So a stop needs no disk to outlive the daemon: a full disk, a kill or a power failure leave no
+    mark, and the next daemon starts latched.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._path = folder / CLEAN_END_FILE
+
+    def take(self) -> bool:
+        """Take the mark away, on disk; return whether it was there.
+
+        Raises
+        ------
+        StoreError
+            The disk does not let it go: after a kill a start would give power.
+        """
+        try:
+            self._path.unlink()
+            sync_folder(self._path.parent)
+        except FileNotFoundError:
+            return False
+        except OSError as error:
+            raise StoreError(
+                f"the mark of a clean end cannot be removed: {error.strerror}",
+                part=str(self._path),
+                todo="correct the folder's rights, then start again",
+            ) from error
+        return True
+
+    def leave(self) -> None:
+        """Leave the mark.
+
+        Raises
+        ------
+        OSError
+            The disk refuses; the next start is latched.
+        """
+        write_synced(self._path, lambda file: file.write(b"the last daemon ended clean\n"))
+        sync_folder(self._path.parent)

@@ -22,6 +22,7 @@ from rigctl.rig.estop import EmergencyStop
 from rigctl.rig.firing import ShotRun
 from rigctl.rig.halting import halt, make_safe
 from rigctl.rig.interlocks import require
+from rigctl.rig.latch import CleanEnd
 from rigctl.rig.lines import reopen
 from rigctl.rig.parts import Bench
 from rigctl.rig.recovery import Recovery, start
@@ -79,11 +80,12 @@ class Rig:
         self._analyse, self._spawn = analyse, spawn
         self._stop = EmergencyStop(
             devices.cut_off,
-            store.path / "estop.json",
+            store.path,
             clock,
             afterwards=self._after_stop,
             witness=devices.trigger.powered if isinstance(devices.trigger, PowerQuery) else None,
         )
+        self._clean_end = CleanEnd(store.path)
         self._conditions = Conditions(self._bench, self._stop)
         self._standing = Standing(configuration, store, clock)
         self._running = RunningShot(self._standing, store, self._stop, clock)
@@ -280,7 +282,7 @@ class Rig:
         """Close what the last daemon left open and bring the devices to their safe state.
 
         Called once, before anything else. No shot is fired again. Power is given unless a person
-        has to release the rig first.
+        has to release the rig first: after a stop, and after an end that was not clean.
 
         Raises
         ------
@@ -288,8 +290,14 @@ class Rig:
             The store cannot be read or written.
         """
         with self._alone():
-            now = self._clock.wall()
-            recovery = start(self._store, self._standing, self._stop, self._devices.trigger, now)
+            recovery = start(
+                self._store,
+                self._standing,
+                self._stop,
+                self._devices.trigger,
+                self._clock.wall(),
+                clean=self._clean_end.take(),
+            )
         for shot in recovery.to_analyse:
             self._analyse(shot)
         return recovery
@@ -297,15 +305,22 @@ class Rig:
     def close(self) -> None:
         """Disarm, let a shot end within its bounds, make the trigger safe, take the power.
 
-        Power stays where a cut would let the spheres go. Never raises; safe to call twice.
+        Power stays where a cut would let the spheres go. A rig that nobody has to release is
+        marked as ended clean. Never raises; safe to call twice.
         """
         self.disarm(ACTOR, "the daemon ends")
-        self._running.wait(self._longest_run_s)
+        safe = self._running.wait(self._longest_run_s)
         try:
             self._devices.trigger.make_safe()
         except RigError:
+            safe = False
             _log.exception("on closing the rig")
         self._stop.close(cut=self._configuration.trigger.power_cut == "holds")
+        if safe and self._standing.state not in LATCHED and not self._stop.warnings:
+            try:
+                self._clean_end.leave()
+            except OSError as error:
+                _log.warning("the rig starts latched next time: %s", error)
 
     @property
     def _longest_run_s(self) -> float:

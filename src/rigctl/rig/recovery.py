@@ -18,6 +18,11 @@ from rigctl.store.store import Store
 
 _log = logging.getLogger(__name__)
 
+NOT_CLEAN = (
+    "the last daemon left no mark of a clean end: it was killed or lost power, or a stop could "
+    "not be written; look at the rig, then release it"
+)
+
 NOTES = 1000
 """So far back the audit is searched for a transition before the notes on a stop."""
 
@@ -74,11 +79,18 @@ def close_open_shots(store: Store, now: datetime) -> Recovery:
 
 
 def start(
-    store: Store, standing: Standing, stop: EmergencyStop, trigger: Trigger, now: datetime
+    store: Store,
+    standing: Standing,
+    stop: EmergencyStop,
+    trigger: Trigger,
+    now: datetime,
+    *,
+    clean: bool,
 ) -> Recovery:
     """Close open shots, enter the state the rig starts in, and bring its devices to safety.
 
-    Power is given unless a person has to release the rig first.
+    Power is given unless a person has to release the rig first. `clean` says that the last daemon
+    left the mark of a clean end; a rig that has never run needs none.
 
     Raises
     ------
@@ -88,14 +100,16 @@ def start(
     recovery = close_open_shots(store, now)
     entry, latch = _last_step(store), stop.latch
     last = RigState.IDLE if entry is None else RigState(entry.after)
-    state = start_state(last, recovery, latched=latch is not None)
+    state = start_state(last, recovery, latched=latch is not None, clean=clean or entry is None)
     reason = "the daemon started"
     if latch is not None:
         reason = latch.reason
     elif state is RigState.UNKNOWN_OUTCOME and recovery.unknown:
         reason = f"whether shot {', '.join(recovery.unknown)} fired is not known"
-    elif state in LATCHED and entry is not None:
+    elif state is last and state in LATCHED and entry is not None:
         reason = entry.reason
+    elif state is RigState.ESTOP:
+        reason = NOT_CLEAN
     standing.last_shot(store.catalogue.last())
     standing.start(last, state, reason)
     acts = [trigger.make_safe]
@@ -123,13 +137,15 @@ def _last_step(store: Store) -> JournalEntry | None:
     return steps[-1] if steps else last
 
 
-def start_state(last: RigState, recovery: Recovery, *, latched: bool) -> RigState:
+def start_state(last: RigState, recovery: Recovery, *, latched: bool, clean: bool) -> RigState:
     """Return the state in which the rig starts: what a person had to end, a restart does not."""
     if latched or last is RigState.ESTOP:
         return RigState.ESTOP
     if recovery.unknown:
         return RigState.UNKNOWN_OUTCOME
-    return last if last in LATCHED else RigState.IDLE
+    if last in LATCHED:
+        return last
+    return RigState.IDLE if clean else RigState.ESTOP
 
 
 def _close(store: Store, shot: ShotRecord, now: datetime) -> ShotRecord:

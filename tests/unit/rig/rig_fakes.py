@@ -214,7 +214,10 @@ def stack(frames: int = 4, lost: tuple[int, ...] = ()) -> FrameSequence:
 
 
 class Laboratory:
-    """One rig of stand-ins over one store folder; `restart` is a daemon that died and came back."""
+    """One rig of stand-ins over one store folder.
+
+    `restart` is a daemon that was killed and came back, `start_again` one that ended clean.
+    """
 
     def __init__(
         self,
@@ -268,6 +271,10 @@ class Laboratory:
 
     def restart(self) -> None:
         self.abandon()
+        self.open()
+
+    def start_again(self) -> None:
+        self.close()
         self.open()
 
     def close(self) -> None:

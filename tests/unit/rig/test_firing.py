@@ -127,7 +127,7 @@ def test_lost_frames_are_counted_in_the_record(lab: Laboratory) -> None:
 def test_the_sequence_number_is_the_shots_and_rises_through_restarts(lab: Laboratory) -> None:
     for _ in range(2):
         lab.shoot()
-        lab.restart()
+        lab.start_again()
     lab.shoot()
     assert lab.trigger.fired == [1, 2, 3]
 

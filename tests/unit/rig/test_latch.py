@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Never
 
@@ -14,9 +14,11 @@ from rigctl.errors import (
     DeviceError,
     DeviceSilentError,
     RefusedError,
+    StoreError,
 )
-from rigctl.rig import latch
+from rigctl.rig import estop, latch
 from rigctl.rig.standing import AFTER_STOP
+from rigctl.store.journal import Journal
 
 
 @pytest.fixture
@@ -72,7 +74,7 @@ def test_a_person_with_a_reason_ends_the_stop(lab: Laboratory) -> None:
     assert (lab.state, lab.cut_off.power) == ("idle", True)
     assert not (lab.folder / "estop.json").exists()
     assert lab.rig.status().latch_reason is None
-    lab.restart()
+    lab.start_again()
     assert lab.state == "idle"
 
 
@@ -131,12 +133,87 @@ def test_a_release_that_a_device_does_not_take_leaves_the_latch(lab: Laboratory,
     getattr(lab, part).errors.clear()
 
 
-def test_a_full_disk_does_not_hinder_the_stop(
+def full_disk(*_: object) -> Never:
+    raise OSError(28, "No space left on device")
+
+
+def test_a_full_disk_does_not_hinder_the_stop_and_the_state_says_what_is_not_written(
     lab: Laboratory, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def full(*_: object) -> Never:
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(latch, "write_synced", full)
+    monkeypatch.setattr(latch, "write_synced", full_disk)
     lab.rig.estop("berta", "smoke")
     assert (lab.state, lab.cut_off.power) == ("estop", False)
+    assert any("No space left" in warning for warning in lab.rig.status().warnings)
+
+
+@pytest.mark.parametrize("end", [Laboratory.start_again, Laboratory.restart])
+def test_a_stop_on_a_full_disk_outlasts_every_end_of_the_daemon(
+    lab: Laboratory, monkeypatch: pytest.MonkeyPatch, end: Callable[[Laboratory], None]
+) -> None:
+    lab.shoot()
+    with monkeypatch.context() as full:
+        full.setattr(latch, "write_synced", full_disk)
+        full.setattr(Journal, "append", lambda *_, **__: refuse_to_store())
+        lab.rig.estop("berta", "smoke")
+        lab.cut_off.power = False
+        end(lab)
+        assert (lab.state, lab.cut_off.power) == ("estop", False)
+        with pytest.raises(RefusedError):
+            lab.arm()
+
+
+def refuse_to_store() -> Never:
+    raise StoreError("the disk is full")
+
+
+def test_the_reason_of_a_stop_is_written_once_the_disk_has_room(
+    lab: Laboratory, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(estop, "KEEP_AGAIN_S", 0.001)
+    with monkeypatch.context() as full:
+        full.setattr(latch, "write_synced", full_disk)
+        lab.rig.estop("berta", "smoke")
+        assert not (lab.folder / "estop.json").exists()
+    until(lambda: not lab.rig.status().warnings)
+    assert json.loads((lab.folder / "estop.json").read_text())["reason"] == "smoke"
+
+
+def test_a_release_ends_the_attempts_to_write_the_reason(
+    lab: Laboratory, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(latch, "write_synced", full_disk)
+    lab.rig.estop("berta", "smoke")
+    lab.rig.release("berta", "only steam")
+    assert (lab.state, lab.rig.status().warnings) == ("idle", ())
+    assert not (lab.folder / "estop.json").exists()
+
+
+def test_a_daemon_that_was_killed_comes_back_latched_and_without_power(lab: Laboratory) -> None:
+    lab.shoot()
+    lab.cut_off.power = False
+    lab.restart()
+    assert (lab.state, lab.cut_off.power) == ("estop", False)
+    assert "clean end" in str(lab.rig.status().latch_reason)
+    lab.restart()
+    assert lab.state == "estop"
+    lab.rig.release("anna", "looked at the tubes")
+    assert lab.shoot().state == "stored"
+
+
+def test_a_start_is_refused_where_a_kill_after_it_could_not_be_noticed(
+    lab: Laboratory, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    lab.close()
+    with monkeypatch.context() as read_only:
+        read_only.setattr(
+            latch.Path, "unlink", lambda *_, **__: raise_os_error(30, "Read-only file system")
+        )
+        with pytest.raises(StoreError, match="clean end"):
+            lab.open()
+    lab.store.close()
+    lab.open()
+    assert lab.state == "idle"
+
+
+def raise_os_error(number: int, what: str) -> Never:
+    raise OSError(number, what)

@@ -1,4 +1,4 @@
-"""One rig of stand-ins with its sweep runner; `restart` is a daemon that died and came back."""
+"""One rig of stand-ins with its sweep runner; `start_again` is a daemon that ended clean."""
 
 from __future__ import annotations
 
@@ -68,8 +68,9 @@ class Bench:
         assert self.runner.wait(BOUND_S), "the sweep goes on and on"
         return self.runner.status(sweep)
 
-    def restart(self) -> None:
-        self.lab.restart()
+    def start_again(self) -> None:
+        self.runner.close()
+        self.lab.start_again()
         self._open()
 
     def close(self) -> None:

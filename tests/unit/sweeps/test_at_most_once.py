@@ -91,7 +91,7 @@ class OperatorsOfSweeps(RuleBasedStateMachine):
 
     @rule()
     def end_the_daemon(self) -> None:
-        self.bench.restart()
+        self.bench.start_again()
 
     @invariant()
     def no_step_flies_twice(self) -> None:
