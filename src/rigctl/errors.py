@@ -168,6 +168,12 @@ class JobsFullError(RefusedError):
     code = "jobs-full"
 
 
+class StreamsFullError(RigError):
+    """So many clients listen to events that no further one is taken."""
+
+    code = "too-many-streams"
+
+
 class NotFoundError(RigError):
     """Nothing of that name is stored."""
 

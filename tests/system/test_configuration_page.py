@@ -23,6 +23,8 @@ def allowed(schema: dict[str, Any]) -> str:
     schema = next((s for s in schema.get("anyOf", []) if s.get("type") != "null"), schema)
     if "const" in schema or "enum" in schema:
         return ", ".join(map(literal, schema.get("enum", [schema.get("const")])))
+    if "items" in schema:
+        return f"list of {allowed(schema['items'])}"
     if schema.get("type") == "array":
         items = [allowed(item) for item in schema["prefixItems"]]
         return "two sections" if items == ["section"] * 2 else f"[{', '.join(items)}]"

@@ -93,6 +93,40 @@ def shot(
 
 
 @rig.command()
+def stop(
+    *,
+    reason: Annotated[
+        str, typer.Option(help="Why; it is kept with the stop.")
+    ] = "stopped by command",
+    config: Config = None,
+    json: Json = False,
+) -> None:
+    """Cut the power of every actuator now, and latch; needs no key."""
+    from rigctl.commands.stop import stop as stop_rig
+
+    stop_rig(config, reason, as_json=json)
+
+
+@rig.command()
+def release(
+    reason: Annotated[str, typer.Argument(help="What was found and done.")],
+    *,
+    config: Config = None,
+    key: Annotated[
+        str | None,
+        typer.Option(
+            envvar="RIGCTL_KEY", help="Key of the daemon; without it from the store's key file."
+        ),
+    ] = None,
+    json: Json = False,
+) -> None:
+    """Give power back after a stop, a fault or an unknown outcome, once a person has looked."""
+    from rigctl.commands.stop import release as release_rig
+
+    release_rig(config, key, reason, as_json=json)
+
+
+@rig.command()
 def demo(
     *,
     out: Annotated[Path, typer.Option(help="Folder for the frames, results and pictures.")] = Path(

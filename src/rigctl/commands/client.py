@@ -80,6 +80,10 @@ class ServiceClient:
         body = settings.model_dump(exclude_none=True)
         return str(self._ask("POST", "/rig/arm", body, timeout_s=_ARM_TIMEOUT_S)["arm_token"])
 
+    def release(self, reason: str) -> dict[str, Any]:
+        """Let the rig leave its latch and return its state."""
+        return self._ask("POST", "/rig/release", {"reason": reason})
+
     def fire(self, token: str, key: str, campaign: str | None) -> str:
         """Fire once under this idempotency key and return the shot's id."""
         body = {"arm_token": token} | ({"campaign": campaign} if campaign else {})
@@ -138,10 +142,11 @@ class ServiceClient:
             ) from error
         if answer.is_success:
             return dict(answer.json())
-        raise _error_of(answer)
+        raise error_of(answer)
 
 
-def _error_of(answer: httpx.Response) -> RigError:
+def error_of(answer: httpx.Response) -> RigError:
+    """Return the error that a problem document was made from."""
     try:
         document = dict(answer.json())
     except ValueError:

@@ -5,10 +5,12 @@ from __future__ import annotations
 import ipaddress
 import signal
 import socket
+from contextlib import ExitStack
 from pathlib import Path
 
 import typer
 import uvicorn
+from starlette.types import ASGIApp
 
 from rigctl.config import Configuration, load
 from rigctl.daemon import open_daemon
@@ -17,9 +19,15 @@ from rigctl.page.mounting import with_page
 from rigctl.service import keyfile
 from rigctl.service.app import create_app
 from rigctl.service.auth import new_key
+from rigctl.service.connections import Connections, raise_descriptor_limit, room_for
 from rigctl.service.events import EventHub
 from rigctl.service.keyfile import ServiceAddress
+from rigctl.service.origins import OriginGuard, OwnOrigins
+from rigctl.service.stop_port import StopPort
 from rigctl.store import StepState, SweepRecord
+
+STOP_PORT_ABOVE = 1000
+"""The stop's own port lies so far above the service's, unless it is set or taken."""
 
 END_WITHIN_S = 5
 """Longest wait for answers under way when the service ends; they are cut off after it."""
@@ -55,15 +63,20 @@ def serve(
     # SIGTERM unwinds like Ctrl-C, also while devices are being opened and after the server ended.
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     configuration = _with_effects(load(path), effects)
+    descriptors = raise_descriptor_limit()
     listening = _listen(configuration, port, key)
-    address = ServiceAddress(_url(listening), key or new_key())
+    stop_listening = _listen_for_stops(configuration, listening)
+    address = ServiceAddress(_url(listening), key or new_key(), _url(stop_listening))
+    origins = OwnOrigins((configuration.service.host, *configuration.service.names))
     try:
-        with listening, open_daemon(configuration) as daemon:
+        with listening, stop_listening, open_daemon(configuration) as daemon, ExitStack() as opened:
+            opened.callback(StopPort(stop_listening, daemon.rig, origins).close)
             written = keyfile.write(daemon.store.path, address)
             try:
                 hub = EventHub()
-                served = with_page(create_app(daemon, address.key, hub), daemon, address.key)
-                server = _server(served, hub)
+                page = with_page(create_app(daemon, address.key, hub), daemon, address.key)
+                connections = Connections(room_for(descriptors))
+                server = _server(OriginGuard(page, origins), hub, connections)
                 typer.echo(_greeting(address, configuration))
                 for sweep in daemon.offered:
                     typer.echo(_offer(sweep))
@@ -82,9 +95,10 @@ def _with_effects(configuration: Configuration, folder: Path | None) -> Configur
     return configuration.model_copy(update={"analysis": analysis})
 
 
-def _server(app: object, hub: EventHub) -> _Server:
+def _server(app: ASGIApp, hub: EventHub, connections: Connections) -> _Server:
     settings = uvicorn.Config(
-        app,  # type: ignore[arg-type]
+        app,
+        http=connections.protocol(),  # type: ignore[arg-type]
         log_level="warning",
         access_log=False,
         server_header=False,
@@ -106,15 +120,33 @@ def _listen(configuration: Configuration, port: int | None, key: str | None) -> 
             todo="set RIGCTL_KEY or --key, or listen on 127.0.0.1",
         )
     chosen = configuration.service.port if port is None else port
+    todo = "choose another with --port, 0 for any free one"
+    return _bound(host, chosen, "service.port", todo)
+
+
+def _listen_for_stops(configuration: Configuration, listening: socket.socket) -> socket.socket:
+    """Listen on the stop's own port: the one that is set, 1000 above the service's, or any."""
+    service = configuration.service
+    if service.stop_port is not None:
+        todo = "choose another stop_port, 0 for any free one"
+        return _bound(service.host, service.stop_port, "service.stop_port", todo)
+    beside = int(listening.getsockname()[1]) + STOP_PORT_ABOVE
+    try:
+        return _bound(service.host, beside if beside <= 65535 else 0, "service.stop_port", "")
+    except ConfigurationError:
+        return _bound(service.host, 0, "service.stop_port", "set stop_port")
+
+
+def _bound(host: str, port: int, part: str, todo: str) -> socket.socket:
     try:
         family = socket.AF_INET6 if ":" in host else socket.AF_INET
-        return socket.create_server((host, chosen), family=family)
+        return socket.create_server((host, port), family=family)
     except OSError as error:
         raise ConfigurationError(
             f"cannot listen there: {error.strerror or error}",
-            part="service.port",
-            value=f"{host}:{chosen}",
-            todo="choose another with --port, 0 for any free one",
+            part=part,
+            value=f"{host}:{port}",
+            todo=todo,
         ) from error
 
 
@@ -132,7 +164,10 @@ def _url(listening: socket.socket) -> str:
 
 def _greeting(address: ServiceAddress, configuration: Configuration) -> str:
     kind = "simulated rig" if configuration.simulation else "REAL RIG"
-    return f"rigctl: {kind} {configuration.name!r} at {address.url}/?key={address.key}"
+    return (
+        f"rigctl: {kind} {configuration.name!r} at {address.url}/?key={address.key}\n"
+        f"rigctl: a POST to {address.stop_url}/ stops it, as does `rigctl stop`"
+    )
 
 
 def _offer(sweep: SweepRecord) -> str:

@@ -48,6 +48,15 @@ class ServiceSection(StrictModel):
 
     host: str = Field(min_length=1)
     port: int = Field(ge=0, le=65535, description="0 takes any free port")
+    stop_port: int | None = Field(
+        default=None,
+        ge=0,
+        le=65535,
+        description="port of the emergency stop alone; without it 1000 above, or any free one",
+    )
+    names: tuple[str, ...] = Field(
+        default=(), description="names of this service, beside its address, behind a proxy or DNS"
+    )
 
 
 class AnalysisSection(StrictModel):

@@ -12,7 +12,7 @@ from queue import SimpleQueue
 from rigctl.devices.roles import CutOff
 from rigctl.errors import DeviceError, DeviceSilentError, RefusedError, RigError
 from rigctl.rig.clock import Clock
-from rigctl.rig.latch import Latch, LatchFile
+from rigctl.rig.latch import KEEP_AGAIN_S, Latch, LatchFile
 from rigctl.rig.witness import Sight, Witness, look
 
 _log = logging.getLogger(__name__)
@@ -25,9 +25,6 @@ RETRY_S = 0.2
 
 LINE_WAIT_S = 2.0
 """Longest wait for the cut-off's line. The cut goes on after it; only the caller is let go."""
-
-KEEP_AGAIN_S = 1.0
-"""Pause before a latch that the disk refused is written again, s."""
 
 WITNESS_WAIT_S = 1.0
 """Longest wait of a caller for the trigger's word that the power is off, s."""
@@ -83,12 +80,11 @@ class EmergencyStop:
         self._lock = threading.Lock()
         # Guards what is known of the power; never held while a disk or a device is waited for.
         self._known = threading.Lock()
-        self._stops = self._orders = 0
+        self._stops = self._orders = self._rests = 0
+        self._waiting: _Request | None = None
         self._powered = False
         self._doubt: str | None = None
         self._latch = self._file.read()
-        self._unkept: str | None = None
-        self._closed = threading.Event()
         self._requests: SimpleQueue[_Request | None] = SimpleQueue()
         self._followers: list[threading.Thread] = []
         self._thread = threading.Thread(target=self._serve, name="cut-off", daemon=True)
@@ -107,7 +103,7 @@ class EmergencyStop:
     @property
     def warnings(self) -> tuple[str, ...]:
         """Say what is not as it should be after a stop: the power, or the record of its reason."""
-        doubt, unkept = self._doubt, self._unkept
+        doubt, unkept = self._doubt, self._file.unkept
         said = []
         if doubt is not None:
             said.append(f"the power is NOT confirmed off: {doubt}; {_BY_HAND}")
@@ -149,14 +145,14 @@ class EmergencyStop:
             The cut was not confirmed by its driver in time, or the witness still sees power. The
             rig is latched all the same, and `warnings` says what is known.
         """
-        request = self._order_cut(self._stop_all)
+        request = self._order_stop()
         with self._lock:
             self._stops += 1
             self._powered = False
             latch = self._latch or Latch(actor, reason, self._clock.wall().isoformat())
             self._latch = latch
             request.latched.set()
-            self._keep(latch)
+            self._file.keep(latch)
         self._await_cut(request)
 
     def restore(self) -> None:
@@ -192,7 +188,7 @@ class EmergencyStop:
                 self._await_cut(self._order_cut(self._take_power))
             except RigError:
                 _log.exception("on closing the cut-off")
-        self._closed.set()
+        self._file.close()
         self._requests.put(None)
         self._thread.join(LINE_WAIT_S)
         self._await_followers()
@@ -207,6 +203,17 @@ class EmergencyStop:
                 request.error = DeviceError(repr(error), part=self._cut_off.name)
             request.done.set()
 
+    def _order_stop(self) -> _Request:
+        """Order a cut, or share one that is ordered and has not begun."""
+        with self._known:
+            self._powered, self._doubt = False, _UNDER_WAY
+            shared = self._waiting
+            if shared is not None:
+                return shared
+            self._waiting = request = _Request(self._stop_all)
+        self._requests.put(request)
+        return request
+
     def _order_cut(self, act: Callable[[_Request], None]) -> _Request:
         request = _Request(act)
         # Before the cut, or a cut that is quick to be confirmed would be doubted for ever.
@@ -215,34 +222,13 @@ class EmergencyStop:
         self._requests.put(request)
         return request
 
-    def _keep(self, latch: Latch) -> None:
-        """Write the latch, and go on trying where the disk refuses. The caller holds the lock."""
-        trying = self._unkept is not None
-        self._unkept = self._refused_by_disk(latch)
-        if self._unkept is not None and not trying:
-            threading.Thread(target=self._keep_again, name="latch-file", daemon=True).start()
-
-    def _keep_again(self) -> None:
-        while not self._closed.wait(KEEP_AGAIN_S):
-            with self._lock:
-                if self._latch is not None:
-                    self._unkept = self._refused_by_disk(self._latch)
-                if self._unkept is None:
-                    return
-
-    def _refused_by_disk(self, latch: Latch) -> str | None:
-        try:
-            self._file.keep(latch)
-        except OSError as error:
-            _log.warning("the reason of the stop is not on disk: %s", error)
-            return error.strerror or str(error)
-        return None
-
     def _stop_all(self, request: _Request) -> None:
+        with self._known:
+            self._waiting = None
         try:
             self._take_power(request)
         finally:
-            self._follow("after-stop", lambda: self._follow_up(request))
+            self._rest(request)
 
     def _take_power(self, request: _Request) -> None:
         failure: str | None = None
@@ -300,13 +286,26 @@ class EmergencyStop:
         for thread in self._followers:
             thread.join(LINE_WAIT_S)
 
-    def _follow_up(self, request: _Request) -> None:
+    def _rest(self, request: _Request) -> None:
+        """Have the devices brought to rest; where that is under way, once more after it."""
+        with self._known:
+            self._rests = min(self._rests + 1, 2)
+            under_way = self._rests == 2
+        if not under_way:
+            self._follow("after-stop", lambda: self._rest_all(request))
+
+    def _rest_all(self, request: _Request) -> None:
         # Whoever moves something looks at the latch afterwards; so it must be set before this.
         request.latched.wait(LINE_WAIT_S)
-        try:
-            self._afterwards()
-        except Exception:  # noqa: BLE001 - nobody waits for this, and the cut has been made
-            _log.exception("after the emergency stop")
+        again = True
+        while again:
+            try:
+                self._afterwards()
+            except Exception:  # noqa: BLE001 - nobody waits for this, and the cut has been made
+                _log.exception("after the emergency stop")
+            with self._known:
+                self._rests -= 1
+                again = self._rests > 0
 
     def _restore(self, seen: int) -> None:
         if self._stops != seen:
@@ -325,7 +324,6 @@ class EmergencyStop:
                 if self._stops != seen:
                     raise self._stopped_again()
                 self._file.forget()
-                self._unkept = None
                 with self._known:
                     self._latch, self._powered, self._doubt = None, True, None
         except Exception:

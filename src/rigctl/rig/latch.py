@@ -3,11 +3,18 @@
 from __future__ import annotations
 
 import json
+import logging
+import threading
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from rigctl.errors import RefusedError, StoreError
 from rigctl.store.durable import sync_folder, write_synced
+
+_log = logging.getLogger(__name__)
+
+KEEP_AGAIN_S = 1.0
+"""Pause before a latch that the disk refused is written again, s."""
 
 LATCH_FILE = "estop.json"
 CLEAN_END_FILE = "clean-end"
@@ -32,10 +39,17 @@ class LatchFile:
     ----------
     folder
         Of the store.
+
+    Attributes
+    ----------
+    unkept
+        Why the present latch is not on disk; None where it is, or where there is none.
     """
 
     def __init__(self, folder: Path) -> None:
         self._path = folder / LATCH_FILE
+        self._lock, self._closed = threading.Lock(), threading.Event()
+        self.unkept: str | None = None
 
     def read(self) -> Latch | None:
         """Return the latch; a file that cannot be read counts as one."""
@@ -47,18 +61,18 @@ class LatchFile:
             return Latch("rig", f"the latch file cannot be read: {error}", "")
 
     def keep(self, latch: Latch) -> None:
-        """Force the latch to disk.
+        """Force the latch to disk; where the disk refuses, try again until it does or `forget`.
 
-        Raises
-        ------
-        OSError
-            The disk refuses; the latch holds all the same, without its reason.
+        Never raises; `unkept` says what is in the way.
         """
-        partial = self._path.with_suffix(".partial")
-        partial.unlink(missing_ok=True)
-        write_synced(partial, lambda file: file.write(json.dumps(asdict(latch)).encode()))
-        partial.replace(self._path)
-        sync_folder(self._path.parent)
+        with self._lock:
+            trying = self.unkept is not None
+            self._write(latch)
+            if self.unkept is None or trying:
+                return
+        threading.Thread(
+            target=self._keep_again, args=(latch,), name="latch-file", daemon=True
+        ).start()
 
     def forget(self) -> None:
         """Remove the file.
@@ -68,15 +82,42 @@ class LatchFile:
         RefusedError
             The disk does not let it go, so a restart would find it again.
         """
+        with self._lock:
+            try:
+                self._path.unlink(missing_ok=True)
+                sync_folder(self._path.parent)
+            except OSError as error:
+                raise RefusedError(
+                    f"the latch file cannot be removed: {error.strerror}",
+                    part=str(self._path),
+                    todo="correct the folder's rights, then release again",
+                ) from error
+            self.unkept = None
+
+    def close(self) -> None:
+        """Try no more."""
+        self._closed.set()
+
+    def _keep_again(self, latch: Latch) -> None:
+        while not self._closed.wait(KEEP_AGAIN_S):
+            with self._lock:
+                if self.unkept is not None:
+                    self._write(latch)
+                if self.unkept is None:
+                    return
+
+    def _write(self, latch: Latch) -> None:
+        partial = self._path.with_suffix(".partial")
         try:
-            self._path.unlink(missing_ok=True)
+            partial.unlink(missing_ok=True)
+            write_synced(partial, lambda file: file.write(json.dumps(asdict(latch)).encode()))
+            partial.replace(self._path)
             sync_folder(self._path.parent)
         except OSError as error:
-            raise RefusedError(
-                f"the latch file cannot be removed: {error.strerror}",
-                part=str(self._path),
-                todo="correct the folder's rights, then release again",
-            ) from error
+            _log.warning("the reason of the stop is not on disk: %s", error)
+            self.unkept = error.strerror or str(error)
+        else:
+            self.unkept = None
 
 
 class CleanEnd:
@@ -112,12 +153,10 @@ class CleanEnd:
         return True
 
     def leave(self) -> None:
-        """Leave the mark.
-
-        Raises
-        ------
-        OSError
-            The disk refuses; the next start is latched.
-        """
-        write_synced(self._path, lambda file: file.write(b"the last daemon ended clean\n"))
-        sync_folder(self._path.parent)
+        """Leave the mark; where the disk refuses, the next start is latched. Never raises."""
+        try:
+            self._path.unlink(missing_ok=True)
+            write_synced(self._path, lambda file: file.write(b"the last daemon ended clean\n"))
+            sync_folder(self._path.parent)
+        except OSError as error:
+            _log.warning("the rig starts latched next time: %s", error)

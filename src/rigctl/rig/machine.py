@@ -249,7 +249,7 @@ class Rig:
                 self._token.withdraw("the emergency stop")
                 self._running.overtake(f"emergency stop by {actor}: {reason}")
                 self._standing.armed_for(self._standing.status().settings, None)
-                self._standing.move(RigState.ESTOP, actor, reason, self._running.name)
+                self._standing.stopped(actor, reason, self._running.name)
                 for warning in self._stop.warnings:
                     self._standing.note_of_stop(warning)
 
@@ -317,10 +317,7 @@ class Rig:
             _log.exception("on closing the rig")
         self._stop.close(cut=self._configuration.trigger.power_cut == "holds")
         if safe and self._standing.state not in LATCHED and not self._stop.warnings:
-            try:
-                self._clean_end.leave()
-            except OSError as error:
-                _log.warning("the rig starts latched next time: %s", error)
+            self._clean_end.leave()
 
     @property
     def _longest_run_s(self) -> float:

@@ -11,6 +11,7 @@ from rigctl.config import Configuration, SolenoidPair
 from rigctl.rig.clock import Clock
 from rigctl.rig.interlocks import Interlock
 from rigctl.rig.logbook import Logbook
+from rigctl.rig.repeated_stops import RepeatedStops
 from rigctl.rig.states import LATCHED, RigState, require_move
 from rigctl.rig.status import RigStatus, Transition
 from rigctl.settings import ShotSettings
@@ -45,6 +46,8 @@ class Standing:
         self._moved = threading.Condition(self.lock)
         self.listeners: Listeners[Transition] = Listeners()
         self._logbook, self._clock = Logbook(store.journal), clock
+        self._repeated = RepeatedStops(clock.monotonic)
+        self._noted: set[str] = set()
         trigger = configuration.trigger
         releases = isinstance(trigger, SolenoidPair) and trigger.power_cut == "fires"
         self._status = RigStatus(
@@ -94,7 +97,15 @@ class Standing:
         """
         with self.lock:
             require_move(self.state, to, released=released)
+            if released and (counted := self._repeated.take_count()):
+                reason = f"{reason} (stopped {counted} times more, which were not written)"
             self._take(to, actor, reason, shot)
+
+    def stopped(self, actor: str, reason: str, shot: str | None) -> None:
+        """Enter `estop`; of many stops in a row a few are journalled, the others counted."""
+        with self.lock:
+            if self.state is not RigState.ESTOP or self._repeated.is_written():
+                self.move(RigState.ESTOP, actor, reason, shot)
 
     def start(self, before: RigState, to: RigState, reason: str) -> None:
         """Enter the state in which the rig starts, whatever it was when the last daemon ended."""
@@ -105,6 +116,8 @@ class Standing:
     def _take(self, to: RigState, actor: str, reason: str, shot: str | None) -> None:
         step = Transition(self.state, to, self._clock.wall(), actor, reason, shot)
         self._logbook.write(step)
+        if to is not RigState.ESTOP:
+            self._noted.clear()
         self._status = replace(
             self._status,
             state=to,
@@ -118,6 +131,8 @@ class Standing:
     def note_of_stop(self, text: str) -> None:
         """Journal what became of an emergency stop, without changing the state or its reason.
 
+        The same text again is not written once more until the rig has left the stop.
+
         Waits up to `NOTE_WAIT_S` for the rig to be stopped, so that the entry follows its cause; a
         rig that is not, or is no longer, leaves the text to the log.
         """
@@ -126,6 +141,9 @@ class Standing:
             if not self._moved.wait_for(lambda: self.state is stopped, NOTE_WAIT_S):
                 _log.warning("not journalled, the rig is %s: %s", self.state, text)
                 return
+            if text in self._noted:
+                return
+            self._noted.add(text)
             step = Transition(stopped, stopped, self._clock.wall(), AFTER_STOP, text, None)
             self._logbook.write(step)
             self.listeners.tell(step)

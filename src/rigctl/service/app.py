@@ -20,8 +20,8 @@ from rigctl.service.events import EventHub
 from rigctl.service.job_models import JobSummary
 from rigctl.service.lanes import Lanes
 from rigctl.service.models import RigEvent, ShotView
-from rigctl.service.openapi import describe
-from rigctl.service.problems import Problem, answer, from_error, from_validation
+from rigctl.service.openapi import describe, openapi_route
+from rigctl.service.problems import Problem, answer, from_error, from_validation, unforeseen
 from rigctl.service.routes_campaigns import campaign_routes
 from rigctl.service.routes_edits import campaign_edit_routes, edit_routes
 from rigctl.service.routes_effects import effect_routes
@@ -71,6 +71,7 @@ def create_app(daemon: Daemon, key: str, hub: EventHub) -> FastAPI:
         description="Fires the rig, films two spheres, measures the impact.",
         docs_url=None,
         redoc_url=None,
+        openapi_url=None,
         redirect_slashes=False,
         lifespan=lifespan,
     )
@@ -90,6 +91,7 @@ def create_app(daemon: Daemon, key: str, hub: EventHub) -> FastAPI:
     app.include_router(front_route(daemon))
     _answer_errors_as_problems(app)
     app.openapi = describe(app, daemon.configuration.limits)  # type: ignore[method-assign]
+    app.include_router(openapi_route(app))
     app.add_middleware(BodyLimit)
     app.add_middleware(KeyGuard, key=key)
     return app
@@ -113,15 +115,7 @@ def _answer_errors_as_problems(app: FastAPI) -> None:
 
     @app.exception_handler(Exception)
     async def failure(_: Request, error: Exception) -> Response:
-        return answer(
-            Problem(
-                status=500,
-                code="internal",
-                title="The daemon failed",
-                detail=f"an error that nobody foresaw: {type(error).__name__}",
-                todo="look at the daemon's log and report it",
-            )
-        )
+        return answer(unforeseen(error, todo="look at the daemon's log and report it"))
 
 
 def _of_framework(request: Request, error: HTTPException) -> Problem:

@@ -1,9 +1,10 @@
-"""Bodies longer than any request of this service are refused before they are read."""
+"""Bodies longer than any request of this service are refused, and those that come too slowly."""
 
 from __future__ import annotations
 
+import anyio
 from starlette.datastructures import Headers
-from starlette.types import ASGIApp, Receive, Scope, Send
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from rigctl.service.auth import ESTOP_PATH, PREFIX
 from rigctl.service.problems import Problem, answer
@@ -14,11 +15,14 @@ LONGEST_BODY = 16_384
 LONGEST_SWEEP = 1_048_576
 """Bytes of an order for a sweep, which may list every one of its shots."""
 
+BODY_WITHIN_S = 10.0
+"""A body that has not come whole within this time is refused, s."""
+
 SWEEPS_PATH = f"{PREFIX}/sweeps"
 
 
 class BodyLimit:
-    """Refuses a body that is too long, and one that does not say how long it is.
+    """Refuses a body that is too long, comes too slowly, or does not say how long it is.
 
     The emergency stop is let through: it reads no more of its body than it can use.
     """
@@ -27,15 +31,47 @@ class BodyLimit:
         self._app = app
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Answer 411 or 413, or pass the request on."""
-        refusal = None
-        if scope["type"] == "http" and scope["path"] != ESTOP_PATH:
-            longest = LONGEST_SWEEP if scope["path"] == SWEEPS_PATH else LONGEST_BODY
-            refusal = _refusal(Headers(scope=scope), longest)
+        """Answer 408, 411 or 413, or pass the request on with its whole body."""
+        if scope["type"] != "http" or scope["path"] == ESTOP_PATH:
+            await self._app(scope, receive, send)
+            return
+        headers = Headers(scope=scope)
+        longest = LONGEST_SWEEP if scope["path"] == SWEEPS_PATH else LONGEST_BODY
+        refusal = _refusal(headers, longest)
+        if refusal is None and headers.get("content-length", "0") != "0":
+            try:
+                with anyio.fail_after(BODY_WITHIN_S):
+                    receive = await _whole(receive)
+            except TimeoutError:
+                refusal = _TOO_SLOW
         if refusal is None:
             await self._app(scope, receive, send)
         else:
             await answer(refusal)(scope, receive, send)
+
+
+async def _whole(receive: Receive) -> Receive:
+    """Read a body to its end, or the caller's; return what hands the same messages on."""
+    messages = [await receive()]
+    while messages[-1].get("more_body", False):
+        messages.append(await receive())
+    waiting = iter(messages)
+
+    async def again() -> Message:
+        message = next(waiting, None)
+        return await receive() if message is None else message
+
+    return again
+
+
+_TOO_SLOW = Problem(
+    status=408,
+    code="body-too-slow",
+    title="The body did not come in time",
+    detail=f"the body was not whole within {BODY_WITHIN_S:g} s",
+    limit=f"{BODY_WITHIN_S:g} s",
+    todo="send the request again, over a better line",
+)
 
 
 def _refusal(headers: Headers, longest: int) -> Problem | None:

@@ -12,6 +12,11 @@ from typing import Literal
 from fastapi.sse import ServerSentEvent
 from pydantic import BaseModel
 
+from rigctl.errors import StreamsFullError
+
+MOST_CLIENTS = 512
+"""Event streams held at once; each event is packed for each of them."""
+
 EventKind = Literal["rig", "shot", "job", "sweep"]
 
 
@@ -100,6 +105,22 @@ class EventHub:
         """How many subscriptions are open."""
         with self._lock:
             return len(self._subscriptions)
+
+    def require_room(self) -> None:
+        """Refuse a client beyond `MOST_CLIENTS`.
+
+        Raises
+        ------
+        StreamsFullError
+            So many listen already.
+        """
+        if self.clients >= MOST_CLIENTS:
+            raise StreamsFullError(
+                "no further event stream is given",
+                value=f"{self.clients} streams",
+                limit=f"{MOST_CLIENTS} streams",
+                todo="close some, or ask GET /api/v1/rig instead",
+            )
 
     def close(self) -> None:
         """Tell every client that the service ends."""

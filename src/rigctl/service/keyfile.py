@@ -14,10 +14,14 @@ FILE_NAME = "service.json"
 
 @dataclass(frozen=True, slots=True)
 class ServiceAddress:
-    """Address of a running service, as in `http://127.0.0.1:8486`, and the key that opens it."""
+    """Address of a running service, as in `http://127.0.0.1:8486`, and the key that opens it.
+
+    `stop_url` is the address of the emergency stop's own port; empty where none is known.
+    """
 
     url: str
     key: str
+    stop_url: str = ""
 
 
 def write(folder: Path, address: ServiceAddress) -> Path:
@@ -58,7 +62,8 @@ def read(folder: Path) -> ServiceAddress:
     path = folder / FILE_NAME
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
-        return ServiceAddress(url=str(content["url"]), key=str(content["key"]))
+        stop_url = str(content.get("stop_url", ""))
+        return ServiceAddress(str(content["url"]), str(content["key"]), stop_url)
     except FileNotFoundError as error:
         raise ConfigurationError(
             "no daemon runs on this store",

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import copy
+import functools
+import json
 from collections.abc import Callable
 from typing import Any
 
-from fastapi import FastAPI
+from fastapi import APIRouter, FastAPI
 from fastapi.openapi.utils import get_openapi
+from starlette.responses import Response
 
 from rigctl.config import Limits
 from rigctl.service.auth import ESTOP_PATH, PREFIX
-from rigctl.service.problems import Problem
+from rigctl.service.problems import Problem, documented
 
 
 def describe(app: FastAPI, limits: Limits) -> Callable[[], dict[str, Any]]:
@@ -23,6 +26,21 @@ def describe(app: FastAPI, limits: Limits) -> Callable[[], dict[str, Any]]:
         return app.openapi_schema
 
     return openapi
+
+
+def openapi_route(app: FastAPI) -> APIRouter:
+    """Return the route of the document; it is packed once, or each reader would hold all up."""
+    router = APIRouter()
+
+    @functools.cache
+    def packed() -> bytes:
+        return json.dumps(app.openapi(), separators=(",", ":")).encode()
+
+    @router.get("/openapi.json", include_in_schema=False)
+    def openapi() -> Response:
+        return Response(packed(), media_type="application/json")
+
+    return router
 
 
 def _document(app: FastAPI, limits: Limits) -> dict[str, Any]:
@@ -41,6 +59,9 @@ def _document(app: FastAPI, limits: Limits) -> dict[str, Any]:
         locked = path.startswith(f"{PREFIX}/") and path != ESTOP_PATH
         for operation in operations.values():
             operation["security"] = [{"key": []}] if locked else []
+            # What lies around all routes answers for them: foreign sites, bodies that do not come.
+            for status in (403, 408) if "413" in operation["responses"] else (403,):
+                operation["responses"][str(status)] = documented(status)[status]
     schemas["ArmOrder"] = _narrowed(schemas["ShotSettings"], limits)
     body = document["paths"][f"{PREFIX}/rig/arm"]["post"]["requestBody"]
     body["content"]["application/json"]["schema"] = {"$ref": "#/components/schemas/ArmOrder"}

@@ -24,6 +24,7 @@ from rigctl.errors import (
     RigError,
     SettingsError,
     StoreError,
+    StreamsFullError,
 )
 
 MEDIA_TYPE = "application/problem+json"
@@ -42,6 +43,7 @@ _STATUS: Mapping[type[RigError], tuple[int, str]] = {
     RecordingNotConfirmedError: (503, "The camera does not record"),
     FramesError: (500, "The stored frames cannot be used"),
     StoreError: (503, "The store failed"),
+    StreamsFullError: (503, "Too many event streams"),
 }
 
 _BOUNDS = {
@@ -113,6 +115,17 @@ def from_error(error: RigError) -> Problem:
     )
 
 
+def unforeseen(error: Exception, *, todo: str) -> Problem:
+    """Return the document of an error that is none of ours: its kind, and nothing of its text."""
+    return Problem(
+        status=500,
+        code="internal",
+        title="The daemon failed",
+        detail=f"an error that nobody foresaw: {type(error).__name__}",
+        todo=todo,
+    )
+
+
 def from_validation(error: RequestValidationError) -> Problem:
     """Return the document of a request that cannot be: 422, or 400 for its idempotency key."""
     fields = [_field_problem(found) for found in error.errors()]
@@ -165,9 +178,11 @@ _MEANINGS = {
     400: "The Idempotency-Key header is missing or malformed, or the body is not HTTP",
     401: "No key, or a wrong one",
     404: "Nothing of that name is stored",
+    403: "The request comes from another site",
     405: "The path knows no such method; Allow names those it knows",
     409: "The rig refuses (state, interlocks, arm token, a key whose shot is under way), or too "
     "many jobs wait",
+    408: "The body did not come in time",
     411: "The body does not say how long it is",
     413: "The body is larger than any request of this service",
     422: "A field cannot be, or an idempotency key came with another body",

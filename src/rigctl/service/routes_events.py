@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import AsyncIterator
 
-from fastapi import APIRouter
+from fastapi import APIRouter, Depends
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 from starlette.concurrency import run_in_threadpool
 
@@ -18,7 +18,12 @@ def event_routes(daemon: Daemon, hub: EventHub) -> APIRouter:
     """Return the route `/events`."""
     router = APIRouter(tags=["events"])
 
-    @router.get("/events", response_class=EventSourceResponse, responses=documented(401, 405, 503))
+    @router.get(
+        "/events",
+        response_class=EventSourceResponse,
+        responses=documented(401, 405, 503),
+        dependencies=[Depends(hub.require_room)],
+    )
     async def events() -> AsyncIterator[ServerSentEvent]:
         """Stream events, each named for what it carries: `rig` (a state), `shot`, `job`, `sweep`.
 

@@ -9,16 +9,12 @@ from fastapi import APIRouter, Request
 from starlette.requests import ClientDisconnect
 
 from rigctl.daemon import Daemon
-from rigctl.service.bodies import StrictRoute, loads
-from rigctl.service.body_limit import LONGEST_BODY
+from rigctl.service.bodies import StrictRoute
 from rigctl.service.lanes import Lanes
 from rigctl.service.models import ArmView, ReleaseOrder, RigView
 from rigctl.service.problems import documented
+from rigctl.service.stop_reason import LONGEST_REASON, REASON_WAIT_S, reason_of
 from rigctl.settings import ShotSettings
-
-# A stop waits this long for the reason in its body, and no longer.
-REASON_WAIT_S = 0.02
-NO_REASON = "emergency stop by REST"
 
 _REASON_BODY = {
     "requestBody": {
@@ -77,9 +73,6 @@ async def _reason(request: Request) -> str:
     with anyio.move_on_after(REASON_WAIT_S), suppress(ClientDisconnect):
         async for piece in request.stream():
             body += piece
-            if len(body) > LONGEST_BODY:
+            if len(body) > LONGEST_REASON:
                 break
-    try:
-        return ReleaseOrder.model_validate(loads(body)).reason
-    except (ValueError, RecursionError):
-        return NO_REASON
+    return reason_of(body)

@@ -63,14 +63,6 @@ def test_rest_is_asked_with_or_without_a_session(path: str) -> None:
     assert asked(path, cookies=session()).text == "rest"
 
 
-def test_another_page_on_the_host_cannot_act_with_the_session() -> None:
-    headers = {"origin": "http://elsewhere"}
-    stranger = asked("/act", method="POST", cookies=session(), headers=headers)
-    assert stranger.status_code == 303
-    own = asked("/act", method="POST", cookies=session(), headers={"origin": "http://rig"})
-    assert own.text == "page"
-
-
 def test_a_socket_without_a_session_is_closed() -> None:
     sent: list[dict[str, object]] = []
 

@@ -16,7 +16,7 @@ from rigctl.errors import (
     RefusedError,
     StoreError,
 )
-from rigctl.rig import estop, latch
+from rigctl.rig import latch
 from rigctl.rig.standing import AFTER_STOP
 from rigctl.store.journal import Journal
 
@@ -66,6 +66,31 @@ def test_the_first_of_several_stops_is_kept_and_each_is_journalled(lab: Laborato
     entries = lab.store.journal.entries(limit=100)
     actors = [(e.actor, e.after) for e in entries if e.actor != AFTER_STOP]
     assert actors[-2:] == [("berta", "estop"), ("carl", "estop")]
+
+
+def test_of_a_thousand_stops_a_few_are_journalled_and_the_release_counts_the_others(
+    lab: Laboratory,
+) -> None:
+    before = len(lab.store.journal.entries(limit=1000))
+    for _ in range(1000):
+        lab.rig.estop("berta", "smoke")
+    entries = lab.store.journal.entries(limit=1000)
+    assert len([e for e in entries[before:] if e.actor != AFTER_STOP]) < 10
+    lab.rig.release("berta", "only steam")
+    assert "994 times more" in lab.store.journal.entries(limit=1000)[-1].reason
+
+
+def test_stops_that_wait_for_the_line_share_the_next_cut(lab: Laboratory) -> None:
+    blocked = Blocked(lab.cut_off, "cut")
+    first = in_thread(lambda: lab.rig.estop("berta", "smoke"))
+    assert blocked.reached.wait(BOUND_S)
+    others = [in_thread(lambda: lab.rig.estop("carl", "fire")) for _ in range(20)]
+    until(lambda: lab.rig._stop._stops == 21)
+    blocked.go_on.set()
+    for thread in (first, *others):
+        thread.join(BOUND_S)
+    assert lab.log.count("cut_off.cut") == 2
+    assert (lab.state, lab.cut_off.power) == ("estop", False)
 
 
 def test_a_person_with_a_reason_ends_the_stop(lab: Laboratory) -> None:
@@ -169,7 +194,7 @@ def refuse_to_store() -> Never:
 def test_the_reason_of_a_stop_is_written_once_the_disk_has_room(
     lab: Laboratory, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(estop, "KEEP_AGAIN_S", 0.001)
+    monkeypatch.setattr(latch, "KEEP_AGAIN_S", 0.001)
     with monkeypatch.context() as full:
         full.setattr(latch, "write_synced", full_disk)
         lab.rig.estop("berta", "smoke")

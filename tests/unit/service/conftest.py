@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from types import SimpleNamespace
@@ -26,6 +26,7 @@ from rigctl.rig.recovery import Recovery
 from rigctl.rig.states import RigState
 from rigctl.rig.status import RigStatus, Transition
 from rigctl.service.app import create_app
+from rigctl.service.connections import Connections
 from rigctl.service.events import EventHub
 from rigctl.settings import ShotSettings
 from rigctl.store import Change, Fired, Listeners, NewShot, ShotRecord, ShotState, Store
@@ -226,9 +227,15 @@ class _ThreadServer(uvicorn.Server):
 
 
 @contextmanager
-def served(app: Any, hub: EventHub) -> Iterator[str]:
+def served(app: Any, hub: EventHub, connections: Connections | None = None) -> Iterator[str]:
     """Serve the application on a free loopback port; give its address."""
-    config = uvicorn.Config(app, port=0, log_level="warning", timeout_graceful_shutdown=2)
+    config = uvicorn.Config(
+        app,
+        http=(connections or Connections(64)).protocol(),  # type: ignore[arg-type]
+        port=0,
+        log_level="warning",
+        timeout_graceful_shutdown=2,
+    )
     server = _ThreadServer(config)
     thread = threading.Thread(target=server.run)
     thread.start()
@@ -247,3 +254,9 @@ def served(app: Any, hub: EventHub) -> Iterator[str]:
 def address(app: Any, hub: EventHub) -> Iterator[str]:
     with served(app, hub) as url:
         yield url
+
+
+@pytest.fixture
+def serving(app: Any, hub: EventHub) -> Callable[[int], AbstractContextManager[str]]:
+    """Serve the application to at most so many connections, for the length of a `with` block."""
+    return lambda most: served(app, hub, Connections(most))

@@ -1,0 +1,154 @@
+"""Connections to the service: how many there may be, and how long one may be silent."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import resource
+from collections.abc import Callable
+from typing import cast
+
+from uvicorn.protocols.http.auto import AutoHTTPProtocol
+
+_log = logging.getLogger(__name__)
+
+MOST_CONNECTIONS = 2048
+"""Connections held at once; where a further one comes, the longest silent one is ended."""
+
+REQUEST_WITHIN_S = 5.0
+"""A connection that has not sent the head of its first request within this time is ended, s."""
+
+SPARE_DESCRIPTORS = 512
+"""Descriptors kept for devices, frames and the store."""
+
+LONGEST_HEAD = 65_536
+"""Bytes of the head of a first request."""
+
+_HEAD_ENDS = b"\r\n\r\n"
+
+
+def raise_descriptor_limit() -> int:
+    """Raise the process's limit of descriptors to what connections and rig need; return it.
+
+    A limit that the system does not let us raise is kept, and `room_for` then allows less.
+    """
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    wanted = MOST_CONNECTIONS + 2 * SPARE_DESCRIPTORS
+    limit = wanted if hard == resource.RLIM_INFINITY else min(hard, wanted)
+    if soft != resource.RLIM_INFINITY and soft < limit:
+        resource.setrlimit(resource.RLIMIT_NOFILE, (limit, hard))
+        return limit
+    return soft
+
+
+def room_for(descriptors: int) -> int:
+    """Return how many connections a limit of descriptors leaves room for, at least 16."""
+    return max(16, min(MOST_CONNECTIONS, descriptors - SPARE_DESCRIPTORS))
+
+
+class Connections:
+    """Every open connection of the service, the longest held first.
+
+    Parameters
+    ----------
+    most
+        So many are held; a further one ends the first that has asked nothing yet, or is refused.
+    """
+
+    def __init__(self, most: int) -> None:
+        self._most = most
+        self._open: dict[asyncio.BaseTransport, GuardedHttp] = {}
+
+    def protocol(self) -> Callable[..., asyncio.Protocol]:
+        """Return what makes a protocol for each accepted connection, as uvicorn calls it."""
+
+        def make(**options: object) -> asyncio.Protocol:
+            return GuardedHttp(AutoHTTPProtocol(**options), self)
+
+        return make
+
+    def admit(self, transport: asyncio.BaseTransport, held: GuardedHttp) -> bool:
+        """Take a connection in, or say that there is no room for it."""
+        if len(self._open) >= self._most:
+            self._forget_closed()
+        if len(self._open) >= self._most:
+            waiting = next((old for old, guard in self._open.items() if not guard.asked), None)
+            if waiting is None:
+                _log.warning("a connection was refused: %d are open", len(self._open))
+                return False
+            self._end(waiting)
+        self._open[transport] = held
+        return True
+
+    def leave(self, transport: asyncio.BaseTransport) -> None:
+        """Forget a connection that was lost."""
+        self._open.pop(transport, None)
+
+    def _forget_closed(self) -> None:
+        """Forget those that became sockets of the page, whose end nobody tells us."""
+        for transport in [old for old in self._open if old.is_closing()]:
+            del self._open[transport]
+
+    def _end(self, transport: asyncio.BaseTransport) -> None:
+        self.leave(transport)
+        transport.close()
+
+
+class GuardedHttp(asyncio.Protocol):
+    """One connection: the server's own protocol behind a limit of number and time."""
+
+    def __init__(self, inner: asyncio.Protocol, connections: Connections) -> None:
+        self._inner, self._connections = inner, connections
+        self._transport: asyncio.Transport | None = None
+        self._tail, self._head_bytes = b"", 0
+        self._timer: asyncio.TimerHandle | None = None
+        self.asked = False
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """Take the connection in, or end it at once."""
+        link = cast("asyncio.Transport", transport)
+        if not self._connections.admit(link, self):
+            link.abort()
+            return
+        self._transport = link
+        loop = asyncio.get_running_loop()
+        self._timer = loop.call_later(REQUEST_WITHIN_S, self._end_silent)
+        self._inner.connection_made(transport)
+
+    def data_received(self, data: bytes) -> None:
+        """Pass data on, and note when the head of a request is whole."""
+        if self._transport is None:
+            return
+        if not self.asked:
+            self._tail += data
+            self._head_bytes += len(data)
+            self.asked = _HEAD_ENDS in self._tail
+            self._tail = self._tail[-len(_HEAD_ENDS) :]
+            if not self.asked and self._head_bytes > LONGEST_HEAD:
+                self._transport.abort()
+                return
+        self._inner.data_received(data)
+
+    def eof_received(self) -> bool | None:
+        """Pass the end of the caller's data on."""
+        return self._inner.eof_received() if self._transport is not None else None
+
+    def pause_writing(self) -> None:
+        """Pass on that the caller reads slowly."""
+        self._inner.pause_writing()
+
+    def resume_writing(self) -> None:
+        """Pass on that the caller has caught up."""
+        self._inner.resume_writing()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Forget the connection."""
+        if self._timer is not None:
+            self._timer.cancel()
+        if self._transport is not None:
+            self._connections.leave(self._transport)
+            self._inner.connection_lost(exc)
+
+    def _end_silent(self) -> None:
+        if not self.asked and self._transport is not None:
+            self._transport.close()
