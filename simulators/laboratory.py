@@ -76,6 +76,7 @@ class Laboratory:
         self._box = TriggerBox(clock, self._fire)
         self._cut_off = LcusRelay(RELAY_CHANNELS, self._switch_power)
         self._recorder = Processor(clock, options.run_up_s)
+        self._power_switched_s: float | None = None
         self._frame_faults = FrameFaults()
         self._digitiser = Digitiser(folder / "capture", world.picture, self._frame_faults)
         link = Link(self._recorder, self._digitiser.start)
@@ -187,7 +188,10 @@ class Laboratory:
         self._recorder.contact(closed)
 
     def state(self) -> dict[str, object]:
-        """Return how things stand in the laboratory, for people and tests."""
+        """Return how things stand in the laboratory, for people and tests.
+
+        `power_switched_s` is the laboratory's time at which the relay last switched.
+        """
         now = self._clock()
         return {
             "fires": self.fires,
@@ -195,6 +199,7 @@ class Laboratory:
             "pressure_b_kpa": self._regulator.pressure_kpa("B", now),
             "offset_mm": self._stage.position_mm(now),
             "powered": self._cut_off.is_on(CUT_OFF_CHANNEL),
+            "power_switched_s": self._power_switched_s,
             "recorder": str(self._recorder.status().mode),
         }
 
@@ -235,6 +240,7 @@ class Laboratory:
 
     def _switch_power(self, channel: int, on: bool) -> None:
         if channel == CUT_OFF_CHANNEL:
+            self._power_switched_s = self._clock()
             self._box.power(on)
 
     def _switch_contact(self, channel: int, closed: bool) -> None:

@@ -19,6 +19,7 @@ from rigctl.errors import ConfigurationError
 from rigctl.jobs import Jobs
 from rigctl.opening import own_store
 from rigctl.own_effects import OwnEffects
+from rigctl.rig.dead_man import DeadMan
 from rigctl.rig.machine import Rig
 from rigctl.rig.recovery import Recovery
 from rigctl.store import Store, SweepRecord
@@ -91,7 +92,14 @@ def open_daemon(configuration: Configuration) -> Iterator[Daemon]:
         opened.callback(analyser.close)
         jobs = Jobs()
         opened.callback(jobs.close)
-        rig = Rig(configuration, devices, capture, store, analyse=analyser.submit)
+        rig = Rig(
+            configuration,
+            devices,
+            capture,
+            store,
+            analyse=analyser.submit,
+            dead_man=_dead_man(configuration),
+        )
         opened.callback(rig.close)
         recovery = rig.recover()
         sweeps = SweepRunner(rig, store, configuration)
@@ -120,6 +128,16 @@ def _open_devices(
         if device is not None:
             opened.callback(device.close)
     return actuators
+
+
+def _dead_man(configuration: Configuration) -> DeadMan | None:
+    """Return what cuts when the daemon dies: none where a cut lets spheres go, or none is left."""
+    relay = configuration.cut_off
+    holds = configuration.trigger.power_cut == "holds"
+    # The simulated relay dies with the daemon; a pyserial URL cannot be opened a second time.
+    if not (relay.dead_man and holds and relay.port.startswith("/")):
+        return None
+    return DeadMan(relay.port, relay.channel)
 
 
 def _open_laboratory(simulation: Simulation | None, folder: Path) -> Laboratory | None:

@@ -28,7 +28,12 @@ def allowed(schema: dict[str, Any]) -> str:
     if schema.get("type") == "array":
         items = [allowed(item) for item in schema["prefixItems"]]
         return "two sections" if items == ["section"] * 2 else f"[{', '.join(items)}]"
-    kinds = {"integer": "whole number", "number": "number", "string": "text"}
+    kinds = {
+        "integer": "whole number",
+        "number": "number",
+        "string": "text",
+        "boolean": "true or false",
+    }
     text = kinds.get(schema.get("type", ""), "section")
     for key, sign in (("exclusiveMinimum", ">"), ("minimum", "≥"), ("maximum", "≤")):
         if key in schema:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ipaddress
 import signal
 import socket
+import sys
 from contextlib import ExitStack
 from pathlib import Path
 
@@ -28,6 +29,9 @@ from rigctl.store import StepState, SweepRecord
 
 STOP_PORT_ABOVE = 1000
 """The stop's own port lies so far above the service's, unless it is set or taken."""
+
+SWITCH_S = 0.001
+"""Threads that compute give way to those that answer after this time, s."""
 
 END_WITHIN_S = 5
 """Longest wait for answers under way when the service ends; they are cut off after it."""
@@ -63,6 +67,7 @@ def serve(
     # SIGTERM unwinds like Ctrl-C, also while devices are being opened and after the server ended.
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     configuration = _with_effects(load(path), effects)
+    sys.setswitchinterval(SWITCH_S)
     descriptors = raise_descriptor_limit()
     listening = _listen(configuration, port, key)
     stop_listening = _listen_for_stops(configuration, listening)

@@ -88,3 +88,6 @@ class Lcus(StrictModel):
     driver: Literal["lcus"]
     port: Port
     channel: Channel
+    dead_man: bool = Field(
+        default=True, description="a process of its own cuts when the daemon dies or hangs"
+    )

@@ -12,6 +12,7 @@ from queue import SimpleQueue
 from rigctl.devices.roles import CutOff
 from rigctl.errors import DeviceError, DeviceSilentError, RefusedError, RigError
 from rigctl.rig.clock import Clock
+from rigctl.rig.dead_man import SILENT_S, DeadMan
 from rigctl.rig.latch import KEEP_AGAIN_S, Latch, LatchFile
 from rigctl.rig.witness import Sight, Witness, look
 
@@ -64,6 +65,11 @@ class EmergencyStop:
     witness
         Another device's word on whether the actuators have power; None where none can tell, and
         a cut that left the host is then all that is known.
+    dead_man
+        Cuts when this process no longer can; power is never given without it. None where a cut
+        lets spheres go, or where nothing outlives this process.
+    tripped
+        Told the reason when the dead man has ended by itself.
     """
 
     def __init__(
@@ -74,9 +80,12 @@ class EmergencyStop:
         *,
         afterwards: Callable[[], None],
         witness: Witness | None,
+        dead_man: DeadMan | None = None,
+        tripped: Callable[[str], None] = lambda _: None,
     ) -> None:
         self._cut_off, self._file, self._clock = cut_off, LatchFile(folder), clock
         self._afterwards, self._witness = afterwards, witness
+        self._dead_man, self._tripped = dead_man, tripped
         self._lock = threading.Lock()
         # Guards what is known of the power; never held while a disk or a device is waited for.
         self._known = threading.Lock()
@@ -170,6 +179,8 @@ class EmergencyStop:
         """
         seen = self._stops
         self._await_followers()
+        if self._dead_man is not None:
+            self._dead_man.start(self._answers, self._tripped)
         request = _Request(lambda _: self._restore(seen))
         self._requests.put(request)
         self._await(request, "could not be restored", "check the cut-off, then release again")
@@ -189,9 +200,17 @@ class EmergencyStop:
             except RigError:
                 _log.exception("on closing the cut-off")
         self._file.close()
+        if self._dead_man is not None:
+            self._dead_man.end()
         self._requests.put(None)
         self._thread.join(LINE_WAIT_S)
         self._await_followers()
+
+    def _answers(self) -> bool:
+        """Say whether the cut-off's thread takes orders: a daemon that cannot stop is none."""
+        request = _Request(lambda _: None)
+        self._requests.put(request)
+        return request.done.wait(SILENT_S)
 
     def _serve(self) -> None:
         while (request := self._requests.get()) is not None:

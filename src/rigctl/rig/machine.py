@@ -18,6 +18,7 @@ from rigctl.rig.arming import Armed, ArmToken
 from rigctl.rig.bounds import require_within
 from rigctl.rig.clock import SYSTEM_CLOCK, Clock
 from rigctl.rig.conditions import Conditions
+from rigctl.rig.dead_man import DeadMan
 from rigctl.rig.estop import EmergencyStop
 from rigctl.rig.firing import ShotRun
 from rigctl.rig.halting import halt, make_safe
@@ -61,6 +62,8 @@ class Rig:
         Told the name of each stored shot; must return at once.
     spawn
         Runs a shot's work; by default in a thread of its own.
+    dead_man
+        As `EmergencyStop`.
     """
 
     def __init__(
@@ -73,6 +76,7 @@ class Rig:
         clock: Clock = SYSTEM_CLOCK,
         analyse: Callable[[str], None] = leave_unanalysed,
         spawn: Callable[[Callable[[], None]], None] = in_thread,
+        dead_man: DeadMan | None = None,
     ) -> None:
         self._bench = Bench(configuration, devices, capture, store, clock)
         self._configuration, self._devices, self._store = configuration, devices, store
@@ -84,6 +88,8 @@ class Rig:
             clock,
             afterwards=self._after_stop,
             witness=devices.trigger.powered if isinstance(devices.trigger, PowerQuery) else None,
+            dead_man=dead_man,
+            tripped=lambda why: self.estop("dead man", why),
         )
         self._clean_end = CleanEnd(store.path)
         self._conditions = Conditions(self._bench, self._stop)

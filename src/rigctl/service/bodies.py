@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Coroutine
-from typing import Any
+from typing import Any, cast
 
+import anyio
+from anyio import to_thread
 from fastapi.exceptions import RequestValidationError
 from fastapi.routing import APIRoute
+from pydantic import TypeAdapter, ValidationError
 from starlette.requests import Request
 from starlette.responses import Response
 
@@ -43,6 +46,13 @@ def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     return dict(pairs)
 
 
+LONG_BODY = 16_384
+"""Bytes of a body that is read in a thread: the event loop, and with it a stop, goes on."""
+
+MOST_FAULTS = 20
+"""So many faults of a long body are named."""
+
+
 class StrictRoute(APIRoute):
     """A route that refuses a body with a key that stands twice; JSON readers take the last."""
 
@@ -51,17 +61,36 @@ class StrictRoute(APIRoute):
         handle = super().get_route_handler()
         if self.body_field is None:
             return handle
+        wanted: TypeAdapter[Any] = TypeAdapter(cast("Any", self.body_field.field_info.annotation))
+        one_at_a_time = anyio.CapacityLimiter(1)
 
         async def checked(request: Request) -> Response:
-            _require_single_keys(await request.body())
+            body = await request.body()
+            if len(body) <= LONG_BODY:
+                _require_single_keys(body)
+            else:
+                await to_thread.run_sync(_require_long, wanted, body, limiter=one_at_a_time)
             return await handle(request)
 
         return checked
 
 
-def _require_single_keys(body: bytes) -> None:
+def _require_long(wanted: TypeAdapter[Any], body: bytes) -> None:
+    """Check a long body as the framework will, which reads it again only where it holds."""
+    if (content := _require_single_keys(body)) is None:
+        return
     try:
-        loads(body)
+        wanted.validate_python(content)
+    except ValidationError as error:
+        faults = error.errors(include_url=False, include_context=True)[:MOST_FAULTS]
+        within = [{**fault, "loc": ("body", *fault["loc"])} for fault in faults]
+        raise RequestValidationError(within) from error
+
+
+def _require_single_keys(body: bytes) -> object:
+    """Return what a body holds; None where it is no JSON, which the framework will name."""
+    try:
+        return loads(body)
     except DuplicateKeysError as error:
         raise RequestValidationError(
             [
@@ -75,8 +104,7 @@ def _require_single_keys(body: bytes) -> None:
             ]
         ) from error
     except (ValueError, RecursionError):
-        # The framework reads the body once more, and names what else is wrong with it.
-        return
+        return None
 
 
 def _shown(key: str) -> str:

@@ -1,0 +1,155 @@
+"""The dead man: its process cuts at the relay when the heartbeat stops, and only then."""
+
+from __future__ import annotations
+
+import os
+import pty
+import select
+import signal
+import subprocess
+import sys
+import threading
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+from rig_fakes import BOUND_S, Laboratory, until
+
+from rigctl.config import load
+from rigctl.daemon import _dead_man
+from rigctl.errors import DeviceError
+from rigctl.rig import dead_man
+from rigctl.rig.dead_man import DeadMan
+
+CUT = bytes.fromhex("a0 01 00 a1")
+
+
+@dataclass
+class Relay:
+    """The far end of a serial line on which a relay would listen."""
+
+    master: int
+    path: str
+
+    def heard(self, within_s: float = BOUND_S) -> bytes:
+        ready, _, _ = select.select([self.master], [], [], within_s)
+        return os.read(self.master, 64) if ready else b""
+
+
+@pytest.fixture
+def relay() -> Iterator[Relay]:
+    master, slave = pty.openpty()
+    yield Relay(master, os.ttyname(slave))
+    os.close(master)
+    os.close(slave)
+
+
+@pytest.fixture
+def watching(relay: Relay) -> Iterator[DeadMan]:
+    found = DeadMan(relay.path, 1)
+    yield found
+    found.end()
+
+
+def test_a_heartbeat_that_stops_is_followed_by_the_cut_and_told(
+    relay: Relay, watching: DeadMan
+) -> None:
+    told: list[str] = []
+    tripped = threading.Event()
+
+    def note(why: str) -> None:
+        told.append(why)
+        tripped.set()
+
+    watching.start(lambda: False, note)
+    assert relay.heard() == CUT
+    assert tripped.wait(BOUND_S)
+    assert "cut the power" in told[0]
+    assert not watching.watches
+
+
+def test_the_end_of_the_process_that_was_watched_is_followed_by_the_cut(relay: Relay) -> None:
+    script = (
+        "import sys, time; from rigctl.rig.dead_man import DeadMan; "
+        "DeadMan(sys.argv[1], 1).start(lambda: True, print); print('on', flush=True); "
+        "time.sleep(100)"
+    )
+    with subprocess.Popen([sys.executable, "-c", script, relay.path], stdout=-1) as watched:
+        assert watched.stdout is not None
+        assert watched.stdout.readline() == b"on\n"
+        watched.send_signal(signal.SIGKILL)
+        assert relay.heard() == CUT
+
+
+def test_while_the_heart_beats_and_after_an_orderly_end_nothing_is_cut(
+    relay: Relay, watching: DeadMan
+) -> None:
+    watching.start(lambda: True, pytest.fail)
+    assert relay.heard(3 * dead_man.SILENT_S) == b""
+    watching.end()
+    assert relay.heard(0.1) == b""
+
+
+def test_signals_to_all_processes_of_the_daemon_do_not_end_it(
+    relay: Relay, watching: DeadMan
+) -> None:
+    watching.start(lambda: True, pytest.fail)
+    process = watching._process
+    assert process is not None
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        process.send_signal(number)
+    assert relay.heard(0.3) == b""
+    assert watching.watches
+
+
+def test_a_relay_that_comes_back_late_is_cut_then(
+    tmp_path: Path, relay: Relay, watching: DeadMan
+) -> None:
+    name = tmp_path / "relay"
+    late = DeadMan(str(name), 1)
+    told = threading.Event()
+    late.start(lambda: False, lambda _: told.set())
+    assert relay.heard(0.2) == b""
+    name.symlink_to(relay.path)
+    assert relay.heard() == CUT
+    assert told.wait(BOUND_S)
+    late.end()
+
+
+def test_power_is_not_given_without_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    lab = Laboratory(tmp_path / "data")
+    absent = DeadMan("/nowhere", 1)
+    monkeypatch.setattr(absent, "_spawn", refuse)
+    lab.rig._stop._dead_man = absent
+    lab.rig.estop("berta", "smoke")
+    with pytest.raises(DeviceError, match="cannot start"):
+        lab.rig.release("berta", "only steam")
+    assert (lab.state, lab.cut_off.power) == ("estop", False)
+    lab.close()
+
+
+def refuse() -> subprocess.Popen[bytes]:
+    raise DeviceError("cannot start", part="dead man")
+
+
+def test_a_dead_man_that_ended_by_itself_stops_the_rig(tmp_path: Path, relay: Relay) -> None:
+    lab = Laboratory(tmp_path / "data", threads=True)
+    lab.rig._stop._dead_man = man = DeadMan(relay.path, 1)
+    lab.rig.estop("berta", "smoke")
+    lab.rig.release("berta", "only steam")
+    assert man._process is not None
+    man._process.kill()
+    until(lambda: lab.state == "estop")
+    assert lab.cut_off.power is False
+    lab.close()
+
+
+def test_it_watches_real_relays_alone_and_where_a_cut_lets_no_sphere_go() -> None:
+    simulated = load()
+    assert _dead_man(simulated) is None
+    pusher, release = (load(Path(f"config/{name}.toml")) for name in ("pusher", "release"))
+    assert _dead_man(pusher) is not None
+    assert _dead_man(release) is None
+    relay = pusher.cut_off.model_copy(update={"dead_man": False})
+    assert _dead_man(pusher.model_copy(update={"cut_off": relay})) is None
