@@ -18,6 +18,7 @@ from rigctl.daemon import open_daemon
 from rigctl.errors import ConfigurationError
 from rigctl.page.mounting import with_page
 from rigctl.service import keyfile
+from rigctl.service.answer_headers import AnswerHeaders
 from rigctl.service.app import create_app
 from rigctl.service.auth import new_key
 from rigctl.service.connections import Connections, raise_descriptor_limit, room_for
@@ -81,7 +82,8 @@ def serve(
                 hub = EventHub()
                 page = with_page(create_app(daemon, address.key, hub), daemon, address.key)
                 connections = Connections(room_for(descriptors))
-                server = _server(OriginGuard(page, origins), hub, connections)
+                guarded = AnswerHeaders(OriginGuard(page, origins))
+                server = _server(guarded, hub, connections)
                 typer.echo(_greeting(address, configuration))
                 for sweep in daemon.offered:
                     typer.echo(_offer(sweep))
