@@ -7,7 +7,7 @@ READY  := $(VENV)/ready
 # Hundreds of processes are started by tests: each would compile our sources again.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test test-long lint types contracts check lock clean
+.PHONY: demo test test-long lint types contracts check lock bill clean
 
 demo: $(READY)
 	$(BIN)/rigctl demo
@@ -38,10 +38,19 @@ $(READY): requirements.lock pyproject.toml
 	$(BIN)/python -m pip install --quiet --no-deps --no-build-isolation -e .
 	touch $@
 
-# Hashes only: neither an index address nor a header that names one may enter the lock.
+# Hashes only: neither an index address nor a header that names one may enter a lock.
+EXPORT := -m uv export --quiet --no-header --no-emit-project --no-annotate
+
+# What runs a rig, and what develops it too.
 lock:
 	$(PYTHON) -m uv lock --quiet
-	$(PYTHON) -m uv export --quiet --all-extras --no-extra benchmarks --no-header --no-emit-project --no-annotate > requirements.lock
+	$(PYTHON) $(EXPORT) > requirements-run.lock
+	$(PYTHON) $(EXPORT) --all-extras --no-extra benchmarks > requirements.lock
+
+# Bill of materials of the packages that run a rig, in the form CycloneDX 1.5.
+bill:
+	mkdir -p out
+	$(PYTHON) -m uv export --quiet --no-emit-project --format cyclonedx1.5 > out/packages.cdx.json
 
 clean:
 	rm -rf $(VENV) dist .pytest_cache .mypy_cache .ruff_cache

@@ -26,7 +26,7 @@ from analysis.exchange.tables import CONTACTS, POSES
 from rigctl.analysis_process import AnalysisFailedError
 from rigctl.errors import AnalysisInputError, ConfigurationError, IdempotencyError, RigError
 from rigctl.jobs import JobFailedError
-from rigctl.rig.states import TRANSITIONS
+from rigctl.rig.states import LATCHED, TRANSITIONS
 from rigctl.service.app import create_app
 from rigctl.service.campaign_models import CampaignView, FitView
 from rigctl.service.events import EventHub
@@ -191,6 +191,22 @@ def test_the_commissioning_of_a_real_rig_can_be_rehearsed(tmp_path: Path) -> Non
     assert said.count('"state":"idle"') == 2
     assert json.loads((tmp_path / "shot.json").read_text())["settings"]["delay_us"] == 5000
     assert fires(tmp_path) == 1
+
+
+@pytest.mark.long
+@needs_shell
+@pytest.mark.timeout(300)
+def test_a_stop_and_the_way_out_of_it_can_be_rehearsed(tmp_path: Path) -> None:
+    said = perform(DOCS / "how-to" / "recover.md", tmp_path)
+    assert [line.split(": ")[1] for line in said.splitlines()] == ["estop", "idle"]
+
+
+@pytest.mark.long
+@needs_shell
+@pytest.mark.timeout(300)
+def test_the_numbers_of_a_service_can_be_read_as_its_guide_says(tmp_path: Path) -> None:
+    said = perform(DOCS / "how-to" / "run-as-a-service.md", tmp_path)
+    assert 'rigctl_state{state="idle"} 1.0' in said
 
 
 @pytest.mark.long
@@ -362,3 +378,11 @@ def test_the_tables_of_states_are_those_of_the_program(
     }
     wanted = {str(before): set(map(str, after)) for before, after in table.items() if after}
     assert written == wanted
+
+
+def test_the_recovery_guide_has_every_error_and_every_state_that_a_person_ends() -> None:
+    guide = DOCS / "how-to" / "recover.md"
+    listed = {code.strip("`") for code, *_ in rows(guide, "Errors by code")}
+    assert {kind.code for kind in errors(RigError)} - {"analysis-failed", "job-failed"} <= listed
+    waits = {named(state).pop() for state, *_ in rows(guide, "The rig waits for a person")}
+    assert waits == set(LATCHED)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
@@ -25,6 +25,10 @@ def serve(
         typer.Option(envvar="RIGCTL_KEY", help="Key of the service; without it a fresh one."),
     ] = None,
     effects: OwnEffects = None,
+    log: Annotated[
+        Literal["text", "json"],
+        typer.Option(help="What goes to standard error: warnings, or every step as JSON lines."),
+    ] = "text",
 ) -> None:
     """Run the daemon: REST on 127.0.0.1:8486, the simulated rig by default."""
     import gc
@@ -35,7 +39,7 @@ def serve(
         from rigctl.commands.serve import serve as run_daemon
     finally:
         gc.enable()
-    run_daemon(config, port, key, effects)
+    run_daemon(config, port, key, effects, log)
 
 
 @rig.command()

@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
+import asyncio
 import ipaddress
 import signal
 import socket
 import sys
-from contextlib import ExitStack
+import threading
+from contextlib import ExitStack, suppress
 from pathlib import Path
 
 import typer
 import uvicorn
 from starlette.types import ASGIApp
 
+from rigctl import logs, systemd
 from rigctl.config import Configuration, load
 from rigctl.daemon import open_daemon
 from rigctl.errors import ConfigurationError
+from rigctl.logs import LogFormat
 from rigctl.page.mounting import with_page
 from rigctl.service import keyfile
 from rigctl.service.answer_headers import AnswerHeaders
@@ -27,6 +31,7 @@ from rigctl.service.keyfile import ServiceAddress
 from rigctl.service.origins import OriginGuard, OwnOrigins
 from rigctl.service.stop_port import StopPort
 from rigctl.store import StepState, SweepRecord
+from rigctl.systemd import Watchdog
 
 STOP_PORT_ABOVE = 1000
 """The stop's own port lies so far above the service's, unless it is set or taken."""
@@ -34,28 +39,52 @@ STOP_PORT_ABOVE = 1000
 SWITCH_S = 0.001
 """Threads that compute give way to those that answer after this time, s."""
 
+ANSWERS_WITHIN_S = 1.0
+"""Longest time in which a service that lives takes a call, s."""
+
 END_WITHIN_S = 5
 """Longest wait for answers under way when the service ends; they are cut off after it."""
 
 
 class _Server(uvicorn.Server):
-    """Lets listening clients go before it waits for connections to end."""
+    """Lets listening clients go before it waits for connections to end, and tells systemd."""
 
     def __init__(self, config: uvicorn.Config, hub: EventHub) -> None:
         super().__init__(config)
         self._hub = hub
+        self._loop: asyncio.AbstractEventLoop | None = None
+
+    def answers(self) -> bool:
+        """Say within `ANSWERS_WITHIN_S` whether the event loop takes calls."""
+        taken = threading.Event()
+        if self._loop is None:
+            return False
+        with suppress(RuntimeError):
+            self._loop.call_soon_threadsafe(taken.set)
+        return taken.wait(ANSWERS_WITHIN_S)
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        await super().startup(sockets)
+        self._loop = asyncio.get_running_loop()
+        systemd.notify(systemd.READY)
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        systemd.notify(systemd.STOPPING)
         self._hub.close()
         await super().shutdown(sockets)
 
 
 def serve(
-    path: Path | None, port: int | None, key: str | None, effects: Path | None = None
+    path: Path | None,
+    port: int | None,
+    key: str | None,
+    effects: Path | None = None,
+    log: LogFormat = "text",
 ) -> None:
     """Run the daemon until SIGINT or SIGTERM; the rig is left safe, within a bound.
 
-    `effects` is a folder of the user's own effects in the place of the configuration's.
+    `effects` is a folder of the user's own effects in the place of the configuration's; `log` is
+    the form of what goes to standard error.
 
     Raises
     ------
@@ -68,6 +97,7 @@ def serve(
     # SIGTERM unwinds like Ctrl-C, also while devices are being opened and after the server ended.
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     configuration = _with_effects(load(path), effects)
+    logs.set_up(log)
     sys.setswitchinterval(SWITCH_S)
     descriptors = raise_descriptor_limit()
     listening = _listen(configuration, port, key)
@@ -84,6 +114,9 @@ def serve(
                 connections = Connections(room_for(descriptors))
                 guarded = AnswerHeaders(OriginGuard(page, origins))
                 server = _server(guarded, hub, connections)
+                opened.callback(Watchdog(lambda: server.answers() and daemon.rig.answers()).close)
+                opened.callback(daemon.rig.listeners.add(logs.transition))
+                opened.callback(daemon.store.listeners.add(logs.shot))
                 typer.echo(_greeting(address, configuration))
                 for sweep in daemon.offered:
                     typer.echo(_offer(sweep))

@@ -123,6 +123,12 @@ class EmergencyStop:
             )
         return tuple(said)
 
+    def answers(self) -> bool:
+        """Say whether the cut-off's thread takes orders: a daemon that cannot stop is none."""
+        request = _Request(lambda _: None)
+        self._requests.put(request)
+        return request.done.wait(SILENT_S)
+
     def check(self) -> None:
         """Ask the cut-off for its sign of life; opens nothing.
 
@@ -180,7 +186,7 @@ class EmergencyStop:
         seen = self._stops
         self._await_followers()
         if self._dead_man is not None:
-            self._dead_man.start(self._answers, self._tripped)
+            self._dead_man.start(self.answers, self._tripped)
         request = _Request(lambda _: self._restore(seen))
         self._requests.put(request)
         self._await(request, "could not be restored", "check the cut-off, then release again")
@@ -205,12 +211,6 @@ class EmergencyStop:
         self._requests.put(None)
         self._thread.join(LINE_WAIT_S)
         self._await_followers()
-
-    def _answers(self) -> bool:
-        """Say whether the cut-off's thread takes orders: a daemon that cannot stop is none."""
-        request = _Request(lambda _: None)
-        self._requests.put(request)
-        return request.done.wait(SILENT_S)
 
     def _serve(self) -> None:
         while (request := self._requests.get()) is not None:

@@ -109,6 +109,10 @@ class Rig:
         status = self._standing.status()
         return replace(status, warnings=status.warnings + self._stop.warnings)
 
+    def answers(self) -> bool:
+        """Say within a bound whether the cut-off's thread takes orders."""
+        return self._stop.answers()
+
     def arm(self, settings: ShotSettings, actor: str) -> Armed:
         """Set pressure and offset, wait until they are reached, check everything, give a token.
 

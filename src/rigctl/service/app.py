@@ -19,6 +19,7 @@ from rigctl.service.body_limit import BodyLimit
 from rigctl.service.events import EventHub
 from rigctl.service.job_models import JobSummary
 from rigctl.service.lanes import Lanes
+from rigctl.service.metrics import Metrics, metrics_route
 from rigctl.service.models import RigEvent, ShotView
 from rigctl.service.openapi import describe, openapi_route
 from rigctl.service.problems import Problem, answer, from_error, from_validation, unforeseen
@@ -49,6 +50,7 @@ def create_app(daemon: Daemon, key: str, hub: EventHub) -> FastAPI:
     What the rig and the store report goes to `hub` for as long as the application runs; whoever
     ends the server closes the hub first, so that listening clients let go.
     """
+    metrics = Metrics(daemon, hub)
 
     @asynccontextmanager
     async def lifespan(_: FastAPI) -> AsyncIterator[None]:
@@ -57,6 +59,7 @@ def create_app(daemon: Daemon, key: str, hub: EventHub) -> FastAPI:
             daemon.store.listeners.add(lambda record: hub.publish("shot", ShotView.of(record))),
             daemon.jobs.listeners.add(lambda job: hub.publish("job", JobSummary.of(job))),
             daemon.sweeps.listeners.add(lambda now: hub.publish("sweep", SweepView.of(now))),
+            *metrics.listen(daemon),
         ]
         try:
             yield
@@ -88,6 +91,7 @@ def create_app(daemon: Daemon, key: str, hub: EventHub) -> FastAPI:
     app.include_router(job_routes(daemon), prefix=PREFIX)
     app.include_router(event_routes(daemon, hub), prefix=PREFIX)
     app.include_router(health_routes(daemon))
+    app.include_router(metrics_route(metrics))
     app.include_router(front_route(daemon))
     _answer_errors_as_problems(app)
     app.openapi = describe(app, daemon.configuration.limits)  # type: ignore[method-assign]
