@@ -105,7 +105,7 @@ class Findings:
         )
 
 
-class _NoAnalysis:
+class NoAnalysis:
     """In the place of the analysis, which has no part in firing and takes seconds to load."""
 
     def __init__(self, *_: object, **__: object) -> None:
@@ -153,7 +153,7 @@ def _opened(chosen: Configuration) -> Iterator[Daemon]:
     # Loaded here: the library of the slide runs threads of its own, which no fork survives.
     from rigctl import daemon  # noqa: PLC0415
 
-    with mock.patch.object(daemon, "Analyser", _NoAnalysis), daemon.open_daemon(chosen) as opened:
+    with mock.patch.object(daemon, "Analyser", NoAnalysis), daemon.open_daemon(chosen) as opened:
         yield opened
 
 

@@ -1,0 +1,94 @@
+"""Shots in a row, flat in memory, descriptors and threads: python -m benchmarks.soak.
+
+One daemon over a simulated laboratory fires shot after shot, with short films and without the
+analysis. After a tenth of them, and at the end, the process is measured; so is every tenth between.
+Prints the table; ends 1 where a shot was not stored, fires and shots differ, or the process grew
+by more than `MOST_MIB_PER_1000` or by a descriptor or thread.
+"""
+
+from __future__ import annotations
+
+import argparse
+import gc
+import json
+import os
+import sys
+import tempfile
+import threading
+import time
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from benchmarks.faults import opened
+
+OUT = Path("out/soak.json")
+MOST_MIB_PER_1000 = 1.0
+SPARE_MIB = 4.0
+"""Growth that the allocator alone may make."""
+SPARE = 2
+"""Descriptors and threads that come and go."""
+
+
+@dataclass(frozen=True, slots=True)
+class Size:
+    """The process after some shots."""
+
+    shots: int
+    resident_mib: float
+    descriptors: int
+    threads: int
+
+    def line(self) -> str:
+        """Return a row of the table."""
+        return f"{self.shots:8d} {self.resident_mib:10.1f} {self.descriptors:12d} {self.threads:8d}"
+
+
+def size(shots: int) -> Size:
+    """Measure this process."""
+    gc.collect()
+    pages = int(Path("/proc/self/statm").read_text().split()[1])
+    resident = pages * os.sysconf("SC_PAGE_SIZE") / 2**20
+    return Size(shots, resident, len(os.listdir("/proc/self/fd")), threading.active_count())
+
+
+def main() -> int:
+    """Fire, measure, print and write."""
+    asked = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    asked.add_argument("--shots", type=int, default=10_000)
+    asked.add_argument("--out", type=Path, default=OUT)
+    options = asked.parse_args()
+    step = max(1, options.shots // 10)
+    sizes: list[Size] = []
+    failed: list[str] = []
+    print(f"{'shots':>8} {'memory MiB':>10} {'descriptors':>12} {'threads':>8}")
+    with tempfile.TemporaryDirectory() as temporary, opened(Path(temporary) / "data") as bench:
+        began = time.monotonic()
+        for number in range(1, options.shots + 1):
+            shot = bench.shoot()
+            if shot.outcome != "stored":
+                failed.append(f"{shot.id} {shot.outcome}: {shot.failure}")
+            if number % step == 0:
+                sizes.append(size(number))
+                print(sizes[-1].line(), flush=True)
+        took = time.monotonic() - began
+        fires = int(bench.laboratory.fires)
+    first, last = sizes[0], sizes[-1]
+    grown = last.resident_mib - first.resident_mib
+    allowed = SPARE_MIB + MOST_MIB_PER_1000 * (last.shots - first.shots) / 1000
+    sound = (
+        not failed
+        and fires == options.shots
+        and grown <= allowed
+        and last.descriptors <= first.descriptors + SPARE
+        and last.threads <= first.threads + SPARE
+    )
+    print(f"{options.shots} shots in {took:.0f} s, {fires} fires, not stored: {len(failed)}")
+    print(f"grown by {grown:.1f} MiB (allowed {allowed:.1f})")
+    document = {"sizes": [asdict(each) for each in sizes], "failed": failed, "fires": fires}
+    options.out.parent.mkdir(parents=True, exist_ok=True)
+    options.out.write_text(json.dumps(document, indent=1) + "\n")
+    return 0 if sound else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

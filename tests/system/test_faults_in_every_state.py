@@ -1,0 +1,44 @@
+"""A part of the generated plan of faults, and some shots in a row; the benchmarks run the whole."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+
+
+def run(module: str, tmp_path: Path, *words: str) -> dict[str, object]:
+    out = tmp_path / "out.json"
+    done = subprocess.run(
+        [sys.executable, "-m", f"benchmarks.{module}", *words, "--out", out],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        timeout=900,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    return dict(json.loads(out.read_text()))
+
+
+@pytest.mark.parametrize("most", [12, pytest.param(120, marks=pytest.mark.long)])
+@pytest.mark.timeout(1000)
+def test_faults_drawn_from_the_plan_end_in_a_named_error_and_a_safe_state(
+    tmp_path: Path, most: int
+) -> None:
+    found = run("faults", tmp_path, "--most", str(most), "--seed", "7")
+    assert (found["tried"], found["failed"]) == (most, [])
+
+
+@pytest.mark.long
+@pytest.mark.timeout(1000)
+def test_five_hundred_shots_in_a_row_are_all_stored_in_a_process_that_does_not_grow(
+    tmp_path: Path,
+) -> None:
+    found = run("soak", tmp_path, "--shots", "500")
+    assert (found["fires"], found["failed"]) == (500, [])
