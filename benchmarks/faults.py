@@ -47,6 +47,7 @@ from rigctl.store import Fired, ShotRecord
 from simulators.ektapro.faults import FrameFault
 from simulators.wire.faults import SerialFault
 from simulators.wire.hid_relay import UsbFault
+from simulators.world.flight import load_integrator
 
 OUT = Path("out/faults.json")
 SETTINGS = ShotSettings(pressure_a_kpa=40.0, pressure_b_kpa=40.0, offset_mm=6.0)
@@ -229,7 +230,7 @@ def opened(folder: Path) -> Iterator[Bench]:
     document = configuration(folder).model_dump(mode="json")
     for section in ("trigger", "regulator", "slide"):
         document[section]["answer_timeout_s"] = 0.1
-    document["camera"] |= {"start_timeout_s": 1.0, "collect_timeout_s": 2.0}
+    document["camera"] |= {"start_timeout_s": 2.0, "collect_timeout_s": 5.0}
     document["camera"]["recorder"]["answer_timeout_s"] = 0.1
     document["limits"] |= {"settle_timeout_s": 0.5, "free_disk_mb": 1.0}
     bench: list[Bench] = []
@@ -239,6 +240,7 @@ def opened(folder: Path) -> Iterator[Bench]:
 
     clock = Clock(SYSTEM_CLOCK.monotonic, wall, SYSTEM_CLOCK.wait)
     strict = Configuration.model_validate_json(json.dumps(document))
+    load_integrator()
     with (
         mock.patch.object(daemons, "Analyser", NoAnalysis),
         mock.patch.object(daemons, "Rig", partial(Rig, clock=clock)),
