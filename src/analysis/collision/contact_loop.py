@@ -1,8 +1,4 @@
-"""Contacts integrated in time, one after the other, compiled.
-
-The state of a contact: centre of b from that of a, its velocity, both spins, and the tangential
-spring, three numbers each. The centre of mass moves on as it did.
-"""
+"""Contacts integrated in time, side by side in blocks, compiled."""
 
 from __future__ import annotations
 
@@ -11,18 +7,46 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.collision.contact_block import (
+    DEEPEST,
+    DURATION,
+    FIRST,
+    FULL_STEP,
+    HERE,
+    LANES,
+    MOVED,
+    OVERLAP,
+    PARTING,
+    PLACE,
+    PUSH,
+    PUSH_BEFORE,
+    RADIUS_A,
+    RADIUS_B,
+    RATE,
+    ROWS,
+    SIZE,
+    SPIN_A,
+    SPIN_B,
+    SPRING,
+    STATE,
+    STEP,
+    STIFFNESS,
+    TURN,
+    TURNS,
+    UNCUT,
+    VELOCITY,
+    meet,
+    press,
+    put,
+    three,
+    twist,
+)
 from analysis.compiled import compiled, part
 
 Floats = NDArray[np.float64]
 
-PLACE, VELOCITY, SPIN_A, SPIN_B, SPRING, SIZE = 0, 3, 6, 9, 12, 15
-"""Where they begin."""
-RADIUS_A, RADIUS_B, GIVE, GIVE_A, GIVE_B, LEVER, TURNS = range(7)
-"""Numbers of a pair: radii, m; what a unit impulse changes, 1/kg and 1/(kg m^2); the share of the
-overlap that each lever loses; whether the normal turns (1) or is that of a plate (0)."""
-STIFFNESS, ELASTIC, LOSS, RATIO, TANGENT_LOSS, BY_INCREMENT, SLIDES = range(7)
-"""Numbers of a law: k, p, q; kappa; 2 zeta sqrt(m_t); whether the spring keeps its force (1);
-whether the dashpot acts while the contact slides (1)."""
+UNITS = 6
+"""Of each contact: k, c, mu, kappa, 2 zeta sqrt(m_t) and the undamped duration, s."""
 FINER = 8.0
 """Times as small are the steps in which the normal force ends."""
 MOST_STEPS = 10_000
@@ -31,11 +55,7 @@ MOST_STEPS = 10_000
 
 @compiled
 def collide(
-    touch: tuple[Floats, Floats, Floats],
-    pair: Floats,
-    law: Floats,
-    units: tuple[Floats, Floats, Floats],
-    steps: int,
+    touch: tuple[Floats, Floats, Floats], pair: Floats, law: Floats, units: Floats, steps: int
 ) -> tuple[Floats, Floats, Floats]:
     """Follow contacts from first touch until the overlap is gone.
 
@@ -48,9 +68,10 @@ def collide(
         Normals from a to b, velocities of b relative to a, m/s, and both spins, rad/s, shapes
         (N, 3), (N, 3) and (N, 2, 3).
     pair, law
-        As listed above, shape (7,) each.
+        As `contact_block` lists them, shapes (7,) and (4,).
     units
-        Of each contact: c of the normal dashpot, mu, and the undamped duration, s, shape (N,).
+        Of each contact: k, c of the normal dashpot, mu, kappa, 2 zeta sqrt(m_t), and the undamped
+        duration, s, shape (N, 6).
     steps
         In an undamped duration.
 
@@ -59,197 +80,151 @@ def collide(
     States at separation, shape (N, 15); durations, s, shape (N,), not a number where the spheres
     do not part; by what both spheres have turned, rad, shape (N, 2, 3).
     """
-    normal, velocity, spins = touch
-    dashpot, friction, lasting = units
-    count = normal.shape[0]
+    count, reach = touch[0].shape[0], pair[RADIUS_A] + pair[RADIUS_B]
     ends, durations, turns = np.zeros((count, SIZE)), np.zeros(count), np.zeros((count, 2, 3))
-    work, first = np.zeros((3, SIZE)), np.zeros(3)
-    for n in range(count):
-        state, closing = ends[n], 0.0
-        for k in range(3):
-            first[k] = normal[n, k]
-            state[PLACE + k] = (pair[RADIUS_A] + pair[RADIUS_B]) * normal[n, k]
-            state[VELOCITY + k] = velocity[n, k]
-            state[SPIN_A + k], state[SPIN_B + k] = spins[n, 0, k], spins[n, 1, k]
-            closing -= velocity[n, k] * normal[n, k]
-        if closing > 0.0:
-            own = dashpot[n], friction[n], lasting[n] / steps
-            durations[n] = follow(state, work, turns[n], (first, pair, law), own)
+    block = np.zeros(ROWS * LANES)
+    for begin in range(0, count, LANES):
+        fill(block, begin, touch, units, (reach, steps))
+        for _ in range(MOST_STEPS):
+            rates(block, pair, law)
+            free(block, pair)
+            half_way(block)
+            rates(block, pair, law)
+            if not go_on(block, pair):
+                break
+        for k in range(min(LANES, count - begin)):
+            n = begin + k
+            ended = block[STEP * LANES + k] == 0.0
+            durations[n] = block[DURATION * LANES + k] if ended else np.nan
+            for row in range(SIZE):
+                ends[n, row] = block[(STATE + row) * LANES + k]
+            for row in range(3):
+                turns[n, 0, row] = block[(TURN + row) * LANES + k]
+                turns[n, 1, row] = block[(TURN + 3 + row) * LANES + k]
     return ends, durations, turns
 
 
 @part
-def follow(
-    state: Floats,
-    work: Floats,
-    turns: Floats,
-    contact: tuple[Floats, Floats, Floats],
-    units: tuple[float, float, float],
-) -> float:
-    """Follow one contact in place; return its duration, s, not a number where it does not end.
+def rates(block: Floats, pair: Floats, law: Floats) -> None:
+    """Fill in the rates of the states HERE."""
+    meet(block, pair)
+    press(block, pair, law)
+    twist(block, pair)
 
-    Parameters
-    ----------
-    work
-        Where rates and states on the way are kept, shape (3, 15).
-    turns
-        Added to, shape (2, 3).
-    contact
-        Normal at first touch, pair and law.
-    units
-        c, mu and a step, s.
-    """
-    first, pair = contact[0], contact[1]
-    step, duration, deepest = units[2], 0.0, 0.0
-    old, middle, rate = work[0], work[1], work[2]
-    for _ in range(MOST_STEPS):
-        push = force(state, rate, contact, units[0], units[1])
-        overlap = overlap_of(state, first, pair)
+
+@part
+def fill(
+    block: Floats,
+    begin: int,
+    touch: tuple[Floats, Floats, Floats],
+    units: Floats,
+    reach_and_steps: tuple[float, int],
+) -> None:
+    """Set a block to first touch of the contacts from `begin` on, the last repeated to its end."""
+    normal, velocity, spins = touch
+    reach, steps = reach_and_steps
+    for k in range(ROWS * LANES):
+        block[k] = 0.0
+    for k in range(LANES):
+        n, closing = min(begin + k, normal.shape[0] - 1), 0.0
+        for row in range(3):
+            block[(FIRST + row) * LANES + k] = normal[n, row]
+            block[(STATE + PLACE + row) * LANES + k] = reach * normal[n, row]
+            block[(STATE + VELOCITY + row) * LANES + k] = velocity[n, row]
+            block[(STATE + SPIN_A + row) * LANES + k] = spins[n, 0, row]
+            block[(STATE + SPIN_B + row) * LANES + k] = spins[n, 1, row]
+            closing -= velocity[n, row] * normal[n, row]
+        for row in range(SIZE):
+            block[(HERE + row) * LANES + k] = block[(STATE + row) * LANES + k]
+        for row in range(UNITS - 1):
+            block[(STIFFNESS + row) * LANES + k] = units[n, row]
+        step = units[n, UNITS - 1] / steps if closing > 0.0 else 0.0
+        block[STEP * LANES + k] = block[FULL_STEP * LANES + k] = step
+
+
+@part
+def free(block: Floats, pair: Floats) -> None:
+    """End contacts that nothing presses any more: the rest of the way out is free."""
+    turns, reach = pair[TURNS] > 0.0, pair[RADIUS_A] + pair[RADIUS_B]
+    for k in range(LANES):
+        overlap, push = block[OVERLAP * LANES + k], block[PUSH * LANES + k]
+        deepest, step = block[DEEPEST * LANES + k], block[STEP * LANES + k]
         # Only after the deepest: at first touch the overlap is 0 give or take rounding.
         parting = 0.0 < overlap < deepest
-        deepest = max(deepest, overlap)
-        if parting and push <= 0.0:
-            # Nothing pulls: the way out is free.
-            wait = time_to_part(state, first, pair, overlap)
-            for k in range(3):
-                state[PLACE + k] += wait * state[VELOCITY + k]
-                turns[0, k] += wait * state[SPIN_A + k]
-                turns[1, k] += wait * state[SPIN_B + k]
-            return duration + wait
-        for k in range(SIZE):
-            old[k] = state[k]
-            middle[k] = state[k] + 0.5 * step * rate[k]
-        uncut = middle[SPRING], middle[SPRING + 1], middle[SPRING + 2]
-        pushed = force(middle, rate, contact, units[0], units[1])
-        if parting and 2.0 * pushed <= push and step == units[2]:
-            # The force ends within this step, with a kink that small steps resolve.
-            step /= FINER
-            continue
-        for k in range(SIZE):
-            state[k] += step * rate[k]
-        for k in range(3):
-            state[SPRING + k] += middle[SPRING + k] - uncut[k]
-            turns[0, k] += step * middle[SPIN_A + k]
-            turns[1, k] += step * middle[SPIN_B + k]
-        duration += step
-        if overlap_of(state, first, pair) <= 0.0:
-            # The elastic force that is left at the end is less than a step's worth.
-            return duration
-    return np.nan
+        block[DEEPEST * LANES + k] = max(deepest, overlap)
+        block[PUSH_BEFORE * LANES + k] = push
+        block[PARTING * LANES + k] = 1.0 if parting else 0.0
+        px, py, pz = three(block, STATE + PLACE, k)
+        ux, uy, uz = three(block, STATE + VELOCITY, k)
+        nx, ny, nz = three(block, FIRST, k)
+        # (|r + u t|)^2 = reach^2, in a form without cancellation; beside a plate u.n t = overlap.
+        along = px * ux + py * uy + pz * uz
+        missing = overlap * (2.0 * reach - overlap)
+        root = math.sqrt(max(along * along + (ux * ux + uy * uy + uz * uz) * missing, 0.0))
+        opening = ux * nx + uy * ny + uz * nz
+        wait = missing / max(along + root, 1e-300) if turns else overlap / max(opening, 1e-300)
+        freed = parting and push <= 0.0 and step > 0.0
+        wait = wait if freed else 0.0
+        put(block, STATE + PLACE, k, (px + wait * ux, py + wait * uy, pz + wait * uz))
+        block[DURATION * LANES + k] += wait
+        block[STEP * LANES + k] = 0.0 if freed else step
+        for row in range(6):
+            block[(TURN + row) * LANES + k] += wait * block[(STATE + SPIN_A + row) * LANES + k]
 
 
 @part
-def time_to_part(state: Floats, first: Floats, pair: Floats, overlap: float) -> float:
-    """Return how long spheres that nothing holds need to part, s."""
-    square, along, opening = 0.0, 0.0, 0.0
-    for k in range(3):
-        square += state[VELOCITY + k] ** 2
-        along += state[PLACE + k] * state[VELOCITY + k]
-        opening += state[VELOCITY + k] * first[k]
-    if pair[TURNS] <= 0.0:
-        return overlap / float(max(opening, 1e-300))
-    reach = pair[RADIUS_A] + pair[RADIUS_B]
-    missing = reach * reach - (reach - overlap) ** 2
-    # (|r + u t|)^2 = reach^2, in a form without cancellation.
-    root = float(math.sqrt(along * along + square * missing))
-    return float(missing / max(along + root, 1e-300))
+def half_way(block: Floats) -> None:
+    """Go from a step's begin to its middle, with the springs that its begin has cut."""
+    for row in range(SPRING, SIZE):
+        for k in range(LANES):
+            block[(STATE + row) * LANES + k] = block[(HERE + row) * LANES + k]
+    for row in range(SIZE):
+        for k in range(LANES):
+            way = 0.5 * block[STEP * LANES + k] * block[(RATE + row) * LANES + k]
+            block[(HERE + row) * LANES + k] = block[(STATE + row) * LANES + k] + way
+    for k in range(LANES):
+        put(block, UNCUT, k, three(block, HERE + SPRING, k))
 
 
 @part
-def overlap_of(state: Floats, first: Floats, pair: Floats) -> float:
-    """Return the overlap, m; negative is a gap."""
-    along = 0.0
-    if pair[TURNS] > 0.0:
-        for k in range(3):
-            along += state[PLACE + k] ** 2
-        along = float(math.sqrt(along))
-    else:
-        for k in range(3):
-            along += state[PLACE + k] * first[k]
-    overlap: float = pair[RADIUS_A] + pair[RADIUS_B] - along
-    return overlap
-
-
-@part
-def force(
-    state: Floats,
-    rate: Floats,
-    contact: tuple[Floats, Floats, Floats],
-    dashpot: float,
-    friction: float,
-) -> float:
-    """Fill the rates of a state, and cut its spring back to what friction holds.
-
-    Returns
-    -------
-    The normal force, N.
-    """
-    first, pair, law = contact
-    for k in range(SIZE):
-        rate[k] = 0.0
-    overlap = overlap_of(state, first, pair)
-    distance = pair[RADIUS_A] + pair[RADIUS_B] - overlap
-    turns = pair[TURNS] > 0.0
-    nx = state[0] / distance if turns else first[0]
-    ny = state[1] / distance if turns else first[1]
-    nz = state[2] / distance if turns else first[2]
-    opening = state[3] * nx + state[4] * ny + state[5] * nz
-    arm_a = pair[RADIUS_A] - pair[LEVER] * overlap
-    arm_b = (pair[RADIUS_B] - pair[LEVER] * overlap) if turns else 0.0
-    wx = arm_a * state[6] + arm_b * state[9]
-    wy = arm_a * state[7] + arm_b * state[10]
-    wz = arm_a * state[8] + arm_b * state[11]
-    sx = state[3] - opening * nx - (wy * nz - wz * ny)
-    sy = state[4] - opening * ny - (wz * nx - wx * nz)
-    sz = state[5] - opening * nz - (wx * ny - wy * nx)
-    for k in range(3):
-        rate[PLACE + k] = state[VELOCITY + k]
-    if overlap <= 0.0:
-        # At first touch, give or take rounding: nothing presses yet, but the surfaces slip.
-        if law[BY_INCREMENT] == 0.0:
-            rate[12], rate[13], rate[14] = sx, sy, sz
-        return 0.0
-    push, stiff = pressed(overlap, opening, law, dashpot)
-    limit = friction * push
-    tangent = law[RATIO] * stiff
-    damped = law[TANGENT_LOSS] * math.sqrt(tangent)
-    # The spring as a force, across the normal and no longer than friction holds.
-    scale = 1.0 if law[BY_INCREMENT] > 0.0 else tangent
-    gx, gy, gz = scale * state[12], scale * state[13], scale * state[14]
-    along = gx * nx + gy * ny + gz * nz
-    gx, gy, gz = gx - along * nx, gy - along * ny, gz - along * nz
-    size = math.sqrt(gx * gx + gy * gy + gz * gz)
-    if size >= limit:
-        cut = limit / size if size > 0.0 else 0.0
-        gx, gy, gz = cut * gx, cut * gy, cut * gz
-        if law[SLIDES] == 0.0:
-            damped = 0.0
-    state[12], state[13], state[14] = gx / scale, gy / scale, gz / scale
-    fx, fy, fz = -gx - damped * sx, -gy - damped * sy, -gz - damped * sz
-    size = math.sqrt(fx * fx + fy * fy + fz * fz)
-    if size > limit:
-        fx, fy, fz = fx * limit / size, fy * limit / size, fz * limit / size
-    rate[3] = (push * nx + fx) * pair[GIVE]
-    rate[4] = (push * ny + fy) * pair[GIVE]
-    rate[5] = (push * nz + fz) * pair[GIVE]
-    tx, ty, tz = fy * nz - fz * ny, fz * nx - fx * nz, fx * ny - fy * nx
-    give_a, give_b = arm_a * pair[GIVE_A], arm_b * pair[GIVE_B]
-    rate[6], rate[7], rate[8] = give_a * tx, give_a * ty, give_a * tz
-    rate[9], rate[10], rate[11] = give_b * tx, give_b * ty, give_b * tz
-    gain = tangent if law[BY_INCREMENT] > 0.0 else 1.0
-    rate[12], rate[13], rate[14] = gain * sx, gain * sy, gain * sz
-    return push
-
-
-@part
-def pressed(overlap: float, opening: float, law: Floats, dashpot: float) -> tuple[float, float]:
-    """Return the normal force, N, never pulling, and the stiffness of its spring, N/m."""
-    root = math.sqrt(overlap)
-    stiff = law[STIFFNESS] * law[ELASTIC] * (root if law[ELASTIC] > 1.0 else 1.0)
-    elastic = stiff * overlap / law[ELASTIC]
-    loss = 1.0
-    if law[LOSS] == 0.25:
-        loss = math.sqrt(root)
-    elif law[LOSS] == 0.5:
-        loss = root
-    return max(0.0, elastic - dashpot * loss * opening), stiff
+def go_on(block: Floats, pair: Floats) -> bool:
+    """Take a step with the rates in its middle; tell whether any contact goes on after it."""
+    turns, reach = pair[TURNS] > 0.0, pair[RADIUS_A] + pair[RADIUS_B]
+    for k in range(LANES):
+        step, full = block[STEP * LANES + k], block[FULL_STEP * LANES + k]
+        before, push = block[PUSH_BEFORE * LANES + k], block[PUSH * LANES + k]
+        # The force ends within this step, with a kink that small steps resolve.
+        ends = block[PARTING * LANES + k] > 0.0 and 2.0 * push <= before
+        finer = ends and step == full
+        block[MOVED * LANES + k] = 0.0 if finer else step
+        block[STEP * LANES + k] = step / FINER if finer else step
+    for row in range(6):
+        for k in range(LANES):
+            turn = block[MOVED * LANES + k] * block[(HERE + SPIN_A + row) * LANES + k]
+            block[(TURN + row) * LANES + k] += turn
+    for row in range(3):
+        for k in range(LANES):
+            moved = block[MOVED * LANES + k] > 0.0
+            cut = block[(HERE + SPRING + row) * LANES + k] - block[(UNCUT + row) * LANES + k]
+            block[(STATE + SPRING + row) * LANES + k] += cut if moved else 0.0
+    for row in range(SIZE):
+        for k in range(LANES):
+            way = block[MOVED * LANES + k] * block[(RATE + row) * LANES + k]
+            block[(STATE + row) * LANES + k] += way
+    for k in range(LANES):
+        px, py, pz = three(block, STATE + PLACE, k)
+        nx, ny, nz = three(block, FIRST, k)
+        moved, step = block[MOVED * LANES + k], block[STEP * LANES + k]
+        centres = math.sqrt(px * px + py * py + pz * pz)
+        distance = centres if turns else px * nx + py * ny + pz * nz
+        # The elastic force that is left at the end is less than a step's worth.
+        ended = moved > 0.0 and distance >= reach
+        block[DURATION * LANES + k] += moved
+        block[STEP * LANES + k] = 0.0 if ended else step
+    for row in range(SIZE):
+        for k in range(LANES):
+            block[(HERE + row) * LANES + k] = block[(STATE + row) * LANES + k]
+    going = 0.0
+    for k in range(LANES):
+        going += block[STEP * LANES + k]
+    return going > 0.0

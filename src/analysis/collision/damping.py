@@ -12,7 +12,8 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.collision.contact_loop import VELOCITY, collide
+from analysis.collision.contact_block import VELOCITY
+from analysis.collision.contact_loop import collide
 from analysis.collision.force_law import NormalForce
 
 Floats = NDArray[np.float64]
@@ -43,7 +44,8 @@ def _table(normal: NormalForce, steps: int) -> Floats:
     along = np.tile([1.0, 0.0, 0.0], (count, 1))
     # Spheres so large that the overlap is small against them, of the reduced mass 1.
     pair = np.array([1e6, 1e6, 1.0, 0.0, 0.0, 0.0, 0.0])
-    law = np.array([1.0, normal.elastic, normal.damping, 0.0, 0.0, 1.0, 0.0])
-    units = DAMPINGS.copy(), np.zeros(count), np.full(count, normal.elastic_duration)
+    law = np.array([normal.elastic, normal.damping, 1.0, 0.0])
+    units = np.zeros((count, 6))
+    units[:, 0], units[:, 1], units[:, 5] = 1.0, DAMPINGS, normal.elastic_duration
     ends, _, _ = collide((along, -along, np.zeros((count, 2, 3))), pair, law, units, steps)
     return np.minimum.accumulate(ends[:, VELOCITY])

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analysis.collision.contact_loop import SPRING, collide
+from analysis.collision.contact_block import SPRING
+from analysis.collision.contact_loop import collide
 from analysis.collision.damping import damping
 from analysis.collision.force_law import ForceLaw
 from analysis.collision.operator import Body, Encounter, Floats, Outcome, States, gives
@@ -68,28 +69,28 @@ def lasting(
     )
     numbers = np.array(
         [
-            k,
             law.normal.elastic,
             law.normal.damping,
-            max(stiffness.ratio, LEAST_RATIO),
-            2.0 * max(stiffness.damping, 0.0) * np.sqrt(1.0 / give_t),
             1.0 if law.history == "increment" else 0.0,
             1.0 if law.dashpot_slides else 0.0,
         ]
     )
+    count = len(encounter.normal)
+    units = np.stack(
+        [
+            np.broadcast_to(k, count),
+            dashpot,
+            encounter.mu.clip(min=0.0),
+            np.broadcast_to(np.maximum(stiffness.ratio, LEAST_RATIO), count),
+            np.broadcast_to(2.0 * np.sqrt(1 / give_t) * np.maximum(stiffness.damping, 0.0), count),
+            law.normal.elastic_duration * depth / speed,
+        ],
+        axis=1,
+    )
     relative = before.velocity_b - before.velocity_a
     spins = np.stack([before.spin_a, before.spin_b], axis=1)
-    ends, durations, turns = collide(
-        (_rows(encounter.normal), _rows(relative), _rows(spins)),
-        pair,
-        numbers,
-        (
-            _rows(dashpot),
-            _rows(encounter.mu.clip(min=0.0)),
-            _rows(law.normal.elastic_duration * depth / speed),
-        ),
-        steps,
-    )
+    touch = _rows(encounter.normal), _rows(relative), _rows(spins)
+    ends, durations, turns = collide(touch, pair, numbers, units, steps)
     return _outcome(encounter, (a, b), ends, durations, turns)
 
 
