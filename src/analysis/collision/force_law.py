@@ -11,7 +11,9 @@ from dataclasses import dataclass
 from math import gamma
 from typing import Literal
 
-from analysis.collision.operator import Body, gives
+import numpy as np
+
+from analysis.collision.operator import Body, Floats, gives
 
 History = Literal["elongation", "increment"]
 
@@ -55,13 +57,13 @@ class NormalForce:
         deepest = (n / 2.0) ** (1.0 / n)
         return float(2 * deepest * gamma(0.5) * gamma(1 + 1 / n) / gamma(0.5 + 1 / n))
 
-    def stiffness(self, mass: float, duration_s: float) -> float:
+    def stiffness(self, mass: float, duration_s: float | Floats) -> Floats:
         """Return k, N/m^p, of a reduced mass (kg) that an undamped contact turns in so many s.
 
-        At an approach speed of 1 m/s.
+        At an approach speed of 1 m/s; of one duration or of many.
         """
-        length = duration_s / self.elastic_duration
-        return float(mass / length ** (self.elastic + 1.0))
+        length = np.asarray(duration_s) / self.elastic_duration
+        return np.asarray(mass / length ** (self.elastic + 1.0))
 
 
 TSUJI = NormalForce("Hertz's force with Tsuji's damping", 1.5, 0.25)

@@ -21,7 +21,7 @@ STEPS = 40
 
 @dataclass(frozen=True, slots=True)
 class Stiffness:
-    """What a contact that lasts has beside e and mu.
+    """What a contact that lasts has beside e and mu: numbers of all, or one for each encounter.
 
     Attributes
     ----------
@@ -33,9 +33,9 @@ class Stiffness:
         Tangential damping over its critical value.
     """
 
-    duration_s: float
-    ratio: float
-    damping: float
+    duration_s: float | Floats
+    ratio: float | Floats
+    damping: float | Floats
 
 
 def lasting(

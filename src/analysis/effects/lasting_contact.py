@@ -30,8 +30,11 @@ TYPICAL = ((0.15, 0.05), (0.85, 0.05))
 
 
 def law_of(force: ForceLaw, values: Values) -> Operator:
-    """Return the operator of a force law at a duration (s), stiffness ratio and damping."""
-    duration, ratio, damping = map(float, values)
+    """Return the operator of a force law at a duration (s), stiffness ratio and damping.
+
+    Each a number, or one for each encounter: values of shape (3,) or (3, N).
+    """
+    duration, ratio, damping = values
 
     def operator(encounter: Encounter) -> Outcome:
         # Compiled functions are loaded only where contacts are integrated.

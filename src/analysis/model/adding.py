@@ -11,7 +11,8 @@ from analysis.effects.effect import ContactLaw, Effect, ScatterEffect
 from analysis.model.evidence import Evidence
 from analysis.model.fit import Fit, fit_campaign
 from analysis.model.free_flights import spread_flights
-from analysis.model.lasting_start import MOST_SHOTS, Start, starts
+from analysis.model.lasting_scan import Start
+from analysis.model.lasting_start import MOST_SHOTS, starts
 from analysis.model.outliers import robust_weight
 from analysis.model.passes import Passes, passes_of
 from analysis.model.scatter import timing_jitter, with_jitter

@@ -38,6 +38,8 @@ JOINT_ITERATIONS = 30
 LITTLE_FALL, NO_FALL = 0.1, 0.01
 """Two steps that bring little, or one that brings nothing, are the last ones; a step that promises
 nothing is not taken."""
+NEGLIGIBLE = 1e-4
+"""Share of what a theory leaves unexplained."""
 SHARES = (1.0, 0.4, 0.1)
 WORSE, MOST_AT_CORNER = 0.5, 0.25
 """Rise of a shot's chi-squared that tells of a corner; where many rise, a step is too long."""
@@ -117,7 +119,9 @@ class Place:
         return float(self.gradient @ step) + self.own_promise
 
 
-def descended(data: Iterable[Data], place: Place, keep: Keeper) -> tuple[Place, bool]:
+def descended(
+    data: Iterable[Data], place: Place, keep: Keeper, freedom: Floats
+) -> tuple[Place, bool]:
     """Go down to the minimum of chi-squared.
 
     Parameters
@@ -126,6 +130,8 @@ def descended(data: Iterable[Data], place: Place, keep: Keeper) -> tuple[Place, 
         The parts, read anew at each pass.
     keep
         Where each part's own numbers are kept from pass to pass.
+    freedom
+        Measured numbers of each shot less its own, shape (S,).
 
     Returns
     -------
@@ -135,10 +141,21 @@ def descended(data: Iterable[Data], place: Place, keep: Keeper) -> tuple[Place, 
     for _ in range(JOINT_ITERATIONS):
         lower = _searched(data, place, keep)
         fall = place.cost - lower.cost
-        if max(fall, before) < LITTLE_FALL or fall < NO_FALL:
+        if max(fall, before) < _little(lower, freedom) or fall < NO_FALL:
             return lower, True
         place, before = lower, fall
     return place, False
+
+
+def _little(place: Place, freedom: Floats) -> float:
+    """Return which fall of chi-squared matters no more.
+
+    A wrong law has corners in most shots, along which it can creep down for long. How much it
+    leaves unexplained is judged by the shot in the middle: few bad ones tell nothing of it.
+    """
+    chi2 = np.concatenate([stand.chi2 for stand in place.stands])
+    left = float(np.median(chi2 / freedom)) - 1.0
+    return max(LITTLE_FALL, NEGLIGIBLE * left * float(freedom.sum()))
 
 
 def linearised(parts: Iterable[Summed], theory: Theory, keep: Keeper) -> Place:

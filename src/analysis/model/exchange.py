@@ -10,8 +10,8 @@ from collections.abc import Mapping, Sequence
 
 from analysis.effects.effect import Effect, ScatterEffect
 from analysis.model.evidence import Stage, stage_of
-from analysis.model.fit import fit_campaign
-from analysis.model.leaders import Leader, alias_set, in_order, refitted
+from analysis.model.fit import Fit, fit_campaign
+from analysis.model.leaders import LATER_LEVEL, Leader, alias_set, in_order, refitted
 from analysis.model.ranking import rank
 from analysis.model.tables import Data
 
@@ -19,7 +19,11 @@ AliasSets = Mapping[str, tuple[str, ...]]
 
 
 def exchanged(
-    data: Data, last: Stage, effects: Sequence[Effect], level: float, known: AliasSets
+    data: Data,
+    last: Stage,
+    effects: Sequence[Effect],
+    known: AliasSets,
+    without: Mapping[str, Fit],
 ) -> tuple[Stage, AliasSets]:
     """Exchange each effect for one that does better beside the others, if there is one.
 
@@ -27,27 +31,36 @@ def exchanged(
     ----------
     last
         Where all accepted effects are in.
-    level
-        Family-wise level that an effect must pass.
     known
         What looks like each accepted effect, as judged when it was accepted.
+    without
+        The fit of that stage less each of its effects.
 
     Returns
     -------
     The stage with the better effects, and what looks like each of them beside the others.
     """
     shifts = [effect for effect in effects if not isinstance(effect, ScatterEffect)]
-    alike = dict(known)
+    alike, first = dict(known), last
     for name in [active.effect.name for active in last.fit.theory.active]:
-        rest = fit_campaign(data, last.fit.theory.without_effect(name), last.fit)
+        rest = without[name] if last is first else _fit_without(data, last.fit, name)
         ranking = rank(data, rest, shifts)
-        leaders = refitted(data, rest, ranking, level)
+        leaders = refitted(data, rest, ranking, LATER_LEVEL)
         if (best := _better(data, last, name, leaders)) is not None:
             last = stage_of(data, best.fit)
         chosen = best or next((x for x in leaders if x.name == name), None)
         if chosen is not None:
             alike[chosen.name] = alias_set(chosen, leaders, ranking)
     return last, alike
+
+
+def fits_without(data: Data, fit: Fit) -> dict[str, Fit]:
+    """Fit again less each effect."""
+    return {a.effect.name: _fit_without(data, fit, a.effect.name) for a in fit.theory.active}
+
+
+def _fit_without(data: Data, fit: Fit, name: str) -> Fit:
+    return fit_campaign(data, fit.theory.without_effect(name), fit)
 
 
 def _better(data: Data, last: Stage, name: str, leaders: Sequence[Leader]) -> Leader | None:

@@ -64,10 +64,11 @@ def fit_campaign(data: Data, theory: Theory | None = None, start: Fit | None = N
     else:
         parts = list(parts_of(data, start.states))
     first = linearised((summed(*part, present) for part in parts), present, in_memory)
-    last, converged = descended([part for part, _ in parts], first, in_memory)
+    measured, own = data.measured.reshape(len(data.shots), -1).sum(axis=1), fitted_numbers(data)
+    freedom = np.maximum(measured - own, 1.0)
+    last, converged = descended([part for part, _ in parts], first, in_memory, freedom)
     stands = list(last.stands)
     chi2 = np.concatenate([stand.chi2 for stand in stands])
-    measured = data.measured.reshape(len(data.shots), -1).sum(axis=1)
     return Fit(
         theory=last.theory,
         states=ShotStates.joined([stand.states for stand in stands]),
@@ -76,7 +77,7 @@ def fit_campaign(data: Data, theory: Theory | None = None, start: Fit | None = N
         residuals=int(measured.sum()) + last.theory.given - len(LAW),
         shot_chi2=chi2,
         shot_residuals=measured,
-        own_numbers=fitted_numbers(data),
+        own_numbers=own,
         converged=converged,
         scatter=start.scatter if start is not None and data.jitter_s > 0 else {},
     )

@@ -12,12 +12,9 @@ from analysis.model.evidence import Evidence, Stage, stage_of, weighed_again
 from analysis.model.exchange import AliasSets
 from analysis.model.fit import fit_campaign
 from analysis.model.gain import is_shared
-from analysis.model.leaders import Leader, alias_set, in_order, refitted
+from analysis.model.leaders import FIRST_LEVEL, LATER_LEVEL, Leader, alias_set, in_order, refitted
 from analysis.model.ranking import rank
 
-FIRST_LEVEL, LATER_LEVEL = 0.03, 0.01
-"""Family-wise level of the first acceptance and of each later one: the stricter keeps out shadows
-of an effect already accepted."""
 MOST_ACCEPTED, MOST_TRIED = 5, 3
 SHADOW = 0.5
 """Share of an effect's promise that a better one, not believed, could bring in its stead."""

@@ -51,13 +51,15 @@ class FreeFlights:
     bodies: tuple[Body, Body]
     covariates: dict[str, Floats]
 
-    def encounter(self, before: Floats, e: Floats, mu: float) -> tuple[Encounter, Floats]:
-        """Return the encounters that flights before contact (S, 18) lead to, and when, s, (S,).
+    def encounter(self, before: Floats, e: Floats, mu: float | Floats) -> tuple[Encounter, Floats]:
+        """Return the encounters that flights before contact (N, 18) lead to, and when, s, (N,).
 
         Parameters
         ----------
+        before
+            Of all shots, once or several times over.
         e, mu
-            Restitution of each, shape (S,), and the friction of all.
+            Restitution of each, shape (N,), and the friction of each or of all.
         """
         places, velocities, spins = np.moveaxis(before.reshape(-1, 3, 2, 3), 1, 0)
         gap, closing = places[:, 1] - places[:, 0], velocities[:, 1] - velocities[:, 0]
@@ -69,14 +71,14 @@ class FreeFlights:
             (gap + closing * wait[:, None]) / reach,
             self.bodies,
             e,
-            np.full(count, mu),
+            np.array(np.broadcast_to(mu, count)),
             np.zeros(count),
-            self.covariates,
+            {name: np.resize(own, count) for name, own in self.covariates.items()},
         )
         return encounter, wait
 
-    def foretold(self, before: Floats, operator: Operator, e: Floats, mu: float) -> Floats:
-        """Return the flights after contact that an operator makes of those before, (S, 18)."""
+    def foretold(self, before: Floats, operator: Operator, e: Floats, mu: float | Floats) -> Floats:
+        """Return the flights after contact that an operator makes of those before, (N, 18)."""
         encounter, wait = self.encounter(before, e, mu)
         outcome = operator(encounter)
         after = outcome.after

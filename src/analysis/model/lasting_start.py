@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.collision.force_law import hertz_duration
-from analysis.collision.operator import Operator
-from analysis.effects.effect import ContactLaw, Values
+from analysis.effects.effect import ContactLaw
 from analysis.effects.lasting_contact import TYPICAL_MODULUS
 from analysis.model.free_flights import SIDE, FreeFlights
+from analysis.model.lasting_scan import ROUGH, Scan, Start
 from analysis.model.theory import Theory
 
 Floats = NDArray[np.float64]
@@ -32,34 +32,8 @@ FACTORS = np.geomspace(0.45, 2.2, 13)
 BEGUN = 2
 """Minima that are refined with all shots before others are looked for beside the best."""
 ALIKE = 0.02
-EVALUATIONS = 12
-ROUGH = 5.0
-"""Standard errors by which the grid may miss a minimum: its nodes are no nearer."""
-FAR, KNOWN = 1e6, 1e3
 TOLD_SIGMAS = 3.0
 """A duration that is not so many standard errors from zero, in the mean of all shots, is none."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Start:
-    """A law with values to begin a fit at.
-
-    Attributes
-    ----------
-    vector
-        e, mu and the values of the law's parameters.
-    cost
-        Cauchy's loss on the flights after contact; the least is the likeliest law.
-    """
-
-    law: ContactLaw
-    vector: Floats
-    cost: float
-
-    @property
-    def values(self) -> Values:
-        """Of the law's own parameters."""
-        return self.vector[2:]
 
 
 def starts(flights: FreeFlights, law: ContactLaw, theory: Theory) -> list[Start]:
@@ -77,9 +51,9 @@ def starts(flights: FreeFlights, law: ContactLaw, theory: Theory) -> list[Start]
         for damping in DAMPINGS:
             scanned += _valleys(few, form, timed, damping, RATIOS)
     scanned.sort(key=lambda one: one.cost)
-    refined = _distinct([_refined(few.about(scanned[0]), one) for one in scanned[:REFINED]])
+    refined = _distinct([few.about(scanned[0]).refined(one) for one in scanned[:REFINED]])
     all_ = _scan(flights, theory, law).about(refined[0])
-    begun = _distinct([_refined(all_, one) for one in refined[:BEGUN]])
+    begun = _distinct([all_.refined(one) for one in refined[:BEGUN]])
     ratios = FACTORS * begun[0].vector[3]
     again = [
         valley
@@ -88,7 +62,7 @@ def starts(flights: FreeFlights, law: ContactLaw, theory: Theory) -> list[Start]
         for valley in _valleys(all_, form, begun[0].vector, damping, ratios)
     ]
     again.sort(key=lambda one: one.cost)
-    return _distinct([*begun, *(_refined(all_, one) for one in again[:REFINED])])
+    return _distinct([*begun, *(all_.refined(one) for one in again[:REFINED])])
 
 
 def _spread(flights: FreeFlights, most: int) -> FreeFlights:
@@ -102,12 +76,12 @@ def _families(law: ContactLaw) -> list[ContactLaw]:
     return [form for form in (law, *law.variants) if isinstance(form, ContactLaw)]
 
 
-def _scan(flights: FreeFlights, theory: Theory, law: ContactLaw) -> _Scan:
+def _scan(flights: FreeFlights, theory: Theory, law: ContactLaw) -> Scan:
     """Begin about a contact as nylon spheres have it."""
     own = _own_coefficients(flights)
     usual = hertz_duration(TYPICAL_MODULUS, flights.bodies)
     e, middle = own.e, np.array([np.median(own.e), own.mu, usual, *MIDDLE])
-    scan = _Scan(flights, theory, e - middle[0], middle, np.zeros((len(e), SIDE, SIDE)))
+    scan = Scan(flights, theory, e - middle[0], middle, np.zeros((len(e), SIDE, SIDE)))
     scan = replace(scan, middle=_timed(scan, law))
     for _ in range(2):
         e = _corrected(scan, law)
@@ -129,11 +103,11 @@ def _distinct(found: list[Start]) -> list[Start]:
 
 
 def _valleys(
-    scan: _Scan, law: ContactLaw, vector: Floats, damping: float, ratios: Floats
+    scan: Scan, law: ContactLaw, vector: Floats, damping: float, ratios: Floats
 ) -> list[Start]:
     """Return where the loss along some stiffness ratios has its minima."""
-    nodes = [np.array([*vector[:3], ratio, damping]) for ratio in ratios]
-    costs = np.array([scan.cost(law, node) for node in nodes])
+    nodes = np.array([[*vector[:3], ratio, damping] for ratio in ratios])
+    costs = scan.costs(law, nodes)
     walled = np.concatenate([[np.inf], costs, [np.inf]])
     lowest = (costs <= walled[:-2]) & (costs <= walled[2:])
     return [Start(law, nodes[k], float(costs[k])) for k in np.flatnonzero(lowest)]
@@ -160,12 +134,12 @@ def _own_coefficients(flights: FreeFlights) -> _Coefficients:
     return _Coefficients(np.asarray(e), mu)
 
 
-def _corrected(scan: _Scan, law: ContactLaw) -> Floats:
+def _corrected(scan: Scan, law: ContactLaw) -> Floats:
     """Return each contact's restitution so that a law makes of it the normal velocity it has.
 
     So what else restitution may depend on does not touch the choice of the law.
     """
-    flights, operator = scan.flights, scan.operator(law, scan.middle)
+    flights, operator = scan.flights, scan.operator(law, scan.middle[2:])
     e, mu = scan.middle[0] + scan.own_e, float(scan.middle[1])
     encounter, _ = flights.encounter(flights.before, e, mu)
     found = flights.foretold(flights.before, operator, e, mu)
@@ -175,13 +149,13 @@ def _corrected(scan: _Scan, law: ContactLaw) -> Floats:
     return np.asarray(np.clip(own, *RESTITUTIONS))
 
 
-def _timed(scan: _Scan, law: ContactLaw) -> Floats:
+def _timed(scan: Scan, law: ContactLaw) -> Floats:
     """Return a start with the duration that the paths show, or as it is where they show none.
 
     Durations go with that at 1 m/s, however a law has them depend on speed.
     """
     flights, vector = scan.flights, scan.middle
-    operator = scan.operator(law, vector)
+    operator = scan.operator(law, vector[2:])
     encounter, _ = flights.encounter(flights.before, vector[0] + scan.own_e, float(vector[1]))
     ratio = flights.durations() / operator(encounter).duration
     ratio = ratio[np.isfinite(ratio)]
@@ -193,107 +167,3 @@ def _timed(scan: _Scan, law: ContactLaw) -> Floats:
         return vector
     low, high = law.parameters[0].possible
     return np.array([*vector[:2], np.clip(vector[2] * middle, low, high), *vector[3:]])
-
-
-def _whitening(scan: _Scan, law: ContactLaw, vector: Floats) -> Floats:
-    """Return what whitens the flights after contact as foretold from those before, (S, 18, 18).
-
-    The covariance is that of the former, and of the latter carried through the contact.
-    """
-    flights, operator = scan.flights, scan.operator(law, vector)
-    e, mu = vector[0] + scan.own_e, float(vector[1])
-    sigma = np.sqrt(np.diagonal(flights.before_covariance, axis1=1, axis2=2))
-    known = np.asarray(sigma < KNOWN)
-    slopes = np.zeros((len(sigma), SIDE, SIDE))
-    here = flights.foretold(flights.before, operator, e, mu)
-    for k in range(SIDE):
-        step = np.where(known[:, k], np.maximum(0.3 * sigma[:, k], 1e-9), 0.0)
-        moved = flights.before.copy()
-        moved[:, k] += step
-        change = flights.foretold(moved, operator, e, mu) - here
-        slopes[:, :, k] = change / np.where(step > 0, step, 1.0)[:, None]
-    slopes = np.where(np.isfinite(slopes), slopes, 0.0)
-    before = np.where(known[:, :, None] & known[:, None, :], flights.before_covariance, 0.0)
-    # A spin that was not seen before contact leaves what friction does to either side open.
-    blind = np.asarray(~known.all(axis=1))
-    carried = slopes @ before @ np.swapaxes(slopes, 1, 2) + flights.after_covariance
-    scale = np.sqrt(np.diagonal(carried, axis1=1, axis2=2))
-    unit = carried / scale[:, :, None] / scale[:, None, :] + 1e-9 * np.eye(SIDE)
-    root = np.linalg.inv(np.linalg.cholesky(unit)) / scale[:, None, :]
-    return np.asarray(np.where(blind[:, None, None], 0.0, root))
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Scan:
-    """Flights compared across their contacts.
-
-    Attributes
-    ----------
-    theory
-        Its other effects act at contact.
-    own_e
-        By what each contact's restitution differs from that of all, shape (S,).
-    middle
-        Where the scan begins.
-    whitening
-        Of the flights after contact, shape (S, 18, 18).
-    scale
-        Of the loss, in standard errors.
-    """
-
-    flights: FreeFlights
-    theory: Theory
-    own_e: Floats
-    middle: Floats
-    whitening: Floats
-    scale: float = 1.0
-
-    def about(self, start: Start) -> _Scan:
-        """Return the scan with errors carried through the contact of a start."""
-        return replace(self, whitening=_whitening(self, start.law, start.vector))
-
-    def operator(self, law: ContactLaw, vector: Floats) -> Operator:
-        """Return the law at some values with the other effects round it."""
-        return self.theory.with_effect(law, vector[2:]).operator
-
-    def residuals(self, law: ContactLaw, vector: Floats) -> Floats:
-        """Return what e, mu and the law's values leave of the flights after contact, flat.
-
-        A contact that does not part is as far off as can be.
-        """
-        flights, e = self.flights, vector[0] + self.own_e
-        operator = self.operator(law, vector)
-        found = flights.foretold(flights.before, operator, e, float(vector[1]))
-        left = (self.whitening @ (flights.after - found)[..., None]).ravel()
-        return np.where(np.isfinite(left), left, FAR)
-
-    def cost(self, law: ContactLaw, vector: Floats) -> float:
-        """Return Cauchy's loss of residuals over a scale: where that is large it is smooth."""
-        return float(np.log1p((self.residuals(law, vector) / self.scale) ** 2).sum())
-
-
-def _refined(scan: _Scan, start: Start) -> Start:
-    # Loaded only where a contact that lasts is looked for.
-    from scipy.optimize import least_squares  # noqa: PLC0415
-
-    vector = start.vector
-    bounds = [(0.05, 1.2), (1e-3, 3.0), *(p.possible for p in start.law.parameters)]
-    low, high = (np.array(side) for side in zip(*bounds, strict=True))
-    vector = np.clip(vector, low * (1 + 1e-6) + 1e-9, high * (1 - 1e-6))
-
-    def residuals(x: Floats) -> Floats:
-        return scan.residuals(start.law, x)
-
-    for scale in (ROUGH, 1.0):
-        found = least_squares(
-            residuals,
-            vector,
-            bounds=(low, high),
-            loss="cauchy",
-            f_scale=scale,
-            x_scale=np.array([0.05, 0.02, 0.2 * vector[2], 0.1, 0.05]),
-            diff_step=np.full(len(vector), 1e-4),
-            max_nfev=EVALUATIONS,
-        )
-        vector = np.asarray(found.x)
-    return Start(start.law, vector, 2.0 * float(found.cost))

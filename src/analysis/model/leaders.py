@@ -19,6 +19,9 @@ from analysis.model.tables import Data
 
 Floats = NDArray[np.float64]
 
+FIRST_LEVEL, LATER_LEVEL = 0.03, 0.01
+"""Family-wise level of the first acceptance and of each later one: the stricter keeps out shadows
+of an effect already accepted."""
 MOST_REFITTED = 10
 SMALL_FALL = 64.0
 """Eight standard errors: refits then bring what scores promise."""

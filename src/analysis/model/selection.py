@@ -18,9 +18,9 @@ from analysis.effects.timing_jitter import EFFECT as JITTER
 from analysis.model.alarm import UNEXPLAINED_LEVEL, alarms, is_far_off
 from analysis.model.candidate import Ranking
 from analysis.model.evidence import Stage, stage_of, weighed
-from analysis.model.exchange import AliasSets, exchanged
-from analysis.model.fit import Fit, fit_campaign
-from analysis.model.forward import LATER_LEVEL, Found, forward
+from analysis.model.exchange import AliasSets, exchanged, fits_without
+from analysis.model.fit import Fit
+from analysis.model.forward import Found, forward
 from analysis.model.inside import without_contact_frames
 from analysis.model.lackoffit import Cell, lack_of_fit
 from analysis.model.outliers import Cleaned
@@ -124,11 +124,12 @@ def _searched(
 ) -> Found:
     """Go forward, drop what has become superfluous, and weigh the rest beside each other."""
     found = forward(start, effects, progress, trusting=trusting)
-    data, path = found.evidence.data, _backward(found.evidence.data, list(found.path))
+    data = found.evidence.data
+    path, without = _backward(data, list(found.path))
     last, alike = path[-1], found.alias_sets
-    if len(last.fit.theory.active) > 1:
+    if without:
         progress("weighing accepted effects beside each other")
-        last, alike = exchanged(data, last, effects, LATER_LEVEL, alike)
+        last, alike = exchanged(data, last, effects, alike, without)
     if last is found.path[-1]:
         return replace(found, alias_sets=alike)
     path = path if last is path[-1] else [*path, last]
@@ -173,21 +174,22 @@ def _unmasked(path: Sequence[Stage], cells: tuple[Cell, ...], data: Data) -> tup
     return tuple(sorted(found.values(), key=lambda cell: (cell.p_value, -cell.chi2)))
 
 
-def _backward(data: Data, path: list[Stage]) -> list[Stage]:
-    """Drop, worst first, whatever the effects accepted after it have made superfluous."""
-    last = path[-1]
-    while len(last.fit.theory.active) > 1:
-        active = last.fit.theory.active
-        without = [
-            fit_campaign(data, last.fit.theory.without_effect(a.effect.name), last.fit)
-            for a in active
-        ]
-        losses = np.array([fit.chi2 - last.fit.chi2 for fit in without]) / last.fit.chi2_per_dof
+def _backward(data: Data, path: list[Stage]) -> tuple[list[Stage], dict[str, Fit]]:
+    """Drop, worst first, whatever the effects accepted after it have made superfluous.
+
+    Returns
+    -------
+    The path, and the fit of its last stage less each of several effects; a single one stays.
+    """
+    last, without = path[-1], dict[str, Fit]()
+    while len(active := last.fit.theory.active) > 1:
+        without = fits_without(data, last.fit)
+        losses = np.array([fit.chi2 - last.fit.chi2 for fit in without.values()])
         sizes = np.array([len(a.values) for a in active])
-        p_values = np.asarray(chi2_distribution.sf(losses, sizes))
+        p_values = np.asarray(chi2_distribution.sf(losses / last.fit.chi2_per_dof, sizes))
         worst = int(p_values.argmax())
         if p_values[worst] < DROP_LEVEL:
-            break
-        last = stage_of(data, without[worst])
+            return path, without
+        last = stage_of(data, without[active[worst].effect.name])
         path = [*path, last]
-    return path
+    return path, {}

@@ -85,9 +85,10 @@ def fit_stream(
     if states is None:
         states = (own_states(part, first_states(part), present) for part in stream)
     parts = (summed(*part, present) for part in zip(stream, states, strict=True))
-    last, converged = descended(stream, linearised(parts, present, Spool), Spool)
-    chi2 = np.concatenate([stand.chi2 for stand in last.stands])
     measured, own = _counts(stream)
+    freedom = np.maximum(measured - own, 1.0)
+    last, converged = descended(stream, linearised(parts, present, Spool), Spool, freedom)
+    chi2 = np.concatenate([stand.chi2 for stand in last.stands])
     return StreamedFit(
         theory=last.theory,
         stands=last.stands,

@@ -5,14 +5,14 @@ from __future__ import annotations
 from functools import cache
 
 from analysis.model.evidence import Stage, stage_of
-from analysis.model.exchange import exchanged
-from analysis.model.fit import fit_campaign
+from analysis.model.exchange import exchanged, fits_without
+from analysis.model.fit import Fit, fit_campaign
 from analysis.model.poses import PoseData
 from simulators.challenge.nature import Nature
 from tests.unit.analysis.model.chosen import chosen
 from tests.unit.analysis.model.design.at_settings import drawn_settings, fired
 
-SHOTS, SEED, LEVEL = 60, 31, 0.01
+SHOTS, SEED = 60, 31
 EFFECTS = chosen(
     *("mass-mismatch", "radius-mismatch", "image-scale", "restitution-plastic"),
     *("restitution-viscoelastic", "friction-drift"),
@@ -33,9 +33,13 @@ def standing(*names: str) -> Stage:
     return stage_of(unequal(), fit)
 
 
+def less(stage: Stage) -> dict[str, Fit]:
+    return fits_without(unequal(), stage.fit)
+
+
 def test_what_was_accepted_in_the_place_of_another_is_exchanged_for_it() -> None:
     wrong = standing("radius-mismatch", "restitution-plastic")
-    right, alike = exchanged(unequal(), wrong, EFFECTS, LEVEL, {})
+    right, alike = exchanged(unequal(), wrong, EFFECTS, {}, less(wrong))
     assert "mass-mismatch" in right.effects
     assert "radius-mismatch" not in right.effects
     assert right.error.value < wrong.error.value
@@ -44,7 +48,7 @@ def test_what_was_accepted_in_the_place_of_another_is_exchanged_for_it() -> None
 
 def test_what_is_there_stays_and_keeps_what_looks_like_it() -> None:
     right = standing("mass-mismatch", "restitution-plastic")
-    after, alike = exchanged(unequal(), right, EFFECTS, LEVEL, {})
+    after, alike = exchanged(unequal(), right, EFFECTS, {}, less(right))
     assert "mass-mismatch" in after.effects
     assert "friction-drift" not in {name for names in alike.values() for name in names}
     falling = next(name for name in after.effects if name.startswith("restitution"))
