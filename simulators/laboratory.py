@@ -276,7 +276,6 @@ def _world(options: Options, truth: Path) -> World:
     hidden = draw_in_contact(np.random.default_rng([options.seed, _LABEL]), named)
     law = contact_law(replace(switched(hidden), forces=Forces()))
     world = World(WorldDescription(), options.seed, truth, law)
-    label = label_document(hidden)
-    label["beside"] = [*label["beside"], LASTING]
+    label = label_document(hidden, world=[LASTING])
     write_seal(truth, label, np.random.default_rng([options.seed, _SALT]))
     return world

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -47,8 +47,14 @@ def draw_in_contact(rng: np.random.Generator, name: str | None = None) -> Amplit
     return {effect.name: _signed(rng, effect)}
 
 
-def label_document(amplitudes: Amplitudes) -> dict[str, Any]:
-    """Return the label: effects, the right answer, and what else an answer may say."""
+def label_document(amplitudes: Amplitudes, world: Sequence[str] = ()) -> dict[str, Any]:
+    """Return the label: effects, the right answer, and what else an answer may say.
+
+    Parameters
+    ----------
+    world
+        The catalogue's names of what the world has beside hard spheres, whatever is hidden.
+    """
     hidden = [HIDDEN[name] for name in amplitudes]
     answer = [effect.name if effect.known else "unexplained" for effect in hidden]
     return {
@@ -64,6 +70,7 @@ def label_document(amplitudes: Amplitudes) -> dict[str, Any]:
         ],
         "like": {effect.name: list(effect.like) for effect in hidden if effect.like},
         "beside": [name for effect in hidden for name in effect.beside],
+        "world": list(world),
     }
 
 

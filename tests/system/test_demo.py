@@ -26,7 +26,10 @@ def test_the_demonstration_finds_what_the_simulated_rig_hides(tmp_path: Path) ->
     )
     assert done.returncode == 0, done.stderr
     said = done.stdout
-    assert "right: answered torsional-friction; the truth is torsional-friction" in said
+    hidden = (
+        "the truth is torsional-friction, on top of lasting-contact, which this world always has"
+    )
+    assert f"right: answered torsional-friction, lasting-contact; {hidden}" in said
     committed = said.index("Committed: torsional-friction")
     assert committed < said.index("right:") < said.index("hidden:")
     errors = [

@@ -16,6 +16,8 @@ import numpy as np
 from analysis.collision.operator import Body, Floats, gives
 
 History = Literal["elongation", "increment"]
+REFERENCE_SPEED = 2.0
+"""m/s: the approach speed at which e of a law whose e depends on speed is the stated one."""
 
 
 @dataclass(frozen=True, slots=True)

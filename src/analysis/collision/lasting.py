@@ -9,11 +9,9 @@ import numpy as np
 from analysis.collision.contact_block import SPRING
 from analysis.collision.contact_loop import collide
 from analysis.collision.damping import damping
-from analysis.collision.force_law import ForceLaw
+from analysis.collision.force_law import REFERENCE_SPEED, ForceLaw
 from analysis.collision.operator import Body, Encounter, Floats, Outcome, States, gives
 
-REFERENCE_SPEED = 2.0
-"""m/s: the approach speed at which e of a law whose e depends on speed is the stated one."""
 LEAST_SPEED, LEAST_E, LEAST_RATIO = 1e-3, 0.05, 1e-6
 STEPS = 40
 """In an undamped duration: velocities after contact are then right to some 0.1 mm/s."""

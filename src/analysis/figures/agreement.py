@@ -26,9 +26,9 @@ def agreement_figure(title: str, found: Agreement) -> Figure:
         lines.append((stage.name, None))
         lines.extend((row.quantity, row) for row in stage.rows)
     note = (
-        "Error of the prediction over the noise, with two sampling errors; 1 is the floor. After "
-        "contact each shot is predicted\nfrom its poses before contact alone, by what the other "
-        "shots say of the law. Orange: less than 1 % chance that noise does it."
+        "Error of the prediction over the noise, with two standard deviations; noise alone gives "
+        "1. After contact each shot is predicted\nfrom its poses before contact, with parameters "
+        "fitted to the other shots. Orange: p < 0.01 for noise alone."
     )
     figure = sheet(9.6, 1.6 + LINE * len(lines), title, note)
     axes, numbers = figure.subplots(1, 2, width_ratios=[1.0, 1.35], sharey=True)

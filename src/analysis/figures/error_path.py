@@ -16,8 +16,9 @@ BARS = 2.0
 def error_path_figure(title: str, path: Sequence[Stage]) -> Figure:
     """Draw the prediction error of each stage of the way to a verdict, with the noise floor."""
     note = (
-        "Each fifth of the shots predicted from its poses before contact alone, by what\nthe "
-        "others say of the law. Bars: two sampling errors. Green: the floor set by the noise."
+        "Cross-validation in five parts: poses after contact are predicted from those before, "
+        "with\nparameters fitted to the other four. Bars: two standard deviations. "
+        "Green: noise alone."
     )
     figure = sheet(max(6.4, 2.4 + 1.6 * len(path)), 4.6, title, note)
     axes = figure.add_subplot()
@@ -38,16 +39,19 @@ def error_path_figure(title: str, path: Sequence[Stage]) -> Figure:
     low = min(1.0, *(value - bar for value, bar in zip(values, bars, strict=True)))
     high = max(1.0, *(value + bar for value, bar in zip(values, bars, strict=True)))
     for k, (value, bar) in enumerate(zip(values, bars, strict=True)):
+        # Away from the floor, on whose line it could not be read.
+        side = 1 if value >= 1.0 else -1
         axes.annotate(
             f"{value:.3f}",
-            (k, value + bar),
-            xytext=(8, 6),
+            (k, value + side * bar),
+            xytext=(8, side * 6),
             textcoords="offset points",
             ha="left",
+            va="bottom" if side > 0 else "top",
             fontweight="bold",
             fontsize=10,
         )
-    axes.set_ylim(low - 0.1 * (high - low), high + 0.18 * (high - low))
+    axes.set_ylim(low - 0.18 * (high - low), high + 0.18 * (high - low))
     axes.set_xlim(-0.5, max(len(path), 2) - 0.5)
     axes.set_xticks(range(len(path)), _labels(path))
     axes.tick_params(axis="x", length=0)

@@ -1,4 +1,4 @@
-"""What the data would rather have: scores of the candidates, and which cannot be told apart."""
+"""Scores of effects that are not in the fit, and which of them cannot be told apart."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which effect would the data rather have: all candidates scored in one pass.
+"""Which effects may be missing: all candidates scored in one pass.
 
 Linearised around the fit, each shot's own numbers and the fitted parameters projected out, a
 candidate promises a fall in chi-squared of z^2 = g' M^-1 g and an amplitude of M^-1 g, exact for

@@ -59,12 +59,16 @@ class HiddenEffect(StrictModel):
 
 
 class Label(StrictModel):
-    """The truth: the right answer; by name, what is hard to tell from it; what may stand beside."""
+    """The truth: the right answer; by name, what is hard to tell from it; what may stand beside.
+
+    `world` is what the simulated world has beside hard spheres, whatever is hidden in it.
+    """
 
     answer: list[str]
     effects: list[HiddenEffect]
     like: dict[str, list[str]]
     beside: list[str]
+    world: list[str] = Field(default_factory=list)
 
 
 class Answer(StrictModel):
@@ -166,10 +170,12 @@ def reveal(folder: Path) -> tuple[Label, list[str], Outcome]:
 def judge(label: Label, answer: Sequence[str]) -> Outcome:
     """Return how an answer stands to the truth.
 
+    Only what was hidden counts: what the world has whatever is hidden may be answered or not.
     right: the names of the truth; what the truth contains may stand beside. alias: as many names,
     each of the truth or hard to tell from it. partly: some of them. wrong: none.
     """
-    truth, given = set(label.answer), set(answer)
+    truth = set(label.answer)
+    given = set(answer) - (set(label.world) - truth) or {"none"}
     if truth in (given, given - set(label.beside)):
         return "right"
     near = [{name, *label.like.get(name, ())} for name in label.answer]
@@ -254,9 +260,14 @@ def summary(label: Label, answer: Sequence[str], outcome: Outcome, *, as_json: b
             "answer": list(answer),
             "truth": label.answer,
             "effects": [effect.model_dump() for effect in label.effects],
+            "world": label.world,
         }
         return json.dumps(document, allow_nan=False)
-    lines = [f"{outcome}: answered {', '.join(answer)}; the truth is {', '.join(label.answer)}"]
+    always = f", on top of {', '.join(label.world)}, which this world always has"
+    lines = [
+        f"{outcome}: answered {', '.join(answer)}; the truth is {', '.join(label.answer)}"
+        f"{always if label.world else ''}"
+    ]
     lines += [
         f"hidden: {hidden.effect}, {hidden.amplitude:g}"
         f"{'' if hidden.unit == '1' else ' ' + hidden.unit} ({hidden.meaning})"

@@ -120,7 +120,9 @@ def _ranking(document: Json) -> Table:
             amplitude.concise(),
             candidate["unit"],
         )
-    table.caption = "what the data would rather have, the most promising first"
+    table.caption = (
+        "effects that are not in the fit, the largest promised fall of chi-squared first"
+    )
     return table
 
 

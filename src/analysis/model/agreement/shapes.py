@@ -1,4 +1,4 @@
-"""Agreement of flight and of the camera: smooth displacements that the poses would rather have.
+"""Agreement of flight and of the camera: smooth displacements fitted to the residuals.
 
 The outcome of every contact is free, so that a wrong law does not pass for them; the shots stand
 where they fit best with their outcomes so (`freed`).

@@ -1,1 +1,1 @@
-"""`rigctl model`: a campaign's poses against the model, and the effects it would rather have."""
+"""`rigctl model`: a campaign's poses against the model, and the effects that it may lack."""

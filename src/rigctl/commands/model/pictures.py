@@ -66,7 +66,10 @@ def draw_explanation(folder: Path, title: str, verdict: Verdict) -> list[Path]:
 
 
 def _of_ranking(title: str, ranking: Ranking) -> Named:
-    yield "ranking", ranking_figure(f"{title}: what the data would rather have", ranking)
+    yield (
+        "ranking",
+        ranking_figure(f"{title}: fall of chi-squared by score", ranking),
+    )
     if sum(candidate.seen for candidate in ranking.candidates) > 1:
         yield "aliases", aliases_figure(f"{title}: effects that look alike", ranking)
 

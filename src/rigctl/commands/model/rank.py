@@ -1,4 +1,4 @@
-"""`rigctl model rank`: what the data would rather have."""
+"""`rigctl model rank`: the score of every effect that is not in the fit."""
 
 from __future__ import annotations
 
