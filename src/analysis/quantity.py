@@ -5,14 +5,32 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+
+def own_part(sigma: Floats | float, common: Floats | float) -> Floats:
+    """Return the part of standard errors that is each shot's own, beside what all shots share."""
+    return np.asarray(np.sqrt(np.clip(np.square(sigma) - np.square(common), 0.0, None)))
+
 
 @dataclass(frozen=True, slots=True)
 class Quantity:
-    """A value, its standard error, and the unit of both."""
+    """A value, its standard error, and the unit of both.
+
+    Attributes
+    ----------
+    common
+        Part of the error that all shots of a campaign share, which a mean of many does not reduce:
+        sigma^2 = own^2 + common^2. None where it is not told apart.
+    """
 
     value: float
     sigma: float
     unit: str
+    common: float | None = None
 
     @classmethod
     def undetermined(cls, unit: str) -> Quantity:
@@ -24,15 +42,24 @@ class Quantity:
         """Whether anything is known of it."""
         return math.isfinite(self.value)
 
+    @property
+    def own(self) -> float | None:
+        """Return the part of the error that is this shot's own; None where it is not told apart."""
+        return None if self.common is None else float(own_part(self.sigma, self.common))
+
     def rescaled(self, factor: float, unit: str) -> Quantity:
         """Return the same quantity in a unit of which `factor` make one of its own."""
-        return Quantity(factor * self.value, factor * self.sigma, unit)
+        common = None if self.common is None else factor * self.common
+        return Quantity(factor * self.value, factor * self.sigma, unit, common)
 
     def to_json(self) -> dict[str, float | str | None]:
         """Return the form of the exchange documents; what is not determined is null."""
         if not self.determined:
             return {"value": None, "sigma": None, "unit": self.unit}
-        return {"value": self.value, "sigma": self.sigma, "unit": self.unit}
+        told: dict[str, float | str | None] = {"value": self.value, "sigma": self.sigma}
+        if self.common is not None:
+            told |= {"sigma_own": self.own, "sigma_common": self.common}
+        return {**told, "unit": self.unit}
 
     def concise(self) -> str:
         """Return the value with its error in brackets, 0.7384(33): in units of the last digit.

@@ -259,12 +259,13 @@ def _named(values: Floats, spread: Floats, shared: Floats, told: NDArray[np.bool
         Which spins are: of a and b before, of a and b after.
     """
     sigma = np.sqrt(np.clip(np.diag(spread), 0.0, None))
+    common = np.sqrt((shared[:HELD] ** 2).sum(axis=0))
     state, state_sigma = (part[STATES].reshape(2, 4, 3).copy() for part in (values, sigma))
     for part in (state, state_sigma):
         part[:, 2:][~told.reshape(2, 2)] = np.nan
 
     def quantity(i: int, unit: str) -> Quantity:
-        return Quantity(float(values[i]), float(sigma[i]), unit)
+        return Quantity(float(values[i]), float(sigma[i]), unit, float(common[i]))
 
     surface = bool(told.all())
     above_zero = surface and values[5] > BETA_NEEDS_SIGMAS * sigma[5]

@@ -76,12 +76,18 @@ class Impacts:
             shared=None if self.shared is None else self.shared[chosen],
         )
 
+    @property
+    def common(self) -> Floats | None:
+        """Return the part of the covariance that all shots share, (m/s)^2, shape (S, 4, 4)."""
+        if self.shared is None:
+            return None
+        held = self.shared[:, :HELD]
+        return np.asarray(np.swapaxes(held, 1, 2) @ held)
+
     def apart(self) -> Impacts:
         """Return the same with a covariance of what each shot errs by itself."""
-        if self.shared is None:
-            return self
-        held = self.shared[:, :HELD]
-        return replace(self, covariance=self.covariance - np.swapaxes(held, 1, 2) @ held)
+        common = self.common
+        return self if common is None else replace(self, covariance=self.covariance - common)
 
     def moved(self, error: int) -> Impacts:
         """Return the same as one standard error of something shared would have it."""

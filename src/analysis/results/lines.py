@@ -94,10 +94,10 @@ class Lines:
     def parameters(self) -> dict[str, Quantity]:
         """Return what the shots determine, their own errors enlarged by the scatter."""
         whole = self.scatter**2 * self.covariance + self.shared
-        sigma = np.sqrt(np.diag(whole))
+        sigma, common = np.sqrt(np.diag(whole)), np.sqrt(np.diag(self.shared))
         return {
-            name: Quantity(getattr(self.law, name), float(s), "1")
-            for name, s in zip(self.fitted, sigma, strict=True)
+            name: Quantity(getattr(self.law, name), float(s), "1", float(c))
+            for name, s, c in zip(self.fitted, sigma, common, strict=True)
         }
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.collision.coefficients import BETA_NEEDS_SIGMAS
+from analysis.quantity import own_part
 from analysis.results.impacts import V_N, V_N_AFTER, V_S, V_S_AFTER, Impacts
 
 Floats = NDArray[np.float64]
@@ -19,10 +20,22 @@ STEP = 1e-6
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Ratio:
-    """A ratio in each shot and its standard error, shape (S,); not a number where not measured."""
+    """A number in each shot and its standard error, shape (S,); not a number where not measured.
+
+    Attributes
+    ----------
+    common
+        Part of the error that all shots share; not a number where it is not told apart.
+    """
 
     value: Floats
     sigma: Floats
+    common: Floats
+
+    @property
+    def own(self) -> Floats:
+        """Return the part of the error that is each shot's own."""
+        return own_part(self.sigma, self.common)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -74,16 +87,47 @@ def ratios(impacts: Impacts) -> Ratios:
             axis=1,
         )
 
-    values, covariance = _carried(all_of, impacts)
-    sigma = np.sqrt(np.diagonal(covariance, axis1=1, axis2=2))
-    e, beta, f, incidence, rebound = (Ratio(values[:, k], sigma[:, k]) for k in range(5))
+    values, slopes = _linear(all_of, impacts.velocities)
+    covariance = slopes @ impacts.covariance @ slopes.swapaxes(1, 2)
+    every = _split(values, covariance, slopes, impacts.common)
+    e, beta, f, incidence, rebound = every
+    sigma = np.stack([one.sigma for one in every], axis=1)
     spread = np.where(sigma[:, 3] * sigma[:, 4] > 0, sigma[:, 3] * sigma[:, 4], 1.0)
     return Ratios(e, beta, f, incidence, rebound, covariance[:, 3, 4] / spread)
 
 
-def _carried(function: Callable[[Floats], Floats], impacts: Impacts) -> tuple[Floats, Floats]:
-    """Return values (S, K) of a function of the velocities and their covariance (S, K, K)."""
-    here = impacts.velocities
+def velocities(impacts: Impacts) -> tuple[Ratio, ...]:
+    """Return v_n, v_s, v_n' and v_s' of every shot, m/s, with the parts of their errors."""
+    slopes = np.tile(np.eye(4), (len(impacts.shots), 1, 1))
+    return _split(impacts.velocities, impacts.covariance, slopes, impacts.common)
+
+
+def _split(
+    values: Floats, covariance: Floats, slopes: Floats, common: Floats | None
+) -> tuple[Ratio, ...]:
+    """Return numbers (S, K) with their errors, and what of these all shots share.
+
+    Parameters
+    ----------
+    covariance
+        Shape (S, K, K).
+    slopes, common
+        Derivatives by the velocities, shape (S, K, 4), and what all shots share of the velocities'
+        covariance; None: that is not told apart.
+    """
+    spread = np.diagonal(covariance, axis1=1, axis2=2)
+    shared = np.full(spread.shape, np.nan)
+    if common is not None:
+        shared = np.diagonal(slopes @ common @ slopes.swapaxes(1, 2), axis1=1, axis2=2)
+    measured = np.isfinite(values)
+    # What rounding leaves of a share that a ratio has none of may be negative.
+    seen = (np.where(measured, each.clip(min=0.0), np.nan) for each in (spread, shared))
+    sigma, part = map(np.sqrt, seen)
+    return tuple(Ratio(values[:, k], sigma[:, k], part[:, k]) for k in range(values.shape[1]))
+
+
+def _linear(function: Callable[[Floats], Floats], here: Floats) -> tuple[Floats, Floats]:
+    """Return values (S, K) of a function of the velocities and its slopes (S, K, 4)."""
     values = function(here)
     slopes = np.stack(
         [
@@ -93,9 +137,4 @@ def _carried(function: Callable[[Floats], Floats], impacts: Impacts) -> tuple[Fl
         axis=2,
     )
     # A ratio that takes no part of an unmeasured velocity must not inherit its absence.
-    unmeasured = np.isnan(values)
-    slopes = np.where(unmeasured[..., None], 0.0, np.nan_to_num(slopes))
-    covariance = slopes @ impacts.covariance @ slopes.swapaxes(1, 2)
-    rows, columns = np.nonzero(unmeasured)
-    covariance[rows, columns, columns] = np.nan
-    return values, covariance
+    return values, np.where(np.isnan(values)[..., None], 0.0, np.nan_to_num(slopes))

@@ -17,7 +17,7 @@ from analysis.results.curves import maw_curve, regression_curve
 from analysis.results.impacts import V_N, Impacts
 from analysis.results.likelihood import transition
 from analysis.results.published import THESIS
-from analysis.results.ratios import Ratio
+from analysis.results.ratios import Ratio, velocities
 
 Floats = NDArray[np.float64]
 Table = list[list[object]]
@@ -48,18 +48,15 @@ def _left_out(found: Results) -> Table:
 
 def _coefficients(found: Results) -> Table:
     impacts, each = found.impacts, found.ratios
-    sigma = np.sqrt(np.diagonal(impacts.covariance, axis1=1, axis2=2))
     columns: dict[str, Iterable[object]] = {"shot": impacts.shots}
-    for k, name in enumerate(VELOCITIES):
-        missing = np.isnan(impacts.velocities[:, k])
-        columns[f"{name}_m_per_s"] = impacts.velocities[:, k]
-        columns[f"sigma_{name}_m_per_s"] = np.where(missing, np.nan, sigma[:, k])
+    for name, speed in zip(VELOCITIES, velocities(impacts), strict=True):
+        columns |= _with_parts(f"{name}_m_per_s", speed)
     for i in range(4):
         for j in range(i):
             pair = f"correlation_{VELOCITIES[j]}_{VELOCITIES[i]}"
             columns[pair] = _correlation(impacts, i, j)
     for name, ratio in (("e", each.e), ("beta", each.beta), ("f", each.f)):
-        columns |= _pair(name, ratio)
+        columns |= _with_parts(name, ratio)
     columns["probability_of_sliding"] = found.lines.held.slides
     columns["in_regression"] = found.lines.used.astype(int)
     return _table(columns)
@@ -150,6 +147,15 @@ def _residuals(found: Results) -> Table:
 
 def _pair(name: str, ratio: Ratio) -> dict[str, Iterable[object]]:
     return {name: ratio.value, f"sigma_{name}": ratio.sigma}
+
+
+def _with_parts(name: str, ratio: Ratio) -> dict[str, Iterable[object]]:
+    """Return value, error, and the parts of the error: each shot's own, and what all share."""
+    return {
+        **_pair(name, ratio),
+        f"sigma_own_{name}": ratio.own,
+        f"sigma_common_{name}": ratio.common,
+    }
 
 
 def _table(columns: Mapping[str, Iterable[object]], rows: NDArray[np.bool_] | None = None) -> Table:

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from analysis.results.campaign import Results
 from analysis.results.impacts import V_N, V_N_AFTER, V_S, V_S_AFTER
+from analysis.results.ratios import Ratio, velocities
 from rigctl.errors import AnalysisInputError, StoreError
 from rigctl.exports.units import RATIO, unit_of
 from rigctl.reports.source import Source
@@ -46,8 +47,9 @@ class Column:
 def campaign_documents(source: Source, found: Results) -> Iterator[Document]:
     """Give the documents of a campaign in their order, each with its kind.
 
-    Numbers are settings, velocities and coefficients, `x_sigma` the standard error of `x`. A shot
-    that was left out has no event and is named in the start document. No number is NaN.
+    Numbers are settings, velocities and coefficients, `x_sigma` the standard error of `x`, and
+    `x_sigma_own` and `x_sigma_common` its parts: the shot's own, and what all share. A shot that
+    was left out has no event and is named in the start document. No number is NaN.
 
     Raises
     ------
@@ -206,8 +208,7 @@ def _normal(found: Results) -> list[Column]:
         Column("approach_speed", "m/s", found.impacts.approach),
         *_velocity(found, "v_n", V_N),
         *_velocity(found, "v_n_after", V_N_AFTER),
-        Column("e", RATIO, each.e.value),
-        Column("e_sigma", RATIO, each.e.sigma),
+        *_with_parts("e", RATIO, each.e),
     ]
 
 
@@ -217,18 +218,23 @@ def _surface(found: Results) -> list[Column]:
         Column("surface_shot", RATIO, found.impacts.shots),
         *_velocity(found, "v_s", V_S),
         *_velocity(found, "v_s_after", V_S_AFTER),
-        Column("beta", RATIO, each.beta.value),
-        Column("beta_sigma", RATIO, each.beta.sigma),
-        Column("f", RATIO, each.f.value),
-        Column("f_sigma", RATIO, each.f.sigma),
+        *_with_parts("beta", RATIO, each.beta),
+        *_with_parts("f", RATIO, each.f),
         Column("probability_of_sliding", RATIO, found.lines.held.slides),
     ]
 
 
 def _velocity(found: Results, name: str, column: int) -> list[Column]:
-    sigma = np.sqrt(found.impacts.covariance[:, column, column])
-    value = found.impacts.velocities[:, column]
-    return [Column(name, "m/s", value), Column(f"{name}_sigma", "m/s", sigma)]
+    return _with_parts(name, "m/s", velocities(found.impacts)[column])
+
+
+def _with_parts(name: str, unit: str, ratio: Ratio) -> list[Column]:
+    """Return value and error, and where they are told apart its parts: own, and what all share."""
+    whole = [Column(name, unit, ratio.value), Column(f"{name}_sigma", unit, ratio.sigma)]
+    if np.isnan(ratio.common).all():
+        return whole
+    own = Column(f"{name}_sigma_own", unit, ratio.own)
+    return [*whole, own, Column(f"{name}_sigma_common", unit, ratio.common)]
 
 
 def _name(run: uuid.UUID, part: str) -> str:

@@ -152,6 +152,8 @@ def _coefficients(group: h5py.Group, found: Results) -> None:
     for name, ratio in ratios.items():
         _number(group, name, ratio.value, RATIO)
         _number(group, f"{name}_errors", ratio.sigma, RATIO)
+        _number(group, f"{name}_errors_own", ratio.own, RATIO)
+        _number(group, f"{name}_errors_common", ratio.common, RATIO)
     _number(group, "probability_of_sliding", found.lines.held.slides, RATIO)
     _number(group, "velocities", impacts.velocities, "m/s")
     group["velocities"].attrs["columns"] = ["v_n", "v_s", "v_n_after", "v_s_after"]

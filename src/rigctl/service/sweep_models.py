@@ -58,13 +58,20 @@ class MeanView(BaseModel):
     coefficient: str
     value: float
     sigma: float | None
+    sigma_own: float | None
+    sigma_common: float
     shots: int
 
     @classmethod
     def of(cls, mean: Mean) -> Self:
         """Return a mean as REST shows it."""
         return cls(
-            coefficient=mean.coefficient, value=mean.value, sigma=mean.sigma, shots=mean.shots
+            coefficient=mean.coefficient,
+            value=mean.value,
+            sigma=mean.sigma,
+            sigma_own=mean.own,
+            sigma_common=mean.common,
+            shots=mean.shots,
         )
 
 

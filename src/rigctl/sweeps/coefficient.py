@@ -16,10 +16,17 @@ FEWEST = 3
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
-    """A value with its standard error, in the coefficient's own unit (1)."""
+    """A value with its standard error, in the coefficient's own unit (1).
+
+    Attributes
+    ----------
+    own, common
+        Parts of the error: the shot's own, and what it shares with all shots.
+    """
 
     value: float
-    sigma: float
+    own: float
+    common: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,37 +35,47 @@ class Mean:
 
     Attributes
     ----------
-    sigma
-        Its standard error; None with fewer than three shots.
+    own
+        Its standard error by the shots' own errors; None with fewer than three shots.
+    common
+        That by what all shots share, which more of them do not reduce.
     shots
         How many shots it rests on.
     """
 
     coefficient: str
     value: float
-    sigma: float | None
+    own: float | None
+    common: float
     shots: int
+
+    @property
+    def sigma(self) -> float | None:
+        """Its standard error, both parts together."""
+        return None if self.own is None else math.hypot(self.own, self.common)
 
 
 def mean_of(coefficient: str, estimates: list[Estimate]) -> Mean | None:
-    """Return the mean of estimates, weighted by 1 / sigma^2; None without any.
+    """Return the mean of estimates, weighted by 1 / own^2; None without any.
 
-    The standard error is (sum of the weights)^(-1/2), multiplied by Birge's ratio
+    The error of the shots' own is (sum of the weights)^(-1/2), multiplied by Birge's ratio
     sqrt(chi^2 / (n - 1)) where that exceeds 1, so that shots which scatter more than they state
-    are not believed (R. T. Birge, Phys. Rev. 40 (1932) 207, eq. 2).
+    are not believed (R. T. Birge, Phys. Rev. 40 (1932) 207, eq. 2). What all shots share moves
+    their mean as it moves them: no number of shots makes it smaller.
     """
     if not estimates:
         return None
-    weights = [estimate.sigma**-2 for estimate in estimates]
+    weights = [estimate.own**-2 for estimate in estimates]
     total = math.fsum(weights)
     value = math.fsum(w * each.value for w, each in zip(weights, estimates, strict=True)) / total
+    shared = math.fsum(w * x.common for w, x in zip(weights, estimates, strict=True)) / total
     if len(estimates) < FEWEST:
-        return Mean(coefficient, value, None, len(estimates))
+        return Mean(coefficient, value, None, shared, len(estimates))
     chi2 = math.fsum(
         w * (each.value - value) ** 2 for w, each in zip(weights, estimates, strict=True)
     )
     birge = max(1.0, math.sqrt(chi2 / (len(estimates) - 1)))
-    return Mean(coefficient, value, birge / math.sqrt(total), len(estimates))
+    return Mean(coefficient, value, birge / math.sqrt(total), shared, len(estimates))
 
 
 def estimate_in(result: Mapping[str, Any], coefficient: str) -> Estimate | None:
@@ -67,7 +84,9 @@ def estimate_in(result: Mapping[str, Any], coefficient: str) -> Estimate | None:
     if not isinstance(quantity, Mapping):
         return None
     value, sigma = float(quantity["value"]), float(quantity["sigma"])
-    return Estimate(value, sigma) if math.isfinite(value) and 0.0 < sigma < math.inf else None
+    # Results that were stored before the parts were told apart have the whole error only.
+    own, common = float(quantity.get("sigma_own", sigma)), float(quantity.get("sigma_common", 0.0))
+    return Estimate(value, own, common) if math.isfinite(value) and 0.0 < own < math.inf else None
 
 
 class Measured:

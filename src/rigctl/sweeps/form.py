@@ -72,7 +72,10 @@ class UntilKnown(StrictModel):
 
     coefficient: Literal["e", "beta"] = Field(description="coefficient of each shot's result")
     sigma: float = Field(
-        gt=0, le=1, description="standard error of its mean over the sweep's shots to be reached"
+        gt=0,
+        le=1,
+        description="standard error of its mean over the sweep's shots to be reached, by their own "
+        "errors: what all shots share stays",
     )
     adaptive: bool = Field(
         default=False, description="fire next where the shots so far have told most about it"

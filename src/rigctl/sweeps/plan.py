@@ -24,7 +24,8 @@ class Until:
     coefficient
         A coefficient of each shot's result.
     sigma
-        Standard error of its mean over the sweep's shots that is to be reached.
+        Standard error of its mean over the sweep's shots that is to be reached, by their own
+        errors: no number of shots reduces what all of them share.
     """
 
     coefficient: Coefficient

@@ -84,8 +84,8 @@ class SweepRun:
         A coefficient's standard error falls with the square root of the number of shots.
         """
         until, mean = self._rules.until, self.mean
-        if until is not None and mean is not None and mean.sigma is not None:
-            wanted = mean.shots * ((mean.sigma / until.sigma) ** 2 - 1)
+        if until is not None and mean is not None and mean.own is not None:
+            wanted = mean.shots * ((mean.own / until.sigma) ** 2 - 1)
             waiting = min(waiting, max(0, round(wanted)))
         return self._pace.left_s(waiting)
 
@@ -127,11 +127,12 @@ class SweepRun:
         if until is None or self._measured is None:
             return None
         self.mean = mean = self._measured.mean([str(step.shot) for step in self._stored])
-        if mean is None or mean.sigma is None or mean.sigma > until.sigma:
+        if mean is None or mean.own is None or mean.own > until.sigma:
             return None
+        shared = f", and {mean.common:.2g} by what all shots share" if mean.common > 0 else ""
         return self._completed(
-            f"{mean.coefficient} is {mean.value:.6g} with a standard error of {mean.sigma:.2g}, "
-            f"{until.sigma:g} was asked for"
+            f"{mean.coefficient} is {mean.value:.6g} with a standard error of {mean.own:.2g}, "
+            f"{until.sigma:g} was asked for{shared}"
         )
 
     def _completed(self, reason: str) -> Ending:
@@ -148,5 +149,5 @@ class SweepRun:
         for step in self._stored:
             estimate, ended = measured.of(str(step.shot))
             if ended:
-                told.append((step.settings, estimate.sigma**-2 if estimate else 0.0))
+                told.append((step.settings, estimate.own**-2 if estimate else 0.0))
         return waiting[best([step.settings for step in waiting], told)]

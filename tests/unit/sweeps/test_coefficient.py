@@ -35,6 +35,15 @@ def test_shots_that_scatter_have_the_error_of_their_scatter() -> None:
     assert mean.sigma == pytest.approx(np.std(values, ddof=1) / math.sqrt(5), rel=1e-9)
 
 
+def test_no_number_of_shots_reduces_what_all_of_them_share() -> None:
+    mean = mean_of("e", [Estimate(0.74, 1e-3, common=5e-4)] * 100)
+    assert mean is not None
+    assert (mean.own, mean.common) == (pytest.approx(1e-4), pytest.approx(5e-4))
+    assert mean.sigma == pytest.approx(np.hypot(1e-4, 5e-4))
+    split = {"value": 0.74, "sigma": 0.05, "sigma_own": 0.04, "sigma_common": 0.03}
+    assert estimate_in({"e": split}, "e") == Estimate(0.74, 0.04, 0.03)
+
+
 def test_fewer_than_three_shots_state_no_error() -> None:
     assert mean_of("e", []) is None
     two = mean_of("e", [Estimate(0.7, 0.01), Estimate(0.8, 0.01)])

@@ -141,6 +141,29 @@ def test_stated_errors_are_the_scatter_of_four_hundred_measurements() -> None:
     np.testing.assert_allclose(errors, np.std(draws, axis=0), rtol=0.15)
 
 
+def test_own_errors_are_those_that_an_exact_scale_in_still_air_would_leave() -> None:
+    def in_air(p: FlightPath) -> FlightPath:
+        return replace(p, drag_shift=1e-3 * np.concatenate([0.01 * p.velocity, p.velocity]))
+
+    def slowed(sphere: Motion) -> Motion:
+        return replace(sphere, before=in_air(sphere.before), after=in_air(sphere.after))
+
+    whole = measure_impact(slowed(motion("a")), slowed(motion("b")), RADII, 0.003)
+    alone = measure_impact(motion("a"), motion("b"), RADII, 0.0)
+    for name in ("v_n", "v_s", "v_n_after", "v_s_after", "e", "beta"):
+        found, own = getattr(whole, name), getattr(alone, name)
+        assert found.own == pytest.approx(own.sigma, rel=1e-3), name
+        assert found.sigma == pytest.approx(np.hypot(found.own, found.common)), name
+
+
+def test_the_common_error_of_the_scale_is_what_another_scale_would_have_changed() -> None:
+    whole = measure_impact(motion("a"), motion("b"), RADII, 0.003)
+    longer = measure_impact(*(rescaled(motion(s), 1.0003) for s in "ab"), RADII, 0.0)
+    for name in ("v_n", "v_s", "v_n_after", "v_s_after", "e"):
+        found, other = getattr(whole, name), getattr(longer, name)
+        assert found.common == pytest.approx(10 * abs(other.value - found.value), rel=0.02), name
+
+
 def test_a_contact_lasts_from_the_touch_of_the_paths_before_to_the_parting_of_those_after() -> None:
     impact = measure_impact(
         parting_later(motion("a"), LASTS_S), parting_later(motion("b"), LASTS_S), RADII, 0.0

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from analysis.results.impacts import Impacts
-from analysis.results.ratios import ratios
+from analysis.results.ratios import ratios, velocities
 from analysis.results.speed import speed_line
 from tests.unit.analysis.results.measured import LEVER, both_regimes, impacts
 
@@ -23,6 +23,24 @@ def test_coefficients_of_a_shot_are_those_of_the_definitions() -> None:
     # Both axes share the error of v_n alone: x y / sqrt((1 + x^2) (1 + y^2)).
     shared = 0.5 * 0.125 / np.sqrt((1 + 0.25) * (1 + 0.125**2))
     assert found.correlation[0] == pytest.approx(shared, rel=1e-5)
+
+
+def test_what_all_shots_share_is_told_apart_in_every_coefficient() -> None:
+    row, own = np.array([[-2.0, 1.0, 1.5, 0.25]]), 1e-6 * np.eye(4)[None]
+    shared = np.zeros((1, 5, 4))
+    shared[0, 0] = 1e-3 * row[0]
+    held = shared[:, :2]
+    whole = own + held.swapaxes(1, 2) @ held
+    found = Impacts(np.array([7]), row, whole, LEVER, shared=shared)
+    # A scale moves all speeds alike: it is in each of them, and in no ratio.
+    for k, speed in enumerate(velocities(found)):
+        assert speed.common[0] == pytest.approx(1e-3 * abs(row[0, k]))
+        assert speed.own[0] == pytest.approx(1e-3)
+    each = ratios(found)
+    for ratio in (each.e, each.beta, each.f):
+        assert ratio.common[0] == pytest.approx(0.0, abs=1e-9)
+        assert ratio.own[0] == pytest.approx(ratio.sigma[0])
+    assert np.isnan(ratios(Impacts(np.array([7]), row, own, LEVER)).e.common).all()
 
 
 def test_errors_of_coefficients_are_those_of_repeated_measurements() -> None:

@@ -1,0 +1,160 @@
+"""Coefficients of rendered sweeps beside their truth: python -m benchmarks.coefficients --seeds 8.
+
+Each seed is a campaign of shots over 25 to 85 kPa and 0 to 18 mm, measured as a rig's are. What all
+shots of a campaign share is drawn from its stated width: the drag coefficient, and the diameter of
+the spheres that the scale is taken from. A pull is an error over its stated one; 1 rms is right.
+Printed are own pulls (the error less what the drawn numbers do to it, over the shot's own error)
+and total pulls (the whole error over the whole stated one), for single shots and for the report,
+which is held against the same regression of the true velocities.
+"""
+
+from __future__ import annotations
+
+import argparse
+import tempfile
+from collections import defaultdict
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.results.impacts import Impacts
+from analysis.results.lines import fit_lines
+from analysis.results.ratios import Ratio, ratios, velocities
+from analysis.shot import MeasuredShot
+from benchmarks.tracks.__main__ import FRAMES, STEPS, Measured, measured
+from benchmarks.tracks.flights import common_scale
+from benchmarks.tracks.pulls import rms
+from simulators.world import WorldDescription, write_campaign
+from simulators.world.exchange import campaign_toml
+
+Floats = NDArray[np.float64]
+Pulls = dict[str, list[float]]
+
+STATED_DRAG, DRAG_SIGMA, SCALE_SIGMA = 0.42, 0.2, 1e-3
+SPEEDS = ("v_n", "v_s", "v_n_after", "v_s_after")
+"""In the order of an impact's numbers."""
+SCALE, DRAG = 0, 1
+"""Rows of what all shots share."""
+STATED = f"drag_coefficient = {STATED_DRAG}\ndrag_coefficient_sigma = {DRAG_SIGMA}\n"
+
+
+@dataclass(frozen=True, slots=True)
+class Drawn:
+    """How far what all shots share lies from what is stated, in stated errors."""
+
+    drag: float
+    scale: float
+
+
+def rendered(folder: Path, seed: int, shots: int, drawn: Drawn) -> None:
+    """Render a campaign whose description knows nothing of what was drawn."""
+    nominal = WorldDescription()
+    longer = 1.0 + SCALE_SIGMA * drawn.scale
+    spheres = [
+        replace(sphere, diameter_m=longer * sphere.diameter_m)
+        for sphere in (nominal.sphere_a, nominal.sphere_b)
+    ]
+    drag = max(0.0, STATED_DRAG + DRAG_SIGMA * drawn.drag)
+    world = replace(
+        nominal,
+        sphere_a=spheres[0],
+        sphere_b=spheres[1],
+        environment=replace(nominal.environment, drag_coefficient=drag),
+    )
+    grid = np.meshgrid(np.linspace(25.0, 85.0, STEPS), np.linspace(0.0, 18.0, STEPS))
+    order = np.random.default_rng(seed).permutation(STEPS * STEPS)[:shots]
+    pressures, offsets = (axis.ravel()[order].tolist() for axis in grid)
+    write_campaign(
+        folder, pressures, offsets, seed, frames=FRAMES, state_scale=False, description=world
+    )
+    text = campaign_toml(folder.name, nominal, 1000.0, state_scale=False)
+    text = text.replace("[environment]\n", "[environment]\n" + STATED)
+    (folder / "campaign.toml").write_text(text, encoding="utf-8")
+
+
+def impacts_of(shots: list[tuple[int, MeasuredShot]]) -> Impacts:
+    """Return the measured impacts as a report has them; shots without spins are left out."""
+    whole = [(n, s.impact) for n, s in shots if s.impact.v_s is not None]
+    rows = [[q.value for q in (i.v_n, i.v_s, i.v_n_after, i.v_s_after) if q] for _, i in whole]
+    return Impacts(
+        np.array([n for n, _ in whole]),
+        np.array(rows),
+        np.array([i.covariance for _, i in whole]),
+        3.5,
+        shared=np.array([i.shared for _, i in whole]),
+    )
+
+
+def judge(found: dict[int, Measured], drag: float) -> tuple[Pulls, Pulls]:
+    """Return own and total pulls of single shots and of the report."""
+    own, total = defaultdict[str, list[float]](list), defaultdict[str, list[float]](list)
+    impacts = impacts_of([(n, shot) for n, (shot, _) in found.items()])
+    shots = [found[int(n)] for n in impacts.shots]
+    true = np.array([[truth[name] for name in SPEEDS] for _, truth in shots])
+    scale = common_scale(shots, WorldDescription().optics) / shots[0][0].tracking.scale_sigma
+    assert impacts.shared is not None
+    done = scale * impacts.shared[:, SCALE] + drag * impacts.shared[:, DRAG]
+    exact, freed = (replace(impacts, velocities=v) for v in (true, impacts.velocities - done))
+    every = [_named(each) for each in (impacts, freed, exact)]
+    for name, measured_, apart, truth in zip(
+        every[0], *(each.values() for each in every), strict=True
+    ):
+        total[name] = _told((measured_.value - truth.value) / measured_.sigma)
+        own[name] = _told((apart.value - truth.value) / measured_.own)
+    for shot, truth in shots:
+        state = shot.impact.before, shot.impact.after
+        for k, side in enumerate(("before", "after")):
+            for i, spin in enumerate((state[k].spin_a, state[k].spin_b)):
+                off = spin - np.array(truth[f"spin_{side}"][i])
+                own["spin"] += _told(off / shot.impact.state_sigma[k, 2 + i])
+    lines = [fit_lines(each) for each in (impacts, freed, exact)]
+    for name, quantity in lines[0].parameters().items():
+        if name in lines[1].fitted and name in lines[2].fitted:
+            whole, apart, right = (getattr(line.law, name) for line in lines)
+            total[f"report {name}"] = [(whole - right) / quantity.sigma]
+            own[f"report {name}"] = [(apart - right) / (quantity.own or np.nan)]
+    return own, total
+
+
+def _named(impacts: Impacts) -> dict[str, Ratio]:
+    each = ratios(impacts)
+    return {**dict(zip(SPEEDS, velocities(impacts), strict=True)), "e": each.e, "beta": each.beta}
+
+
+def _told(pulls: Floats) -> list[float]:
+    return [float(pull) for pull in pulls if np.isfinite(pull)]
+
+
+def main() -> None:
+    """Render, measure, judge and print."""
+    parser = argparse.ArgumentParser(prog="benchmarks.coefficients", description=__doc__)
+    parser.add_argument("--seeds", type=int, default=8, help="how many campaigns")
+    parser.add_argument("--first", type=int, default=101, help="seed of the first")
+    parser.add_argument("--shots", type=int, default=12, help="of each campaign, 36 at most")
+    parser.add_argument("--workers", type=int, default=1)
+    parser.add_argument("--nominal", action="store_true", help="draw nothing")
+    chosen = parser.parse_args()
+    own, total = defaultdict[str, list[float]](list), defaultdict[str, list[float]](list)
+    for seed in range(chosen.first, chosen.first + chosen.seeds):
+        numbers = np.random.default_rng([seed, 1]).standard_normal(2)
+        drawn = Drawn(0.0, 0.0) if chosen.nominal else Drawn(*map(float, numbers))
+        with tempfile.TemporaryDirectory() as scratch:
+            folder = Path(scratch) / "campaign"
+            rendered(folder, seed, chosen.shots, drawn)
+            parts = judge(measured(folder, chosen.workers), drawn.drag)
+        for every, part in zip((own, total), parts, strict=True):
+            for name, pulls in part.items():
+                every[name] += pulls
+        print(f"seed {seed}: drag {drawn.drag:+.2f}, diameter {drawn.scale:+.2f} stated errors")
+    print(f"{'':16}{'own pulls: of':>14}{'rms':>7}{'worst':>7}{'total: rms':>13}{'worst':>7}")
+    for name, pulls in own.items():
+        line = f"{name:16}{len(pulls):14d}{rms(np.array(pulls)):7.2f}{np.abs(pulls).max():7.1f}"
+        if name in total:
+            line += f"{rms(np.array(total[name])):13.2f}{np.abs(total[name]).max():7.1f}"
+        print(line)
+
+
+if __name__ == "__main__":
+    main()
