@@ -1,8 +1,9 @@
 """Coefficients of rendered sweeps beside their truth: python -m benchmarks.coefficients --seeds 8.
 
 Each seed is a campaign of shots over 25 to 85 kPa and 0 to 18 mm, measured as a rig's are. What all
-shots of a campaign share is drawn from its stated width: the drag coefficient, and the diameter of
-the spheres that the scale is taken from. A pull is an error over its stated one; 1 rms is right.
+shots of a campaign share is drawn from its stated width: the drag coefficient that is rendered, and
+the scale, by which measured places are multiplied. A pull is an error over its stated one; 1 rms is
+right.
 Printed are own pulls (the error less what the drawn numbers do to it, over the shot's own error)
 and total pulls (the whole error over the whole stated one), for single shots and for the report,
 which is held against the same regression of the true velocities.
@@ -19,22 +20,27 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.campaign import read_campaign
 from analysis.results.impacts import Impacts
 from analysis.results.lines import fit_lines
 from analysis.results.ratios import Ratio, ratios, velocities
+from analysis.scene import Scene
+from analysis.setup import Setup
 from analysis.shot import MeasuredShot
+from analysis.shot_poses import ShotPoses
+from analysis.two_sides import measure_two_sides
 from benchmarks.tracks.__main__ import FRAMES, STEPS, Measured, measured
 from benchmarks.tracks.flights import common_scale
 from benchmarks.tracks.pulls import rms
 from simulators.world import WorldDescription, write_campaign
-from simulators.world.exchange import campaign_toml
 
 Floats = NDArray[np.float64]
 Pulls = dict[str, list[float]]
 
-STATED_DRAG, DRAG_SIGMA, SCALE_SIGMA = 0.42, 0.2, 1e-3
+STATED_DRAG, DRAG_SIGMA = 0.42, 0.2
 SPEEDS = ("v_n", "v_s", "v_n_after", "v_s_after")
 """In the order of an impact's numbers."""
+BRIEF = ("v_n", "v_s", "e", "beta")
 SCALE, DRAG = 0, 1
 """Rows of what all shots share."""
 STATED = f"drag_coefficient = {STATED_DRAG}\ndrag_coefficient_sigma = {DRAG_SIGMA}\n"
@@ -48,30 +54,28 @@ class Drawn:
     scale: float
 
 
-def rendered(folder: Path, seed: int, shots: int, drawn: Drawn) -> None:
-    """Render a campaign whose description knows nothing of what was drawn."""
+def rendered(folder: Path, seed: int, shots: int, drag: float) -> None:
+    """Render a campaign in air of a drawn drag, and state what is known of it beforehand."""
     nominal = WorldDescription()
-    longer = 1.0 + SCALE_SIGMA * drawn.scale
-    spheres = [
-        replace(sphere, diameter_m=longer * sphere.diameter_m)
-        for sphere in (nominal.sphere_a, nominal.sphere_b)
-    ]
-    drag = max(0.0, STATED_DRAG + DRAG_SIGMA * drawn.drag)
-    world = replace(
-        nominal,
-        sphere_a=spheres[0],
-        sphere_b=spheres[1],
-        environment=replace(nominal.environment, drag_coefficient=drag),
-    )
+    coefficient = max(0.0, STATED_DRAG + DRAG_SIGMA * drag)
+    air = replace(nominal.environment, drag_coefficient=coefficient)
     grid = np.meshgrid(np.linspace(25.0, 85.0, STEPS), np.linspace(0.0, 18.0, STEPS))
     order = np.random.default_rng(seed).permutation(STEPS * STEPS)[:shots]
     pressures, offsets = (axis.ravel()[order].tolist() for axis in grid)
+    world = replace(nominal, environment=air)
     write_campaign(
         folder, pressures, offsets, seed, frames=FRAMES, state_scale=False, description=world
     )
-    text = campaign_toml(folder.name, nominal, 1000.0, state_scale=False)
-    text = text.replace("[environment]\n", "[environment]\n" + STATED)
-    (folder / "campaign.toml").write_text(text, encoding="utf-8")
+    path = folder / "campaign.toml"
+    text = path.read_text(encoding="utf-8")
+    path.write_text(text.replace("[environment]\n", "[environment]\n" + STATED), encoding="utf-8")
+
+
+def rescaled(shot: MeasuredShot, setup: Setup, factor: float) -> MeasuredShot:
+    """Return the shot as another scale would have it: places so many times as large."""
+    poses = ShotPoses.of_tracks(shot.centres, shot.orientations, shot.times_s)
+    poses = replace(poses, position=factor * poses.position)
+    return replace(shot, impact=measure_two_sides(poses, Scene.of(setup, shot.slow)).impact)
 
 
 def impacts_of(shots: list[tuple[int, MeasuredShot]]) -> Impacts:
@@ -87,15 +91,16 @@ def impacts_of(shots: list[tuple[int, MeasuredShot]]) -> Impacts:
     )
 
 
-def judge(found: dict[int, Measured], drag: float) -> tuple[Pulls, Pulls]:
+def judge(found: dict[int, Measured], drawn: Drawn) -> tuple[Pulls, Pulls]:
     """Return own and total pulls of single shots and of the report."""
     own, total = defaultdict[str, list[float]](list), defaultdict[str, list[float]](list)
     impacts = impacts_of([(n, shot) for n, (shot, _) in found.items()])
     shots = [found[int(n)] for n in impacts.shots]
     true = np.array([[truth[name] for name in SPEEDS] for _, truth in shots])
-    scale = common_scale(shots, WorldDescription().optics) / shots[0][0].tracking.scale_sigma
+    found_too_long = common_scale(shots, WorldDescription().optics)
+    scale = drawn.scale + found_too_long / shots[0][0].slow.scale
     assert impacts.shared is not None
-    done = scale * impacts.shared[:, SCALE] + drag * impacts.shared[:, DRAG]
+    done = scale * impacts.shared[:, SCALE] + drawn.drag * impacts.shared[:, DRAG]
     exact, freed = (replace(impacts, velocities=v) for v in (true, impacts.velocities - done))
     every = [_named(each) for each in (impacts, freed, exact)]
     for name, measured_, apart, truth in zip(
@@ -142,12 +147,22 @@ def main() -> None:
         drawn = Drawn(0.0, 0.0) if chosen.nominal else Drawn(*map(float, numbers))
         with tempfile.TemporaryDirectory() as scratch:
             folder = Path(scratch) / "campaign"
-            rendered(folder, seed, chosen.shots, drawn)
-            parts = judge(measured(folder, chosen.workers), drawn.drag)
+            rendered(folder, seed, chosen.shots, drawn.drag)
+            setups = {job.shot: job.setup for job in read_campaign(folder).jobs}
+            shots = {
+                n: (rescaled(shot, setups[n], 1.0 + drawn.scale * shot.slow.scale), truth)
+                for n, (shot, truth) in measured(folder, chosen.workers).items()
+            }
+        parts = judge(shots, drawn)
         for every, part in zip((own, total), parts, strict=True):
             for name, pulls in part.items():
                 every[name] += pulls
-        print(f"seed {seed}: drag {drawn.drag:+.2f}, diameter {drawn.scale:+.2f} stated errors")
+        brief = ", ".join(f"{name} {rms(np.array(parts[0][name])):.2f}" for name in BRIEF)
+        print(
+            f"seed {seed}: drag {drawn.drag:+.2f}, scale {drawn.scale:+.2f} stated errors; "
+            f"own pulls, rms: {brief}",
+            flush=True,
+        )
     print(f"{'':16}{'own pulls: of':>14}{'rms':>7}{'worst':>7}{'total: rms':>13}{'worst':>7}")
     for name, pulls in own.items():
         line = f"{name:16}{len(pulls):14d}{rms(np.array(pulls)):7.2f}{np.abs(pulls).max():7.1f}"

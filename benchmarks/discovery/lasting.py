@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from analysis.effects.catalogue import CATALOGUE
+from analysis.model.poses import PoseData
 from analysis.model.selection import explain
 from benchmarks.discovery.campaigns import posed
 from benchmarks.discovery.options import Options
@@ -54,9 +55,13 @@ def run(options: Options) -> None:
             _tell("rig's own", name, nature, 900 + seed, options.shots)
 
 
+def lasting_campaign(nature: Nature, seed: int, shots: int) -> PoseData:
+    """Return poses of a campaign in a world whose air is stated."""
+    return replace(posed(run_campaign(nature, seed, shots=shots)), drag_coefficient=STATED_DRAG)
+
+
 def _tell(world: str, hidden: str, nature: Nature, seed: int, shots: int) -> None:
-    data = posed(run_campaign(nature, seed, shots=shots))
-    data = replace(data, drag_coefficient=STATED_DRAG)
+    data = lasting_campaign(nature, seed, shots)
     start = time.perf_counter()
     verdict = explain(data, CATALOGUE)
     took = time.perf_counter() - start

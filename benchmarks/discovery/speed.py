@@ -1,18 +1,26 @@
-"""How long fit, ranking and verdict take on one core."""
+"""How long fit, ranking and verdict take on one core, compiled functions read from disk.
+
+Hard spheres, and contacts that last as those of the simulated rig do.
+"""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
 from analysis.effects.catalogue import CATALOGUE
-from analysis.model.fit import fit_campaign
+from analysis.effects.lasting_contact import EFFECT
+from analysis.model.adding import added
+from analysis.model.fit import Fit, fit_campaign
 from analysis.model.ranking import rank
 from analysis.model.selection import explain
 from benchmarks.discovery.campaigns import campaign
 from benchmarks.discovery.goals import Goal, report
+from benchmarks.discovery.lasting import HIDDEN as ON_TOP
+from benchmarks.discovery.lasting import PLAIN, lasting_campaign
 from benchmarks.discovery.options import Options
 
 HIDDEN = {"image-scale": 0.001}
@@ -35,13 +43,33 @@ def run(options: Options) -> None:
         _time("fit and rank, 1000 shots, s", 2.0, many),
         _time("fit and rank, 1200 shots over 120", 11.0, tenfold / min(once)),
     ]
-    report("speed", goals, [])
+    report("speed", [*goals, *_lasting()], [])
 
 
-def _best(work: Callable[[], object]) -> np.ndarray:
+def _lasting() -> list[Goal]:
+    """Measure contacts that last: one law alone, and with an effect on top of it."""
+    data = lasting_campaign(PLAIN, 800, USUAL)
+    explain(lasting_campaign(PLAIN, 801, 12), CATALOGUE)
+
+    def fitted() -> Fit:
+        return added(data, fit_campaign(data), EFFECT)[1]
+
+    goals = [
+        _time("lasting contact: fit, 120 shots, s", 0.3, _best(fitted)),
+        _time("fit and rank, s", 0.5, _best(lambda: rank(data, fitted(), CATALOGUE))),
+        _time("verdict, s", 5.0, _best(lambda: explain(data, CATALOGUE), 2)),
+    ]
+    for name, nature in ON_TOP.items():
+        more = lasting_campaign(nature, 900, USUAL)
+        seconds = _best(partial(explain, more, CATALOGUE), 1)
+        goals.append(_time(f"verdict with {name} on top, s", 5.0, seconds))
+    return goals
+
+
+def _best(work: Callable[[], object], repeats: int = REPEATS) -> np.ndarray:
     """Return processor times of several runs, s."""
     seconds = []
-    for _ in range(REPEATS):
+    for _ in range(repeats):
         start = time.process_time()
         work()
         seconds.append(time.process_time() - start)
