@@ -6,6 +6,7 @@ from collections.abc import Iterable
 
 from benchmarks.discovery.goals import Goal, report, share, show
 from benchmarks.discovery.options import Options
+from benchmarks.discovery.strength import believable_shots
 from benchmarks.discovery.trial import Task, Trial, judged
 from simulators.challenge.effects import HIDDEN
 
@@ -25,7 +26,11 @@ NESTED = ("drag",)
 
 def run(options: Options) -> None:
     tasks = [
-        Task(seed=FIRST_SEED + 1000 * n + k, shots=options.shots, wanted={name: d})
+        Task(
+            seed=(seed := FIRST_SEED + 1000 * n + k),
+            shots=believable_shots(name, d, seed, options.shots),
+            wanted={name: d},
+        )
         for n, d in enumerate(ASKED)
         for k, name in zip(range(options.campaigns), _in_turn(), strict=False)
     ]

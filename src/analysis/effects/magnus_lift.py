@@ -32,7 +32,7 @@ EFFECT = FlightEffect(
             symbol="k",
             unit="1",
             meaning="share of the lift that the coefficient of sports balls gives",
-            plausible=(0.0, 1.5),
+            plausible=(0.0, 2.5),
             step=1e-3,
             one_sided=True,
         ),
@@ -41,7 +41,8 @@ EFFECT = FlightEffect(
     source=(
         "rounded form of the fits of A. Stepanek, Am. J. Phys. 56, 138 (1988), tennis, and "
         "A. M. Nathan, Am. J. Phys. 76, 119 (2008), baseball; a smooth sphere at Re = 1e4 may "
-        "lift less, hence k"
+        "lift less, and slow flow lifts most, C_L = 2 S (S. I. Rubinow and J. B. Keller, J. Fluid "
+        "Mech. 11, 447 (1961)), which is k = 2.3 at S = 0.2"
     ),
     gives_away="tracks bend across their velocity, to the side that w x v says",
     confused_with=("drag", "wind", "gravity-direction"),
