@@ -72,6 +72,8 @@ TSUJI = NormalForce("Hertz's force with Tsuji's damping", 1.5, 0.25)
 """Y. Tsuji, T. Tanaka and T. Ishida, Powder Technol. 71, 239 (1992): e does not depend on speed."""
 KUWABARA_KONO = NormalForce("Hertz's force with viscous damping", 1.5, 0.5)
 """G. Kuwabara and K. Kono, Jpn. J. Appl. Phys. 26, 1230 (1987): e falls with speed."""
+CONSTANT_DASHPOT = NormalForce("Hertz's force with a constant dashpot", 1.5, 0.0)
+"""J. Lee and H. J. Herrmann, J. Phys. A 26, 373 (1993): e rises with speed."""
 LINEAR = NormalForce("linear spring and dashpot", 1.0, 0.0)
 """P. A. Cundall and O. D. L. Strack, Geotechnique 29, 47 (1979): all contacts last as long."""
 

@@ -128,11 +128,15 @@ class ContactLaw(Effect):
     shares
         Effects whose one parameter mixes the law, at typical values, into the operator: 0 is the
         operator, 1 the law.
+    beside
+        Laws that differ from it in how restitution depends on speed alone: where it is the
+        likeliest, they are fitted from its values too.
     """
 
     stage: ClassVar[str] = "contact"
     law: Callable[[Values], Operator]
     shares: tuple[ContactEffect, ...] = ()
+    beside: tuple[ContactLaw, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)

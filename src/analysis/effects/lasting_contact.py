@@ -6,7 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from analysis.collision.force_law import LINEAR, TSUJI, ForceLaw, hertz_duration
+from analysis.collision.force_law import (
+    CONSTANT_DASHPOT,
+    LINEAR,
+    TSUJI,
+    ForceLaw,
+    hertz_duration,
+)
 from analysis.collision.operator import Body, Encounter, Floats, Operator, Outcome, States
 from analysis.effects.effect import ContactEffect, ContactLaw, Parameter, Values
 
@@ -108,8 +114,14 @@ GIVES_AWAY = (
 
 
 def effect_of(force: ForceLaw) -> ContactLaw:
-    """Return the effect with one force law."""
+    """Return the effect with one force law.
+
+    What Hertz's force and a tangential spring make of a contact hardly depends on the damping, but
+    with a constant dashpot e rises with speed, which no effect of restitution does.
+    """
+    beside = [effect_of(replace(force, normal=CONSTANT_DASHPOT))] if force.normal is TSUJI else []
     return ContactLaw(
+        beside=tuple(beside),
         name=NAME,
         title=f"Contact that lasts, {force.title}",
         parameters=(

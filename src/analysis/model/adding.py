@@ -85,6 +85,7 @@ def with_law(passes: Passes, fit: F, law: ContactLaw, refit: Callable[[Theory, F
     if not begun:
         return fit
     near = [one for one in begun if one.cost < begun[0].cost + NEAR][:MOST_STARTS]
+    near += [replace(begun[0], law=other) for other in begun[0].law.beside]
     best = refit(_theory(fit.theory, near[0]), None)
     for one in near[1:]:
         other = refit(_theory(best.theory, one), best)

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from rigctl import cli
-from rigctl.commands.challenge import HiddenEffect, Label, judge
+from rigctl.commands.challenge import HiddenEffect, Label, judge, summary
 from simulators.challenge import write_challenge
 
 
@@ -120,12 +120,16 @@ def test_a_folder_in_use_is_bad_input(challenge: Path, capsys: pytest.CaptureFix
     assert "holds something already" in capsys.readouterr().err
 
 
-def label(*truth: str, beside: tuple[str, ...] = (), **like: list[str]) -> Label:
+def label(
+    *truth: str, beside: tuple[str, ...] = (), world: tuple[str, ...] = (), **like: list[str]
+) -> Label:
     hidden = [HiddenEffect(effect=name, amplitude=1.0, unit="1", meaning="") for name in truth]
     near = {name.replace("_", "-"): names for name, names in like.items()}
-    return Label(answer=list(truth), effects=hidden, like=near, beside=list(beside))
+    own = list(world)
+    return Label(answer=list(truth), effects=hidden, like=near, beside=list(beside), world=own)
 
 
+ALWAYS = ("lasting-contact",)
 PAIR = label("drag", "pixel-aspect", drag=["wind"])
 
 JUDGED = [
@@ -136,12 +140,23 @@ JUDGED = [
     (label("drag", drag=["wind"]), ["wind"], "alias"),
     (label("drag", drag=["wind"]), ["wind", "drag"], "partly"),
     (label("wind", beside=("drag",)), ["drag", "wind"], "right"),
+    (label("drag", world=ALWAYS), ["drag", "lasting-contact"], "right"),
+    (label("drag", world=ALWAYS), ["drag"], "right"),
+    (label("drag", world=ALWAYS), ["lasting-contact"], "wrong"),
+    (label("none", world=ALWAYS), ["lasting-contact"], "right"),
     (PAIR, ["pixel-aspect", "drag"], "right"),
     (PAIR, ["pixel-aspect", "wind"], "alias"),
     (PAIR, ["pixel-aspect"], "partly"),
     (PAIR, ["pixel-aspect", "image-scale"], "partly"),
     (PAIR, ["image-scale", "mirror-angle"], "wrong"),
 ]
+
+
+def test_a_reveal_says_what_the_world_has_whatever_it_hides() -> None:
+    truth = label("drag", world=ALWAYS)
+    said = summary(truth, ["drag", *ALWAYS], "right", as_json=False)
+    assert "the truth is drag, on top of lasting-contact, which this world always has" in said
+    assert "on top of" not in summary(label("drag"), ["drag"], "right", as_json=False)
 
 
 @pytest.mark.parametrize(("truth", "answer", "outcome"), JUDGED)

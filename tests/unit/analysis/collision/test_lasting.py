@@ -142,6 +142,32 @@ def test_hertz_contact_lasts_2_94_times_its_depth_over_its_speed() -> None:
     assert TSUJI.stiffness(mass, 2.9432 * deepest) == pytest.approx(k, rel=1e-3)
 
 
+@pytest.mark.parametrize("count", [1, 7, 8, 9, 17])
+def test_a_contact_is_the_same_whichever_others_are_integrated_beside_it(count: int) -> None:
+    every = encounters()
+    some = replace(
+        every,
+        before=States(*(getattr(every.before, name)[:count] for name in States.__slots__)),
+        normal=every.normal[:count],
+        e=every.e[:count],
+        mu=every.mu[:count],
+        beta0=every.beta0[:count],
+    )
+    law = ForceLaw(TSUJI, "increment")
+    whole, part = lasting(every, law, SOFT), lasting(some, law, SOFT)
+    assert np.array_equal(part.after.spin_b, whole.after.spin_b[:count])
+    assert np.array_equal(part.duration, whole.duration[:count])
+
+
+def test_each_contact_may_have_a_stiffness_of_its_own() -> None:
+    met, law = encounters(), ForceLaw(TSUJI, "elongation")
+    durations = np.where(np.arange(SHOTS) % 2 == 0, 1.9e-4, 4e-4)
+    mixed = lasting(met, law, Stiffness(durations, 0.15, 0.05))
+    soft = lasting(met, law, Stiffness(4e-4, 0.15, 0.05))
+    np.testing.assert_allclose(mixed.duration[1::2], soft.duration[1::2], rtol=1e-9)
+    assert not np.isclose(mixed.duration[::2], soft.duration[::2]).any()
+
+
 @given(
     e=st.floats(0.2, 1.0),
     ratio=st.floats(0.05, 1.3),

@@ -41,9 +41,10 @@ def fitted(forces: Forces) -> Judged:
 INCREMENTS = Forces(drag="increment", stiffness_ratio=0.6, damping_ratio=0.1)
 LINEAR = Forces(push="linear", stiffness_ratio=0.3, damping_ratio=0.1)
 SOFT = Forces(duration_s=4e-4, stiffness_ratio=0.25, damping_ratio=0.08)
+FASTER_IS_BOUNCIER = Forces(push="hertz-dashpot", stiffness_ratio=0.5, damping_ratio=0.05)
 
 
-@pytest.mark.parametrize("forces", [INCREMENTS, LINEAR, SOFT])
+@pytest.mark.parametrize("forces", [INCREMENTS, LINEAR, SOFT, FASTER_IS_BOUNCIER])
 def test_a_fit_with_the_lasting_contact_reaches_the_noise(forces: Forces) -> None:
     found = fitted(forces)
     spread = np.sqrt(2 / found.fit.freedom)
@@ -51,7 +52,7 @@ def test_a_fit_with_the_lasting_contact_reaches_the_noise(forces: Forces) -> Non
     assert found.evidence.noise == AS_STATED
 
 
-@pytest.mark.parametrize("forces", [INCREMENTS, SOFT])
+@pytest.mark.parametrize("forces", [INCREMENTS, SOFT, FASTER_IS_BOUNCIER])
 def test_its_parameters_are_those_of_the_simulated_contact(forces: Forces) -> None:
     found = fitted(forces).fit.parameters()
     truth = {
