@@ -19,7 +19,8 @@ from numpy.typing import NDArray
 from analysis.errors import InputError, ShotRefusedError
 from analysis.exchange.description import read_description
 from analysis.exchange.shot_list import EXPOSURE, ShotRow, each_shot_row
-from analysis.imaging.stack import SUFFIXES, holds_png, read_stack
+from analysis.imaging.png_files import holds_png
+from analysis.imaging.stack import SUFFIXES, read_stack
 from analysis.setup import CameraSetup, Setup, SphereSetup, without_exposure
 from analysis.shot import AnalysisOptions, MeasuredShot, RefusedShot, analyse_shot, check_frames
 

@@ -22,13 +22,24 @@ class ShotRefusedError(Exception):
         super().__init__(f"{place}: {reason}")
 
 
+LONGEST_REASON = 2000
+"""Characters of a refusal; what a file holds may be quoted in it, however long that is."""
+
+
 class InputError(Exception):
     """A file or folder that cannot be read: which file, where in it, and why."""
 
     def __init__(self, path: object, reason: str, line: int | None = None) -> None:
-        self.path, self.line, self.reason = str(path), line, reason
+        self.path, self.line, self.reason = str(path), line, _shortened(reason)
         place = self.path if line is None else f"{self.path}, line {line}"
         super().__init__(f"{place}: {reason}")
+
+
+def _shortened(reason: str) -> str:
+    if len(reason) <= LONGEST_REASON:
+        return reason
+    half = LONGEST_REASON // 2
+    return f"{reason[:half]} [{len(reason) - 2 * half} characters] {reason[-half:]}"
 
 
 def counted(number: int, noun: str) -> str:

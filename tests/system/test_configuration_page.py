@@ -7,8 +7,10 @@ from fractions import Fraction
 from typing import Any
 
 import pytest
+from pydantic import BaseModel
 
 import rigctl.config as sections
+from analysis.files import FileLimits
 from rigctl.config.configuration import AnalysisSection, ServiceSection, Simulation
 from rigctl.config.model import StrictModel
 from tests.system.test_documentation import DOCS, rows
@@ -41,7 +43,7 @@ def allowed(schema: dict[str, Any]) -> str:
     return text + (f" like `{schema['pattern']}`" if "pattern" in schema else "")
 
 
-def described(model: type[StrictModel]) -> list[list[str]]:
+def described(model: type[BaseModel]) -> list[list[str]]:
     schemas = model.model_json_schema()["properties"]
     wanted = []
     for name, field in model.model_fields.items():
@@ -52,7 +54,7 @@ def described(model: type[StrictModel]) -> list[list[str]]:
     return sorted(wanted)
 
 
-SECTIONS: dict[str, list[type[StrictModel]]] = {
+SECTIONS: dict[str, list[type[BaseModel]]] = {
     "Top level": [sections.Configuration],
     "[simulation]": [Simulation],
     "[limits]": [sections.Limits],
@@ -67,6 +69,7 @@ SECTIONS: dict[str, list[type[StrictModel]]] = {
     "[store]": [sections.StoreSection],
     "[service]": [ServiceSection],
     "[analysis]": [AnalysisSection],
+    "[files]": [FileLimits],
     "[optics]": [sections.Optics],
     "[[spheres]]": [sections.Sphere, sections.Plate],
     "[environment]": [sections.Environment],

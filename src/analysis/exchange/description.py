@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from pathlib import Path
 from typing import Annotated, Literal, TypeVar
 
@@ -17,6 +16,7 @@ from pydantic import (
 
 from analysis.errors import InputError
 from analysis.exchange.faults import fault
+from analysis.files import read_toml
 from analysis.setup import DRAG_SIGMA, MEMORY_RAD, CameraSetup, Setup, SlowErrors, SphereSetup
 
 FORMAT = 1
@@ -135,14 +135,7 @@ def read_description(path: Path) -> tuple[str, Setup]:
         Absent, empty, not TOML, or written in a newer format; or every key that is unknown,
         missing, or out of its range.
     """
-    try:
-        table = tomllib.loads(path.read_text(encoding="utf-8-sig"))
-    except FileNotFoundError as error:
-        raise InputError(path, "no such file") from error
-    except OSError as error:
-        raise InputError(path, f"cannot be read: {error.strerror}") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(path, f"not TOML: {error}") from error
+    table = read_toml(path)
     if not table:
         raise InputError(path, "is empty; it must describe camera and spheres")
     found = table.get("format", FORMAT)

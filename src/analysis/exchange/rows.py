@@ -4,11 +4,31 @@ from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Generator, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TextIO, TypeVar
 
 from analysis.errors import InputError, counted
+from analysis.files import file_limits
+
+Row = TypeVar("Row")
+
+
+MOST_DIGITS = 15
+"""Of a whole number: so many are exact in double precision."""
+
+
+def whole_number(text: str) -> bool:
+    """Return whether a text is a whole number, 0 at least, of a size that everything can hold."""
+    return text.isascii() and text.isdecimal() and len(text) <= MOST_DIGITS
+
+
+def not_whole(text: str) -> str:
+    """Return why a text is not a `whole_number`."""
+    if text.isdecimal() and len(text) > MOST_DIGITS:
+        return f"{text[:MOST_DIGITS]}... has {len(text)} digits, allowed are {MOST_DIGITS}"
+    return f"{text!r} is not a whole number"
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,10 +70,10 @@ class TableRow:
         InputError
             It is none.
         """
-        try:
-            return int(self.fields[name])
-        except ValueError as error:
-            raise self.fault(f"{name}: {self.fields[name]!r} is not a whole number") from error
+        text = self.fields[name].strip()
+        if not whole_number(text.removeprefix("-")):
+            raise self.fault(f"{name}: {not_whole(text)}")
+        return int(text)
 
     def sigma(self, name: str) -> float | None:
         """Return a standard error, None where it is not stated: an empty field, or zero.
@@ -81,9 +101,19 @@ def read_rows(path: Path, columns: Sequence[str], optional: Sequence[str] = ()) 
     ------
     InputError
         Absent, not CSV in UTF-8, a column missing, unknown or twice, or a line of another length;
-        with the line.
+        with the line. More fields than `file_limits` allow to be held.
     """
-    return list(each_row(path, columns, optional))
+    return list(held(path, each_row(path, columns, optional), lambda row: len(row.fields)))
+
+
+def held(path: Path, rows: Iterable[Row], fields: Callable[[Row], int]) -> Iterator[Row]:
+    """Give rows that are to be held in memory; raise `InputError` where they are too many."""
+    most, count = file_limits().table_fields, 0
+    for row in rows:
+        count += fields(row)
+        if count > most:
+            raise _too_large(path, f"{most} fields", "table_fields")
+        yield row
 
 
 def each_row(
@@ -116,14 +146,32 @@ def each_line(path: Path, *, strict: bool = False) -> Generator[tuple[int, list[
     Raises
     ------
     InputError
-        Absent, or not CSV in UTF-8.
+        Absent, not CSV in UTF-8, or larger or with a longer line than `file_limits` allow.
     """
+    limits = file_limits()
     try:
         with path.open(newline="", encoding="utf-8-sig") as file:
-            reader = csv.reader(file, strict=strict)
+            if path.stat().st_size > 1e6 * limits.table_mb:
+                raise _too_large(path, f"{1e6 * limits.table_mb:.0f} bytes", "table_mb")
+            reader = csv.reader(_lines(path, file, int(1e3 * limits.line_kb)), strict=strict)
             for fields in reader:
                 yield reader.line_num, fields
     except FileNotFoundError as error:
         raise InputError(path, "no such file") from error
+    except OSError as error:
+        raise InputError(path, f"cannot be read: {error.strerror}") from error
     except (UnicodeDecodeError, csv.Error) as error:
         raise InputError(path, f"not CSV in UTF-8: {error}") from error
+
+
+def _lines(path: Path, file: TextIO, most: int) -> Iterator[str]:
+    while line := file.readline(most + 1):
+        if len(line) > most:
+            raise _too_large(path, f"{most} characters in a line", "line_kb")
+        yield line
+
+
+def _too_large(path: Path, limit: str, name: str) -> InputError:
+    return InputError(
+        path, f"has more than {limit}; split it, or raise files.{name} in the configuration"
+    )

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from analysis.errors import InputError, counted
 from analysis.exchange.numbers_seen import NumbersSeen
-from analysis.exchange.rows import each_line
+from analysis.exchange.rows import each_line, held, not_whole, whole_number
 
 EXPOSURE = "exposure_us"
 EXCLUDED, NOTE, TAGS = "excluded", "note", "tags"
@@ -63,7 +63,8 @@ def read_shot_list(path: Path) -> list[ShotRow]:
         shot that is no whole number or stands twice, a time that is not ISO 8601, or no number
         where the format has one; with the line.
     """
-    return list(each_shot_row(path))
+    rows = held(path, each_shot_row(path), lambda row: len(row.numbers) + len(row.words))
+    return list(rows)
 
 
 def each_shot_row(path: Path) -> Iterator[ShotRow]:
@@ -130,8 +131,8 @@ def _number(field: str) -> float | None:
 
 def _shot(path: Path, line: int, row: dict[str, str], numeric: set[str]) -> ShotRow:
     number = row.pop("shot").strip()
-    if not (number.isascii() and number.isdecimal()):
-        raise InputError(path, f"shot: {number!r} is not a whole number, 0 at least", line)
+    if not whole_number(number):
+        raise InputError(path, f"shot: {not_whole(number)}, 0 at least", line)
     text = row.pop("time", "").strip()
     try:
         time = datetime.fromisoformat(text) if text else None

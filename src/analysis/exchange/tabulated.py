@@ -45,8 +45,10 @@ def require_errors_alike(rows: Sequence[TableRow], missing: Sequence[Sequence[st
     InputError
         A table states some and not others; with the first such line.
     """
+    if all(map(_none_of_them, rows)):
+        return
     for row, names in zip(rows, missing, strict=True):
-        if names and not all(map(_none_of_them, rows)):
+        if names:
             raise row.fault(
                 f"{names[0]}: not stated, where other errors are; state all of them, or none and "
                 "have them estimated"

@@ -4,51 +4,52 @@ from __future__ import annotations
 
 import logging
 import math
-import struct
+import re
+import zlib
+from itertools import islice
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import tifffile
 from numpy.typing import NDArray
 
 from analysis.errors import InputError, counted
+from analysis.files import FrameBudget
+from analysis.imaging.tiff_walk import walk
 
 # What the library finds wrong comes back as a refusal; its own lines would stand beside it.
 logging.getLogger("tifffile").addHandler(logging.NullHandler())
 
-_VALUE_BYTES = (0, 1, 1, 2, 4, 8, 1, 1, 2, 4, 8, 4, 8, 4, 0, 0, 8, 8, 8)
-"""Bytes of one value by the number of its type; 0 where there is no such type."""
+_ZLIB = {tifffile.COMPRESSION.ADOBE_DEFLATE, tifffile.COMPRESSION.DEFLATE}
+_PADDING = 2
+"""A packed strip or tile may unpack to this many times the page: some writers fill up the last."""
+_OME_PIXELS = re.compile(r"<(?:\w+:)?Pixels\b[^>]*>")
+_OME_SIZES = re.compile(r"\bSize[ZCT]\s*=\s*[\"'](\d{1,9})[\"']")
 
 
-def read_tiff(path: Path) -> list[NDArray[np.generic]]:
+def read_tiff(path: Path, budget: FrameBudget) -> list[NDArray[np.generic]]:
     """Return the pages of a TIFF in their order.
 
     Raises
     ------
     InputError
-        Damaged, or shorter than its pages, the last page's pointer or its description (ImageJ,
-        OME, tifffile) say; with the frame.
+        Damaged, beyond the budget, or shorter than its pages, the last page's pointer or its
+        description (ImageJ, OME, tifffile) say; with the frame.
     """
     pages: list[NDArray[np.generic]] = []
+    size = path.stat().st_size
+    found = walk(path, budget)
     try:
-        with tifffile.TiffFile(path) as tiff:
-            size = path.stat().st_size
-            for index, page in enumerate(tiff.pages):
-                end = max(
-                    (o + n for o, n in zip(page.dataoffsets, page.databytecounts, strict=True)),
-                    default=0,
-                )
-                if end > size:
-                    raise _truncated(path, index, end, size)
-                if (end := _end_of_values(tiff, page.offset)) > size:
-                    raise _truncated(path, index, end, size, "its tags")
-                if page.compression not in tifffile.TIFF.DECOMPRESSORS:
-                    name = tifffile.COMPRESSION(page.compression).name
-                    raise InputError(
-                        path, f"compressed as {name}; save it uncompressed or compressed as zlib"
-                    )
-                pages.append(page.asarray())
-            if pages and not _ends_with_last_page(tiff):
+        # Other files that a description names are not looked for.
+        with tifffile.TiffFile(path, _multifile=False) as tiff:
+            each = zip(islice(tiff.pages, len(found.value_ends)), found.value_ends, strict=False)
+            for index, (page, end_of_values) in enumerate(each):
+                _require_whole(path, index, page, end_of_values, size)
+                budget.claim(page.shape or (0,), page.dtype.itemsize if page.dtype else 1)
+                _require_readable(path, index, page, tiff.filehandle)
+                pages.append(page.asarray(maxworkers=1))
+            if pages and not found.ends_well:
                 raise InputError(
                     path,
                     f"truncated after frame {len(pages) - 1}: the next frame lies beyond the "
@@ -56,7 +57,7 @@ def read_tiff(path: Path) -> list[NDArray[np.generic]]:
                 )
             declared = _declared(tiff)
             if len(pages) == 1 < declared and tiff.pages.first.is_contiguous:
-                return _behind_one_page(path, tiff, declared)
+                return _behind_one_page(path, tiff, declared, budget)
             if len(pages) < declared:
                 raise InputError(
                     path,
@@ -72,40 +73,41 @@ def read_tiff(path: Path) -> list[NDArray[np.generic]]:
     return pages
 
 
+def _require_whole(path: Path, index: int, page: Any, end_of_values: int, size: int) -> None:  # noqa: ANN401
+    """Refuse a page whose data or values lie beyond the end; the library passes over the latter."""
+    places = zip(page.dataoffsets, page.databytecounts, strict=True)
+    end = max((offset + length for offset, length in places), default=0)
+    if end > size:
+        raise _truncated(path, index, end, size)
+    if end_of_values > size:
+        raise _truncated(path, index, end_of_values, size, "its tags")
+
+
 def _truncated(path: Path, frame: int, end: int, size: int, part: str = "its data") -> InputError:
     return InputError(
         path, f"truncated in frame {frame}: {part} end at byte {end}, the file at {size}"
     )
 
 
-def _end_of_values(tiff: tifffile.TiffFile, offset: int) -> int:
-    """Return the byte where the values of a page's tags end (TIFF 6.0, section 2).
-
-    The library passes over a tag whose value lies beyond the end of the file.
-    """
-    form = tiff.tiff
-    tiff.filehandle.seek(offset)
-    (tags,) = struct.unpack(form.tagnoformat, tiff.filehandle.read(form.tagnosize))
-    end = 0
-    for _ in range(tags):
-        _, kind, count, place = struct.unpack(
-            form.byteorder + ("HHII" if form.offsetsize == 4 else "HHQQ"),
-            tiff.filehandle.read(form.tagsize),
-        )
-        length = count * (_VALUE_BYTES[kind] if kind < len(_VALUE_BYTES) else 0)
-        if length > form.offsetsize:
-            end = max(end, place + length)
-    return end
-
-
-def _ends_with_last_page(tiff: tifffile.TiffFile) -> bool:
-    """Return whether the last page found says that no other follows.
-
-    The library passes over a following page that lies beyond the end of the file.
-    """
-    tiff.filehandle.seek(tiff.pages.next_page_offset or 0)
-    following = tiff.filehandle.read(tiff.tiff.offsetsize)
-    return len(following) == tiff.tiff.offsetsize and not any(following)
+def _require_readable(path: Path, index: int, page: Any, file: Any) -> None:  # noqa: ANN401
+    """Refuse a compression that is not read, and data that unpack to more than their page."""
+    tile = page.tilewidth * page.tilelength * max(1, page.tiledepth) if page.is_tiled else 0
+    if tile > _PADDING * max(page.size, 2**20):
+        raise InputError(path, f"damaged in frame {index}: a tile of {tile} pixels for {page.size}")
+    if page.compression == tifffile.COMPRESSION.NONE:
+        return
+    if page.compression not in _ZLIB:
+        name = tifffile.COMPRESSION(page.compression).name
+        raise InputError(path, f"compressed as {name}; save it uncompressed or compressed as zlib")
+    most = _PADDING * max(page.nbytes, tile * page.dtype.itemsize)
+    for offset, length in zip(page.dataoffsets, page.databytecounts, strict=True):
+        file.seek(offset)
+        if len(zlib.decompressobj().decompress(file.read(length), most + 1)) > most:
+            raise InputError(
+                path,
+                f"damaged in frame {index}: its data unpack to more than {most} bytes, the frame "
+                f"has {page.nbytes}",
+            )
 
 
 def _declared(tiff: tifffile.TiffFile) -> int:
@@ -116,19 +118,25 @@ def _declared(tiff: tifffile.TiffFile) -> int:
     if tiff.is_imagej:
         return int((tiff.imagej_metadata or {}).get("images", 0))
     if tiff.is_ome:
-        shapes = [series.shape for series in tiff.series]
-    else:
-        shapes = [tuple(each.get("shape", (0,))) for each in tiff.shaped_metadata or ()]
-    return sum(math.prod(shape) for shape in shapes) // size
+        images = _OME_PIXELS.findall(tiff.ome_metadata or "")
+        planes = (math.prod(map(int, _OME_SIZES.findall(image))) for image in images)
+        return sum(planes) // max(1, int(tiff.pages.first.samplesperpixel))
+    shapes = [tuple(each.get("shape", (0,))) for each in tiff.shaped_metadata or ()]
+    return int(sum(math.prod(shape) for shape in shapes) // size)
 
 
-def _behind_one_page(path: Path, tiff: tifffile.TiffFile, frames: int) -> list[NDArray[np.generic]]:
+def _behind_one_page(
+    path: Path, tiff: tifffile.TiffFile, frames: int, budget: FrameBudget
+) -> list[NDArray[np.generic]]:
     """Return frames that lie one after another behind a single page, as large stacks do."""
     page = tiff.pages.first
     start, length, size = page.dataoffsets[0], page.nbytes, path.stat().st_size
     if start + frames * length > size:
         first_cut = (size - start) // length
         raise _truncated(path, first_cut, start + (first_cut + 1) * length, size)
+    budget.require_frames(frames)
     kind = np.dtype(page.dtype).newbyteorder(tiff.byteorder)
+    for _ in range(frames - 1):
+        budget.claim(page.shape, kind.itemsize)
     values = np.fromfile(path, dtype=kind, count=frames * page.size, offset=start)
     return list(values.reshape(frames, *page.shape))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
 from pathlib import Path
 
 import cv2
@@ -11,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.errors import InputError, counted
+from analysis.files import FrameBudget
 
 # Quiet (ffmpeg's -8), read at the decoder's first use: what it finds wrong comes back as a refusal.
 os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
@@ -20,22 +20,38 @@ GREY_TOLERANCE = 2
 UNCOUNTED = "the video does not say how many frames it holds; that all are there is not checked"
 
 
-def read_video(path: Path) -> tuple[list[NDArray[np.generic]], tuple[str, ...]]:
+_SIDES = (cv2.CAP_PROP_FRAME_HEIGHT, cv2.CAP_PROP_FRAME_WIDTH)
+_BOXES = {b"ftyp", b"moov", b"mdat", b"wide", b"free", b"skip"}
+"""With which an MP4 or QuickTime file can begin."""
+MOST_CHUNKS = 100_000
+"""Outermost chunks of a file; each is looked at."""
+
+
+def read_video(
+    path: Path, budget: FrameBudget
+) -> tuple[list[NDArray[np.generic]], tuple[str, ...]]:
     """Return the frames of a video, and what about them could not be checked.
 
     Raises
     ------
     InputError
         No decoder opens it, it ends before its container says, fewer frames can be read than the
-        container counts, or a frame is in colour; with the frame.
+        container counts, a frame is in colour, or it is beyond the budget; with the frame.
     """
+    if not _is_container(path):
+        raise _no_decoder(path)
     _require_whole(path)
-    video = cv2.VideoCapture(str(path))
+    video = cv2.VideoCapture(str(path), cv2.CAP_FFMPEG)
     try:
         if not video.isOpened():
-            raise InputError(path, "no decoder here opens this video")
+            raise _no_decoder(path)
         count = video.get(cv2.CAP_PROP_FRAME_COUNT)
-        pages = [_grey(path, index, page) for index, page in enumerate(_pictures(video))]
+        sides = [int(video.get(side)) for side in _SIDES]
+        pages: list[NDArray[np.generic]] = []
+        while (page := _next(video, sides, budget)) is not None:
+            pages.append(_grey(path, len(pages), page))
+    except cv2.error as error:
+        raise _no_decoder(path) from error
     finally:
         video.release()
     # A container without a count answers zero, or a negative number beyond all bounds.
@@ -50,12 +66,29 @@ def read_video(path: Path) -> tuple[list[NDArray[np.generic]], tuple[str, ...]]:
     return pages, ()
 
 
-def _pictures(video: cv2.VideoCapture) -> Iterator[NDArray[np.generic]]:
-    while True:
-        whole, page = video.read()
-        if not whole:
-            return
-        yield np.asarray(page)
+def _next(
+    video: cv2.VideoCapture, sides: list[int], budget: FrameBudget
+) -> NDArray[np.generic] | None:
+    """Return the next picture, None after the last; its size is claimed before it is unpacked."""
+    if not video.grab():
+        return None
+    budget.claim(sides)
+    whole, page = video.retrieve()
+    return np.asarray(page) if whole else None
+
+
+def _no_decoder(path: Path) -> InputError:
+    return InputError(path, "no decoder here opens this video")
+
+
+def _is_container(path: Path) -> bool:
+    """Return whether a file begins as AVI, Matroska or MP4 do.
+
+    The decoder would take any of its kinds, lists of other files among them.
+    """
+    with path.open("rb") as file:
+        head = file.read(12)
+    return head[:4] in {b"RIFF", b"\x1a\x45\xdf\xa3"} or head[4:8] in _BOXES
 
 
 def _grey(path: Path, index: int, page: NDArray[np.generic]) -> NDArray[np.generic]:
@@ -67,7 +100,7 @@ def _grey(path: Path, index: int, page: NDArray[np.generic]) -> NDArray[np.gener
         raise InputError(
             path, f"frame {index} is in colour: its channels differ by up to {spread} levels"
         )
-    return page[:, :, 1]
+    return page[:, :, 1].copy()
 
 
 def _require_whole(path: Path) -> None:
@@ -86,9 +119,12 @@ def _stated_end(path: Path, size: int) -> int:
 
     RIFF chunks of AVI, boxes of MP4 (ISO/IEC 14496-12, 4.2), elements of Matroska (RFC 8794, 4-6).
     """
-    end = 0
+    end = chunks = 0
     with path.open("rb") as file:
         while end < size:
+            chunks += 1
+            if chunks > MOST_CHUNKS:
+                raise InputError(path, f"damaged: more than {MOST_CHUNKS} chunks at the top level")
             file.seek(end)
             head = file.read(16)
             if head[:4] == b"RIFF":

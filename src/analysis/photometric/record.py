@@ -6,12 +6,13 @@ from collections.abc import Mapping
 from dataclasses import fields
 from pathlib import Path
 from typing import IO, Any
-from zipfile import BadZipFile
+from zipfile import ZipFile
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analysis.errors import InputError
+from analysis.files import file_limits
 from analysis.imaging.views import View
 from analysis.photometric.appearance import Knowledge, Sphere
 from analysis.photometric.camera import Camera, Optics
@@ -47,6 +48,7 @@ def read_knowledge(path: Path) -> Knowledge:
         The file cannot be read, or is of another format.
     """
     try:
+        _require_small(path)
         with path.open("rb") as file, np.load(file, allow_pickle=False) as parts:
             if int(parts["format"]) != FORMAT:
                 raise InputError(path, f"format {int(parts['format'])}, {FORMAT} can be read")
@@ -55,8 +57,23 @@ def read_knowledge(path: Path) -> Knowledge:
             camera = Camera(tuple(View(str(name)) for name in parts["views"]), Optics(**optics))
             a, b = (_sphere(parts, letter) for letter in SPHERES)
             return Knowledge(camera=camera, spheres=(a, b), **own)
-    except (OSError, KeyError, ValueError, EOFError, BadZipFile) as error:
+    except InputError:
+        raise
+    # A damaged archive makes the library raise whatever its parsers stumble over.
+    except Exception as error:
         raise InputError(path, f"holds nothing that was learned of a pair: {error}") from error
+
+
+def _require_small(path: Path) -> None:
+    """Refuse an archive that unpacks to more than its bytes, or to more than a document may have.
+
+    What is learned is written as it is; packed, a few bytes could become any number.
+    """
+    most = 1e6 * file_limits().document_mb
+    with ZipFile(path) as archive:
+        unpacked = sum(entry.file_size for entry in archive.infolist())
+    if unpacked > min(most, path.stat().st_size):
+        raise ValueError(f"its parts unpack to {unpacked} bytes")
 
 
 def _sphere(parts: Mapping[str, Floats], letter: str) -> Sphere:

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-import struct
 from pathlib import Path
 from typing import Annotated
 
 import numpy as np
-import tifffile
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from analysis.errors import InputError
+from analysis.files import FrameBudget, read_bytes
+from analysis.imaging.tiff_file import read_tiff
 from rigctl.cameras.frames import FrameSequence
 from rigctl.errors import FramesError
 
-_NOT_A_TIFF = (ValueError, IndexError, KeyError, TypeError, RuntimeError, struct.error)
 _Number = Annotated[int, Field(ge=0)]
 
 
@@ -68,12 +68,12 @@ def read_stack(note_path: Path, *, picture_rate_hz: float) -> FrameSequence:
 
 def _read_note(path: Path) -> StackNote:
     try:
-        note = StackNote.model_validate_json(path.read_bytes())
-    except OSError as error:
+        note = StackNote.model_validate_json(read_bytes(path, "document_mb"))
+    except InputError as error:
         raise FramesError(
             "the description of the stack cannot be read",
             part=str(path),
-            value=error.strerror,
+            value=error.reason,
             todo="check the capture folder",
         ) from error
     except ValidationError as error:
@@ -93,37 +93,31 @@ def _read_note(path: Path) -> StackNote:
 
 def _read_pages(path: Path, note: StackNote) -> NDArray[np.uint8]:
     size = (note.rows, note.columns)
-    try:
-        with tifffile.TiffFile(path) as tiff:
-            if len(tiff.pages) != note.frames:
-                raise _contradiction(path, f"{len(tiff.pages)} pages", f"{note.frames} frames")
-            pixels = np.empty((note.frames, *size), dtype=np.uint8)
-            for place, page in enumerate(tiff.pages):
-                # A damaged size could claim memory and time without bound: look before decoding.
-                plain = isinstance(page, tifffile.TiffPage) and not page.is_tiled
-                if not plain or page.dtype != np.uint8 or page.shape != size:
-                    raise _contradiction(
-                        path,
-                        f"page {place} of {page.shape} {page.dtype}",
-                        f"{size} uint8 in strips (rows, columns)",
-                    )
-                pixels[place] = page.asarray()
-    except OSError as error:
+    if not path.is_file():
         raise FramesError(
             "the stack cannot be read",
             part=str(path),
-            value=error.strerror,
+            value="no such file",
             todo="check the capture folder",
-        ) from error
-    except _NOT_A_TIFF as error:
+        )
+    try:
+        pages = read_tiff(path, FrameBudget(path))
+    except InputError as error:
         raise FramesError(
-            "the stack is damaged or truncated",
+            "the stack is damaged, truncated or too large",
             part=str(path),
-            value=str(error),
+            value=error.reason,
             limit=f"{note.frames} pages of {size} uint8",
             todo="check the disk space of the digitiser and transfer again",
         ) from error
-    return pixels
+    if len(pages) != note.frames:
+        raise _contradiction(path, f"{len(pages)} pages", f"{note.frames} frames")
+    for place, page in enumerate(pages):
+        if page.dtype != np.uint8 or page.shape != size:
+            raise _contradiction(
+                path, f"page {place} of {page.shape} {page.dtype}", f"{size} uint8 (rows, columns)"
+            )
+    return np.stack(pages).astype(np.uint8, copy=False)
 
 
 def _check_rate(note: StackNote, path: Path, picture_rate_hz: float) -> None:

@@ -6,16 +6,23 @@ import json
 from dataclasses import asdict
 from pathlib import Path
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 from rich.console import Console
 from rich.table import Table
 
+from analysis.errors import InputError
+from analysis.files import FrameBudget
 from analysis.imaging.finding import FoundDisc, find_discs
+from analysis.imaging.png_files import read_picture
+from analysis.imaging.stack import TIFF_SUFFIXES
+from analysis.imaging.tiff_file import read_tiff
 from analysis.quantity import Quantity
 from rigctl.errors import AnalysisInputError, SettingsError
 
+ALLOWED = "give a PNG or TIFF of 8 bit"
+GREY_BGR = (0.114, 0.587, 0.299)
+"""Shares of blue, green and red in a grey level (ITU-R BT.601)."""
 SMALLEST_PX = 6.0
 """The limb of a smaller disc has too few pixels for a fit."""
 
@@ -81,15 +88,17 @@ def _range(text: str, side_px: int) -> tuple[float, float]:
 
 
 def _read(image: Path) -> NDArray[np.uint8]:
+    budget, tiff = FrameBudget(image), image.suffix.lower() in TIFF_SUFFIXES
     try:
-        data = np.frombuffer(image.read_bytes(), dtype=np.uint8)
-    except OSError as error:
-        raise AnalysisInputError(
-            f"cannot be read: {error.strerror or error}", part=str(image)
-        ) from error
-    picture = cv2.imdecode(data, cv2.IMREAD_GRAYSCALE) if data.size else None
-    if picture is None:
-        raise AnalysisInputError(
-            "is no picture", part=str(image), todo="give a PNG or TIFF of 8 bit"
-        )
-    return np.asarray(picture, dtype=np.uint8)
+        picture = read_tiff(image, budget)[0] if tiff else read_picture(image, budget)
+    except (InputError, OSError) as error:
+        why = error.reason if isinstance(error, InputError) else f"cannot be read: {error.strerror}"
+        raise AnalysisInputError(why, part=str(image), todo=ALLOWED) from error
+    if picture.ndim == 3 and picture.shape[2] < 3:
+        picture = picture[..., 0]
+    if picture.dtype != np.uint8:
+        raise AnalysisInputError(f"holds {picture.dtype} values", part=str(image), todo=ALLOWED)
+    if picture.ndim == 2:
+        return picture.astype(np.uint8, copy=False)
+    weights = np.array(GREY_BGR if not tiff else GREY_BGR[::-1])
+    return np.asarray(np.rint(picture[..., :3] @ weights), dtype=np.uint8)

@@ -9,6 +9,7 @@ from typing import Literal, Self
 
 from pydantic import ConfigDict, Field, model_validator
 
+from analysis.files import FileLimits
 from rigctl.config.actuators import Alicat, Lcus, SolenoidPair, TriggerSection, Zaber
 from rigctl.config.camera import CameraSection, EktaproCamera, FilesSource, SerialLine
 from rigctl.config.limits import Limits
@@ -85,6 +86,7 @@ class Configuration(StrictModel):
     store: StoreSection
     service: ServiceSection
     analysis: AnalysisSection
+    files: FileLimits | None = None
     optics: Optics
     spheres: tuple[Body, Body]
     environment: Environment

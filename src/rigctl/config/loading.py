@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, TypeVar
@@ -11,6 +10,8 @@ from typing import Any, TypeVar
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
+from analysis import files
+from analysis.errors import InputError
 from rigctl.config.configuration import Configuration
 from rigctl.errors import ConfigurationError
 
@@ -52,6 +53,8 @@ def default_path() -> Path:
 def load(path: Path | None = None) -> Configuration:
     """Read and check a configuration file; without a path, the simulated rig's.
 
+    Its limits of files hold from then on, in this process and in those that it starts.
+
     Raises
     ------
     ConfigurationError
@@ -59,7 +62,9 @@ def load(path: Path | None = None) -> Configuration:
         the file, the field, the value and the limit; further faulty fields are named as well.
     """
     path = default_path() if path is None else path
-    return parse(read_toml(path), str(path))
+    found = parse(read_toml(path), str(path))
+    files.let_hold(found.files)
+    return found
 
 
 def read_toml(path: Path) -> dict[str, Any]:
@@ -71,14 +76,10 @@ def read_toml(path: Path) -> dict[str, Any]:
         It cannot be read, or is not TOML.
     """
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
+        return files.read_toml(path)
+    except InputError as error:
         raise ConfigurationError(
-            f"cannot be read: {error.strerror}", part=str(path), todo="name a readable file"
-        ) from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ConfigurationError(
-            f"is not TOML: {error}", part=str(path), todo="correct the line"
+            error.reason, part=str(path), todo="name a readable file, or correct the line"
         ) from error
 
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
-import tomllib
 from pathlib import Path
+from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic_core import ErrorDetails
 
 from analysis.errors import InputError
+from analysis.files import parse_toml, read_toml
 from rigctl.service.models import MOST_TAGS, Line, Tag
 from rigctl.store.campaign_words import Words
 
@@ -35,16 +36,18 @@ def read_remarks(folder: Path) -> Words:
     if not path.exists():
         return Words()
     try:
-        return parsed(path.read_bytes())
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(path, f"not TOML: {error}") from error
+        return _words(read_toml(path))
     except ValidationError as error:
         raise InputError(path, "; ".join(map(_fault, error.errors()))) from error
 
 
 def parsed(content: bytes) -> Words:
     """Return what the content of the file says; raise what is wrong with it."""
-    found = _Remarks.model_validate(tomllib.loads(content.decode("utf-8-sig")))
+    return _words(parse_toml(Path(REMARKS), content))
+
+
+def _words(table: dict[str, Any]) -> Words:
+    found = _Remarks.model_validate(table)
     return Words(found.note, tuple(sorted(set(found.tags))))
 
 

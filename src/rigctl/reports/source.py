@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -13,6 +12,7 @@ from typing import Any
 
 from analysis.campaign import DESCRIPTION, FRAMES, SHOT_LIST
 from analysis.exchange.shot_list import EXCLUDED, ShotRow, read_shot_list
+from analysis.files import read_toml
 from analysis.model.gather import CONTACTS, IMPACTS, POSES, gather
 from analysis.model.tables import Data
 from analysis.results.impacts import LeftOut
@@ -87,8 +87,8 @@ def folder_source(folder: Path) -> Source:
     with in_words():
         title, data = gather(folder)
         rows = read_shot_list(home / SHOT_LIST)
+        described = read_toml(home / DESCRIPTION)
     try:
-        described = tomllib.loads((home / DESCRIPTION).read_text(encoding="utf-8"))
         hashes = _hashes(home)
     except OSError as error:
         raise AnalysisInputError(f"cannot be read: {error}", part=str(folder)) from error

@@ -57,8 +57,8 @@ def test_a_file_that_is_absent_or_no_picture_is_bad_input(
     text.write_text("no picture")
     (tmp_path / "empty.png").write_bytes(b"")
     for name, words in (
-        ("text.png", "is no picture"),
-        ("empty.png", "is no picture"),
+        ("text.png", "not a whole PNG file"),
+        ("empty.png", "not a whole PNG file"),
         ("x", "cannot be read"),
     ):
         code = cli.run(["find-discs", str(tmp_path / name), "--diameter-px", "20:50"])

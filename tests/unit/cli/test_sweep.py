@@ -131,7 +131,7 @@ def test_a_detached_sweep_is_left_to_the_daemon(daemon: Daemon, capsys: Any) -> 
         ([*RANGES, "--until", "mu=0.1"], "until.coefficient"),
         ([*RANGES, "--adaptive"], "--until"),
         ([*RANGES, "no.toml"], "not by both"),
-        (["no.toml"], "cannot be read"),
+        (["no.toml"], "no such file"),
     ],
 )
 def test_what_cannot_be_a_sweep_ends_with_2_and_one_sentence(

@@ -16,6 +16,7 @@ from analysis.effects.effect import Effect
 from analysis.effects.own.checking import checked
 from analysis.effects.own.fault import EffectFault, Fault, line_in, said
 from analysis.errors import InputError
+from analysis.files import read_bytes
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +83,11 @@ def _read(path: Path, taken: dict[str, str]) -> Effect:
 def _run(path: Path) -> ModuleType:
     """Run a file as a module of its own; what it prints goes to standard error."""
     name = f"own_effect:{path}"
-    spec = spec_from_loader(name, _Fresh(name, str(path)))
+    try:
+        content = read_bytes(path, "settings_kb")
+    except InputError as error:
+        raise _fault(path, 1, error.reason, "shorten it") from error
+    spec = spec_from_loader(name, _Fresh(name, str(path), content))
     if spec is None or spec.loader is None:
         raise _fault(path, 1, "cannot be read as Python", "write it as rigctl effect new does")
     module = module_from_spec(spec)
@@ -115,9 +120,13 @@ def _fault(path: Path, line: int, what: str, todo: str) -> EffectFault:
 
 
 class _Fresh(SourceFileLoader):
-    """Reads the source each time and leaves no cache beside it: a file may change within a tick."""
+    """Takes the source as it was read, and leaves no cache: a file may change within a tick."""
+
+    def __init__(self, fullname: str, path: str, content: bytes) -> None:
+        super().__init__(fullname, path)
+        self._content = content
 
     def get_code(self, fullname: str) -> CodeType:
         """Compile the file."""
-        code: CodeType = self.source_to_code(self.get_data(self.path), self.path)
+        code: CodeType = self.source_to_code(self._content, self.path)
         return code

@@ -380,7 +380,7 @@ def test_recorded_times_beside_the_frames_are_counted_from_the_first(tmp_path: P
         ('{"times_s": [0.0, 0.001]}', "2 times for 5 frames"),
         ('{"times_s": ["soon", 1, 2, 3, 4]}', "does not hold times_s"),
         ('{"time": []}', "does not hold times_s"),
-        ("[1, 2", "does not hold times_s"),
+        ("[1, 2", "not JSON"),
     ],
 )
 def test_recorded_times_that_cannot_be_used_are_refused_and_not_passed_over(
