@@ -22,7 +22,7 @@ class ShotRefusedError(Exception):
         super().__init__(f"{place}: {reason}")
 
 
-LONGEST_REASON = 2000
+LONGEST_REASON = 1000
 """Characters of a refusal; what a file holds may be quoted in it, however long that is."""
 
 
@@ -30,12 +30,13 @@ class InputError(Exception):
     """A file or folder that cannot be read: which file, where in it, and why."""
 
     def __init__(self, path: object, reason: str, line: int | None = None) -> None:
-        self.path, self.line, self.reason = str(path), line, _shortened(reason)
+        self.path, self.line, self.reason = str(path), line, shortened(reason)
         place = self.path if line is None else f"{self.path}, line {line}"
-        super().__init__(f"{place}: {reason}")
+        super().__init__(f"{place}: {self.reason}")
 
 
-def _shortened(reason: str) -> str:
+def shortened(reason: str) -> str:
+    """Return a text as a sentence can hold it: of a long one, both ends and what lies between."""
     if len(reason) <= LONGEST_REASON:
         return reason
     half = LONGEST_REASON // 2

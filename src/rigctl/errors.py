@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import ClassVar
 
+from analysis.errors import shortened
+
 
 class RigError(Exception):
     """Anything the daemon refuses or fails at, in words an operator can act on.
@@ -38,8 +40,11 @@ class RigError(Exception):
         todo: str | None = None,
         shot: str | None = None,
     ) -> None:
-        self.what, self.part, self.value = what, part, value
-        self.limit, self.todo, self.shot = limit, todo, shot
+        self.what = shortened(what)
+        self.part, self.value, self.limit, self.todo = (
+            None if text is None else shortened(text) for text in (part, value, limit, todo)
+        )
+        self.shot = shot
         super().__init__(self.sentence())
 
     def sentence(self) -> str:

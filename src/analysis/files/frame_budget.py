@@ -25,6 +25,11 @@ class FrameBudget:
         self._began = time.thread_time()
         self._frames, self._bytes = 0, 0
 
+    @property
+    def most_bytes(self) -> float:
+        """Bytes that all frames together may unpack to."""
+        return 1e6 * self._limits.frames_mb
+
     def claim(self, shape: Sequence[int], value_bytes: int = 1) -> None:
         """Count one frame before it is unpacked.
 
@@ -41,7 +46,7 @@ class FrameBudget:
             )
         self._frames, self._bytes = frame + 1, self._bytes + pixels * value_bytes
         self.require_frames(self._frames)
-        if self._bytes > 1e6 * self._limits.frames_mb:
+        if self._bytes > self.most_bytes:
             raise self._beyond(
                 f"its frames unpack to {self._bytes / 1e6:.6g} MB and more by frame {frame}",
                 f"{self._limits.frames_mb:g} MB",

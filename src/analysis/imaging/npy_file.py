@@ -1,19 +1,39 @@
-"""Frames from an NPY file, whose header is checked against the file before anything is held."""
+"""Frames from an NPY file, whose header is checked against the file before anything is held.
+
+The format's own description (numpy.lib.format) has the header as a literal of Python; here it is
+taken in the form in which it is written, and nothing of it is run.
+"""
 
 from __future__ import annotations
 
 import math
+import re
+import struct
 from pathlib import Path
-from typing import BinaryIO
+from typing import BinaryIO, NamedTuple
 
 import numpy as np
-from numpy.lib import format as npy
 from numpy.typing import NDArray
 
 from analysis.errors import InputError
 from analysis.files import FrameBudget
 
-_HEADERS = {(1, 0): npy.read_array_header_1_0, (2, 0): npy.read_array_header_2_0}
+_MAGIC = b"\x93NUMPY"
+_LENGTHS = {(1, 0): "<H", (2, 0): "<I", (3, 0): "<I"}
+"""How the length of the header is written, by the version of the format."""
+MOST_HEADER_BYTES = 10_000
+_HEADER = re.compile(
+    rb"\s*\{\s*'descr':\s*(?P<kind>'[^']{1,99}'|\[.*\]),\s*'fortran_order':\s*(?P<order>True|False),"
+    rb"\s*'shape':\s*\((?P<shape>[0-9, ]*)\),?\s*\}\s*",
+    re.DOTALL,
+)
+_KIND = re.compile(r"[<>|=]?[?bBhHiIlLqQefdgFDGOiufcSUVMm][0-9]{0,6}")
+
+
+class _Header(NamedTuple):
+    kind: np.dtype[np.generic]
+    fortran: bool
+    shape: tuple[int, ...]
 
 
 def read_npy(path: Path, budget: FrameBudget) -> NDArray[np.generic]:
@@ -27,31 +47,52 @@ def read_npy(path: Path, budget: FrameBudget) -> NDArray[np.generic]:
     """
     with path.open("rb") as file:
         try:
-            shape, fortran, kind = _header(file)
-        # The library reads the header as Python and raises whatever that stumbles over.
-        except Exception as error:
-            raise _broken(path, str(error)) from error
-        if kind.hasobject:
-            raise _broken(path, "it holds Python objects")
-        size, start = math.prod(shape) * kind.itemsize, file.tell()
-        there = path.stat().st_size - start
-        if min(shape, default=0) < 0 or size > there:
-            raise _broken(path, f"its header speaks of {size} bytes, {there} follow it")
-        budget.require_frames(shape[0] if shape else 1)
-        for _ in range(shape[0] if shape else 1):
-            budget.claim(shape[1:], kind.itemsize)
-        try:
-            values = np.fromfile(file, dtype=kind, count=math.prod(shape))
+            kind, fortran, shape = _header(file)
         except ValueError as error:
             raise _broken(path, str(error)) from error
+        size, there = math.prod(shape) * kind.itemsize, path.stat().st_size - file.tell()
+        if size > there:
+            raise _broken(path, f"its header speaks of {size} bytes, {there} follow it")
+        frames = shape[0] if shape else 1
+        budget.require_frames(frames)
+        for _ in range(frames):
+            budget.claim(shape[1:], kind.itemsize)
+        values = np.fromfile(file, dtype=kind, count=math.prod(shape))
     return values.reshape(shape, order="F" if fortran else "C")
 
 
-def _header(file: BinaryIO) -> tuple[tuple[int, ...], bool, np.dtype[np.generic]]:
-    version = npy.read_magic(file)
-    if version not in _HEADERS:
-        raise ValueError(f"version {version} of the format; 1.0 and 2.0 are read")
-    return _HEADERS[version](file)
+def _header(file: BinaryIO) -> _Header:
+    head = file.read(8)
+    form = _LENGTHS.get((head[6], head[7])) if len(head) == 8 else None
+    if form is None or head[:6] != _MAGIC:
+        raise ValueError("it does not begin as one of version 1.0 to 3.0")
+    field = file.read(struct.calcsize(form))
+    if len(field) < struct.calcsize(form):
+        raise ValueError("it ends within its header")
+    (length,) = struct.unpack(form, field)
+    text = file.read(min(length, MOST_HEADER_BYTES + 1))
+    found = _HEADER.fullmatch(text)
+    if len(text) != length or found is None:
+        raise ValueError(f"its header of {length} bytes names no kind, order and shape of values")
+    shape = tuple(int(part) for part in found["shape"].split(b",") if part.strip())
+    return _Header(_kind(found["kind"].decode("latin-1")), found["order"] == b"True", shape)
+
+
+def _kind(described: str) -> np.dtype[np.generic]:
+    if described.startswith("["):
+        raise ValueError("it holds records")
+    name = described.strip("'")
+    if not _KIND.fullmatch(name):
+        raise ValueError(f"{described} is no kind of values")
+    try:
+        kind = np.dtype(name)
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"{described} is no kind of values") from error
+    if kind.hasobject:
+        raise ValueError("it holds Python objects")
+    if kind.itemsize == 0:
+        raise ValueError(f"values of kind {described} have no bytes")
+    return kind
 
 
 def _broken(path: Path, why: str) -> InputError:

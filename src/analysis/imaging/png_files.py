@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import struct
 from itertools import pairwise
 from pathlib import Path
 
@@ -13,14 +12,10 @@ from numpy.typing import NDArray
 
 from analysis.errors import InputError
 from analysis.files import FrameBudget
+from analysis.imaging.png_check import head_of, plain
 
 SUFFIX = ".png"
 _NUMBER = re.compile("[0-9]+")
-_HEAD = struct.Struct(">8s4x4sIIBB")
-"""Signature, then length, name, width, height, bit depth and colour type of the first chunk."""
-_SIGNATURE = b"\x89PNG\r\n\x1a\n"
-_VALUES = {0: 1, 2: 3, 3: 3, 4: 2, 6: 4}
-"""Values of a pixel by the colour type (PNG, 11.2.2); those of a palette are unpacked."""
 
 
 def holds_png(folder: Path) -> bool:
@@ -45,25 +40,16 @@ def read_pngs(folder: Path, budget: FrameBudget) -> list[NDArray[np.generic]]:
 
 def read_picture(path: Path, budget: FrameBudget) -> NDArray[np.generic]:
     """Return what a PNG file shows; raise `InputError` where it is damaged or too large."""
-    with path.open("rb") as file:
-        head = file.read(_HEAD.size)
-    if len(head) < _HEAD.size:
-        raise _broken(path)
-    signature, name, width, height, depth, colour = _HEAD.unpack(head)
-    if signature != _SIGNATURE or name != b"IHDR" or colour not in _VALUES:
-        raise _broken(path)
-    budget.claim((height, width), _VALUES[colour] * max(1, depth // 8))
+    content = path.read_bytes() if path.stat().st_size <= budget.most_bytes else b""
     try:
-        page = cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
-    except cv2.error as error:
-        raise _broken(path) from error
+        head = head_of(content)
+        budget.claim((head.height, head.width), head.value_bytes)
+        page = cv2.imdecode(np.frombuffer(plain(content, head), np.uint8), cv2.IMREAD_UNCHANGED)
+    except (ValueError, cv2.error) as error:
+        raise InputError(path, f"not a whole PNG file: {error}") from error
     if page is None:
-        raise _broken(path)
+        raise InputError(path, "not a whole PNG file")
     return np.asarray(page)
-
-
-def _broken(path: Path) -> InputError:
-    return InputError(path, "not a whole PNG file")
 
 
 def _png_files(folder: Path) -> list[Path]:

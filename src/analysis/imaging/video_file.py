@@ -14,6 +14,7 @@ from analysis.files import FrameBudget
 
 # Quiet (ffmpeg's -8), read at the decoder's first use: what it finds wrong comes back as a refusal.
 os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
+cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
 
 GREY_TOLERANCE = 2
 """Codecs that store colour bring grey back to within this many levels between channels."""

@@ -42,7 +42,7 @@ def find(image: Path, diameters: str, *, sigma_px: float | None, as_json: bool) 
     AnalysisInputError
         The picture cannot be read.
     """
-    picture = _read(image)
+    picture = read_grey(image)
     found = find_discs(picture, _range(diameters, min(picture.shape)), sigma_px)
     if as_json:
         document = {"image": str(image), "discs": [asdict(disc) for disc in found]}
@@ -87,7 +87,8 @@ def _range(text: str, side_px: int) -> tuple[float, float]:
     return low, high
 
 
-def _read(image: Path) -> NDArray[np.uint8]:
+def read_grey(image: Path) -> NDArray[np.uint8]:
+    """Return a picture in grey levels; raise `AnalysisInputError` where it cannot be read."""
     budget, tiff = FrameBudget(image), image.suffix.lower() in TIFF_SUFFIXES
     try:
         picture = read_tiff(image, budget)[0] if tiff else read_picture(image, budget)

@@ -183,7 +183,9 @@ HOSTILE: dict[str, tuple[Callable[[Path], Path], str]] = {
         npy(SPEAKS_OF.format("|u1", (10**12, 0, 4))),
         "frames or more, allowed are 10000",
     ),
-    "an NPY header of values without bytes": (npy(SPEAKS_OF.format("|V0", (4, 4, 4))), "8-bit grey"),
+    "an NPY header of values without bytes": (
+        npy(SPEAKS_OF.format("|V0", (4, 4, 4))), "have no bytes"
+    ),
     "TOML keys within keys": (
         text("campaign.toml", ".".join("a" * 60_000) + " = 1\n"), "line 1 has more than 200 dots"
     ),
