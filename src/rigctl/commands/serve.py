@@ -19,6 +19,7 @@ from rigctl import logs, systemd
 from rigctl.config import Configuration, load
 from rigctl.daemon import open_daemon
 from rigctl.errors import ConfigurationError
+from rigctl.jobs.process import hide_from_jobs
 from rigctl.logs import LogFormat
 from rigctl.page.mounting import with_page
 from rigctl.service import keyfile
@@ -108,6 +109,7 @@ def serve(
         with listening, stop_listening, open_daemon(configuration) as daemon, ExitStack() as opened:
             opened.callback(StopPort(stop_listening, daemon.rig, origins).close)
             written = keyfile.write(daemon.store.path, address)
+            hide_from_jobs(written)
             try:
                 hub = EventHub()
                 page = with_page(create_app(daemon, address.key, hub), daemon, address.key)

@@ -38,6 +38,8 @@ class Job:
         16 hexadecimal digits, by chance: a name is never given twice, not even after a restart.
     kind, subject
         What is done, and to which campaign.
+    enclosure
+        What the process of its work is kept from, in words; empty until it runs in one.
     progress, share
         The step under way in words, and the part done from 0 to 1, None where nobody can say.
     result
@@ -54,6 +56,7 @@ class Job:
     created_at: datetime
     started_at: datetime | None = None
     ended_at: datetime | None = None
+    enclosure: str = ""
     progress: str = ""
     share: float | None = None
     result: str | None = None

@@ -1,27 +1,25 @@
 """Work in a process of its own, of low priority: it can be killed, and firing never waits for it.
 
 A process serves one job. Its start costs a second; a worker shared between jobs would hand the
-memory and the faults of one to the next.
+memory and the faults of one to the next. It may run the files of own effects, and so has an
+environment of its own and nothing of the daemon's (`enclosure`).
 """
 
 from __future__ import annotations
 
-import importlib
 import json
 import logging
-import multiprocessing
 import os
 import signal
-import threading
+import subprocess
+import sys
 import time
-import traceback
-from collections.abc import Callable
-from multiprocessing import connection as pipes
+from contextlib import suppress
+from multiprocessing import Pipe
 from multiprocessing.connection import Connection
-from multiprocessing.process import BaseProcess
+from pathlib import Path
 from typing import Any
 
-from rigctl.errors import RigError
 from rigctl.jobs.task import JobFailedError, Task, Work
 
 _log = logging.getLogger(__name__)
@@ -29,11 +27,24 @@ _log = logging.getLogger(__name__)
 LONGEST_S = 3600.0
 END_WAIT_S = 5.0
 NICENESS = 19
+MOST_BYTES = 64 * 1024**2
+"""Of one message of a job, its result with it."""
+PASSED_ON = (
+    *("HOME", "LANG", "LANGUAGE", "PATH", "TMPDIR", "TZ", "USER", "VIRTUAL_ENV"),
+    *("LD_LIBRARY_PATH", "PYTHONHASHSEED", "PYTHONPATH", "PYTHONPYCACHEPREFIX", "RIGCTL_FILES"),
+    *("MPLCONFIGDIR", "NUMBA_CACHE_DIR", "NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES"),
+    *("XDG_CACHE_HOME", "LC_ALL", "LC_CTYPE", "LC_NUMERIC", "LC_TIME"),
+)
+"""Variables of the daemon's environment that a job has: none of them holds a secret."""
 
 Json = dict[str, Any]
-Say = Callable[[str, float | None], None]
-Message = tuple[str, Any, Any]
-"""("say", text, share), ("done", JSON text, None) or ("failed", sentence, code and trace)."""
+
+_hidden: set[Path] = set()
+
+
+def hide_from_jobs(path: Path) -> None:
+    """Let jobs that start from now on find nothing in a file, where the kernel allows that."""
+    _hidden.add(path.absolute())
 
 
 def in_process(function: str, arguments: Json, longest_s: float = LONGEST_S) -> Work:
@@ -44,7 +55,7 @@ def in_process(function: str, arguments: Json, longest_s: float = LONGEST_S) -> 
     function
         `module:name` of a callable (arguments, say) -> JSON object, imported in the process.
     arguments
-        JSON object that is handed over.
+        JSON object that is handed over. Where it names a `database`, the process has the network.
     longest_s
         The process is killed when it has not ended after this time, s.
 
@@ -56,36 +67,52 @@ def in_process(function: str, arguments: Json, longest_s: float = LONGEST_S) -> 
 
     def work(task: Task) -> str:
         process, connection = _start(function, arguments)
-        with connection:
+        with connection, process:
             try:
-                task.on_cancel(process.kill)
+                task.on_cancel(lambda: _kill(process))
                 return _attend(process, connection, task, longest_s)
             finally:
-                process.kill()
-                process.join(END_WAIT_S)
+                _kill(process)
 
     return work
 
 
-def _attend(process: BaseProcess, connection: Connection, task: Task, longest_s: float) -> str:
+def _attend(
+    process: subprocess.Popen[bytes], connection: Connection, task: Task, longest_s: float
+) -> str:
     ends_at = time.monotonic() + longest_s
     while connection.poll(max(0.0, ends_at - time.monotonic())):
         try:
-            kind, content, more = connection.recv()
+            message = connection.recv_bytes(MOST_BYTES)
         except (EOFError, OSError) as error:
-            process.join(END_WAIT_S)
             raise JobFailedError(
                 f"the process {_end_of(process)}", todo="look at the host's memory, then ask again"
             ) from error
-        if kind == "say":
-            task.say(content, more)
-        elif kind == "done":
-            return str(content)
-        else:
-            raise _failed(content, *more)
+        match _message(message):
+            case ["say", str(text), float() | int() | None as share]:
+                task.say(text, share)
+            case ["enclosed", str(words)]:
+                task.enclosed(words)
+            case ["done", str(result)]:
+                return result
+            case ["failed", str(sentence), str() | None as code, str(trace)]:
+                raise _failed(sentence, code, trace)
+            case _:
+                raise JobFailedError(
+                    "the process sent what is no message of a job",
+                    todo="look at the files of your own effects",
+                )
     raise JobFailedError(
         "the work took too long", limit=f"{longest_s:g} s", todo="ask it of fewer shots"
     )
+
+
+def _message(content: bytes) -> object:
+    """Return what a process says as JSON: nothing of it is ever unpacked into other objects."""
+    try:
+        return json.loads(content)
+    except (ValueError, RecursionError):
+        return None
 
 
 def _failed(sentence: str, code: str | None, trace: str) -> JobFailedError:
@@ -95,63 +122,60 @@ def _failed(sentence: str, code: str | None, trace: str) -> JobFailedError:
     return JobFailedError(sentence, because=code)
 
 
-def _start(function: str, arguments: Json) -> tuple[BaseProcess, Connection]:
+def _start(function: str, arguments: Json) -> tuple[subprocess.Popen[bytes], Connection]:
     """Start the process and return it with this end of its pipe."""
-    context = multiprocessing.get_context("spawn")
-    try:
-        ours, theirs = context.Pipe(duplex=False)
-        # Only the process may hold its end, or its death would not be seen.
-        with theirs:
-            try:
-                process = context.Process(
-                    target=_serve, args=(theirs, function, arguments), name="job", daemon=True
-                )
-                process.start()
-            except BaseException:
-                ours.close()
-                raise
-    except Exception as error:
-        raise JobFailedError(
-            f"the process could not be started: {error}",
-            todo="free memory or processes on the host, then ask again",
-        ) from error
+    order = {
+        "function": function,
+        "arguments": arguments,
+        "path": sys.path,
+        "hidden": sorted(map(str, _hidden)),
+        "network": arguments.get("database") is not None,
+    }
+    ours, theirs = Pipe(duplex=False)
+    # Only the process may hold its end, or its death would not be seen.
+    with theirs:
+        try:
+            process = subprocess.Popen(  # noqa: S603 - no word of it comes from outside
+                [sys.executable, "-P", "-m", "rigctl.jobs.worker", str(theirs.fileno())],
+                stdin=subprocess.PIPE,
+                pass_fds=(theirs.fileno(),),
+                env=_environment(),
+                start_new_session=True,
+            )
+        except Exception as error:
+            ours.close()
+            raise JobFailedError(
+                f"the process could not be started: {error}",
+                todo="free memory or processes on the host, then ask again",
+            ) from error
+    with suppress(OSError):
+        os.setpriority(os.PRIO_PROCESS, process.pid, NICENESS)
+    if process.stdin is not None:
+        # One that is gone already is seen at the pipe.
+        with suppress(OSError):
+            process.stdin.write(json.dumps(order).encode() + b"\n")
+            process.stdin.flush()
     return process, ours
 
 
-def _serve(connection: Connection, function: str, arguments: Json) -> None:
-    """Do the work in its own process."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    os.nice(NICENESS)
-    # Read when the libraries are loaded, which happens below.
-    os.environ |= {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
-    threading.Thread(target=_end_with_the_daemon, name="end with the daemon", daemon=True).start()
-
-    def say(text: str, share: float | None) -> None:
-        connection.send(("say", text, share))
-
-    answer: Message
-    try:
-        module, _, name = function.partition(":")
-        call: Callable[[Json, Say], Json] = getattr(importlib.import_module(module), name)
-        answer = ("done", json.dumps(call(arguments, say), allow_nan=False), None)
-    except RigError as error:
-        answer = ("failed", error.sentence(), (error.code, ""))
-    except Exception as error:  # noqa: BLE001 - whatever breaks is told, not lost
-        trace = traceback.format_exc()
-        answer = ("failed", f"{type(error).__name__}: {error}", (None, trace))
-    connection.send(answer)
+def _environment() -> dict[str, str]:
+    passed = {name: os.environ[name] for name in PASSED_ON if name in os.environ}
+    return passed | {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "PYTHONSAFEPATH": "1"}
 
 
-def _end_with_the_daemon() -> None:
-    """End this process when its parent dies, however that dies."""
-    parent = multiprocessing.parent_process()
-    if parent is not None:
-        pipes.wait([parent.sentinel])
-        os._exit(1)
+def _kill(process: subprocess.Popen[bytes]) -> None:
+    """Kill the process with all that it has started in its session."""
+    with suppress(ProcessLookupError):
+        if process.returncode is None:
+            os.killpg(process.pid, signal.SIGKILL)
+    with suppress(subprocess.TimeoutExpired):
+        process.wait(END_WAIT_S)
 
 
-def _end_of(process: BaseProcess) -> str:
-    code = process.exitcode
+def _end_of(process: subprocess.Popen[bytes]) -> str:
+    with suppress(subprocess.TimeoutExpired):
+        process.wait(END_WAIT_S)
+    code = process.returncode
     if code is not None and code < 0:
         return f"was killed by {signal.Signals(-code).name}"
     return f"ended with status {code}"

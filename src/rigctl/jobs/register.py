@@ -98,6 +98,10 @@ class Register:
         """Note how far a running job is."""
         self.change(job, frozenset({JobState.RUNNING}), progress=text, share=share)
 
+    def enclosed(self, job: str, enclosure: str) -> None:
+        """Note what a running job's process is kept from."""
+        self.change(job, frozenset({JobState.RUNNING}), enclosure=enclosure)
+
     def job(self, name: str) -> Job:
         """Return a job; raise `NotFoundError` where none of that name is remembered."""
         with self._changed:

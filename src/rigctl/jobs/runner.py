@@ -96,8 +96,11 @@ class Jobs:
                 raise JobsFullError("no further job is taken", todo="start the daemon again")
             job, known = self._register.add(kind, subject, key)
             if not known:
-                say = self._register.progress
-                self._tasks[job.id] = Task(lambda text, share: say(job.id, text, share))
+                register = self._register
+                self._tasks[job.id] = Task(
+                    lambda text, share: register.progress(job.id, text, share),
+                    lambda words: register.enclosed(job.id, words),
+                )
                 self._waiting.put((job.id, work))
         return job
 

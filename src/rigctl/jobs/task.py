@@ -42,10 +42,16 @@ class Task:
     ----------
     say
         Takes the step under way in words and the share done from 0 to 1, or None.
+    enclosed
+        Takes in words what the process of the work is kept from.
     """
 
-    def __init__(self, say: Callable[[str, float | None], None]) -> None:
-        self.say = say
+    def __init__(
+        self,
+        say: Callable[[str, float | None], None],
+        enclosed: Callable[[str], None] = lambda _: None,
+    ) -> None:
+        self.say, self.enclosed = say, enclosed
         self._lock = threading.Lock()
         self._unwanted = False
         self._callbacks: list[Callable[[], None]] = []

@@ -22,6 +22,9 @@ class JobSummary(BaseModel):
     ended_at: datetime | None
     progress: str = Field(description="the step under way, in words")
     share: float | None = Field(description="the part done, from 0 to 1; null: nobody can say")
+    enclosure: str = Field(
+        description="what the process of its work is kept from, in words; empty: it has none"
+    )
     failure: str | None
     failure_code: str | None
 
@@ -38,6 +41,7 @@ class JobSummary(BaseModel):
             ended_at=job.ended_at,
             progress=job.progress,
             share=job.share,
+            enclosure=job.enclosure,
             failure=job.failure,
             failure_code=job.failure_code,
         )

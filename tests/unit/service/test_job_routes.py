@@ -49,6 +49,7 @@ def test_a_running_job_shows_how_far_it_is(ask: Any, hold: Callable[[], str]) ->
         "progress": "half way",
         "share": 0.5,
         "failure": None,
+        "enclosure": "",
         "failure_code": None,
         "result": None,
     }
