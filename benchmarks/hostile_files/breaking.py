@@ -174,11 +174,11 @@ def _lines(content: bytes, rng: random.Random) -> bytes:
     k, other = rng.randrange(len(lines)), rng.randrange(len(lines))
     match rng.randrange(6):
         case 0:
-            lines[k : k + 1] = [lines[k]] * rng.choice((0, 2, 3000))
+            lines[k : k + 1] = [lines[k][:1000]] * rng.choice((0, 2, 3000))
         case 1:
             lines[k], lines[other] = lines[other], lines[k]
         case 2:
-            lines[k] = lines[k] * rng.choice((2, 1000))
+            lines[k] = lines[k][:3000] * rng.choice((2, 1000))
         case _:
             return _text(content, rng)
     return b"\n".join(lines)

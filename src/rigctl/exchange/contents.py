@@ -16,12 +16,13 @@ from analysis.exchange.contact_table import read_contacts
 from analysis.exchange.description import read_description
 from analysis.exchange.impact_table import read_impacts
 from analysis.exchange.pose_table import PoseRow, read_poses
-from analysis.exchange.shot_list import ShotRow, read_shot_list
+from analysis.exchange.shot_list import EXCLUDED, NOTE, TAGS, ShotRow, read_shot_list
 from analysis.imaging.stack import read_stack
 from analysis.model.gather import CONTACTS, IMPACTS
 from analysis.setup import Setup
 from rigctl.errors import AnalysisInputError
 from rigctl.exchange.remarks import read_remarks
+from rigctl.plain_text import require_plain
 from rigctl.store.campaign_words import Words
 
 Poses = Mapping[str, Sequence[PoseRow]]
@@ -81,6 +82,8 @@ def read_contents(folder: Path, say: Callable[[str, float | None], None]) -> Con
     AnalysisInputError
         A file is absent, of a later format, or cannot be read; frames that cannot are all named,
         with their shots. Something in the folder is no plain file, or no shot has any stage.
+    SettingsError
+        A name, note, tag or reason is no plain line.
     """
     with _in_words():
         _require_plain(folder)
@@ -89,6 +92,7 @@ def read_contents(folder: Path, say: Callable[[str, float | None], None]) -> Con
         rows = tuple(read_shot_list(folder / SHOT_LIST))
         if not rows:
             raise InputError(folder / SHOT_LIST, "names no shots")
+        _require_plain_words(folder, title, rows)
         plate = any(sphere.plate for sphere in setup.spheres)
         poses = read_poses(folder / POSES) if (folder / POSES).exists() else {}
         tabulated: set[int] = set()
@@ -102,6 +106,15 @@ def read_contents(folder: Path, say: Callable[[str, float | None], None]) -> Con
             stages = f"{FRAMES}, {POSES}, {CONTACTS}, {IMPACTS}"
             raise InputError(folder, f"holds none of {stages}")
     return Contents(folder, title, setup, rows, frames, poses, frozenset(tabulated), remarks)
+
+
+def _require_plain_words(folder: Path, title: str, rows: Sequence[ShotRow]) -> None:
+    """Refuse names and remarks with characters that are not shown as they are stored."""
+    require_plain(title, f"{folder / DESCRIPTION}: name")
+    for row in rows:
+        for column in (EXCLUDED, NOTE, TAGS):
+            where = f"{folder / SHOT_LIST}: {column} of shot {row.shot}"
+            require_plain(row.words.get(column), where)
 
 
 def _frames(

@@ -11,7 +11,8 @@ from pydantic_core import ErrorDetails
 
 from analysis.errors import InputError
 from analysis.files import parse_toml, read_toml
-from rigctl.service.models import MOST_TAGS, Line, Tag
+from rigctl.plain_text import Line
+from rigctl.service.models import MOST_TAGS, Tag
 from rigctl.store.campaign_words import Words
 
 REMARKS = "remarks.toml"

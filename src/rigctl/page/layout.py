@@ -11,6 +11,7 @@ from rigctl.page.asking import ask_reason
 from rigctl.page.desk import Desk, actor
 from rigctl.page.presence import come_back, every
 from rigctl.page.widgets import button
+from rigctl.plain_text import require_plain
 from rigctl.rig.states import LATCHED, RigState
 from rigctl.rig.status import RigStatus
 
@@ -141,7 +142,12 @@ def _latch(status: RigStatus) -> str:
 def _ask_release(desk: Desk) -> None:
     async def release(why: str) -> bool:
         who = actor()
-        return await desk.done(lambda: desk.daemon.rig.release(who, why), moves=True)
+
+        def call() -> None:
+            require_plain(why, "reason")
+            desk.daemon.rig.release(who, why)
+
+        return await desk.done(call, moves=True)
 
     ask_reason(
         "Release the rig",

@@ -7,7 +7,7 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from importlib.metadata import version
 
-from fastapi import FastAPI, Request
+from fastapi import Depends, FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from starlette.exceptions import HTTPException
 from starlette.responses import Response
@@ -23,6 +23,7 @@ from rigctl.service.metrics import Metrics, metrics_route
 from rigctl.service.models import RigEvent, ShotView
 from rigctl.service.openapi import describe, openapi_route
 from rigctl.service.problems import Problem, answer, from_error, from_validation, unforeseen
+from rigctl.service.queries import require_known
 from rigctl.service.routes_campaigns import campaign_routes
 from rigctl.service.routes_edits import campaign_edit_routes, edit_routes
 from rigctl.service.routes_effects import effect_routes
@@ -77,6 +78,7 @@ def create_app(daemon: Daemon, key: str, hub: EventHub) -> FastAPI:
         openapi_url=None,
         redirect_slashes=False,
         lifespan=lifespan,
+        dependencies=[Depends(require_known)],
     )
     lanes = Lanes()
     app.include_router(rig_routes(daemon, lanes), prefix=PREFIX)

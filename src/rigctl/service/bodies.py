@@ -23,6 +23,10 @@ class DuplicateKeysError(ValueError):
         super().__init__(f"keys that stand more than once: {', '.join(values)}")
 
 
+class NotUtf8Error(ValueError):
+    """JSON in another form than UTF-8, which is the only one of the interface (RFC 8259, 8.1)."""
+
+
 def loads(text: bytes) -> object:
     """Return what a JSON text holds.
 
@@ -33,6 +37,8 @@ def loads(text: bytes) -> object:
     ValueError, RecursionError
         No JSON, not in UTF-8, or nested beyond all bounds.
     """
+    if not json.detect_encoding(text).startswith("utf-8"):
+        raise NotUtf8Error("not in UTF-8")
     content: object = json.loads(text, object_pairs_hook=_object)
     return content
 
@@ -103,6 +109,10 @@ def _require_single_keys(body: bytes) -> object:
                 for key, values in error.values.items()
             ]
         ) from error
+    except NotUtf8Error as error:
+        shown = body[:20].decode("latin-1")
+        fault = {"type": "not_utf8", "loc": ("body",), "msg": "is not JSON in UTF-8"}
+        raise RequestValidationError([fault | {"input": shown}]) from error
     except (ValueError, RecursionError):
         return None
 

@@ -62,6 +62,9 @@ def _document(app: FastAPI, limits: Limits) -> dict[str, Any]:
             # What lies around all routes answers for them: foreign sites, bodies that do not come.
             for status in (403, 408) if "413" in operation["responses"] else (403,):
                 operation["responses"][str(status)] = documented(status)[status]
+            if locked:
+                # Whatever a path takes, a parameter that it does not take is refused.
+                operation["responses"].setdefault("422", documented(422)[422])
     schemas["ArmOrder"] = _narrowed(schemas["ShotSettings"], limits)
     body = document["paths"][f"{PREFIX}/rig/arm"]["post"]["requestBody"]
     body["content"]["application/json"]["schema"] = {"$ref": "#/components/schemas/ArmOrder"}

@@ -140,7 +140,7 @@ def from_validation(error: RequestValidationError) -> Problem:
             field=first.field,
             value=first.value,
             limit=first.limit,
-            todo="send a fresh key of 1 to 200 visible characters with each new order",
+            todo="send one fresh key of 1 to 200 visible characters with each new order",
         )
     return Problem(
         status=422,

@@ -10,6 +10,7 @@ from typing import Any
 from sqlalchemy import Connection, Row, delete, insert, select, update
 
 from rigctl.errors import SettingsError
+from rigctl.plain_text import require_plain
 from rigctl.store import chain
 from rigctl.store.campaign_words import (
     Words,
@@ -154,6 +155,8 @@ class Edits:
     def _note(self, connection: Connection, change: _Change) -> None:
         if change.before == change.after:
             return
+        require_plain(change.after, change.act, change.subject)
+        require_plain(change.actor, "actor")
         fields: dict[str, object] = {"at": self._now().isoformat(), **asdict(change)}
         chain.append(connection, edits, fields)
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from datetime import datetime
 
 from rigctl.errors import StoreError
+from rigctl.plain_text import require_plain
 from rigctl.settings import ShotSettings
 from rigctl.store.states import Fired, ShotState
 
@@ -21,6 +22,11 @@ class NewShot:
     simulated: bool
     configuration: str
     accepted_at: datetime
+
+    def __post_init__(self) -> None:
+        """Refuse a note, campaign or actor that is no plain line."""
+        for part in ("note", "campaign", "actor"):
+            require_plain(getattr(self, part), part)
 
 
 @dataclass(frozen=True, slots=True)

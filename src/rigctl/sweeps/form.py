@@ -10,6 +10,7 @@ from pydantic import Field, ValidationError, model_validator
 
 from rigctl.config.loading import checked, read_toml
 from rigctl.config.model import StrictModel
+from rigctl.plain_text import PLAIN
 from rigctl.settings import ShotSettings
 from rigctl.sweeps.levels import Levels, values_of
 
@@ -92,7 +93,9 @@ class Sweep(StrictModel):
         pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*$",
         description="campaign that the shots belong to",
     )
-    note: str = Field(default="", max_length=1000, description="what the sweep is for")
+    note: str = Field(
+        default="", max_length=1000, pattern=PLAIN, description="what the sweep is for"
+    )
     repeat: Repeat = Field(default=1, description="how often all is fired, grid and list alike")
     shuffle: bool = Field(
         default=True, description="fire in a drawn order, so that a drift is no effect of a setting"

@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rigctl.errors import ConfigurationError, StoreError
+from rigctl.plain_text import PLAIN
 from rigctl.settings import ShotSettings
 from rigctl.sweeps.form import Grid, RepeatedShot, Sweep, read_sweep
 from rigctl.sweeps.levels import Range
@@ -48,7 +49,7 @@ SHOTS = st.builds(
 SWEEPS = st.builds(
     Sweep,
     campaign=st.none() | st.from_regex(r"\A[A-Za-z0-9][A-Za-z0-9._-]{0,63}\Z"),
-    note=st.text(max_size=50),
+    note=st.from_regex(PLAIN, fullmatch=True).filter(lambda note: len(note) <= 50),
     repeat=st.integers(1, 5),
     shuffle=st.booleans(),
     seed=st.integers(0, 2**63 - 1),
