@@ -79,7 +79,7 @@ def walk(path: Path, budget: FrameBudget) -> Walk:
                     path, f"damaged: its directories go round, frame {len(ends)} is an earlier one"
                 )
             seen.add(offset)
-            found = _directory(path, file, form, offset, len(ends))
+            found = _directory(path, file, form, offset, len(ends)) if offset < size else None
             if found is None or found[1] is None:
                 # The directory, or what follows it, lies beyond the end.
                 return Walk((*ends, *(() if found is None else (found[0],))), ends_well=False)
@@ -136,7 +136,7 @@ def _directory(
 
 
 def _reader(file: BinaryIO, offset: int) -> Callable[[struct.Struct], tuple[int, ...] | None]:
-    file.seek(min(offset, 2**62))
+    file.seek(offset)
 
     def take(form: struct.Struct) -> tuple[int, ...] | None:
         content = file.read(form.size)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import ipaddress
+import os
 import signal
 import socket
 import sys
@@ -95,6 +96,8 @@ def serve(
     RigError
         A device or the store cannot be opened.
     """
+    # What the daemon and its jobs write is for their owner alone.
+    os.umask(0o077)
     # SIGTERM unwinds like Ctrl-C, also while devices are being opened and after the server ended.
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     configuration = _with_effects(load(path), effects)

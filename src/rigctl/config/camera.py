@@ -68,6 +68,11 @@ class _Recording(StrictModel):
         description="time the shutter is open, us; not known: up to that between two pictures",
     )
 
+    @property
+    def frames_bytes(self) -> int:
+        """Bytes of the frames of one shot, 8 bits a pixel."""
+        return self.rows * self.columns * (self.frames_before_mark + self.frames_after_mark)
+
 
 class EktaproCamera(_Recording):
     """Kodak EktaPro 1000, a tape recorder: it records only after it was told (thesis, app. A).

@@ -7,7 +7,7 @@ from datetime import datetime
 
 from rigctl.cameras.capture import RecordingConfirmation
 from rigctl.devices.roles import PowerQuery
-from rigctl.errors import RigError
+from rigctl.errors import RigError, StoreError
 from rigctl.rig.estop import EmergencyStop
 from rigctl.rig.interlocks import Interlock, fresh, within
 from rigctl.rig.parts import Bench
@@ -24,7 +24,7 @@ class Conditions:
     def __init__(self, bench: Bench, stop: EmergencyStop) -> None:
         self._limits, self._devices = bench.configuration.limits, bench.devices
         self._capture, self._store, self._clock = bench.capture, bench.store, bench.clock
-        self._stop = stop
+        self._stop, self._frames_bytes = stop, bench.configuration.camera.frames_bytes
         self._rests_since: float | None = None
         self._clocks = self._both_clocks()
 
@@ -42,6 +42,8 @@ class Conditions:
     ) -> tuple[Interlock, ...]:
         """Read every condition; once frames are recorded, the confirmation speaks for the camera.
 
+        From then on the room for their frames on the disk is held, until it is given back.
+
         Ages are taken after the last reading, so a slow part makes the earlier ones stale.
         """
         found = [
@@ -55,6 +57,7 @@ class Conditions:
             self._disk(),
             self._writable(),
             self._wall_clock(),
+            *([] if recording is None else [self._room()]),
         ]
         return fresh(found, self._clock.monotonic(), self._limits.reading_max_age_s)
 
@@ -166,6 +169,17 @@ class Conditions:
         limit, source = f"at least {needed:g}", str(self._store.path)
         todo = "free disk space, or name another store folder"
         return Interlock("disk", free >= needed, free, limit, "MB", source, now, todo)
+
+    def _room(self) -> Interlock:
+        """Hold the room on the disk that the frames of a shot take."""
+        now, source = self._clock.monotonic(), str(self._store.path)
+        try:
+            self._store.folders.room.hold(self._frames_bytes)
+        except StoreError as error:
+            free, needed = error.value or error.what, error.limit or "room"
+            return Interlock("room", False, free, needed, "", source, now, error.todo or "")
+        held = f"{self._frames_bytes} bytes held"
+        return Interlock("room", True, held, "room for all frames", "", source, now, "")
 
     def _writable(self) -> Interlock:
         return self._asked("store", str(self._store.path), self._store.check)

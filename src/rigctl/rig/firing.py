@@ -67,6 +67,7 @@ class ShotRun:
             failure = self._prepare_fire_collect(shot)
         finally:
             unsafe = self._make_safe()
+            self._store.folders.room.give_back()
         return failure or unsafe
 
     def _prepare_fire_collect(self, shot: ShotRecord) -> RigError | None:

@@ -6,6 +6,8 @@ import hashlib
 import os
 from pathlib import Path
 
+from rigctl.store.durable import create, make_folders
+
 _CHUNK = 1 << 20
 
 
@@ -19,9 +21,9 @@ def copy_synced(source: Path, target: Path) -> str:
     OSError
         It cannot be read or written.
     """
-    target.parent.mkdir(parents=True, exist_ok=True)
+    make_folders(target.parent)
     digest = hashlib.sha256()
-    with source.open("rb") as read, target.open("xb") as write:
+    with source.open("rb") as read, create(target) as write:
         while chunk := read.read(_CHUNK):
             digest.update(chunk)
             write.write(chunk)

@@ -27,10 +27,18 @@ from numpy.typing import NDArray
 
 from rigctl.cameras.frames import FrameSequence
 from rigctl.errors import NotFoundError, StoreError
-from rigctl.store.durable import make_folders, sync_folder, write_synced
+from rigctl.store.durable import (
+    FOLDER_MODE,
+    make_folders,
+    sync_folder,
+    write_over_synced,
+    write_synced,
+)
+from rigctl.store.room import Room
 
 _NAME = re.compile(r"(\d{8}|i\d{4,})-\d{6,}")
 _PARTIAL = ".partial"
+FRAMES = "frames.npy"
 
 
 class ShotFolders:
@@ -38,6 +46,7 @@ class ShotFolders:
 
     def __init__(self, root: Path) -> None:
         self._shots = root / "shots"
+        self.room = Room(self._shots)
 
     def folder(self, shot: str) -> Path:
         """Return where a shot's files are, or will be; raise `NotFoundError` for no shot's name."""
@@ -49,7 +58,7 @@ class ShotFolders:
         """Write a shot's frames and manifest; return the folder once all of it is on disk.
 
         The folder is filled under another name, forced to disk, renamed, and its parent forced
-        to disk. The manifest gains the entry `frames`.
+        to disk. The manifest gains the entry `frames`. What `room` holds goes to the frames.
 
         Raises
         ------
@@ -63,7 +72,8 @@ class ShotFolders:
                 raise FileExistsError(0, "the shot's folder exists already")
             make_folders(target.parent)
             try:
-                partial.mkdir()
+                partial.mkdir(FOLDER_MODE)
+                self.room.become(partial / FRAMES)
                 _fill(partial, frames, manifest)
                 partial.rename(target)
                 sync_folder(target.parent)
@@ -248,10 +258,11 @@ def _fill(folder: Path, frames: FrameSequence, manifest: Mapping[str, Any]) -> N
     def save(file: BinaryIO) -> None:
         np.save(file, frames.pixels, allow_pickle=False)
 
-    write_synced(folder / "frames.npy", save)
+    path = folder / FRAMES
+    (write_over_synced if path.exists() else write_synced)(path, save)
     about = {
-        "file": "frames.npy",
-        "sha256": sha256(folder / "frames.npy"),
+        "file": FRAMES,
+        "sha256": sha256(path),
         "shape": list(frames.pixels.shape),
         "dtype": str(frames.pixels.dtype),
         "times_s": frames.times_s.tolist(),

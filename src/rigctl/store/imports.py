@@ -22,7 +22,7 @@ from rigctl.settings import ShotSettings
 from rigctl.store import chain
 from rigctl.store.campaign_words import Words, set_note, set_tags
 from rigctl.store.database import Database
-from rigctl.store.durable import make_folders, sync_folder
+from rigctl.store.durable import FOLDER_MODE, make_folders, sync_folder
 from rigctl.store.edits import utc_now
 from rigctl.store.folders import sha256
 from rigctl.store.schema import edits, imports, results, shot_tags, shots
@@ -183,7 +183,7 @@ class Imports:
             number = max([last, *(int(match[1]) for match in there if match)]) + 1
             path = self._shots / f".i{number:04d}.partial"
             try:
-                path.mkdir()
+                path.mkdir(FOLDER_MODE)
             except FileExistsError:
                 continue
             return Stage(number, path)

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import os
 import sqlite3
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, ClassVar
 
 from sqlalchemy import URL, Connection, Engine, create_engine, event
+
+from rigctl.store.durable import FILE_MODE
 
 _DURABLE = ("journal_mode = WAL", "synchronous = FULL", "foreign_keys = ON")
 
@@ -36,6 +39,10 @@ class Sqlite:
 
     def __init__(self, path: Path, busy_timeout_s: float, *, writable: bool) -> None:
         self.name = str(path)
+        if writable:
+            # The library would create it with the rights that the umask leaves.
+            with suppress(OSError):
+                os.close(os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, FILE_MODE))
         self.engine = _engine(path, busy_timeout_s, writable=writable)
 
     def version(self, connection: Connection) -> int:

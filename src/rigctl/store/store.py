@@ -7,6 +7,7 @@ import fcntl
 import os
 import shutil
 from collections.abc import Callable, Collection
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -16,7 +17,7 @@ from rigctl.errors import StoreError
 from rigctl.store.campaigns import CampaignRecord, Campaigns
 from rigctl.store.catalogue import Catalogue, Change
 from rigctl.store.database import Database
-from rigctl.store.durable import make_folders
+from rigctl.store.durable import FILE_MODE, FOLDER_MODE, make_folders
 from rigctl.store.edits import Edits
 from rigctl.store.fits import Fits
 from rigctl.store.folders import ShotFolders
@@ -222,7 +223,10 @@ def _own(folder: Path, *, shared: bool) -> int:
     descriptor = -1
     try:
         make_folders(folder)
-        descriptor = os.open(folder / "store.lock", os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
+        descriptor = os.open(
+            folder / "store.lock", os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, FILE_MODE
+        )
+        _keep_to_owner(folder)
         fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except OSError as error:
         if descriptor >= 0:
@@ -231,6 +235,12 @@ def _own(folder: Path, *, shared: bool) -> int:
             return -1
         raise _refused(folder, error) from error
     return descriptor
+
+
+def _keep_to_owner(folder: Path) -> None:
+    """Let nobody but its owner into the folder; whoever else may write it leaves it as it is."""
+    with suppress(PermissionError):
+        folder.chmod(FOLDER_MODE)
 
 
 def _refused(folder: Path, error: OSError) -> StoreError:
