@@ -19,13 +19,16 @@ from rigctl.service.events import EventHub
 from rigctl.store import Fired, ShotState
 
 KEY = "contract-key"
-WAIT_S = 30.0
+WAIT_S = 200.0
 SETTINGS = {"pressure_a_kpa": 40.0, "pressure_b_kpa": 40.0, "offset_mm": 6.0}
 HEADERS = {"Authorization": f"Bearer {KEY}"}
 
 
 def simulated(folder: str) -> Configuration:
-    return load().model_copy(update={"store": StoreSection(folder=folder)})
+    usual = load()
+    # A busy machine renders the films of a shot late.
+    camera = usual.camera.model_copy(update={"collect_timeout_s": WAIT_S / 2})
+    return usual.model_copy(update={"store": StoreSection(folder=folder), "camera": camera})
 
 
 @pytest.fixture(scope="module")
