@@ -70,13 +70,17 @@ def verify(
         str | None, typer.Argument(help="Only its shots; without it everything.")
     ] = None,
     *,
+    anchor: Annotated[
+        Path | None,
+        typer.Option(help="File elsewhere with heads of the audit; the present one is added."),
+    ] = None,
     config: Config = None,
     json: Json = False,
 ) -> None:
-    """Compare all that is stored with its digests."""
+    """Compare all that is stored with its digests, its manifests and its audit."""
     from rigctl.commands.keeping import verify as run
 
-    run(campaign, config, as_json=json)
+    run(campaign, config, anchor=anchor, as_json=json)
 
 
 @campaigns.command()

@@ -12,28 +12,43 @@ from rigctl.commands.bar import bar
 from rigctl.errors import StoreError
 from rigctl.exchange.fresh import fresh_folder
 from rigctl.opening import read_store
+from rigctl.store.anchors import add_anchor, read_anchors
 from rigctl.store.backup import back_up
 from rigctl.store.verifying import verify_store
 
 
-def verify(campaign: str | None, configuration: Path | None, *, as_json: bool) -> None:
+def verify(
+    campaign: str | None, configuration: Path | None, *, anchor: Path | None = None, as_json: bool
+) -> None:
     """Compare all that is stored with its digests and print what is wrong.
+
+    With an `anchor` the audit is compared with the heads in that file as well; where nothing is
+    wrong, its present head is added to them.
 
     Raises
     ------
     NotFoundError
         There is no store, or no such campaign.
+    SettingsError
+        The file of anchors is none.
     StoreError
         Something is not as it was stored; all of it is printed first.
     """
+    kept = [] if anchor is None else [(str(anchor), each) for each in read_anchors(anchor)]
     with read_store(configuration) as store, bar() as say:
-        found = verify_store(store, say, campaign)
+        head = store.database.head()
+        found = verify_store(store, say, campaign, kept)
+    if anchor is not None and head is not None and not found.faults:
+        add_anchor(anchor, head)
     if as_json:
         _print(json.dumps(asdict(found)))
     else:
         for fault in found.faults:
             _print(f"{fault.part}: {fault.what}")
-        _print(f"{found.shots} shots, {found.files} files, {found.entries} entries of the audit")
+        _print(
+            f"{found.shots} shots, {found.files} files, {found.rows} rows, "
+            f"{found.entries} entries of the audit"
+        )
         if found.unchecked:
             _print(f"{found.unchecked} results without a digest: read, but not compared")
     if found.faults:

@@ -141,7 +141,7 @@ class ShotRun:
             document = manifest(
                 confirmed, self._configuration, ready.recording, receipt, ready.conditions
             )
-            self._store.folders.write(shot.id, frames, document)
+            self._store.keep_frames(confirmed, frames, document)
         except Exception as error:  # noqa: BLE001 - as above
             return self._end(shot, ShotState.ABORTED, error, Fired.YES)
         kept = Change(frames=len(frames.pixels), lost=len(frames.lost), ended_at=self._clock.wall())

@@ -62,6 +62,7 @@ def close_open_shots(store: Store, now: datetime) -> Recovery:
     """
     removed = store.folders.remove_partial()
     closed = [_close(store, shot, now) for shot in store.catalogue.in_states(RUNNING)]
+    store.settle()
     for shot in store.catalogue.in_states(frozenset({ShotState.ANALYSING})):
         store.move(shot.id, ShotState.STORED)
     waiting = store.catalogue.in_states(frozenset({ShotState.STORED}))

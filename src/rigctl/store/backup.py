@@ -10,6 +10,7 @@ from rigctl.errors import StoreError
 from rigctl.store.copying import copy_synced
 from rigctl.store.reading import StoreReader, reading
 from rigctl.store.records import ShotRecord
+from rigctl.store.seal import read_seal
 from rigctl.store.verifying import Verified, verify_store
 
 Say = Callable[[str, float | None], None]
@@ -41,6 +42,8 @@ def back_up(store: StoreReader, target: Path, say: Say) -> Backup:
     """
     say("copying the catalogue", 0.0)
     store.database.copy_to(target / "catalogue.db")
+    if (seal := read_seal(store.folder)) is not None:
+        seal.keep(target)
     for name in _BESIDE:
         if (store.folder / name).exists():
             copy_synced(store.folder / name, target / name)

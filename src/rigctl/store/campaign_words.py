@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
-from sqlalchemy import Connection, delete, insert, select
+from sqlalchemy import ColumnElement, Connection, Table, delete, insert, select
 
 from rigctl.errors import NotFoundError
+from rigctl.store import ledger
 from rigctl.store.schema import campaign_notes, campaign_tags, shots
 
 
@@ -34,17 +35,27 @@ def words_of(connection: Connection, campaign: str | None = None) -> Mapping[str
 
 def set_note(connection: Connection, campaign: str, note: str | None) -> None:
     """Put a note in the place of a campaign's note, or take it away."""
-    connection.execute(delete(campaign_notes).where(campaign_notes.c.campaign == campaign))
+    mine = _cleared(connection, campaign_notes, campaign)
     if note is not None:
         connection.execute(insert(campaign_notes).values(campaign=campaign, note=note))
+        ledger.note(connection, campaign_notes, mine)
 
 
 def set_tags(connection: Connection, campaign: str, tags: Collection[str]) -> None:
     """Give a campaign exactly these tags."""
-    connection.execute(delete(campaign_tags).where(campaign_tags.c.campaign == campaign))
+    mine = _cleared(connection, campaign_tags, campaign)
     if tags:
         rows = [{"campaign": campaign, "tag": tag} for tag in sorted(set(tags))]
         connection.execute(insert(campaign_tags), rows)
+        ledger.note(connection, campaign_tags, mine)
+
+
+def _cleared(connection: Connection, table: Table, campaign: str) -> ColumnElement[bool]:
+    """Remove what a table says of a campaign; return the condition that its rows meet."""
+    mine: ColumnElement[bool] = table.c.campaign == campaign
+    ledger.note_removed(connection, table, connection.execute(select(table).where(mine)))
+    connection.execute(delete(table).where(mine))
+    return mine
 
 
 def require_campaign(connection: Connection, campaign: str) -> None:

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 
 from sqlalchemy import Connection, bindparam, func, insert, select, update
 
 from rigctl.errors import KeyReusedError, KeyRunningError, NotFoundError, StoreError
+from rigctl.store.campaign_words import no_such_campaign
 from rigctl.store.database import Database
 from rigctl.store.imports import require_own
-from rigctl.store.records import NewShot, ShotRecord
+from rigctl.store.ledger import note
+from rigctl.store.records import NewShot, Request, ShotRecord
 from rigctl.store.schema import idempotency_keys, results, shot_tags, shots
 from rigctl.store.shot_rows import no_such_shot, one, records
 from rigctl.store.states import RUNNING, SHOT_TRANSITIONS, Fired, ShotState
@@ -48,12 +50,17 @@ class Catalogue:
         self._database = database
 
     def accept(
-        self, key: str, body_hash: str, describe: Callable[[], NewShot]
+        self,
+        key: str,
+        body_hash: str,
+        describe: Callable[[], NewShot],
+        keep: Callable[[ShotRecord, Request], object] = lambda shot, request: None,
     ) -> tuple[ShotRecord, bool]:
         """Claim an idempotency key and create its shot, both or neither.
 
         `describe` is called under the write lock and only when the key is free; what it raises
-        leaves the key free. Returns the shot and whether it was there before.
+        leaves the key free, and so does what `keep` raises, which is told of the shot before the
+        claim is on disk. Returns the shot and whether it was there before.
 
         Raises
         ------
@@ -76,6 +83,8 @@ class Catalogue:
             record = _created(connection, number + 1, new)
             row = {"key": key, "body_hash": body_hash, "shot": record.number}
             connection.execute(insert(idempotency_keys).values(row))
+            note(connection, idempotency_keys, idempotency_keys.c.key == key)
+            keep(record, Request(key, body_hash))
         return record, False
 
     def move(self, shot: str, to: ShotState, change: Change | None = None) -> ShotRecord:
@@ -112,6 +121,7 @@ class Catalogue:
                 known["outcome"] = to
             statement = update(shots).where(shots.c.id == shot).values(state=to, **known)
             (record,) = records(connection, statement.returning(shots))
+            note(connection, shots, shots.c.number == record.number)
             return record
 
     def shot(self, shot: str) -> ShotRecord:
@@ -148,6 +158,20 @@ class Catalogue:
         with self._database.reading() as connection:
             return next(iter(records(connection, query)), None)
 
+    def request(self, shot: ShotRecord) -> Request | None:
+        """Return the request that made a shot; None where none did, as of an imported one."""
+        query = select(idempotency_keys).where(idempotency_keys.c.shot == shot.number)
+        with self._database.reading() as connection:
+            row = connection.execute(query).first()
+        return None if row is None else Request(row.key, row.body_hash)
+
+    def stored(self, shot: str, manifest: str) -> None:
+        """Note the digest of a manifest that was written once its shot had ended."""
+        with self._database.writing() as connection:
+            mine = (shots.c.id == shot, shots.c.manifest.is_(None))
+            connection.execute(update(shots).where(*mine).values(manifest=manifest))
+            note(connection, shots, shots.c.id == shot)
+
     def shots(
         self,
         *,
@@ -177,15 +201,43 @@ class Catalogue:
                 query = query.where(shots.c.number > one(connection, after).number)
             return records(connection, query)
 
-    def each(self, campaign: str | None = None) -> Iterator[ShotRecord]:
+    def each(
+        self,
+        campaign: str | None = None,
+        unreadable: Callable[[int, Exception], None] | None = None,
+    ) -> Iterator[ShotRecord]:
         """Give every shot, or every one of a campaign, oldest first; few are held at any time.
 
-        Each page is one transaction: a shot accepted meanwhile is given as well.
+        Each page is one transaction: a shot accepted meanwhile is given as well. `unreadable` is
+        told the number of a shot whose row makes no sense, and why; without it that is raised.
         """
-        after: str | None = None
-        while page := self.shots(campaign=campaign, limit=_PAGE, after=after):
-            after = page[-1].id
-            yield from page
+        query = select(shots.c.number).order_by(shots.c.number).limit(_PAGE)
+        if campaign is not None:
+            query = query.where(shots.c.campaign == campaign)
+        after = -(1 << 31)
+        while True:
+            with self._database.reading() as connection:
+                numbers = connection.scalars(query.where(shots.c.number > after)).all()
+            if not numbers:
+                return
+            yield from self._page(numbers, unreadable)
+            after = numbers[-1]
+
+    def _page(
+        self, numbers: Sequence[int], unreadable: Callable[[int, Exception], None] | None
+    ) -> list[ShotRecord]:
+        """Return shots by their numbers; one by one where not all of them can be read."""
+        query = select(shots).where(shots.c.number.in_(numbers)).order_by(shots.c.number)
+        try:
+            with self._database.reading() as connection:
+                return records(connection, query)
+        except (ValueError, StoreError) as error:
+            if unreadable is None:
+                raise
+            if len(numbers) == 1:
+                unreadable(numbers[0], error)
+                return []
+        return [shot for number in numbers for shot in self._page([number], unreadable)]
 
     def results(self, shot: ShotRecord) -> dict[int, str]:
         """Return the SHA-256 of each result's file by its number; of old ones none is known."""
@@ -193,10 +245,22 @@ class Catalogue:
         with self._database.reading() as connection:
             return {row.number: row.digest for row in connection.execute(query)}
 
-    def count(self) -> int:
-        """Return how many shots there are."""
+    def has(self, shot: str) -> bool:
+        """Say whether there is a shot of that name, whatever its row says."""
+        query = select(shots.c.number).where(shots.c.id == shot)
         with self._database.reading() as connection:
-            return int(connection.execute(select(func.count()).select_from(shots)).scalar_one())
+            return connection.execute(query).first() is not None
+
+    def count(self, campaign: str | None = None) -> int:
+        """Return how many shots there are; raise `NotFoundError` if a campaign has none."""
+        query = select(func.count()).select_from(shots)
+        if campaign is not None:
+            query = query.where(shots.c.campaign == campaign)
+        with self._database.reading() as connection:
+            found = int(connection.execute(query).scalar_one())
+        if campaign is not None and not found:
+            raise no_such_campaign(campaign)
+        return found
 
     def latest(self, limit: int, campaign: str | None = None) -> list[ShotRecord]:
         """Return up to `limit` shots, of one campaign or of all, the latest first."""
@@ -252,6 +316,7 @@ def _add_result(connection: Connection, shot: int, change: Change) -> None:
     known = select(results).filter_by(**row)
     if connection.execute(known).one_or_none() is None:
         connection.execute(insert(results).values(**row, digest=change.result))
+        note(connection, results, results.c.shot == shot, results.c.number == change.results)
 
 
 def _created(connection: Connection, number: int, new: NewShot) -> ShotRecord:
@@ -271,6 +336,7 @@ def _created(connection: Connection, number: int, new: NewShot) -> ShotRecord:
             accepted_at=new.accepted_at.isoformat(),
         )
     )
+    note(connection, shots, shots.c.number == number)
     return one(connection, name)
 
 

@@ -10,8 +10,7 @@ from typing import Any
 from sqlalchemy import Connection, Row, Table, insert, select
 
 from rigctl.errors import StoreError
-
-_START = "0" * 64
+from rigctl.store.ledger import START, note
 
 
 def append(connection: Connection, table: Table, fields: dict[str, object]) -> Row[Any]:
@@ -21,9 +20,10 @@ def append(connection: Connection, table: Table, fields: dict[str, object]) -> R
     """
     query = select(table.c.number, table.c.digest).order_by(table.c.number.desc()).limit(1)
     last = connection.execute(query).one_or_none()
-    number, previous = (last.number + 1, last.digest) if last else (1, _START)
+    number, previous = (last.number + 1, last.digest) if last else (1, START)
     digest = _digest(previous, (number, *fields.values()))
     connection.execute(insert(table).values(number=number, **fields, digest=digest))
+    note(connection, table, table.c.number == number)
     return connection.execute(select(table).where(table.c.number == number)).one()
 
 
@@ -42,7 +42,7 @@ def verify(rows: Iterable[Row[Any]], part: str, entry: str) -> int:
     StoreError
         An entry does not fit the one before it; the error names its number.
     """
-    previous, count = _START, 0
+    previous, count = START, 0
     for row in rows:
         count += 1
         if row.number != count or row.digest != _digest(previous, tuple(row)[:-1]):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sqlite3
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -15,12 +15,16 @@ from sqlalchemy.exc import SQLAlchemyError
 
 from rigctl.errors import StoreError
 from rigctl.store import schema
+from rigctl.store.ledger import Anchor, head
+from rigctl.store.seal import Seal
 from rigctl.store.sqlite import Sqlite
 
 if TYPE_CHECKING:
     from rigctl.store.postgresql import Postgresql
 
 WRITER_WAIT_S = 20.0
+
+Sealing = Callable[[Connection, int], Seal]
 
 
 class Database:
@@ -38,6 +42,9 @@ class Database:
         False: the file must be there, and `writing` fails.
     migrate
         Whether a catalogue of an earlier form is brought to the present one; otherwise refused.
+    sealing
+        Given the first transaction and the version found (0: there was none), returns the seal of
+        what is written; None: nothing is written that the ledger tells of.
 
     Raises
     ------
@@ -55,16 +62,20 @@ class Database:
         address: str | None = None,
         writable: bool = True,
         migrate: bool = True,
+        sealing: Sealing | None = None,
     ) -> None:
         self._writer = threading.Lock()
+        self._seal: Seal | None = None
         self._server = _server(path, address, busy_timeout_s, writable=writable)
         self.name, self._engine = self._server.name, self._server.engine
         try:
             if writable and migrate:
-                self._create_or_refuse()
+                self._create_or_refuse(sealing)
             else:
                 with self.reading() as connection:
-                    self._require_present(self._version(connection))
+                    version = self._version(connection)
+                    self._require_present(version)
+                    self._seal = None if sealing is None else sealing(connection, version)
         except BaseException:
             self.close()
             raise
@@ -78,7 +89,8 @@ class Database:
         StoreError
             The lock was not had within the busy time-out, or the disk refused.
         """
-        with self._alone(), self._in_words(), self._engine.begin() as connection:
+        writer = self._engine.execution_options(seal=self._seal)
+        with self._alone(), self._in_words(), writer.begin() as connection:
             yield connection
 
     @contextmanager
@@ -132,6 +144,16 @@ class Database:
         with self._in_words():
             self._server.copy_to(path)
 
+    def head(self) -> Anchor | None:
+        """Return the head of the ledger; None where it has no entry."""
+        with self.reading() as connection:
+            return head(connection)
+
+    def integrity(self) -> list[str]:
+        """Return what the database itself finds wrong with its file; of a server nothing."""
+        with self.reading() as connection:
+            return self._server.integrity(connection)
+
     def own(self) -> bool:
         """Keep other processes from owning the catalogue until `close`; say whether it was free.
 
@@ -153,7 +175,7 @@ class Database:
         self._server.disown()
         self._engine.dispose()
 
-    def _create_or_refuse(self) -> None:
+    def _create_or_refuse(self, sealing: Sealing | None) -> None:
         with self.writing() as connection:
             version = self._version(connection)
             if version < schema.SCHEMA_VERSION:
@@ -161,6 +183,7 @@ class Database:
                 from rigctl.store.migrations import upgrade  # noqa: PLC0415
 
                 upgrade(connection, version, schema.SCHEMA_VERSION)
+            self._seal = None if sealing is None else sealing(connection, version)
 
     def _version(self, connection: Connection) -> int:
         version = self._server.version(connection)

@@ -20,6 +20,7 @@ from rigctl.store.campaign_words import (
     words_of,
 )
 from rigctl.store.database import Database
+from rigctl.store.ledger import note, note_removed
 from rigctl.store.records import Edit, ShotRecord
 from rigctl.store.schema import edits, shot_tags, shots
 from rigctl.store.shot_rows import one
@@ -98,11 +99,14 @@ class Edits:
         """Give a shot exactly these tags; raise as `exclude`."""
         with self._database.writing() as connection:
             present = one(connection, shot)
-            connection.execute(delete(shot_tags).where(shot_tags.c.shot == present.number))
+            mine = shot_tags.c.shot == present.number
+            note_removed(connection, shot_tags, connection.execute(select(shot_tags).where(mine)))
+            connection.execute(delete(shot_tags).where(mine))
             wanted = sorted(set(tags))
             if wanted:
                 rows = [{"shot": present.number, "tag": tag} for tag in wanted]
                 connection.execute(insert(shot_tags), rows)
+                note(connection, shot_tags, mine)
             self._note(connection, _tagged(actor, "tagged", shot, (present.tags, wanted)))
             return one(connection, shot)
 
@@ -151,6 +155,7 @@ class Edits:
 
     def _set(self, connection: Connection, shot: str, **values: str | None) -> None:
         connection.execute(update(shots).where(shots.c.id == shot).values(values))
+        note(connection, shots, shots.c.id == shot)
 
     def _note(self, connection: Connection, change: _Change) -> None:
         if change.before == change.after:

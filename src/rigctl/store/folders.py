@@ -5,6 +5,7 @@
     shots/20260131/20260131-000042/frames.npy         uint8, shape (frames, rows, columns)
                                    manifest.json      settings, times, digests, with units
                                    result-0001.json   one for each analysis
+                   20260131-000043/manifest.json      a shot without frames: why, and what flew
           i0007/i0007-000017/      shot 17 of the seventh imported campaign: frames as they came
                 folder/            everything else of its exchange folder
                 import.json        every file of that folder, with its digest
@@ -37,7 +38,8 @@ from rigctl.store.durable import (
 from rigctl.store.room import Room
 
 _NAME = re.compile(r"(\d{8}|i\d{4,})-\d{6,}")
-_PARTIAL = ".partial"
+PARTIAL = ".partial"
+"""Ending of what is being written."""
 FRAMES = "frames.npy"
 
 
@@ -54,11 +56,12 @@ class ShotFolders:
             raise NotFoundError("no such shot", value=repr(shot), todo="list the shots")
         return self._shots / shot.partition("-")[0] / shot
 
-    def write(self, shot: str, frames: FrameSequence, manifest: Mapping[str, Any]) -> Path:
+    def write(self, shot: str, frames: FrameSequence | None, manifest: Mapping[str, Any]) -> Path:
         """Write a shot's frames and manifest; return the folder once all of it is on disk.
 
         The folder is filled under another name, forced to disk, renamed, and its parent forced
-        to disk. The manifest gains the entry `frames`. What `room` holds goes to the frames.
+        to disk. The manifest gains the entry `frames`, null where there are none. What `room`
+        holds goes to the frames.
 
         Raises
         ------
@@ -66,14 +69,15 @@ class ShotFolders:
             The shot's folder exists, or the disk refused; nothing is left behind.
         """
         target = self.folder(shot)
-        partial = target.with_name(f".{shot}{_PARTIAL}")
+        partial = target.with_name(f".{shot}{PARTIAL}")
         with _in_words(shot, target):
             if target.exists():
                 raise FileExistsError(0, "the shot's folder exists already")
             make_folders(target.parent)
             try:
                 partial.mkdir(FOLDER_MODE)
-                self.room.become(partial / FRAMES)
+                if frames is not None:
+                    self.room.become(partial / FRAMES)
                 _fill(partial, frames, manifest)
                 partial.rename(target)
                 sync_folder(target.parent)
@@ -164,7 +168,7 @@ class ShotFolders:
             The disk refused, or the result holds a number that is not finite.
         """
         folder = self.folder(shot)
-        partial = folder / f".result{_PARTIAL}"
+        partial = folder / f".result{PARTIAL}"
         with _in_words(shot, folder):
             text = result if isinstance(result, bytes) else result_text(result)
             partial.unlink(missing_ok=True)
@@ -211,12 +215,12 @@ class ShotFolders:
                 for shot in os.scandir(day.path):
                     if _is_partial(shot.name):
                         yield Path(shot.path)
-                    elif os.path.exists(begun := f"{shot.path}/.result{_PARTIAL}"):
+                    elif os.path.exists(begun := f"{shot.path}/.result{PARTIAL}"):
                         yield Path(begun)
 
 
 def _is_partial(name: str) -> bool:
-    return name.startswith(".") and name.endswith(_PARTIAL)
+    return name.startswith(".") and name.endswith(PARTIAL)
 
 
 def read_pixels(path: Path) -> NDArray[np.uint8]:
@@ -254,13 +258,22 @@ def result_text(result: Mapping[str, Any]) -> bytes:
     return "\n".join(("{", ",\n".join(fields), "}", "")).encode()
 
 
-def _fill(folder: Path, frames: FrameSequence, manifest: Mapping[str, Any]) -> None:
+def _fill(folder: Path, frames: FrameSequence | None, manifest: Mapping[str, Any]) -> None:
+    about = None if frames is None else _saved(folder, frames)
+    text = json.dumps({**manifest, "frames": about}, allow_nan=False, indent=1).encode()
+    write_synced(folder / "manifest.json", lambda file: file.write(text))
+    sync_folder(folder)
+
+
+def _saved(folder: Path, frames: FrameSequence) -> dict[str, Any]:
+    """Write frames and return what the manifest says of them."""
+
     def save(file: BinaryIO) -> None:
         np.save(file, frames.pixels, allow_pickle=False)
 
     path = folder / FRAMES
     (write_over_synced if path.exists() else write_synced)(path, save)
-    about = {
+    return {
         "file": FRAMES,
         "sha256": sha256(path),
         "shape": list(frames.pixels.shape),
@@ -270,9 +283,6 @@ def _fill(folder: Path, frames: FrameSequence, manifest: Mapping[str, Any]) -> N
         "lost": list(frames.lost),
         "source": frames.source,
     }
-    text = json.dumps({**manifest, "frames": about}, allow_nan=False, indent=1).encode()
-    write_synced(folder / "manifest.json", lambda file: file.write(text))
-    sync_folder(folder)
 
 
 def sha256(path: Path) -> str:

@@ -25,6 +25,7 @@ from rigctl.store.database import Database
 from rigctl.store.durable import FOLDER_MODE, make_folders, sync_folder
 from rigctl.store.edits import utc_now
 from rigctl.store.folders import sha256
+from rigctl.store.ledger import note
 from rigctl.store.schema import edits, imports, results, shot_tags, shots
 from rigctl.store.states import Fired, ShotState
 
@@ -137,6 +138,7 @@ class Imports:
             _add_rows(connection, stage, common, found)
             row = {"number": stage.number, "campaign": campaign, "digest": digest}
             connection.execute(insert(imports).values(row))
+            note(connection, imports, imports.c.number == stage.number)
             set_note(connection, campaign, words.note)
             set_tags(connection, campaign, words.tags)
             fields: dict[str, object] = {
@@ -199,11 +201,13 @@ def _add_rows(
     numbered = list(enumerate(found, start=last + 1))
     rows = [{"number": number, **common, **_row(stage, shot)} for number, shot in numbered]
     connection.execute(insert(shots), rows)
+    note(connection, shots, shots.c.number > last)
     tags = [
         {"tag": tag, "shot": number} for number, shot in numbered for tag in sorted(set(shot.tags))
     ]
     if tags:
         connection.execute(insert(shot_tags), tags)
+        note(connection, shot_tags, shot_tags.c.shot > last)
     measured = [
         {"shot": number, "number": 1, "digest": sha256(_first_result(stage, shot))}
         for number, shot in numbered
@@ -211,6 +215,7 @@ def _add_rows(
     ]
     if measured:
         connection.execute(insert(results), measured)
+        note(connection, results, results.c.shot > last)
 
 
 def _first_result(stage: Stage, shot: ImportedShot) -> Path:

@@ -30,6 +30,14 @@ class NewShot:
 
 
 @dataclass(frozen=True, slots=True)
+class Request:
+    """Idempotency key of the request that made a shot, and the SHA-256 of the request's body."""
+
+    key: str
+    body_hash: str
+
+
+@dataclass(frozen=True, slots=True)
 class ShotRecord:
     """One shot as the catalogue has it.
 

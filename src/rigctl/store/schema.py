@@ -19,7 +19,7 @@ from rigctl.store.any_text import AnyText
 from rigctl.store.states import Fired, ShotState
 from rigctl.store.sweep_states import StepState, SweepState
 
-SCHEMA_VERSION = 5
+SCHEMA_VERSION = 6
 """Number of the last migration; a catalogue carries its own as `user_version`."""
 
 metadata = MetaData()
@@ -176,6 +176,17 @@ sweep_steps = Table(
     Column("ended_at", AnyText),
     Column("failure", AnyText),
     _one_of("state", StepState),
+    sqlite_strict=True,
+)
+
+ledger = Table(
+    "ledger",
+    metadata,
+    Column("number", Integer, primary_key=True),
+    Column("about", AnyText, nullable=False),
+    Column("row", AnyText, nullable=False),
+    Column("content", AnyText),
+    Column("digest", AnyText, nullable=False),
     sqlite_strict=True,
 )
 

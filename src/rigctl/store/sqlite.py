@@ -33,8 +33,11 @@ class Sqlite:
         "full": "free disk space, then arm again",
         "readonly": "give the daemon write access to the file and its folder",
         "unable to open": "give the daemon write access to the folder",
-        "malformed": "restore the file from a backup; the shot folders are whole without it",
-        "not a database": "name another store folder, or restore the file from a backup",
+        "malformed": "restore the file from a backup, or rebuild it with `rigctl recover`",
+        "not a database": (
+            "name another store folder, restore the file from a backup, or rebuild it with "
+            "`rigctl recover`"
+        ),
     }
 
     def __init__(self, path: Path, busy_timeout_s: float, *, writable: bool) -> None:
@@ -48,6 +51,13 @@ class Sqlite:
     def version(self, connection: Connection) -> int:
         """Return the number of the last migration of the catalogue; 0: there is none."""
         return int(connection.exec_driver_sql("PRAGMA user_version").scalar_one())
+
+    def integrity(self, connection: Connection) -> list[str]:
+        """Return what SQLite finds wrong with pages, indexes, types and references."""
+        found = [str(row[0]) for row in connection.exec_driver_sql("PRAGMA integrity_check")]
+        lost = connection.exec_driver_sql("PRAGMA foreign_key_check").all()
+        named = [f"row {row[1]} of {row[0]} refers to no row of {row[2]}" for row in lost]
+        return [line for line in found if line != "ok"] + named
 
     def own(self) -> bool:
         """Say that nobody else owns it: the lock beside the file has told already."""

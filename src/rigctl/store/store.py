@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import errno
 import fcntl
+import logging
 import os
 import shutil
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
 from rigctl.cameras.frames import FrameSequence
-from rigctl.errors import StoreError
+from rigctl.errors import NotFoundError, RigError, StoreError
 from rigctl.store.campaigns import CampaignRecord, Campaigns
 from rigctl.store.catalogue import Catalogue, Change
-from rigctl.store.database import Database
 from rigctl.store.durable import FILE_MODE, FOLDER_MODE, make_folders
 from rigctl.store.edits import Edits
 from rigctl.store.fits import Fits
@@ -24,9 +24,13 @@ from rigctl.store.folders import ShotFolders
 from rigctl.store.imports import Imports
 from rigctl.store.journal import Journal
 from rigctl.store.listeners import Listeners
+from rigctl.store.opened import open_catalogue
+from rigctl.store.orders import Orders, order_document, outcome_document
 from rigctl.store.records import NewShot, ShotRecord
 from rigctl.store.states import ShotState
 from rigctl.store.sweeps import Sweeps
+
+_log = logging.getLogger(__name__)
 
 
 def _free_bytes(folder: Path) -> int:
@@ -74,11 +78,8 @@ class Store:
         self._free_bytes = free_bytes
         self._owned = _own(self.path, shared=shared)
         try:
-            self._database = Database(
-                self.path / "catalogue.db",
-                busy_timeout_s,
-                address=database,
-                migrate=self._owned >= 0,
+            self._database = open_catalogue(
+                self.path, database, busy_timeout_s, migrate=self._owned >= 0
             )
         except BaseException:
             self._disown()
@@ -95,13 +96,14 @@ class Store:
         self.edits = Edits(self._database)
         self.imports = Imports(self._database, self.path)
         self.folders = ShotFolders(self.path)
+        self.orders = Orders(self.folders)
         self.fits = Fits(self.path)
 
     def accept(
         self, key: str, body_hash: str, describe: Callable[[], NewShot]
     ) -> tuple[ShotRecord, bool]:
         """Claim a key and create its shot; as `Catalogue.accept`."""
-        record, known = self.catalogue.accept(key, body_hash, describe)
+        record, known = self.catalogue.accept(key, body_hash, describe, self.orders.keep)
         if not known:
             self.listeners.tell(record)
         return record, known
@@ -110,14 +112,38 @@ class Store:
         """Give a shot its next state, durably; as `Catalogue.move`. Listeners are told.
 
         With `stored` the digest of its manifest goes into the catalogue, with a result that of
-        its file.
+        its file. A shot that ends without frames gets a manifest that says how.
         """
         change = change or Change()
         if to is ShotState.STORED:
             change = replace(change, manifest=self.folders.digest(shot))
         if change.results is not None:
             change = replace(change, result=self.folders.result_digest(shot, change.results))
-        return self._told(self.catalogue.move(shot, to, change))
+        record = self.catalogue.move(shot, to, change)
+        if record.outcome is not None:
+            self._settle(record)
+        return self._told(record)
+
+    def keep_frames(
+        self, shot: ShotRecord, frames: FrameSequence, manifest: Mapping[str, Any]
+    ) -> Path:
+        """Write a shot's frames and manifest, with what the catalogue knows of it.
+
+        Raise as `ShotFolders.write`.
+        """
+        document = self._stated(replace(shot, outcome=ShotState.STORED))
+        return self.folders.write(shot.id, frames, {**document, **manifest})
+
+    def settle(self) -> None:
+        """Write down the ends that the disk refused; forget orders that were never acknowledged."""
+        for shot in list(self.orders.all()):
+            try:
+                record = self.catalogue.shot(shot)
+            except NotFoundError:
+                self.orders.forget(shot)
+                continue
+            if record.outcome is not None:
+                self._settle(record)
 
     def shot(self, shot: str) -> ShotRecord:
         """Return one shot; raise `NotFoundError` if there is none of that name."""
@@ -207,6 +233,31 @@ class Store:
         if self._owned >= 0:
             os.close(self._owned)
             self._owned = -1
+
+    def _settle(self, record: ShotRecord) -> None:
+        """Put the end of a shot beside the others, in the place of its order.
+
+        What the disk refuses is left to the next start: the row is what counts.
+        """
+        try:
+            if not self.orders.has(record.id):
+                return
+            if record.manifest is None:
+                if self.folders.digest(record.id) is None:
+                    self.folders.write(record.id, None, self._stated(record))
+                self.catalogue.stored(record.id, str(self.folders.digest(record.id)))
+            self.orders.forget(record.id)
+        except (RigError, OSError) as error:
+            _log.warning("shot %s: its end is not beside the shots: %s", record.id, error)
+
+    def _stated(self, record: ShotRecord) -> dict[str, Any]:
+        head = self._database.head()
+        return {
+            **order_document(record, self.catalogue.request(record)),
+            "fired_at": None if record.fired_at is None else record.fired_at.isoformat(),
+            "outcome": outcome_document(record),
+            "audit": None if head is None else asdict(head),
+        }
 
     def _told(self, record: ShotRecord) -> ShotRecord:
         self.listeners.tell(record)

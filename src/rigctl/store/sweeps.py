@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import secrets
 from collections.abc import Callable
 from datetime import datetime
 from typing import Any
@@ -11,6 +12,7 @@ from sqlalchemy import Connection, Row, func, insert, select, update
 from rigctl.errors import KeyReusedError, NotFoundError, StoreError
 from rigctl.settings import ShotSettings
 from rigctl.store.database import Database
+from rigctl.store.ledger import note
 from rigctl.store.schema import sweep_steps, sweeps
 from rigctl.store.sweep_records import NewSweep, StepRecord, SweepRecord
 from rigctl.store.sweep_states import (
@@ -56,6 +58,8 @@ class Sweeps:
             number = (connection.execute(select(func.max(sweeps.c.number))).scalar_one() or 0) + 1
             connection.execute(insert(sweeps).values(_row(new, number, key, body_hash)))
             connection.execute(insert(sweep_steps), _steps(number, new.steps))
+            note(connection, sweeps, sweeps.c.number == number)
+            note(connection, sweep_steps, sweep_steps.c.sweep == number)
             return _one(connection, _name(new.accepted_at, number)), False
 
     def sweep(self, sweep: str) -> SweepRecord:
@@ -131,6 +135,7 @@ class Sweeps:
                 .where(sweeps.c.number == present.number)
                 .values(state=to, reason=reason, ended_at=ended_at)
             )
+            note(connection, sweeps, sweeps.c.number == present.number)
             return _one(connection, sweep)
 
     def take(self, sweep: str, step: int, at: datetime) -> StepRecord:
@@ -144,11 +149,11 @@ class Sweeps:
         with self._database.writing() as connection:
             number = _number(connection, sweep)
             present = _require_move(connection, number, step, StepState.TAKEN)
-            attempt = present.attempt + 1
             values = {
                 "state": StepState.TAKEN,
-                "attempt": attempt,
-                "key": f"{sweep}/{step}/{attempt}",
+                "attempt": present.attempt + 1,
+                # Random: a shot that somebody fires beforehand is never taken for the step's.
+                "key": secrets.token_urlsafe(24),
                 "shot": None,
                 "taken_at": at.isoformat(),
                 "ended_at": None,
@@ -214,11 +219,14 @@ def _steps(sweep: int, settings: tuple[ShotSettings, ...]) -> list[dict[str, obj
 
 
 def _turn(connection: Connection, sweep: int, before: StepState, after: StepState) -> None:
-    connection.execute(
-        update(sweep_steps)
-        .where(sweep_steps.c.sweep == sweep, sweep_steps.c.state == before)
-        .values(state=after)
-    )
+    standing = (sweep_steps.c.sweep == sweep, sweep_steps.c.state == before)
+    turned = update(sweep_steps).where(*standing).values(state=after)
+    numbers = connection.scalars(turned.returning(sweep_steps.c.number)).all()
+    if numbers:
+        # Steps fall in few runs of numbers, and a statement takes only so many of them.
+        first, last = min(numbers), max(numbers)
+        mine = (sweep_steps.c.sweep == sweep, sweep_steps.c.number.between(first, last))
+        note(connection, sweep_steps, *mine, sweep_steps.c.state == after)
 
 
 def _require_move(connection: Connection, sweep: int, step: int, to: StepState) -> StepRecord:
@@ -236,6 +244,7 @@ def _changed(connection: Connection, sweep: int, step: int, values: dict[str, An
         .where(sweep_steps.c.sweep == sweep, sweep_steps.c.number == step)
         .values(values)
     )
+    note(connection, sweep_steps, sweep_steps.c.sweep == sweep, sweep_steps.c.number == step)
     return _one_step(connection, sweep, step)
 
 

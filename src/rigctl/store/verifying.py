@@ -4,26 +4,23 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from rigctl.errors import NotFoundError, RigError, StoreError
+from rigctl.store.anchors import anchor_of
+from rigctl.store.faults import Fault
 from rigctl.store.folders import sha256
 from rigctl.store.imports import LISTING
 from rigctl.store.reading import StoreReader
 from rigctl.store.records import ShotRecord
+from rigctl.store.states import ShotState
+from rigctl.store.verify_ledger import Anchored, verify_ledger
+from rigctl.store.verify_rows import verify_row
 
 Say = Callable[[str, float | None], None]
-
-
-@dataclass(frozen=True, slots=True)
-class Fault:
-    """Something that is not as it was stored: which file or part, and what is wrong with it."""
-
-    part: str
-    what: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,6 +33,8 @@ class Verified:
         How many were looked at; entries are those of the two audits.
     unchecked
         How many results are of a time when no digest was noted: they were read, not compared.
+    rows
+        How many rows of the catalogue were compared with the ledger.
     """
 
     shots: int
@@ -43,10 +42,28 @@ class Verified:
     entries: int
     faults: tuple[Fault, ...]
     unchecked: int = 0
+    rows: int = 0
 
 
-def verify_store(store: StoreReader, say: Say, campaign: str | None = None) -> Verified:
-    """Compare every stored file with its digest, and every audit with its chain.
+@dataclass(slots=True)
+class _Found:
+    """What was looked at so far."""
+
+    shots: int = 0
+    files: int = 0
+    unchecked: int = 0
+    known: set[str] = field(default_factory=set)
+    faults: list[Fault] = field(default_factory=list)
+    anchors: list[Anchored] = field(default_factory=list)
+
+
+def verify_store(
+    store: StoreReader,
+    say: Say,
+    campaign: str | None = None,
+    anchors: Sequence[Anchored] = (),
+) -> Verified:
+    """Compare every file with its digest, every row with manifest and ledger, every audit.
 
     It may run while shots are fired: what is stored meanwhile is not looked at.
 
@@ -54,6 +71,8 @@ def verify_store(store: StoreReader, say: Say, campaign: str | None = None) -> V
     ----------
     campaign
         Only its shots; None: all of them, and whether the folder holds anything else.
+    anchors
+        Heads of the ledger that were kept elsewhere, each with where.
 
     Raises
     ------
@@ -62,35 +81,62 @@ def verify_store(store: StoreReader, say: Say, campaign: str | None = None) -> V
     StoreError
         The catalogue cannot be read.
     """
-    shots, files, unchecked, faults = 0, 0, 0, list[Fault]()
-    total = store.campaigns.one(campaign).shots if campaign else store.catalogue.count()
-    known = set[str]()
-    for shot in store.catalogue.each(campaign):
-        say(f"shot {shot.id}", shots / max(total, 1))
-        shots += 1
-        known.add(shot.id)
-        looked_at, wrong = _verify_frames(store, shot)
-        files += looked_at
-        faults += wrong
-        looked_at, without, wrong = _verify_results(store, shot)
-        files += looked_at
-        unchecked += without
-        faults += wrong
+    found = _Found()
+    total = store.catalogue.count(campaign)
+    for shot in store.catalogue.each(campaign, unreadable=_named(found.faults)):
+        say(f"shot {shot.id}", found.shots / max(total, 1))
+        found.shots += 1
+        _verify_shot(store, shot, found)
     for number, name in store.imports.numbers().items():
         if campaign is None or campaign == name:
             looked_at, wrong = _verify_import(store, name)
-            files += looked_at
-            faults += wrong
-            known.add(store.imports.folder(number).name)
-    entries = 0
+            found.files += looked_at
+            found.faults += wrong
+            found.known.add(store.imports.folder(number).name)
     if campaign is None:
-        faults += _strangers(store, known)
+        found.faults += _strangers(store, found.known)
+        found.faults += [Fault(store.database.name, what) for what in store.database.integrity()]
+    entries = 0
     for audit in (store.journal, store.edits):
         try:
             entries += audit.verify()
         except StoreError as error:
-            faults.append(Fault(str(error.part), f"{error.what} (found {error.value})"))
-    return Verified(shots, files, entries, tuple(faults), unchecked)
+            found.faults.append(Fault(str(error.part), f"{error.what} (found {error.value})"))
+    rows, wrong = verify_ledger(store, found.anchors, anchors)
+    faults = (*found.faults, *wrong)
+    return Verified(found.shots, found.files, entries, faults, found.unchecked, rows)
+
+
+def _named(faults: list[Fault]) -> Callable[[int, Exception], None]:
+    """Return what makes a fault of a row that cannot be read."""
+
+    def name(number: int, error: Exception) -> None:
+        faults.append(Fault(f"shots [{number}]", f"its row cannot be read: {error}"))
+
+    return name
+
+
+def _verify_shot(store: StoreReader, shot: ShotRecord, found: _Found) -> None:
+    found.known.add(shot.id)
+    try:
+        store.folders.folder(shot.id)
+    except NotFoundError:
+        found.faults.append(Fault(f"shots [{shot.number}]", f"its name {shot.id!r} is no shot's"))
+        return
+    looked_at, wrong = _verify_frames(store, shot)
+    found.files += looked_at
+    found.faults += wrong
+    looked_at, without, wrong = _verify_results(store, shot)
+    found.files += looked_at
+    found.unchecked += without
+    found.faults += wrong
+    try:
+        manifest = store.folders.manifest(shot.id)
+    except RigError:
+        return
+    found.faults += verify_row(shot, store.catalogue.request(shot), manifest)
+    if (anchor := anchor_of(manifest)) is not None:
+        found.anchors.append((f"the manifest of shot {shot.id}", anchor))
 
 
 def _verify_frames(store: StoreReader, shot: ShotRecord) -> tuple[int, list[Fault]]:
@@ -108,7 +154,7 @@ def _verify_frames(store: StoreReader, shot: ShotRecord) -> tuple[int, list[Faul
             about = store.folders.manifest(shot.id)["frames"]
             if sha256(folder / about["file"]) != about["sha256"]:
                 faults.append(Fault(str(folder / about["file"]), "are not the frames recorded"))
-        except (RigError, OSError) as error:
+        except (RigError, OSError, KeyError, TypeError) as error:
             faults.append(Fault(str(folder), f"its frames cannot be read: {error}"))
     return files, faults
 
@@ -121,7 +167,10 @@ def _verify_results(store: StoreReader, shot: ShotRecord) -> tuple[int, int, lis
     faults = [Fault(str(folder / f"result-{n:04d}.json"), "is missing") for n in sorted(missing)]
     if len(there) + len(missing) < shot.results:
         faults.append(Fault(str(folder), f"holds {len(there)} results of {shot.results}"))
+    ended = shot.state in {ShotState.ANALYSED, ShotState.REFUSED}
     for number, path in there.items():
+        if number > shot.results and ended and store.catalogue.shot(shot.id) == shot:
+            faults.append(Fault(str(path), "is a result that the catalogue does not know"))
         try:
             content = path.read_bytes()
             json.loads(content)
@@ -167,7 +216,5 @@ def _strangers(store: StoreReader, known: set[str]) -> Iterator[Fault]:
         for folder in sorted(day.iterdir()):
             if folder.name in known or folder.name.startswith("."):
                 continue
-            try:
-                store.catalogue.shot(folder.name)
-            except NotFoundError:
+            if not store.catalogue.has(folder.name):
                 yield Fault(str(folder), "belongs to no shot of the catalogue")

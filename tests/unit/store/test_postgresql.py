@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 
@@ -28,6 +29,8 @@ on_a_server = pytest.mark.parametrize("backend", ["postgresql"], indirect=True)
 
 @on_a_server
 def test_two_folders_cannot_own_one_catalogue(store: Store, tmp_path: Path) -> None:
+    (tmp_path / "elsewhere").mkdir()
+    shutil.copy(store.path / "audit.key", tmp_path / "elsewhere")
     with pytest.raises(StoreError, match=r"postgresql\+psycopg.*another process owns the store"):
         Store(tmp_path / "elsewhere", database=store.address)
     store.close()
@@ -52,7 +55,7 @@ def test_a_catalogue_that_another_program_holds_is_an_error_in_bounded_time(
 def test_a_catalogue_of_a_later_version_is_refused_with_both_versions(store: Store) -> None:
     perform(store, "UPDATE alembic_version SET version_num = '0099'")
     store.close()
-    with pytest.raises(StoreError, match=r"later version.*schema 99.*schema 5"):
+    with pytest.raises(StoreError, match=r"later version.*schema 99.*schema 6"):
         Store(store.path, database=store.address)
 
 

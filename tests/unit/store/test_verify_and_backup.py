@@ -15,6 +15,8 @@ from rigctl.cameras.frames import FrameSequence
 from rigctl.errors import NotFoundError, StoreError
 from rigctl.store import Change, NewShot, ShotState, Store, reading
 from rigctl.store.backup import Backup, back_up
+from rigctl.store.ledger import begin
+from rigctl.store.seal import read_seal
 from rigctl.store.verifying import Verified, verify_store
 from tests.unit.store.conftest import perform, without_guard
 
@@ -57,7 +59,8 @@ def copied(store: Store, target: Path) -> Backup:
 def test_a_store_that_nobody_touched_has_no_faults(store: Store, fire: Fire) -> None:
     first, _ = fire("1"), fire("2", campaign="brass")
     store.exclude(first, "why", "anna")
-    assert verified(store) == Verified(shots=2, files=6, entries=1, faults=())
+    # Two shots with a key and a result each, and one change.
+    assert verified(store) == Verified(shots=2, files=6, entries=1, faults=(), rows=7)
     assert verified(store, "brass").shots == 1
     with pytest.raises(NotFoundError, match="no such campaign"):
         verified(store, "steel")
@@ -109,8 +112,11 @@ def test_whatever_was_altered_or_lost_is_named(
 
 def as_before_digests(store: Store) -> None:
     """Leave the catalogue as one is that was brought to the present form."""
-    without_guard(store, "results")
-    perform(store, "DELETE FROM results")
+    for table in ("results", "ledger"):
+        without_guard(store, table)
+        perform(store, f"DELETE FROM {table}")
+    with store._database.writing() as connection:
+        begin(connection, read_seal(store.path))
 
 
 def test_every_result_is_compared_with_its_own_digest(store: Store, fire: Fire) -> None:
@@ -136,7 +142,7 @@ def test_results_of_an_older_store_are_read_and_said_to_be_unchecked(
     fire("young")
     folder = store.folders.folder(old)
     (folder / "result-0001.json").write_text('{"e": 0.8}')
-    assert verified(store) == Verified(shots=2, files=6, entries=0, faults=(), unchecked=1)
+    assert verified(store) == Verified(2, files=6, entries=0, faults=(), unchecked=1, rows=5)
     (folder / "result-0001.json").write_text("{")
     assert "cannot be read" in verified(store).faults[0].what
     (folder / "result-0001.json").unlink()
@@ -172,8 +178,9 @@ def test_an_altered_audit_is_named(store: Store, fire: Fire) -> None:
     store.exclude(fire(), "why", "anna")
     without_guard(store, "edits")
     perform(store, "UPDATE edits SET after = 'other'")
-    (fault,) = verified(store).faults
-    assert "altered (found edit 1)" in fault.what
+    chain, row = verified(store).faults
+    assert "altered (found edit 1)" in chain.what
+    assert (row.part, row.what.partition(":")[0]) == ("edits [1]", "is not as it was last written")
 
 
 def test_a_backup_is_a_store_of_its_own(store: Store, fire: Fire, tmp_path: Path) -> None:

@@ -1,0 +1,110 @@
+"""What was asked for, on disk beside the shots: who, by which request, with which settings.
+
+::
+
+    shots/20260131/.20260131-000042.order.json    from the order to the end of the shot
+
+The manifest of a shot that has ended says the same and more. With both the catalogue can be built
+again, and no idempotency key is lost with it.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from rigctl.errors import StoreError
+from rigctl.store.durable import make_folders, sync_folder, write_synced
+from rigctl.store.folders import PARTIAL, ShotFolders
+from rigctl.store.records import Request, ShotRecord
+
+FORMAT = 1
+_ENDING = ".order.json"
+
+
+class Orders:
+    """The orders of shots that have not ended."""
+
+    def __init__(self, folders: ShotFolders) -> None:
+        self._folders = folders
+
+    def keep(self, shot: ShotRecord, request: Request) -> None:
+        """Write the order of an accepted shot; one that is there was never acknowledged.
+
+        Raises
+        ------
+        StoreError
+            The disk refused.
+        """
+        path = self._path(shot.id)
+        partial = path.with_suffix(PARTIAL)
+        text = json.dumps(order_document(shot, request), allow_nan=False, indent=1).encode()
+        try:
+            make_folders(path.parent)
+            partial.unlink(missing_ok=True)
+            write_synced(partial, lambda file: file.write(text))
+            partial.replace(path)
+            sync_folder(path.parent)
+        except OSError as error:
+            raise StoreError(
+                f"the order of the shot cannot be written: {error.strerror}",
+                part=str(path),
+                todo="free or repair the disk, then arm again",
+            ) from error
+
+    def has(self, shot: str) -> bool:
+        """Say whether the order of a shot is there."""
+        return self._path(shot).exists()
+
+    def forget(self, shot: str) -> None:
+        """Remove the order of a shot whose manifest is there; raise `OSError` if it stays."""
+        self._path(shot).unlink(missing_ok=True)
+
+    def all(self) -> Iterator[str]:
+        """Give the names of the shots whose orders are there."""
+        for day in self._folders.days():
+            for entry in os.scandir(day):
+                if entry.name.endswith(_ENDING):
+                    yield entry.name.removeprefix(".").removesuffix(_ENDING)
+
+    def read(self, shot: str) -> dict[str, Any]:
+        """Return an order; raise `OSError` or `ValueError` where it cannot be read."""
+        document: dict[str, Any] = json.loads(self._path(shot).read_bytes())
+        return document
+
+    def _path(self, shot: str) -> Path:
+        return self._folders.folder(shot).with_name(f".{shot}{_ENDING}")
+
+
+def order_document(shot: ShotRecord, request: Request | None) -> dict[str, Any]:
+    """Return what an order says of a shot, and every manifest as well."""
+    return {
+        "format": FORMAT,
+        "shot": shot.id,
+        "number": shot.number,
+        "campaign": shot.campaign,
+        "note": shot.note,
+        "accepted_at": shot.accepted_at.isoformat(),
+        "settings": shot.ordered.model_dump(mode="json"),
+        "simulated": shot.simulated,
+        "configuration": {"sha256": shot.configuration},
+        "request": {
+            "actor": shot.actor,
+            "key": None if request is None else request.key,
+            "body_sha256": None if request is None else request.body_hash,
+        },
+    }
+
+
+def outcome_document(shot: ShotRecord) -> dict[str, Any]:
+    """Return what the manifest of a shot says of its end."""
+    return {
+        "state": str(shot.outcome),
+        "fired": str(shot.fired),
+        "ended_at": None if shot.ended_at is None else shot.ended_at.isoformat(),
+        "failure": shot.failure,
+        "failure_code": shot.failure_code,
+    }
