@@ -12,7 +12,7 @@ from rigctl.rig.machine import Rig
 from rigctl.rig.states import LATCHED
 from rigctl.store import StepRecord, StepState, Store, SweepRecord
 from rigctl.sweeps.orders import Orders
-from rigctl.sweeps.verdict import end_step
+from rigctl.sweeps.verdict import actor_of, end_step, is_own
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +35,7 @@ class Stepper:
     ) -> None:
         self._rig, self._store, self._clock = rig, store, clock
         self._sweep, self._settle_s = sweep, settle_s
-        self._actor = f"sweep {sweep.id} of {sweep.actor}"
+        self._actor = actor_of(sweep.id, sweep.actor)
 
     def fire(
         self, step: StepRecord, orders: Orders, taken: Callable[[StepRecord], None]
@@ -77,6 +77,10 @@ class Stepper:
             if not isinstance(error, ArmTokenError):
                 self._rig.disarm(self._actor, "the shot was not accepted")
             return self._ended(step, f"step {step.number} was not fired: {error}")
+        if not is_own(shot, self._sweep.id):
+            # The key was used already: nothing was fired, and the token still holds.
+            self._rig.disarm(self._actor, "the key of the step was used by somebody else")
+            return self._ended(step, None)
         record = self._rig.wait(shot.id)
         interlock = record.failure_code == InterlockError.code
         return self._ended(step, record.failure if interlock else None)

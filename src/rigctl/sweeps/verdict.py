@@ -17,6 +17,20 @@ def state_after(shot: ShotRecord) -> StepState:
     return StepState.LOST if shot.fired is Fired.YES else StepState.NOT_FIRED
 
 
+def actor_of(sweep: str, actor: str) -> str:
+    """Return the name under which a sweep fires that somebody asked for."""
+    return f"{_fired_by(sweep)}{actor}"
+
+
+def is_own(shot: ShotRecord, sweep: str) -> bool:
+    """Say whether a sweep fired this shot itself; no caller goes by such a name."""
+    return shot.actor.startswith(_fired_by(sweep))
+
+
+def _fired_by(sweep: str) -> str:
+    return f"sweep {sweep} of "
+
+
 def end_step(store: Store, sweep: str, step: StepRecord, now: datetime) -> StepRecord:
     """Say on disk what became of a taken step; nothing is fired.
 
@@ -32,6 +46,9 @@ def end_step(store: Store, sweep: str, step: StepRecord, now: datetime) -> StepR
     shot = store.catalogue.of_key(step.key or "")
     if shot is None:
         why = "the sweep was cut off before a shot was accepted"
+        return store.sweeps.end(sweep, step.number, StepState.NOT_FIRED, now, failure=why)
+    if not is_own(shot, sweep):
+        why = f"shot {shot.id} of {shot.actor} has the key of the step; the sweep fired nothing"
         return store.sweeps.end(sweep, step.number, StepState.NOT_FIRED, now, failure=why)
     if shot.outcome is None:
         raise RefusedError(
