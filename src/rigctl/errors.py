@@ -191,6 +191,10 @@ class StoreError(RigError):
     code = "store"
 
 
+class CatalogueLostError(StoreError):
+    """The catalogue is missing, empty, older than the shots beside it, or without its key."""
+
+
 class AnalysisInputError(RigError):
     """Files handed to the analysis are absent, damaged or of another form."""
 

@@ -84,6 +84,14 @@ def verify(
 
 
 @campaigns.command()
+def recover(*, config: Config = None, json: Json = False) -> None:
+    """Build a lost or damaged catalogue again from the shots' folders; fires nothing."""
+    from rigctl.commands.recover import recover as run
+
+    run(config, as_json=json)
+
+
+@campaigns.command()
 def backup(
     folder: Annotated[Path, typer.Argument(help="Folder that is not there yet.")],
     *,

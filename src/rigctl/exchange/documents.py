@@ -35,6 +35,11 @@ def imported_shot(row: ShotRow, contents: Contents) -> ImportedShot:
     """Return a line of shots.csv as a shot of the catalogue."""
     frames = contents.frames.get(row.shot)
     measured = row.shot in contents.poses or row.shot in contents.tabulated
+    return shot_of_row(row, None if frames is None else frames.shape[0], measured=measured)
+
+
+def shot_of_row(row: ShotRow, frames: int | None, *, measured: bool) -> ImportedShot:
+    """Return a shot by its line, how many frames it has, and whether it came with a result."""
     failure = None
     if measured:
         state = ShotState.ANALYSED
@@ -47,7 +52,7 @@ def imported_shot(row: ShotRow, contents: Contents) -> ImportedShot:
         settings=_settings(row),
         fired_at=_utc(row.time),
         state=state,
-        frames=None if frames is None else frames.shape[0],
+        frames=frames,
         failure=failure,
         note=row.words.get(NOTE),
         tags=tags_in(row.words.get(TAGS, "")),

@@ -49,3 +49,13 @@ def make_folders(folder: Path) -> None:
     for place in reversed(missing):
         place.mkdir(FOLDER_MODE, exist_ok=True)
         sync_folder(place.parent)
+
+
+def replace_synced(path: Path, content: bytes) -> None:
+    """Write a file in the place of one that may be there, whole or not at all; forced to disk."""
+    partial = path.with_name(f"{path.name}.partial")
+    make_folders(path.parent)
+    partial.unlink(missing_ok=True)
+    write_synced(partial, lambda file: file.write(content))
+    partial.replace(path)
+    sync_folder(path.parent)

@@ -108,7 +108,7 @@ class ShotFolders:
 
     def results(self, shot: str) -> dict[int, Path]:
         """Return the files of a shot's results by their numbers, in order."""
-        return {_number(path): path for path in _results(self.folder(shot))}
+        return results_in(self.folder(shot))
 
     def frames(self, shot: str) -> FrameSequence:
         """Return a shot's frames, as they came from the source.
@@ -293,6 +293,11 @@ def sha256(path: Path) -> str:
         return hashlib.sha256("".join(lines).encode()).hexdigest()
     with path.open("rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def results_in(folder: Path) -> dict[int, Path]:
+    """Return the files of the results in a shot's folder by their numbers, in order."""
+    return {_number(path): path for path in _results(folder)}
 
 
 def _results(folder: Path) -> list[Path]:

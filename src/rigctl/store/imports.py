@@ -135,7 +135,8 @@ class Imports:
             _require_free(connection, campaign)
             at = self._now().isoformat()
             common = {"campaign": campaign, "actor": actor, "accepted_at": at}
-            _add_rows(connection, stage, common, found)
+            last = connection.execute(select(func.max(shots.c.number))).scalar_one() or 0
+            add_rows(connection, stage, common, found, last + 1)
             row = {"number": stage.number, "campaign": campaign, "digest": digest}
             connection.execute(insert(imports).values(row))
             note(connection, imports, imports.c.number == stage.number)
@@ -191,23 +192,25 @@ class Imports:
             return Stage(number, path)
 
 
-def _add_rows(
+def add_rows(
     connection: Connection,
     stage: Stage,
     common: Mapping[str, object],
     found: Sequence[ImportedShot],
+    first: int,
 ) -> None:
-    last = connection.execute(select(func.max(shots.c.number))).scalar_one() or 0
-    numbered = list(enumerate(found, start=last + 1))
+    """Add the shots of an import with their tags and results, numbered from `first`."""
+    numbered = list(enumerate(found, start=first))
+    last = first + len(numbered) - 1
     rows = [{"number": number, **common, **_row(stage, shot)} for number, shot in numbered]
     connection.execute(insert(shots), rows)
-    note(connection, shots, shots.c.number > last)
+    note(connection, shots, shots.c.number.between(first, last))
     tags = [
         {"tag": tag, "shot": number} for number, shot in numbered for tag in sorted(set(shot.tags))
     ]
     if tags:
         connection.execute(insert(shot_tags), tags)
-        note(connection, shot_tags, shot_tags.c.shot > last)
+        note(connection, shot_tags, shot_tags.c.shot.between(first, last))
     measured = [
         {"shot": number, "number": 1, "digest": sha256(_first_result(stage, shot))}
         for number, shot in numbered
@@ -215,7 +218,7 @@ def _add_rows(
     ]
     if measured:
         connection.execute(insert(results), measured)
-        note(connection, results, results.c.shot > last)
+        note(connection, results, results.c.shot.between(first, last))
 
 
 def _first_result(stage: Stage, shot: ImportedShot) -> Path:

@@ -16,7 +16,7 @@ from typing import Any
 
 from sqlalchemy import ColumnElement, Connection, Row, Table, insert, select
 
-from rigctl.errors import StoreError
+from rigctl.errors import CatalogueLostError, StoreError
 from rigctl.store.schema import ledger, metadata
 from rigctl.store.seal import Seal
 
@@ -85,7 +85,7 @@ def require_own(connection: Connection, seal: Seal) -> None:
 
     Raises
     ------
-    StoreError
+    CatalogueLostError
         It has, or there is no entry.
     """
     query = select(ledger).order_by(ledger.c.number.desc()).limit(2)
@@ -93,7 +93,7 @@ def require_own(connection: Connection, seal: Seal) -> None:
     last, *earlier = connection.execute(query).all()
     previous = earlier[0].digest if earlier else before(last).digest
     if last.digest != seal.digest(previous, tuple(last)[:-1]):
-        raise StoreError(
+        raise CatalogueLostError(
             "the last entry of the audit was not closed by the key of this store",
             part="ledger",
             value=f"entry {last.number}",
@@ -128,7 +128,7 @@ def _told(table: Table, row: Row[Any]) -> _Told:
 def _head(connection: Connection) -> Anchor:
     found = head(connection)
     if found is None:
-        raise StoreError(
+        raise CatalogueLostError(
             "the audit has lost its entries",
             part="ledger",
             todo="restore the catalogue from a backup, or rebuild it with `rigctl recover`",

@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
-from rigctl.errors import StoreError
+from rigctl.errors import CatalogueLostError
 from rigctl.store.folders import ShotFolders
 from rigctl.store.orders import Orders
 
@@ -63,12 +63,12 @@ def require_no_shots(root: Path, catalogue: str) -> None:
 
     Raises
     ------
-    StoreError
+    CatalogueLostError
         There are some: their idempotency keys would be free again.
     """
     found = on_disk(root)
     if found.shots or found.imports:
-        raise StoreError(
+        raise CatalogueLostError(
             f"the catalogue is missing or empty, and {found.words()} lie beside it",
             part=catalogue,
             todo=_TODO,
@@ -80,12 +80,12 @@ def require_latest(root: Path, catalogue: str, latest: int) -> None:
 
     Raises
     ------
-    StoreError
+    CatalogueLostError
         It is older than the shots: idempotency keys of those it lacks would be free again.
     """
     found = on_disk(root)
     if found.latest > latest:
-        raise StoreError(
+        raise CatalogueLostError(
             f"the catalogue is older than the shots beside it: {found.words()}",
             part=catalogue,
             value=f"shot number {found.latest}",

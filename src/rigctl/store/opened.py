@@ -6,7 +6,7 @@ from pathlib import Path
 
 from sqlalchemy import Connection, func, select
 
-from rigctl.errors import StoreError
+from rigctl.errors import CatalogueLostError
 from rigctl.store import ledger
 from rigctl.store.database import Database
 from rigctl.store.lost import require_latest, require_no_shots
@@ -25,8 +25,8 @@ def open_catalogue(
     Raises
     ------
     StoreError
-        As `Database`; or it is missing or older than the shots, or the key of its audit is
-        missing or another one.
+        As `Database`; as `CatalogueLostError` it is missing or older than the shots, or the key
+        of its audit is missing or another one.
     """
     path = folder / "catalogue.db"
     if address is None and not (path.exists() and path.stat().st_size):
@@ -51,7 +51,7 @@ def _sealed(connection: Connection, version: int, folder: Path) -> Seal:
         ledger.begin(connection, seal)
         return seal
     if seal is None:
-        raise StoreError(
+        raise CatalogueLostError(
             "the key of the audit is missing",
             part=str(folder / FILE_NAME),
             todo="restore the file from a backup, or rebuild the catalogue with `rigctl recover`",

@@ -17,8 +17,8 @@ from pathlib import Path
 from typing import Any
 
 from rigctl.errors import StoreError
-from rigctl.store.durable import make_folders, sync_folder, write_synced
-from rigctl.store.folders import PARTIAL, ShotFolders
+from rigctl.store.durable import replace_synced
+from rigctl.store.folders import ShotFolders
 from rigctl.store.records import Request, ShotRecord
 
 FORMAT = 1
@@ -40,14 +40,9 @@ class Orders:
             The disk refused.
         """
         path = self._path(shot.id)
-        partial = path.with_suffix(PARTIAL)
         text = json.dumps(order_document(shot, request), allow_nan=False, indent=1).encode()
         try:
-            make_folders(path.parent)
-            partial.unlink(missing_ok=True)
-            write_synced(partial, lambda file: file.write(text))
-            partial.replace(path)
-            sync_folder(path.parent)
+            replace_synced(path, text)
         except OSError as error:
             raise StoreError(
                 f"the order of the shot cannot be written: {error.strerror}",

@@ -15,6 +15,7 @@ from rigctl.store.edits import Edits
 from rigctl.store.folders import ShotFolders
 from rigctl.store.imports import Imports
 from rigctl.store.journal import Journal
+from rigctl.store.lost import require_no_shots
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +50,8 @@ def reading(folder: Path, database: str | None = None) -> Iterator[StoreReader]:
     """
     root = folder.absolute()
     catalogue = root / "catalogue.db"
-    if database is None and not catalogue.is_file():
+    if database is None and not (catalogue.is_file() and catalogue.stat().st_size):
+        require_no_shots(root, str(catalogue))
         raise NotFoundError(
             "holds no catalogue of shots",
             part=str(folder),

@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-import errno
-import fcntl
 import logging
 import os
 import shutil
 from collections.abc import Callable, Collection, Mapping
-from contextlib import suppress
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
 from rigctl.cameras.frames import FrameSequence
-from rigctl.errors import NotFoundError, RigError, StoreError
+from rigctl.errors import NotFoundError, RigError
 from rigctl.store.campaigns import CampaignRecord, Campaigns
 from rigctl.store.catalogue import Catalogue, Change
-from rigctl.store.durable import FILE_MODE, FOLDER_MODE, make_folders
 from rigctl.store.edits import Edits
 from rigctl.store.fits import Fits
 from rigctl.store.folders import ShotFolders
@@ -26,6 +22,7 @@ from rigctl.store.journal import Journal
 from rigctl.store.listeners import Listeners
 from rigctl.store.opened import open_catalogue
 from rigctl.store.orders import Orders, order_document, outcome_document
+from rigctl.store.ownership import own, owned_elsewhere, refused
 from rigctl.store.records import NewShot, ShotRecord
 from rigctl.store.states import ShotState
 from rigctl.store.sweeps import Sweeps
@@ -76,7 +73,7 @@ class Store:
         self.listeners: Listeners[ShotRecord] = Listeners()
         self.campaign_listeners: Listeners[CampaignRecord] = Listeners()
         self._free_bytes = free_bytes
-        self._owned = _own(self.path, shared=shared)
+        self._owned = own(self.path, shared=shared)
         try:
             self._database = open_catalogue(
                 self.path, database, busy_timeout_s, migrate=self._owned >= 0
@@ -88,11 +85,11 @@ class Store:
             self._disown()
         elif not self._database.own():
             self.close()
-            raise _owned_elsewhere(self._database.name)
+            raise owned_elsewhere(self._database.name)
         self.catalogue = Catalogue(self._database)
         self.journal = Journal(self._database)
         self.campaigns = Campaigns(self._database)
-        self.sweeps = Sweeps(self._database)
+        self.sweeps = Sweeps(self._database, self.path)
         self.edits = Edits(self._database)
         self.imports = Imports(self._database, self.path)
         self.folders = ShotFolders(self.path)
@@ -209,7 +206,7 @@ class Store:
         try:
             return self._free_bytes(self.path) / 1e6
         except OSError as error:
-            raise _refused(self.path, error) from error
+            raise refused(self.path, error) from error
 
     def check(self) -> None:
         """Write to folder and catalogue to prove that both take it; raise `StoreError` if not."""
@@ -221,7 +218,7 @@ class Store:
                 os.fsync(file.fileno())
             probe.unlink()
         except OSError as error:
-            raise _refused(self.path, error) from error
+            raise refused(self.path, error) from error
         self._database.check()
 
     def close(self) -> None:
@@ -244,6 +241,9 @@ class Store:
                 return
             if record.manifest is None:
                 if self.folders.digest(record.id) is None:
+                    if record.outcome is ShotState.STORED:
+                        # Its frames tell of it, or nothing does.
+                        return
                     self.folders.write(record.id, None, self._stated(record))
                 self.catalogue.stored(record.id, str(self.folders.digest(record.id)))
             self.orders.forget(record.id)
@@ -267,46 +267,3 @@ class Store:
         record = self.campaigns.one(campaign)
         self.campaign_listeners.tell(record)
         return record
-
-
-def _own(folder: Path, *, shared: bool) -> int:
-    """Return the descriptor that holds the store; -1 where another process does and may."""
-    descriptor = -1
-    try:
-        make_folders(folder)
-        descriptor = os.open(
-            folder / "store.lock", os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, FILE_MODE
-        )
-        _keep_to_owner(folder)
-        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError as error:
-        if descriptor >= 0:
-            os.close(descriptor)
-        if shared and error.errno == errno.EWOULDBLOCK:
-            return -1
-        raise _refused(folder, error) from error
-    return descriptor
-
-
-def _keep_to_owner(folder: Path) -> None:
-    """Let nobody but its owner into the folder; whoever else may write it leaves it as it is."""
-    with suppress(PermissionError):
-        folder.chmod(FOLDER_MODE)
-
-
-def _refused(folder: Path, error: OSError) -> StoreError:
-    if error.errno == errno.EWOULDBLOCK:
-        return _owned_elsewhere(str(folder))
-    return StoreError(
-        f"cannot be written: {error.strerror or error}",
-        part=str(folder),
-        todo="free disk space or correct the folder's rights, then arm again",
-    )
-
-
-def _owned_elsewhere(part: str) -> StoreError:
-    return StoreError(
-        "another process owns the store",
-        part=part,
-        todo="end the other daemon, or name another store folder",
-    )

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import secrets
 from collections.abc import Callable
 from datetime import datetime
+from pathlib import Path
 from typing import Any
 
 from sqlalchemy import Connection, Row, func, insert, select, update
@@ -12,6 +14,7 @@ from sqlalchemy import Connection, Row, func, insert, select, update
 from rigctl.errors import KeyReusedError, NotFoundError, StoreError
 from rigctl.settings import ShotSettings
 from rigctl.store.database import Database
+from rigctl.store.durable import replace_synced
 from rigctl.store.ledger import note
 from rigctl.store.schema import sweep_steps, sweeps
 from rigctl.store.sweep_records import NewSweep, StepRecord, SweepRecord
@@ -24,10 +27,13 @@ from rigctl.store.sweep_states import (
 
 
 class Sweeps:
-    """Table of sweeps. Each method is one transaction; any thread may call any of them."""
+    """Table of sweeps. Each method is one transaction; any thread may call any of them.
 
-    def __init__(self, database: Database) -> None:
-        self._database = database
+    What was asked for lies below `root`/sweeps as well: with it a lost catalogue can be rebuilt.
+    """
+
+    def __init__(self, database: Database, root: Path) -> None:
+        self._database, self._folder = database, root / "sweeps"
 
     def accept(
         self, key: str, body_hash: str, describe: Callable[[], NewSweep]
@@ -60,7 +66,21 @@ class Sweeps:
             connection.execute(insert(sweep_steps), _steps(number, new.steps))
             note(connection, sweeps, sweeps.c.number == number)
             note(connection, sweep_steps, sweep_steps.c.sweep == number)
+            self._keep(new, number, key, body_hash)
             return _one(connection, _name(new.accepted_at, number)), False
+
+    def _keep(self, new: NewSweep, number: int, key: str, body_hash: str) -> None:
+        row = _row(new, number, key, body_hash)
+        steps = [settings.model_dump(mode="json") for settings in new.steps]
+        path = self._folder / f"{row['id']}.json"
+        try:
+            replace_synced(path, json.dumps({**row, "steps": steps}).encode())
+        except OSError as error:
+            raise StoreError(
+                f"the sweep cannot be written: {error.strerror}",
+                part=str(path),
+                todo="free or repair the disk, then start it again",
+            ) from error
 
     def sweep(self, sweep: str) -> SweepRecord:
         """Return one sweep; raise `NotFoundError` if there is none of that name."""

@@ -1,0 +1,128 @@
+"""Writes what was found into an empty catalogue, with a ledger that tells of all of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from datetime import datetime
+
+from sqlalchemy import ColumnElement, Connection, Table, insert, update
+
+from rigctl.rebuilding.fired import FiredShot
+from rigctl.rebuilding.found import Found
+from rigctl.rebuilding.imported import ImportedCampaign
+from rigctl.rebuilding.sweeps import sweep_rows
+from rigctl.store import chain, ledger
+from rigctl.store.imports import add_rows
+from rigctl.store.schema import (
+    edits,
+    idempotency_keys,
+    imports,
+    results,
+    shots,
+    sweep_steps,
+    sweeps,
+    transitions,
+)
+from rigctl.store.seal import Seal
+from rigctl.store.states import ShotState
+
+ACTOR = "rigctl recover"
+
+
+def fill(connection: Connection, seal: Seal, found: Found, at: datetime) -> None:
+    """Add every row, in the open transaction of `connection`."""
+    anchors = [shot.anchor for shot in found.shots if shot.anchor is not None]
+    after = max(anchors, key=lambda anchor: anchor.entry, default=None)
+    ledger.begin(connection, seal, after)
+    connection.execution_options(seal=seal)
+    _add(connection, shots, (shot.row for shot in found.shots))
+    _add(connection, idempotency_keys, _keys(found.shots))
+    _add(connection, results, _digests(found.shots))
+    taken = {shot.number for shot in found.shots}
+    for campaign in found.imports:
+        first = _free(taken, len(campaign.shots))
+        taken |= set(range(first, first + len(campaign.shots)))
+        _add_import(connection, campaign, first)
+    swept = [sweep_rows(document, found.shots, at.isoformat()) for document in found.sweeps]
+    _add(connection, sweeps, (row for row, _ in swept))
+    _add(connection, sweep_steps, (step for _, steps in swept for step in steps))
+    _tell(connection, found, at)
+
+
+def _add(
+    connection: Connection,
+    table: Table,
+    rows: Iterable[dict[str, object]],
+    *added: ColumnElement[bool],
+) -> None:
+    """Add rows and tell the ledger; `added` tells them from those that were there before."""
+    known = list(rows)
+    names = {name for row in known for name in row}
+    if known:
+        # One statement for all: a column that one row lacks says nothing.
+        connection.execute(insert(table), [dict.fromkeys(names) | row for row in known])
+        ledger.note(connection, table, *added)
+
+
+def _keys(found: Iterable[FiredShot]) -> Iterator[dict[str, object]]:
+    for shot in found:
+        if shot.request is not None:
+            key, body_hash = shot.request.key, shot.request.body_hash
+            yield {"key": key, "body_hash": body_hash, "shot": shot.number}
+
+
+def _digests(found: Iterable[FiredShot]) -> Iterator[dict[str, object]]:
+    for shot in found:
+        for number, digest in shot.digests.items():
+            yield {"shot": shot.number, "number": number, "digest": digest}
+
+
+def _free(taken: set[int], wanted: int) -> int:
+    """Return the first of so many numbers in a row that no shot has."""
+    first = 1
+    for number in sorted(taken):
+        if number - first >= wanted:
+            break
+        first = number + 1
+    return first
+
+
+def _add_import(connection: Connection, campaign: ImportedCampaign, first: int) -> None:
+    about = {"campaign": campaign.campaign, "actor": ACTOR, "accepted_at": campaign.at.isoformat()}
+    add_rows(connection, campaign.stage, about, campaign.shots, first)
+    row = {"number": campaign.stage.number, "campaign": campaign.campaign}
+    own = imports.c.number == campaign.stage.number
+    _add(connection, imports, [{**row, "digest": campaign.digest}], own)
+    for number, later in enumerate(campaign.later, start=first):
+        if later:
+            rows = [{"shot": number, "number": n, "digest": later[n]} for n in later]
+            _add(connection, results, rows, results.c.shot == number, results.c.number > 1)
+            mine = shots.c.number == number
+            connection.execute(update(shots).where(mine).values(results=max(later)))
+            ledger.note(connection, shots, mine)
+
+
+def _tell(connection: Connection, found: Found, at: datetime) -> None:
+    """Write into the audits that the catalogue was rebuilt, and what a person has to look at."""
+    said = f"rebuilt: {len(found.shots)} shots, {len(found.imports)} imported campaigns"
+    change: dict[str, object] = {
+        "at": at.isoformat(),
+        "actor": ACTOR,
+        "act": "recovered",
+        "subject": "catalogue",
+        "before": None,
+        "after": said,
+    }
+    chain.append(connection, edits, change)
+    last = found.shots[-1].row if found.shots else {}
+    if last.get("outcome") is ShotState.UNKNOWN_OUTCOME:
+        # Whether a person has looked since stood in the lost audit alone.
+        step: dict[str, object] = {
+            "at": at.isoformat(),
+            "before": "idle",
+            "after": str(ShotState.UNKNOWN_OUTCOME),
+            "actor": ACTOR,
+            "reason": f"whether shot {last['id']} fired is not known",
+            "shot": last["id"],
+        }
+        chain.append(connection, transitions, step)
