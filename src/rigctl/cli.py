@@ -15,6 +15,7 @@ from rigctl.command_line.challenge import challenge
 from rigctl.command_line.discs import finding
 from rigctl.command_line.effect import effect
 from rigctl.command_line.exports import exporting
+from rigctl.command_line.keys import keys
 from rigctl.command_line.model import model
 from rigctl.command_line.qualify import qualify
 from rigctl.command_line.report import reporting
@@ -58,6 +59,7 @@ app.add_typer(sweep, name="sweep", no_args_is_help=True)
 app.add_typer(shots, name="shots", no_args_is_help=True)
 app.add_typer(campaigns)
 app.add_typer(campaign_words, name="campaigns", no_args_is_help=True)
+app.add_typer(keys, name="keys", no_args_is_help=True)
 app.add_typer(analysis)
 app.add_typer(calibration)
 app.add_typer(finding)

@@ -194,6 +194,8 @@ class StoreError(RigError):
 class CatalogueLostError(StoreError):
     """The catalogue is missing, empty, older than the shots beside it, or without its key."""
 
+    code = "catalogue-lost"
+
 
 class AnalysisInputError(RigError):
     """Files handed to the analysis are absent, damaged or of another form."""

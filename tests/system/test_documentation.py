@@ -24,7 +24,13 @@ import rigctl.config as sections
 import rigctl.service
 from analysis.exchange.tables import CONTACTS, POSES
 from rigctl.analysis_process import AnalysisFailedError
-from rigctl.errors import AnalysisInputError, ConfigurationError, IdempotencyError, RigError
+from rigctl.errors import (
+    AnalysisInputError,
+    CatalogueLostError,
+    ConfigurationError,
+    IdempotencyError,
+    RigError,
+)
 from rigctl.jobs import JobFailedError
 from rigctl.rig.states import LATCHED, TRANSITIONS
 from rigctl.service.app import create_app
@@ -44,6 +50,7 @@ DOCS = ROOT / "docs"
 TUTORIAL = DOCS / "tutorials" / "first-shot.md"
 ANALYSE = DOCS / "how-to" / "analyse-frames.md"
 REAL_RIG = DOCS / "how-to" / "real-rig.md"
+KEYS = DOCS / "how-to" / "keys-and-remote-access.md"
 KEEPING = DOCS / "how-to" / "keep-a-campaign.md"
 SWEEPS = DOCS / "how-to" / "run-a-sweep.md"
 LESSONS = sorted([*DOCS.glob("tutorials/*.md"), *DOCS.glob("how-to/*.md")])
@@ -230,6 +237,15 @@ def test_the_guide_to_keeping_a_campaign_hands_one_on_and_back(tmp_path: Path) -
     assert fires(tmp_path) == 1
 
 
+@needs_shell
+def test_the_guide_to_keys_gives_each_caller_its_own(tmp_path: Path) -> None:
+    said = perform(KEYS, tmp_path)
+    assert '"state":"idle"' in said
+    assert "anna: operate, sweep; never expires" in said
+    assert re.search(r"^dashboard: revoked at 20", said, re.MULTILINE)
+    assert (tmp_path / "dashboard.key").read_text().strip() not in said
+
+
 @pytest.mark.parametrize("page", LESSONS, ids=lambda page: page.stem)
 def test_every_shell_block_of_a_lesson_says_whether_it_is_run(page: Path) -> None:
     found = blocks(page)
@@ -343,6 +359,8 @@ def test_every_problem_code_is_listed_with_its_status() -> None:
         for code, status, _ in rows(DOCS / "reference" / "rest.md", "Problems")
     }
     elsewhere = {ConfigurationError, AnalysisInputError, AnalysisFailedError, JobFailedError}
+    # The daemon does not start with it.
+    elsewhere.add(CatalogueLostError)
     for kind in set(errors(RigError)) - elsewhere:
         # A missing key is found before the rig is asked, by the form of the request.
         status = 400 if kind is IdempotencyError else from_error(kind("it failed")).status

@@ -166,15 +166,17 @@ def test_a_port_that_is_taken_is_refused_before_any_device_is_opened(tmp_path: P
         assert not (other / "data").exists()
 
 
-def test_the_network_is_refused_without_a_key_that_somebody_chose(tmp_path: Path) -> None:
+def test_the_network_is_refused_without_encryption(tmp_path: Path) -> None:
     default = Path(__file__).parents[2] / "config" / "simulated.toml"
     open_to_all = default.read_text().replace('host = "127.0.0.1"', 'host = "0.0.0.0"')
     assert open_to_all != default.read_text()
     (tmp_path / "rig.toml").write_text(open_to_all)
-    refused = rigctl(tmp_path, "serve", "--config", "rig.toml")
+    key = ("--key", "key-of-the-thread-2026")
+    refused = rigctl(tmp_path, "serve", "--config", "rig.toml", *key)
     assert refused.returncode == 2
     assert "service.host" in refused.stderr
-    assert "RIGCTL_KEY" in refused.stderr
+    assert "service.tls_certificate" in refused.stderr
+    assert "key-of-the-thread-2026" not in refused.stderr + refused.stdout
 
 
 @pytest.fixture

@@ -16,3 +16,10 @@ OwnEffects = Annotated[
     Path | None,
     typer.Option("--effects", help="Folder of effects of your own, beside the catalogue."),
 ]
+Key = Annotated[
+    str | None,
+    typer.Option(
+        "--key", help="Key of the daemon; best in RIGCTL_KEY. Without any the store's key file."
+    ),
+]
+KeyFile = Annotated[Path | None, typer.Option("--key-file", help="File whose one line is the key.")]

@@ -7,7 +7,8 @@ from typing import Annotated, Literal
 
 import typer
 
-from rigctl.command_line.options import Config, Json, OwnEffects
+from rigctl.access.strength import chosen_key
+from rigctl.command_line.options import Config, Json, Key, KeyFile, OwnEffects
 
 rig = typer.Typer()
 
@@ -22,8 +23,9 @@ def serve(
     ] = None,
     key: Annotated[
         str | None,
-        typer.Option(envvar="RIGCTL_KEY", help="Key of the service; without it a fresh one."),
+        typer.Option(help="Key of the service; best in RIGCTL_KEY. Without any a fresh one."),
     ] = None,
+    key_file: KeyFile = None,
     effects: OwnEffects = None,
     log: Annotated[
         Literal["text", "json"],
@@ -39,7 +41,7 @@ def serve(
         from rigctl.commands.serve import serve as run_daemon
     finally:
         gc.enable()
-    run_daemon(config, port, key, effects, log)
+    run_daemon(config, port, chosen_key(key, key_file), effects, log)
 
 
 @rig.command()
@@ -65,12 +67,8 @@ def shot(
         float, typer.Option(min=0.0, max=3600.0, help="Longest wait for the measurement, s.")
     ] = 120.0,
     config: Config = None,
-    key: Annotated[
-        str | None,
-        typer.Option(
-            envvar="RIGCTL_KEY", help="Key of the daemon; without it from the store's key file."
-        ),
-    ] = None,
+    key: Key = None,
+    key_file: KeyFile = None,
     json: Json = False,
 ) -> None:
     """Fire one shot and print its coefficients."""
@@ -93,7 +91,7 @@ def shot(
     else:
         from rigctl.commands.client import connected
 
-        fire(order, connected(config, key), as_json=json)
+        fire(order, connected(config, chosen_key(key, key_file)), as_json=json)
 
 
 @rig.command()
@@ -116,18 +114,14 @@ def release(
     reason: Annotated[str, typer.Argument(help="What was found and done.")],
     *,
     config: Config = None,
-    key: Annotated[
-        str | None,
-        typer.Option(
-            envvar="RIGCTL_KEY", help="Key of the daemon; without it from the store's key file."
-        ),
-    ] = None,
+    key: Key = None,
+    key_file: KeyFile = None,
     json: Json = False,
 ) -> None:
     """Give power back after a stop, a fault or an unknown outcome, once a person has looked."""
     from rigctl.commands.stop import release as release_rig
 
-    release_rig(config, key, reason, as_json=json)
+    release_rig(config, chosen_key(key, key_file), reason, as_json=json)
 
 
 @rig.command()

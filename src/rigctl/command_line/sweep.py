@@ -8,7 +8,8 @@ from typing import Annotated
 import typer
 from typer.core import TyperGroup
 
-from rigctl.command_line.options import Config, Json
+from rigctl.access.strength import Chosen, chosen_key
+from rigctl.command_line.options import Config, Json, Key, KeyFile
 
 
 class _Runs(TyperGroup):
@@ -28,12 +29,6 @@ sweep = typer.Typer(
 )
 
 Values = typer.Option(metavar="A:B:N", help="N values from A to B, or a list A,B,C; kPa.")
-Key = Annotated[
-    str | None,
-    typer.Option(
-        envvar="RIGCTL_KEY", help="Key of the daemon; without it from the store's key file."
-    ),
-]
 Name = Annotated[str | None, typer.Argument(metavar="[SWEEP]", help="Without it the latest.")]
 
 
@@ -68,6 +63,7 @@ def run(
     detach: Annotated[bool, typer.Option("--detach", help="Do not watch it to its end.")] = False,
     config: Config = None,
     key: Key = None,
+    key_file: KeyFile = None,
     json: Json = False,
 ) -> None:
     """Run a sweep through the daemon and watch it to its end."""
@@ -89,43 +85,67 @@ def run(
         campaign=campaign,
     )
     form = form_of(options)
-    with commands.service(config, key) as daemon:
+    with commands.service(config, chosen_key(key, key_file)) as daemon:
         commands.run(daemon, form, watch=not detach, as_json=json)
 
 
 @sweep.command()
 def status(
-    name: Name = None, *, config: Config = None, key: Key = None, json: Json = False
+    name: Name = None,
+    *,
+    config: Config = None,
+    key: Key = None,
+    key_file: KeyFile = None,
+    json: Json = False,
 ) -> None:
     """Show how far a sweep is, how long it will take, and what became of its steps."""
     from rigctl.commands import sweep as commands
 
-    with commands.service(config, key) as daemon:
+    with commands.service(config, chosen_key(key, key_file)) as daemon:
         commands.show(daemon, name, as_json=json)
 
 
 @sweep.command()
-def pause(name: Name = None, *, config: Config = None, key: Key = None, json: Json = False) -> None:
+def pause(
+    name: Name = None,
+    *,
+    config: Config = None,
+    key: Key = None,
+    key_file: KeyFile = None,
+    json: Json = False,
+) -> None:
     """Fire nothing more until it is resumed; a shot under way still ends."""
-    _order("pause", name, config, key, as_json=json)
+    _order("pause", name, config, chosen_key(key, key_file), as_json=json)
 
 
 @sweep.command()
 def resume(
-    name: Name = None, *, config: Config = None, key: Key = None, json: Json = False
+    name: Name = None,
+    *,
+    config: Config = None,
+    key: Key = None,
+    key_file: KeyFile = None,
+    json: Json = False,
 ) -> None:
     """Go on at the next step that has not fired."""
-    _order("resume", name, config, key, as_json=json)
+    _order("resume", name, config, chosen_key(key, key_file), as_json=json)
 
 
 @sweep.command()
-def abort(name: Name = None, *, config: Config = None, key: Key = None, json: Json = False) -> None:
+def abort(
+    name: Name = None,
+    *,
+    config: Config = None,
+    key: Key = None,
+    key_file: KeyFile = None,
+    json: Json = False,
+) -> None:
     """Give it up; a shot under way still ends, and nothing stays armed."""
-    _order("abort", name, config, key, as_json=json)
+    _order("abort", name, config, chosen_key(key, key_file), as_json=json)
 
 
 def _order(
-    wish: str, name: str | None, config: Path | None, key: str | None, *, as_json: bool
+    wish: str, name: str | None, config: Path | None, key: Chosen | None, *, as_json: bool
 ) -> None:
     from rigctl.commands import sweep as commands
 

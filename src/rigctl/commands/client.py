@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ssl
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
@@ -11,6 +12,8 @@ from typing import Any, Self
 
 import httpx
 
+from rigctl.access.strength import Chosen
+from rigctl.commands.key import say_warning
 from rigctl.config import load
 from rigctl.errors import ConfigurationError, RefusedError, RigError, SettingsError
 from rigctl.service import keyfile
@@ -23,7 +26,7 @@ _ARM_TIMEOUT_S = 120.0
 
 
 @contextmanager
-def connected(path: Path | None, key: str | None) -> Iterator[ServiceClient]:
+def connected(path: Path | None, key: Chosen | None) -> Iterator[ServiceClient]:
     """Give a client of the daemon that runs on a configuration's store.
 
     Its address and key are those that the daemon wrote beside its store; a key given here is used
@@ -34,6 +37,8 @@ def connected(path: Path | None, key: str | None) -> Iterator[ServiceClient]:
     ConfigurationError
         The configuration cannot be, or no daemon wrote its key and none is given.
     """
+    if key is not None:
+        say_warning(key)
     configuration = load(path)
     try:
         address = keyfile.read(Path(configuration.store.folder))
@@ -41,8 +46,10 @@ def connected(path: Path | None, key: str | None) -> Iterator[ServiceClient]:
         if key is None:
             raise
         service = configuration.service
-        address = ServiceAddress(f"http://{service.host}:{service.port}", key)
-    with ServiceClient(address if key is None else replace(address, key=key)) as client:
+        scheme = "https" if service.encrypts else "http"
+        url = f"{scheme}://{service.host}:{service.port}"
+        address = ServiceAddress(url, key.key, service.tls_certificate)
+    with ServiceClient(address if key is None else replace(address, key=key.key)) as client:
         yield client
 
 
@@ -62,6 +69,7 @@ class ServiceClient:
             headers={"Authorization": f"Bearer {address.key}"},
             transport=transport,
             trust_env=False,
+            verify=_trusting(address.certificate),
         )
 
     def __enter__(self) -> Self:
@@ -145,6 +153,15 @@ class ServiceClient:
         raise error_of(answer)
 
 
+def _trusting(certificate: str | None) -> ssl.SSLContext | bool:
+    """Return whom to trust: a daemon on this host shows the certificate of its configuration."""
+    if certificate is None:
+        return True
+    context = ssl.create_default_context()
+    context.load_verify_locations(certificate)
+    return context
+
+
 def error_of(answer: httpx.Response) -> RigError:
     """Return the error that a problem document was made from."""
     try:
@@ -166,5 +183,11 @@ def _tree(kind: type[RigError]) -> Iterator[type[RigError]]:
 
 
 def _by_status(status: int) -> type[RigError]:
-    kinds = {401: ConfigurationError, 409: RefusedError, 422: SettingsError, 503: RefusedError}
+    kinds = {
+        401: ConfigurationError,
+        403: RefusedError,
+        409: RefusedError,
+        422: SettingsError,
+        503: RefusedError,
+    }
     return kinds.get(status, RigError)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import ipaddress
 import os
 import signal
 import socket
@@ -17,16 +16,18 @@ import uvicorn
 from starlette.types import ASGIApp
 
 from rigctl import logs, systemd
+from rigctl.access.strength import Chosen, new_key, require_strong
+from rigctl.commands.key import say_warning
+from rigctl.commands.listening import listen, listen_for_stops, url_of
 from rigctl.config import Configuration, load
 from rigctl.daemon import open_daemon
-from rigctl.errors import ConfigurationError
 from rigctl.jobs.process import hide_from_jobs
 from rigctl.logs import LogFormat
 from rigctl.page.mounting import with_page
 from rigctl.service import keyfile
 from rigctl.service.answer_headers import AnswerHeaders
 from rigctl.service.app import create_app
-from rigctl.service.auth import new_key
+from rigctl.service.behind_proxy import behind_proxy
 from rigctl.service.connections import Connections, raise_descriptor_limit, room_for
 from rigctl.service.events import EventHub
 from rigctl.service.keyfile import ServiceAddress
@@ -34,9 +35,6 @@ from rigctl.service.origins import OriginGuard, OwnOrigins
 from rigctl.service.stop_port import StopPort
 from rigctl.store import StepState, SweepRecord
 from rigctl.systemd import Watchdog
-
-STOP_PORT_ABOVE = 1000
-"""The stop's own port lies so far above the service's, unless it is set or taken."""
 
 SWITCH_S = 0.001
 """Threads that compute give way to those that answer after this time, s."""
@@ -79,7 +77,7 @@ class _Server(uvicorn.Server):
 def serve(
     path: Path | None,
     port: int | None,
-    key: str | None,
+    key: Chosen | None,
     effects: Path | None = None,
     log: LogFormat = "text",
 ) -> None:
@@ -91,8 +89,8 @@ def serve(
     Raises
     ------
     ConfigurationError
-        The configuration cannot be, the port is taken, or it would open the rig to the network
-        without a key that somebody chose.
+        The configuration cannot be, the key is too weak, the port is taken, or the rig would be
+        open to the network without encryption.
     RigError
         A device or the store cannot be opened.
     """
@@ -100,14 +98,23 @@ def serve(
     os.umask(0o077)
     # SIGTERM unwinds like Ctrl-C, also while devices are being opened and after the server ended.
     signal.signal(signal.SIGTERM, signal.default_int_handler)
+    if key is not None:
+        require_strong(key.key)
+        say_warning(key)
     configuration = _with_effects(load(path), effects)
     logs.set_up(log)
     sys.setswitchinterval(SWITCH_S)
     descriptors = raise_descriptor_limit()
-    listening = _listen(configuration, port, key)
-    stop_listening = _listen_for_stops(configuration, listening)
-    address = ServiceAddress(_url(listening), key or new_key(), _url(stop_listening))
-    origins = OwnOrigins((configuration.service.host, *configuration.service.names))
+    section = configuration.service
+    listening = listen(section, port)
+    stop_listening = listen_for_stops(section, listening)
+    address = ServiceAddress(
+        url_of(listening, encrypts=section.encrypts),
+        new_key() if key is None else key.key,
+        section.tls_certificate,
+        url_of(stop_listening, encrypts=False),
+    )
+    origins = OwnOrigins((section.host, *section.names))
     try:
         with listening, stop_listening, open_daemon(configuration) as daemon, ExitStack() as opened:
             opened.callback(StopPort(stop_listening, daemon.rig, origins).close)
@@ -115,14 +122,14 @@ def serve(
             hide_from_jobs(written)
             try:
                 hub = EventHub()
-                page = with_page(create_app(daemon, address.key, hub), daemon, address.key)
+                page = with_page(create_app(daemon, address.key, hub), daemon)
+                guarded = AnswerHeaders(OriginGuard(behind_proxy(page, section.proxy), origins))
                 connections = Connections(room_for(descriptors))
-                guarded = AnswerHeaders(OriginGuard(page, origins))
-                server = _server(guarded, hub, connections)
+                server = _server(guarded, configuration, hub, connections)
                 opened.callback(Watchdog(lambda: server.answers() and daemon.rig.answers()).close)
                 opened.callback(daemon.rig.listeners.add(logs.transition))
                 opened.callback(daemon.store.listeners.add(logs.shot))
-                typer.echo(_greeting(address, configuration))
+                typer.echo(_greeting(address, configuration, chosen=key is not None))
                 for sweep in daemon.offered:
                     typer.echo(_offer(sweep))
                 server.run(sockets=[listening])
@@ -140,13 +147,20 @@ def _with_effects(configuration: Configuration, folder: Path | None) -> Configur
     return configuration.model_copy(update={"analysis": analysis})
 
 
-def _server(app: ASGIApp, hub: EventHub, connections: Connections) -> _Server:
+def _server(
+    app: ASGIApp, configuration: Configuration, hub: EventHub, connections: Connections
+) -> _Server:
+    section = configuration.service
     settings = uvicorn.Config(
         app,
         http=connections.protocol(),  # type: ignore[arg-type]
         log_level="warning",
         access_log=False,
         server_header=False,
+        # Who asks is told by the connection; by a header only where a proxy is named.
+        proxy_headers=False,
+        ssl_certfile=section.tls_certificate,
+        ssl_keyfile=section.tls_key,
         timeout_graceful_shutdown=END_WITHIN_S,
         # Packing what each open page is told holds the event loop, and with it a fire request.
         ws_per_message_deflate=False,
@@ -154,63 +168,12 @@ def _server(app: ASGIApp, hub: EventHub, connections: Connections) -> _Server:
     return _Server(settings, hub)
 
 
-def _listen(configuration: Configuration, port: int | None, key: str | None) -> socket.socket:
-    host = configuration.service.host
-    if not _is_loopback(host) and not key:
-        raise ConfigurationError(
-            "the rig would be open to the network without a key that somebody chose",
-            part="service.host",
-            value=repr(host),
-            limit="a loopback address",
-            todo="set RIGCTL_KEY or --key, or listen on 127.0.0.1",
-        )
-    chosen = configuration.service.port if port is None else port
-    todo = "choose another with --port, 0 for any free one"
-    return _bound(host, chosen, "service.port", todo)
-
-
-def _listen_for_stops(configuration: Configuration, listening: socket.socket) -> socket.socket:
-    """Listen on the stop's own port: the one that is set, 1000 above the service's, or any."""
-    service = configuration.service
-    if service.stop_port is not None:
-        todo = "choose another stop_port, 0 for any free one"
-        return _bound(service.host, service.stop_port, "service.stop_port", todo)
-    beside = int(listening.getsockname()[1]) + STOP_PORT_ABOVE
-    try:
-        return _bound(service.host, beside if beside <= 65535 else 0, "service.stop_port", "")
-    except ConfigurationError:
-        return _bound(service.host, 0, "service.stop_port", "set stop_port")
-
-
-def _bound(host: str, port: int, part: str, todo: str) -> socket.socket:
-    try:
-        family = socket.AF_INET6 if ":" in host else socket.AF_INET
-        return socket.create_server((host, port), family=family)
-    except OSError as error:
-        raise ConfigurationError(
-            f"cannot listen there: {error.strerror or error}",
-            part=part,
-            value=f"{host}:{port}",
-            todo=todo,
-        ) from error
-
-
-def _is_loopback(host: str) -> bool:
-    try:
-        return ipaddress.ip_address(host).is_loopback
-    except ValueError:
-        return host == "localhost"
-
-
-def _url(listening: socket.socket) -> str:
-    host, port = listening.getsockname()[:2]
-    return f"http://[{host}]:{port}" if ":" in host else f"http://{host}:{port}"
-
-
-def _greeting(address: ServiceAddress, configuration: Configuration) -> str:
+def _greeting(address: ServiceAddress, configuration: Configuration, *, chosen: bool) -> str:
     kind = "simulated rig" if configuration.simulation else "REAL RIG"
+    # Whoever chose the key knows it; a terminal and its log need not.
+    key = "KEY, with the key that was chosen" if chosen else address.key
     return (
-        f"rigctl: {kind} {configuration.name!r} at {address.url}/?key={address.key}\n"
+        f"rigctl: {kind} {configuration.name!r} at {address.url}/?key={key}\n"
         f"rigctl: a POST to {address.stop_url}/ stops it, as does `rigctl stop`"
     )
 

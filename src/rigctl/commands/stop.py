@@ -9,6 +9,7 @@ from typing import Any
 import httpx
 import typer
 
+from rigctl.access.strength import Chosen
 from rigctl.commands.client import connected, error_of
 from rigctl.config import load
 from rigctl.errors import ConfigurationError, DeviceError
@@ -51,7 +52,7 @@ def stop(path: Path | None, reason: str, *, as_json: bool) -> None:
     )
 
 
-def release(path: Path | None, key: str | None, reason: str, *, as_json: bool) -> None:
+def release(path: Path | None, key: Chosen | None, reason: str, *, as_json: bool) -> None:
     """Let the rig leave its latch, after a person has looked; raise what the daemon answers."""
     with connected(path, key) as daemon:
         _print(daemon.release(reason), as_json=as_json)

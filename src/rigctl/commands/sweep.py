@@ -13,6 +13,7 @@ from typing import Any, Protocol
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 
+from rigctl.access.strength import Chosen
 from rigctl.commands.client import connected
 from rigctl.errors import NotFoundError, RefusedError
 from rigctl.sweeps.form import Sweep
@@ -47,7 +48,7 @@ class Steerable(Protocol):
         """Pause, resume or abort a sweep and return it."""
 
 
-def service(path: Path | None, key: str | None) -> AbstractContextManager[Steerable]:
+def service(path: Path | None, key: Chosen | None) -> AbstractContextManager[Steerable]:
     """Give the daemon that runs on a configuration's store; as `client.connected`."""
     return connected(path, key)
 

@@ -58,6 +58,28 @@ class ServiceSection(StrictModel):
     names: tuple[str, ...] = Field(
         default=(), description="names of this service, beside its address, behind a proxy or DNS"
     )
+    tls_certificate: str | None = Field(
+        default=None, min_length=1, description="PEM file with certificate and chain"
+    )
+    tls_key: str | None = Field(
+        default=None, min_length=1, description="PEM file with the certificate's private key"
+    )
+    proxy: str | None = Field(
+        default=None,
+        min_length=1,
+        description="address of the reverse proxy that encrypts; nobody else is answered",
+    )
+
+    @model_validator(mode="after")
+    def _has_certificate_and_key_or_neither(self) -> Self:
+        if (self.tls_certificate is None) != (self.tls_key is None):
+            raise ValueError("tls_certificate and tls_key are given together, or neither")
+        return self
+
+    @property
+    def encrypts(self) -> bool:
+        """Whether the service itself encrypts its connections."""
+        return self.tls_certificate is not None
 
 
 class AnalysisSection(StrictModel):

@@ -102,4 +102,5 @@ class Desk:
 def actor() -> str:
     """Return the name under which the rig journals what this browser does."""
     client = context.client
-    return f"page {client.id[:8]} at {client.ip or 'unknown'}"
+    holder = getattr(client.request.state, "holder", "page")
+    return f"{holder} on page {client.id[:8]} at {client.ip or 'unknown'}"

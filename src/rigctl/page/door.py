@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import hmac
 from http.cookies import CookieError, SimpleCookie
 from urllib.parse import parse_qs
 
@@ -11,10 +9,15 @@ from starlette.datastructures import Headers
 from starlette.responses import PlainTextResponse, RedirectResponse, Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from rigctl.service.auth import PREFIX
+from rigctl.access import scopes
+from rigctl.access.keyring import Holder, Keyring
+from rigctl.access.scopes import PREFIX, allows
+from rigctl.access.wrong_keys import WrongKeys
+from rigctl.service.auth import address_of
 
 FRONT = "/"
 OPEN = ("/health/", "/metrics", "/openapi.json")
+WANTED = (scopes.Scope.OPERATE, scopes.Scope.SWEEP, scopes.Scope.MAINTAIN)
 
 
 class PageDoor:
@@ -22,7 +25,8 @@ class PageDoor:
 
     The address that `rigctl serve` prints holds the key. Opened once, it leaves a cookie and loses
     the key: neither history nor a screenshot shows it. The cookie's value is derived from the key,
-    so that a daemon started again with the same key knows its operators.
+    so that a daemon started again with the same key knows its operators. It ends with the key; the
+    page acts on everything, so only a key with every scope of `WANTED` opens it.
 
     Parameters
     ----------
@@ -30,15 +34,13 @@ class PageDoor:
         Answers below `/api/v1`, the paths of `OPEN`, and `/` to those without a session.
     page
         Answers everything else, and gets the life of the server: it starts `api`.
-    key
-        Of the service.
+    keyring, wrong
+        The keys of the service, and the count of wrong ones.
     """
 
-    def __init__(self, api: ASGIApp, page: ASGIApp, key: str) -> None:
-        self._api, self._page, self._key = api, page, key.encode()
-        # Cookies know no port: two daemons on one host must not take each other's.
-        self._name = f"rigctl-{hashlib.sha256(self._key).hexdigest()[:8]}"
-        self._value = hmac.new(self._key, b"session of the page", "sha256").hexdigest()
+    def __init__(self, api: ASGIApp, page: ASGIApp, keyring: Keyring, wrong: WrongKeys) -> None:
+        self._api, self._page = api, page
+        self._keyring, self._wrong = keyring, wrong
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer one request, one socket, or the life of the server."""
@@ -48,7 +50,8 @@ class PageDoor:
         path = str(scope["path"])
         if path.startswith((f"{PREFIX}/", *OPEN)):
             await self._api(scope, receive, send)
-        elif self._is_own(scope) and not (path == FRONT and _key_of(scope)):
+        elif (holder := self._own(scope)) and not (path == FRONT and _key_of(scope)):
+            scope.setdefault("state", {})["holder"] = holder.name
             await self._shown(scope, receive, send)
         elif scope["type"] == "websocket":
             await send({"type": "websocket.close", "code": 4401})
@@ -65,6 +68,9 @@ class PageDoor:
             nonlocal gone
             message = await receive()
             gone = gone or message["type"] == "http.disconnect"
+            if scope["type"] == "websocket" and self._own(scope) is None:
+                # The key was revoked or has expired since the page was opened.
+                return {"type": "websocket.disconnect", "code": 4401}
             return message
 
         try:
@@ -78,28 +84,48 @@ class PageDoor:
         given = _key_of(scope)
         if given is None:
             await self._api(scope, receive, send)
-        elif hmac.compare_digest(given.encode(), self._key):
-            await self._opened()(scope, receive, send)
-        else:
-            text = "This is not the key of the daemon that runs here; take the one it printed.\n"
+            return
+        holder, why = self._keyring.holder(given)
+        if holder is None:
+            await self._wrong.refuse(address_of(scope))
+            text = f"This key opens nothing: {why}; take the one that the daemon printed.\n"
             await PlainTextResponse(text, 401)(scope, receive, send)
+        elif not _may_open(holder):
+            text = (
+                f"The page needs a key with the scopes {', '.join(WANTED)}; that of {holder.name} "
+                "opens REST alone.\n"
+            )
+            await PlainTextResponse(text, 403)(scope, receive, send)
+        else:
+            await self._opened(holder, scope["scheme"])(scope, receive, send)
 
-    def _opened(self) -> Response:
+    def _opened(self, holder: Holder, scheme: str) -> Response:
         response = RedirectResponse(FRONT, 303)
-        response.set_cookie(self._name, self._value, httponly=True, samesite="strict")
+        response.set_cookie(
+            self._keyring.cookie,
+            holder.session,
+            httponly=True,
+            samesite="strict",
+            secure=scheme == "https",
+        )
         return response
 
-    def _is_own(self, scope: Scope) -> bool:
-        """Say whether a session is there; who else shares its cookie, `OriginGuard` refuses."""
+    def _own(self, scope: Scope) -> Holder | None:
+        """Return whose session is there; who else shares its cookie, `OriginGuard` refuses."""
         held = self._held(Headers(scope=scope))
-        return hmac.compare_digest(held.encode(), self._value.encode())
+        holder = self._keyring.of_session(held) if held else None
+        return holder if holder is not None and _may_open(holder) else None
 
     def _held(self, headers: Headers) -> str:
         try:
-            cookie = SimpleCookie(headers.get("cookie", "")).get(self._name)
+            cookie = SimpleCookie(headers.get("cookie", "")).get(self._keyring.cookie)
         except CookieError:
             return ""
         return "" if cookie is None else cookie.value
+
+
+def _may_open(holder: Holder) -> bool:
+    return all(allows(holder.scopes, scope) for scope in WANTED)
 
 
 def _key_of(scope: Scope) -> str | None:

@@ -38,8 +38,8 @@ PACKING = 1
 """How hard files are packed, 1 to 9: more holds the daemon up longer than it saves a network."""
 
 
-def with_page(api: FastAPI, daemon: Daemon, key: str) -> ASGIApp:
-    """Return what a server runs: the page for those with a session, REST for those with the key.
+def with_page(api: FastAPI, daemon: Daemon) -> ASGIApp:
+    """Return what a server runs: the page for those with a session, REST for those with a key.
 
     Called once in a process: pages are registered in the page library's one table.
     """
@@ -64,4 +64,4 @@ def with_page(api: FastAPI, daemon: Daemon, key: str) -> ASGIApp:
     # What is loaded by now is never garbage; to look through it holds everything up for 0.2 s.
     gc.collect()
     gc.freeze()
-    return PageDoor(api, shell, key)
+    return PageDoor(api, shell, api.state.keyring, api.state.wrong_keys)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import logging
 import re
+import threading
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from importlib.metadata import version
@@ -12,6 +14,8 @@ from fastapi.exceptions import RequestValidationError
 from starlette.exceptions import HTTPException
 from starlette.responses import Response
 
+from rigctl.access.keyring import Keyring
+from rigctl.access.wrong_keys import MANY, WITHIN_S, WrongKeys
 from rigctl.daemon import Daemon
 from rigctl.errors import RigError
 from rigctl.service.auth import PREFIX, KeyGuard
@@ -38,6 +42,8 @@ from rigctl.service.routes_shots import shot_routes
 from rigctl.service.routes_sweeps import sweep_routes
 from rigctl.service.sweep_models import SweepView
 
+_log = logging.getLogger(__name__)
+
 _FRAMEWORK = {
     404: ("no-such-route", "There is no such path", "look at /openapi.json"),
     405: ("method-not-allowed", "The path knows no such method", "use a method named in Allow"),
@@ -46,7 +52,7 @@ _OTHERWISE = ("bad-request", "The request cannot be answered", "correct the requ
 
 
 def create_app(daemon: Daemon, key: str, hub: EventHub) -> FastAPI:
-    """Return the application that answers for a daemon to holders of `key`.
+    """Return the application that answers for a daemon to holders of `key`, or of a named one.
 
     What the rig and the store report goes to `hub` for as long as the application runs; whoever
     ends the server closes the hub first, so that listening clients let go.
@@ -81,6 +87,8 @@ def create_app(daemon: Daemon, key: str, hub: EventHub) -> FastAPI:
         dependencies=[Depends(require_known)],
     )
     lanes = Lanes()
+    app.state.keyring = Keyring(key, lambda: daemon.store.path)
+    app.state.wrong_keys = WrongKeys(lambda address: _tell(daemon, address))
     app.include_router(rig_routes(daemon, lanes), prefix=PREFIX)
     app.include_router(shot_routes(daemon, lanes), prefix=PREFIX)
     app.include_router(edit_routes(daemon), prefix=PREFIX)
@@ -92,15 +100,28 @@ def create_app(daemon: Daemon, key: str, hub: EventHub) -> FastAPI:
     app.include_router(effect_routes(daemon), prefix=PREFIX)
     app.include_router(job_routes(daemon), prefix=PREFIX)
     app.include_router(event_routes(daemon, hub), prefix=PREFIX)
-    app.include_router(health_routes(daemon))
+    app.include_router(health_routes(daemon, app.state.wrong_keys))
     app.include_router(metrics_route(metrics))
     app.include_router(front_route(daemon))
     _answer_errors_as_problems(app)
     app.openapi = describe(app, daemon.configuration.limits)  # type: ignore[method-assign]
     app.include_router(openapi_route(app))
     app.add_middleware(BodyLimit)
-    app.add_middleware(KeyGuard, key=key)
+    app.add_middleware(KeyGuard, keyring=app.state.keyring, wrong=app.state.wrong_keys)
     return app
+
+
+def _tell(daemon: Daemon, address: str) -> None:
+    """Write down from where many wrong keys come, in a thread that nobody waits for."""
+    _log.warning("%d wrong keys within %g s from %s", MANY, WITHIN_S, address)
+
+    def note() -> None:
+        try:
+            daemon.store.edits.wrong_keys(address, f"{MANY} within {WITHIN_S:g} s")
+        except RigError as error:
+            _log.warning("not in the audit: wrong keys from %s: %s", address, error)
+
+    threading.Thread(target=note, name="wrong keys", daemon=True).start()
 
 
 def _answer_errors_as_problems(app: FastAPI) -> None:

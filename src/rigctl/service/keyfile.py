@@ -16,11 +16,13 @@ FILE_NAME = "service.json"
 class ServiceAddress:
     """Address of a running service, as in `http://127.0.0.1:8486`, and the key that opens it.
 
+    `certificate` is the file by which its own clients know an encrypted one; None: another's word.
     `stop_url` is the address of the emergency stop's own port; empty where none is known.
     """
 
     url: str
     key: str
+    certificate: str | None = None
     stop_url: str = ""
 
 
@@ -62,15 +64,15 @@ def read(folder: Path) -> ServiceAddress:
     path = folder / FILE_NAME
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
-        stop_url = str(content.get("stop_url", ""))
-        return ServiceAddress(str(content["url"]), str(content["key"]), stop_url)
+        certificate, stop_url = content.get("certificate"), str(content.get("stop_url", ""))
+        return ServiceAddress(str(content["url"]), str(content["key"]), certificate, stop_url)
     except FileNotFoundError as error:
         raise ConfigurationError(
             "no daemon runs on this store",
             part=str(path),
             todo="start one with `rigctl serve`, give --key, or fire with --local",
         ) from error
-    except (OSError, ValueError, KeyError, TypeError) as error:
+    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
         raise ConfigurationError(
             f"the key file cannot be used: {error}",
             part=str(path),

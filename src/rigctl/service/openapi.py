@@ -12,8 +12,8 @@ from fastapi import APIRouter, FastAPI
 from fastapi.openapi.utils import get_openapi
 from starlette.responses import Response
 
+from rigctl.access.scopes import ESTOP_PATH, PREFIX, ROUTES, Scope
 from rigctl.config import Limits
-from rigctl.service.auth import ESTOP_PATH, PREFIX
 from rigctl.service.problems import Problem, documented
 
 
@@ -54,21 +54,37 @@ def _document(app: FastAPI, limits: Limits) -> dict[str, Any]:
     )
     schemas.update(problem.pop("$defs", {}))
     schemas["Problem"] = problem
-    components["securitySchemes"] = {"key": {"type": "http", "scheme": "bearer"}}
+    components["securitySchemes"] = {
+        "key": {
+            "type": "http",
+            "scheme": "bearer",
+            "description": f"a key; {' '.join(str(Scope.__doc__).split())}",
+        }
+    }
     for path, operations in document["paths"].items():
         locked = path.startswith(f"{PREFIX}/") and path != ESTOP_PATH
-        for operation in operations.values():
-            operation["security"] = [{"key": []}] if locked else []
-            # What lies around all routes answers for them: foreign sites, bodies that do not come.
-            for status in (403, 408) if "413" in operation["responses"] else (403,):
-                operation["responses"][str(status)] = documented(status)[status]
+        for method, operation in operations.items():
+            operation["security"] = []
             if locked:
+                _ask_for(operation, ROUTES[method.upper(), path.removeprefix(PREFIX)])
                 # Whatever a path takes, a parameter that it does not take is refused.
                 operation["responses"].setdefault("422", documented(422)[422])
+            # What lies around all routes answers for them: foreign sites, bodies that do not come.
+            for status in (403, 408) if "413" in operation["responses"] else (403,):
+                operation["responses"].setdefault(str(status), documented(status)[status])
     schemas["ArmOrder"] = _narrowed(schemas["ShotSettings"], limits)
     body = document["paths"][f"{PREFIX}/rig/arm"]["post"]["requestBody"]
     body["content"]["application/json"]["schema"] = {"$ref": "#/components/schemas/ArmOrder"}
     return document
+
+
+def _ask_for(operation: dict[str, Any], scope: Scope) -> None:
+    """Say which scope a route needs, and that a key without it is refused."""
+    operation["security"] = [{"key": [str(scope)]}]
+    operation["x-scope"] = str(scope)
+    if scope is not Scope.READ:
+        # Every key may read.
+        operation["responses"] |= {str(s): about for s, about in documented(403).items()}
 
 
 def _narrowed(settings: dict[str, Any], limits: Limits) -> dict[str, Any]:

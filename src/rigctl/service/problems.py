@@ -178,7 +178,7 @@ _MEANINGS = {
     400: "The Idempotency-Key header is missing or malformed, or the body is not HTTP",
     401: "No key, or a wrong one",
     404: "Nothing of that name is stored",
-    403: "The request comes from another site",
+    403: "The key lacks the scope that the route needs, or the request comes from another site",
     405: "The path knows no such method; Allow names those it knows",
     409: "The rig refuses (state, interlocks, arm token, a key whose shot is under way), or too "
     "many jobs wait",

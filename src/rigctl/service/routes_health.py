@@ -8,6 +8,7 @@ from fastapi import APIRouter
 from pydantic import BaseModel
 from starlette.responses import Response
 
+from rigctl.access.wrong_keys import WrongKeys
 from rigctl.daemon import Daemon
 from rigctl.rig.states import LATCHED
 from rigctl.service.problems import Problem, answer, documented
@@ -20,16 +21,20 @@ class Live(BaseModel):
 
 
 class Ready(BaseModel):
-    """The rig takes orders; the counts are of shots that the last start found unfinished."""
+    """The rig takes orders; the counts are of shots that the last start found unfinished.
+
+    `wrong_keys` counts the requests since then that came with a key that opens nothing.
+    """
 
     status: Literal["ready"] = "ready"
     simulated: bool
     interrupted: int
     unknown_outcome: int
     completed: int
+    wrong_keys: int
 
 
-def health_routes(daemon: Daemon) -> APIRouter:
+def health_routes(daemon: Daemon, wrong: WrongKeys) -> APIRouter:
     """Return the routes below `/health`; they need no key."""
     router = APIRouter(prefix="/health", tags=["health"])
 
@@ -49,6 +54,7 @@ def health_routes(daemon: Daemon) -> APIRouter:
                 interrupted=len(found.interrupted),
                 unknown_outcome=len(found.unknown),
                 completed=len(found.completed),
+                wrong_keys=wrong.count,
             )
         return answer(
             Problem(

@@ -135,6 +135,16 @@ class Edits:
             both = (before, sorted(set(tags)))
             self._note(connection, _tagged(actor, "campaign tagged", campaign, both))
 
+    def wrong_keys(self, address: str, how_many: str) -> None:
+        """Write down that many wrong keys came from an address; raise `StoreError`."""
+        with self._database.writing() as connection:
+            self._note(connection, _Change(address, "wrong keys", address, None, how_many))
+
+    def key_changed(self, actor: str, act: str, name: str, after: str) -> None:
+        """Write down that a named key was added or revoked; raise `StoreError`."""
+        with self._database.writing() as connection:
+            self._note(connection, _Change(actor, act, name, None, after))
+
     def entries(self, *, after: int = 0, limit: int = 100) -> list[Edit]:
         """Return up to `limit` changes with numbers above `after`, oldest first."""
         query = select(edits).where(edits.c.number > after).order_by(edits.c.number).limit(limit)

@@ -121,9 +121,10 @@ class Edit:
     ----------
     act
         `excluded`, `included`, `noted` or `tagged` of a shot; `imported`, `campaign noted` or
-        `campaign tagged` of a campaign.
+        `campaign tagged` of a campaign; `key added` or `key revoked` of a named key; `wrong keys`
+        of an address; `recovered` of the catalogue.
     subject
-        Name of the shot, or of the campaign.
+        Name of the shot, of the campaign or of the key; the address.
     before, after
         What stood there and what stands there now; tags are joined by commas.
     digest

@@ -67,6 +67,12 @@ def read_seal(folder: Path) -> Seal | None:
     StoreError
         The file cannot be read or holds no key.
     """
+    secret = read_secret(folder)
+    return None if secret is None else Seal(secret)
+
+
+def read_secret(folder: Path) -> bytes | None:
+    """Return the key that lies in a folder; None and errors as `read_seal`."""
     path = folder / FILE_NAME
     try:
         key = bytes.fromhex(path.read_text(encoding="ascii").strip())
@@ -87,4 +93,4 @@ def read_seal(folder: Path) -> Seal | None:
             limit=f"{_BYTES} bytes",
             todo="restore the file from a backup",
         )
-    return Seal(key)
+    return key

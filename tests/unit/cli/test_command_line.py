@@ -11,6 +11,7 @@ import httpx
 import pytest
 
 from rigctl import cli
+from rigctl.access.strength import Chosen
 from rigctl.commands import client as client_module
 from rigctl.commands import local as local_module
 from rigctl.commands import shot as shot_module
@@ -284,7 +285,7 @@ def test_a_key_that_is_given_goes_before_the_written_one(
     keyfile.write(tmp_path / "data", ServiceAddress("http://127.0.0.1:1", "written"))
     seen: list[ServiceAddress] = []
     monkeypatch.setattr(client_module, "ServiceClient", opened_as(seen))
-    for key in ("given", None):
+    for key in (Chosen("given"), None):
         with client_module.connected(None, key):
             pass
     assert [(address.url, address.key) for address in seen] == [

@@ -3,15 +3,23 @@
 from __future__ import annotations
 
 import asyncio
+from pathlib import Path
 
 import httpx
 import pytest
 from starlette.responses import PlainTextResponse
 
+from rigctl.access.keyring import Keyring
+from rigctl.access.wrong_keys import WrongKeys
 from rigctl.page.door import PageDoor
 
 KEY = "a-key-for-tests"
-DOOR = PageDoor(PlainTextResponse("rest"), PlainTextResponse("page"), KEY)
+DOOR = PageDoor(
+    PlainTextResponse("rest"),
+    PlainTextResponse("page"),
+    Keyring(KEY, lambda: Path("nowhere")),
+    WrongKeys(lambda address: None),
+)
 
 
 def asked(

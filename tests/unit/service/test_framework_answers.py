@@ -58,7 +58,9 @@ def test_every_route_documents_its_refusals_as_problem_documents(app: Any) -> No
             assert "405" in answers, (method, path)
             locked = path.startswith("/api/v1/") and path != "/api/v1/rig/estop"
             assert ("401" in answers) == locked, (method, path)
-            assert operation["security"] == ([{"key": []}] if locked else [])
+            scope = operation.get("x-scope")
+            assert operation["security"] == ([{"key": [scope]}] if locked else [])
+            assert ("403" in answers) == (scope not in {None, "read"}), (method, path)
             for status, answer in answers.items():
                 if int(status) >= 400:
                     assert list(answer["content"]) == ["application/problem+json"]

@@ -211,6 +211,7 @@ def test_a_latched_rig_lives_but_is_not_ready(ask: Any, rig: Any) -> None:
         "interrupted": 1,
         "unknown_outcome": 0,
         "completed": 2,
+        "wrong_keys": 0,
     }
     rig.state = RigState.ESTOP
     answer = ask("GET", "/health/ready")

@@ -1,0 +1,1 @@
+"""Who may do what: keys with names and scopes, and what a key has to be."""
