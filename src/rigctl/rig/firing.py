@@ -10,7 +10,7 @@
 from __future__ import annotations
 
 import logging
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 from rigctl.cameras.capture import RecordingConfirmation
@@ -141,10 +141,11 @@ class ShotRun:
             document = manifest(
                 confirmed, self._configuration, ready.recording, receipt, ready.conditions
             )
-            self._store.keep_frames(confirmed, frames, document)
+            ended_at = self._clock.wall()
+            self._store.keep_frames(replace(confirmed, ended_at=ended_at), frames, document)
         except Exception as error:  # noqa: BLE001 - as above
             return self._end(shot, ShotState.ABORTED, error, Fired.YES)
-        kept = Change(frames=len(frames.pixels), lost=len(frames.lost), ended_at=self._clock.wall())
+        kept = Change(frames=len(frames.pixels), lost=len(frames.lost), ended_at=ended_at)
         return self._progress.end(shot, ShotState.STORED, kept)
 
     def _end(
