@@ -212,15 +212,18 @@ def audit(chosen: Configuration, folder: Path, claimed: list[str], found: Findin
     found.acknowledged = len(claimed)
     with _catalogue(folder) as catalogue:
         shots = catalogue.execute("SELECT id, state, fired FROM shots").fetchall()
-        keys = catalogue.execute(
-            "SELECT key, fired FROM idempotency_keys JOIN shots ON shots.number = shot"
-        ).fetchall()
+        # The note of a shot that a sweep fired names sweep and step.
+        flew = [
+            note
+            for (note,) in catalogue.execute(
+                "SELECT note FROM shots WHERE fired != 'no' AND actor LIKE 'sweep %'"
+            )
+        ]
         found.sweeps = int(catalogue.execute("SELECT count(*) FROM sweeps").fetchone()[0])
     found.shots = len(shots)
     found.unknown = sum(fired == "unknown" for _, _, fired in shots)
     found.certain = sum(fired == "yes" for _, _, fired in shots)
     found.possible = found.certain + found.unknown
-    flew = [key.rpartition("/")[0] for key, fired in keys if fired != "no"]
     found.fired_twice += sorted({step for step in flew if flew.count(step) > 1})
     stored = {name for name, state, _ in shots if state == "stored"}
     found.lost += [name for name in claimed if name not in stored]
