@@ -115,7 +115,7 @@ def test_the_command_prints_one_document_of_the_promised_form(
         assert shot["normal"] == pytest.approx(impact.normal.tolist(), abs=1e-9)
         for name, unit in NUMBERS.items():
             quantity = getattr(impact, name)
-            assert set(shot[name]) == {"value", "sigma", "unit"}
+            assert set(shot[name]) == {"value", "sigma", "sigma_own", "sigma_common", "unit"}
             assert shot[name]["unit"] == unit
             assert shot[name]["value"] == pytest.approx(quantity.value, rel=1e-6)
         assert shot["beta"] is None or shot["beta"]["unit"] == "1"

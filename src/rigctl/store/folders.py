@@ -330,5 +330,5 @@ def _in_words(shot: str, path: Path) -> Iterator[None]:
     except (OSError, ValueError) as error:
         what = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
         raise StoreError(
-            what, part=str(path), todo="free or repair the disk, then arm again", shot=shot
+            what, part=str(path), todo="free or repair the disk, then try again", shot=shot
         ) from error

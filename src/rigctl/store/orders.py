@@ -47,7 +47,7 @@ class Orders:
             raise StoreError(
                 f"the order of the shot cannot be written: {error.strerror}",
                 part=str(path),
-                todo="free or repair the disk, then arm again",
+                todo="free or repair the disk, then try again",
             ) from error
 
     def has(self, shot: str) -> bool:

@@ -48,9 +48,9 @@ class Postgresql:
     """
 
     todo: ClassVar[dict[str, str]] = {
-        "lock timeout": "end the program that holds the catalogue, then arm again",
-        "No space left": "free disk space on the server, then arm again",
-        "could not extend": "free disk space on the server, then arm again",
+        "lock timeout": "end the program that holds the catalogue, then try again",
+        "No space left": "free disk space on the server, then try again",
+        "could not extend": "free disk space on the server, then try again",
         "connection": "start the server, or correct store.database",
         "password": "correct the password, best in a file that PGPASSFILE names",
         "does not exist": "create the database, then start again",

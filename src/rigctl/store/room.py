@@ -49,7 +49,7 @@ class Room:
                 part=str(self._path.parent),
                 value=f"{_free(self._path.parent)} bytes free",
                 limit=f"at least {needed} bytes",
-                todo="free disk space, then arm again",
+                todo="free disk space, then try again",
             ) from error
 
     def become(self, target: Path) -> None:

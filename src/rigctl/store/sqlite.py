@@ -29,8 +29,8 @@ class Sqlite:
     """
 
     todo: ClassVar[dict[str, str]] = {
-        "locked": "end the program that holds the file, then arm again",
-        "full": "free disk space, then arm again",
+        "locked": "end the program that holds the file, then try again",
+        "full": "free disk space, then try again",
         "readonly": "give the daemon write access to the file and its folder",
         "unable to open": "give the daemon write access to the folder",
         "malformed": "restore the file from a backup, or rebuild it with `rigctl recover`",
