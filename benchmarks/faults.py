@@ -17,10 +17,9 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import errno
 import json
 import random
-import resource
-import signal
 import sqlite3
 import sys
 import tempfile
@@ -56,6 +55,13 @@ PASSED = tuple(state for state in RigState if state in TRANSITIONS and state not
 """States that a shot may pass; a person ends the others."""
 RESTS = LATCHED | {RigState.IDLE}
 SERIAL = ("trigger", "regulator", "slide", "cut-off", "recorder")
+WRITES = (
+    "rigctl.store.folders.write_synced",
+    "rigctl.store.folders.write_over_synced",
+    "rigctl.store.room.os.posix_fallocate",
+    "rigctl.rig.latch.write_synced",
+)
+"""What the daemon writes a shot and a latch by."""
 CATALOGUE_BUSY_S = 0.1
 CLOCK_STEP_S = 3600.0
 
@@ -95,21 +101,25 @@ class Bench:
     def strike(self, fault: Fault) -> None:
         """Make a fault happen now."""
         if fault.part == "disk":
-            limits = resource.getrlimit(resource.RLIMIT_FSIZE)
-            self._ends.append(lambda: resource.setrlimit(resource.RLIMIT_FSIZE, limits))
-            largest = 0 if fault.kind == "takes nothing" else 65_536
-            resource.setrlimit(resource.RLIMIT_FSIZE, (largest, limits[1]))
-        elif fault.part == "catalogue":
-            other = sqlite3.connect(
-                self.folder / "catalogue.db", timeout=CATALOGUE_BUSY_S, check_same_thread=False
-            )
-            self._ends.append(other.close)
-            with contextlib.suppress(sqlite3.OperationalError):
-                other.execute("BEGIN IMMEDIATE")
+            # The laboratory shares this process: only what the daemon writes meets a full disk.
+            for place in WRITES:
+                full = mock.patch(place, side_effect=OSError(errno.ENOSPC, "No space left"))
+                full.start()
+                self._ends.append(full.stop)
+        if fault.part == "catalogue" or fault.kind == "takes nothing":
+            self._lock_catalogue()
         elif fault.part == "clock":
             self.step_s = CLOCK_STEP_S if fault.kind == "forward" else -CLOCK_STEP_S
-        else:
+        elif fault.part != "disk":
             self.laboratory.fault(fault.part, fault.kind)
+
+    def _lock_catalogue(self) -> None:
+        other = sqlite3.connect(
+            self.folder / "catalogue.db", timeout=CATALOGUE_BUSY_S, check_same_thread=False
+        )
+        self._ends.append(other.close)
+        with contextlib.suppress(sqlite3.OperationalError):
+            other.execute("BEGIN IMMEDIATE")
 
     def mend(self) -> None:
         """Take every fault away."""
@@ -257,7 +267,6 @@ def main() -> int:
     asked.add_argument("--seed", type=int, default=1)
     asked.add_argument("--out", type=Path, default=OUT)
     options = asked.parse_args()
-    signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
     chosen, found = plan(), Findings()
     if options.most:
         chosen = random.Random(options.seed).sample(chosen, options.most)
