@@ -235,13 +235,13 @@ def complaints(
 
 
 @contextlib.contextmanager
-def opened(folder: Path) -> Iterator[Bench]:
+def opened(folder: Path, answer_timeout_s: float = 0.1) -> Iterator[Bench]:
     """Open a daemon with short films, quick devices and a clock to be stepped."""
     document = configuration(folder).model_dump(mode="json")
     for section in ("trigger", "regulator", "slide"):
-        document[section]["answer_timeout_s"] = 0.1
+        document[section]["answer_timeout_s"] = answer_timeout_s
     document["camera"] |= {"start_timeout_s": 2.0, "collect_timeout_s": 5.0}
-    document["camera"]["recorder"]["answer_timeout_s"] = 0.1
+    document["camera"]["recorder"]["answer_timeout_s"] = answer_timeout_s
     document["limits"] |= {"settle_timeout_s": 0.5, "free_disk_mb": 1.0}
     bench: list[Bench] = []
 
