@@ -20,12 +20,12 @@ ENDS_WITHIN_S = 100.0
 STRETCH = 0.004
 FIT = {
     *("campaign", "shots", "with", "chi2_per_dof", "degrees_of_freedom", "converged", "parameters"),
-    *("faults", "noise", "excluded", "rejected", "rejected_frames"),
+    *("faults", "noise", "excluded", "rejected", "rejected_frames", "torn_tracks"),
 }
 EXPLAIN = {
     *("campaign", "shots", "used", "excluded", "rejected", "rejected_frames", "verdict", "effects"),
     *("alias_set", "alias_sets", "unexplained", "chi2_per_dof", "path", "parameters", "candidates"),
-    *("noise", "structure", "next_shots", "faults"),
+    *("noise", "structure", "next_shots", "faults", "torn_tracks"),
 }
 pytestmark = pytest.mark.timeout(300)
 

@@ -93,7 +93,7 @@ def test_a_killed_daemon_comes_back_offers_its_sweep_and_fires_no_step_twice(
         process.wait(WAIT_S)
     with daemon(tmp_path) as process:
         assert process.stdout is not None
-        offer = process.stdout.readline()
+        offer = next(line for line in process.stdout if "waits" in line)
         assert f"sweep {name} waits" in offer
         assert f"rigctl sweep resume {name}" in offer
         found = json.loads(rigctl(tmp_path, "sweep", "status", "--json").stdout)

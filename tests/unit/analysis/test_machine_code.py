@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import analysis
-from analysis.compiled import compiled, kept_on_disk, part
+from analysis.compiled import compiled, kept_on_disk
 
 PART = "from analysis.compiled import part\n\n@part\ndef inner(x):\n    return {} * x\n"
 WHOLE = (
@@ -152,6 +152,10 @@ def test_only_arrays_of_one_kind_are_taken_so_that_all_processes_round_alike(spo
     assert first_of((whole, whole)) == 1.0
 
 
+CALLS = """\
+import numpy as np
+from analysis.compiled import compiled, part
+
 @part
 def ratio(values):
     total = 0.0
@@ -159,15 +163,22 @@ def ratio(values):
         total += value
     return total / values[0] if total > 1.0 else values[-1]
 
-
 @compiled
 def ratios(values):
     for k in range(values.size):
         values[k] = ratio(values[k:]) + ratio(values[: k + 1])
+"""
+LOOK = """\
+import numpy as np
+from analysis.room.calls import ratios
+ratios(np.ones(4))
+(code,) = ratios.inspect_llvm().values()
+print("define internal" in code, "linkonce_odr" in code)
+"""
 
 
-def test_what_a_function_calls_is_its_own_copy_whatever_the_process_has_met_before() -> None:
-    ratios(np.ones(4))
-    (code,) = ratios.inspect_llvm().values()
-    assert "define internal" in code
-    assert "linkonce_odr" not in code
+def test_what_a_function_calls_is_its_own_copy_whatever_the_process_has_met_before(
+    package: Path,
+) -> None:
+    (package / "analysis" / "room" / "calls.py").write_text(CALLS)
+    assert asked(package, LOOK) == ["True", "False"]

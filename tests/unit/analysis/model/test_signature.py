@@ -48,7 +48,7 @@ def test_an_effect_that_is_there_leaves_nothing_in_its_own_cells() -> None:
 def test_an_effect_that_stands_for_another_is_betrayed_where_all_cells_together_are_silent() -> (
     None
 ):
-    data = campaign(40, 841, hidden=Hidden(pull=6.0))
+    data = campaign(40, 841, hidden=Hidden(pull=6.6))
     cells = lack_of_fit(data, with_scale(data))
     plain = holm(np.array([cell.p_value for cell in cells]))
     assert plain.min() > ALARM
