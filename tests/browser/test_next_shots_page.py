@@ -15,6 +15,7 @@ from tests.browser.conftest import KEY
 
 LONG_MS = 120_000
 PRESSURES, OFFSETS = "40:80:2", "0:12:4"
+MEASURED = re.compile("analysed|refused")
 FAINT = "torsional-friction"
 """An effect that eight shots do not tell from none."""
 
@@ -23,6 +24,9 @@ def test_shots_that_the_model_asks_for_are_fired_and_stand_in_its_next_fit(
     page: Page, served: Any
 ) -> None:
     fire(served.folder)
+    page.goto(f"{served.url}/campaigns/nylon")
+    measured = page.get_by_test_id("shots").locator("tbody tr").filter(has_text=MEASURED)
+    expect(measured).to_have_count(8, timeout=LONG_MS)
     page.goto(f"{served.url}/model/nylon")
     counted = page.get_by_test_id("counted")
     expect(counted).to_contain_text("shots used", timeout=LONG_MS)
@@ -59,7 +63,7 @@ def choose(page: Page, place: int, effect: str) -> None:
 
 
 def fire(folder: Path) -> None:
-    """Fire a small sweep under the campaign's name and wait for the last measurement."""
+    """Fire a small sweep of eight shots under the campaign's name and wait for the last one."""
     swept = ["sweep", "--pressure-kpa", PRESSURES, "--offset-mm", OFFSETS, "--campaign", "nylon"]
     subprocess.run(
         [str(Path(sys.executable).with_name("rigctl")), *swept],

@@ -106,7 +106,10 @@ def test_frames_of_a_challenge_are_measured_where_its_poses_say_the_spheres_are(
         known = np.isfinite(found.position_sigma[k]).all(axis=-1)
         off = (found.position[k] - seen[shot, frames])[known] * OPTICS.scale_px_per_m
         assert known.sum() > 30
-        assert np.median(np.abs(off)) < 0.1
+        # A turned mirror moves all that both views are read from: alike, and in no velocity.
+        alike = off.mean(axis=0)
+        assert np.abs(alike).max() < 0.15
+        assert np.sqrt(((off - alike) ** 2).mean()) < 0.03
 
 
 @needs_shell

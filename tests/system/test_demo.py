@@ -29,7 +29,9 @@ def test_the_demonstration_finds_what_the_simulated_rig_hides(tmp_path: Path) ->
     hidden = (
         "the truth is torsional-friction, on top of lasting-contact, which this world always has"
     )
-    assert f"right: answered torsional-friction, lasting-contact; {hidden}" in said
+    assert f"right: answered torsional-friction, lasting-contact; {hidden}" in " ".join(
+        said.split()
+    )
     committed = said.index("Committed: torsional-friction")
     assert committed < said.index("right:") < said.index("hidden:")
     errors = [

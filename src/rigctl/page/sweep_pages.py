@@ -10,7 +10,7 @@ from rigctl.page.following import following
 from rigctl.page.layout import TICK_S, sheet
 from rigctl.page.presence import kept_page
 from rigctl.page.sweep_form import SweepForm
-from rigctl.page.sweep_orders import bar, how_far, orders
+from rigctl.page.sweep_orders import SweepProgress
 from rigctl.page.sweep_view import SweepView
 from rigctl.sweeps.status import SweepStatus
 
@@ -41,7 +41,7 @@ def sweep_pages(desk: Desk) -> None:
 
 
 class _Listed:
-    """The sweeps, the latest first; drawn anew when one of them gets further."""
+    """The sweeps, the latest first; each is updated in place when it gets further."""
 
     def __init__(self, desk: Desk) -> None:
         self._desk = desk
@@ -57,26 +57,30 @@ class _Listed:
         return [self._desk.daemon.sweeps.status(record.id) for record in found]
 
     def _follow(self) -> None:
-        if self._heard != self._desk.feed.told and (stand := self._stand()) != self._seen:
-            self._seen = stand
+        if self._heard == self._desk.feed.told or (stand := self._stand()) == self._seen:
+            return
+        before, self._seen = self._seen, stand
+        if _names(before) != _names(stand):
             self._show.refresh()
+            return
+        for placed, status in zip(self._placed, stand, strict=True):
+            placed.show(status)
 
     @ui.refreshable_method
     def _show(self) -> None:
         if not self._seen:
             ui.label("No sweep has been run yet. Choose ranges, then Start.").classes("empty")
-        for status in self._seen:
-            self._one(status)
+        self._placed = [self._one(status) for status in self._seen]
 
-    def _one(self, status: SweepStatus) -> None:
-        record = status.record
+    def _one(self, status: SweepStatus) -> SweepProgress:
+        name = status.record.id
+
+        def title() -> None:
+            ui.link(name, f"/sweeps/{name}").classes("strong")
+
         with ui.element("div").classes("wide entry"):
-            with ui.element("div").classes("beside"):
-                ui.link(record.id, f"/sweeps/{record.id}").classes("strong")
-                ui.label(f"{record.state}, {how_far(status)[2]}")
-                if record.campaign:
-                    ui.link(record.campaign, f"/campaigns/{record.campaign}")
-                ui.space()
-                orders(self._desk, status)
-            bar(status)
-            ui.label(record.reason).classes("note")
+            return SweepProgress(self._desk, status, title)
+
+
+def _names(shown: list[SweepStatus]) -> list[str]:
+    return [status.record.id for status in shown]

@@ -14,7 +14,7 @@ from rigctl.page.impact_plots import over_incidence, over_speed
 from rigctl.page.layout import TICK_S
 from rigctl.page.quantities import INCIDENCE, SPEED
 from rigctl.page.readings import Impact, rows_of
-from rigctl.page.sweep_orders import bar, how_far, orders
+from rigctl.page.sweep_orders import SweepProgress
 from rigctl.page.sweep_plots import progress
 from rigctl.page.sweep_steps import StepsTable, what_became
 from rigctl.page.widgets import plot, save_csv
@@ -45,7 +45,8 @@ class SweepView:
         # What is planned is there at once; what the shots were measured to be takes a disk.
         steps = desk.daemon.store.sweeps.steps(sweep)
         self._now = _Stand(desk.daemon.sweeps.status(sweep), steps, {}, [])
-        self._head()
+        with ui.element("div").classes("panel").props("data-testid=sweep"):
+            self._progress = SweepProgress(desk, self._now.status, self._heading)
         with ui.element("div").classes("columns third"):
             with ui.element("div").classes("panel"):
                 ui.label("Where it is").classes("title")
@@ -72,7 +73,7 @@ class SweepView:
         first = self._heard < 0
         self._heard, before, self._now = heard, self._now, stand
         if stand.status != before.status:
-            self._head.refresh()
+            self._progress.show(stand.status)
         if stand.steps != before.steps or stand.shots != before.shots:
             self._table.show(stand.steps, stand.shots)
             self._plane.update_figure(progress(self._by_fate(), self._limits))
@@ -105,22 +106,8 @@ class SweepView:
             found.setdefault(fate, []).append((step.number, step.settings))
         return found
 
-    @ui.refreshable_method
-    def _head(self) -> None:
-        status = self._now.status
-        record = status.record
-        with ui.element("div").classes("panel").props("data-testid=sweep"):
-            with ui.element("div").classes("head"):
-                ui.html(f"<h1>Sweep {record.id}</h1>", sanitize=False)
-                ui.label(f"{record.state}, {how_far(status)[2]}").props(
-                    "data-testid=sweep-state role=status"
-                )
-                if record.campaign:
-                    ui.link(f"campaign {record.campaign}", f"/campaigns/{record.campaign}")
-                ui.space()
-                orders(self._desk, status)
-            bar(status)
-            ui.label(record.reason).classes("note")
+    def _heading(self) -> None:
+        ui.html(f"<h1>Sweep {self._sweep}</h1>", sanitize=False)
 
     def _titled(self, title: str, name: str, meaning: str) -> None:
         with ui.element("div").classes("title"):

@@ -174,10 +174,18 @@ def test_a_dropped_frame_is_refused_or_does_no_harm(film: Filmed, lost: int, lea
 
 @few
 @given(again=st.integers(3, FRAMES - 4), learn=st.booleans())
-def test_a_repeated_frame_is_refused(film: Filmed, again: int, learn: bool) -> None:
+def test_a_repeated_frame_is_refused_or_named_and_left_out(
+    film: Filmed, again: int, learn: bool
+) -> None:
     frames = film.shot.frames.copy()
     frames[again] = frames[again - 1]
-    assert refused_with_reason(measured(film, frames, learn=learn))
+    shot = measured(film, frames, learn=learn)
+    if isinstance(shot, RefusedShot):
+        assert refused_with_reason(shot)
+        return
+    assert again not in (*shot.used_before, *shot.used_after)
+    assert any(note.startswith(f"frame {again} left out") for note in shot.notes)
+    assert honest(shot, film.shot)
 
 
 @few
