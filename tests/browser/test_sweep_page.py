@@ -79,6 +79,8 @@ def test_proposed_shots_open_as_a_form_and_fire_nothing_by_themselves(
 
 
 def test_a_shot_of_a_sweep_is_excluded_with_a_reason_and_counts_again(page: Page) -> None:
+    started(page, repeat=1)
+    expect(page.get_by_test_id("sweep-state")).to_contain_text("completed", timeout=LONG_MS)
     page.get_by_role("link", name="Campaigns").click()
     page.get_by_test_id("campaigns").get_by_role("cell", name="sweep").click()
     page.get_by_test_id("filter").fill("analysed")
