@@ -7,6 +7,7 @@ enters the state, while one shot is armed and fired. Then it must hold that
 - whatever was raised is an error of rigctl, with a code;
 - the rig has come to rest: idle, or waiting for a person;
 - the record agrees with the world's own count of fires, and nothing fired twice;
+- no shot is left without an end;
 - once the fault is gone, and the rig released where it waits, the next shot is stored, without a
   restart.
 
@@ -43,6 +44,7 @@ from rigctl.rig.states import LATCHED, TRANSITIONS, RigState
 from rigctl.rig.status import Transition
 from rigctl.settings import ShotSettings
 from rigctl.store import Fired, ShotRecord
+from rigctl.store.states import RUNNING
 from simulators.ektapro.faults import FrameFault
 from simulators.wire.faults import SerialFault
 from simulators.wire.hid_relay import UsbFault
@@ -232,10 +234,12 @@ def complaints(
     except RigError as raised:
         yield f"the next shot does not work: {raised}"
     bench.recover()
+    for shot in bench.daemon.store.catalogue.in_states(RUNNING):
+        yield f"shot {shot.id} is left {shot.state}"
 
 
 @contextlib.contextmanager
-def opened(folder: Path, answer_timeout_s: float = 0.1) -> Iterator[Bench]:
+def opened(folder: Path, answer_timeout_s: float = 0.25) -> Iterator[Bench]:
     """Open a daemon with short films, quick devices and a clock to be stepped."""
     document = configuration(folder).model_dump(mode="json")
     for section in ("trigger", "regulator", "slide"):

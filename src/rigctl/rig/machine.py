@@ -26,7 +26,7 @@ from rigctl.rig.interlocks import require
 from rigctl.rig.latch import CleanEnd
 from rigctl.rig.lines import reopen
 from rigctl.rig.parts import Bench
-from rigctl.rig.recovery import Recovery, start
+from rigctl.rig.recovery import Recovery, close_running, start
 from rigctl.rig.running import ACTOR, RunningShot, in_thread, leave_unanalysed
 from rigctl.rig.standing import Standing
 from rigctl.rig.states import LATCHED, RigState, ShotState
@@ -266,13 +266,16 @@ class Rig:
     def release(self, actor: str, reason: str) -> None:
         """Let a person end unknown_outcome, fault or estop; power comes back, the rig is idle.
 
-        Lines that were lost are opened again first.
+        Lines that were lost are opened again first, and shots whose end could not be recorded are
+        given one.
 
         Raises
         ------
         RefusedError
             No reason is given, nothing is to be released, a shot is still under way, or another
             stop came in meanwhile.
+        StoreError
+            A shot's end can still not be recorded; the latch stays.
         DeviceError
             Trigger or cut-off did not take its command; the latch stays.
         """
@@ -280,6 +283,9 @@ class Rig:
             raise RefusedError("a release needs a reason", todo="say what was found and done")
         with self._alone():
             self._require_releasable()
+            closed = close_running(
+                self._store, self._clock.wall(), "the store could not be written"
+            )
             reopen(self._devices, self._stop)
             self._devices.trigger.make_safe()
             self._stop.restore()
@@ -287,6 +293,9 @@ class Rig:
                 if self._stop.latch is not None:
                     raise RefusedError("stopped again meanwhile", todo="release it once more")
                 self._standing.move(RigState.IDLE, actor, reason, released=True)
+        for shot in closed:
+            if shot.state is ShotState.STORED:
+                self._analyse(shot.id)
 
     def recover(self) -> Recovery:
         """Close what the last daemon left open and bring the devices to their safe state.

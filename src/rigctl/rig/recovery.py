@@ -61,8 +61,7 @@ def close_open_shots(store: Store, now: datetime) -> Recovery:
         The store cannot be read or written.
     """
     removed = store.folders.remove_partial()
-    closed = [_close(store, shot, now) for shot in store.catalogue.in_states(RUNNING)]
-    store.settle()
+    closed = close_running(store, now, "the daemon ended")
     for shot in store.catalogue.in_states(frozenset({ShotState.ANALYSING})):
         store.move(shot.id, ShotState.STORED)
     waiting = store.catalogue.in_states(frozenset({ShotState.STORED}))
@@ -77,6 +76,24 @@ def close_open_shots(store: Store, now: datetime) -> Recovery:
         to_analyse=tuple(shot.id for shot in waiting),
         partial_removed=removed,
     )
+
+
+def close_running(store: Store, now: datetime, cause: str) -> list[ShotRecord]:
+    """Give every shot that was under way its final state, while none is under way any more.
+
+    Parameters
+    ----------
+    cause
+        What kept the shot's own end from being recorded, for its `failure`.
+
+    Raises
+    ------
+    StoreError
+        The store cannot be read or written.
+    """
+    closed = [_close(store, shot, now, cause) for shot in store.catalogue.in_states(RUNNING)]
+    store.settle()
+    return closed
 
 
 def start(
@@ -149,8 +166,8 @@ def start_state(last: RigState, recovery: Recovery, *, latched: bool, clean: boo
     return RigState.IDLE if clean else RigState.ESTOP
 
 
-def _close(store: Store, shot: ShotRecord, now: datetime) -> ShotRecord:
-    died = "the daemon ended while the shot was"
+def _close(store: Store, shot: ShotRecord, now: datetime, cause: str) -> ShotRecord:
+    died = f"{cause} while the shot was"
     if shot.state is ShotState.ACCEPTED:
         change = Change(ended_at=now, failure=f"{died} being prepared; nothing was fired")
         return store.move(shot.id, ShotState.INTERRUPTED, change)
