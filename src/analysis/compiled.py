@@ -10,7 +10,6 @@ import numba
 from numba import types
 
 from analysis.machine_code import LOCATORS, alone
-from analysis.own_code import complete
 
 SUMS = {"reassoc", "contract", "arcp", "nsz"}
 F = TypeVar("F", bound=Callable[..., object])
@@ -33,8 +32,9 @@ def tell_of_compiling(told: Told) -> None:
 def compiled(function: F) -> F:
     """Compile a numerical function at its first call and keep the result on disk.
 
-    Sums may be reordered, so results repeat to rounding only between processors of one kind. A
-    division by zero is infinite, as in arrays: checks would keep loops from vector instructions.
+    Sums may be reordered, and a function may be built into those that call it: between processors,
+    and between processes, results agree to rounding, not to the bit. A division by zero is
+    infinite, as in arrays: checks would keep loops from vector instructions.
 
     Raises
     ------
@@ -82,7 +82,7 @@ def _kept(decorate: Callable[[F], Any], function: F, *, plain: bool = False) -> 
         if plain and strange:
             message = f"{name} takes arrays that are contiguous in rows and can be written"
             raise TypeError(f"{message}, not {strange[0]}; pass numpy.ascontiguousarray of it")
-        with alone(name), complete():
+        with alone(name):
             missed = sum(dispatcher.stats.cache_misses.values())
             code = compile_here(signature)
         if sum(dispatcher.stats.cache_misses.values()) > missed:

@@ -1,7 +1,8 @@
-"""The same campaign on a process pool and on a Dask cluster: the same results, to the bit."""
+"""The same campaign on a process pool and on a Dask cluster: the same results, to rounding."""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from contextlib import closing
 from pathlib import Path
@@ -13,6 +14,7 @@ from rigctl.exchange.contents import read_contents
 from rigctl.exchange.importing import import_campaign
 from rigctl.reanalysis import pool, reanalyse_campaign
 from rigctl.store import Store
+from tests.system.test_model_commands import assert_alike
 
 distributed = pytest.importorskip("distributed")
 pytestmark = [
@@ -46,13 +48,14 @@ def scheduler() -> Iterator[str]:
         yield str(cluster.scheduler_address)
 
 
-def results(store: Store, number: int) -> list[bytes]:
+def results(store: Store, number: int) -> list[dict[str, object]]:
     folders = [store.folders.folder(shot.id) for shot in store.shots(campaign="nylon")]
-    return [(Path(folder) / f"result-{number:04d}.json").read_bytes() for folder in folders]
+    files = [Path(folder) / f"result-{number:04d}.json" for folder in folders]
+    return [json.loads(file.read_text(encoding="utf-8")) for file in files]
 
 
 @pytest.mark.parametrize("method", ["thesis", "photometric"])
-def test_a_cluster_gives_the_results_of_this_host_to_the_bit(
+def test_a_cluster_gives_the_results_of_this_host(
     store: Store, scheduler: str, method: str
 ) -> None:
     known = store.shots(campaign="nylon")[0].results
@@ -62,6 +65,6 @@ def test_a_cluster_gives_the_results_of_this_host_to_the_bit(
             outcomes = list(reanalyse_campaign(store, "nylon", method, workshop, silent))
         assert [outcome.failure for outcome in outcomes] == [None] * 4
     here, there = results(store, known + 1), results(store, known + 2)
-    assert here == there
+    assert_alike(here, there)
     # Outlines cannot tell how one of these spheres is turned.
-    assert sum(b'"poses"' in result for result in here) >= 3
+    assert sum("poses" in result for result in here) >= 3

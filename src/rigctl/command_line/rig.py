@@ -136,3 +136,13 @@ def demo(
     from rigctl.commands.demo import demo as run_demo
 
     run_demo(out, seed)
+
+
+@rig.command()
+def precompile() -> None:
+    """Compile the analysis for this machine once, a minute or two; no first shot waits for it."""
+    from rigctl.commands.precompile import precompile as run_precompile
+    from rigctl.commands.report import progress
+
+    with progress() as say:
+        run_precompile(say)
