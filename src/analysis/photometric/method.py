@@ -48,7 +48,7 @@ Taught = tuple[NDArray[np.uint8], Floats, Setup]
 
 
 def compiles_first() -> bool:
-    """Tell whether the next shot waits about a minute for its functions to be compiled."""
+    """Tell whether the next shot waits more than a minute for its functions to be compiled."""
     return not kept_on_disk(fit_frames)
 
 

@@ -13,17 +13,16 @@ from rich.console import Console
 from rich.progress import Progress
 
 from analysis.campaign import SHOT_LIST, Campaign, ShotJob, analyse_campaign, read_campaign
-from analysis.compiled import kept_on_disk
 from analysis.errors import InputError
 from analysis.exchange.description import read_description
 from analysis.exchange.folder import folder_writer
 from analysis.figures.shot import draw_shot
 from analysis.imaging.frame import EdgeSettings
-from analysis.imaging.marker_curves import dark_ellipses
 from analysis.imaging.stack import read_stack
 from analysis.shot import AnalysisOptions, MeasuredShot, Method, RefusedShot
 from analysis.tracking import Matching
 from rigctl.commands.analyse_output import ShotTable, shot_object
+from rigctl.commands.compile_note import announce_compiling
 from rigctl.commands.spool import Spool, print_document
 from rigctl.errors import AnalysisInputError
 
@@ -91,7 +90,7 @@ def analyse(request: Request, *, as_json: bool) -> None:
 
         try:
             campaign = _gather(request)
-            _announce_compiling(request.method)
+            announce_compiling(request.method)
             started = time.perf_counter()
             frames = _run(request, campaign, options, tell)
             elapsed = time.perf_counter() - started
@@ -114,20 +113,6 @@ def analyse(request: Request, *, as_json: bool) -> None:
             part=campaign.name,
             todo="the reason stands beside each shot",
         )
-
-
-def _announce_compiling(method: Method) -> None:
-    """Say why the first analysis on a machine is slow."""
-    if method == "photometric":
-        # Compiled functions are loaded only where they are wanted.
-        from analysis.photometric.method import compiles_first  # noqa: PLC0415
-
-        first, wait = compiles_first(), "about a minute"
-    else:
-        first, wait = not kept_on_disk(dark_ellipses), "about half a minute"
-    if first:
-        note = f"rigctl: first {method} analysis here; compiling takes {wait}, once"
-        print(note, file=sys.stderr)  # noqa: T201
 
 
 def _name_unlisted(campaign: Campaign) -> None:

@@ -15,8 +15,8 @@ from analysis.calibration.calibrate import calibrate as estimated
 from analysis.calibration.estimate import Estimate
 from analysis.campaign import read_campaign
 from analysis.errors import InputError
-from analysis.photometric.method import compiles_first
 from analysis.quantity import Quantity
+from rigctl.commands.compile_note import announce_compiling
 from rigctl.errors import AnalysisInputError
 
 TABLE_WIDTH = 110
@@ -31,9 +31,7 @@ def calibrate(folder: Path, *, as_json: bool) -> None:
     AnalysisInputError
         The campaign cannot be read, or no shot of it can be used.
     """
-    if compiles_first():
-        note = "rigctl: first photometric analysis here; compiling takes about half a minute"
-        print(note, file=sys.stderr)  # noqa: T201
+    announce_compiling("photometric")
     try:
         campaign = read_campaign(folder)
         console = Console(stderr=True)
