@@ -15,7 +15,7 @@ from rigctl.config import EktaproCamera, FilesSource, HidRelay, V4l2Camera
 from rigctl.config import RemoteTriggerSection as ContactSection
 from rigctl.devices import hid_relay, serial_line
 from rigctl.devices.build import WRITE_TIMEOUT_S, Laboratory, resolved
-from rigctl.devices.ektapro import EktaproLink
+from rigctl.devices.ektapro import LONGEST_LINE, EktaproLink
 from rigctl.devices.roles import Closure
 from rigctl.devices.serial_port import SerialPort
 
@@ -60,6 +60,7 @@ def _recorder(section: EktaproCamera, laboratory: Laboratory | None) -> EktaproL
         part="recorder (ektapro-link)",
         baud=RECORDER_BAUD,
         answer_timeout_s=section.recorder.answer_timeout_s,
+        longest_line=LONGEST_LINE,
     )
     return EktaproLink(port)
 

@@ -9,6 +9,10 @@ from enum import StrEnum
 from rigctl.devices.serial_port import SerialPort
 from rigctl.errors import DeviceAnswerError
 
+LONGEST_LINE = 1 << 18
+"""Bytes of an answer; that to `SESSIONS?` has some eight for each session, and a tape holds 30000
+of a single picture."""
+
 
 class RecorderMode(StrEnum):
     """What the recorder does."""

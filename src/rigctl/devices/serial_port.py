@@ -23,7 +23,6 @@ from rigctl.errors import (
 _log = logging.getLogger(__name__)
 
 _SLICE_S = 0.02
-_LONGEST_LINE = 1024
 _LONGEST_DRAIN = 65536
 _BUSY = {errno.EAGAIN, errno.EBUSY}
 # pyserial passes some of the terminal's own errors on as they are; they are no OSError.
@@ -53,6 +52,8 @@ class SerialPort:
         Longest wait for a complete answer, and for the port to take the bytes of a question.
     terminator
         What ends a line in both directions.
+    longest_line
+        Bytes after which a line without an end is refused.
 
     Raises
     ------
@@ -68,9 +69,11 @@ class SerialPort:
         baud: int,
         answer_timeout_s: float,
         terminator: bytes = b"\n",
+        longest_line: int = 1024,
     ) -> None:
         self.part = part
         self._url, self._terminator, self._timeout_s = url, terminator, answer_timeout_s
+        self._longest_line = longest_line
         self._lock = threading.RLock()
         self._unread = bytearray()
         self._lost = False
@@ -308,7 +311,7 @@ class SerialPort:
     def _line_before(
         self, deadline: float, question: str, waited_s: float, stale: bytes, late: list[str]
     ) -> str:
-        while self._terminator not in self._unread and len(self._unread) < _LONGEST_LINE:
+        while self._terminator not in self._unread and len(self._unread) < self._longest_line:
             if time.monotonic() >= deadline:
                 raise self._no_answer(question, waited_s, stale, late)
             self._unread += self._read_slice()

@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rigctl.devices.ektapro import (
+    LONGEST_LINE,
     EktaproLink,
     RecorderMode,
     RecorderStatus,
@@ -84,6 +85,20 @@ def test_each_command_may_be_refused(
     with pytest.raises(DeviceAnswerError, match="STATE not now") as caught:
         call(link)
     assert question in str(caught.value)
+    link.close()
+
+
+def test_a_tape_of_two_thousand_sessions_is_listed(pty_device: MakeDevice) -> None:
+    told = "OK " + " ".join(f"{session}:15" for session in range(1, 2001)) + "\n"
+    port = SerialPort(
+        pty_device(lambda message: told.encode()).path,
+        part="recorder",
+        baud=115200,
+        answer_timeout_s=1.0,
+        longest_line=LONGEST_LINE,
+    )
+    link = EktaproLink(port)
+    assert link.sessions() == dict.fromkeys(range(1, 2001), 15)
     link.close()
 
 

@@ -72,6 +72,11 @@ class TestFaults:
             port.ask("HELLO")
         port.close()
 
+    def test_a_line_as_long_as_the_port_allows_is_taken_whole(self, pty_device: MakeDevice) -> None:
+        port = opened(pty_device(lambda message: b"x" * 3000 + b"\n").path, longest_line=4096)
+        assert port.ask("HELLO") == "x" * 3000
+        port.close()
+
     def test_a_hang_up_before_the_question_is_an_absent_device(
         self, pty_device: MakeDevice
     ) -> None:
