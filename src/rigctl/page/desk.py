@@ -12,9 +12,9 @@ from nicegui import context, ui
 from rigctl.daemon import Daemon
 from rigctl.errors import RigError
 from rigctl.page.feed import Feed
-from rigctl.page.films import Films
-from rigctl.page.presence import is_late
-from rigctl.page.readings import Readings
+from rigctl.page.parts.presence import is_late
+from rigctl.page.parts.readings import Readings
+from rigctl.page.shots.films import Films
 from rigctl.service.lanes import Lanes
 
 T = TypeVar("T")

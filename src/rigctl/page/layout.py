@@ -7,10 +7,10 @@ from contextlib import contextmanager
 
 from nicegui import events, ui
 
-from rigctl.page.asking import ask_reason
 from rigctl.page.desk import Desk, actor
-from rigctl.page.presence import come_back, every
-from rigctl.page.widgets import button
+from rigctl.page.parts.asking import ask_reason
+from rigctl.page.parts.presence import come_back, every
+from rigctl.page.parts.widgets import button
 from rigctl.plain_text import require_plain
 from rigctl.rig.states import LATCHED, RigState
 from rigctl.rig.status import RigStatus

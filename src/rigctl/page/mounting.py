@@ -12,19 +12,19 @@ from nicegui import ui
 from starlette.types import ASGIApp
 
 from rigctl.daemon import Daemon
-from rigctl.page.campaign_output import report_route
-from rigctl.page.campaign_pages import campaign_pages
+from rigctl.page.campaigns.output import report_route
+from rigctl.page.campaigns.pages import campaign_pages
 from rigctl.page.desk import Desk
-from rigctl.page.door import PageDoor
 from rigctl.page.feed import Feed
-from rigctl.page.film import film_route
-from rigctl.page.films import Films
-from rigctl.page.model_pages import model_pages
-from rigctl.page.plotting import plotting_route
-from rigctl.page.readings import Readings
-from rigctl.page.rig_page import rig_page
-from rigctl.page.shot_pages import shot_pages
-from rigctl.page.sweep_pages import sweep_pages
+from rigctl.page.model.pages import model_pages
+from rigctl.page.parts.plotting import plotting_route
+from rigctl.page.parts.readings import Readings
+from rigctl.page.rig.pages import rig_page
+from rigctl.page.session_auth import PageDoor
+from rigctl.page.shots.film import film_route
+from rigctl.page.shots.films import Films
+from rigctl.page.shots.pages import shot_pages
+from rigctl.page.sweeps.pages import sweep_pages
 from rigctl.service.lanes import Lanes
 
 STYLE = Path(__file__).with_name("style.css")

@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
-from rigctl.page.impact_plots import over_incidence, over_speed
-from rigctl.page.readings import Impact
+from rigctl.page.parts.impact_plots import over_incidence, over_speed
+from rigctl.page.parts.readings import Impact
 
 FLAT = Impact(1, v_n=(-3.0, 0.001), v_s=(0.0, 0.001), e=(0.74, 0.001), beta=(0.0, 50.0))
 Plot = Callable[[Sequence[Impact], str], dict[str, Any]]

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from rigctl.errors import NotFoundError
-from rigctl.page.films import Films
+from rigctl.page.shots.films import Films
 
 TIMES = [0.0, 0.001, 0.002]
 RESULT = {

@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 
 from rigctl.errors import StoreError
-from rigctl.page import following as module
-from rigctl.page.following import following
+from rigctl.page.parts import following as module
+from rigctl.page.parts.following import following
 
 
 class Label:

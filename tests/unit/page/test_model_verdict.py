@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from rigctl.page.model_verdict import sentence
+from rigctl.page.model.verdict import sentence
 
 Json = dict[str, Any]
 

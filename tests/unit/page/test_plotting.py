@@ -9,7 +9,7 @@ import pytest
 from fastapi import FastAPI
 from httpx import ASGITransport, AsyncClient
 
-from rigctl.page.plotting import ADDRESS, LIBRARY, VERSION, plotting_route
+from rigctl.page.parts.plotting import ADDRESS, LIBRARY, VERSION, plotting_route
 
 
 def test_the_library_is_the_published_one_that_its_folder_names() -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from rigctl.errors import NotFoundError
-from rigctl.page.readings import Impact, Readings, rows_of
+from rigctl.page.parts.readings import Impact, Readings, rows_of
 from rigctl.store import ShotState
 
 

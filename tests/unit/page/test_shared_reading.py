@@ -3,7 +3,7 @@ from threading import Barrier
 
 import pytest
 
-from rigctl.page.shared_reading import read_once
+from rigctl.page.parts.shared_reading import read_once
 
 BOUND_S = 20.0
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from rigctl.page.shot_residuals import pulls, residuals_of
+from rigctl.page.shots.residuals import pulls, residuals_of
 
 
 def cell(channel: str, covariate: str, shots: list[int], residual: list[float]) -> dict[str, Any]:

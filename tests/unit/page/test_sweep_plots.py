@@ -11,9 +11,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rigctl.config import load
-from rigctl.page.sweep_form import form_address
-from rigctl.page.sweep_plots import LOOKS, covers, grid, incidence, progress
-from rigctl.page.sweep_steps import what_became
+from rigctl.page.sweeps.form import form_address
+from rigctl.page.sweeps.plots import LOOKS, covers, grid, incidence, progress
+from rigctl.page.sweeps.steps import what_became
 from rigctl.settings import ShotSettings
 from rigctl.store import ShotState, StepState
 from rigctl.sweeps.form import Sweep

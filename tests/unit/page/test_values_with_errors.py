@@ -1,6 +1,6 @@
 """A value in a table is written with its error, or as not determined."""
 
-from rigctl.page.tables import with_error
+from rigctl.page.parts.tables import with_error
 
 
 def test_a_value_that_was_not_measured_is_not_determined() -> None:

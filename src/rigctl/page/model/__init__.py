@@ -1,0 +1,1 @@
+"""One campaign's model: compare, where it fails, what is missing, add, next shots."""

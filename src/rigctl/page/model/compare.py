@@ -1,0 +1,117 @@
+"""Step 1: what the model foretells against what was measured, quantity by quantity."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+from nicegui import ui
+
+from rigctl.page.model.effect_words import described
+from rigctl.page.parts.quantities import CHANCE, CHI2, ERROR, PARAMETERS, VALUE
+from rigctl.page.parts.tables import Cell, Line, chance, facts, with_error
+from rigctl.page.parts.widgets import save_csv
+
+Json = dict[str, Any]
+ALARM = 0.01
+SHOWN = 8
+"""So many that disagree stand on the page at once, the least likely ones."""
+PARAMETER = Cell("parameter", "What the fit is free to choose, from all shots together.")
+
+
+def compare(found: Json) -> None:
+    """Place the table of agreement and that of the parameters."""
+    with ui.element("div").classes("panel").props("data-testid=compare"):
+        with ui.element("div").classes("title"):
+            ui.label("1").classes("step")
+            ui.label("Compare")
+            ui.label(
+                f"error now {found['prediction_error']:.3f}, floor 1.000 of the noise"
+            ).classes("aside").tooltip(ERROR).props("data-testid=error-now")
+            ui.space()
+            save_csv(f"{found['campaign']}-agreement", lambda: _rows(found))
+        headings: list[Cell | str] = [
+            Cell("quantity", "What was measured and foretold; point at a line for its numbers."),
+            Cell("χ²/dof", CHI2),
+            Cell("error/noise", ERROR),
+            Cell("error", "Root mean square error of the prediction in the quantity's unit."),
+            "",
+            Cell("p", CHANCE),
+        ]
+        fails = [row for stage in found["stages"] for row in stage["quantities"] if _fails(row)]
+        count = sum(len(stage["quantities"]) for stage in found["stages"])
+        if fails:
+            worst = sorted(row["p_familywise"] for row in fails)[:SHOWN][-1]
+            shown = [row for row in fails if row["p_familywise"] <= worst][:SHOWN]
+            facts(headings, [_line(row) for row in shown], "agreement")
+        few = "" if len(fails) <= SHOWN else f" Of the others the {SHOWN} least likely stand above."
+        ui.label(f"{count - len(fails)} of {count} quantities agree within the noise.{few}")
+        with ui.expansion("All quantities").props("dense").classes("wide"):
+            facts(headings, _lines(found), "all-quantities")
+        facts([PARAMETER, Cell("value ± σ", VALUE), ""], _parameters(found), "parameters")
+
+
+def _lines(found: Json) -> list[Line]:
+    lines: list[Line] = []
+    for stage in found["stages"]:
+        lines.append(Line([Cell(stage["stage"], look="left")], "stage"))
+        lines += [_line(row) for row in stage["quantities"]]
+    return lines
+
+
+def _line(row: Json) -> Line:
+    fails = _fails(row)
+    hover = (
+        f"{row['count']} numbers; the floor set by the noise is {row['floor']:.3g} {row['unit']}"
+    )
+    per_dof = row["chi2"] / row["degrees_of_freedom"]
+    return Line(
+        [
+            Cell(("▲ " if fails else "") + row["quantity"], hover),
+            f"{per_dof:.2f}",
+            f"{row['error']:.2f}",
+            f"{row['size']:.3g}",
+            Cell(row["unit"], look="left dim"),
+            chance(row["p_familywise"]),
+        ],
+        "fails" if fails else "",
+    )
+
+
+def _fails(row: Json) -> bool:
+    return bool(row["p_familywise"] < ALARM)
+
+
+def _parameters(found: Json) -> list[Line]:
+    lines, effects = [], described(found)
+    for name, value in found["parameters"].items():
+        unit = "" if value["unit"] == "1" else value["unit"]
+        lines.append(Line([_named(name, effects), with_error(value), Cell(unit, look="left dim")]))
+    return lines
+
+
+def _named(name: str, effects: dict[str, Json]) -> Cell:
+    if name in PARAMETERS:
+        about = PARAMETERS[name]
+        return Cell(f"{about.name}, {about.meaning.rstrip('.')}", about.meaning)
+    effect, _, symbol = name.rpartition(".")
+    parameters = effects[effect]["parameters"] if effect in effects else []
+    meaning = next((p["meaning"] for p in parameters if p["symbol"] == symbol), "")
+    return Cell(name, meaning)
+
+
+def _rows(found: Json) -> list[list[object]]:
+    names = ["quantity", "unit", "count", "chi2", "degrees_of_freedom", "error", "size", "floor"]
+    rows: list[list[object]] = [["stage", *names, "p_familywise"]]
+    rows += [
+        [stage["stage"], *(row[name] for name in names), row["p_familywise"]]
+        for stage in found["stages"]
+        for row in stage["quantities"]
+    ]
+    return rows
+
+
+def parsed(points: str) -> Json:
+    """Return the points of a cell, which travel as a text of JSON."""
+    document: Json = json.loads(points)
+    return document

@@ -1,0 +1,139 @@
+"""What a model page knows: the effects that were added, and the answers that came."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import Any
+
+from rigctl.errors import RigError
+from rigctl.jobs import ENDED, Job, JobState
+from rigctl.page.model.source import Source
+
+Json = dict[str, Any]
+Effects = tuple[str, ...]
+READ_KEPT = 8
+
+
+@dataclass(slots=True)
+class ModelState:
+    """One operator's way through the model of one campaign.
+
+    Attributes
+    ----------
+    source
+        The shots.
+    effects
+        Added to the base model, in the order of adding.
+    cell
+        The cell of the heat map whose residuals are shown, as channel and covariate; None: the
+        most striking one.
+    """
+
+    source: Source
+    effects: Effects = ()
+    cell: tuple[str, str] | None = None
+    failure: str = ""
+    _answers: dict[Effects, Json] = field(default_factory=dict)
+    _jobs: dict[Effects, str] = field(default_factory=dict)
+
+    def stages(self) -> list[Effects]:
+        """Return the way to the present effects, from the base model on."""
+        return [self.effects[:count] for count in range(len(self.effects) + 1)]
+
+    def path(self) -> list[Json]:
+        """Return the answers of the stages that have one, in order."""
+        return [self._answers[stage] for stage in self.stages() if stage in self._answers]
+
+    @property
+    def present(self) -> Json | None:
+        """The answer with all present effects; None while it is computed."""
+        return self._answers.get(self.effects)
+
+    def take(self, effects: Effects) -> None:
+        """Go to other effects, and ask for whatever is not known on the way there."""
+        self.effects, self.failure, self.cell = effects, "", None
+        for stage in self.stages():
+            if stage not in self._answers and stage not in self._jobs:
+                try:
+                    self._jobs[stage] = self.source.ask("picture", stage).id
+                except RigError as error:
+                    self.failure = error.sentence()
+        self.follow()
+
+    def follow(self) -> bool:
+        """Fetch what has been answered since; say whether anything has."""
+        ended = [
+            (stage, job)
+            for stage, name in self._jobs.items()
+            if (job := self._job(name)) is None or job.state in ENDED
+        ]
+        for stage, job in ended:
+            del self._jobs[stage]
+            self._keep(stage, job)
+        return bool(ended)
+
+    def waits(self) -> Job | None:
+        """Return the job that is waited for, as it stands."""
+        running = [self._job(name) for stage, name in self._jobs.items() if stage in self.stages()]
+        return next((job for job in running if job is not None), None)
+
+    def _keep(self, stage: Effects, job: Job | None) -> None:
+        if job is None:
+            self.failure = "The answer was forgotten before it was read; ask again."
+        elif job.state is JobState.DONE and job.result is not None:
+            self._answers[stage] = _read(job.result)
+        else:
+            self.failure = job.failure or f"The work was {job.state}."
+
+    def _job(self, name: str) -> Job | None:
+        try:
+            return self.source.daemon.jobs.job(name)
+        except RigError:
+            return None
+
+
+@lru_cache(maxsize=READ_KEPT)
+def _read(text: str) -> Json:
+    """Return the answer of a job, read once for all pages that show it; nobody changes it."""
+    document: Json = json.loads(text)
+    return document
+
+
+@dataclass(slots=True)
+class Question:
+    """One further question of a page, as a job: asked, followed, answered."""
+
+    ask: Callable[[], Job]
+    daemon_job: Callable[[str], Job]
+    answer: Json | None = None
+    failure: str = ""
+    running: str | None = None
+
+    def start(self) -> None:
+        """Ask; a refusal is the failure."""
+        self.answer, self.failure = None, ""
+        try:
+            self.running = self.ask().id
+        except RigError as error:
+            self.failure = error.sentence()
+
+    def follow(self) -> bool:
+        """Fetch the answer if it came; say whether anything ended."""
+        if self.running is None:
+            return False
+        try:
+            job = self.daemon_job(self.running)
+        except RigError as error:
+            self.running, self.failure = None, error.sentence()
+            return True
+        if job.state not in ENDED:
+            return False
+        self.running = None
+        if job.state is JobState.DONE and job.result is not None:
+            self.answer = json.loads(job.result)
+        else:
+            self.failure = job.failure or f"The work was {job.state}."
+        return True

@@ -1,0 +1,123 @@
+"""Fields that say their unit and their range, and say so again when a value lies outside."""
+
+from __future__ import annotations
+
+import math
+
+from nicegui import ui
+from pydantic import TypeAdapter, ValidationError
+
+from rigctl.config import Limits
+from rigctl.page.parts.quantities import SETTINGS, Quantity
+from rigctl.service.models import CampaignName
+from rigctl.settings import ShotSettings
+
+_CAMPAIGN: TypeAdapter[str] = TypeAdapter(CampaignName)
+_RANGES = {
+    "pressure_a_kpa": "pressure_kpa",
+    "pressure_b_kpa": "pressure_kpa",
+    "offset_mm": "offset_mm",
+    "delay_us": "delay_us",
+    "angle_a_deg": "angle_deg",
+    "angle_b_deg": "angle_deg",
+}
+PLACES = 3
+"""So many places a field starts with: finer than any rig sets."""
+START = {"pressure_a_kpa": 40.0, "pressure_b_kpa": 40.0, "offset_mm": 6.0, "delay_us": 0.0}
+"""Values that a first shot starts from, as far as the rig allows them."""
+
+
+class NumberField:
+    """A number with its unit and its range."""
+
+    def __init__(
+        self, about: Quantity, bounds: tuple[float, float], value: float, name: str
+    ) -> None:
+        self._bounds = bounds
+        low, high = bounds
+        with ui.element("div").classes("field"):
+            with ui.element("div").classes("caption"):
+                ui.label(about.name).tooltip(about.meaning)
+                ui.label(f"{about.unit}, {low:g} to {high:g}".lstrip(", "))
+            self._field = ui.number(
+                value=value,
+                validation=lambda given: self._fault(given, about.unit),
+            )
+            self._field.props(
+                f'outlined dense hide-bottom-space aria-label="{about.name}" data-testid={name}'
+            )
+
+    @property
+    def value(self) -> float:
+        """What the field holds; not a number where it is empty."""
+        given = self._field.value
+        return math.nan if given is None else float(given)
+
+    @property
+    def valid(self) -> bool:
+        """Whether it lies in its range."""
+        return self._bounds[0] <= self.value <= self._bounds[1]
+
+    def set_enabled(self, *, enabled: bool) -> None:
+        """Let it be changed, or not."""
+        self._field.set_enabled(enabled)
+
+    def _fault(self, given: float | None, unit: str) -> str | None:
+        low, high = self._bounds
+        if given is not None and low <= given <= high:
+            return None
+        return f"{low:g} to {high:g} {unit} is allowed"
+
+
+class CampaignField:
+    """The campaign that shots belong to; may be empty."""
+
+    def __init__(self, value: str) -> None:
+        with ui.element("div").classes("field"):
+            with ui.element("div").classes("caption"):
+                ui.label("Campaign").tooltip(
+                    "Shots of one campaign are fitted together. A shot by itself needs none."
+                )
+                ui.label("letters, digits, . _ -")
+            self._field = ui.input(
+                value=value,
+                validation=lambda given: (
+                    None if _names_campaign(given) else "letters, digits, . _ - only, up to 64"
+                ),
+            ).props('outlined dense hide-bottom-space aria-label="Campaign" data-testid=campaign')
+
+    @property
+    def value(self) -> str:
+        """What the field holds."""
+        return (self._field.value or "").strip()
+
+    @property
+    def valid(self) -> bool:
+        """Whether it can be a campaign's name."""
+        return _names_campaign(self.value)
+
+    def set_enabled(self, *, enabled: bool) -> None:
+        """Let it be changed, or not."""
+        self._field.set_enabled(enabled)
+
+
+def setting_fields(limits: Limits, present: ShotSettings | None) -> dict[str, NumberField]:
+    """Place a field for each setting that this apparatus has, by its name in `ShotSettings`."""
+    fields: dict[str, NumberField] = {}
+    for name, about in SETTINGS.items():
+        bounds: tuple[float, float] | None = getattr(limits, _RANGES[name])
+        if bounds is None:
+            continue
+        known = None if present is None else getattr(present, name)
+        start = START.get(name, bounds[0]) if known is None else known
+        # Settings that a sweep fired last are halves and thirds with all their places.
+        start = round(min(max(start, bounds[0]), bounds[1]), PLACES)
+        fields[name] = NumberField(about, bounds, start, name)
+    return fields
+
+
+def _names_campaign(given: str | None) -> bool:
+    try:
+        return not given or bool(_CAMPAIGN.validate_python(given))
+    except ValidationError:
+        return False

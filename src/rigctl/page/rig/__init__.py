@@ -1,0 +1,1 @@
+"""The rig as it is now, and orders to it."""

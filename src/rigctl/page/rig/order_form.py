@@ -1,0 +1,123 @@
+"""The next shot: settings within the rig's limits, arming with its countdown, and the fire."""
+
+from __future__ import annotations
+
+import secrets
+from dataclasses import dataclass
+from datetime import UTC, datetime
+
+from nicegui import ui
+
+from rigctl.page.desk import Desk, actor
+from rigctl.page.parts.fields import CampaignField, NumberField, setting_fields
+from rigctl.page.parts.widgets import button
+from rigctl.rig.arming import Armed
+from rigctl.rig.states import LATCHED, RigState
+from rigctl.rig.status import RigStatus
+from rigctl.service.models import ShotOrder
+from rigctl.settings import ShotSettings
+
+ARMABLE = frozenset({RigState.IDLE, RigState.ARMED})
+
+
+@dataclass(frozen=True, slots=True)
+class _Held:
+    """A live token of this page. Its key goes with it: however often fire is pressed, one shot."""
+
+    armed: Armed
+    settings: ShotSettings
+    key: str
+
+
+class OrderForm:
+    """Fields, and the buttons arm, fire and disarm; `show` follows the rig."""
+
+    def __init__(self, desk: Desk) -> None:
+        self._desk, self._rig = desk, desk.daemon.rig
+        self._held: _Held | None = None
+        self._arming = False
+        self._fields: dict[str, NumberField] = setting_fields(
+            desk.daemon.configuration.limits, self._rig.status().settings
+        )
+        last = self._rig.status().last_shot
+        self._campaign = CampaignField("first" if last is None else last.campaign or "")
+        self._said = ui.label().classes("note").props("data-testid=arming role=status")
+        self._arm = button("Arm", self._on_arm, look="main line", testid="arm")
+        self._fire = button("Fire", self._on_fire, look="main fire", testid="fire")
+        self._disarm = button("Disarm", self._on_disarm, look="main line", testid="disarm")
+
+    def show(self, status: RigStatus) -> None:
+        """Say where arming stands and offer what can be done now."""
+        if self._held is not None and status.token_expires_at != self._held.armed.expires_at:
+            self._held = None
+        armed = status.state is RigState.ARMED
+        valid = self._campaign.valid and all(field.valid for field in self._fields.values())
+        self._said.set_text(self._sentence(status))
+        self._arm.set_visibility(not armed)
+        self._fire.set_visibility(armed)
+        self._disarm.set_visibility(armed)
+        self._arm.set_enabled(valid and not self._arming and status.state in ARMABLE)
+        self._fire.set_enabled(armed and self._held is not None)
+        free = not armed and not self._arming
+        self._campaign.set_enabled(enabled=free)
+        for field in self._fields.values():
+            field.set_enabled(enabled=free)
+
+    def _sentence(self, status: RigStatus) -> str:
+        if self._arming:
+            limit = self._desk.daemon.configuration.limits.settle_timeout_s
+            return f"Setting pressure and offset, checking the interlocks; at most {limit:g} s …"
+        if status.state in LATCHED:
+            return "Nothing can be armed before the rig is released."
+        if status.state is not RigState.ARMED or status.token_expires_at is None:
+            busy = status.state is not RigState.IDLE
+            return f"The rig is {status.state}." if busy else "Nothing moves before you arm."
+        left = max(0.0, (status.token_expires_at - datetime.now(UTC)).total_seconds())
+        for_what = "" if status.settings is None else f" for {words(status.settings)}"
+        if self._held is None:
+            return f"Armed{for_what} by somebody else, {left:.0f} s left."
+        return f"Armed{for_what}: {left:.0f} s left."
+
+    async def _on_arm(self) -> None:
+        values = {name: field.value for name, field in self._fields.items()}
+        settings, who = ShotSettings.model_validate(values), actor()
+        self._arming = True
+        try:
+            armed = await self._desk.act(lambda: self._rig.arm(settings, who), moves=True)
+        finally:
+            self._arming = False
+        if armed is not None:
+            self._held = _Held(armed, settings, secrets.token_hex(16))
+            for warning in armed.warnings:
+                ui.notify(warning, type="warning", timeout=10_000)
+
+    async def _on_fire(self) -> None:
+        held, who = self._held, actor()
+        if held is None:
+            return
+        order = ShotOrder(arm_token=held.armed.token, campaign=self._campaign.value or None)
+        await self._desk.act(
+            lambda: self._rig.accept(
+                order.arm_token,
+                held.key,
+                order.digest(),
+                campaign=order.campaign,
+                actor=who,
+            ),
+            moves=True,
+        )
+
+    async def _on_disarm(self) -> None:
+        who = actor()
+        await self._desk.done(lambda: self._rig.disarm(who, "disarmed on the page"))
+
+
+def words(settings: ShotSettings | None) -> str:
+    """Return settings as a person says them; of an imported shot they may not be known."""
+    if settings is None:
+        return "settings not stated"
+    text = (
+        f"{settings.pressure_a_kpa:g} and {settings.pressure_b_kpa:g} kPa, "
+        f"offset {settings.offset_mm:g} mm"
+    )
+    return text + (f", b after {settings.delay_us:g} µs" if settings.delay_us else "")

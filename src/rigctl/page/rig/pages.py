@@ -1,0 +1,214 @@
+"""The rig: the next shot, what holds it back, and what the last one showed."""
+
+from __future__ import annotations
+
+from datetime import datetime
+from html import escape
+
+from nicegui import ui
+
+from rigctl.config import Limits
+from rigctl.page.desk import Desk
+from rigctl.page.feed import Feed, Happening
+from rigctl.page.layout import TICK_S, sheet
+from rigctl.page.parts.following import following
+from rigctl.page.parts.presence import every, kept_page
+from rigctl.page.parts.tables import Cell, Line, facts_html, minus
+from rigctl.page.rig.order_form import OrderForm, words
+from rigctl.page.shots.view import coefficients, film, read
+from rigctl.rig.interlocks import Interlock
+from rigctl.rig.status import RigStatus
+from rigctl.store import ShotRecord
+
+SHOWN_EVENTS = 12
+
+
+def rig_page(desk: Desk) -> None:
+    """Register the page at `/`."""
+
+    @kept_page("/")
+    def page() -> None:
+        with sheet(desk, "Rig", "/"):
+            for warning in desk.daemon.rig.status().warnings:
+                ui.label(warning).classes("verdict bad")
+            with ui.element("div").classes("columns rig"):
+                with ui.element("div").classes("stack"):
+                    _order(desk)
+                    _interlocks(desk)
+                with ui.element("div").classes("panel"):
+                    last = LastShot(desk)
+                with ui.element("div").classes("stack"):
+                    with ui.element("div").classes("panel"):
+                        last.beside()
+                    _events(desk.feed)
+
+
+class LastShot:
+    """Film and coefficients of the shot fired last; drawn anew whenever it gets further."""
+
+    def __init__(self, desk: Desk) -> None:
+        self._desk = desk
+        self._shot = self._filmed = desk.daemon.rig.status().last_shot
+        with ui.element("div").classes("title"):
+            self._name, self._about = ui.label(), ui.label().classes("aside")
+            self._open = ui.link("open").classes("aside")
+        self._head()
+        self.film()
+        following(TICK_S, self._follow)
+
+    def _head(self) -> None:
+        """Say which shot it is; new words cost a tenth of new elements, and firing waits less."""
+        shot = self._shot
+        self._name.set_text("Last shot" if shot is None else f"Shot {shot.number}")
+        self._about.set_text("" if shot is None else f"{shot.state}, {words(shot.settings)}")
+        self._open.set_visibility(shot is not None)
+        if shot is not None:
+            self._open.props(f"href=/shots/{shot.id}")
+
+    @ui.refreshable_method
+    def film(self) -> None:
+        """Place its film."""
+        if self._filmed is None:
+            ui.label(
+                "No shot has been fired yet. Choose pressure and offset, press Arm, then "
+                "Fire: film and coefficients appear here."
+            ).classes("empty")
+            return
+        if self._shot is not None and self._shot.id != self._filmed.id:
+            ui.label(f"Film of shot {self._filmed.number}, until this one has frames.").classes(
+                "note"
+            )
+        film(self._desk, self._filmed)
+
+    @ui.refreshable_method
+    def beside(self) -> None:
+        """Place its coefficients."""
+        ui.label("Coefficients").classes("title")
+        if self._shot is None:
+            ui.label("Measured a few seconds after the first shot.").classes("empty")
+            return
+        coefficients(self._desk, self._shot)
+
+    async def _follow(self) -> None:
+        before, now = self._shot, self._desk.daemon.rig.status().last_shot
+        if now is None or now == before:
+            return
+        await read(self._desk, now)
+        self._shot = now
+        self._head()
+        await self._desk.draw(self.beside.refresh)
+        filmed = now if now.frames or now.outcome or self._filmed is None else self._filmed
+        if _film_of(filmed, now) != _film_of(self._filmed, before):
+            self._filmed = filmed
+            await self._desk.draw(self.film.refresh)
+
+
+def _film_of(filmed: ShotRecord | None, shot: ShotRecord | None) -> object:
+    """Return what a drawn film depends on: whose it is, and what was found in it."""
+    if filmed is None or shot is None:
+        return None
+    state = filmed.state if filmed.frames is None else None
+    return filmed.id, filmed.id == shot.id, state, filmed.results
+
+
+def _order(desk: Desk) -> None:
+    with ui.element("div").classes("panel"):
+        ui.label("Next shot").classes("title")
+        form = OrderForm(desk)
+    form.show(desk.daemon.rig.status())
+    every(TICK_S, lambda: form.show(desk.daemon.rig.status()))
+
+
+def _interlocks(desk: Desk) -> None:
+    limits = desk.daemon.configuration.limits
+    with ui.element("div").classes("panel"):
+        ui.label("Interlocks").classes("title")
+        said = ui.label().classes("note")
+        table = ui.html("", sanitize=False).props("data-testid=interlocks").classes("wide names")
+
+    def show() -> None:
+        status = desk.daemon.rig.status()
+        said.set_text(_read_when(status, limits))
+        table.set_content(_interlock_table(status) if status.interlocks else "")
+
+    show()
+    every(TICK_S * 5, show)
+
+
+def _read_when(status: RigStatus, limits: Limits) -> str:
+    if not status.interlocks:
+        return "All conditions that must hold before a fire. They are read when the rig is armed."
+    age = max(each.age_s(status.read_at) for each in status.interlocks)
+    if age <= limits.reading_max_age_s:
+        return "As read just now."
+    return "As read at the last arming, not as they stand now; arming reads them anew."
+
+
+def _interlock_table(status: RigStatus) -> str:
+    lines = [_interlock(each, status.read_at) for each in status.interlocks]
+    return facts_html(
+        [
+            Cell("condition", "Each must hold before a fire; point at one for its limit."),
+            Cell("found", "What was read, beside what is asked for."),
+            Cell("age", "Time since it was read."),
+        ],
+        lines,
+    )
+
+
+def _interlock(found: Interlock, now: float) -> Line:
+    value = _short(found.value) if isinstance(found.value, float) else found.value
+    unit = f" {found.unit}" if found.unit else ""
+    name = f"{'●' if found.holds else '▲'} {found.name.replace('_', ' ')}"
+    hover = f"{found.sentence()}"
+    asked = f" of {found.limit}" if "±" in found.limit else ""
+    return Line(
+        [
+            Cell(name, hover),
+            Cell(f"{value}{asked}{unit}", look="wrap"),
+            Cell(_age(found.age_s(now)), look="dim"),
+        ],
+        "holds" if found.holds else "fails",
+    )
+
+
+def _short(value: float) -> str:
+    """Return a reading with the places that any of them is read for."""
+    text = f"{value:.0f}" if abs(value) >= 1000 else f"{value:.4f}".rstrip("0").rstrip(".")
+    return "0" if text == "-0" else minus(text)
+
+
+def _age(seconds: float) -> str:
+    if seconds < 60:
+        return f"{seconds:.0f} s"
+    return f"{seconds / 60:.0f} min" if seconds < 3600 else f"{seconds / 3600:.0f} h"
+
+
+def _events(feed: Feed) -> None:
+    with ui.element("div").classes("panel"):
+        ui.label("Events").classes("title")
+        listed = ui.html("", sanitize=False).classes("wide").props("data-testid=events")
+    shown = -1
+
+    def show() -> None:
+        nonlocal shown
+        if feed.last == shown:
+            return
+        shown = feed.last
+        listed.set_content(_happenings(feed.latest(SHOWN_EVENTS)))
+
+    show()
+    every(TICK_S, show)
+
+
+def _happenings(found: list[Happening]) -> str:
+    lines = (
+        f'<div class="at">{_clock(one.at)}</div><div class="what">{escape(one.text)}</div>'
+        for one in found
+    )
+    return f'<div class="happenings">{"".join(lines)}</div>'
+
+
+def _clock(at: datetime) -> str:
+    """Return the time of day where the daemon runs."""
+    return f"{at.astimezone():%H:%M:%S}"

@@ -1,0 +1,1 @@
+"""Shots: listed, played, judged."""

@@ -1,0 +1,156 @@
+"""The film of a shot: a strip, one frame in full, and the keys of the recorder's keypad."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from nicegui import events, ui
+
+from rigctl.page.parts.widgets import button
+from rigctl.page.shots.film import frame_address
+from rigctl.page.shots.overlay import LAYERS, Overlays
+from rigctl.store import ShotRecord
+
+SHOWN_IN_STRIP = 10
+SPEEDS = {2: "2 per s", 5: "5 per s", 10: "10 per s", 20: "20 per s"}
+JOG = 10
+HELP = {
+    "outlines": "circle fitted to each sphere's edge: a sky blue, b orange",
+    "markers": "dots on the spheres that were found, from which their turning follows",
+    "tracks": "path of each centre up to this frame",
+    "normal": "line of centres at first touch, from a to b (dot)",
+}
+
+
+class Player:
+    """Shows one shot; placed where it is made.
+
+    Parameters
+    ----------
+    shot
+        With stored frames.
+    size
+        Columns and rows of a frame.
+    overlays
+        What the analysis found.
+    times_s
+        Time of each frame from the mark, s.
+    start
+        Frame shown first; None: the contact. Without a contact the strip lies about it.
+    keys
+        Whether arrows and the space bar of the keyboard step and play.
+    """
+
+    def __init__(
+        self,
+        shot: ShotRecord,
+        size: tuple[int, int],
+        overlays: Overlays,
+        times_s: Sequence[float],
+        *,
+        start: int | None = None,
+        keys: bool = False,
+    ) -> None:
+        self._shot, self._overlays, self._times = shot, overlays, times_s
+        self._count = len(times_s)
+        contact = overlays.contact_frame
+        self._contact = self._within(start or 0 if contact is None else contact)
+        self._frame = self._contact if start is None else self._within(start)
+        self._layers = [layer for layer in LAYERS if layer != "tracks"]
+        self._picture = ui.interactive_image(size=size, sanitize=False).classes("film")
+        self._picture.props("data-testid=film")
+        self._strip()
+        self._keypad()
+        self._playing = ui.timer(0.1, lambda: self.step(1, around=True), active=False)
+        if keys:
+            ui.keyboard(on_key=self._on_key)
+        self.show(self._frame)
+
+    def show(self, frame: int) -> None:
+        """Show a frame, counted from 0; one beyond the film is its last or first."""
+        self._frame = self._within(frame)
+        self._picture.set_source(frame_address(self._shot.id, self._frame))
+        self._picture.set_content(self._overlays.drawing(self._frame, self._layers))
+        self._where.set_text(self._said())
+        for place, thumbnail in self._thumbnails.items():
+            if place == self._frame:
+                thumbnail.classes(add="now")
+            elif "now" in thumbnail.classes:
+                thumbnail.classes(remove="now")
+
+    def step(self, by: int, *, around: bool = False) -> None:
+        """Go some frames on, or back; `around` begins anew after the last."""
+        frame = self._frame + by
+        self.show(frame % self._count if around else frame)
+
+    def _said(self) -> str:
+        since = self._times[self._frame] - self._times[self._contact]
+        seen = self._overlays.contact_frame is not None
+        words = "from contact" if seen else f"from frame {self._contact}"
+        return f"frame {self._frame} of 0–{self._count - 1}, {1e3 * since:+.1f} ms {words}"
+
+    def _within(self, frame: int) -> int:
+        return min(max(frame, 0), self._count - 1)
+
+    def _strip(self) -> None:
+        """Show frames about the contact, farther apart the farther away."""
+        reach = (SHOWN_IN_STRIP - 1) // 2
+        offsets = [round(0.5 * k * abs(k)) + 2 * k for k in range(-reach - 1, reach + 1)]
+        places = [self._contact + offset for offset in offsets]
+        self._thumbnails: dict[int, ui.element] = {}
+        with ui.element("div").classes("strip"):
+            for place in places:
+                if 0 <= place < self._count and place not in self._thumbnails:
+                    self._thumbnails[place] = self._thumbnail(place)
+
+    def _thumbnail(self, place: int) -> ui.element:
+        since = 1e3 * (self._times[place] - self._times[self._contact])
+        with ui.element("div").classes("frame") as thumbnail:
+            ui.element("img").props(
+                f'src="{frame_address(self._shot.id, place)}" alt="frame {place}" loading=lazy'
+            )
+            ui.label(f"{since:+.0f} ms")
+        thumbnail.on("click", lambda: self.show(place))
+        return thumbnail
+
+    def _keypad(self) -> None:
+        with ui.element("div").classes("keys"):
+            keys = (("≪ jog", -JOG), ("◀ step", -1), ("step ▶", 1), ("jog ≫", JOG))
+            for name, by in keys[:2]:
+                self._key(name, by)
+            play = button("Play", lambda: self._play(play), testid="play")
+            for name, by in keys[2:]:
+                self._key(name, by)
+            speed = ui.select(SPEEDS, value=10, on_change=self._set_speed)
+            speed.props('dense outlined options-dense aria-label="frames shown per second"')
+            with ui.element("div").classes("keys"):
+                for layer in LAYERS:
+                    self._layer(layer)
+        self._where = ui.label().classes("note").props("data-testid=where")
+
+    def _layer(self, name: str) -> None:
+        box = ui.checkbox(name, value=name in self._layers).props("dense").tooltip(HELP[name])
+        box.on_value_change(lambda event: self._switch(name, on=bool(event.value)))
+
+    def _key(self, name: str, by: int) -> None:
+        button(name, lambda: self.step(by))
+
+    def _play(self, play: ui.button) -> None:
+        self._playing.active = not self._playing.active
+        play.set_text("Pause" if self._playing.active else "Play")
+
+    def _set_speed(self, event: events.ValueChangeEventArguments[int]) -> None:
+        self._playing.interval = 1 / float(event.value)
+
+    def _switch(self, layer: str, *, on: bool) -> None:
+        kept = set(self._layers) | {layer} if on else set(self._layers) - {layer}
+        self._layers = [each for each in LAYERS if each in kept]
+        self.show(self._frame)
+
+    def _on_key(self, event: events.KeyEventArguments) -> None:
+        if not event.action.keydown:
+            return
+        if event.key.arrow_left:
+            self.step(-1)
+        elif event.key.arrow_right:
+            self.step(1)

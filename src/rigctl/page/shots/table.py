@@ -1,0 +1,160 @@
+"""Tables of shots: filtered by any word, sorted by any column, opened by a click."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from html import escape
+from typing import Any
+
+from nicegui import ui
+
+from rigctl.errors import RigError
+from rigctl.page.desk import Desk
+from rigctl.page.parts.quantities import COEFFICIENTS, SETTINGS
+from rigctl.page.parts.readings import Impact
+from rigctl.store import ShotRecord
+
+MOST_LISTED = 2000
+"""Earlier shots are found by REST, or by their campaign."""
+Column = dict[str, Any]
+
+
+def column(name: str, label: str, align: str = "right", **more: object) -> Column:
+    """Return a sortable column of a table whose rows hold it under `name`."""
+    return {"name": name, "label": label, "field": name, "sortable": True, "align": align, **more}
+
+
+WHY: dict[str, Any] = {"style": "white-space: normal; min-width: 190px; line-height: 1.3"}
+FIRED = [
+    column("number", "shot"),
+    column("state", "state", "left"),
+    column("pressure_a", "pressure a, kPa"),
+    column("pressure_b", "pressure b, kPa"),
+    column("offset", "offset, mm"),
+]
+COLUMNS = [
+    *FIRED[:2],
+    column("campaign", "campaign", "left"),
+    *FIRED[2:],
+    column("at", "accepted", "left"),
+    column("failure", "why not", "left", **WHY),
+    column("tags", "tags", "left"),
+]
+MEASURED_COLUMNS = [
+    *FIRED,
+    column("v_n", "v_n, m/s"),
+    column("v_s", "v_s, m/s"),
+    column("e", "e"),
+    column("e_sigma", "±\u00a0of\u00a0e"),
+    column("beta", "β"),
+    column("beta_sigma", "±\u00a0of\u00a0β"),
+    column("failure", "why not", "left", **WHY),
+    column("tags", "tags", "left"),
+]
+
+
+HEADINGS = {
+    **{name: about.meaning for name, about in COEFFICIENTS.items()},
+    "pressure_a": SETTINGS["pressure_a_kpa"].meaning,
+    "pressure_b": SETTINGS["pressure_b_kpa"].meaning,
+    "pressure": SETTINGS["pressure_a_kpa"].meaning,
+    "offset": SETTINGS["offset_mm"].meaning,
+    "e_sigma": "Standard error of e.",
+    "beta_sigma": "Standard error of β; large where the surfaces hardly slide.",
+    "number": "Counts all shots of this store.",
+    "shot": "Number of the shot that the step fired; shots are counted through the store.",
+    "state": "Where the shot stands: analysed means measured, refused means it could not be.",
+    "campaign": "Shots of one campaign are fitted together.",
+    "at": "When the rig accepted it, time of the daemon's host.",
+    "failure": "Why it did not come through, could not be measured, or does not count.",
+    "tags": "Words that a person gave it, to filter by.",
+    "why": "Why it did not come through, or could not be measured.",
+    "step": "Its place in the order of firing.",
+    "fate": "Whether it waits, is under way, was measured, or was not.",
+}
+
+
+def latest(desk: Desk, campaign: str | None) -> list[ShotRecord]:
+    """Return the latest shots, of one campaign or of all, the last first; blocks for the disk."""
+    return desk.daemon.store.catalogue.latest(MOST_LISTED, campaign)
+
+
+class ShotTable:
+    """A table of shots, placed where it is made; filter, order and page stay when it grows.
+
+    Parameters
+    ----------
+    measured
+        Whether it shows coefficients, or else campaign and time.
+    """
+
+    def __init__(self, *, measured: bool) -> None:
+        self._empty = ui.label("Reading …").classes("empty")
+        self._whole = ui.element("div").classes("wide")
+        with self._whole:
+            given = ui.input(placeholder="Filter: a state, a number, a word …").classes("filter")
+            given.props('outlined dense clearable data-testid=filter aria-label="Filter"')
+            columns = MEASURED_COLUMNS if measured else COLUMNS
+            self._table = ui.table(rows=[], columns=columns, pagination=20, row_key="number")
+        self._table.props("dense flat data-testid=shots").classes("wide")
+        self._table.bind_filter_from(given, "value")
+        self._table.on("rowClick", lambda event: ui.navigate.to(f"/shots/{event.args[1]['id']}"))
+        explain_headings(self._table)
+        self._whole.set_visibility(False)
+
+    def show(self, shots: Sequence[ShotRecord], impacts: Sequence[Impact] = ()) -> None:
+        """Show these shots, and what those of them were measured to be."""
+        known = {impact.number: impact for impact in impacts}
+        self._table.rows = [{**_row(shot), **_measured(known.get(shot.number))} for shot in shots]
+        self._whole.set_visibility(bool(shots))
+        self._empty.set_visibility(not shots)
+        self._empty.set_text("No shot has been fired yet: arm and fire one on the page Rig.")
+
+
+def explain_headings(table: ui.table, meanings: Mapping[str, str] = HEADINGS) -> None:
+    """Let the headings of these columns say what stands in them on hover."""
+    for name in (own["name"] for own in table.columns):
+        if meaning := meanings.get(name):
+            table.add_slot(
+                f"header-cell-{name}",
+                f'<q-th :props="props" title="{escape(meaning)}">{{{{ props.col.label }}}}</q-th>',
+            )
+
+
+def _row(shot: ShotRecord) -> dict[str, object]:
+    asked = shot.settings
+    return {
+        "id": shot.id,
+        "number": shot.number,
+        "state": str(shot.state).replace("_", " "),
+        "campaign": shot.campaign or "",
+        "pressure_a": None if asked is None else round(asked.pressure_a_kpa, 2),
+        "pressure_b": None if asked is None else round(asked.pressure_b_kpa, 2),
+        "offset": None if asked is None else round(asked.offset_mm, 3),
+        "at": f"{shot.accepted_at.astimezone():%Y-%m-%d %H:%M:%S}",
+        "failure": f"excluded: {shot.excluded}" if shot.excluded else shot.failure or "",
+        "tags": ", ".join(shot.tags),
+    }
+
+
+def _measured(impact: Impact | None) -> dict[str, object]:
+    """Return the cells of a measured shot, with the places that the table has room for."""
+    if impact is None:
+        return {}
+    cells: dict[str, object] = {}
+    for name, told in (("v_n", impact.v_n), ("v_s", impact.v_s)):
+        cells[name] = "" if told is None else round(told[0], 3)
+    for name, told in (("e", impact.e), ("beta", impact.beta)):
+        cells[name] = "" if told is None else round(told[0], 4)
+        cells[f"{name}_sigma"] = "" if told is None else round(told[1], 4)
+    return cells
+
+
+def stored(desk: Desk, shot: str) -> ShotRecord | None:
+    """Return a shot, or place the reason why there is none."""
+    try:
+        return desk.daemon.store.shot(shot)
+    except RigError as error:
+        ui.label(error.sentence()).classes("verdict bad")
+        ui.link("All shots", "/shots")
+        return None

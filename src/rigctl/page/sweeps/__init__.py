@@ -1,0 +1,1 @@
+"""Sweeps: built, listed, watched and ordered."""

@@ -1,0 +1,119 @@
+"""Plots of a sweep: its shots in the plane of pressure and offset, before and while it runs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from analysis.figures.palette import FAILS, GREY, MEASURED
+from rigctl.config import Limits
+from rigctl.page.parts.plots import figure
+from rigctl.settings import ShotSettings
+
+Json = dict[str, Any]
+DIAMETER_MM = 25.4
+HEIGHT = 330
+SCALE = (0.0, 0.25, 0.5, 1.0, 2.0)
+"""Values of v_s / v_n marked beside the offsets."""
+LOOKS: dict[str, Json] = {
+    "waits": {"color": "rgba(0,0,0,0)", "size": 10, "line": {"color": GREY, "width": 1.4}},
+    "fired": {"color": GREY, "size": 9, "symbol": "square"},
+    "under way": {"color": "#E69F00", "size": 13, "symbol": "diamond"},
+    "measured": {"color": MEASURED, "size": 10},
+    "not measured": {"color": FAILS, "size": 11, "symbol": "triangle-up"},
+    "skipped": {"color": GREY, "size": 9, "symbol": "x-thin", "line": {"color": GREY, "width": 2}},
+}
+"""What may have become of a step, and how it is drawn: never by colour alone."""
+
+
+def incidence(offset_mm: float) -> float:
+    """Return v_s / v_n of spheres that meet without fall or spin: the tangent of arcsin(o / d)."""
+    share = min(abs(offset_mm) / DIAMETER_MM, 0.999)
+    return share / math.sqrt(1 - share**2)
+
+
+def covers(steps: Sequence[ShotSettings]) -> str:
+    """Say in words which incidence the offsets mean."""
+    found = [incidence(step.offset_mm) for step in steps]
+    return (
+        f"{len(steps)} shots, v_s/v_n from about {min(found):.2f} to {max(found):.2f} "
+        "before they fall"
+    )
+
+
+def grid(steps: Sequence[ShotSettings], limits: Limits) -> Json:
+    """Return the shots that a form means, each setting once, with how often it is fired."""
+    shots: dict[tuple[float, float], int] = {}
+    for step in steps:
+        place = step.pressure_a_kpa, step.offset_mm
+        shots[place] = shots.get(place, 0) + 1
+    points = {
+        "type": "scatter",
+        "mode": "markers",
+        "x": [pressure for pressure, _ in shots],
+        "y": [offset for _, offset in shots],
+        "customdata": list(shots.values()),
+        "marker": LOOKS["measured"],
+        "hovertemplate": "%{x:.1f} kPa, %{y:.2f} mm, %{customdata} times<extra></extra>",
+    }
+    return _plane([points], limits, "sweep")
+
+
+def progress(steps: Mapping[str, Sequence[tuple[int, ShotSettings]]], limits: Limits) -> Json:
+    """Return the steps of a running sweep by what became of them (a key of `LOOKS`)."""
+    traces = [
+        {
+            "type": "scatter",
+            "mode": "markers",
+            "name": name,
+            "x": [settings.pressure_a_kpa for _, settings in steps[name]],
+            "y": [settings.offset_mm for _, settings in steps[name]],
+            "customdata": [number for number, _ in steps[name]],
+            "marker": look,
+            "hovertemplate": f"step %{{customdata}}, {name}: "
+            "%{x:.1f} kPa, %{y:.2f} mm<extra></extra>",
+        }
+        for name, look in LOOKS.items()
+        if steps.get(name)
+    ]
+    drawn = _plane(traces, limits, "sweep-progress")
+    legend = {"orientation": "h", "x": 0, "y": 1.02, "yanchor": "bottom"}
+    drawn["layout"].update(showlegend=True, legend=legend)
+    drawn["layout"]["margin"]["t"] = 34
+    return drawn
+
+
+def _plane(traces: list[Json], limits: Limits, name: str) -> Json:
+    low, high = limits.pressure_kpa
+    least, most = limits.offset_mm
+    across, up = 0.04 * (high - low), 0.06 * (most - least)
+    marked = {
+        share: offset
+        for share in SCALE
+        if least <= (offset := DIAMETER_MM * share / math.hypot(1, share)) <= most
+    }
+    vertical = {"range": [least - up, most + up], "zeroline": False}
+    # An axis without a trace is not drawn.
+    beside = {"type": "scatter", "x": [None], "y": [None], "yaxis": "y2", "showlegend": False}
+    return figure(
+        [*traces, beside],
+        HEIGHT,
+        name,
+        margin={"l": 56, "r": 58, "t": 12, "b": 44},
+        xaxis={
+            "title": {"text": "pressure a, kPa"},
+            "range": [low - across, high + across],
+            "zeroline": False,
+        },
+        yaxis={"title": {"text": "offset, mm"}, **vertical},
+        yaxis2={
+            "title": {"text": "v_s / v_n, about"},
+            **vertical,
+            "overlaying": "y",
+            "side": "right",
+            "showgrid": False,
+            "tickvals": list(marked.values()),
+            "ticktext": [f"{share:g}" for share in marked],
+        },
+    )
