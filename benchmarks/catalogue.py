@@ -21,7 +21,7 @@ from sqlalchemy import insert
 
 from rigctl.service.models import ShotList, ShotView
 from rigctl.store import ShotState, Store
-from rigctl.store.schema import shot_tags, shots
+from rigctl.store.sql.schema import shot_tags, shots
 
 ASKED_MS = 50.0
 PAGE = 100

@@ -33,7 +33,7 @@ from unittest import mock
 import simulators.laboratory  # noqa: F401 - loaded once here instead of in every life
 from rigctl.config import Configuration, load
 from rigctl.store import ShotState, reading
-from rigctl.store.verifying import verify_store
+from rigctl.store.integrity.verifying import verify_store
 from rigctl.sweeps.form import Sweep
 from rigctl.sweeps.plan import plan_of
 from simulators.world.flight import load_integrator

@@ -104,7 +104,7 @@ def unforced(_descriptor: int) -> None:
 
 def fill(store: Any, shots: int, result: str) -> None:  # noqa: ANN401
     """Put measured shots into a store, without firing them."""
-    from rigctl.store.schema import shots as table  # noqa: PLC0415
+    from rigctl.store.sql.schema import shots as table  # noqa: PLC0415
 
     common: dict[str, object] = {
         "state": "analysed",

@@ -13,9 +13,9 @@ from pathlib import Path
 import pytest
 from sqlalchemy import Connection
 
-from rigctl.store import migrations
-from rigctl.store.database import Database
-from rigctl.store.migrations.upgrade import upgrade
+from rigctl.store.sql import migrations
+from rigctl.store.sql.database import Database
+from rigctl.store.sql.migrations.upgrade import upgrade
 
 
 def written_by_migrations(path: Path) -> list[str]:

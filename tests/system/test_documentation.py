@@ -39,7 +39,7 @@ from rigctl.service.events import EventHub
 from rigctl.service.job_models import JobView
 from rigctl.service.models import InterlockView, RigEvent, RigView, ShotView
 from rigctl.service.problems import Problem, from_error
-from rigctl.service.routes_effects import EffectView, ParameterView
+from rigctl.service.routes.effects import EffectView, ParameterView
 from rigctl.service.sweep_models import MeanView, StepView, SweepTable, SweepView
 from rigctl.settings import ShotSettings
 from rigctl.store.states import SHOT_TRANSITIONS

@@ -14,7 +14,7 @@ from pathlib import Path
 from rigctl.access.named_keys import KeyFile, NamedKey, hashed
 from rigctl.access.scopes import EVERYTHING, Scope
 from rigctl.errors import RigError
-from rigctl.store.seal import read_secret
+from rigctl.store.integrity.seal import read_secret
 
 _log = logging.getLogger(__name__)
 

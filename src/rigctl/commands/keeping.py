@@ -12,9 +12,9 @@ from rigctl.commands.bar import bar
 from rigctl.errors import StoreError
 from rigctl.exchange.fresh import fresh_folder
 from rigctl.opening import read_store
-from rigctl.store.anchors import add_anchor, read_anchors
-from rigctl.store.backup import back_up
-from rigctl.store.verifying import verify_store
+from rigctl.store.integrity.anchors import add_anchor, read_anchors
+from rigctl.store.integrity.backup import back_up
+from rigctl.store.integrity.verifying import verify_store
 
 
 def verify(

@@ -19,7 +19,7 @@ from rigctl.config import load
 from rigctl.errors import SettingsError, StoreError
 from rigctl.opening import own_store
 from rigctl.store import Store
-from rigctl.store.seal import read_secret
+from rigctl.store.integrity.seal import read_secret
 
 
 def add(

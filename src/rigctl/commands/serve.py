@@ -25,13 +25,13 @@ from rigctl.jobs.process import hide_from_jobs
 from rigctl.logs import LogFormat
 from rigctl.page.mounting import with_page
 from rigctl.service import keyfile
-from rigctl.service.answer_headers import AnswerHeaders
 from rigctl.service.app import create_app
-from rigctl.service.behind_proxy import behind_proxy
-from rigctl.service.connections import Connections, raise_descriptor_limit, room_for
 from rigctl.service.events import EventHub
+from rigctl.service.guards.answer_headers import AnswerHeaders
+from rigctl.service.guards.behind_proxy import behind_proxy
+from rigctl.service.guards.connections import Connections, raise_descriptor_limit, room_for
+from rigctl.service.guards.origins import OriginGuard, OwnOrigins
 from rigctl.service.keyfile import ServiceAddress
-from rigctl.service.origins import OriginGuard, OwnOrigins
 from rigctl.service.stop_port import StopPort
 from rigctl.store import StepState, SweepRecord
 from rigctl.systemd import Watchdog

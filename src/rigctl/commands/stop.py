@@ -14,7 +14,7 @@ from rigctl.commands.client import connected, error_of
 from rigctl.config import load
 from rigctl.errors import ConfigurationError, DeviceError
 from rigctl.service import keyfile
-from rigctl.service.auth import ESTOP_PATH
+from rigctl.service.guards.auth import ESTOP_PATH
 
 STOP_WITHIN_S = 5.0
 """Longest wait for one address to answer: the cut, its confirmation and the record of both, s."""

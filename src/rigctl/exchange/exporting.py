@@ -14,10 +14,10 @@ from rigctl.exchange.fresh import fresh_folder
 from rigctl.exchange.remarks import REMARKS, parsed, written
 from rigctl.store import ShotRecord, Store, StoreReader
 from rigctl.store.campaign_words import Words
-from rigctl.store.copying import copy_synced
 from rigctl.store.durable import write_synced
 from rigctl.store.folders import sha256
 from rigctl.store.imports import LISTING
+from rigctl.store.integrity.copying import copy_synced
 
 Json = dict[str, Any]
 Say = Callable[[str, float | None], None]

@@ -15,10 +15,10 @@ from rigctl.errors import SettingsError
 from rigctl.exchange.documents import FORMAT, first_result, imported_shot, manifest
 from rigctl.service.models import CampaignName
 from rigctl.store import Store
-from rigctl.store.copying import copy_synced
 from rigctl.store.durable import sync_folder, write_synced
 from rigctl.store.folders import sha256
 from rigctl.store.imports import LISTING, Stage
+from rigctl.store.integrity.copying import copy_synced
 from rigctl.store.states import ShotState
 
 if TYPE_CHECKING:

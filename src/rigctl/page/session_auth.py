@@ -13,7 +13,7 @@ from rigctl.access import scopes
 from rigctl.access.keyring import Holder, Keyring
 from rigctl.access.scopes import PREFIX, allows
 from rigctl.access.wrong_keys import WrongKeys
-from rigctl.service.auth import address_of
+from rigctl.service.guards.auth import address_of
 
 FRONT = "/"
 OPEN = ("/health/", "/metrics", "/openapi.json")

@@ -11,9 +11,10 @@ from rigctl.rebuilding.fired import FiredShot
 from rigctl.rebuilding.found import Found
 from rigctl.rebuilding.imported import ImportedCampaign
 from rigctl.rebuilding.sweeps import sweep_rows
-from rigctl.store import chain, ledger
 from rigctl.store.imports import add_rows
-from rigctl.store.schema import (
+from rigctl.store.integrity import chain, ledger
+from rigctl.store.integrity.seal import Seal
+from rigctl.store.sql.schema import (
     edits,
     idempotency_keys,
     imports,
@@ -23,7 +24,6 @@ from rigctl.store.schema import (
     sweeps,
     transitions,
 )
-from rigctl.store.seal import Seal
 from rigctl.store.states import ShotState
 
 ACTOR = "rigctl recover"

@@ -9,9 +9,9 @@ from typing import Any
 
 from rigctl.errors import RefusedError
 from rigctl.settings import ShotSettings
-from rigctl.store.anchors import anchor_of
 from rigctl.store.folders import ShotFolders, sha256
-from rigctl.store.ledger import Anchor
+from rigctl.store.integrity.anchors import anchor_of
+from rigctl.store.integrity.ledger import Anchor
 from rigctl.store.records import Request
 from rigctl.store.states import Fired, ShotState
 

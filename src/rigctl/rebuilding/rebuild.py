@@ -11,10 +11,10 @@ from sqlalchemy import Connection
 from rigctl.errors import CatalogueLostError, NotFoundError, RefusedError, StoreError
 from rigctl.rebuilding.filling import fill
 from rigctl.rebuilding.found import Found, look
-from rigctl.store.database import Database
-from rigctl.store.opened import open_catalogue
+from rigctl.store.integrity.seal import Seal, new_seal, read_seal
 from rigctl.store.ownership import owned
-from rigctl.store.seal import Seal, new_seal, read_seal
+from rigctl.store.sql.database import Database
+from rigctl.store.sql.opened import open_catalogue
 
 _BROKEN = ("malformed", "not a database")
 

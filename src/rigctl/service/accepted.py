@@ -7,7 +7,7 @@ from typing import Any
 from starlette.responses import Response
 
 from rigctl.jobs import Job, JobState
-from rigctl.service.auth import PREFIX
+from rigctl.service.guards.auth import PREFIX
 from rigctl.service.job_models import JobSummary
 
 

@@ -18,28 +18,28 @@ from rigctl.access.keyring import Keyring
 from rigctl.access.wrong_keys import MANY, WITHIN_S, WrongKeys
 from rigctl.daemon import Daemon
 from rigctl.errors import RigError
-from rigctl.service.auth import PREFIX, KeyGuard
-from rigctl.service.body_limit import BodyLimit
 from rigctl.service.events import EventHub
+from rigctl.service.guards.auth import PREFIX, KeyGuard
+from rigctl.service.guards.body_limit import BodyLimit
+from rigctl.service.guards.queries import require_known
 from rigctl.service.job_models import JobSummary
 from rigctl.service.lanes import Lanes
 from rigctl.service.metrics import Metrics, metrics_route
 from rigctl.service.models import RigEvent, ShotView
 from rigctl.service.openapi import describe, openapi_route
 from rigctl.service.problems import Problem, answer, from_error, from_validation, unforeseen
-from rigctl.service.queries import require_known
-from rigctl.service.routes_campaigns import campaign_routes
-from rigctl.service.routes_edits import campaign_edit_routes, edit_routes
-from rigctl.service.routes_effects import effect_routes
-from rigctl.service.routes_events import event_routes
-from rigctl.service.routes_front import front_route
-from rigctl.service.routes_health import health_routes
-from rigctl.service.routes_jobs import job_routes
-from rigctl.service.routes_model import model_routes
-from rigctl.service.routes_report import report_routes
-from rigctl.service.routes_rig import rig_routes
-from rigctl.service.routes_shots import shot_routes
-from rigctl.service.routes_sweeps import sweep_routes
+from rigctl.service.routes.campaigns import campaign_routes
+from rigctl.service.routes.edits import campaign_edit_routes, edit_routes
+from rigctl.service.routes.effects import effect_routes
+from rigctl.service.routes.events import event_routes
+from rigctl.service.routes.front import front_route
+from rigctl.service.routes.health import health_routes
+from rigctl.service.routes.jobs import job_routes
+from rigctl.service.routes.model import model_routes
+from rigctl.service.routes.report import report_routes
+from rigctl.service.routes.rig import rig_routes
+from rigctl.service.routes.shots import shot_routes
+from rigctl.service.routes.sweeps import sweep_routes
 from rigctl.service.sweep_models import SweepView
 
 _log = logging.getLogger(__name__)

@@ -19,9 +19,9 @@ from starlette.responses import Response
 
 from rigctl.errors import RigError
 from rigctl.rig.status import RigStatus
-from rigctl.service.auth import ESTOP_PATH
+from rigctl.service.guards.auth import ESTOP_PATH
+from rigctl.service.guards.origins import OwnOrigins
 from rigctl.service.models import RigView
-from rigctl.service.origins import OwnOrigins
 from rigctl.service.problems import answer, from_error, unforeseen
 from rigctl.service.stop_reason import LONGEST_REASON, REASON_WAIT_S, reason_of
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rigctl.service.bodies import loads
+from rigctl.service.guards.bodies import loads
 from rigctl.service.models import ReleaseOrder
 
 REASON_WAIT_S = 0.02

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from sqlalchemy import ColumnElement, Connection, Table, delete, insert, select
 
 from rigctl.errors import NotFoundError
-from rigctl.store import ledger
-from rigctl.store.schema import campaign_notes, campaign_tags, shots
+from rigctl.store.integrity import ledger
+from rigctl.store.sql.schema import campaign_notes, campaign_tags, shots
 
 
 @dataclass(frozen=True, slots=True)

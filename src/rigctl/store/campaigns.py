@@ -10,8 +10,8 @@ from sqlalchemy import func, select
 
 from rigctl.errors import NotFoundError
 from rigctl.store.campaign_words import Words, no_such_campaign, words_of
-from rigctl.store.database import Database
-from rigctl.store.schema import shots
+from rigctl.store.sql.database import Database
+from rigctl.store.sql.schema import shots
 from rigctl.store.states import ShotState
 
 

@@ -10,12 +10,12 @@ from sqlalchemy import Connection, bindparam, func, insert, select, update
 
 from rigctl.errors import KeyReusedError, KeyRunningError, NotFoundError, StoreError
 from rigctl.store.campaign_words import no_such_campaign
-from rigctl.store.database import Database
 from rigctl.store.imports import require_own
-from rigctl.store.ledger import note
+from rigctl.store.integrity.ledger import note
 from rigctl.store.records import NewShot, Request, ShotRecord
-from rigctl.store.schema import idempotency_keys, results, shot_tags, shots
 from rigctl.store.shot_rows import no_such_shot, one, records
+from rigctl.store.sql.database import Database
+from rigctl.store.sql.schema import idempotency_keys, results, shot_tags, shots
 from rigctl.store.states import RUNNING, SHOT_TRANSITIONS, Fired, ShotState
 
 _PAGE = 500

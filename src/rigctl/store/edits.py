@@ -11,7 +11,6 @@ from sqlalchemy import Connection, Row, delete, insert, select, update
 
 from rigctl.errors import SettingsError
 from rigctl.plain_text import require_plain
-from rigctl.store import chain
 from rigctl.store.campaign_words import (
     Words,
     require_campaign,
@@ -19,11 +18,12 @@ from rigctl.store.campaign_words import (
     set_tags,
     words_of,
 )
-from rigctl.store.database import Database
-from rigctl.store.ledger import note, note_removed
+from rigctl.store.integrity import chain
+from rigctl.store.integrity.ledger import note, note_removed
 from rigctl.store.records import Edit, ShotRecord
-from rigctl.store.schema import edits, shot_tags, shots
 from rigctl.store.shot_rows import one
+from rigctl.store.sql.database import Database
+from rigctl.store.sql.schema import edits, shot_tags, shots
 
 
 def utc_now() -> datetime:

@@ -19,14 +19,14 @@ from sqlalchemy import Connection, func, insert, select
 
 from rigctl.errors import NotFoundError, RefusedError, StoreError
 from rigctl.settings import ShotSettings
-from rigctl.store import chain
 from rigctl.store.campaign_words import Words, set_note, set_tags
-from rigctl.store.database import Database
 from rigctl.store.durable import FOLDER_MODE, make_folders, sync_folder
 from rigctl.store.edits import utc_now
 from rigctl.store.folders import sha256
-from rigctl.store.ledger import note
-from rigctl.store.schema import edits, imports, results, shot_tags, shots
+from rigctl.store.integrity import chain
+from rigctl.store.integrity.ledger import note
+from rigctl.store.sql.database import Database
+from rigctl.store.sql.schema import edits, imports, results, shot_tags, shots
 from rigctl.store.states import Fired, ShotState
 
 LISTING = "import.json"

@@ -7,10 +7,10 @@ from typing import Any
 
 from sqlalchemy import Row, Select, select
 
-from rigctl.store import chain
-from rigctl.store.database import Database
+from rigctl.store.integrity import chain
 from rigctl.store.records import JournalEntry
-from rigctl.store.schema import transitions
+from rigctl.store.sql.database import Database
+from rigctl.store.sql.schema import transitions
 
 
 class Journal:

@@ -10,12 +10,12 @@ from pathlib import Path
 from rigctl.errors import NotFoundError
 from rigctl.store.campaigns import Campaigns
 from rigctl.store.catalogue import Catalogue
-from rigctl.store.database import Database
 from rigctl.store.edits import Edits
 from rigctl.store.folders import ShotFolders
 from rigctl.store.imports import Imports
+from rigctl.store.integrity.lost import require_no_shots
 from rigctl.store.journal import Journal
-from rigctl.store.lost import require_no_shots
+from rigctl.store.sql.database import Database
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,7 +12,7 @@ from sqlalchemy.sql.dml import ReturningUpdate
 from rigctl.errors import NotFoundError
 from rigctl.settings import ShotSettings
 from rigctl.store.records import ShotRecord
-from rigctl.store.schema import shot_tags, shots
+from rigctl.store.sql.schema import shot_tags, shots
 from rigctl.store.states import Fired, ShotState
 
 _SETTINGS: TypeAdapter[ShotSettings | None] = TypeAdapter(ShotSettings | None)

@@ -20,10 +20,10 @@ from rigctl.store.folders import ShotFolders
 from rigctl.store.imports import Imports
 from rigctl.store.journal import Journal
 from rigctl.store.listeners import Listeners
-from rigctl.store.opened import open_catalogue
 from rigctl.store.orders import Orders, order_document, outcome_document
 from rigctl.store.ownership import own, owned_elsewhere, refused
 from rigctl.store.records import NewShot, ShotRecord
+from rigctl.store.sql.opened import open_catalogue
 from rigctl.store.states import ShotState
 from rigctl.store.sweeps import Sweeps
 

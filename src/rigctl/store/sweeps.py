@@ -13,10 +13,10 @@ from sqlalchemy import Connection, Row, func, insert, select, update
 
 from rigctl.errors import KeyReusedError, NotFoundError, StoreError
 from rigctl.settings import ShotSettings
-from rigctl.store.database import Database
 from rigctl.store.durable import replace_synced
-from rigctl.store.ledger import note
-from rigctl.store.schema import sweep_steps, sweeps
+from rigctl.store.integrity.ledger import note
+from rigctl.store.sql.database import Database
+from rigctl.store.sql.schema import sweep_steps, sweeps
 from rigctl.store.sweep_records import NewSweep, StepRecord, SweepRecord
 from rigctl.store.sweep_states import (
     STEP_TRANSITIONS,

@@ -26,8 +26,8 @@ from rigctl.rig.recovery import Recovery
 from rigctl.rig.states import RigState
 from rigctl.rig.status import RigStatus, Transition
 from rigctl.service.app import create_app
-from rigctl.service.connections import Connections
 from rigctl.service.events import EventHub
+from rigctl.service.guards.connections import Connections
 from rigctl.settings import ShotSettings
 from rigctl.store import Change, Fired, Listeners, NewShot, ShotRecord, ShotState, Store
 

@@ -12,7 +12,8 @@ from urllib.parse import urlsplit
 import httpx
 import pytest
 
-from rigctl.service import body_limit, connections, events
+from rigctl.service import events
+from rigctl.service.guards import body_limit, connections
 
 Serving = Callable[[int], AbstractContextManager[str]]
 BOUND_S = 10.0

@@ -9,7 +9,7 @@ import pytest
 
 from analysis.effects.catalogue import CATALOGUE
 from rigctl.jobs import Jobs
-from rigctl.service import routes_model
+from rigctl.service.routes import model as routes_model
 from rigctl.store import Change, ShotState, Store
 
 Shoot = Callable[..., str]

@@ -9,7 +9,7 @@ import pytest
 
 from rigctl.config import load
 from rigctl.jobs import Jobs
-from rigctl.service import routes_model
+from rigctl.service.routes import model as routes_model
 from rigctl.store import Change, ShotState, Store
 
 WAIT_S = 30.0

@@ -9,7 +9,7 @@ import httpx
 import pytest
 from starlette.responses import PlainTextResponse
 
-from rigctl.service.origins import OriginGuard, OwnOrigins
+from rigctl.service.guards.origins import OriginGuard, OwnOrigins
 
 ORIGINS = OwnOrigins(("lab.example", "Rig.Example"))
 GUARDED = OriginGuard(PlainTextResponse("answered"), ORIGINS)

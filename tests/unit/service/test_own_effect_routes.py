@@ -10,7 +10,7 @@ import pytest
 
 from rigctl.config import Configuration, load
 from rigctl.jobs import Jobs
-from rigctl.service import routes_model
+from rigctl.service.routes import model as routes_model
 from rigctl.store import Change, ShotState, Store
 from tests.unit.analysis.effects.own_files import STRETCH, text_of, write
 

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from rigctl.jobs import Jobs
-from rigctl.service import routes_report
+from rigctl.service.routes import report as routes_report
 from rigctl.store import Change, ShotState, Store
 
 Shoot = Callable[..., str]

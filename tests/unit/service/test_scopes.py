@@ -11,7 +11,7 @@ from rigctl.access.named_keys import KeyFile, NamedKey, hashed
 from rigctl.access.scopes import ROUTES, Scope, needed
 from rigctl.errors import NotFoundError, SettingsError
 from rigctl.store import Store
-from rigctl.store.seal import read_secret
+from rigctl.store.integrity.seal import read_secret
 
 SETTINGS = {"pressure_a_kpa": 40, "pressure_b_kpa": 40, "offset_mm": 6}
 CHANGING = {

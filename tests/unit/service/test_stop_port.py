@@ -16,7 +16,7 @@ import pytest
 from rigctl.errors import DeviceSilentError
 from rigctl.rig.states import RigState
 from rigctl.service import stop_port
-from rigctl.service.origins import OwnOrigins
+from rigctl.service.guards.origins import OwnOrigins
 from rigctl.service.stop_port import StopPort
 
 BOUND_S = 10.0

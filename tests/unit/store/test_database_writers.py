@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from pathlib import Path
 
-from rigctl.store.database import Database
+from rigctl.store.sql.database import Database
 
 
 def test_writers_that_outlast_the_busy_time_out_together_all_come_through(tmp_path: Path) -> None:

@@ -13,8 +13,8 @@ from sqlalchemy import Connection
 
 from rigctl.errors import StoreError
 from rigctl.store import NewShot, Store
-from rigctl.store.migrations import upgrade
-from rigctl.store.schema import SCHEMA_VERSION, metadata
+from rigctl.store.sql.migrations import upgrade
+from rigctl.store.sql.schema import SCHEMA_VERSION, metadata
 
 AS_FIRST_WRITTEN = """
 CREATE TABLE shots (
@@ -87,7 +87,7 @@ def test_a_migration_that_fails_leaves_the_catalogue_as_it_was(
         raise sqlite3.OperationalError("disk is full")
 
     with monkeypatch.context() as patched:
-        patched.setattr("rigctl.store.migrations.upgrade", die_at_the_end)
+        patched.setattr("rigctl.store.sql.migrations.upgrade", die_at_the_end)
         with pytest.raises(StoreError, match="full"):
             Store(tmp_path / "data")
     assert tables(path) == before

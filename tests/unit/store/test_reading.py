@@ -10,7 +10,7 @@ from sqlalchemy import text
 
 from rigctl.errors import NotFoundError, StoreError
 from rigctl.store import ShotRecord, Store, reading
-from rigctl.store.database import Database
+from rigctl.store.sql.database import Database
 from tests.unit.store.conftest import sqlite_alone
 
 

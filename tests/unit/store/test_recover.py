@@ -29,7 +29,7 @@ from rigctl.store import (
     SweepState,
     reading,
 )
-from rigctl.store.verifying import verify_store
+from rigctl.store.integrity.verifying import verify_store
 from tests.unit.analysis.model.tabulated import contacts
 from tests.unit.store.conftest import sqlite_alone
 

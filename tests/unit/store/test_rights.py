@@ -12,7 +12,7 @@ import pytest
 
 from rigctl.cameras.frames import FrameSequence
 from rigctl.store import Store
-from rigctl.store.copying import copy_synced
+from rigctl.store.integrity.copying import copy_synced
 
 
 @pytest.fixture(autouse=True)

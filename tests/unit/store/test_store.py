@@ -10,7 +10,7 @@ import pytest
 
 from rigctl.errors import StoreError
 from rigctl.store import NewShot, ShotRecord, ShotState, Store
-from rigctl.store.schema import metadata
+from rigctl.store.sql.schema import metadata
 from tests.unit.store.conftest import sqlite_alone
 
 

@@ -14,10 +14,10 @@ import pytest
 from rigctl.cameras.frames import FrameSequence
 from rigctl.errors import NotFoundError, StoreError
 from rigctl.store import Change, NewShot, ShotState, Store, reading
-from rigctl.store.backup import Backup, back_up
-from rigctl.store.ledger import begin
-from rigctl.store.seal import read_seal
-from rigctl.store.verifying import Verified, verify_store
+from rigctl.store.integrity.backup import Backup, back_up
+from rigctl.store.integrity.ledger import begin
+from rigctl.store.integrity.seal import read_seal
+from rigctl.store.integrity.verifying import Verified, verify_store
 from tests.unit.store.conftest import perform, without_guard
 
 Fire = Callable[..., str]

@@ -18,13 +18,13 @@ from rigctl.cli import BAD_INPUT, REFUSED, run
 from rigctl.errors import StoreError
 from rigctl.settings import ShotSettings
 from rigctl.store import Change, Fired, NewShot, NewSweep, ShotState, Store, SweepState, reading
-from rigctl.store.anchors import add_anchor, read_anchors
 from rigctl.store.campaign_words import Words
 from rigctl.store.imports import ImportedShot
-from rigctl.store.ledger import begin
-from rigctl.store.schema import metadata
-from rigctl.store.seal import FILE_NAME, new_seal
-from rigctl.store.verifying import verify_store
+from rigctl.store.integrity.anchors import add_anchor, read_anchors
+from rigctl.store.integrity.ledger import begin
+from rigctl.store.integrity.seal import FILE_NAME, new_seal
+from rigctl.store.integrity.verifying import verify_store
+from rigctl.store.sql.schema import metadata
 from tests.unit.store.conftest import perform, sqlite_alone, without_guard
 
 NOW = datetime(2026, 1, 31, 12, 0, tzinfo=UTC)

@@ -20,7 +20,7 @@ from rigctl.page.model.state import Question
 from rigctl.page.parts.following import following
 from rigctl.page.parts.widgets import button
 from rigctl.service.problems import answer, from_error
-from rigctl.service.routes_report import ALONE, report_of
+from rigctl.service.routes.report import ALONE, report_of
 
 EXPORTS = "exports"
 """Folder of what is exported here, inside the store's, unless another one is named."""

@@ -1,0 +1,1 @@
+"""The routes of REST, by what they are about."""

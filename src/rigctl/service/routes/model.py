@@ -1,0 +1,143 @@
+"""The model against a campaign: what takes long is a job, and asked again it is answered."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Hashable, Sequence
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Query
+from starlette.responses import Response
+
+from rigctl.daemon import Daemon
+from rigctl.jobs import Job, Task, Work, in_process
+from rigctl.measured import measured_files, request
+from rigctl.own_effects import OwnEffects
+from rigctl.service.accepted import accepted, accepts, answered
+from rigctl.service.campaign_models import (
+    EffectsQuery,
+    FitList,
+    FitName,
+    FitOrder,
+    FitQuery,
+    FitReference,
+    FitView,
+    NextOrder,
+)
+from rigctl.service.guards.bodies import StrictRoute
+from rigctl.service.models import CampaignName
+from rigctl.service.problems import documented
+
+Json = dict[str, Any]
+
+FUNCTIONS = "rigctl.modelling"
+
+_ANSWERED: dict[int | str, dict[str, Any]] = {
+    200: {
+        "description": "The answer, for the shots as they are measured now",
+        "content": {"application/json": {"schema": {"type": "object"}}},
+    }
+}
+
+
+def model_routes(daemon: Daemon) -> APIRouter:
+    """Return the routes below `/campaigns` that are of the model."""
+    router = APIRouter(prefix="/campaigns/{campaign}", tags=["model"], route_class=StrictRoute)
+
+    @router.get("/agreement", responses=_ANSWERED | accepts() | documented(*_QUESTION))
+    def agreement(campaign: CampaignName, query: Annotated[EffectsQuery, Query()]) -> Response:
+        """Say by stage and quantity where the model and the campaign agree.
+
+        202 with a job while nobody knows; asked again when that is done, the answer.
+        """
+        return answered(_ask(daemon, "agreement", campaign, query.effects))
+
+    @router.get("/structure", responses=_ANSWERED | accepts() | documented(*_QUESTION))
+    def structure(campaign: CampaignName, query: Annotated[EffectsQuery, Query()]) -> Response:
+        """Test what the model leaves over, with the residuals where most is left.
+
+        202 with a job while nobody knows; asked again when that is done, the answer.
+        """
+        return answered(_ask(daemon, "structure", campaign, query.effects))
+
+    @router.get("/ranking", responses=_ANSWERED | accepts() | documented(*_QUESTION))
+    def ranking(campaign: CampaignName, query: Annotated[EffectsQuery, Query()]) -> Response:
+        """Rank the effects of the catalogue by what they promise.
+
+        202 with a job while nobody knows; asked again when that is done, the answer.
+        """
+        return answered(_ask(daemon, "ranking", campaign, query.effects))
+
+    @router.post("/explain", status_code=202, responses=accepts() | documented(*_POST))
+    def explain(campaign: CampaignName) -> Response:
+        """Find what is missing, to a verdict."""
+        return accepted(_ask(daemon, "explain", campaign, []))
+
+    @router.post("/next", status_code=202, responses=accepts() | documented(*_POST))
+    def next_shots(campaign: CampaignName, order: NextOrder) -> Response:
+        """Choose the next shots: they tell two effects apart, or sharpen a parameter."""
+        # The daemon starts without the model.
+        from analysis.model.design.document import NONE  # noqa: PLC0415
+
+        asked = order.asked()
+        OwnEffects.of(daemon.configuration).require(set(asked["between"] or ()) - {NONE})
+        limits = daemon.configuration.limits
+        asked["limits"] = [limits.pressure_kpa, limits.offset_mm]
+        return accepted(_ask(daemon, "next", campaign, order.effects, asked))
+
+    @router.post("/fits", status_code=202, responses=accepts() | documented(*_POST))
+    def fit(campaign: CampaignName, order: FitOrder) -> Response:
+        """Fit, and save the fit under a name; a name that is known gets a further version."""
+        work = _saved(daemon, order.name, _work(daemon, "fit", campaign, order.effects)[0])
+        return accepted(daemon.jobs.submit("fits", campaign, work))
+
+    @router.get("/fits", responses=documented(*_GET))
+    def fits(campaign: CampaignName) -> FitList:
+        """List the saved fits of a campaign."""
+        daemon.store.campaigns.one(campaign)
+        found = daemon.store.fits.versions(campaign)
+        return FitList(fits=[FitReference(name=name, version=version) for name, version in found])
+
+    @router.get("/fits/{fit}", responses=documented(*_GET))
+    def saved(campaign: CampaignName, fit: FitName, query: Annotated[FitQuery, Query()]) -> FitView:
+        """Show a saved fit, the latest version of its name or the one asked for."""
+        version, document = daemon.store.fits.fit(campaign, fit, query.version)
+        return FitView(name=fit, version=version, fit=document)
+
+    return router
+
+
+_GET = (401, 404, 405, 422, 503)
+_QUESTION = (401, 404, 405, 409, 422, 503)
+_POST = (401, 404, 405, 409, 411, 413, 422, 503)
+
+
+def _work(
+    daemon: Daemon, kind: str, campaign: str, effects: Sequence[str], more: Json | None = None
+) -> tuple[Work, Sequence[Hashable]]:
+    """Return work on the shots as they are measured now, and what names exactly this work."""
+    own = OwnEffects.of(daemon.configuration)
+    own.require(effects)
+    files = measured_files(daemon.store, campaign)
+    asked = request(campaign, files, effects, daemon.store) | own.asked() | (more or {})
+    work = in_process(f"{FUNCTIONS}:{kind}_job", asked)
+    return work, (json.dumps(more), own.stands(), *effects, *files)
+
+
+def _ask(
+    daemon: Daemon, kind: str, campaign: str, effects: Sequence[str], more: Json | None = None
+) -> Job:
+    """Return the job that answers a question, the one that did or does so already if there is."""
+    work, named = _work(daemon, kind, campaign, effects, more)
+    return daemon.jobs.submit(kind, campaign, work, (kind, campaign, *named))
+
+
+def _saved(daemon: Daemon, name: str, fitting: Work) -> Work:
+    """Return work that fits and saves what came of it."""
+
+    def work(task: Task) -> str:
+        document = json.loads(fitting(task))
+        version = daemon.store.fits.add(str(document["campaign"]), name, document)
+        return json.dumps({"name": name, "version": version, **document})
+
+    return work

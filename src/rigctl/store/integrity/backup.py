@@ -1,0 +1,98 @@
+"""A copy of a store that is a store itself, taken while shots are fired."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from rigctl.errors import StoreError
+from rigctl.store.integrity.copying import copy_synced
+from rigctl.store.integrity.seal import read_seal
+from rigctl.store.integrity.verifying import Verified, verify_store
+from rigctl.store.reading import StoreReader, reading
+from rigctl.store.records import ShotRecord
+
+Say = Callable[[str, float | None], None]
+
+_BESIDE = ("estop.json",)
+"""Files beside the catalogue that must outlive it: a latch stays a latch."""
+
+
+@dataclass(frozen=True, slots=True)
+class Backup:
+    """What was copied, and how its verification went."""
+
+    shots: int
+    files: int
+
+
+def back_up(store: StoreReader, target: Path, say: Say) -> Backup:
+    """Copy a store into an empty folder, and verify the copy.
+
+    The catalogue is copied first, at one moment; the folders of its shots were whole before their
+    rows said so and never change. Shots and results that come later are not in the copy.
+
+    Raises
+    ------
+    StoreError
+        The copy differs from what was stored; the first faults are named.
+    OSError
+        The disk refused.
+    """
+    say("copying the catalogue", 0.0)
+    store.database.copy_to(target / "catalogue.db")
+    if (seal := read_seal(store.folder)) is not None:
+        seal.keep(target)
+    for name in _BESIDE:
+        if (store.folder / name).exists():
+            copy_synced(store.folder / name, target / name)
+    with reading(target) as copy:
+        total = max(copy.catalogue.count(), 1)
+        files = 0
+        for done, shot in enumerate(copy.catalogue.each()):
+            say(f"copying shot {shot.id}", 0.5 * done / total)
+            files += _copy_shot(store, copy, shot)
+        files += _copy_rest(store, copy)
+        found = verify_store(copy, lambda text, share: say(text, 0.5 + 0.5 * (share or 0.0)))
+        _require_whole(found)
+    return Backup(found.shots, files)
+
+
+def _copy_shot(store: StoreReader, copy: StoreReader, shot: ShotRecord) -> int:
+    source, target = store.folders.folder(shot.id), copy.folders.folder(shot.id)
+    if not source.is_dir():
+        return 0
+    there = store.folders.results(shot.id)
+    later = {path.name for number, path in there.items() if number > shot.results}
+    files = [path for path in source.rglob("*") if path.is_file() and path.name not in later]
+    for path in files:
+        if not path.name.startswith("."):
+            copy_synced(path, target / path.relative_to(source))
+    return len(files)
+
+
+def _copy_rest(store: StoreReader, copy: StoreReader) -> int:
+    """Copy what belongs to whole campaigns: imported tables, saved fits."""
+    pairs = [(store.folder / "campaigns", copy.folder / "campaigns")]
+    for number in copy.imports.numbers():
+        source, target = store.imports.folder(number), copy.imports.folder(number)
+        pairs.append((source / "folder", target / "folder"))
+        copy_synced(source / "import.json", target / "import.json")
+    files = 0
+    for source, target in pairs:
+        for path in source.rglob("*"):
+            if path.is_file() and not path.name.startswith("."):
+                copy_synced(path, target / path.relative_to(source))
+                files += 1
+    return files + len(pairs) - 1
+
+
+def _require_whole(found: Verified) -> None:
+    if found.faults:
+        named = "; ".join(f"{fault.part} {fault.what}" for fault in found.faults[:3])
+        raise StoreError(
+            f"the copy is not what was stored: {named}",
+            value=f"{len(found.faults)} faults",
+            todo="verify the store itself with rigctl verify",
+        )

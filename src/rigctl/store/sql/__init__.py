@@ -1,0 +1,1 @@
+"""The catalogue's tables, their transactions and versions, in SQLite or PostgreSQL."""
