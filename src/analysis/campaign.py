@@ -5,11 +5,10 @@ from __future__ import annotations
 import os
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence, Set
-from concurrent.futures import Future, ProcessPoolExecutor
+from concurrent.futures import Future
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import islice
-from multiprocessing import get_context
 from pathlib import Path
 from typing import TYPE_CHECKING, overload
 
@@ -23,6 +22,7 @@ from analysis.imaging.png_files import holds_png
 from analysis.imaging.stack import SUFFIXES, read_stack
 from analysis.setup import CameraSetup, Setup, SphereSetup, without_exposure
 from analysis.shot import AnalysisOptions, MeasuredShot, RefusedShot, analyse_shot, check_frames
+from analysis.workers import Workers
 
 if TYPE_CHECKING:
     from analysis.photometric.appearance import Knowledge
@@ -222,18 +222,23 @@ def read_job(job: ShotJob) -> tuple[NDArray[np.uint8], Floats, tuple[str, ...]]:
     return stack.pixels, times, tuple(stack.notes)
 
 
-def _known(jobs: Sequence[ShotJob]) -> dict[Setup, Knowledge | None]:
-    """Return for each set-up, exposure aside, what its first shots teach (photometric method)."""
-    # Compiled functions are loaded only where they are wanted.
-    from analysis.photometric.method import teach  # noqa: PLC0415
-
+def teaching_jobs(jobs: Sequence[ShotJob]) -> dict[Setup, list[ShotJob]]:
+    """Return for each set-up, exposure aside, the shots that teach the photometric method."""
     by_setup: dict[Setup, list[ShotJob]] = {}
     for job in jobs:
         own = by_setup.setdefault(without_exposure(job.setup), [])
         if len(own) < TEACHING_SHOTS:
             own.append(job)
+    return by_setup
+
+
+def _known(jobs: Sequence[ShotJob]) -> dict[Setup, Knowledge | None]:
+    """Return for each set-up, exposure aside, what its first shots teach (photometric method)."""
+    # Compiled functions are loaded only where they are wanted.
+    from analysis.photometric.method import teach  # noqa: PLC0415
+
     known: dict[Setup, Knowledge | None] = {}
-    for setup, own in by_setup.items():
+    for setup, own in teaching_jobs(jobs).items():
         shots = []
         for job in own:
             with suppress(InputError, ShotRefusedError):
@@ -249,8 +254,11 @@ def analyse_campaign(
     options: AnalysisOptions,
     workers: int | None = None,
     progress: Callable[[int, int], None] | None = None,
+    but: Set[int] = frozenset(),
 ) -> Iterator[tuple[ShotJob, MeasuredShot | RefusedShot, int]]:
     """Analyse all shots, in their order; few results are held at any time.
+
+    A script needs no `if __name__ == "__main__":` around it.
 
     Parameters
     ----------
@@ -258,13 +266,21 @@ def analyse_campaign(
         Processes; None: one for each processor, and none of its own for one or two shots.
     progress
         Called with the number of shots done and of all shots.
+    but
+        Numbers of shots that are not analysed again; the first shots teach all the same.
 
     Yields
     ------
     The job, its result, and the number of its frames.
+
+    Raises
+    ------
+    WorkerDiedError
+        A process was killed.
     """
-    jobs, total = campaign.jobs, len(campaign.jobs)
-    known = {} if options.method == "thesis" else _known(jobs)
+    known = {} if options.method == "thesis" else _known(campaign.jobs)
+    jobs = [job for job in campaign.jobs if job.shot not in but] if but else campaign.jobs
+    total = len(jobs)
     count = min(workers or os.cpu_count() or 1, total)
     if count <= 1 or (workers is None and total <= 2):
         for done, job in enumerate(jobs, start=1):
@@ -273,7 +289,7 @@ def analyse_campaign(
                 progress(done, total)
             yield job, result, frames
         return
-    with ProcessPoolExecutor(count, mp_context=get_context("spawn")) as pool:
+    with Workers(count) as pool:
         left = iter(jobs)
         waiting: deque[tuple[ShotJob, Future[tuple[MeasuredShot | RefusedShot, int]]]] = deque()
         for done in range(1, total + 1):
