@@ -10,7 +10,6 @@ with the functions it calls just compiled and one with them as kept, may round d
 
 from __future__ import annotations
 
-import fcntl
 import os
 import tempfile
 import threading
@@ -22,6 +21,8 @@ from hashlib import sha256
 from pathlib import Path
 
 from numba.core import caching
+
+from analysis.file_lock import try_lock
 
 USES = b"from analysis.compiled import"
 LONGEST_S, AGAIN_S = 600.0, 0.05
@@ -50,7 +51,9 @@ def alone(function: str) -> Iterator[None]:
     The functions that it calls are compiled within it, each under a lock of its own. As none calls
     itself by way of others, two processes never wait for each other.
     """
-    folder = Path(tempfile.gettempdir()) / f"rigctl-{os.getuid()}-{sources()[:16]}"
+    # Where users have no numbers, each has a folder for temporary files of his own.
+    user = os.getuid() if hasattr(os, "getuid") else "user"
+    folder = Path(tempfile.gettempdir()) / f"rigctl-{user}-{sources()[:16]}"
     folder.mkdir(mode=0o700, exist_ok=True)
     with _here, (folder / function).open("a", encoding="utf-8") as file:
         _wait_for(file.fileno())
@@ -60,13 +63,8 @@ def alone(function: str) -> Iterator[None]:
 def _wait_for(file: int) -> None:
     """Take the lock, or go on without it after LONGEST_S; closing the file gives it back."""
     until = time.monotonic() + LONGEST_S
-    while time.monotonic() < until:
-        try:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            time.sleep(AGAIN_S)
-        else:
-            return
+    while time.monotonic() < until and not try_lock(file):
+        time.sleep(AGAIN_S)
 
 
 class BesideSource(caching.InTreeCacheLocator):
