@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from io import BytesIO
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
@@ -26,12 +27,49 @@ STRUCTURE = LinearSegmentedColormap.from_list("structure", ["#FFFFFF", "#F7D9C4"
 ALIKE = LinearSegmentedColormap.from_list("alike", ["#FFFFFF", "#BBD9EE", MEASURED, "#003A5D"])
 
 
+class ShownAxes(Axes):
+    """Axes that a notebook shows as the picture they are part of."""
+
+    def _repr_png_(self) -> bytes | None:
+        figure = self.get_figure(root=True)
+        return None if figure is None else png(figure)
+
+
+class Sheet(Figure):
+    """A figure that a notebook shows, and whose axes it shows likewise; no window is opened."""
+
+    def add_subplot(self, *args: Any, **named: Any) -> Axes:  # noqa: ANN401 - as Matplotlib has it
+        """Add axes as Matplotlib's figure does."""
+        axes: Axes = super().add_subplot(*args, **{"axes_class": ShownAxes, **named})
+        return axes
+
+    def add_axes(self, *args: Any, **named: Any) -> Axes:  # noqa: ANN401 - as Matplotlib has it
+        """Add axes as Matplotlib's figure does."""
+        axes: Axes = super().add_axes(*args, **{"axes_class": ShownAxes, **named})
+        return axes
+
+    def _repr_png_(self) -> bytes:
+        return png(self)
+
+
+def png(figure: Figure) -> bytes:
+    """Return a figure as a PNG file."""
+    content = BytesIO()
+    figure.savefig(content, format="png")
+    return content.getvalue()
+
+
+def blank(width: float, height: float, layout: ConstrainedLayoutEngine | None = None) -> Figure:
+    """Return an empty figure, inches."""
+    figure = Sheet(figsize=(width, height), dpi=DPI, layout=layout)
+    FigureCanvasAgg(figure)
+    return figure
+
+
 def sheet(width: float, height: float, title: str, note: str = "") -> Figure:
     """Return a figure, inches, that places its axes by itself below title and explanation."""
     top = heading_height(note)
-    layout = ConstrainedLayoutEngine(rect=(0.0, 0.0, 1.0, 1.0 - top / height))
-    figure = Figure(figsize=(width, height), dpi=DPI, layout=layout)
-    FigureCanvasAgg(figure)
+    figure = blank(width, height, ConstrainedLayoutEngine(rect=(0.0, 0.0, 1.0, 1.0 - top / height)))
     head(figure, title, note)
     return figure
 
@@ -88,8 +126,7 @@ def blocks_sheet(
     top = heading_height(note) + 0.3
     height = top + cell * rows + max(block.below for block in blocks)
     width = max(width, 7.4)
-    figure = Figure(figsize=(width, height), dpi=DPI)
-    FigureCanvasAgg(figure)
+    figure = blank(width, height)
     head(figure, title, note)
     left, parts = 0.0, []
     for block in blocks:

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from numpy.typing import NDArray
 
 from analysis.collision.operator import WaltonLaw
 from analysis.figures.palette import FAILS, FLOOR, GREY, MEASURED, SPHERE_B
-from analysis.figures.sheet import DPI, plain
+from analysis.figures.sheet import blank, plain
 from analysis.results.campaign import Results
 from analysis.results.curves import POISSON_RATIO, maw_curve, regression_curve, walton_curve
 from analysis.results.impacts import V_N
@@ -32,7 +31,7 @@ MOST_DRAWN = 1000
 
 def plane_figure(found: Results) -> Figure:
     """Draw figure 7.4: v_s' / |v_n| against v_s / |v_n|; left the corner, right all shots."""
-    figure = _canvas(9.6, 4.3)
+    figure = blank(9.6, 4.3, ConstrainedLayoutEngine())
     axes = figure.subplots(1, 2)
     x = curve_places(found)
     for place, reach in zip(axes, (NEAR * corner_of(found), float(x[-1])), strict=True):
@@ -48,7 +47,7 @@ def plane_figure(found: Results) -> Figure:
 
 def restitution_figure(found: Results) -> Figure:
     """Draw e against |v_n| (figure 3.1c) with the common e, and the line where the shots tell."""
-    figure = _canvas(9.6, 3.4)
+    figure = blank(9.6, 3.4, ConstrainedLayoutEngine())
     axes = figure.subplots()
     plain(axes, "both")
     each, speed = found.ratios.e, found.impacts.approach
@@ -71,7 +70,7 @@ def restitution_figure(found: Results) -> Figure:
 
 def residual_figure(found: Results) -> Figure:
     """Draw how far each shot lies from the regression, in its standard errors."""
-    figure = _canvas(9.6, 3.2)
+    figure = blank(9.6, 3.2, ConstrainedLayoutEngine())
     axes = figure.subplots(1, 2, sharey=True)
     held, surface = found.lines.held, np.isfinite(found.lines.held.slides)
     slides = np.nan_to_num(held.slides) > 0.5
@@ -87,12 +86,6 @@ def residual_figure(found: Results) -> Figure:
     axes[0].set_ylabel("residual, standard errors")
     axes[0].set_title("$v_n$′ + $e v_n$", fontsize=10, loc="left")
     axes[1].set_title("$v_s$′ less the nearer line", fontsize=10, loc="left")
-    return figure
-
-
-def _canvas(width: float, height: float) -> Figure:
-    figure = Figure(figsize=(width, height), dpi=DPI, layout=ConstrainedLayoutEngine())
-    FigureCanvasAgg(figure)
     return figure
 
 
