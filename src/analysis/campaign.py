@@ -149,6 +149,21 @@ def read_campaign(path: Path, setup: Setup | None = None) -> Campaign:
     return Campaign(path.stem, (ShotJob(number, path, setup or THESIS_SETUP),))
 
 
+def joined(campaigns: Sequence[Campaign]) -> Campaign:
+    """Return several campaigns, or single films, as one.
+
+    Shots are numbered in their order where two have the same number.
+    """
+    if len(campaigns) == 1:
+        return campaigns[0]
+    jobs = [job for campaign in campaigns for job in campaign.jobs]
+    if len({job.shot for job in jobs}) < len(jobs):
+        jobs = [replace(job, shot=number) for number, job in enumerate(jobs, start=1)]
+    names = list(dict.fromkeys(campaign.name for campaign in campaigns))
+    unlisted = tuple(path for campaign in campaigns for path in campaign.unlisted)
+    return Campaign("+".join(names), tuple(jobs), unlisted)
+
+
 def _campaign_folder(path: Path) -> Campaign:
     name, setup = read_description(path / DESCRIPTION)
     if any(sphere.plate for sphere in setup.spheres):

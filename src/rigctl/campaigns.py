@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
 from typing import Any
 
-from analysis.errors import InputError
 from analysis.exchange.pose_table import Spheres
 from analysis.exchange.shot_list import EXCLUDED, ShotRow
 from analysis.model.gather import gather, gather_poses, pose_data
@@ -19,6 +17,7 @@ from analysis.model.tables import Data
 from analysis.setup import Setup, SlowErrors
 from analysis.slow_errors import typical
 from rigctl.errors import AnalysisInputError
+from rigctl.input_errors import in_words
 from rigctl.measured import MeasuredFiles, measured_files
 from rigctl.opening import read_store
 from rigctl.store import Store, StoreReader
@@ -185,13 +184,3 @@ def _read(path: Path) -> Json:
             f"cannot be read: {error}", part=str(path), todo="restore the folder from a backup"
         ) from error
     return document
-
-
-@contextmanager
-def in_words() -> Iterator[None]:
-    """Say what is wrong with a folder as the commands do."""
-    try:
-        yield
-    except InputError as error:
-        place = error.path if error.line is None else f"{error.path}, line {error.line}"
-        raise AnalysisInputError(error.reason, part=place) from error

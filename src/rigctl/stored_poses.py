@@ -11,10 +11,25 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
+from analysis.document import shot_document
 from analysis.exchange.pose_table import PoseRow
+from analysis.exchange.pose_writing import measured_poses
 from analysis.setup import MEMORY_RAD, SlowErrors
+from analysis.shot import MeasuredShot, RefusedShot
 
 Json = dict[str, Any]
+
+
+def measured_document(shot: MeasuredShot | RefusedShot) -> Json:
+    """Return what is kept of a shot: its result, and the poses that a fit is made of.
+
+    As in commands.md, with `poses` and `slow_errors` where it was measured.
+    """
+    document = shot_document(shot)
+    if isinstance(shot, MeasuredShot):
+        document["poses"] = poses_document(measured_poses(shot))
+        document["slow_errors"] = slow_errors_document(shot.slow)
+    return document
 
 
 def poses_document(spheres: Mapping[str, Sequence[PoseRow]]) -> list[Json]:

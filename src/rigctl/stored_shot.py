@@ -13,15 +13,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.document import overlay_document, shot_document
-from analysis.exchange.pose_writing import measured_poses
+from analysis.document import overlay_document
 from analysis.setup import DRAG_SIGMA, CameraSetup, Setup, SphereSetup
 from analysis.shot import AnalysisOptions, MeasuredShot, RefusedShot, analyse_shot
 from rigctl.analysis_process import AGAIN
 from rigctl.learned_pairs import LearnedPairs
 from rigctl.lesson import Lesson
 from rigctl.store.folders import read_pixels
-from rigctl.stored_poses import poses_document, slow_errors_document
+from rigctl.stored_poses import measured_document
 
 if TYPE_CHECKING:
     from analysis.photometric.appearance import Knowledge
@@ -106,10 +105,8 @@ def _result(folder: Path, method: str, measure: Measure) -> Json:
     times_s = np.array(manifest["frames"]["times_s"])
     options = AnalysisOptions(method="photometric" if method == "photometric" else "thesis")
     shot = measure(frames, times_s - times_s[:1], _exposed(manifest), options)
-    document = {**about, **shot_document(shot)}
+    document = {**about, **measured_document(shot)}
     if isinstance(shot, MeasuredShot):
-        document["poses"] = poses_document(measured_poses(shot))
-        document["slow_errors"] = slow_errors_document(shot.slow)
         document["overlay"] = overlay_document(shot)
     return document
 

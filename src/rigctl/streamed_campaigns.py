@@ -14,8 +14,9 @@ from analysis.model.streaming.reading import Reading, stream_poses
 from analysis.model.streaming.stream import PoseStream
 from analysis.setup import SlowErrors
 from analysis.slow_errors import typical
-from rigctl.campaigns import StoredShot, in_words, require_one_setup, stored_shot
+from rigctl.campaigns import StoredShot, require_one_setup, stored_shot
 from rigctl.errors import NotFoundError, StoreError
+from rigctl.input_errors import in_words
 from rigctl.measured import MeasuredFiles, each_measured
 from rigctl.opening import read_store
 

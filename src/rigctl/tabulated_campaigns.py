@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from analysis.campaign import POSES
-from analysis.effects.effect import Effect
 from analysis.model.gather import CONTACTS, IMPACTS, gather
-from analysis.model.judged import judged
 from analysis.model.poses import PoseData
-from analysis.model.ranking import rank
-from analysis.model.tables import ContactTable, Data
+from analysis.model.tables import Data
 from rigctl.errors import AnalysisInputError, NotFoundError
 from rigctl.exchange.exporting import export_campaign, listing
 from rigctl.store import StoreReader
@@ -47,35 +43,6 @@ def tabulated(store: StoreReader, name: str) -> Data:
         # What would be handed on is what is fitted: exclusions stand in its shots.csv.
         export_campaign(store, name, folder, say=lambda _text, _share: None)
         return gather(folder)[1]
-
-
-def require_seen(data: Data, effects: Sequence[Effect], part: str) -> None:
-    """Refuse an effect on which a table of contacts holds nothing: its value would be arbitrary.
-
-    Parameters
-    ----------
-    part
-        What asks for the effects.
-
-    Raises
-    ------
-    AnalysisInputError
-        The table does not show one of them; poses are never refused.
-    EffectFault
-        One of the user's own has a fault.
-    """
-    if not isinstance(data, ContactTable) or not effects:
-        return
-    base = judged(data)
-    for effect in effects:
-        candidates = rank(base.data, base.fit, [effect]).candidates
-        if candidates and not candidates[0].seen:
-            raise AnalysisInputError(
-                "this effect cannot be seen in tabulated contacts",
-                part=part,
-                value=repr(effect.name),
-                todo="leave it out, or give poses.csv in place of the table",
-            )
 
 
 def require_poses(title: str, data: Data) -> PoseData:

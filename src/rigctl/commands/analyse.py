@@ -12,7 +12,14 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import Progress
 
-from analysis.campaign import SHOT_LIST, Campaign, ShotJob, analyse_campaign, read_campaign
+from analysis.campaign import (
+    SHOT_LIST,
+    Campaign,
+    ShotJob,
+    analyse_campaign,
+    joined,
+    read_campaign,
+)
 from analysis.errors import InputError
 from analysis.exchange.description import read_description
 from analysis.exchange.folder import folder_writer
@@ -141,14 +148,7 @@ def _gather(request: Request) -> Campaign:
     """Read all paths into one campaign; loose files are numbered in the order given."""
     setup = None if request.setup is None else read_description(request.setup)[1]
     campaigns = [read_campaign(path, setup) for path in request.paths]
-    if len(campaigns) == 1:
-        return campaigns[0]
-    jobs: list[ShotJob] = [job for campaign in campaigns for job in campaign.jobs]
-    if len({job.shot for job in jobs}) < len(jobs):
-        jobs = [replace(job, shot=number) for number, job in enumerate(jobs, start=1)]
-    names = list(dict.fromkeys(campaign.name for campaign in campaigns))
-    unlisted = tuple(path for campaign in campaigns for path in campaign.unlisted)
-    return Campaign("+".join(names), tuple(jobs), unlisted)
+    return joined(campaigns)
 
 
 def _options(request: Request) -> AnalysisOptions:

@@ -16,8 +16,9 @@ from analysis.files import read_toml
 from analysis.model.gather import CONTACTS, IMPACTS, POSES, gather
 from analysis.model.tables import Data
 from analysis.results.impacts import LeftOut
-from rigctl.campaigns import in_words, poses_from
+from rigctl.campaigns import poses_from
 from rigctl.errors import AnalysisInputError
+from rigctl.input_errors import in_words
 from rigctl.measured import MOST_SHOTS, MeasuredFiles, measured_files
 from rigctl.store import ShotRecord, ShotState, Store, StoreReader
 

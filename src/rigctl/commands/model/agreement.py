@@ -22,8 +22,9 @@ from analysis.model.plane import Plane, impact_plane
 from analysis.model.structure import Structure, structure
 from rigctl.commands import report
 from rigctl.commands.effect import tell
-from rigctl.commands.model.printing import TABLE_WIDTH, headline, print_json
+from rigctl.commands.model.printing import TABLE_WIDTH, print_json
 from rigctl.commands.model.reading import Fitted, fitted
+from rigctl.headline import headline
 from rigctl.known_effects import available, refused
 
 ALARM = 0.01

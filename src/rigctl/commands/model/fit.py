@@ -10,8 +10,9 @@ from rich.table import Table
 
 from analysis.model.documents import fit_document
 from rigctl.commands.effect import tell
-from rigctl.commands.model.printing import TABLE_WIDTH, headline, print_json
+from rigctl.commands.model.printing import TABLE_WIDTH, print_json
 from rigctl.commands.model.reading import Fitted, FittedStream, fitted, fitted_stream
+from rigctl.headline import headline
 from rigctl.known_effects import available
 
 

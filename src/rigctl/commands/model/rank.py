@@ -14,8 +14,9 @@ from analysis.model.candidate import Candidate, Ranking
 from analysis.model.documents import SHOWN_ALIAS, alike, fit_document, ranking_document
 from analysis.quantity import Quantity
 from rigctl.commands.effect import tell
-from rigctl.commands.model.printing import TABLE_WIDTH, headline, print_json
+from rigctl.commands.model.printing import TABLE_WIDTH, print_json
 from rigctl.commands.model.reading import Fitted, FittedStream, fitted, fitted_stream
+from rigctl.headline import headline
 from rigctl.known_effects import available, refused
 
 

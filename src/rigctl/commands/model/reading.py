@@ -18,8 +18,8 @@ from analysis.model.streaming.judged import JudgedStream, judged_stream
 from analysis.model.tables import ContactTable, Data
 from rigctl.campaigns import open_campaign
 from rigctl.known_effects import Available, refused
+from rigctl.seen_effects import require_seen
 from rigctl.streamed_campaigns import open_stream, temporary_room
-from rigctl.tabulated_campaigns import require_seen
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,0 +1,19 @@
+"""Faults of files that are handed in, as the errors of this program."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from analysis.errors import InputError
+from rigctl.errors import AnalysisInputError
+
+
+@contextmanager
+def in_words() -> Iterator[None]:
+    """Turn `InputError` of the analysis into `AnalysisInputError`, with file and line."""
+    try:
+        yield
+    except InputError as error:
+        place = error.path if error.line is None else f"{error.path}, line {error.line}"
+        raise AnalysisInputError(error.reason, part=place) from error
