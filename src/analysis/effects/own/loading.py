@@ -38,6 +38,8 @@ def load_effects(folder: Path, known: Sequence[Effect]) -> Loaded:
 
     Parameters
     ----------
+    folder
+        The folder, or one file.
     known
         Effects whose names are taken, the catalogue.
 
@@ -47,7 +49,8 @@ def load_effects(folder: Path, known: Sequence[Effect]) -> Loaded:
         The folder cannot be read, or holds no `*.py`.
     """
     try:
-        paths = sorted(path for path in folder.iterdir() if path.suffix == ".py")
+        there = [folder] if folder.is_file() else folder.iterdir()
+        paths = sorted(path for path in there if path.suffix == ".py")
     except OSError as error:
         raise InputError(folder, error.strerror or str(error)) from error
     if not paths:

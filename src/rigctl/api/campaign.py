@@ -1,0 +1,87 @@
+"""A campaign as Python has it: measured once, then fitted and explained as often as one likes."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from analysis.model.tables import Data
+from rigctl.api.fit import Fit
+from rigctl.api.measured import Measured, Source
+from rigctl.api.own_effects import Given, KnownEffects
+from rigctl.api.shots import Shots
+from rigctl.api.verdict import Verdict, explained
+
+if TYPE_CHECKING:
+    from rigctl.api.comparison import Agreement
+
+
+class Campaign:
+    """The shots of one set-up, opened by `rigctl.open`.
+
+    Attributes
+    ----------
+    name
+        As its files, or the store, have it.
+    """
+
+    def __init__(self, source: Source, known: KnownEffects) -> None:
+        self._source, self._known = source, known
+        self._measured: Measured | None = None
+
+    @cached_property
+    def name(self) -> str:
+        """As its files, or the store, have it."""
+        return self._source.name
+
+    def __repr__(self) -> str:
+        """Return the name."""
+        return f"<campaign {self.name}>"
+
+    def measure(self, *, workers: int | None = None) -> Shots:
+        """Measure the shots; those that were measured before are read from disk.
+
+        Everything below does this by itself where it was not asked for.
+
+        Parameters
+        ----------
+        workers
+            Processes; None: one for each processor.
+
+        Raises
+        ------
+        AnalysisInputError
+            No shot can be measured, or a file cannot be read.
+        NotFoundError
+            The store has no such campaign.
+        """
+        if self._measured is None:
+            self._measured = self._source.measured(workers)
+            return Shots(self.name, self._measured)
+        return Shots(self.name, Measured(self._measured.data, self._measured.refused))
+
+    def fit(self, *effects: Given) -> Fit:
+        """Fit the hard-sphere law and effects: names, files of one's own, or effects themselves.
+
+        Raises
+        ------
+        AnalysisInputError
+            As `measure`, or an effect has a fault or cannot be seen in the campaign's tables.
+        NotFoundError
+            No effect has that name.
+        """
+        chosen = [self._known.chosen(effect) for effect in effects]
+        return Fit(self.name, self._data(), chosen, self._known)
+
+    def agreement(self) -> Agreement:
+        """Hold the hard-sphere law against the campaign: where it fails, and by how much."""
+        return self.fit().agreement()
+
+    def explain(self) -> Verdict:
+        """Go the whole way by itself: which effect is missing, none, or none that is known."""
+        return explained(self.name, self._data(), self._known)
+
+    def _data(self) -> Data:
+        self.measure()
+        assert self._measured is not None  # noqa: S101 - it is measured now
+        return self._measured.data

@@ -1,0 +1,90 @@
+"""From what a person has, to a campaign."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from os import PathLike
+from pathlib import Path
+
+from analysis.campaign import DESCRIPTION, POSES, joined, read_campaign
+from analysis.campaign import Campaign as Shots
+from analysis.effects.effect import Effect
+from analysis.exchange.description import read_description
+from analysis.imaging.png_files import holds_png
+from analysis.imaging.stack import SUFFIXES
+from analysis.model.gather import CONTACTS, IMPACTS
+from analysis.shot import Method
+from rigctl.api.campaign import Campaign
+from rigctl.api.frames import Frames
+from rigctl.api.measured import Source
+from rigctl.api.own_effects import KnownEffects
+from rigctl.api.stored import Named, Tables
+from rigctl.input_errors import in_words
+
+Place = str | PathLike[str]
+TABLES = (CONTACTS, IMPACTS, POSES)
+
+
+def open_campaign(
+    source: Place | Sequence[Place],
+    *,
+    effects: Place | Sequence[Effect] | None = None,
+    method: Method = "photometric",
+    setup: Place | None = None,
+    config: Place | None = None,
+) -> Campaign:
+    """Open a campaign; nothing is measured yet.
+
+    Parameters
+    ----------
+    source
+        A campaign folder with frames, or with poses.csv, impacts.csv or contacts.csv, of which the
+        latest stage is taken, or the one of these files that is named; a film (TIFF, NPY, AVI, PNG
+        folder), a folder of films, or several films, each a shot; else the name of a campaign in
+        the store.
+    effects
+        Effects of one's own, ranked and found by name beside the catalogue: a folder, a file, or
+        the effects themselves. Files are run.
+    method
+        How frames are measured.
+    setup
+        A campaign.toml for films that lie in no campaign folder; None: the thesis's set-up.
+    config
+        Configuration of the rig whose store is meant; None: the simulated rig's.
+
+    Raises
+    ------
+    AnalysisInputError
+        It cannot be read, or the folder of effects cannot.
+    """
+    known = KnownEffects.of(Path(effects) if isinstance(effects, str | PathLike) else effects)
+    with in_words():
+        return Campaign(_source(source, method, setup, config), known)
+
+
+def _source(
+    source: Place | Sequence[Place], method: Method, setup: Place | None, config: Place | None
+) -> Source:
+    if not isinstance(source, str | PathLike):
+        return Frames(_films([Path(place) for place in source], setup), method)
+    path = Path(source)
+    if not path.exists() and len(path.parts) == 1:
+        return Named(str(path), None if config is None else Path(config))
+    if path.name in TABLES or any((path / table).exists() for table in TABLES):
+        return Tables(path)
+    if path.is_dir() and not (path / DESCRIPTION).exists() and not holds_png(path):
+        inside = sorted(path.iterdir())
+        films = [one for one in inside if one.suffix.lower() in SUFFIXES or _is_film(one)]
+        if films:
+            return Frames(replace(_films(films, setup), name=path.resolve().name), method)
+    return Frames(_films([path], setup), method)
+
+
+def _is_film(path: Path) -> bool:
+    return path.is_dir() and holds_png(path)
+
+
+def _films(paths: Sequence[Path], setup: Place | None) -> Shots:
+    stated = None if setup is None else read_description(Path(setup))[1]
+    return joined([read_campaign(path, stated) for path in paths])
