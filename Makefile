@@ -7,7 +7,7 @@ READY  := $(VENV)/ready
 # Hundreds of processes are started by tests: each would compile our sources again.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test test-long lint types contracts check lock bill clean
+.PHONY: demo test test-long lint types contracts check wheel wheel-installed wheel-extra lock bill clean
 
 demo: $(READY)
 	$(BIN)/rigctl demo
@@ -39,6 +39,28 @@ $(READY): requirements.lock pyproject.toml
 	# A minute or two, once: no first shot waits for the compiler.
 	$(BIN)/rigctl precompile
 	touch $@
+
+# One wheel, into dist.
+wheel: $(READY)
+	rm -rf dist
+	$(BIN)/python -m hatchling build -t wheel
+
+# The wheel alone in an environment of its own, with what runs a rig.
+wheel-installed:
+	rm -rf out/wheel
+	$(PYTHON) -m venv out/wheel
+	out/wheel/bin/python -m pip install --quiet --no-compile --require-hashes -r requirements-run.lock
+	out/wheel/bin/python -m pip install --quiet --no-deps dist/*.whl
+	out/wheel/bin/rigctl --version
+	out/wheel/bin/python packaging/notebook.py
+
+# The wheel with an extra, from the index: EXTRA names it.
+wheel-extra:
+	rm -rf out/extra
+	$(PYTHON) -m venv out/extra
+	out/extra/bin/python -m pip install --quiet --find-links dist "rigctl[$(EXTRA)]"
+	out/extra/bin/rigctl --version
+	out/extra/bin/python packaging/notebook.py
 
 # Hashes only: neither an index address nor a header that names one may enter a lock.
 EXPORT := -m uv export --quiet --no-header --no-emit-project --no-annotate

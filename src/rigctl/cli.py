@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from typing import Annotated
 
 import typer
 from typer.exceptions import TyperException
@@ -71,8 +72,23 @@ app.add_typer(challenge, name="challenge", no_args_is_help=True)
 app.add_typer(qualify, name="qualify", no_args_is_help=True)
 
 
+def _show_version(wanted: bool) -> None:
+    if wanted:
+        # What the package's metadata say takes a while to find.
+        from rigctl import __version__  # noqa: PLC0415
+
+        typer.echo(f"rigctl {__version__}")
+        raise typer.Exit
+
+
 @app.callback()
-def rigctl() -> None:
+def rigctl(
+    *,
+    version: Annotated[
+        bool,
+        typer.Option("--version", is_eager=True, callback=_show_version, help="Say which this is."),
+    ] = False,
+) -> None:
     """Keep the commands a group, however many there are."""
 
 
