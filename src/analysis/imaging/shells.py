@@ -101,11 +101,12 @@ def fit_circles(
     memberships
         Shape (circles, points).
     """
-    state = np.array([[c.row, c.column, c.radius] for c in start])
+    # Whole numbers are found to a fraction of a pixel too.
+    state = np.array([[c.row, c.column, c.radius] for c in start], dtype=np.float64)
     u, covariance = np.empty((len(state), row.size)), np.empty((len(state), 3, 3))
     distance = NO_NOISE if noise_distance is None else noise_distance
     until = (float(distance), iterations, tolerance_px)
-    row, column = np.ascontiguousarray(row), np.ascontiguousarray(column)
+    row, column = (np.ascontiguousarray(place, dtype=np.float64) for place in (row, column))
     settle_circles(row, column, (state, u, covariance), until, hold_radius)
     circles = [
         Circle(float(place[0]), float(place[1]), float(place[2]), own)

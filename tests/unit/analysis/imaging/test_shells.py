@@ -62,6 +62,13 @@ def test_a_held_radius_is_kept_and_the_centre_found() -> None:
     assert circle.covariance[2, 2] == 0.0
 
 
+def test_guesses_in_whole_pixels_are_moved_by_fractions() -> None:
+    points = arc(40.3, 49.6, 20.2, np.linspace(0, 2 * math.pi, 60, endpoint=False))
+    (circle,), _ = fit_circles(*points, [start(41, 49, 19)], iterations=100)
+    found = (circle.row, circle.column, circle.radius)
+    np.testing.assert_allclose(found, (40.3, 49.6, 20.2), atol=2e-3)
+
+
 def test_two_touching_circles_share_their_points_by_membership() -> None:
     angles = np.linspace(0, 2 * math.pi, 100, endpoint=False)
     truth = [(40.0, 40.0, 20.0), (52.0, 72.0, 14.176)]
