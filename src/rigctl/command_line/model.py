@@ -11,7 +11,9 @@ from rigctl.command_line.options import Config, Json, OwnEffects
 
 model = typer.Typer(help="Compare a campaign with the model; find the effect it lacks.")
 
-Campaign = Annotated[Path, typer.Argument(help="Campaign folder.")]
+Campaign = Annotated[
+    Path, typer.Argument(help="Campaign folder, or a campaign's name in the store.")
+]
 With = Annotated[
     list[str] | None,
     typer.Option("--with", help="Add this effect of the catalogue; may be given several times."),
@@ -32,12 +34,14 @@ def model_agreement(
     effects: With = None,
     folder: OwnEffects = None,
     out: Pictures = None,
+    config: Config = None,
     json: Json = False,
 ) -> None:
     """Say where the model and the campaign agree, and where they do not."""
     from rigctl.commands.model.agreement import agreement
 
-    found = agreement(campaign, effects or [], as_json=json, folder=folder)
+    wanted = effects or []
+    found = agreement(campaign, wanted, as_json=json, folder=folder, configuration=config)
     if out is not None:
         from rigctl.commands.model.pictures import draw_agreement
 
@@ -51,12 +55,20 @@ def model_fit(
     effects: With = None,
     folder: OwnEffects = None,
     stream: Streamed = False,
+    config: Config = None,
     json: Json = False,
 ) -> None:
     """Fit e, mu, beta0 and the effects added to all poses of a campaign."""
     from rigctl.commands.model.fit import fit
 
-    fit(campaign, effects or [], as_json=json, folder=folder, stream=stream)
+    fit(
+        campaign,
+        effects or [],
+        as_json=json,
+        folder=folder,
+        configuration=config,
+        stream=stream,
+    )
 
 
 @model.command("rank")
@@ -67,12 +79,20 @@ def model_rank(
     folder: OwnEffects = None,
     out: Pictures = None,
     stream: Streamed = False,
+    config: Config = None,
     json: Json = False,
 ) -> None:
     """Rank the effects of the catalogue by what they promise."""
     from rigctl.commands.model.rank import ranking
 
-    found = ranking(campaign, effects or [], as_json=json, folder=folder, stream=stream)
+    found = ranking(
+        campaign,
+        effects or [],
+        as_json=json,
+        folder=folder,
+        configuration=config,
+        stream=stream,
+    )
     if out is not None:
         from rigctl.commands.model.pictures import draw_ranking
 
@@ -80,21 +100,28 @@ def model_rank(
 
 
 @model.command("launch")
-def model_launch(campaign: Campaign, *, effects: With = None, json: Json = False) -> None:
+def model_launch(
+    campaign: Campaign, *, effects: With = None, config: Config = None, json: Json = False
+) -> None:
     """Fit the launches from the settings, and rank the effects of the launch."""
     from rigctl.commands.model.launch import launch
 
-    launch(campaign, effects or [], as_json=json)
+    launch(campaign, effects or [], as_json=json, configuration=config)
 
 
 @model.command("explain")
 def model_explain(
-    campaign: Campaign, *, folder: OwnEffects = None, out: Pictures = None, json: Json = False
+    campaign: Campaign,
+    *,
+    folder: OwnEffects = None,
+    out: Pictures = None,
+    config: Config = None,
+    json: Json = False,
 ) -> None:
     """Find what is missing, add it, and say how much of the error it removes."""
     from rigctl.commands.model.explain import explaining
 
-    found = explaining(campaign, as_json=json, folder=folder)
+    found = explaining(campaign, as_json=json, folder=folder, configuration=config)
     if out is not None:
         from rigctl.commands.model.pictures import draw_explanation
 

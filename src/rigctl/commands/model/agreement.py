@@ -47,6 +47,7 @@ def agreement(
     *,
     as_json: bool,
     folder: Path | None = None,
+    configuration: Path | None = None,
 ) -> Compared:
     """Hold the base model and the named effects against a campaign; print where they fail.
 
@@ -54,6 +55,8 @@ def agreement(
     ----------
     folder
         Where the user's own effects are.
+    configuration
+        Of the rig whose store holds a campaign that is named; None: the simulated rig's.
 
     Raises
     ------
@@ -63,7 +66,7 @@ def agreement(
         No effect has that name.
     """
     known = available(folder)
-    found = fitted(campaign, names, known)
+    found = fitted(campaign, names, known, configuration)
     try:
         with report.progress() as say:
             say("comparing")

@@ -23,13 +23,21 @@ from rigctl.commands.model.reading import opened
 from rigctl.known_effects import available
 
 
-def explaining(campaign: Path, *, as_json: bool, folder: Path | None = None) -> tuple[str, Verdict]:
+def explaining(
+    campaign: Path,
+    *,
+    as_json: bool,
+    folder: Path | None = None,
+    configuration: Path | None = None,
+) -> tuple[str, Verdict]:
     """Go the whole way by itself: which effect is missing, none, or none that is known.
 
     Parameters
     ----------
     folder
         Where the user's own effects are. One with a fault is named and left out.
+    configuration
+        Of the rig whose store holds a campaign that is named; None: the simulated rig's.
 
     Returns
     -------
@@ -41,7 +49,7 @@ def explaining(campaign: Path, *, as_json: bool, folder: Path | None = None) -> 
         The campaign or the folder cannot be read.
     """
     known = available(folder)
-    title, data = opened(campaign)
+    title, data = opened(campaign, configuration)
     with report.progress() as say:
         found, dropped = without_faulty(known.effects, lambda left: _judged(data, left, say))
     verdict, following = found

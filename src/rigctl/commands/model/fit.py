@@ -22,6 +22,7 @@ def fit(
     *,
     as_json: bool,
     folder: Path | None = None,
+    configuration: Path | None = None,
     stream: bool = False,
 ) -> None:
     """Fit the base model and the named effects; print parameters with standard errors.
@@ -30,6 +31,8 @@ def fit(
     ----------
     folder
         Where the user's own effects are.
+    configuration
+        Of the rig whose store holds a campaign that is named; None: the simulated rig's.
     stream
         Whether poses.csv is gone over so many shots at a time.
 
@@ -44,7 +47,7 @@ def fit(
     """
     known = available(folder)
     read = fitted_stream if stream else fitted
-    found: Fitted | FittedStream = read(campaign, names, known)
+    found: Fitted | FittedStream = read(campaign, names, known, configuration)
     faults = tell(known.faults)
     if as_json:
         document = fit_document(found.title, found.names, found.judged)

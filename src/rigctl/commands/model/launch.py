@@ -30,8 +30,19 @@ from rigctl.errors import AnalysisInputError, NotFoundError
 SHOWN_ALIAS = 0.9
 
 
-def launch(campaign: Path, names: Sequence[str], *, as_json: bool) -> None:
+def launch(
+    campaign: Path,
+    names: Sequence[str],
+    *,
+    as_json: bool,
+    configuration: Path | None = None,
+) -> None:
     """Fit the launches of a campaign and rank the effects of the launch; print both.
+
+    Parameters
+    ----------
+    configuration
+        Of the rig whose store holds a campaign that is named; None: the simulated rig's.
 
     Raises
     ------
@@ -41,7 +52,9 @@ def launch(campaign: Path, names: Sequence[str], *, as_json: bool) -> None:
         No effect of the launch has that name.
     """
     added = [_effect(name) for name in dict.fromkeys(names)]
-    title, fitted = _fitted(campaign, [FRICTION, *(e for e in added if e is not FRICTION)])
+    title, fitted = _fitted(
+        campaign, configuration, [FRICTION, *(e for e in added if e is not FRICTION)]
+    )
     ranked = rank_launch(fitted, LAUNCH_CATALOGUE)
     if as_json:
         print_json(_document(title, fitted, ranked))
@@ -55,9 +68,11 @@ def launch(campaign: Path, names: Sequence[str], *, as_json: bool) -> None:
         console.print(table)
 
 
-def _fitted(campaign: Path, effects: Sequence[LaunchEffect]) -> tuple[str, LaunchFit]:
+def _fitted(
+    campaign: Path, configuration: Path | None, effects: Sequence[LaunchEffect]
+) -> tuple[str, LaunchFit]:
     """Fit the launches to a campaign's poses, wild frames and bad shots left out."""
-    title, poses = open_campaign(campaign, poses=True)
+    title, poses = open_campaign(campaign, configuration, poses=True)
     cleaned = clean(without_contact_frames(poses))
     data, shot_list = cleaned.data, campaign / SHOT_LIST
     try:

@@ -26,6 +26,7 @@ def ranking(
     *,
     as_json: bool,
     folder: Path | None = None,
+    configuration: Path | None = None,
     stream: bool = False,
 ) -> tuple[str, Ranking]:
     """Fit the base model and the named effects, and rank what else the data ask for.
@@ -34,6 +35,8 @@ def ranking(
     ----------
     folder
         Where the user's own effects are. One with a fault is named and left out.
+    configuration
+        Of the rig whose store holds a campaign that is named; None: the simulated rig's.
     stream
         Whether poses.csv is gone over so many shots at a time.
 
@@ -52,7 +55,7 @@ def ranking(
     """
     known = available(folder)
     read = fitted_stream if stream else fitted
-    found: Fitted | FittedStream = read(campaign, names, known)
+    found: Fitted | FittedStream = read(campaign, names, known, configuration)
     try:
         ranked, dropped = without_faulty(known.effects, found.ranked)
     except EffectFault as error:

@@ -65,8 +65,13 @@ class FittedStream:
             return self.judged.ranked(effects)
 
 
-def opened(campaign: Path) -> tuple[str, Data]:
+def opened(campaign: Path, configuration: Path | None = None) -> tuple[str, Data]:
     """Open a campaign; say on standard error where its noise is not stated.
+
+    Parameters
+    ----------
+    configuration
+        Of the rig whose store holds a campaign that is named; None: the simulated rig's.
 
     Raises
     ------
@@ -75,7 +80,7 @@ def opened(campaign: Path) -> tuple[str, Data]:
     NotFoundError
         No campaign has that name.
     """
-    title, data = open_campaign(campaign)
+    title, data = open_campaign(campaign, configuration)
     if isinstance(data, ContactTable) and data.estimated:
         Console(stderr=True).print(
             f"{title}: no errors are stated; the scatter about the base model is taken for them, "
@@ -94,7 +99,9 @@ def _say_estimated(title: str) -> None:
     )
 
 
-def fitted(campaign: Path, names: Sequence[str], known: Available) -> Fitted:
+def fitted(
+    campaign: Path, names: Sequence[str], known: Available, configuration: Path | None = None
+) -> Fitted:
     """Fit the base model and the named effects to a campaign, frames inside contact left out.
 
     Raises
@@ -105,7 +112,7 @@ def fitted(campaign: Path, names: Sequence[str], known: Available) -> Fitted:
         No effect, or no campaign, has that name.
     """
     added = [known.named(name, "--with") for name in names]
-    title, found = opened(campaign)
+    title, found = opened(campaign, configuration)
     try:
         require_seen(found, added, "--with")
         return Fitted(title, tuple(names), judged(found, added))
@@ -113,7 +120,9 @@ def fitted(campaign: Path, names: Sequence[str], known: Available) -> Fitted:
         raise refused(error.fault) from error
 
 
-def fitted_stream(campaign: Path, names: Sequence[str], known: Available) -> FittedStream:
+def fitted_stream(
+    campaign: Path, names: Sequence[str], known: Available, configuration: Path | None = None
+) -> FittedStream:
     """Fit the same to a campaign of any length, its poses in a temporary file.
 
     Raises
@@ -126,7 +135,7 @@ def fitted_stream(campaign: Path, names: Sequence[str], known: Available) -> Fit
         The temporary folder is full.
     """
     added = [known.named(name, "--with") for name in names]
-    title, stream = open_stream(campaign)
+    title, stream = open_stream(campaign, configuration)
     if stream.estimated:
         _say_estimated(title)
     try:
