@@ -11,6 +11,8 @@ from analysis.quantity import Quantity
 
 Json = dict[str, Any]
 
+SMALLEST_P = 1e-300
+"""No chance is less than this in a document: some readers take a smaller number for none."""
 SHOWN_ALIAS = 0.9
 """Effects whose traces in the residuals correlate more than this are named as alike."""
 
@@ -47,7 +49,7 @@ def ranking_document(ranked: Ranking) -> list[Json]:
             "seen": candidate.seen,
             "score": candidate.score if candidate.seen else None,
             "promised_fall": candidate.fall,
-            "p_value": candidate.p_value,
+            "p_value": max(candidate.p_value, SMALLEST_P),
             "p_familywise": candidate.p_familywise,
             "plausible": candidate.plausible if candidate.seen else None,
             "amplitude": float(candidate.amplitudes[0]) if candidate.seen else None,

@@ -4,18 +4,17 @@ from __future__ import annotations
 
 from typing import Any
 
+from analysis.model.agreement.document import cell_document
 from analysis.model.alarm import UNEXPLAINED_LEVEL, is_shared
 from analysis.model.candidate import Candidate, Ranking
 from analysis.model.design.between import Telling
 from analysis.model.design.document import shots_document
-from analysis.model.documents import noise_document
+from analysis.model.documents import SMALLEST_P, noise_document
 from analysis.model.lackoffit import Cell
 from analysis.model.selection import Verdict
 from analysis.model.tables import Data
 
 Json = dict[str, Any]
-
-SMALLEST_P = 1e-300
 
 
 def verdict_document(
@@ -80,11 +79,4 @@ def _candidate(candidate: Candidate) -> Json:
 
 
 def _cell(cell: Cell) -> Json:
-    return {
-        "channel": cell.channel,
-        "covariate": cell.covariate,
-        "chi2": cell.chi2,
-        "degrees_of_freedom": cell.freedom,
-        "p_value": max(cell.p_holm, SMALLEST_P),
-        "of_measurement": cell.of_measurement,
-    }
+    return {**cell_document(cell), "of_measurement": cell.of_measurement}

@@ -11,12 +11,12 @@ import numpy as np
 from analysis.model.agreement.table import Agreement, Row
 from analysis.model.alarm import is_shared
 from analysis.model.covariates import covariate_label
+from analysis.model.documents import SMALLEST_P
 from analysis.model.lackoffit import Cell, standard_deviations
 from analysis.model.structure import CellResiduals, Structure
 
 Json = dict[str, Any]
 
-SMALLEST_P = 1e-300
 DRAWN = 6
 """Of so many cells, the most striking ones, a document holds the residuals."""
 MOST_POINTS = 1500
@@ -49,7 +49,7 @@ def agreement_document(found: Agreement) -> Json:
 def structure_document(found: Structure) -> Json:
     """Return all cells, and the residuals of the most striking ones."""
     return {
-        "cells": [_cell(cell) for cell in found.cells],
+        "cells": [cell_document(cell) for cell in found.cells],
         "residuals": [
             residuals_document(found.residuals(cell.channel, cell.covariate))
             for cell in found.cells[:DRAWN]
@@ -64,7 +64,7 @@ def cells_document(found: Structure) -> list[Json]:
     """
     return [
         {
-            **_cell(cell),
+            **cell_document(cell),
             "shared": is_shared(cell, len(found.data.shots)),
             "deviation": standard_deviations(cell),
             "points": json.dumps(_drawn(found.residuals(cell.channel, cell.covariate))),
@@ -118,7 +118,8 @@ def _row(row: Row) -> Json:
     return document
 
 
-def _cell(cell: Cell) -> Json:
+def cell_document(cell: Cell) -> Json:
+    """Return a cell: `p_value` of it by itself, `p_familywise` with all cells looked at."""
     return {
         "channel": cell.channel,
         "covariate": cell.covariate,

@@ -20,6 +20,7 @@ from analysis.launch.fit import fit_launch
 from analysis.launch.ranking import LaunchCandidate, LaunchRanking, rank_launch
 from analysis.launch.result import LaunchFit
 from analysis.launch.settings import read_settings, settings_of
+from analysis.model.documents import SMALLEST_P
 from analysis.model.inside import without_contact_frames
 from analysis.model.outliers import clean
 from analysis.quantity import Quantity
@@ -118,7 +119,7 @@ def _candidate(candidate: LaunchCandidate, likes: list[str]) -> dict[str, Any]:
         "seen": seen,
         "score": candidate.score if seen else None,
         "promised_fall": candidate.fall,
-        "p_value": candidate.p_value,
+        "p_value": max(candidate.p_value, SMALLEST_P),
         "p_familywise": candidate.p_familywise,
         "plausible": candidate.plausible if seen else None,
         "amplitudes": {

@@ -24,7 +24,10 @@ CANDIDATE = {
     *("effect", "score", "p_value", "p_familywise", "promised_fall"),
     *("amplitude", "sigma", "unit", "plausible", "plausible_range"),
 }
-CELL = {"channel", "covariate", "chi2", "degrees_of_freedom", "p_value", "of_measurement"}
+CELL = {
+    *("channel", "covariate", "chi2", "degrees_of_freedom", "p_value", "p_familywise"),
+    "of_measurement",
+}
 
 
 def document(data: Any) -> dict[str, Any]:
@@ -77,7 +80,20 @@ def test_what_was_taken_out_is_listed_by_the_numbers_of_the_shots(
 def test_only_what_alarms_is_structure(documents: dict[str, dict[str, Any]]) -> None:
     assert documents["none"]["structure"] == []
     assert documents["effect"]["structure"] == []
-    assert all(cell["p_value"] < 0.01 for cell in documents["unexplained"]["structure"])
+    left = documents["unexplained"]["structure"]
+    assert all(cell["p_familywise"] < 0.01 for cell in left)
+
+
+def test_a_chance_by_itself_is_never_more_than_that_with_all_cells_looked_at(
+    documents: dict[str, dict[str, Any]],
+) -> None:
+    left = documents["unexplained"]["structure"]
+    assert left
+    for one in (*left, *documents["effect"]["candidates"]):
+        assert 0 < one["p_value"] <= one["p_familywise"] <= 1
+    # The most striking of many is less rare than it is by itself.
+    shown = [cell for cell in left if cell["p_familywise"] < 1 and cell["p_value"] > 1e-300]
+    assert all(cell["p_value"] < cell["p_familywise"] for cell in shown)
 
 
 def test_the_candidates_stand_in_the_order_of_what_they_promise(
