@@ -59,6 +59,7 @@ PAGES = sorted([*ROOT.glob("*.md"), *DOCS.rglob("*.md")])
 RUN, BESIDE, BY_HAND = "run", "beside", "by-hand"
 """Run in order; run in a terminal of its own until the end; needs a clone or a real rig."""
 
+PYTHON = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 FENCE = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 PORT_AS_WRITTEN = "8486"
 ENDS_WITHIN_S = 30.0
@@ -404,3 +405,14 @@ def test_the_recovery_guide_has_every_error_and_every_state_that_a_person_ends()
     assert {kind.code for kind in errors(RigError)} - {"analysis-failed", "job-failed"} <= listed
     waits = {named(state).pop() for state, *_ in rows(guide, "The rig waits for a person")}
     assert waits == set(LATCHED)
+
+
+def test_every_word_of_the_glossary_is_one_of_the_code() -> None:
+    page = DOCS / "reference" / "glossary.md"
+    table = re.findall(r"^\| (?!word |---)(.*) \| (.*) \| (.*) \|$", page.read_text(), re.MULTILINE)
+    assert 20 < len(table) < 40, "one screen"
+    sources = [file.read_text(encoding="utf-8") for file in (ROOT / "src").rglob("*.py")]
+    words = {word for text in sources for word in re.findall(r"\w+(?:\.\w+)?", text)}
+    for _, _, code in table:
+        assert named(code)
+        assert named(code) <= words, code

@@ -12,10 +12,11 @@ from typing import Any
 import pytest
 
 from analysis.quantity import Quantity
-from tests.system.test_documentation import DOCS, needs_shell, perform
+from tests.system.test_documentation import DOCS, PYTHON, needs_shell, perform
 from tests.unit.analysis.model.exchange_folder import write_campaign
 from tests.unit.analysis.model.hard_spheres import campaign
 
+COMPARE = DOCS / "how-to" / "compare-with-the-model.md"
 ENDS_WITHIN_S = 100.0
 STRETCH = 0.004
 FIT = {
@@ -168,7 +169,18 @@ def test_an_effect_that_is_unknown_ends_with_4_and_names_those_there_are(
 
 @needs_shell
 def test_the_guide_to_the_model_can_be_followed(tmp_path: Path) -> None:
-    said = perform(DOCS / "how-to" / "compare-with-the-model.md", tmp_path)
+    said = perform(COMPARE, tmp_path)
     verdict = json.loads((tmp_path / "verdict.json").read_text(encoding="utf-8"))
     assert set(verdict) == EXPLAIN
     assert "error path" in said
+    done = subprocess.run(
+        [sys.executable, "-W", "error", "-c", "".join(PYTHON.findall(COMPARE.read_text()))],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=ENDS_WITHIN_S,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    for picture in ("where-it-fails", "most-striking"):
+        assert (tmp_path / "pictures" / f"{picture}.png").stat().st_size > 10_000

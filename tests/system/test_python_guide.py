@@ -10,10 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from tests.system.test_documentation import DOCS, ROOT, needs_shell, perform
+from tests.system.test_documentation import DOCS, PYTHON, ROOT, needs_shell, perform
 
 GUIDE = DOCS / "how-to" / "use-from-python.md"
-PYTHON = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 HIDDEN = "restitution-obliquity and torsional-friction"
 
 pytestmark = pytest.mark.timeout(400)
