@@ -10,10 +10,16 @@ from rigctl.errors import AnalysisInputError
 
 
 @contextmanager
-def in_words() -> Iterator[None]:
-    """Turn `InputError` of the analysis into `AnalysisInputError`, with file and line."""
+def in_words(todo: str | None = None) -> Iterator[None]:
+    """Turn `InputError` of the analysis into `AnalysisInputError`, with file and line.
+
+    Parameters
+    ----------
+    todo
+        What is to be done about any of them.
+    """
     try:
         yield
     except InputError as error:
         place = error.path if error.line is None else f"{error.path}, line {error.line}"
-        raise AnalysisInputError(error.reason, part=place) from error
+        raise AnalysisInputError(error.reason, part=place, todo=todo) from error

@@ -55,8 +55,8 @@ class OwnEffects:
         """Return what a job is told, so that its effects are those of the folder as well."""
         return {"own": str(self.folder)} if self._files() else {}
 
-    def stands(self) -> Hashable:
-        """Return what is another when a file of the folder is."""
+    def fingerprint(self) -> Hashable:
+        """Return what changes whenever a file in the folder changes."""
         return tuple(
             (path.name, about.st_mtime_ns, about.st_size)
             for path in self._files()

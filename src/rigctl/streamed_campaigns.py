@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterable
 from itertools import islice
 from pathlib import Path
-from tempfile import gettempdir
 
 from analysis.model.parts import SHOTS_AT_ONCE
 from analysis.model.streaming.columns import ShotColumns
@@ -15,10 +13,11 @@ from analysis.model.streaming.stream import PoseStream
 from analysis.setup import SlowErrors
 from analysis.slow_errors import typical
 from rigctl.campaigns import StoredShot, require_one_setup, stored_shot
-from rigctl.errors import NotFoundError, StoreError
+from rigctl.errors import NotFoundError
 from rigctl.input_errors import in_words
 from rigctl.measured import MeasuredFiles, each_measured
 from rigctl.opening import read_store
+from rigctl.temporary_room import temporary_room
 
 
 def open_stream(campaign: Path, configuration: Path | None = None) -> tuple[str, PoseStream]:
@@ -81,22 +80,3 @@ def stream_from(name: str, files: Iterable[MeasuredFiles]) -> PoseStream:
         part=f"campaign {name}",
         todo="look at why its shots were refused",
     )
-
-
-@contextmanager
-def temporary_room() -> Iterator[None]:
-    """Say what to do where temporary files find no room.
-
-    Raises
-    ------
-    StoreError
-        One cannot be written.
-    """
-    try:
-        yield
-    except OSError as error:
-        raise StoreError(
-            f"poses cannot be kept in a temporary file: {error.strerror or error}",
-            part=gettempdir(),
-            todo="free the disk, or name a folder with room in TMPDIR",
-        ) from error

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from analysis.calibration.estimate import Estimate
 from analysis.calibration.fall import Fall, falls_of, sideways
-from analysis.calibration.say import Said, listen, said
+from analysis.calibration.pixel_estimates import PixelEstimate, estimate, normal_equations
 from analysis.calibration.table import estimates_of
 from analysis.campaign import TEACHING_SHOTS, Campaign, ShotJob, read_job
 from analysis.errors import InputError, ShotRefusedError
@@ -71,7 +71,7 @@ def calibrate(
     """
     setup = _setup_of(campaign)
     known = teach(list(_first_shots(campaign.jobs, setup)))
-    heard: list[tuple[Equations, Equations]] = []
+    equations: list[tuple[Equations, Equations]] = []
     falls: list[Fall] = []
     used: list[int] = []
     refused: dict[int, str] = {}
@@ -84,20 +84,20 @@ def calibrate(
         except (InputError, ShotRefusedError) as refusal:
             refused[job.shot] = str(refusal)
             continue
-        heard.append(listen(film, known))
+        equations.append(normal_equations(film, known))
         centres = tracking_of(film, known, times_s, setup.gravity_m_per_s2).centres
         falls += falls_of(centres, times_s, setup.gravity_m_per_s2)
         used.append(job.shot)
         if progress is not None:
             progress(count, len(campaign.jobs))
-    if known is None or not heard:
+    if known is None or not equations:
         first = next(iter(refused.items()))
         raise InputError(
             campaign.name, f"no shot can be used for calibration; shot {first[0]}: {first[1]}"
         )
     plumb = sideways(falls, setup.gravity_m_per_s2)
     stated = setup.camera.scale_px_per_m is not None
-    estimates = estimates_of(_with_scatter(heard, known), known, plumb, stated=stated)
+    estimates = estimates_of(_with_scatter(equations, known), known, plumb, stated=stated)
     return Calibration(estimates, tuple(used), refused)
 
 
@@ -123,14 +123,16 @@ def _first_shots(jobs: Sequence[ShotJob], setup: Setup) -> Iterator[Taught]:
             yield _frames(job, setup)
 
 
-def _with_scatter(heard: list[tuple[Equations, Equations]], known: Knowledge) -> Said:
+def _with_scatter(equations: list[tuple[Equations, Equations]], known: Knowledge) -> PixelEstimate:
     """Return what all shots say, its errors not below those by leaving out one shot at a time."""
-    whole = said(heard, known)
-    if len(heard) < LEAST_SHOTS:
-        return Said(whole.change, whole.covariance * ALONE**2)
-    parts = np.stack([said(heard[:k] + heard[k + 1 :], known).change for k in range(len(heard))])
-    count = len(heard)
+    whole = estimate(equations, known)
+    if len(equations) < LEAST_SHOTS:
+        return PixelEstimate(whole.change, whole.covariance * ALONE**2)
+    parts = np.stack(
+        [estimate(equations[:k] + equations[k + 1 :], known).change for k in range(len(equations))]
+    )
+    count = len(equations)
     scatter = (count - 1) / count * ((parts - parts.mean(axis=0)) ** 2).sum(axis=0)
     noise = np.diag(whole.covariance)
     enlarged = np.sqrt(np.maximum(scatter / noise, 1.0))
-    return Said(whole.change, whole.covariance * np.outer(enlarged, enlarged))
+    return PixelEstimate(whole.change, whole.covariance * np.outer(enlarged, enlarged))

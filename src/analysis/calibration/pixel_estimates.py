@@ -1,4 +1,4 @@
-"""What the pixels of each shot say of the camera, everything else of the shot being free."""
+"""Camera parameters from the pixels of all shots, with each shot's poses as nuisance parameters."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ WIDEST_FAULTS = np.array([2.0, 0.1, 0.1, 0.2, 5.0])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Said:
+class PixelEstimate:
     """What some shots say of the camera, V views.
 
     Attributes
@@ -49,7 +49,7 @@ class Said:
     covariance: Floats
 
 
-def listen(film: Film, known: Knowledge) -> tuple[Equations, Equations]:
+def normal_equations(film: Film, known: Knowledge) -> tuple[Equations, Equations]:
     """Return the equations of what one shot shares with the others, for spheres a and b."""
     wider, views = known.looks(NUDGE), len(known.camera.views)
     both = []
@@ -64,7 +64,7 @@ def listen(film: Film, known: Knowledge) -> tuple[Equations, Equations]:
     return both[0], both[1]
 
 
-def said(shots: Sequence[tuple[Equations, Equations]], known: Knowledge) -> Said:
+def estimate(shots: Sequence[tuple[Equations, Equations]], known: Knowledge) -> PixelEstimate:
     """Solve the equations of some shots together."""
     weight: Floats | None = None
     aim: Floats | None = None
@@ -78,11 +78,11 @@ def said(shots: Sequence[tuple[Equations, Equations]], known: Knowledge) -> Said
         weight = part if weight is None else weight + part
         aim = told if aim is None else aim + told
     covariance = np.linalg.inv(np.asarray(weight))
-    return Said(covariance @ np.asarray(aim), covariance)
+    return PixelEstimate(covariance @ np.asarray(aim), covariance)
 
 
 def _freed(normal: Floats, tangents: Floats, views: int) -> tuple[Floats, list[int]]:
-    """Return the equations with priors, and the indices of what a `Said` holds."""
+    """Return the equations with priors, and the indices of what a `PixelEstimate` holds."""
     prior = shared_prior(len(tangents), views, WIDEST_FAULTS)
     first = 2 * len(tangents) + MARKERS_SHARE
     stretches = [first + VIEW_SHARE * view + STRETCH for view in range(views)]

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from analysis.calibration.bending import DISTORTION, FAULTS, MIRROR, NEARNESS, ROLL
 from analysis.calibration.estimate import Estimate
-from analysis.calibration.say import Said
+from analysis.calibration.pixel_estimates import PixelEstimate
 from analysis.photometric.appearance import Knowledge
 
 Floats = NDArray[np.float64]
@@ -54,13 +54,13 @@ USEFUL_DISTORTION, USEFUL_NEARNESS, USEFUL_PLUMB_RAD = 0.05, 2.0, 0.035
 
 
 def estimates_of(
-    told: Said, known: Knowledge, plumb: tuple[Floats, Floats], *, stated: bool
+    found: PixelEstimate, known: Knowledge, plumb: tuple[Floats, Floats], *, stated: bool
 ) -> tuple[Estimate, ...]:
     """Return all estimates of a camera.
 
     Parameters
     ----------
-    told
+    found
         Changes to what is known, with errors.
     plumb
         Of `fall.sideways`.
@@ -68,12 +68,12 @@ def estimates_of(
         The set-up gives the scale; the estimate is then that of the markers against it.
     """
     views = len(known.camera.views)
-    sigma = np.sqrt(np.diag(told.covariance))
-    faults = slice(len(told.change) - FAULTS, len(told.change))
-    change, error = told.change[faults], sigma[faults]
+    sigma = np.sqrt(np.diag(found.covariance))
+    faults = slice(len(found.change) - FAULTS, len(found.change))
+    change, error = found.change[faults], sigma[faults]
     return (
-        *_scales(told, sigma, known, stated=stated),
-        _aspect(told, slice(views, 2 * views)),
+        *_scales(found, sigma, known, stated=stated),
+        _aspect(found, slice(views, 2 * views)),
         *([_mirror(change[MIRROR], error[MIRROR])] if views > 1 else []),
         *([_roll(change[ROLL], error[ROLL])] if views > 1 else []),
         _plumb("roll against gravity", plumb[0][0], plumb[1][0], "camera-roll"),
@@ -83,12 +83,14 @@ def estimates_of(
     )
 
 
-def _scales(told: Said, sigma: Floats, known: Knowledge, *, stated: bool) -> list[Estimate]:
+def _scales(
+    found: PixelEstimate, sigma: Floats, known: Knowledge, *, stated: bool
+) -> list[Estimate]:
     scales, views = known.camera.optics.scales, known.camera.views
     own = math.hypot(sigma[0], SCALE_FLOOR)
     estimates = []
     for v, view in enumerate(views):
-        shift = told.change[0] + (told.change[v] if v else 0.0)
+        shift = found.change[0] + (found.change[v] if v else 0.0)
         error = math.hypot(own, math.hypot(sigma[v], RATIO_FLOOR) if v else 0.0)
         value = scales[v] * math.exp(shift)
         estimates.append(
@@ -107,10 +109,10 @@ def _scales(told: Said, sigma: Floats, known: Knowledge, *, stated: bool) -> lis
     return estimates
 
 
-def _aspect(told: Said, stretches: slice) -> Estimate:
-    weight = np.linalg.inv(told.covariance[stretches, stretches])
+def _aspect(found: PixelEstimate, stretches: slice) -> Estimate:
+    weight = np.linalg.inv(found.covariance[stretches, stretches])
     variance = 1.0 / weight.sum()
-    mean = variance * (weight @ told.change[stretches]).sum()
+    mean = variance * (weight @ found.change[stretches]).sum()
     value, sigma = ASPECT.of(mean, math.sqrt(variance))
     return Estimate(
         name="pixel aspect",

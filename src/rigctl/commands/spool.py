@@ -5,13 +5,14 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, suppress
-from tempfile import TemporaryFile, gettempdir
+from contextlib import suppress
+from tempfile import TemporaryFile
 from typing import Any, Self
 
-from rigctl.errors import StoreError
+from rigctl.temporary_room import temporary_room
 
 Json = Mapping[str, Any]
+PRINTED = "what is to be printed"
 
 
 class Spool:
@@ -21,7 +22,7 @@ class Spool:
     """
 
     def __init__(self) -> None:
-        with _in_words():
+        with temporary_room(PRINTED):
             self._file = TemporaryFile("w+", encoding="utf-8", newline="\n")  # noqa: SIM115
 
     def __enter__(self) -> Self:
@@ -34,12 +35,12 @@ class Spool:
 
     def add(self, line: str) -> None:
         """Append a line, which holds no line break."""
-        with _in_words():
+        with temporary_room(PRINTED):
             self._file.write(f"{line}\n")
 
     def lines(self) -> Iterator[str]:
         """Give what was added, without line breaks."""
-        with _in_words():
+        with temporary_room(PRINTED):
             self._file.seek(0)
             for line in self._file:
                 yield line.removesuffix("\n")
@@ -71,15 +72,3 @@ def print_document(head: Json, listed: str, items: Spool, tail: Json | None = No
 
 def _fields(part: Json) -> str:
     return json.dumps(part, allow_nan=False)
-
-
-@contextmanager
-def _in_words() -> Iterator[None]:
-    try:
-        yield
-    except OSError as error:
-        raise StoreError(
-            f"what is to be printed cannot be kept in a temporary file: {error.strerror or error}",
-            part=gettempdir(),
-            todo="free the disk, or name a folder with room in TMPDIR",
-        ) from error

@@ -106,7 +106,7 @@ def checked(form: type[Model], document: Mapping[str, Any], source: str) -> Mode
         # JSON mode: an array is a tuple there, and nothing else is converted.
         return form.model_validate_json(json.dumps(document, default=_no_dates))
     except ValidationError as error:
-        raise _in_words(error.errors(include_url=False), document, source) from error
+        raise _first_error(error.errors(include_url=False), document, source) from error
 
 
 def _no_dates(value: object) -> object:
@@ -115,7 +115,7 @@ def _no_dates(value: object) -> object:
     )
 
 
-def _in_words(
+def _first_error(
     errors: list[ErrorDetails], document: Mapping[str, Any], source: str
 ) -> ConfigurationError:
     fields = [_field(error, document) for error in errors]

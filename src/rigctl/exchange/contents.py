@@ -22,6 +22,7 @@ from analysis.model.gather import CONTACTS, IMPACTS
 from analysis.setup import Setup
 from rigctl.errors import AnalysisInputError
 from rigctl.exchange.remarks import read_remarks
+from rigctl.input_errors import in_words
 from rigctl.plain_text import require_plain
 from rigctl.store.campaign_words import Words
 
@@ -85,7 +86,7 @@ def read_contents(folder: Path, say: Callable[[str, float | None], None]) -> Con
     SettingsError
         A name, note, tag or reason is no plain line.
     """
-    with _in_words():
+    with _nothing_imported():
         _require_plain(folder)
         title, setup = read_description(folder / DESCRIPTION)
         remarks = read_remarks(folder)
@@ -164,14 +165,11 @@ def _require_listed(folder: Path, listed: set[int], measured: set[int]) -> None:
 
 
 @contextmanager
-def _in_words() -> Iterator[None]:
+def _nothing_imported() -> Iterator[None]:
+    """Say of each fault that nothing was imported."""
     try:
-        yield
-    except InputError as error:
-        place = error.path if error.line is None else f"{error.path}, line {error.line}"
-        raise AnalysisInputError(
-            error.reason, part=place, todo="nothing was imported; correct the folder"
-        ) from error
+        with in_words(todo="nothing was imported; correct the folder"):
+            yield
     except OSError as error:
         raise AnalysisInputError(
             f"cannot be read: {error.strerror or error}",

@@ -20,7 +20,7 @@ from rigctl.page.model.pages import model_pages
 from rigctl.page.parts.plotting import plotting_route
 from rigctl.page.parts.readings import Readings
 from rigctl.page.rig.pages import rig_page
-from rigctl.page.session_auth import PageDoor
+from rigctl.page.session_auth import SessionAuth
 from rigctl.page.shots.film import film_route
 from rigctl.page.shots.films import Films
 from rigctl.page.shots.pages import shot_pages
@@ -64,4 +64,4 @@ def with_page(api: FastAPI, daemon: Daemon) -> ASGIApp:
     # What is loaded by now is never garbage; to look through it holds everything up for 0.2 s.
     gc.collect()
     gc.freeze()
-    return PageDoor(api, shell, api.state.keyring, api.state.wrong_keys)
+    return SessionAuth(api, shell, api.state.keyring, api.state.wrong_keys)

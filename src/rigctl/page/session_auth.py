@@ -1,4 +1,4 @@
-"""The page's door: the key in the address becomes a session, and only a session sees the page."""
+"""Sessions of the page: the key in the address becomes a session, and only a session sees it."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ OPEN = ("/health/", "/metrics", "/openapi.json")
 WANTED = (scopes.Scope.OPERATE, scopes.Scope.SWEEP, scopes.Scope.MAINTAIN)
 
 
-class PageDoor:
+class SessionAuth:
     """Hands a request to the REST application, to the page, or to nobody.
 
     The address that `rigctl serve` prints holds the key. Opened once, it leaves a cookie and loses

@@ -41,7 +41,7 @@ class Fits:
         """
         folder = self._folder(campaign)
         partial = folder / f".{uuid.uuid4().hex}.partial"
-        with _in_words(folder):
+        with _store_errors(folder):
             text = json.dumps(document, allow_nan=False, indent=1).encode()
             make_folders(folder)
             try:
@@ -77,7 +77,7 @@ class Fits:
             )
         chosen = max(known) if version is None else version
         path = self._path(campaign, name, chosen)
-        with _in_words(path):
+        with _store_errors(path):
             document: Json = json.loads(path.read_bytes())
         return chosen, document
 
@@ -101,7 +101,7 @@ class Fits:
 
 
 @contextmanager
-def _in_words(path: Path) -> Iterator[None]:
+def _store_errors(path: Path) -> Iterator[None]:
     try:
         yield
     except (OSError, ValueError) as error:

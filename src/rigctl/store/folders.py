@@ -70,7 +70,7 @@ class ShotFolders:
         """
         target = self.folder(shot)
         partial = target.with_name(f".{shot}{PARTIAL}")
-        with _in_words(shot, target):
+        with _store_errors(shot, target):
             if target.exists():
                 raise FileExistsError(0, "the shot's folder exists already")
             make_folders(target.parent)
@@ -88,7 +88,7 @@ class ShotFolders:
     def manifest(self, shot: str) -> dict[str, Any]:
         """Return a shot's manifest; raise `NotFoundError` where no frames were stored."""
         path = self.folder(shot) / "manifest.json"
-        with _in_words(shot, path):
+        with _store_errors(shot, path):
             document: dict[str, Any] = json.loads(path.read_bytes())
         return document
 
@@ -124,7 +124,7 @@ class ShotFolders:
         if about is None:
             raise NotFoundError("has no frames", part=f"shot {shot}", todo="see its poses")
         path = self.folder(shot) / about["file"]
-        with _in_words(shot, path):
+        with _store_errors(shot, path):
             found = sha256(path)
             if found != about["sha256"]:
                 raise StoreError(
@@ -169,7 +169,7 @@ class ShotFolders:
         """
         folder = self.folder(shot)
         partial = folder / f".result{PARTIAL}"
-        with _in_words(shot, folder):
+        with _store_errors(shot, folder):
             text = result if isinstance(result, bytes) else result_text(result)
             partial.unlink(missing_ok=True)
             try:
@@ -191,7 +191,7 @@ class ShotFolders:
             raise NotFoundError(
                 "has no such result", part=f"shot {shot}", todo="await its analysis"
             )
-        with _in_words(shot, chosen[-1]):
+        with _store_errors(shot, chosen[-1]):
             document: dict[str, Any] = json.loads(chosen[-1].read_bytes())
         return document
 
@@ -320,7 +320,7 @@ def _number(path: Path) -> int:
 
 
 @contextmanager
-def _in_words(shot: str, path: Path) -> Iterator[None]:
+def _store_errors(shot: str, path: Path) -> Iterator[None]:
     try:
         yield
     except FileNotFoundError as error:

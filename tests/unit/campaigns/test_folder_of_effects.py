@@ -108,15 +108,15 @@ def test_a_folder_is_read_as_it_says_of_itself(effects: Path) -> None:
     assert [fault["line"] for fault in read["faults"]] == [line_here(UNFINISHED)]
 
 
-def test_what_stands_in_a_folder_is_another_once_a_file_is(effects: Path) -> None:
+def test_the_fingerprint_of_a_folder_changes_with_its_files(effects: Path) -> None:
     own = OwnEffects.of(configured(effects))
-    before = own.stands()
-    assert own.stands() == before
+    before = own.fingerprint()
+    assert own.fingerprint() == before
     write(effects, text_of(SAME_AS_PIXEL_ASPECT, name="wider"), "stretch")
-    after = own.stands()
+    after = own.fingerprint()
     assert after != before
     write(effects, UNFINISHED, "unfinished")
-    assert own.stands() != after
+    assert own.fingerprint() != after
 
 
 def test_names_are_left_to_the_job_only_where_files_may_give_them(

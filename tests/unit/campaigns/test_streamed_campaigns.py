@@ -15,7 +15,8 @@ from rigctl.campaigns import campaign_poses
 from rigctl.errors import AnalysisInputError, NotFoundError, StoreError
 from rigctl.measured import MeasuredFiles, measured_files
 from rigctl.store import Store
-from rigctl.streamed_campaigns import open_stream, stream_from, temporary_room
+from rigctl.streamed_campaigns import open_stream, stream_from
+from rigctl.temporary_room import temporary_room
 
 Keep = Callable[..., list[str]]
 

@@ -11,10 +11,10 @@ from starlette.responses import PlainTextResponse
 
 from rigctl.access.keyring import Keyring
 from rigctl.access.wrong_keys import WrongKeys
-from rigctl.page.session_auth import PageDoor
+from rigctl.page.session_auth import SessionAuth
 
 KEY = "a-key-for-tests"
-DOOR = PageDoor(
+DOOR = SessionAuth(
     PlainTextResponse("rest"),
     PlainTextResponse("page"),
     Keyring(KEY, lambda: Path("nowhere")),

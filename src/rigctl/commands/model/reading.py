@@ -19,7 +19,8 @@ from analysis.model.tables import ContactTable, Data
 from rigctl.campaigns import open_campaign
 from rigctl.known_effects import Available, refused
 from rigctl.seen_effects import require_seen
-from rigctl.streamed_campaigns import open_stream, temporary_room
+from rigctl.streamed_campaigns import open_stream
+from rigctl.temporary_room import temporary_room
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -73,8 +73,8 @@ class Source:
         """
         own = OwnEffects.of(self.daemon.configuration)
         own.require(effects)
-        asked, stands = self._asked(effects)
-        named = (kind, self.title, *effects, repr(more), stands, own.stands())
+        asked, shots = self._asked(effects)
+        named = (kind, self.title, *effects, repr(more), shots, own.fingerprint())
         work = in_process(f"{FUNCTIONS}:{kind}_job", {**asked, **own.asked(), **more})
         return self.daemon.jobs.submit(kind, self.title, work, named)
 

@@ -106,7 +106,7 @@ def effect_routes(daemon: Daemon) -> APIRouter:
                 todo="name one in the configuration, or start rigctl serve --effects FOLDER",
             )
         work = in_process(READING, asked)
-        named = ("own", str(folder.folder), folder.stands())
+        named = ("own", str(folder.folder), folder.fingerprint())
         return answered(daemon.jobs.submit("own", "", work, named))
 
     @router.get("/{effect}", responses=documented(401, 404, 405, 422))

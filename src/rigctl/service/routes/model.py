@@ -121,7 +121,7 @@ def _work(
     files = measured_files(daemon.store, campaign)
     asked = request(campaign, files, effects, daemon.store) | own.asked() | (more or {})
     work = in_process(f"{FUNCTIONS}:{kind}_job", asked)
-    return work, (json.dumps(more), own.stands(), *effects, *files)
+    return work, (json.dumps(more), own.fingerprint(), *effects, *files)
 
 
 def _ask(

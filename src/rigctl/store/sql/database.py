@@ -90,7 +90,7 @@ class Database:
             The lock was not had within the busy time-out, or the disk refused.
         """
         writer = self._engine.execution_options(seal=self._seal)
-        with self._alone(), self._in_words(), writer.begin() as connection:
+        with self._alone(), self._store_errors(), writer.begin() as connection:
             yield connection
 
     @contextmanager
@@ -121,7 +121,7 @@ class Database:
             The file cannot be read.
         """
         reader = self._engine.execution_options(reading=True)
-        with self._in_words(), reader.begin() as connection:
+        with self._store_errors(), reader.begin() as connection:
             yield connection
 
     def check(self) -> None:
@@ -141,7 +141,7 @@ class Database:
         StoreError
             The catalogue cannot be read, or the copy not be written.
         """
-        with self._in_words():
+        with self._store_errors():
             self._server.copy_to(path)
 
     def head(self) -> Anchor | None:
@@ -162,12 +162,12 @@ class Database:
         StoreError
             The catalogue cannot be asked.
         """
-        with self._in_words():
+        with self._store_errors():
             return self._server.own()
 
     def disown(self) -> None:
         """Let another process own the catalogue. Safe to call twice."""
-        with self._in_words():
+        with self._store_errors():
             self._server.disown()
 
     def close(self) -> None:
@@ -208,7 +208,7 @@ class Database:
             )
 
     @contextmanager
-    def _in_words(self) -> Iterator[None]:
+    def _store_errors(self) -> Iterator[None]:
         try:
             yield
         except (SQLAlchemyError, sqlite3.Error) as error:
