@@ -18,6 +18,7 @@ from rigctl.api.kept_shots import KeptShots, shot_keys
 from rigctl.api.measured import Measured
 from rigctl.api.progress import counting
 from rigctl.errors import AnalysisInputError
+from rigctl.first_analysis import wait_for_compiler
 from rigctl.input_errors import in_words
 from rigctl.stored_poses import measured_document, poses_of, slow_errors_of
 
@@ -58,7 +59,9 @@ class Frames:
         if len(there) == len(jobs):
             return
         options = AnalysisOptions(method=self.method)
-        with counting(f"measuring {self.name}") as told:
+        wait = wait_for_compiler(self.method)
+        first = "" if wait is None else f" (compiling first, about {wait}, once)"
+        with counting(f"measuring {self.name}{first}") as told:
             done = analyse_campaign(self.campaign, options, workers, told, frozenset(there))
             for job, shot, frames in done:
                 document = measured_document(shot)
