@@ -86,6 +86,7 @@ def test_the_changelog_has_a_section_for_this_version_and_the_newest_stand_first
     assert kinds <= {"Added", "Changed", "Fixed", "Safety"}
 
 
+@pytest.mark.long
 def test_the_script_of_the_notebook_job_measures_what_is_filmed(tmp_path: Path) -> None:
     script = ROOT / "packaging" / "notebook.py"
     done = subprocess.run(

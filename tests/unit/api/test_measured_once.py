@@ -13,11 +13,11 @@ import numpy as np
 import pytest
 
 import rigctl
-from analysis.campaign import analyse_campaign, read_campaign
+from analysis.campaign import ShotJob, analyse_campaign, read_campaign
+from analysis.exchange.folder import folder_writer
 from analysis.model.gather import gather_poses
 from analysis.shot import AnalysisOptions, MeasuredShot
 from rigctl.api import frames, kept_shots
-from rigctl.api.measured import Measured
 
 ARRAYS = ("shots", "times_s", "position", "position_sigma", "rotation", "rotation_sigma")
 
@@ -31,11 +31,30 @@ def measured(campaign: rigctl.Campaign) -> int:
     return campaign.measure(workers=1).now
 
 
-def test_shots_have_the_coefficients_that_the_analysis_measures(filmed: Path) -> None:
-    table = rigctl.open(filmed).measure(workers=1).table()
+Analysed = list[tuple[ShotJob, MeasuredShot]]
+
+
+@pytest.fixture(scope="module")
+def analysed(filmed: Path) -> Analysed:
+    """Return what the analysis measures, without anything that is kept."""
     done = analyse_campaign(read_campaign(filmed), AnalysisOptions(), workers=1)
-    for row, (job, shot, _) in enumerate(done):
-        assert isinstance(shot, MeasuredShot)
+    found = [(job, shot) for job, shot, _ in done if isinstance(shot, MeasuredShot)]
+    assert len(found) == 3
+    return found
+
+
+@pytest.fixture
+def kept(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Keep what is measured from one test to the next."""
+    monkeypatch.setenv("RIGCTL_CACHE", str(tmp_path_factory.getbasetemp() / "kept"))
+
+
+@pytest.mark.usefixtures("kept")
+def test_shots_have_the_coefficients_that_the_analysis_measures(
+    filmed: Path, analysed: Analysed
+) -> None:
+    table = rigctl.open(filmed).measure(workers=1).table()
+    for row, (job, shot) in enumerate(analysed):
         assert table["shot"][row] == job.shot
         for name in ("v_n", "v_s", "v_n_after", "v_s_after", "e", "beta"):
             wanted = getattr(shot.impact, name)
@@ -44,18 +63,22 @@ def test_shots_have_the_coefficients_that_the_analysis_measures(filmed: Path) ->
     np.testing.assert_array_equal(table["offset_mm"], [6.0, 8.0, 10.0])
 
 
-def test_a_fit_has_the_poses_that_a_folder_of_frames_gives(filmed: Path) -> None:
-    kept = rigctl.open(filmed)
-    kept.measure(workers=1)
-    again: Measured = rigctl.open(filmed)._source.measured(1)
-    _, wanted = gather_poses(filmed)
+@pytest.mark.usefixtures("kept")
+def test_a_fit_has_the_poses_that_the_analysis_writes(
+    filmed: Path, analysed: Analysed, tmp_path: Path
+) -> None:
+    with folder_writer(tmp_path / "written", "nylon", [job for job, _ in analysed]) as write:
+        for job, shot in analysed:
+            write(job.shot, shot)
+    _, wanted = gather_poses(tmp_path / "written")
+    rigctl.open(filmed).measure(workers=1)
+    found: Any = rigctl.open(filmed)._source.measured(1)
+    assert found.now == 0
     for name in ARRAYS:
-        # What processes measure agrees to rounding.
-        found, expected = getattr(again.data, name), getattr(wanted, name)
-        np.testing.assert_allclose(found, expected, rtol=1e-6, atol=1e-9, err_msg=name)
-    slow = again.data.own_slow  # type: ignore[union-attr]
+        numbers, expected = getattr(found.data, name), getattr(wanted, name)
+        np.testing.assert_allclose(numbers, expected, rtol=1e-6, atol=1e-9, err_msg=name)
     for shot, errors in wanted.own_slow.items():
-        assert asdict(slow[shot]) == pytest.approx(asdict(errors), rel=1e-6)
+        assert asdict(found.data.own_slow[shot]) == pytest.approx(asdict(errors), rel=1e-6)
 
 
 def test_no_shot_is_measured_twice_wherever_its_folder_lies(
