@@ -16,8 +16,7 @@ _TAIL = """
 
 _CONTACT = '''from dataclasses import replace
 
-from analysis.collision.operator import Encounter, Operator, Outcome
-from analysis.effects.effect import ContactEffect, Parameter, Values
+from rigctl import ContactEffect, Encounter, Operator, Outcome, Parameter, Values
 
 
 def wrap(operator: Operator, values: Values) -> Operator:
@@ -40,7 +39,7 @@ EFFECT = ContactEffect(
 
 _FLIGHT = '''import numpy as np
 
-from analysis.effects.effect import FlightEffect, Floats, Flying, Parameter, Values
+from rigctl import FlightEffect, Floats, Flying, Parameter, Values
 
 
 def accelerate(flying: Flying, values: Values) -> tuple[Floats, Floats]:
@@ -58,8 +57,7 @@ EFFECT = FlightEffect(
 
 _CAMERA = '''import numpy as np
 
-from analysis.effects.effect import CameraEffect, Floats, Parameter, Values
-from analysis.setup import CameraSetup
+from rigctl import CameraEffect, CameraSetup, Floats, Parameter, Values
 
 
 def appear(position: Floats, camera: CameraSetup, values: Values) -> Floats:
@@ -76,8 +74,7 @@ EFFECT = CameraEffect(
     ),
     formula="x' = x + s y",'''
 
-_CLOCK = '''from analysis.effects.effect import ClockEffect, Exposure, Floats, Parameter, Values
-from analysis.setup import CameraSetup
+_CLOCK = '''from rigctl import CameraSetup, ClockEffect, Exposure, Floats, Parameter, Values
 
 
 def expose(exposure: Exposure, camera: CameraSetup, values: Values) -> tuple[Floats, Floats]:
