@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.birge import variance_ratio
 from analysis.cholesky import factor, solve
 from analysis.compiled import compiled, part
 from analysis.motion.drift import Drift
@@ -45,7 +46,7 @@ def fit_spin(times_s: Floats, rotations: Floats, covariances: Floats, drift: Dri
     Gauss-Newton for R(t) = exp([w] (t - t0)) exp([d]) R0, residuals being rotation vectors of
     R_observed R_predicted', whitened, with Huber weights. A free sphere has no torque on it but
     that of the air, which is negligible here. The covariance is enlarged where the residuals
-    exceed their stated errors.
+    contradict their stated errors (`birge.variance_ratio`).
 
     Parameters
     ----------
@@ -73,7 +74,7 @@ def fit_spin(times_s: Floats, rotations: Floats, covariances: Floats, drift: Dri
     chi2 = float(squares.sum() / freedom) if freedom else float("nan")
     gain = inverse @ (weight[:, None, None] * across) @ whiten
     slow = np.tensordot(gain, np.tensordot(drift.covariance(times_s), gain, 1), ((0, 2), (0, 2)))
-    fresh = inverse * (max(1.0, chi2) if freedom else 1.0)
+    fresh = inverse * variance_ratio(squares.sum(), freedom)
     return Spin(omega, (fresh + slow)[3:, 3:], chi2)
 
 

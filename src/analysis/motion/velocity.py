@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.birge import variance_ratio
 from analysis.motion.drift import Drift
 from analysis.motion.lines import fit_axes
 
@@ -94,8 +95,8 @@ def fit_flight(
     Gravity is known, and the drag k of the air as far as it is stated; leaving the acceleration
     free costs a factor of 3.6 in the error of the velocity for nothing, since drag changes it by
     less than 2 mm/s in 6 ms. What the error of k does to the fit is told beside it
-    (`FlightPath.drag_shift`). A coordinate whose residuals exceed its stated errors has its
-    covariance enlarged by that much, never reduced.
+    (`FlightPath.drag_shift`). A coordinate whose residuals contradict its stated errors has its
+    covariance enlarged by that much (`birge.variance_ratio`).
 
     Parameters
     ----------
@@ -126,10 +127,10 @@ def fit_flight(
         acceleration = acceleration - drag.per_m * np.linalg.norm(state[1]) * state[1]
         state, bend, inverse, chi2, seen = fitted()
     freedom = seen - 2
-    enlarged = inverse * np.maximum(1.0, chi2 / np.maximum(freedom, 1))[:, None, None]
+    enlarged = inverse * variance_ratio(chi2, freedom)[:, None, None]
     covariance = np.zeros((2, 3, 2, 3))
     for axis in range(3):
-        covariance[:, axis, :, axis] = enlarged[axis] if freedom[axis] else inverse[axis]
+        covariance[:, axis, :, axis] = enlarged[axis]
     return FlightPath(
         reference_s=reference_s,
         position=state[0],

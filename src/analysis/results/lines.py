@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2 as chi2_distribution
 
+from analysis.birge import variance_ratio
 from analysis.collision.operator import WaltonLaw
 from analysis.quantity import Quantity
 from analysis.results.impacts import SHARED, V_N, V_N_AFTER, V_S, V_S_AFTER, Impacts
@@ -30,8 +31,6 @@ NO_SLIDING, NO_STICKING = 10.0, 1.0
 FAR, MOST_FAR = 10.0, 0.15
 """Standard errors, times the scatter of the median shot, beyond which a shot does not count: a
 marker took another's name. If more shots than this share lie there it is physics, and all do."""
-CONTRADICTED = 0.01
-"""Below this p the stated errors are too small for the scatter, and the fit's are enlarged."""
 LEAST_SQUARE = 1e-18
 """(m/s)^2, far below any error."""
 LEAST_CURVATURE = 1e-6
@@ -80,11 +79,9 @@ class Lines:
     def scatter(self) -> float:
         """Return by what errors are enlarged: the root of chi-squared per degree of freedom.
 
-        1 while the shots' own errors explain the scatter (R. T. Birge, Phys. Rev. 40, 207 (1932)).
+        1 while the shots' own errors explain the scatter (`birge.variance_ratio`).
         """
-        if self.freedom < 1 or self.p_value > CONTRADICTED:
-            return 1.0
-        return float(np.sqrt(self.chi2 / self.freedom))
+        return float(np.sqrt(variance_ratio(self.chi2, self.freedom)))
 
     @property
     def determined(self) -> bool:
