@@ -6,6 +6,8 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import TypeVar
 
+import numpy as np
+
 from analysis.collision.operator import WaltonLaw
 from analysis.effects.effect import ContactLaw, Effect, ScatterEffect
 from analysis.model.evidence import Evidence
@@ -13,6 +15,7 @@ from analysis.model.fit import Fit, fit_campaign
 from analysis.model.free_flights import spread_flights
 from analysis.model.lasting_scan import Start
 from analysis.model.lasting_start import MOST_SHOTS, starts
+from analysis.model.normal import prior_cost
 from analysis.model.outliers import robust_weight
 from analysis.model.passes import Passes, passes_of
 from analysis.model.scatter import timing_jitter, with_jitter
@@ -25,7 +28,7 @@ F = TypeVar("F", bound=FitSummary)
 ALIAS_WITHIN = (2 * 1.2816) ** 2
 """Difference of deviance below which the better of two fits is the wrong one in more than one of
 ten campaigns."""
-NEAR, MOST_STARTS = 40.0, 5
+NEAR, MOST_STARTS = 20.0, 4
 """Starts whose loss in the scan is this near the least are fitted, so many at most."""
 
 
@@ -33,8 +36,8 @@ def added(data: Data, fit: Fit, effect: Effect) -> tuple[Data, Fit]:
     """Fit again with one more effect; one that is noise of its own enters the data's noise."""
     if isinstance(effect, ContactLaw):
 
-        def refit(theory: Theory, start: Fit | None) -> Fit:
-            return fit_campaign(data, theory, start)
+        def refit(theory: Theory, start: Fit | None, beat: float) -> Fit:
+            return fit_campaign(data, theory, start, beat=beat)
 
         return data, with_law(passes_of(data, fit), fit, effect, refit)
     if not isinstance(effect, ScatterEffect):
@@ -56,14 +59,16 @@ def law_again(evidence: Evidence, fit: Fit, law: ContactLaw) -> Theory:
     held = whole.held_down(robust_weight(first))
     begun = fit_campaign(held, fit.theory, first)
 
-    def refit(theory: Theory, start: Fit | None) -> Fit:
-        return fit_campaign(held, theory, start)
+    def refit(theory: Theory, start: Fit | None, beat: float) -> Fit:
+        return fit_campaign(held, theory, start, beat=beat)
 
     again = with_law(passes_of(whole, first), begun, law, refit)
     return again.theory if again.chi2 < begun.chi2 - ALIAS_WITHIN else fit.theory
 
 
-def with_law(passes: Passes, fit: F, law: ContactLaw, refit: Callable[[Theory, F | None], F]) -> F:
+def with_law(
+    passes: Passes, fit: F, law: ContactLaw, refit: Callable[[Theory, F | None, float], F]
+) -> F:
     """Fit again with another law of contact, in its likeliest family.
 
     The law does not contain the present one, whose fit may be bent: it begins from a scan, with the
@@ -74,7 +79,8 @@ def with_law(passes: Passes, fit: F, law: ContactLaw, refit: Callable[[Theory, F
     passes, fit
         The campaign about its present fit.
     refit
-        From a theory, and an earlier fit whose states are taken over or None, to the fit.
+        From a theory, an earlier fit whose states are taken over or None, and the cost below which
+        it is to come, to the fit.
 
     Returns
     -------
@@ -86,9 +92,9 @@ def with_law(passes: Passes, fit: F, law: ContactLaw, refit: Callable[[Theory, F
         return fit
     near = [one for one in begun if one.cost < begun[0].cost + NEAR][:MOST_STARTS]
     near += [replace(begun[0], law=other) for other in begun[0].law.beside]
-    best = refit(_theory(fit.theory, near[0]), None)
+    best = refit(_theory(fit.theory, near[0]), None, np.inf)
     for one in near[1:]:
-        other = refit(_theory(best.theory, one), best)
+        other = refit(_theory(best.theory, one), best, best.chi2 + prior_cost(best.theory))
         best = min(best, other, key=lambda each: each.chi2)
     return best
 

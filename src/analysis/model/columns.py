@@ -122,6 +122,14 @@ def theory_columns(
     return _differences(data, states, theory, line=line, here=here, wanted=_own(theory))
 
 
+def systematic_columns(
+    data: Data, states: ShotStates, theory: Theory, line: Comparison, here: Snapshot
+) -> Columns:
+    """Differentiate by what measuring and the air leave, of a theory that is about `here`."""
+    wanted: list[Wanted] = [(s, j) for s in theory.systematics for j in range(len(s.values))]
+    return _differences(data, states, theory, line=line, here=here, wanted=wanted)
+
+
 def _own(theory: Theory) -> list[Wanted]:
     law: list[Wanted] = [(None, k) for k in range(len(LAW))]
     return law + [(a, j) for a in theory.parts for j in range(len(a.values))]

@@ -38,6 +38,8 @@ JOINT_ITERATIONS = 30
 LITTLE_FALL, NO_FALL = 0.1, 0.01
 """Two steps that bring little, or one that brings nothing, are the last ones; a step that promises
 nothing is not taken."""
+TRUSTED = 2.0
+"""Times its promise a fit may come down that has not begun far away."""
 NEGLIGIBLE = 1e-4
 """Share of what a theory leaves unexplained."""
 SHARES = (1.0, 0.4, 0.1)
@@ -114,13 +116,17 @@ class Place:
             bound |= beyond
         return step
 
+    def reach(self) -> float:
+        """Return by how much the cost would be lowered at best, if the law were linear."""
+        return self.promise(self._within())
+
     def promise(self, step: Floats) -> float:
         """Return by how much a joint step and the shots' own would lower the cost, if linear."""
         return float(self.gradient @ step) + self.own_promise
 
 
 def descended(
-    data: Iterable[Data], place: Place, keep: Keeper, freedom: Floats
+    data: Iterable[Data], place: Place, keep: Keeper, freedom: Floats, beat: float = np.inf
 ) -> tuple[Place, bool]:
     """Go down to the minimum of chi-squared.
 
@@ -132,6 +138,8 @@ def descended(
         Where each part's own numbers are kept from pass to pass.
     freedom
         Measured numbers of each shot less its own, shape (S,).
+    beat
+        Cost of another fit: once this one promises not to come below it, it is not followed.
 
     Returns
     -------
@@ -139,6 +147,8 @@ def descended(
     """
     before = np.inf
     for _ in range(JOINT_ITERATIONS):
+        if place.cost - TRUSTED * place.reach() > beat:
+            return place, False
         lower = _searched(data, place, keep)
         fall = place.cost - lower.cost
         if max(fall, before) < _little(lower, freedom) or fall < NO_FALL:

@@ -43,7 +43,9 @@ class Fit(FitSummary):
     states: ShotStates
 
 
-def fit_campaign(data: Data, theory: Theory | None = None, start: Fit | None = None) -> Fit:
+def fit_campaign(
+    data: Data, theory: Theory | None = None, start: Fit | None = None, *, beat: float = np.inf
+) -> Fit:
     """Fit what all shots share together with every shot's own numbers.
 
     Parameters
@@ -53,6 +55,8 @@ def fit_campaign(data: Data, theory: Theory | None = None, start: Fit | None = N
     start
         An earlier fit of the same data whose states are taken over. Without one each shot is
         first fitted by itself.
+    beat
+        Chi-squared of another fit, the prior in: one that will not come below is not followed.
     """
     if theory is None and start is None:
         begun = starting_theories(len(data.shots), data.systematics)
@@ -66,7 +70,7 @@ def fit_campaign(data: Data, theory: Theory | None = None, start: Fit | None = N
     first = linearised((summed(*part, present) for part in parts), present, in_memory)
     measured, own = data.measured.reshape(len(data.shots), -1).sum(axis=1), fitted_numbers(data)
     freedom = np.maximum(measured - own, 1.0)
-    last, converged = descended([part for part, _ in parts], first, in_memory, freedom)
+    last, converged = descended([part for part, _ in parts], first, in_memory, freedom, beat)
     stands = list(last.stands)
     chi2 = np.concatenate([stand.chi2 for stand in stands])
     return Fit(

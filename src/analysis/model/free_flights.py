@@ -1,8 +1,8 @@
 """The two flights of every shot as its own poses, or its row of a table, have them: no law enters.
 
 About a fitted campaign the data are nearly linear in the 48 numbers of the flights
-(`analysis.model.sides`), so that one step sets them free of the law. Errors that shots share stay
-where they are stated.
+(`analysis.model.sides`), so that one step sets them free of the law. What shots share of errors
+(scale, drag, offsets) stays where it is stated, and what one standard error of it does is told.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.collision.operator import Body, Encounter, Operator, States
+from analysis.model.columns import systematic_columns
 from analysis.model.comparison import compare
 from analysis.model.sides import NUMBERS, Flights
 from analysis.model.state import ShotStates
@@ -40,6 +41,8 @@ class FreeFlights:
         Places of a and b (m), velocities (m/s) and spins (rad/s), shape (S, 18).
     before_covariance, after_covariance
         Of these, shape (S, 18, 18).
+    before_shared, after_shared
+        What one standard error of each thing that all shots share does to them, shape (S, 18, K).
     bodies, covariates
         As an `Encounter` has them.
     """
@@ -48,6 +51,8 @@ class FreeFlights:
     after: Floats
     before_covariance: Floats
     after_covariance: Floats
+    before_shared: Floats
+    after_shared: Floats
     bodies: tuple[Body, Body]
     covariates: dict[str, Floats]
 
@@ -118,6 +123,8 @@ class FreeFlights:
             np.concatenate([p.after for p in parts]),
             np.concatenate([p.before_covariance for p in parts]),
             np.concatenate([p.after_covariance for p in parts]),
+            np.concatenate([p.before_shared for p in parts]),
+            np.concatenate([p.after_shared for p in parts]),
             parts[0].bodies,
             {name: np.concatenate([p.covariates[name] for p in parts]) for name in names},
         )
@@ -129,6 +136,8 @@ class FreeFlights:
             self.after[rows],
             self.before_covariance[rows],
             self.after_covariance[rows],
+            self.before_shared[rows],
+            self.after_shared[rows],
             self.bodies,
             {name: own[rows] for name, own in self.covariates.items()},
         )
@@ -165,8 +174,15 @@ def free_flights(data: Data, states: ShotStates, theory: Theory) -> FreeFlights:
     before, after = (_side(numbers, blocks, side) for side in (0, 1))
     if isinstance(data, ContactTable):
         before = _placed(before, data)
+    columns = systematic_columns(data, states, about, line, here)
+    sigma = np.concatenate([np.empty(0), *(np.full(len(s.values), s.sigma) for s in calibrated)])
+    moved = blocks @ columns.pulled.reshape(*pulled.shape[:3], -1)
+    shared = -sigma * moved.reshape(len(data.shots), NUMBERS, -1)
     whole = FreeFlights(
-        before[0], after[0], before[1], after[1], data.bodies, dict(data.covariates)
+        *(before[0], after[0], before[1], after[1]),
+        *(shared[:, _numbers_of_side(side)] for side in (0, 1)),
+        data.bodies,
+        dict(data.covariates),
     )
     encounter, _ = whole.encounter(whole.before, np.zeros(len(data.shots)), 0.0)
     good = np.isfinite(encounter.normal[:, 0]) & (encounter.approach > 0)
@@ -175,10 +191,7 @@ def free_flights(data: Data, states: ShotStates, theory: Theory) -> FreeFlights:
 
 def _side(numbers: Floats, blocks: Floats, side: int) -> tuple[Floats, Floats]:
     """Return the numbers of one side (S, 18) and their covariance, from all and their blocks."""
-    index = np.arange(NUMBERS).reshape(2, 2, 2, 2, 3)
-    chosen = np.concatenate(
-        [index[:, 0, side, 0].ravel(), index[:, 0, side, 1].ravel(), index[:, 1, side, 1].ravel()]
-    )
+    chosen = _numbers_of_side(side)
     shots, count, size = blocks.shape[:3]
     whole = np.zeros((shots, NUMBERS, NUMBERS))
     for k in range(count):
@@ -188,6 +201,14 @@ def _side(numbers: Floats, blocks: Floats, side: int) -> tuple[Floats, Floats]:
     rows, columns = np.nonzero(unseen)
     covariance[rows, columns, columns] = UNSEEN**2
     return numbers[:, chosen], covariance
+
+
+def _numbers_of_side(side: int) -> NDArray[np.intp]:
+    """Return which of the 48 numbers are places, velocities and spins of one side, shape (18,)."""
+    index = np.arange(NUMBERS).reshape(2, 2, 2, 2, 3)
+    return np.concatenate(
+        [index[:, 0, side, 0].ravel(), index[:, 0, side, 1].ravel(), index[:, 1, side, 1].ravel()]
+    )
 
 
 def _placed(side: tuple[Floats, Floats], table: ContactTable) -> tuple[Floats, Floats]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,15 +16,17 @@ from analysis.model.theory import Theory
 Floats = NDArray[np.float64]
 
 FAR, KNOWN = 1e6, 1e3
-ROUGH = 5.0
-"""Standard errors by which a grid may miss a minimum: its nodes are no nearer."""
 LEAST, MOST = (0.05, 1e-3), (1.2, 3.0)
 """Of e and mu."""
-EVALUATIONS = 15
+SMOOTHED = 2
+"""Times that a start is gone down a wider loss first."""
+EVALUATIONS, FEW_EVALUATIONS = 15, 4
 LITTLE_FALL = 0.02
 """Of the loss: a step that brings no more is the last."""
 RELATIVE_STEP, LEAST_STEP = 1e-4, 1e-7
 """Of differences."""
+SMALLEST = 1e-12
+"""Of the largest curvature: along less a step is not determined."""
 DAMPING, EASED, RAISED, LARGEST_DAMPING = 1e-3, 0.1, 10.0, 1e4
 
 
@@ -63,8 +66,6 @@ class Scan:
         Where the scan begins.
     whitening
         Of the flights after contact, shape (S, 18, 18).
-    scale
-        Of the loss, in standard errors.
     """
 
     flights: FreeFlights
@@ -72,7 +73,6 @@ class Scan:
     own_e: Floats
     middle: Floats
     whitening: Floats
-    scale: float = 1.0
 
     def about(self, start: Start) -> Scan:
         """Return the scan with errors carried through the contact of a start."""
@@ -99,51 +99,96 @@ class Scan:
 
     def costs(self, law: ContactLaw, vectors: Floats) -> Floats:
         """Return Cauchy's loss at values (V, K), shape (V,)."""
-        return self.loss(self.residuals(law, vectors))
+        return _loss(self.residuals(law, vectors), np.ones(len(vectors)))
 
-    def loss(self, residuals: Floats) -> Floats:
-        """Return Cauchy's loss of residuals (..., R) over the scale: a large one smooths it."""
-        return np.asarray(np.log1p((residuals / self.scale) ** 2).sum(axis=-1))
+    def smoothed(self, starts: Sequence[Start]) -> list[Start]:
+        """Return starts nearer to their minima, with Cauchy's loss there.
 
-    def refined(self, start: Start) -> Start:
-        """Return where Cauchy's loss is least, from a start on, by way of its least when rough."""
-        for scale in (ROUGH, 1.0):
-            start = replace(self, scale=scale)._lowered(start)
-        return start
-
-    def _lowered(self, start: Start) -> Start:
-        """Go down by steps of Levenberg and Marquardt: D. W. Marquardt, J. SIAM 11, 431 (1963).
-
-        Second derivatives of the loss are taken where they are positive.
+        They go down a loss that is as wide as what they leave, so that a minimum narrower than the
+        way to it is not missed (A. Blake and A. Zisserman, Visual Reconstruction, 1987).
         """
-        low, high = bounds(start.law)
-        vector = np.clip(start.vector, low, high)
-        left, slopes = self._linear(start.law, vector)
-        cost, damping = float(self.loss(left)), DAMPING
-        for _ in range(EVALUATIONS):
-            step = _step(left / self.scale, slopes / self.scale, damping)
-            moved = np.clip(vector + step, low, high)
-            tried, turned = self._linear(start.law, moved)
-            fall = cost - float(self.loss(tried))
-            if fall > 0:
-                vector, left, slopes, cost = moved, tried, turned, cost - fall
-                damping *= EASED
-            elif damping > LARGEST_DAMPING:
-                break
-            else:
-                damping *= RAISED
-            if abs(fall) < LITTLE_FALL:
-                break
-        return Start(start.law, vector, cost)
+        found: list[Start] = []
+        for law, begun in _by_law(starts):
+            vectors = begun
+            for _ in range(SMOOTHED):
+                left = self.residuals(law, vectors)
+                vectors, _ = self._lowered(law, vectors, _scales(left), FEW_EVALUATIONS)
+            costs = self.costs(law, vectors)
+            found += [Start(law, v, float(c)) for v, c in zip(vectors, costs, strict=True)]
+        return sorted(found, key=lambda one: one.cost)
 
-    def _linear(self, law: ContactLaw, vector: Floats) -> tuple[Floats, Floats]:
-        """Return residuals (R,) and by what each parameter lowers them (R, K), all in one call."""
+    def refined(self, starts: Sequence[Start]) -> list[Start]:
+        """Return the minima of Cauchy's loss below some starts, the least first."""
+        found: list[Start] = []
+        for law, vectors in _by_law(starts):
+            each = self._lowered(law, vectors, np.ones(len(vectors)), EVALUATIONS)
+            found += [Start(law, v, float(c)) for v, c in zip(*each, strict=True)]
+        return sorted(found, key=lambda one: one.cost)
+
+    def _lowered(
+        self, law: ContactLaw, vectors: Floats, scales: Floats, evaluations: int
+    ) -> tuple[Floats, Floats]:
+        """Go down from values (V, K) by steps of Levenberg and Marquardt, all side by side.
+
+        D. W. Marquardt, J. SIAM 11, 431 (1963); residuals weighed as the loss weighs them, whose
+        second derivatives are negative beyond its scale and lead nowhere.
+
+        Returns
+        -------
+        Values and their losses at some scales (V,), shapes (V, K) and (V,).
+        """
         low, high = bounds(law)
-        size = np.maximum(RELATIVE_STEP * np.abs(vector), LEAST_STEP * np.minimum(high - low, 1.0))
-        steps = np.where(vector + size > high, -size, size)
-        nodes = np.concatenate([vector[None], vector + np.diag(steps)])
-        left = self.residuals(law, nodes)
-        return left[0], ((left[0] - left[1:]) / steps[:, None]).T
+        vectors = np.clip(vectors, low, high)
+        left, slopes = self._linear(law, vectors)
+        costs, damping = _loss(left, scales), np.full(len(vectors), DAMPING)
+        going = np.arange(len(vectors))
+        for _ in range(evaluations):
+            wide = scales[going, None]
+            step = _steps(left[going] / wide, slopes[going] / wide[..., None], damping[going])
+            moved = np.clip(vectors[going] + step, low, high)
+            tried, turned = self._linear(law, moved)
+            falls = costs[going] - _loss(tried, scales[going])
+            better = falls > 0
+            rows = going[better]
+            vectors[rows], left[rows], slopes[rows] = moved[better], tried[better], turned[better]
+            costs[rows] -= falls[better]
+            damping[going] *= np.where(better, EASED, RAISED)
+            going = going[(np.abs(falls) >= LITTLE_FALL) & (damping[going] < LARGEST_DAMPING)]
+            if not going.size:
+                break
+        return vectors, costs
+
+    def _linear(self, law: ContactLaw, vectors: Floats) -> tuple[Floats, Floats]:
+        """Return residuals (V, R) and by what each parameter lowers them (V, R, K), in one call."""
+        low, high = bounds(law)
+        least = LEAST_STEP * np.minimum(high - low, 1.0)
+        size = np.maximum(RELATIVE_STEP * np.abs(vectors), least)
+        steps = np.where(vectors + size > high, -size, size)
+        count, width = vectors.shape
+        nodes = np.repeat(vectors[:, None], width + 1, axis=1)
+        nodes[:, 1:] += steps[:, :, None] * np.eye(width)
+        left = self.residuals(law, nodes.reshape(-1, width)).reshape(count, width + 1, -1)
+        slopes = (left[:, :1] - left[:, 1:]) / steps[..., None]
+        return left[:, 0].copy(), np.swapaxes(slopes, 1, 2).copy()
+
+
+def _by_law(starts: Sequence[Start]) -> Iterator[tuple[ContactLaw, Floats]]:
+    """Yield each law among starts with its values, shape (V, K)."""
+    for law in {id(one.law): one.law for one in starts}.values():
+        yield law, np.array([one.vector for one in starts if one.law is law])
+
+
+def _loss(residuals: Floats, scales: Floats) -> Floats:
+    """Return Cauchy's loss of residuals (V, R) over scales (V,): a large one smooths it."""
+    return np.asarray(np.log1p((residuals / scales[:, None]) ** 2).sum(axis=1))
+
+
+def _scales(residuals: Floats) -> Floats:
+    """Return how wide residuals (V, R) scatter, 1 at least, by their median, shape (V,)."""
+    told = np.where(residuals == 0.0, np.nan, np.abs(residuals))
+    seen = np.isfinite(told).any(axis=1)
+    middle = np.nanmedian(np.where(seen[:, None], told, 0.0), axis=1)
+    return np.asarray(np.maximum(1.4826 * middle, 1.0))
 
 
 def bounds(law: ContactLaw) -> tuple[Floats, Floats]:
@@ -152,21 +197,28 @@ def bounds(law: ContactLaw) -> tuple[Floats, Floats]:
     return np.array([*LEAST, *low]), np.array([*MOST, *high])
 
 
-def _step(left: Floats, slopes: Floats, damping: float) -> Floats:
-    """Return a damped step down Cauchy's loss of residuals in units of its scale."""
-    square = left**2
-    curvature = np.clip((1.0 - square) / (1.0 + square) ** 2, 0.0, None)
-    matrix = slopes.T @ (curvature[:, None] * slopes)
-    pull = slopes.T @ (left / (1.0 + square))
-    unit = np.sqrt(np.maximum(np.diag(matrix), 1e-300))
-    scaled = matrix / unit[:, None] / unit + damping * np.eye(len(unit))
-    return np.asarray(np.linalg.lstsq(scaled, pull / unit, rcond=1e-12)[0] / unit)
+def _steps(left: Floats, slopes: Floats, damping: Floats) -> Floats:
+    """Return damped steps down Cauchy's loss of residuals (V, R) in units of its scale, (V, K)."""
+    weight = 1.0 / (1.0 + left**2)
+    across = np.swapaxes(slopes, 1, 2)
+    matrix = across @ (weight[..., None] * slopes)
+    pull = (across @ (weight * left)[..., None])[..., 0]
+    unit = np.sqrt(np.maximum(np.diagonal(matrix, axis1=1, axis2=2), 1e-300))
+    scaled = matrix / unit[:, :, None] / unit[:, None, :]
+    scaled += damping[:, None, None] * np.eye(matrix.shape[1])
+    values, vectors = np.linalg.eigh(scaled)
+    told = values > SMALLEST * values[:, -1:]
+    share = np.where(told, 1.0 / np.where(told, values, 1.0), 0.0)
+    along = (np.swapaxes(vectors, 1, 2) @ (pull / unit)[..., None])[..., 0]
+    return np.asarray((vectors @ (share * along)[..., None])[..., 0] / unit)
 
 
 def _whitening(scan: Scan, law: ContactLaw, vector: Floats) -> Floats:
     """Return what whitens the flights after contact as foretold from those before, (S, 18, 18).
 
-    The covariance is that of the former, and of the latter carried through the contact.
+    The covariance is that of the former, and of the latter carried through the contact, and what
+    all shots share carried likewise: a scale that is off by its stated error moves both sides by
+    ten errors of their own, and a wrong law makes up for it.
     """
     flights, operator = scan.flights, scan.operator(law, vector[2:])
     count = len(flights.before)
@@ -184,6 +236,8 @@ def _whitening(scan: Scan, law: ContactLaw, vector: Floats) -> Floats:
     # A spin that was not seen before contact leaves what friction does to either side open.
     blind = np.asarray(~known.all(axis=1))
     carried = slopes @ before @ np.swapaxes(slopes, 1, 2) + flights.after_covariance
+    shared = flights.after_shared - slopes @ np.where(known[..., None], flights.before_shared, 0.0)
+    carried += shared @ np.swapaxes(shared, 1, 2)
     scale = np.sqrt(np.diagonal(carried, axis1=1, axis2=2))
     unit = carried / scale[:, :, None] / scale[:, None, :] + 1e-9 * np.eye(SIDE)
     root = np.linalg.inv(np.linalg.cholesky(unit)) / scale[:, None, :]

@@ -1,8 +1,8 @@
 """Where fits of a contact that lasts begin: laws scanned from one side of the contact to the other.
 
 From where such a law is off a fit ends in one of many wrong minima. What the flights before contact
-foretell of those after it is compared on a grid of stiffness ratio and damping, the duration being
-what the paths show, and the best of each family is refined by least squares.
+foretell of those after it is compared, for each family from a few stiffness ratios on, the duration
+being what the paths show, and goes down a loss that is as wide as what is left (`Scan.smoothed`).
 """
 
 from __future__ import annotations
@@ -16,21 +16,18 @@ from analysis.collision.force_law import hertz_duration
 from analysis.effects.effect import ContactLaw
 from analysis.effects.lasting_contact import TYPICAL_MODULUS
 from analysis.model.free_flights import SIDE, FreeFlights
-from analysis.model.lasting_scan import ROUGH, Scan, Start
+from analysis.model.lasting_scan import Scan, Start
 from analysis.model.theory import Theory
 
 Floats = NDArray[np.float64]
 
-LEAST_SHOTS, FEW_SHOTS, MOST_SHOTS = 3, 40, 120
-RATIOS, DAMPINGS = np.geomspace(0.06, 1.3, 12), (0.02, 0.12)
+LEAST_SHOTS, FEW_SHOTS, MOST_SHOTS = 3, 24, 60
+TYPICAL = tuple((ratio, 0.05) for ratio in (0.08, 0.2, 0.45, 1.0))
+"""Stiffness ratios, and the tangential damping, that each family is gone down from."""
 MIDDLE = 0.3, 0.05
 RESTITUTIONS = 0.1, 0.999
-REFINED = 5
-"""Minima of the grid that are refined."""
-FACTORS = np.geomspace(0.45, 2.2, 13)
-"""Of the stiffness ratio, from one family or minimum to another."""
-BEGUN = 2
-"""Minima that are refined with all shots before others are looked for beside the best."""
+REFINED, BEGUN = 12, 6
+"""Minima that are refined with few shots, and with all."""
 ALIKE = 0.02
 TOLD_SIGMAS = 3.0
 """A duration that is not so many standard errors from zero, in the mean of all shots, is none."""
@@ -44,25 +41,14 @@ def starts(flights: FreeFlights, law: ContactLaw, theory: Theory) -> list[Start]
     """
     if len(flights.before) < LEAST_SHOTS or not flights.spins_seen.any():
         return []
-    few = replace(_scan(_spread(flights, FEW_SHOTS), theory, law), scale=ROUGH)
+    few = _scan(_spread(flights, FEW_SHOTS), theory, law)
     scanned: list[Start] = []
     for form in _families(law):
         timed = _timed(few, form)
-        for damping in DAMPINGS:
-            scanned += _valleys(few, form, timed, damping, RATIOS)
-    scanned.sort(key=lambda one: one.cost)
-    refined = _distinct([few.about(scanned[0]).refined(one) for one in scanned[:REFINED]])
-    all_ = _scan(flights, theory, law).about(refined[0])
-    begun = _distinct([all_.refined(one) for one in refined[:BEGUN]])
-    ratios = FACTORS * begun[0].vector[3]
-    again = [
-        valley
-        for form in _families(law)
-        for damping in (begun[0].vector[4], *DAMPINGS)
-        for valley in _valleys(all_, form, begun[0].vector, damping, ratios)
-    ]
-    again.sort(key=lambda one: one.cost)
-    return _distinct([*begun, *(all_.refined(one) for one in again[:REFINED])])
+        scanned += [Start(form, np.array([*timed[:3], *own]), np.inf) for own in TYPICAL]
+    near = _distinct(few.smoothed(scanned))
+    best = few.about(near[0]).refined(near[:REFINED])
+    return _distinct(_scan(flights, theory, law).about(best[0]).refined(_distinct(best)[:BEGUN]))
 
 
 def _spread(flights: FreeFlights, most: int) -> FreeFlights:
@@ -100,17 +86,6 @@ def _distinct(found: list[Start]) -> list[Start]:
         ):
             kept.append(one)
     return kept
-
-
-def _valleys(
-    scan: Scan, law: ContactLaw, vector: Floats, damping: float, ratios: Floats
-) -> list[Start]:
-    """Return where the loss along some stiffness ratios has its minima."""
-    nodes = np.array([[*vector[:3], ratio, damping] for ratio in ratios])
-    costs = scan.costs(law, nodes)
-    walled = np.concatenate([[np.inf], costs, [np.inf]])
-    lowest = (costs <= walled[:-2]) & (costs <= walled[2:])
-    return [Start(law, nodes[k], float(costs[k])) for k in np.flatnonzero(lowest)]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

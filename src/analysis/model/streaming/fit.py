@@ -61,6 +61,7 @@ def fit_stream(
     states: Iterable[ShotStates] | None = None,
     *,
     scatter: Mapping[str, Quantity] | None = None,
+    beat: float = np.inf,
 ) -> StreamedFit:
     """Fit what all shots share together with every shot's own numbers, as `fit_campaign`.
 
@@ -72,6 +73,8 @@ def fit_stream(
         Of the shots of each part, where they start; None: each shot is first fitted by itself.
     scatter
         Parameters of noise that the stream was given besides its sigmas.
+    beat
+        As of `fit_campaign`.
 
     Raises
     ------
@@ -87,7 +90,7 @@ def fit_stream(
     parts = (summed(*part, present) for part in zip(stream, states, strict=True))
     measured, own = _counts(stream)
     freedom = np.maximum(measured - own, 1.0)
-    last, converged = descended(stream, linearised(parts, present, Spool), Spool, freedom)
+    last, converged = descended(stream, linearised(parts, present, Spool), Spool, freedom, beat)
     chi2 = np.concatenate([stand.chi2 for stand in last.stands])
     return StreamedFit(
         theory=last.theory,

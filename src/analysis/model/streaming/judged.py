@@ -151,8 +151,9 @@ def _added(found: JudgedStream, effect: Effect) -> JudgedStream:
     data, fit = found.data, found.fit
     if isinstance(effect, ContactLaw):
 
-        def refit(theory: Theory, start: StreamedFit | None) -> StreamedFit:
-            return fit_stream(data, theory, None if start is None else start.states())
+        def refit(theory: Theory, start: StreamedFit | None, beat: float) -> StreamedFit:
+            states = None if start is None else start.states()
+            return fit_stream(data, theory, states, beat=beat)
 
         return JudgedStream(data, with_law(passes_of_stream(data, fit), fit, effect, refit))
     if not isinstance(effect, ScatterEffect):

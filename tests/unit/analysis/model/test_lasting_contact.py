@@ -19,7 +19,7 @@ from analysis.model.selection import explain
 from analysis.model.streaming.judged import judged_stream
 from analysis.model.streaming.stream import PoseStream
 from benchmarks.discovery.campaigns import posed
-from simulators.challenge.campaign import run_campaign
+from simulators.challenge.campaign import Noise, run_campaign
 from simulators.challenge.force_choice import Forces
 from simulators.challenge.nature import Nature
 from tests.unit.analysis.model.chosen import chosen
@@ -132,3 +132,18 @@ def test_modulus_and_duration_are_each_others_inverse() -> None:
     modulus = 3e9 / (2 * (1 - 0.4**2))
     assert hertz_duration(modulus, bodies) == pytest.approx(1.878e-4, rel=1e-3)
     assert contact_modulus(hertz_duration(modulus, bodies), bodies) == pytest.approx(modulus)
+
+
+def test_a_scale_that_is_off_as_stated_leads_to_no_other_law() -> None:
+    """Twelve shots as precise as films give them; every length 0.15 % too long."""
+    noise = Noise(centre_px=0.0075, rotation_rad=4e-4)
+    for seed in (1, 2, 3):
+        nature = Nature(forces=Forces(), drag_coefficient=AIR)
+        exact = posed(run_campaign(nature, seed, shots=12, noise=noise))
+        long = replace(exact, position=1.0015 * exact.position, drag_coefficient=0.42)
+        data = replace(long, slow=replace(long.slow, scale=1e-3))
+        found = judged(data, [EFFECT]).fit
+        named = found.parameters()
+        assert named["lasting-contact.kappa"].value == pytest.approx(0.15, abs=2e-3)
+        assert named["lasting-contact.zeta"].value == pytest.approx(0.05, abs=0.01)
+        assert abs(found.systematics()["image-scale.s"].value - 1.5e-3) < 4e-4
