@@ -5,9 +5,9 @@ shots of a campaign share is drawn from its stated width: the drag coefficient t
 the scale, by which measured places are multiplied. A pull is an error over its stated one; 1 rms is
 right.
 Printed are own pulls (the error less what the drawn numbers do to it, over the shot's own error)
-and total pulls (the whole error over the whole stated one), for single shots and for the report,
-which is held against the same regression of the true velocities. Contacts that last do not follow
-its two lines, so that its errors are enlarged by their scatter, and its pulls are small.
+and total pulls (the whole error over the whole stated one), for single shots and for the report:
+its mean e against that of the true velocities with the same weights, and what it fits to all poses
+against the world's contact.
 """
 
 from __future__ import annotations
@@ -23,18 +23,25 @@ from numpy.typing import NDArray
 from scipy.stats import norm
 
 from analysis.campaign import read_campaign
+from analysis.effects.lasting_contact import EFFECT
+from analysis.exchange.pose_writing import measured_poses
+from analysis.model.gather import pose_data
+from analysis.model.poses import PoseData
+from analysis.results.campaign import Results, results
 from analysis.results.impacts import Impacts
-from analysis.results.lines import fit_lines
+from analysis.results.lasting import mean_restitution
 from analysis.results.ratios import Ratio, ratios, velocities
 from analysis.scene import Scene
 from analysis.setup import Setup
 from analysis.shot import MeasuredShot
 from analysis.shot_poses import ShotPoses
+from analysis.slow_errors import typical
 from analysis.two_sides import measure_two_sides
 from benchmarks.tracks.__main__ import FRAMES, STEPS, Measured, measured
 from benchmarks.tracks.flights import common_scale
 from benchmarks.tracks.pulls import rms
 from simulators.world import WorldDescription, write_campaign
+from simulators.world.description import ContactLaw
 
 Floats = NDArray[np.float64]
 Pulls = dict[str, list[float]]
@@ -45,6 +52,13 @@ SPEEDS = ("v_n", "v_s", "v_n_after", "v_s_after")
 BRIEF = ("v_n", "v_s", "e", "beta")
 SCALE, DRAG = 0, 1
 """Rows of what all shots share."""
+CONTACT = {
+    "e": ContactLaw().restitution,
+    "mu": ContactLaw().friction,
+    f"{EFFECT.name}.kappa": ContactLaw().tangential_stiffness_ratio,
+    f"{EFFECT.name}.zeta": ContactLaw().tangential_damping_ratio,
+}
+"""Truth of what a report fits."""
 STATED = f"drag_coefficient = {STATED_DRAG}\ndrag_coefficient_sigma = {DRAG_SIGMA}\n"
 
 
@@ -103,7 +117,39 @@ def impacts_of(shots: list[tuple[int, MeasuredShot]]) -> Impacts:
     )
 
 
-def judge(found: dict[int, Measured], drawn: Drawn) -> tuple[Pulls, Pulls]:
+def poses_of(found: dict[int, Measured], setup: Setup, factor: float) -> PoseData:
+    """Return the poses of a campaign as its exchange folder has them, at another scale."""
+    shots = {number: measured_poses(shot) for number, (shot, _) in found.items()}
+    data = pose_data(shots, (), typical(setup, [shot.slow for shot, _ in found.values()]))
+    return replace(data, position=factor * data.position)
+
+
+def judge_report(report: Results, done: Floats, true: Floats) -> tuple[Pulls, Pulls]:
+    """Return own and total pulls of a report.
+
+    Parameters
+    ----------
+    done
+        What the drawn numbers do to the velocities, m/s, shape (S, 4).
+    true
+        The true ones.
+    """
+    if not report.lasting:
+        return {}, {}
+    impacts, used = report.impacts, report.lines.used
+    freed = replace(impacts, velocities=impacts.velocities - done)
+    whole, apart, right = (
+        mean_restitution(each, used) for each in (impacts, freed, replace(impacts, velocities=true))
+    )
+    own = {"report, mean e": [(apart.value - right.value) / (whole.own or np.nan)]}
+    total = {"report, mean e": [(whole.value - right.value) / whole.sigma]}
+    for name, truth in CONTACT.items():
+        fitted = report.whole_fit[name]
+        total[f"report, fitted {name}"] = [(fitted.value - truth) / fitted.sigma]
+    return own, total
+
+
+def judge(found: dict[int, Measured], report: Results, drawn: Drawn) -> tuple[Pulls, Pulls]:
     """Return own and total pulls of single shots and of the report."""
     own, total = defaultdict[str, list[float]](list), defaultdict[str, list[float]](list)
     impacts = impacts_of([(n, shot) for n, (shot, _) in found.items()])
@@ -126,12 +172,9 @@ def judge(found: dict[int, Measured], drawn: Drawn) -> tuple[Pulls, Pulls]:
             for i, spin in enumerate((state[k].spin_a, state[k].spin_b)):
                 off = spin - np.array(truth[f"spin_{side}"][i])
                 own["spin"] += _told(off / shot.impact.state_sigma[k, 2 + i])
-    lines = [fit_lines(each) for each in (impacts, freed, exact)]
-    for name, quantity in lines[0].parameters().items():
-        if name in lines[1].fitted and name in lines[2].fitted:
-            whole, apart, right = (getattr(line.law, name) for line in lines)
-            total[f"report {name}"] = [(whole - right) / quantity.sigma]
-            own[f"report {name}"] = [(apart - right) / (quantity.own or np.nan)]
+    seen = np.searchsorted(impacts.shots, report.impacts.shots)
+    for every, part in zip((own, total), judge_report(report, done[seen], true[seen]), strict=True):
+        every.update(part)
     return own, total
 
 
@@ -161,12 +204,12 @@ def main() -> None:
         with tempfile.TemporaryDirectory() as scratch:
             folder = Path(scratch) / "campaign"
             rendered(folder, seed, chosen.shots, drawn.drag)
-            setups = {job.shot: job.setup for job in read_campaign(folder).jobs}
-            shots = {
-                n: (rescaled(shot, setups[n], 1.0 + drawn.scale * shot.slow.scale), truth)
-                for n, (shot, truth) in measured(folder, chosen.workers).items()
-            }
-        parts = judge(shots, drawn)
+            setup = read_campaign(folder).jobs[0].setup
+            seen = measured(folder, chosen.workers)
+        factor = 1.0 + drawn.scale * next(iter(seen.values()))[0].slow.scale
+        shots = {n: (rescaled(shot, setup, factor), truth) for n, (shot, truth) in seen.items()}
+        report = results(poses_of(seen, setup, factor))
+        parts = judge(shots, report, drawn)
         for every, part in zip((own, total), parts, strict=True):
             for name, pulls in part.items():
                 every[name] += pulls
@@ -182,6 +225,9 @@ def main() -> None:
         if name in total:
             line += f"{rms(np.array(total[name])):13.2f}{np.abs(total[name]).max():7.1f}"
         print(line)
+    for name in (name for name in total if name not in own):
+        pulls = np.array(total[name])
+        print(f"{name:28}{len(pulls):9d}{rms(pulls):27.2f}{np.abs(pulls).max():7.1f}")
 
 
 if __name__ == "__main__":

@@ -59,9 +59,14 @@ class Judged:
 def judged(poses: Data, effects: Sequence[Effect] = ()) -> Judged:
     """Fit the base model and some effects; what is bad is judged with these effects in."""
     evidence = weighed(without_contact_frames(poses))
-    data, fit = evidence.data, evidence.cleaned.fit
+    return judged_with(Judged(evidence, evidence.data, evidence.cleaned.fit), effects)
+
+
+def judged_with(base: Judged, effects: Sequence[Effect]) -> Judged:
+    """Fit some effects on top of the base model's fit."""
+    evidence, data, fit = base.evidence, base.data, base.fit
     if not effects:
-        return Judged(evidence, data, fit)
+        return base
     for effect in effects:
         data, fit = added(data, fit, effect)
     again, path = weighed_again(evidence, [stage_of(data, fit)], data.jitter_s)

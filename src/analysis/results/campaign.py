@@ -14,6 +14,7 @@ from analysis.quantity import Quantity
 from analysis.results.from_poses import pose_impacts
 from analysis.results.from_table import table_impacts
 from analysis.results.impacts import Impacts, LeftOut
+from analysis.results.lasting import contacts_that_last, mean_restitution
 from analysis.results.lines import Lines, fit_lines
 from analysis.results.ratios import Ratios, ratios
 from analysis.results.speed import speed_line
@@ -35,7 +36,10 @@ class Results:
     speed
         e against approach speed; None where the shots do not tell a line.
     whole_fit
-        e, mu and beta0 of the hard-sphere operator fitted to all poses, or all tabulated numbers.
+        The parameters of the law that was fitted to all poses, or all tabulated numbers: e, mu and
+        beta0 of the hard-sphere operator; of contacts that last e, mu and theirs.
+    lasting
+        Whether the contacts last: the two lines are no law of theirs, and e is the shots' mean.
     left_out
         Shots of which no impact was measured.
     far
@@ -52,6 +56,13 @@ class Results:
     left_out: tuple[LeftOut, ...]
     far: tuple[LeftOut, ...]
     remarks: tuple[str, ...]
+    lasting: bool = False
+
+    def coefficients(self) -> dict[str, Quantity]:
+        """Return e, mu and beta0 of the regression, as far as these shots have them."""
+        if self.lasting:
+            return {"e": mean_restitution(self.impacts, self.lines.used)}
+        return self.lines.parameters()
 
 
 def results(data: Data) -> Results:
@@ -66,15 +77,18 @@ def results(data: Data) -> Results:
     impacts = _impacts(data, found)
     unusable = [LeftOut(number, NO_BOTH) for number in found.evidence.stated.unusable]
     each, lines = ratios(impacts), fit_lines(impacts)
+    other = contacts_that_last(found, lines)
+    fitted = found if other is None else other
     return Results(
         impacts=impacts,
         ratios=each,
         lines=lines,
         speed=speed_line(impacts, each, lines.used),
-        whole_fit=found.fit.parameters(),
+        whole_fit=fitted.fit.parameters(),
         left_out=tuple(sorted([*unusable, *impacts.left_out], key=lambda one: one.shot)),
         far=_far(impacts, lines),
-        remarks=tuple(found.remarks()),
+        remarks=tuple(fitted.remarks()),
+        lasting=other is not None,
     )
 
 

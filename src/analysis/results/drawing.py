@@ -52,7 +52,7 @@ def restitution_figure(found: Results) -> Figure:
     plain(axes, "both")
     each, speed = found.ratios.e, found.impacts.approach
     across = np.sqrt(found.impacts.covariance[:, V_N, V_N])
-    e = found.lines.parameters()["e"]
+    e = found.coefficients()["e"]
     axes.axhline(e.value, color=FAILS, linewidth=1.6, label=f"all shots, e = {e.concise()}")
     if found.speed is not None:
         grid = np.linspace(speed.min(), speed.max(), 60)

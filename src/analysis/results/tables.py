@@ -71,12 +71,14 @@ def _correlation(impacts: Impacts, i: int, j: int) -> Floats:
 
 def _parameters(found: Results) -> Table:
     rows: Table = [["parameter", "regression", "sigma", "whole_fit", "sigma_whole_fit", "thesis"]]
-    regression = found.lines.parameters()
-    for name in ("e", "mu", "beta0"):
+    regression, whole = found.coefficients(), found.whole_fit
+    of_contacts = [name for name in whole if found.lasting and name not in THESIS]
+    for name in (*THESIS, *of_contacts):
         row: list[object] = [name]
-        for quantity in (regression.get(name), found.whole_fit.get(name)):
-            row += ["", ""] if quantity is None else [quantity.value, quantity.sigma]
-        rows.append([*row, THESIS[name]])
+        for quantity in (regression.get(name), whole.get(name)):
+            told = quantity is not None and quantity.determined
+            row += [quantity.value, quantity.sigma] if quantity and told else ["", ""]
+        rows.append([*row, THESIS.get(name, "")])
     return rows
 
 

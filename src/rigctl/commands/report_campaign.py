@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 from rich.console import Console
 
+from analysis.quantity import Quantity
+from analysis.results.campaign import Results
 from analysis.results.tables import tables
 from rigctl.config import load
 from rigctl.errors import StoreError
@@ -50,8 +53,21 @@ def report_campaign(
             todo="free the disk, or choose another place with --out and --csv",
         ) from error
     Console(stderr=True).print(f"{out}", highlight=False, soft_wrap=True)
-    said = ", ".join(f"{name} = {q.concise()}" for name, q in found.lines.parameters().items())
-    print(said)  # noqa: T201
+    print(_said(found))  # noqa: T201
+
+
+def _said(found: Results) -> str:
+    regression = _listed(found.coefficients())
+    if not found.lasting:
+        return regression
+    return (
+        f"mean of the shots: {regression}; the contacts last, and mu and beta0 of two lines are "
+        f"no law of theirs: fitted {_listed(found.whole_fit)}"
+    )
+
+
+def _listed(parameters: Mapping[str, Quantity]) -> str:
+    return ", ".join(f"{name} = {q.concise()}" for name, q in parameters.items())
 
 
 def open_source(campaign: Path, configuration: Path | None) -> Source:

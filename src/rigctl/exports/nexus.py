@@ -76,7 +76,7 @@ def _root(file: h5py.File, source: Source, found: Results) -> None:
     _bodies(_group(entry, "sample", "NXsample"), source.data.bodies)
     _settings(_group(entry, "settings", "NXcollection"), source)
     _coefficients(_group(entry, "coefficients", "NXdata"), found)
-    _parameters(_group(entry, "regression", "NXprocess"), found.lines.parameters())
+    _parameters(_group(entry, "regression", "NXprocess"), found.coefficients())
     _parameters(_group(entry, "whole_fit", "NXprocess"), found.whole_fit)
     _left_out(_group(entry, "left_out", "NXcollection"), source, found)
     _described(_group(entry, "instrument", "NXinstrument"), source.facts)
@@ -163,7 +163,9 @@ def _coefficients(group: h5py.Group, found: Results) -> None:
 def _parameters(group: h5py.Group, parameters: Mapping[str, Quantity]) -> None:
     group["program"] = "rigctl"
     group["version"] = version("rigctl")
-    for name, quantity in parameters.items():
+    for parameter, quantity in parameters.items():
+        # NeXus names hold letters, digits and underscores.
+        name = parameter.replace("-", "_").replace(".", "_")
         _number(group, name, quantity.value, quantity.unit)
         _number(group, f"{name}_errors", quantity.sigma, quantity.unit)
 

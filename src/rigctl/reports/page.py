@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from html import escape
 from importlib.resources import files
 
 import numpy as np
 
+from analysis.effects.effect import Parameter
+from analysis.effects.lasting_contact import EFFECT as LASTING
 from analysis.quantity import Quantity
 from analysis.results.campaign import Results
 from analysis.results.drawing import plane_figure, residual_figure, restitution_figure
@@ -19,6 +22,7 @@ from rigctl.reports.shots import every_shot, missing_shots
 from rigctl.reports.source import Source
 
 SYMBOLS = {"e": "e", "mu": "μ", "beta0": "β₀"}
+NO_LAW = "no law of these contacts"
 LEAST_CHANCE = 1e-99
 """Less is not told apart."""
 MEANINGS = {"e": "normal restitution", "mu": "sliding friction", "beta0": "rotational restitution"}
@@ -59,61 +63,90 @@ def _head(source: Source, found: Results) -> str:
         ),
         '<div class="key">',
     ]
-    regression = found.lines.parameters()
+    # Where contacts last the two lines are no law of theirs: what the fit has comes first.
+    best = found.whole_fit if found.lasting else found.coefficients()
     for name, meaning in MEANINGS.items():
-        shown = regression[name].concise() if name in regression else "not determined"
+        absent = NO_LAW if found.lasting else "not determined"
+        shown = best[name].concise() if name in best else absent
         lines.append(f"<div><b>{escape(shown)}</b><span>{SYMBOLS[name]}, {meaning}</span></div>")
     return "\n".join([*lines, "</div>"])
 
 
 def _coefficients(source: Source, found: Results, columns: dict[str, Table]) -> str:
-    regression = found.lines.parameters()
+    regression, whole = found.coefficients(), found.whole_fit
+    absent = NO_LAW if found.lasting else "–"
     rows = [
         [
-            f"{SYMBOLS[name]}, {meaning}",
-            *(_shown(values.get(name)) for values in (regression, found.whole_fit)),
+            f"{SYMBOLS[name]}, {meaning}" + (", mean" if found.lasting and name == "e" else ""),
+            _shown(regression.get(name), absent),
+            _shown(whole.get(name), absent),
             f"{THESIS[name]:.2f}",
             _pull(regression.get(name), THESIS[name]),
         ]
         for name, meaning in MEANINGS.items()
     ]
+    if found.lasting:
+        rows += [
+            [f"{q.symbol}, {q.meaning}", "–", _of_contact(whole, q), "–", "–"]
+            for q in LASTING.parameters
+        ]
     headings = (
         "coefficient",
         "two lines, by regression",
-        "fit to all that was measured",
+        "contact that lasts, fit to all that was measured"
+        if found.lasting
+        else "fit to all that was measured",
         "thesis, nylon",
         "regression less thesis",
     )
-    lines = found.lines
-    remark = (
-        f"Regression: χ² = {lines.chi2:.1f} for {lines.freedom} degrees of freedom, "
-        f"p {_chance(lines.p_value)}."
-    )
-    if lines.scatter > 1:
-        remark += (
-            f" The shots scatter {lines.scatter:.2f} times as much as their errors say; the errors "
-            "of the regression are enlarged by that. The hard-sphere operator may lack an effect: "
-            f"rigctl model explain {source.origin}"
-        )
+    remark = _remark(source, found)
     said = [
         paragraph(remark),
         *(paragraph(f"Fit to all that was measured: {text}.") for text in found.remarks),
     ]
-    absent = [SYMBOLS[name] for name in MEANINGS if name not in regression]
-    if absent:
-        said.append(paragraph(f"Not determined by these shots: {', '.join(absent)}."))
+    missing = [SYMBOLS[name] for name in MEANINGS if name not in regression]
+    if missing and not found.lasting:
+        said.append(paragraph(f"Not determined by these shots: {', '.join(missing)}."))
+    lines = found.lines
     if bool(found.impacts.surface.any()) and not np.isfinite(lines.held.slides).any():
         said.append(paragraph("They lie too close together to tell whether they stuck or slid."))
     link = f'<p class="download aside">{download("parameters", columns["parameters"])}</p>'
     return section("Coefficients", table(headings, rows), *said, link)
 
 
+def _remark(source: Source, found: Results) -> str:
+    lines = found.lines
+    told = (
+        f"Regression: χ² = {lines.chi2:.1f} for {lines.freedom} degrees of freedom, "
+        f"p {_chance(lines.p_value)}."
+    )
+    if found.lasting:
+        return (
+            f"{told} The contacts last, and the two lines are no law of theirs: e falls with the "
+            "obliquity, and μ and β₀ of the lines are no constants. e of the regression is the "
+            "mean of these shots, with the error of their measurement."
+        )
+    if lines.scatter > 1:
+        told += (
+            f" The shots scatter {lines.scatter:.2f} times as much as their errors say; the errors "
+            "of the regression are enlarged by that. The hard-sphere operator may lack an effect: "
+            f"rigctl model explain {source.origin}"
+        )
+    return told
+
+
+def _of_contact(whole: Mapping[str, Quantity], parameter: Parameter) -> str:
+    quantity = whole[f"{LASTING.name}.{parameter.symbol}"]
+    unit = "" if quantity.unit == "1" or not quantity.determined else f" {quantity.unit}"
+    return quantity.concise() + unit
+
+
 def _chance(p: float) -> str:
     return f"= {p:.2g}" if p > LEAST_CHANCE else f"< {LEAST_CHANCE:g}"
 
 
-def _shown(quantity: Quantity | None) -> str:
-    return "–" if quantity is None else quantity.concise()
+def _shown(quantity: Quantity | None, absent: str) -> str:
+    return absent if quantity is None else quantity.concise()
 
 
 def _pull(quantity: Quantity | None, published: float) -> str:

@@ -20,6 +20,10 @@ from rigctl.errors import AnalysisInputError, NotFoundError, StoreError
 from rigctl.reports.campaign import measured_results
 from rigctl.reports.page import page
 from rigctl.reports.source import folder_source
+from simulators.challenge.campaign import run_campaign
+from simulators.challenge.folder import write_folder
+from simulators.challenge.force_choice import Forces
+from simulators.challenge.nature import Nature
 
 FILES = {
     *("coefficients", "parameters", "figure-7-4", "figure-7-4-curves"),
@@ -142,6 +146,23 @@ def test_a_shot_that_a_person_excluded_is_named_with_the_reason(
     assert reasons[3] == "excluded by a person: a hair in the tube"
     assert "no measurement" in reasons[99]
     assert 3 not in measured_results(source).impacts.shots
+
+
+def test_of_contacts_that_last_no_line_has_a_number_and_their_own_law_is_told(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    place = tmp_path / "soft"
+    nature = Nature(forces=Forces(), drag_coefficient=0.4)
+    write_folder(place, run_campaign(nature, 5, shots=20))
+    report_campaign(place, tmp_path / "r.html", csv=None, configuration=None)
+    written = (tmp_path / "r.html").read_text(encoding="utf-8")
+    rows = re.findall(r"<tr><td>(e|μ|β₀|kappa|zeta|t), [^<]*</td><td>([^<]*)</td>", written)
+    told = dict(rows)
+    assert told["μ"] == told["β₀"] == "no law of these contacts"
+    assert re.fullmatch(r"0\.7\d+\(\d+\)", told["e"])
+    assert {"t", "kappa", "zeta"} <= set(told)
+    said = capsys.readouterr().out
+    assert "mu and beta0 of two lines are no law of theirs: fitted e = 0.7" in said
 
 
 def test_the_command_writes_the_report_and_the_tables(
