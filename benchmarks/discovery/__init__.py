@@ -5,3 +5,8 @@ that is fitted. Strength is stated as d: the root of the chi-squared that the ba
 the same campaign without noise, which for a small effect is its size over its efficient standard
 error. Every section prints what is asked beside what was measured and writes out/discovery-*.json.
 """
+
+import os
+
+# Two threads of linear algebra on such small matrices wait for each other more than they work.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")

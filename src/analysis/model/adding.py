@@ -6,10 +6,9 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import TypeVar
 
-import numpy as np
-
 from analysis.collision.operator import WaltonLaw
 from analysis.effects.effect import ContactLaw, Effect, ScatterEffect
+from analysis.model.descent import TO_THE_END, Purpose
 from analysis.model.evidence import Evidence
 from analysis.model.fit import Fit, fit_campaign
 from analysis.model.free_flights import spread_flights
@@ -32,16 +31,16 @@ NEAR, MOST_STARTS = 20.0, 4
 """Starts whose loss in the scan is this near the least are fitted, so many at most."""
 
 
-def added(data: Data, fit: Fit, effect: Effect) -> tuple[Data, Fit]:
+def added(data: Data, fit: Fit, effect: Effect, purpose: Purpose = TO_THE_END) -> tuple[Data, Fit]:
     """Fit again with one more effect; one that is noise of its own enters the data's noise."""
     if isinstance(effect, ContactLaw):
 
-        def refit(theory: Theory, start: Fit | None, beat: float) -> Fit:
-            return fit_campaign(data, theory, start, beat=beat)
+        def refit(theory: Theory, start: Fit | None, until: Purpose) -> Fit:
+            return fit_campaign(data, theory, start, until)
 
         return data, with_law(passes_of(data, fit), fit, effect, refit)
     if not isinstance(effect, ScatterEffect):
-        return data, fit_campaign(data, fit.theory.with_effect(effect), fit)
+        return data, fit_campaign(data, fit.theory.with_effect(effect), fit, purpose)
     score = timing_jitter(data, fit)
     if score is None or isinstance(data, ContactTable):
         return data, fit
@@ -59,15 +58,15 @@ def law_again(evidence: Evidence, fit: Fit, law: ContactLaw) -> Theory:
     held = whole.held_down(robust_weight(first))
     begun = fit_campaign(held, fit.theory, first)
 
-    def refit(theory: Theory, start: Fit | None, beat: float) -> Fit:
-        return fit_campaign(held, theory, start, beat=beat)
+    def refit(theory: Theory, start: Fit | None, until: Purpose) -> Fit:
+        return fit_campaign(held, theory, start, until)
 
     again = with_law(passes_of(whole, first), begun, law, refit)
     return again.theory if again.chi2 < begun.chi2 - ALIAS_WITHIN else fit.theory
 
 
 def with_law(
-    passes: Passes, fit: F, law: ContactLaw, refit: Callable[[Theory, F | None, float], F]
+    passes: Passes, fit: F, law: ContactLaw, refit: Callable[[Theory, F | None, Purpose], F]
 ) -> F:
     """Fit again with another law of contact, in its likeliest family.
 
@@ -79,8 +78,8 @@ def with_law(
     passes, fit
         The campaign about its present fit.
     refit
-        From a theory, an earlier fit whose states are taken over or None, and the cost below which
-        it is to come, to the fit.
+        From a theory, an earlier fit whose states are taken over or None, and how far it is to be
+        followed, to the fit.
 
     Returns
     -------
@@ -92,11 +91,18 @@ def with_law(
         return fit
     near = [one for one in begun if one.cost < begun[0].cost + NEAR][:MOST_STARTS]
     near += [replace(begun[0], law=other) for other in begun[0].law.beside]
-    best = refit(_theory(fit.theory, near[0]), None, np.inf)
+    # States about the operator are bent by it; about another family of such laws they are not.
+    inside = fit.theory.contact_law is not None
+    first = _theory(fit.theory, near[0])
+    best = refit(first, fit, _better_than(fit)) if inside else refit(first, None, TO_THE_END)
     for one in near[1:]:
-        other = refit(_theory(best.theory, one), best, best.chi2 + prior_cost(best.theory))
+        other = refit(_theory(best.theory, one), best, _better_than(best))
         best = min(best, other, key=lambda each: each.chi2)
     return best
+
+
+def _better_than(fit: FitSummary) -> Purpose:
+    return Purpose(beat=fit.chi2 + prior_cost(fit.theory))
 
 
 def _theory(theory: Theory, start: Start) -> Theory:

@@ -40,7 +40,9 @@ LITTLE_FALL, NO_FALL = 0.1, 0.01
 nothing is not taken."""
 TRUSTED = 2.0
 """Times its promise a fit may come down that has not begun far away."""
-NEGLIGIBLE = 1e-4
+ROUGH = 0.01
+"""Share of all that steps have brought, below which two in a row end a rough fit."""
+NEGLIGIBLE = 1e-3
 """Share of what a theory leaves unexplained."""
 SHARES = (1.0, 0.4, 0.1)
 WORSE, MOST_AT_CORNER = 0.5, 0.25
@@ -125,8 +127,28 @@ class Place:
         return float(self.gradient @ step) + self.own_promise
 
 
+@dataclass(frozen=True, slots=True)
+class Purpose:
+    """How far a fit is to be followed.
+
+    Attributes
+    ----------
+    beat
+        Cost of another fit: once this one promises not to come below it, it is left.
+    roughly
+        Whether it is enough to see how far it comes down: steps that bring less than a hundredth
+        of what all have brought are the last then.
+    """
+
+    beat: float = np.inf
+    roughly: bool = False
+
+
+TO_THE_END = Purpose()
+
+
 def descended(
-    data: Iterable[Data], place: Place, keep: Keeper, freedom: Floats, beat: float = np.inf
+    data: Iterable[Data], place: Place, keep: Keeper, freedom: Floats, purpose: Purpose = TO_THE_END
 ) -> tuple[Place, bool]:
     """Go down to the minimum of chi-squared.
 
@@ -138,21 +160,21 @@ def descended(
         Where each part's own numbers are kept from pass to pass.
     freedom
         Measured numbers of each shot less its own, shape (S,).
-    beat
-        Cost of another fit: once this one promises not to come below it, it is not followed.
 
     Returns
     -------
     The last place, and whether the last steps lowered chi-squared by less than what matters.
     """
-    before = np.inf
+    begun, before = place.cost, np.inf
     for _ in range(JOINT_ITERATIONS):
-        if place.cost - TRUSTED * place.reach() > beat:
+        if place.cost - TRUSTED * place.reach() > purpose.beat:
             return place, False
         lower = _searched(data, place, keep)
         fall = place.cost - lower.cost
         if max(fall, before) < _little(lower, freedom) or fall < NO_FALL:
             return lower, True
+        if purpose.roughly and max(fall, before) < ROUGH * (begun - lower.cost):
+            return lower, False
         place, before = lower, fall
     return place, False
 

@@ -9,7 +9,7 @@ from typing import TypeVar
 import numpy as np
 
 from analysis.collision.operator import WaltonLaw
-from analysis.model.descent import descended, linearised, summed
+from analysis.model.descent import TO_THE_END, Purpose, descended, linearised, summed
 from analysis.model.normal import NormalEquations, inverse, prior_cost
 from analysis.model.own_fit import own_states
 from analysis.model.parts import in_memory, parts_of
@@ -44,7 +44,10 @@ class Fit(FitSummary):
 
 
 def fit_campaign(
-    data: Data, theory: Theory | None = None, start: Fit | None = None, *, beat: float = np.inf
+    data: Data,
+    theory: Theory | None = None,
+    start: Fit | None = None,
+    purpose: Purpose = TO_THE_END,
 ) -> Fit:
     """Fit what all shots share together with every shot's own numbers.
 
@@ -55,8 +58,8 @@ def fit_campaign(
     start
         An earlier fit of the same data whose states are taken over. Without one each shot is
         first fitted by itself.
-    beat
-        Chi-squared of another fit, the prior in: one that will not come below is not followed.
+    purpose
+        How far it is to be followed.
     """
     if theory is None and start is None:
         begun = starting_theories(len(data.shots), data.systematics)
@@ -70,7 +73,7 @@ def fit_campaign(
     first = linearised((summed(*part, present) for part in parts), present, in_memory)
     measured, own = data.measured.reshape(len(data.shots), -1).sum(axis=1), fitted_numbers(data)
     freedom = np.maximum(measured - own, 1.0)
-    last, converged = descended([part for part, _ in parts], first, in_memory, freedom, beat)
+    last, converged = descended([part for part, _ in parts], first, in_memory, freedom, purpose)
     stands = list(last.stands)
     chi2 = np.concatenate([stand.chi2 for stand in stands])
     return Fit(

@@ -179,10 +179,14 @@ def free_flights(data: Data, states: ShotStates, theory: Theory) -> FreeFlights:
     moved = blocks @ columns.pulled.reshape(*pulled.shape[:3], -1)
     shared = -sigma * moved.reshape(len(data.shots), NUMBERS, -1)
     whole = FreeFlights(
-        *(before[0], after[0], before[1], after[1]),
-        *(shared[:, _numbers_of_side(side)] for side in (0, 1)),
-        data.bodies,
-        dict(data.covariates),
+        before=before[0],
+        after=after[0],
+        before_covariance=before[1],
+        after_covariance=after[1],
+        before_shared=shared[:, _numbers_of_side(0)],
+        after_shared=shared[:, _numbers_of_side(1)],
+        bodies=data.bodies,
+        covariates=dict(data.covariates),
     )
     encounter, _ = whole.encounter(whole.before, np.zeros(len(data.shots)), 0.0)
     good = np.isfinite(encounter.normal[:, 0]) & (encounter.approach > 0)

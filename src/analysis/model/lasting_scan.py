@@ -186,8 +186,8 @@ def _loss(residuals: Floats, scales: Floats) -> Floats:
 def _scales(residuals: Floats) -> Floats:
     """Return how wide residuals (V, R) scatter, 1 at least, by their median, shape (V,)."""
     told = np.where(residuals == 0.0, np.nan, np.abs(residuals))
-    seen = np.isfinite(told).any(axis=1)
-    middle = np.nanmedian(np.where(seen[:, None], told, 0.0), axis=1)
+    seen = np.asarray(np.isfinite(told).any(axis=1, keepdims=True))
+    middle = np.nanmedian(np.where(seen, told, 0.0), axis=1)
     return np.asarray(np.maximum(1.4826 * middle, 1.0))
 
 

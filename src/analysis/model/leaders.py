@@ -12,7 +12,8 @@ from analysis.effects.effect import ScatterEffect
 from analysis.model.adding import ALIAS_WITHIN, added
 from analysis.model.candidate import Candidate, Ranking, believed
 from analysis.model.carried import most_carried
-from analysis.model.fit import Fit
+from analysis.model.descent import Purpose
+from analysis.model.fit import Fit, fit_campaign
 from analysis.model.poses import PoseData
 from analysis.model.scatter import with_jitter
 from analysis.model.tables import Data
@@ -29,6 +30,8 @@ LEAST_PROMISED = 0.1
 """Share of the best promise below which no refit comes out first, however large the effect."""
 DURATION_SIGMAS = 3.0
 """A duration that is not so many standard errors from zero is that of no lasting contact."""
+WITHIN = 0.03
+"""Share of the best fall by which a rough fit may be behind, and come out first or alike."""
 BELIEVED_SHARE = 0.2
 """A plausible effect goes before an implausible one if it has this share of its fall."""
 
@@ -91,11 +94,29 @@ def refitted(data: Data, fit: Fit, ranking: Ranking, level: float) -> list[Leade
     ]
     if not leaders:
         return []
+    leaders = _settled(fit, leaders)
     noise = min(leader.fit.chi2_per_dof for leader in leaders)
     return [
         leader
         for leader in leaders
         if leader.candidate.chance_of(leader.fall / noise, leader.values) <= threshold
+    ]
+
+
+def _settled(fit: Fit, leaders: Sequence[Leader]) -> list[Leader]:
+    """Follow the fits to their end that may come out first, or look like the one that does."""
+    best = min(leaders, key=lambda leader: leader.fit.chi2)
+    near = best.fit.chi2 + WITHIN * max(best.fall, 0.0)
+    return [
+        leader
+        if leader.fit.converged or leader.fit.chi2 > near
+        else _leader(
+            leader.candidate,
+            leader.data,
+            (fit, fit_campaign(leader.data, leader.fit.theory, leader.fit)),
+            carried=leader.carried,
+        )
+        for leader in leaders
     ]
 
 
@@ -164,9 +185,13 @@ def _refit(data: Data, fit: Fit, candidate: Candidate, *, carried: bool) -> Lead
     if isinstance(candidate.effect, ScatterEffect) and isinstance(data, PoseData):
         return _with_scatter(data, fit, candidate, candidate.effect)
     effect = candidate.law or candidate.effect
-    data, refit = added(data, fit, effect)
-    if refit is fit:
-        return None
+    data, refit = added(data, fit, effect, Purpose(roughly=True))
+    return None if refit is fit else _leader(candidate, data, (fit, refit), carried=carried)
+
+
+def _leader(candidate: Candidate, data: Data, fits: tuple[Fit, Fit], *, carried: bool) -> Leader:
+    """Return what a candidate's refit has come to, from the fits before and with it."""
+    (fit, refit), effect = fits, candidate.law or candidate.effect
     count = len(effect.parameters)
     fall = fit.chi2 - refit.chi2
     values = refit.theory.vector[-count:]

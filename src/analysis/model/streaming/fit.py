@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.model.descent import Stand, descended, linearised, summed
+from analysis.model.descent import TO_THE_END, Purpose, Stand, descended, linearised, summed
 from analysis.model.fit import START, likeliest, starting_theories
 from analysis.model.normal import inverse
 from analysis.model.own_fit import own_states
@@ -61,7 +61,7 @@ def fit_stream(
     states: Iterable[ShotStates] | None = None,
     *,
     scatter: Mapping[str, Quantity] | None = None,
-    beat: float = np.inf,
+    purpose: Purpose = TO_THE_END,
 ) -> StreamedFit:
     """Fit what all shots share together with every shot's own numbers, as `fit_campaign`.
 
@@ -73,8 +73,8 @@ def fit_stream(
         Of the shots of each part, where they start; None: each shot is first fitted by itself.
     scatter
         Parameters of noise that the stream was given besides its sigmas.
-    beat
-        As of `fit_campaign`.
+    purpose
+        How far it is to be followed.
 
     Raises
     ------
@@ -90,7 +90,7 @@ def fit_stream(
     parts = (summed(*part, present) for part in zip(stream, states, strict=True))
     measured, own = _counts(stream)
     freedom = np.maximum(measured - own, 1.0)
-    last, converged = descended(stream, linearised(parts, present, Spool), Spool, freedom, beat)
+    last, converged = descended(stream, linearised(parts, present, Spool), Spool, freedom, purpose)
     chi2 = np.concatenate([stand.chi2 for stand in last.stands])
     return StreamedFit(
         theory=last.theory,

@@ -12,6 +12,7 @@ from analysis.effects.effect import ContactLaw, Effect, ScatterEffect
 from analysis.model.account import AS_STATED, Account
 from analysis.model.adding import with_law
 from analysis.model.candidate import Ranking
+from analysis.model.descent import Purpose
 from analysis.model.evidence import corrections
 from analysis.model.inside import without_contact_frames
 from analysis.model.noise import scales_over
@@ -151,9 +152,9 @@ def _added(found: JudgedStream, effect: Effect) -> JudgedStream:
     data, fit = found.data, found.fit
     if isinstance(effect, ContactLaw):
 
-        def refit(theory: Theory, start: StreamedFit | None, beat: float) -> StreamedFit:
+        def refit(theory: Theory, start: StreamedFit | None, purpose: Purpose) -> StreamedFit:
             states = None if start is None else start.states()
-            return fit_stream(data, theory, states, beat=beat)
+            return fit_stream(data, theory, states, purpose=purpose)
 
         return JudgedStream(data, with_law(passes_of_stream(data, fit), fit, effect, refit))
     if not isinstance(effect, ScatterEffect):
