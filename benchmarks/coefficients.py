@@ -124,29 +124,17 @@ def poses_of(found: dict[int, Measured], setup: Setup, factor: float) -> PoseDat
     return replace(data, position=factor * data.position)
 
 
-def judge_report(report: Results, done: Floats, true: Floats) -> tuple[Pulls, Pulls]:
-    """Return own and total pulls of a report.
-
-    Parameters
-    ----------
-    done
-        What the drawn numbers do to the velocities, m/s, shape (S, 4).
-    true
-        The true ones.
-    """
+def judge_report(report: Results, true: Floats) -> Pulls:
+    """Return total pulls of a report; true velocities, m/s, shape (S, 4)."""
     if not report.lasting:
-        return {}, {}
-    impacts, used = report.impacts, report.lines.used
-    freed = replace(impacts, velocities=impacts.velocities - done)
-    whole, apart, right = (
-        mean_restitution(each, used) for each in (impacts, freed, replace(impacts, velocities=true))
-    )
-    own = {"report, mean e": [(apart.value - right.value) / (whole.own or np.nan)]}
-    total = {"report, mean e": [(whole.value - right.value) / whole.sigma]}
+        return {}
+    exact = replace(report.impacts, velocities=true)
+    mean, right = (mean_restitution(i, report.lines.used) for i in (report.impacts, exact))
+    total = {"report, mean e": [(mean.value - right.value) / mean.sigma]}
     for name, truth in CONTACT.items():
         fitted = report.whole_fit[name]
         total[f"report, fitted {name}"] = [(fitted.value - truth) / fitted.sigma]
-    return own, total
+    return total
 
 
 def judge(found: dict[int, Measured], report: Results, drawn: Drawn) -> tuple[Pulls, Pulls]:
@@ -173,8 +161,7 @@ def judge(found: dict[int, Measured], report: Results, drawn: Drawn) -> tuple[Pu
                 off = spin - np.array(truth[f"spin_{side}"][i])
                 own["spin"] += _told(off / shot.impact.state_sigma[k, 2 + i])
     seen = np.searchsorted(impacts.shots, report.impacts.shots)
-    for every, part in zip((own, total), judge_report(report, done[seen], true[seen]), strict=True):
-        every.update(part)
+    total.update(judge_report(report, true[seen]))
     return own, total
 
 
@@ -226,8 +213,8 @@ def main() -> None:
             line += f"{rms(np.array(total[name])):13.2f}{np.abs(total[name]).max():7.1f}"
         print(line)
     for name in (name for name in total if name not in own):
-        pulls = np.array(total[name])
-        print(f"{name:28}{len(pulls):9d}{rms(pulls):27.2f}{np.abs(pulls).max():7.1f}")
+        line = f"{name:28}{len(total[name]):9d}{rms(np.array(total[name])):27.2f}"
+        print(f"{line}{np.abs(total[name]).max():7.1f}")
 
 
 if __name__ == "__main__":
