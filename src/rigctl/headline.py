@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 
 from analysis.model.account import Accounted
+from analysis.model.nuisance import alarms_of
+from analysis.model.nuisance_words import alarm_sentence
 
 
 def headline(title: str, found: Accounted) -> str:
@@ -15,4 +17,5 @@ def headline(title: str, found: Accounted) -> str:
         f"{title}: {shots} shots, chi-squared per degree of freedom {fit.chi2_per_dof:.4f} "
         f"(sampling error {math.sqrt(2 / max(fit.freedom, 1)):.4f})"
     )
-    return "\n".join([first, *found.account.remarks()])
+    alarms = [alarm_sentence(alarm) for alarm in alarms_of(fit)]
+    return "\n".join([first, *found.account.remarks(), *alarms])

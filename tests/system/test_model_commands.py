@@ -21,12 +21,12 @@ ENDS_WITHIN_S = 100.0
 STRETCH = 0.004
 FIT = {
     *("campaign", "shots", "with", "chi2_per_dof", "degrees_of_freedom", "converged", "parameters"),
-    *("faults", "noise", "excluded", "rejected", "rejected_frames", "torn_tracks"),
+    *("faults", "noise", "excluded", "rejected", "rejected_frames", "torn_tracks", "alarms"),
 }
 EXPLAIN = {
     *("campaign", "shots", "used", "excluded", "rejected", "rejected_frames", "verdict", "effects"),
     *("alias_set", "alias_sets", "unexplained", "chi2_per_dof", "path", "parameters", "candidates"),
-    *("noise", "structure", "next_shots", "faults", "torn_tracks"),
+    *("noise", "structure", "next_shots", "faults", "torn_tracks", "alarms"),
 }
 pytestmark = pytest.mark.timeout(300)
 

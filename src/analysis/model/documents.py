@@ -7,6 +7,7 @@ from typing import Any
 
 from analysis.model.account import Accounted
 from analysis.model.candidate import Candidate, Ranking
+from analysis.model.nuisance import alarms_of
 from analysis.quantity import Quantity
 
 Json = dict[str, Any]
@@ -33,6 +34,7 @@ def fit_document(title: str, names: Sequence[str], found: Accounted) -> Json:
         "degrees_of_freedom": fit.freedom,
         "converged": fit.converged,
         "parameters": {name: q.to_json() for name, q in fit.parameters().items()},
+        "alarms": alarms_of(fit),
     }
 
 

@@ -11,6 +11,7 @@ from analysis.model.design.between import Telling
 from analysis.model.design.document import shots_document
 from analysis.model.documents import SMALLEST_P, noise_document
 from analysis.model.lackoffit import Cell
+from analysis.model.nuisance import alarms_of
 from analysis.model.selection import Verdict
 from analysis.model.tables import Data
 
@@ -45,6 +46,7 @@ def verdict_document(
             for stage in verdict.path
         ],
         "parameters": {name: q.to_json() for name, q in verdict.fit.parameters().items()},
+        "alarms": alarms_of(verdict.fit),
         "candidates": candidates_document(verdict.first_ranking),
         "noise": noise_document(verdict.noise),
         "structure": [_cell(cell) for cell in _left(verdict, int(kept.sum()))],

@@ -6,6 +6,7 @@ from typing import Any
 
 from analysis.model.alarm import FEWEST
 from analysis.model.carried import FEW
+from analysis.model.nuisance_words import alarm_sentence
 from analysis.quantity import Quantity
 
 Json = dict[str, Any]
@@ -33,11 +34,12 @@ def verdict_sentence(document: Json) -> str:
 
 
 def doubts(document: Json) -> list[str]:
-    """Say what few shots leave open, and which candidates promise much at an unbelievable size.
+    """Say what few shots leave open, what is promised at unbelievable sizes, and what alarms.
 
     These are never hidden; plausibility only decides which of two alike is tried first.
     """
-    return [*_of_few(document), *_not_believed(document)]
+    alarms = [alarm_sentence(alarm) for alarm in document["alarms"]]
+    return [*alarms, *_of_few(document), *_not_believed(document)]
 
 
 def too_few(used: int) -> str:

@@ -8,6 +8,7 @@ from nicegui import ui
 
 from analysis.model.alarm import FEWEST
 from analysis.model.carried import FEW
+from analysis.model.nuisance_words import alarm_sentence
 from analysis.model.words import doubts, too_few, verdict_sentence
 from rigctl.page.model.state import ModelState, Question
 from rigctl.page.parts.widgets import button
@@ -46,6 +47,8 @@ class Verdict:
                 with ui.element("div").classes("said"):
                     ui.label(lead).classes("lead")
                     ui.label(rest)
+                    for alarm in (present or {}).get("alarms", ()):
+                        ui.label(alarm_sentence(alarm)).classes("note").props("data-testid=alarm")
                 self._offer()
             self._found()
 

@@ -18,7 +18,7 @@ from tests.unit.analysis.model.hard_spheres import Hidden, campaign
 KEYS = {
     *("campaign", "shots", "used", "excluded", "rejected", "rejected_frames", "verdict", "effects"),
     *("alias_set", "alias_sets", "unexplained", "chi2_per_dof", "path", "parameters", "candidates"),
-    *("noise", "structure", "next_shots", "torn_tracks"),
+    *("noise", "structure", "next_shots", "torn_tracks", "alarms"),
 }
 CANDIDATE = {
     *("effect", "score", "p_value", "p_familywise", "promised_fall"),
