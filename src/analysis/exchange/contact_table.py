@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from analysis.exchange.rows import TableRow, read_rows
-from analysis.exchange.tables import CONTACT_SIGMAS, CONTACTS
+from analysis.exchange.tables import CONTACT_SIGMAS, CONTACTS, DURATION
 from analysis.exchange.tabulated import Tabulated, require_errors_alike, require_once
 
 NORMAL = ("nx", "ny", "nz")
@@ -33,6 +33,9 @@ class ContactRow(Tabulated):
     sigmas
         Of each of the 24 numbers before and after, where it has one of its own; else None, and the
         one of its kind holds.
+    duration_s, sigma_duration_s
+        How long the contact lasts, from touch to parting, and its standard error, s; None: not
+        measured.
     """
 
     normal: tuple[float, float, float]
@@ -41,6 +44,8 @@ class ContactRow(Tabulated):
     sigma_v: float | None
     sigma_w: float | None
     sigmas: tuple[float | None, ...] = (None,) * 24
+    duration_s: float | None = None
+    sigma_duration_s: float | None = None
 
     @property
     def errors(self) -> tuple[float | None, ...]:
@@ -64,11 +69,11 @@ def read_contacts(path: Path, *, plate: bool) -> list[ContactRow]:
     InputError
         A column missing or unknown, a field that is no number, a normal that is not of length 1, a
         velocity before contact that is not there, bodies that do not approach each other, a plate
-        that moves, a sigma that is not positive or stated in some lines only, a shot that stands
-        twice; with the line.
+        that moves, a sigma that is not positive or stated in some lines only, a duration that is
+        negative or without a standard error, a shot that stands twice; with the line.
     """
     needed = [name for name in CONTACTS if name not in SIGMAS]
-    rows = read_rows(path, needed, (*SIGMAS, *CONTACT_SIGMAS))
+    rows = read_rows(path, needed, (*SIGMAS, *CONTACT_SIGMAS, *DURATION))
     found = [_contact(row, plate=plate) for row in rows]
     require_once(rows, found)
     require_errors_alike(rows, [_without_error(contact, plate=plate) for contact in found])
@@ -92,7 +97,23 @@ def _contact(row: TableRow, *, plate: bool) -> ContactRow:
         )
     sigma_v, sigma_w = map(row.sigma, SIGMAS)
     own = tuple(map(row.sigma, CONTACT_SIGMAS))
-    return ContactRow(row.whole("shot"), normal, before, after, sigma_v, sigma_w, own)
+    number = row.whole("shot")
+    return ContactRow(number, normal, before, after, sigma_v, sigma_w, own, *_duration(row))
+
+
+def _duration(row: TableRow) -> tuple[float | None, float | None]:
+    """Return a measured duration and its standard error, s."""
+    value, sigma = row.number(DURATION[0]), row.sigma(DURATION[1])
+    if value is None:
+        return None, None
+    if value < 0.0:
+        raise row.fault(f"{DURATION[0]}: {value:g} s; a contact ends after it begins")
+    if sigma is None:
+        raise row.fault(
+            f"{DURATION[1]}: empty beside a duration of {value:g} s; state its standard error, or "
+            "leave both empty"
+        )
+    return value, sigma
 
 
 def _normal(row: TableRow) -> tuple[float, float, float]:

@@ -32,6 +32,8 @@ POSES_SLOW = ["slow_position_m", "slow_rotation_rad"]
 _STATE = [f"{kind}{sphere}_{axis}" for kind in "vw" for sphere in "ab" for axis in "xyz"]
 CONTACT_SIGMAS = [f"sigma_{name}{suffix}" for suffix in ("", "_after") for name in _STATE]
 """May stand in contacts.csv: standard errors of single numbers, m/s and rad/s."""
+DURATION = ["duration_s", "sigma_duration_s"]
+"""May stand in contacts.csv: how long a contact lasts, where that was measured, s."""
 CONTACTS = [
     "shot",
     "nx",

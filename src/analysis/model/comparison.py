@@ -25,6 +25,7 @@ from analysis.model.sides import NUMBERS, Flights, flights, flights_by_state, ra
 from analysis.model.slow import slow_noise
 from analysis.model.state import ShotStates
 from analysis.model.tables import ContactTable, Data
+from analysis.model.tabulated_duration import parting
 from analysis.model.theory import Theory
 from analysis.motion.rotation import rotation_vector
 
@@ -157,10 +158,13 @@ def _shared_noise(
 
 
 def _tabulated(table: ContactTable, sides: Flights, by_state: Floats) -> Comparison:
-    """Compare tabulated numbers, one block of them, with the flights' rates."""
+    """Compare tabulated numbers, one block of them, with the flights' rates and the duration."""
     weights = table.weights
-    slopes = (weights[..., None] * table.functional)[:, None]
-    predicted = rates_of(sides) @ table.functional.T
+    predicted, slopes = rates_of(sides) @ table.functional.T, weights[..., None] * table.functional
+    if table.lasts:
+        predicted[:, -1], by_flights = parting(sides, table.bodies, table.normal)
+        slopes[:, -1] = weights[:, -1:] * by_flights
+    slopes = slopes[:, None]
     return Comparison(
         residual=(weights * (table.numbers - predicted))[:, None],
         slopes=slopes,

@@ -25,6 +25,8 @@ Floats = NDArray[np.float64]
 
 LEAST_INFORMATION = 1e-9
 """Of the largest in its block, each scaled to one: less is the rounding of what was not seen."""
+NOWHERE = 1.0
+"""Variance of a place, m^2, beyond which flights have none."""
 UNSEEN = 1e6
 """Standard error, m, m/s or rad/s, of what was not measured."""
 SIDE = 18
@@ -45,6 +47,8 @@ class FreeFlights:
         What one standard error of each thing that all shots share does to them, shape (S, 18, K).
     bodies, covariates
         As an `Encounter` has them.
+    measured_s
+        How long contacts last where that is tabulated, s, shape (S,); else not a number.
     """
 
     before: Floats
@@ -55,6 +59,7 @@ class FreeFlights:
     after_shared: Floats
     bodies: tuple[Body, Body]
     covariates: dict[str, Floats]
+    measured_s: Floats
 
     def encounter(self, before: Floats, e: Floats, mu: float | Floats) -> tuple[Encounter, Floats]:
         """Return the encounters that flights before contact (N, 18) lead to, and when, s, (N,).
@@ -105,7 +110,11 @@ class FreeFlights:
         return np.asarray((np.concatenate(variances, axis=1) < 0.5 * UNSEEN**2).all(axis=1))
 
     def durations(self) -> Floats:
-        """Return how long contacts last by the paths, s, (S,): not a number where none shows."""
+        """Return how long contacts last, s, (S,): not a number where neither paths nor rows say."""
+        if np.isfinite(self.measured_s).any():
+            return self.measured_s
+        if self.after_covariance[0, 0, 0] > NOWHERE:
+            return np.full(len(self.after), np.nan)
         reach = self.bodies[0].radius + self.bodies[1].radius
         times = []
         for side, sign in ((self.before, -1.0), (self.after, 1.0)):
@@ -127,6 +136,7 @@ class FreeFlights:
             np.concatenate([p.after_shared for p in parts]),
             parts[0].bodies,
             {name: np.concatenate([p.covariates[name] for p in parts]) for name in names},
+            np.concatenate([p.measured_s for p in parts]),
         )
 
     def of_shots(self, rows: NDArray[np.bool_] | NDArray[np.intp]) -> FreeFlights:
@@ -140,6 +150,7 @@ class FreeFlights:
             self.after_shared[rows],
             self.bodies,
             {name: own[rows] for name, own in self.covariates.items()},
+            self.measured_s[rows],
         )
 
 
@@ -165,7 +176,11 @@ def free_flights(data: Data, states: ShotStates, theory: Theory) -> FreeFlights:
     """
     calibrated = tuple(replace(s, values=s.stated) for s in theory.systematics)
     about = replace(theory, systematics=calibrated)
-    if not isinstance(data, ContactTable):
+    measured_s = np.full(len(data.shots), np.nan)
+    if isinstance(data, ContactTable):
+        # A duration alone says nothing of where either body is.
+        measured_s, data = data.durations_s, data.without_durations()
+    else:
         data = replace(data, jitter_s=0.0)
     line, here = compare(data, states, about)
     blocks = pseudo_inverse(line.gram)
@@ -187,6 +202,7 @@ def free_flights(data: Data, states: ShotStates, theory: Theory) -> FreeFlights:
         after_shared=shared[:, _numbers_of_side(1)],
         bodies=data.bodies,
         covariates=dict(data.covariates),
+        measured_s=measured_s,
     )
     encounter, _ = whole.encounter(whole.before, np.zeros(len(data.shots)), 0.0)
     good = np.isfinite(encounter.normal[:, 0]) & (encounter.approach > 0)

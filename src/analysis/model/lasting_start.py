@@ -125,7 +125,7 @@ def _corrected(scan: Scan, law: ContactLaw) -> Floats:
 
 
 def _timed(scan: Scan, law: ContactLaw) -> Floats:
-    """Return a start with the duration that the paths show, or as it is where they show none.
+    """Return a start with the duration that paths or rows show, or as it is where none does.
 
     Durations go with that at 1 m/s, however a law has them depend on speed.
     """
@@ -134,7 +134,7 @@ def _timed(scan: Scan, law: ContactLaw) -> Floats:
     encounter, _ = flights.encounter(flights.before, vector[0] + scan.own_e, float(vector[1]))
     ratio = flights.durations() / operator(encounter).duration
     ratio = ratio[np.isfinite(ratio)]
-    if ratio.size == 0 or flights.after_covariance[0, 0, 0] > 1.0:
+    if ratio.size == 0:
         return vector
     middle = float(np.median(ratio))
     spread = 1.4826 * float(np.median(np.abs(ratio - middle))) / np.sqrt(ratio.size)

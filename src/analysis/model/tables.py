@@ -32,7 +32,8 @@ class ContactTable:
         What is tabulated and its standard errors, m/s and rad/s, shape (S, L). An infinite sigma:
         not measured.
     functional
-        What each number is of the 48 numbers of the two flights (`sides`), shape (L, 48).
+        What each number is of the 48 numbers of the two flights (`sides`), shape (L, 48); 0 for
+        durations.
     after
         Which numbers tell of the state after contact, shape (L,).
     open
@@ -48,6 +49,8 @@ class ContactTable:
         directions of every contact, and nothing is known across them.
     estimated
         Whether no errors are stated, and sigma is a scale for each channel, from the scatter.
+    lasts
+        Whether the last of the numbers is how long the contact lasts, s.
     excluded
         Numbers of shots that are not here because a person left them out.
     """
@@ -65,6 +68,7 @@ class ContactTable:
     covariates: Mapping[str, Floats]
     scalars: bool
     estimated: bool = False
+    lasts: bool = False
     excluded: tuple[int, ...] = ()
 
     @property
@@ -128,6 +132,25 @@ class ContactTable:
         place = np.arange(len(self.after))
         first = place % 2 == 0 if self.scalars else place % 12 < 6
         return np.stack([first, ~first])
+
+    @property
+    def durations_s(self) -> Floats:
+        """Return how long contacts last as measured, s, shape (S,); not a number where not."""
+        measured = self.measured[:, -1] & self.lasts
+        return np.where(measured, self.numbers[:, -1], np.nan)
+
+    def without_durations(self) -> ContactTable:
+        """Return the table of velocities and spins alone."""
+        if not self.lasts:
+            return self
+        return replace(
+            self,
+            numbers=self.numbers[:, :-1],
+            sigma=self.sigma[:, :-1],
+            functional=self.functional[:-1],
+            after=self.after[:-1],
+            lasts=False,
+        )
 
     def scaled(self, factor: Floats) -> ContactTable:
         """Return the table with the sigmas of each number multiplied, factors of shape (L,)."""

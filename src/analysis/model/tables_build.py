@@ -30,6 +30,8 @@ def contacts_table(
 ) -> ContactTable:
     """Put full states before and after contact into arrays: 24 numbers a shot.
 
+    Where a duration was measured it is the 25th.
+
     Parameters
     ----------
     covariates
@@ -46,21 +48,31 @@ def contacts_table(
     unknown = np.isnan(before[:, 6:]).reshape(-1, 2, 3).any(axis=2)
     for spins in (sigma[:, 6:12], sigma[:, 18:24]):
         spins[np.repeat(unknown, 3, axis=1)] = np.inf
-    before = np.nan_to_num(before)
+    before, functional = np.nan_to_num(before), _all_rates()
+    if lasts := any(row.duration_s is not None for row in rows):
+        functional = np.concatenate([functional, np.zeros((1, NUMBERS))])
+        numbers, sigma = (
+            np.column_stack([first, [np.nan if own is None else own for own in last]])
+            for first, last in (
+                (numbers, [row.duration_s for row in rows]),
+                (sigma, [_or_infinite(row.sigma_duration_s) for row in rows]),
+            )
+        )
     return ContactTable(
         shots=np.array([row.shot for row in rows], dtype=np.intp),
         normal=np.array([row.normal for row in rows]),
         start=States(before[:, :3], before[:, 3:6], before[:, 6:9], before[:, 9:]),
         numbers=np.nan_to_num(numbers),
         sigma=sigma,
-        functional=_all_rates(),
-        after=np.arange(24) >= 12,
+        functional=functional,
+        after=np.arange(len(functional)) >= 12,
         open=_open(bodies, scalars=False),
         bodies=bodies,
         gravity=gravity,
         covariates=covariates,
         scalars=False,
         estimated=estimated,
+        lasts=lasts,
     )
 
 
