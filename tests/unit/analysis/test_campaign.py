@@ -93,7 +93,9 @@ def test_several_processes_give_the_same_results_in_the_same_order(
     for (_, here), (_, there, _) in zip(results, done, strict=True):
         if isinstance(here, MeasuredShot):
             assert isinstance(there, MeasuredShot)
-            assert there.impact.v_n == here.impact.v_n
+            # Processes agree to rounding.
+            assert there.impact.v_n.value == pytest.approx(here.impact.v_n.value, rel=1e-6)
+            assert there.impact.v_n.sigma == pytest.approx(here.impact.v_n.sigma, rel=1e-6)
 
 
 class Drawn(tuple[ShotJob, ...]):
