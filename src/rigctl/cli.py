@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from typing import Annotated
 
@@ -98,6 +99,8 @@ def run(arguments: list[str]) -> int:
     0 is success, 2 bad input, 3 a rig that refuses or cannot, 4 "not found", 130 an interruption
     by Ctrl-C, 1 anything else.
     """
+    # Read where linear algebra is loaded, by the commands: more threads wait for each other there.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:
         code = app(arguments or ["--help"], prog_name="rigctl", standalone_mode=False)
     except RigError as error:

@@ -38,7 +38,7 @@ def doubts(document: Json) -> list[str]:
 
     These are never hidden; plausibility only decides which of two alike is tried first.
     """
-    alarms = [alarm_sentence(alarm) for alarm in document["alarms"]]
+    alarms = [alarm_sentence(alarm) for alarm in document.get("alarms", ())]
     return [*alarms, *_of_few(document), *_not_believed(document)]
 
 
