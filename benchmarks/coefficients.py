@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from scipy.stats import norm
 
 from analysis.campaign import read_campaign
-from analysis.effects.lasting_contact import EFFECT
+from analysis.effects.contact.lasting_contact import EFFECT
 from analysis.exchange.pose_writing import measured_poses
 from analysis.model.gather import pose_data
 from analysis.model.poses import PoseData

@@ -12,7 +12,7 @@ from functools import partial
 import numpy as np
 
 from analysis.effects.catalogue import CATALOGUE
-from analysis.effects.lasting_contact import EFFECT
+from analysis.effects.contact.lasting_contact import EFFECT
 from analysis.model.adding import added
 from analysis.model.fit import Fit, fit_campaign
 from analysis.model.ranking import rank

@@ -9,16 +9,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol, cast
 
-from rigctl.analysing import Analyser
-from rigctl.analysis_process import Compiling
 from rigctl.cameras.build import build_capture
 from rigctl.config import Configuration, Simulation
 from rigctl.devices import build
 from rigctl.devices.roles import Actuators
 from rigctl.errors import ConfigurationError
 from rigctl.jobs import Jobs
+from rigctl.measuring.analysing import Analyser
+from rigctl.measuring.analysis_process import Compiling
+from rigctl.model.own_effects import OwnEffects
 from rigctl.opening import own_store
-from rigctl.own_effects import OwnEffects
 from rigctl.rig.dead_man import DeadMan
 from rigctl.rig.machine import Rig
 from rigctl.rig.recovery import Recovery

@@ -17,9 +17,9 @@ import numpy as np
 import pytest
 import schemathesis
 
-from rigctl.campaigns import campaign_poses
 from rigctl.config import Configuration, StoreSection, load
 from rigctl.daemon import Daemon, open_daemon
+from rigctl.model.campaigns import campaign_poses
 from rigctl.service.app import create_app
 from rigctl.service.events import EventHub
 from rigctl.store import ShotRecord, ShotState, Store

@@ -23,7 +23,6 @@ import pytest
 import rigctl.config as sections
 import rigctl.service
 from analysis.exchange.tables import CONTACTS, POSES
-from rigctl.analysis_process import AnalysisFailedError
 from rigctl.errors import (
     AnalysisInputError,
     CatalogueLostError,
@@ -32,6 +31,7 @@ from rigctl.errors import (
     RigError,
 )
 from rigctl.jobs import JobFailedError
+from rigctl.measuring.analysis_process import AnalysisFailedError
 from rigctl.rig.states import LATCHED, TRANSITIONS
 from rigctl.service.app import create_app
 from rigctl.service.campaign_models import CampaignView, FitView

@@ -2,33 +2,29 @@
 
 from __future__ import annotations
 
-from analysis.effects import (
-    adhesion,
+from analysis.effects.camera import (
     block_readout,
-    buoyancy,
     camera_roll,
-    drag,
-    exposure_offset,
-    finite_contact,
-    frame_rate,
-    friction_drift,
-    friction_speed,
-    gravity_direction,
-    gravity_value,
     image_scale,
-    inertia_factor,
-    lasting_contact,
-    launch_delay,
-    magnus_lift,
-    mass_mismatch,
-    mass_offset,
     mirror_angle,
     perspective,
     pixel_aspect,
-    pressure_friction,
-    pressure_hysteresis,
-    pressure_leak,
     radial_distortion,
+)
+from analysis.effects.clock import (
+    exposure_offset,
+    frame_rate,
+    timing_jitter,
+)
+from analysis.effects.contact import (
+    adhesion,
+    finite_contact,
+    friction_drift,
+    friction_speed,
+    inertia_factor,
+    lasting_contact,
+    mass_mismatch,
+    mass_offset,
     radius_mismatch,
     restitution_drift,
     restitution_obliquity,
@@ -36,16 +32,28 @@ from analysis.effects import (
     restitution_viscoelastic,
     restitution_yield_knee,
     rolling_restitution_speed,
-    slide_backlash,
-    spin_decay,
     tangential_compliance,
-    timing_jitter,
     torsional_friction,
-    tube_spin,
     velocity_offset,
-    wind,
 )
 from analysis.effects.effect import Effect, LaunchEffect
+from analysis.effects.flight import (
+    buoyancy,
+    drag,
+    gravity_direction,
+    gravity_value,
+    magnus_lift,
+    spin_decay,
+    wind,
+)
+from analysis.effects.launch import (
+    launch_delay,
+    pressure_friction,
+    pressure_hysteresis,
+    pressure_leak,
+    slide_backlash,
+    tube_spin,
+)
 
 CATALOGUE: tuple[Effect, ...] = (
     restitution_viscoelastic.EFFECT,

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from scipy.stats import chi2 as chi2_distribution
 
 from analysis.effects.effect import LaunchEffect
-from analysis.effects.pressure_friction import EFFECT as FRICTION
+from analysis.effects.launch.pressure_friction import EFFECT as FRICTION
 from analysis.errors import LaunchRefusedError
 from analysis.launch.compared import Compared, compare, residual_at_mouths
 from analysis.launch.measurement import Touches, measured_touches

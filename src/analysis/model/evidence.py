@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from analysis.effects.timing_jitter import EFFECT as JITTER
+from analysis.effects.clock.timing_jitter import EFFECT as JITTER
 from analysis.model.account import AS_STATED
 from analysis.model.crossvalidation import PredictionError, prediction_error
 from analysis.model.fit import Fit, fit_campaign

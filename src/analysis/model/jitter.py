@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.effects import timing_jitter
+from analysis.effects.clock import timing_jitter
 
 Floats = NDArray[np.float64]
 

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.collision.force_law import hertz_duration
+from analysis.effects.contact.lasting_contact import TYPICAL_MODULUS
 from analysis.effects.effect import ContactLaw
-from analysis.effects.lasting_contact import TYPICAL_MODULUS
 from analysis.model.free_flights import SIDE, FreeFlights
 from analysis.model.lasting_scan import Scan, Start
 from analysis.model.theory import Theory

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.collision.operator import States, gives, surface_velocity
-from analysis.effects.spring_slider import rebound
-from analysis.effects.tangential_compliance import STIFFNESS_RATIO
+from analysis.effects.contact.spring_slider import rebound
+from analysis.effects.contact.tangential_compliance import STIFFNESS_RATIO
 from analysis.model.agreement.outcome import Outcomes, outcomes
 from analysis.model.channels import contact_columns
 from analysis.model.contact import AFTER, contact_outcome

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.effects.clock.jitter_score import JitterScore
 from analysis.effects.effect import ContactLaw, Effect, ScatterEffect
-from analysis.effects.jitter_score import JitterScore
 from analysis.model.candidate import Candidate, Ranking, one_sided
 from analysis.model.fit import Fit
 from analysis.model.passes import Passes, passes_of

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.effects.clock.jitter_score import Directions, JitterScore, directions, score_of
 from analysis.effects.effect import ScatterEffect
-from analysis.effects.jitter_score import Directions, JitterScore, directions, score_of
 from analysis.model.comparison import KINDS, Comparison, Snapshot, by_block, compare, rates
 from analysis.model.fit import Fit, fit_campaign
 from analysis.model.jitter import by_frame

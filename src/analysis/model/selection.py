@@ -13,8 +13,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.stats import chi2 as chi2_distribution
 
+from analysis.effects.clock.timing_jitter import EFFECT as JITTER
 from analysis.effects.effect import Effect
-from analysis.effects.timing_jitter import EFFECT as JITTER
 from analysis.model.alarm import UNEXPLAINED_LEVEL, alarms, is_far_off
 from analysis.model.candidate import Ranking
 from analysis.model.evidence import Stage, stage_of, weighed

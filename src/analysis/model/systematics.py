@@ -11,11 +11,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.effects.drag import EFFECT as DRAG
+from analysis.effects.camera.image_scale import EFFECT as IMAGE_SCALE
+from analysis.effects.camera.outline_offset import EFFECT as OUTLINE_OFFSET
+from analysis.effects.contact.mass_offset import EFFECT as MASS_OFFSET
 from analysis.effects.effect import Effect, Values
-from analysis.effects.image_scale import EFFECT as IMAGE_SCALE
-from analysis.effects.mass_offset import EFFECT as MASS_OFFSET
-from analysis.effects.outline_offset import EFFECT as OUTLINE_OFFSET
+from analysis.effects.flight.drag import EFFECT as DRAG
 from analysis.setup import SlowErrors
 
 Floats = NDArray[np.float64]

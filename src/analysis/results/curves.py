@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.collision.operator import WaltonLaw
-from analysis.effects.spring_slider import rebound
-from analysis.effects.tangential_compliance import STIFFNESS_RATIO
+from analysis.effects.contact.spring_slider import rebound
+from analysis.effects.contact.tangential_compliance import STIFFNESS_RATIO
 from analysis.results.likelihood import friction_reach
 from analysis.results.lines import Lines
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from analysis.effects.lasting_contact import EFFECT
+from analysis.effects.contact.lasting_contact import EFFECT
 from analysis.model.judged import Judged, judged_with
 from analysis.quantity import Quantity
 from analysis.results.impacts import SHARED, Impacts

@@ -22,9 +22,9 @@ from rigctl.api.comparison import Agreement, Structure, agreement_of
 from rigctl.api.own_effects import Given, KnownEffects
 from rigctl.api.pictured import Pictured
 from rigctl.api.ranking import ErrorPath, Ranking
-from rigctl.headline import headline
-from rigctl.known_effects import faults_refused
-from rigctl.seen_effects import require_seen
+from rigctl.model.headline import headline
+from rigctl.model.known_effects import faults_refused
+from rigctl.model.seen_effects import require_seen
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -18,9 +18,9 @@ from rigctl.api.kept_shots import KeptShots, shot_keys
 from rigctl.api.measured import Measured
 from rigctl.api.progress import counting
 from rigctl.errors import AnalysisInputError
-from rigctl.first_analysis import wait_for_compiler
 from rigctl.input_errors import in_words
-from rigctl.stored_poses import measured_document, poses_of, slow_errors_of
+from rigctl.measuring.first_analysis import wait_for_compiler
+from rigctl.measuring.stored_poses import measured_document, poses_of, slow_errors_of
 
 Json = dict[str, Any]
 

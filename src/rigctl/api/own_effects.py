@@ -14,7 +14,7 @@ from analysis.effects.own.dropping import without_faulty
 from analysis.effects.own.fault import Fault
 from analysis.effects.own.guard import FUNCTIONS, function_of
 from rigctl.errors import AnalysisInputError
-from rigctl.known_effects import ALL_EFFECTS, Available, available, faults_refused
+from rigctl.model.known_effects import ALL_EFFECTS, Available, available, faults_refused
 
 Given = str | Path | Effect
 """An effect: its name, the file that defines it, or the effect itself."""

@@ -41,6 +41,6 @@ class Named:
     def measured(self, workers: int | None) -> Measured:
         """Return the shots that are measured; those that are not are refused by name."""
         # The store needs a system with file locks; folders do not.
-        from rigctl.campaigns import open_campaign  # noqa: PLC0415
+        from rigctl.model.campaigns import open_campaign  # noqa: PLC0415
 
         return Measured(open_campaign(Path(self.name), self.configuration)[1])

@@ -154,7 +154,7 @@ def model_next(
 ) -> None:
     """Choose the next shots: to tell two effects apart, or to sharpen a parameter."""
     from rigctl.commands.model.next import next_shots
-    from rigctl.next_shots import Question
+    from rigctl.model.next_shots import Question
 
     next_shots(
         campaign,

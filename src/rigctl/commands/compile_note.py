@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 
 from analysis.shot import Method
-from rigctl.first_analysis import wait_for_compiler
+from rigctl.measuring.first_analysis import wait_for_compiler
 
 
 def announce_compiling(method: Method) -> None:

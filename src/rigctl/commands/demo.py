@@ -15,13 +15,13 @@ from analysis.figures.shot import draw_shot
 from analysis.model.report import verdict_document
 from analysis.model.selection import Verdict, explain
 from analysis.shot import AnalysisOptions, MeasuredShot, analyse_shot
-from rigctl.campaigns import campaign_poses
 from rigctl.commands import report
 from rigctl.commands.challenge import commit
 from rigctl.commands.demo_report import Story, tell
 from rigctl.commands.simulated_campaign import fire_all, measurements, simulated
 from rigctl.daemon import Daemon, open_daemon
-from rigctl.stored_shot import setup_of
+from rigctl.measuring.stored_shot import setup_of
+from rigctl.model.campaigns import campaign_poses
 
 CAMPAIGN = "demo"
 SWEEP = (

@@ -15,7 +15,7 @@ from analysis.effects.own import naming
 from analysis.effects.own.fault import Fault
 from analysis.effects.own.template import template
 from rigctl.errors import SettingsError, StoreError
-from rigctl.known_effects import ALL_EFFECTS, Available, available, effect_document
+from rigctl.model.known_effects import ALL_EFFECTS, Available, available, effect_document
 
 TABLE_WIDTH = 110
 

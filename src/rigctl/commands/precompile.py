@@ -10,10 +10,10 @@ from pathlib import Path
 from analysis.effects.catalogue import CATALOGUE
 from analysis.model.selection import explain
 from analysis.shot import AnalysisOptions, analyse_shot
-from rigctl.campaigns import campaign_poses
 from rigctl.commands.simulated_campaign import fire_all, measurements, simulated
 from rigctl.daemon import open_daemon
-from rigctl.stored_shot import setup_of
+from rigctl.measuring.stored_shot import setup_of
+from rigctl.model.campaigns import campaign_poses
 
 CAMPAIGN = "precompile"
 SWEEP = ((45.0, 3.0), (60.0, 9.0), (50.0, 12.0), (70.0, 6.0), (40.0, 1.0), (65.0, 14.0))

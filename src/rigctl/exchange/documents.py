@@ -13,10 +13,10 @@ from analysis.exchange.pose_table import own_slow_errors
 from analysis.exchange.shot_list import EXCLUDED, EXPOSURE, NOTE, TAGS, ShotRow
 from analysis.setup import Setup, SphereSetup
 from rigctl.exchange.amending import tags_in
+from rigctl.measuring.stored_poses import poses_document, slow_errors_document
 from rigctl.settings import ShotSettings
 from rigctl.store.imports import ImportedShot
 from rigctl.store.states import ShotState
-from rigctl.stored_poses import poses_document, slow_errors_document
 
 if TYPE_CHECKING:
     from rigctl.exchange.contents import Contents

@@ -18,13 +18,13 @@ from analysis.exchange.shot_list import EXCLUDED, NOTE, TAGS, ShotRow
 from analysis.setup import Setup, SlowErrors
 from analysis.slow_errors import typical
 from rigctl.cameras.frames import FrameSequence
-from rigctl.campaigns import require_one_setup
 from rigctl.exchange.amending import tags_field
 from rigctl.exchange.documents import CONFIGURATION, SIMULATED
+from rigctl.measuring.stored_poses import poses_of, slow_errors_of
+from rigctl.measuring.stored_shot import setup_of
+from rigctl.model.campaigns import require_one_setup
 from rigctl.store import ShotRecord
 from rigctl.store.folders import ShotFolders
-from rigctl.stored_poses import poses_of, slow_errors_of
-from rigctl.stored_shot import setup_of
 
 Json = dict[str, Any]
 Say = Callable[[str, float | None], None]

@@ -10,8 +10,8 @@ from itertools import chain, islice
 from typing import Any
 
 from analysis.campaign import TEACHING_SHOTS
-from rigctl.analysis_process import AnalysisFailedError
 from rigctl.errors import NotFoundError, RigError
+from rigctl.measuring.analysis_process import AnalysisFailedError
 from rigctl.reanalysis.pools import Pool
 from rigctl.reanalysis.work import Broken, Found, analysed, taught
 from rigctl.store import Change, ShotRecord, ShotState, Store

@@ -61,7 +61,7 @@ class Broken:
 def analysed(folders: Sequence[Path], method: str, known: Knowledge | None) -> list[Found | Broken]:
     """Analyse shots one after another; one that breaks stops no other."""
     # Loaded by the process that analyses: the others have no use for it.
-    from rigctl.stored_shot import analyse_stored_shot_as_taught  # noqa: PLC0415
+    from rigctl.measuring.stored_shot import analyse_stored_shot_as_taught  # noqa: PLC0415
 
     keep_memory()
     found: list[Found | Broken] = []
@@ -76,7 +76,7 @@ def analysed(folders: Sequence[Path], method: str, known: Knowledge | None) -> l
 def taught(folders: Sequence[Path]) -> Knowledge | None:
     """Return what shots teach of their spheres; those that cannot do not."""
     from analysis.photometric.method import teach  # noqa: PLC0415
-    from rigctl.stored_shot import read_stored_shot  # noqa: PLC0415
+    from rigctl.measuring.stored_shot import read_stored_shot  # noqa: PLC0415
 
     keep_memory()
     read = [read_stored_shot(folder) for folder in folders]

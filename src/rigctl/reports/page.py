@@ -8,8 +8,8 @@ from importlib.resources import files
 
 import numpy as np
 
+from analysis.effects.contact.lasting_contact import EFFECT as LASTING
 from analysis.effects.effect import Parameter
-from analysis.effects.lasting_contact import EFFECT as LASTING
 from analysis.quantity import Quantity
 from analysis.results.campaign import Results
 from analysis.results.drawing import plane_figure, residual_figure, restitution_figure

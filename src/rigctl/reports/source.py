@@ -16,10 +16,10 @@ from analysis.files import read_toml
 from analysis.model.gather import CONTACTS, IMPACTS, POSES, gather
 from analysis.model.tables import Data
 from analysis.results.impacts import LeftOut
-from rigctl.campaigns import poses_from
 from rigctl.errors import AnalysisInputError
 from rigctl.input_errors import in_words
-from rigctl.measured import MOST_SHOTS, MeasuredFiles, measured_files
+from rigctl.measuring.measured import MOST_SHOTS, MeasuredFiles, measured_files
+from rigctl.model.campaigns import poses_from
 from rigctl.store import ShotRecord, ShotState, Store, StoreReader
 
 Json = dict[str, Any]

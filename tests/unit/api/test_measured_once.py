@@ -182,7 +182,7 @@ def test_a_folder_of_films_without_a_description_is_a_campaign_too(filmed: Path)
 def test_every_file_that_measuring_loads_is_part_of_the_key() -> None:
     ask = (
         "import sys\n"
-        "import analysis.campaign, analysis.photometric.method, rigctl.stored_poses\n"
+        "import analysis.campaign, analysis.photometric.method, rigctl.measuring.stored_poses\n"
         "print(*(name for name in sys.modules if name.startswith('analysis.')))"
     )
     done = subprocess.run([sys.executable, "-c", ask], capture_output=True, text=True, check=True)

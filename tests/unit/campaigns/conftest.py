@@ -16,9 +16,9 @@ from analysis.exchange.pose_table import read_poses
 from analysis.exchange.shot_list import read_shot_list
 from rigctl.cameras.frames import FrameSequence
 from rigctl.commands.challenge import new
+from rigctl.measuring.stored_poses import poses_document
 from rigctl.settings import ShotSettings
 from rigctl.store import Change, NewShot, ShotState, Store
-from rigctl.stored_poses import poses_document
 
 NO_FRAMES = FrameSequence(
     np.zeros((1, 8, 8), dtype=np.uint8), np.zeros(1), np.zeros(1, dtype=np.int64), (), "none"

@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 
 from analysis.model.gather import gather
-from rigctl.campaigns import campaign_poses, open_campaign
 from rigctl.config import default_path
 from rigctl.errors import AnalysisInputError, NotFoundError
-from rigctl.measured import measured_files
+from rigctl.measuring.measured import measured_files
+from rigctl.model.campaigns import campaign_poses, open_campaign
 from rigctl.store import Change, ShotState, Store, reading
 
 Keep = Callable[..., list[str]]

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from analysis.model.gather import gather, gather_poses
-from rigctl.campaigns import campaign_poses, open_campaign
 from rigctl.errors import AnalysisInputError
 from rigctl.exchange import export_campaign
 from rigctl.exchange.contents import read_contents
 from rigctl.exchange.importing import import_campaign
+from rigctl.model.campaigns import campaign_poses, open_campaign
 from rigctl.store import Store
 from tests.unit.campaigns.test_campaign_poses import assert_same
 

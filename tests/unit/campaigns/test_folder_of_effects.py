@@ -9,10 +9,10 @@ import pytest
 
 from rigctl.config import Configuration, load
 from rigctl.errors import AnalysisInputError, ConfigurationError, NotFoundError
-from rigctl.known_effects import available, effect_document, effect_named
-from rigctl.measured import measured_files, request
-from rigctl.modelling import fit_job, ranking_job
-from rigctl.own_effects import OwnEffects, reading_job
+from rigctl.measuring.measured import measured_files, request
+from rigctl.model.computing import fit_job, ranking_job
+from rigctl.model.known_effects import available, effect_document, effect_named
+from rigctl.model.own_effects import OwnEffects, reading_job
 from rigctl.store import Store
 from tests.unit.analysis.effects.own_files import HERE, line_here, text_of, write
 

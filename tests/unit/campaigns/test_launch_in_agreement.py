@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from rigctl.modelling import agreement_job
+from rigctl.model.computing import agreement_job
 from simulators.challenge.campaign import run_campaign
 from simulators.challenge.folder import write_folder
 from simulators.challenge.nature import Nature

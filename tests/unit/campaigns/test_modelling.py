@@ -11,9 +11,9 @@ from analysis.effects.catalogue import CATALOGUE
 from analysis.model.gather import gather
 from analysis.model.judged import judged
 from rigctl.errors import NotFoundError
-from rigctl.known_effects import effect_named
-from rigctl.measured import measured_files, request
-from rigctl.modelling import fit_job, ranking_job
+from rigctl.measuring.measured import measured_files, request
+from rigctl.model.computing import fit_job, ranking_job
+from rigctl.model.known_effects import effect_named
 from rigctl.store import Store
 
 Keep = Callable[..., list[str]]

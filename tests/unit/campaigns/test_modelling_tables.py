@@ -15,8 +15,8 @@ from analysis.model.ranking import rank
 from rigctl.errors import AnalysisInputError
 from rigctl.exchange.contents import read_contents
 from rigctl.exchange.importing import import_campaign
-from rigctl.measured import measured_files, request
-from rigctl.modelling import (
+from rigctl.measuring.measured import measured_files, request
+from rigctl.model.computing import (
     agreement_job,
     explain_job,
     fit_job,

@@ -8,7 +8,7 @@ import pytest
 
 from rigctl.errors import NotFoundError
 from rigctl.jobs import JobFailedError, Task
-from rigctl.reanalysing import analysed_before, reanalysis
+from rigctl.measuring.reanalysing import analysed_before, reanalysis
 from rigctl.store import ShotState, Store
 
 Keep = Callable[..., list[str]]

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from analysis.exchange.pose_table import PoseRow
-from rigctl.stored_poses import poses_document, poses_of
+from rigctl.measuring.stored_poses import poses_document, poses_of
 
 length = st.floats(-1.0, 1.0)
 sigma = st.floats(1e-9, 1e-2)

@@ -9,13 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import rigctl.streamed_campaigns as streamed
+import rigctl.model.streamed_campaigns as streamed
 from analysis.model.poses import PoseData
-from rigctl.campaigns import campaign_poses
 from rigctl.errors import AnalysisInputError, NotFoundError, StoreError
-from rigctl.measured import MeasuredFiles, measured_files
+from rigctl.measuring.measured import MeasuredFiles, measured_files
+from rigctl.model.campaigns import campaign_poses
+from rigctl.model.streamed_campaigns import open_stream, stream_from
 from rigctl.store import Store
-from rigctl.streamed_campaigns import open_stream, stream_from
 from rigctl.temporary_room import temporary_room
 
 Keep = Callable[..., list[str]]

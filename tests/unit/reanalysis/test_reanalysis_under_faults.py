@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from rigctl.analysis_process import AnalysisFailedError
+from rigctl.measuring.analysis_process import AnalysisFailedError
 from rigctl.reanalysis import Pool, reanalyse_campaign
 from rigctl.store import Store
 from tests.unit.reanalysis.stored_campaign import Inline, measured, reanalysed, silent, stored

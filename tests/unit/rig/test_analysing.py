@@ -10,10 +10,10 @@ from pathlib import Path
 import pytest
 from rig_fakes import BOUND_S, Laboratory, until
 
-from rigctl.analysing import Analyser
-from rigctl.analysis_process import Compiling
+from rigctl.measuring.analysing import Analyser
+from rigctl.measuring.analysis_process import Compiling
+from rigctl.measuring.stored_shot import analyse_stored_shot, setup_of
 from rigctl.store import ShotRecord, Store
-from rigctl.stored_shot import analyse_stored_shot, setup_of
 
 DONE = {"analysed", "refused"}
 

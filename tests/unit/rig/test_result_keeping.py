@@ -14,9 +14,9 @@ from pathlib import Path
 import pytest
 from rig_fakes import Laboratory, until
 
-from rigctl.analysing import Analyser
 from rigctl.errors import StoreError
-from rigctl.result_keeping import WAITS_S, Keeper
+from rigctl.measuring.analysing import Analyser
+from rigctl.measuring.result_keeping import WAITS_S, Keeper
 from rigctl.store import ShotRecord
 
 LARGE = {"status": "measured", "text": "x" * 1_000_000}

@@ -10,14 +10,14 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-import rigctl.lesson
+import rigctl.measuring.lesson
 from analysis.campaign import THESIS_SETUP
 from analysis.photometric.appearance import Knowledge, Sphere
 from analysis.photometric.camera import camera_of
 from analysis.setup import Setup
 from analysis.shot import AnalysisOptions, MeasuredShot, RefusedShot
-from rigctl.learned_pairs import LearnedPairs
-from rigctl.lesson import Lesson
+from rigctl.measuring.learned_pairs import LearnedPairs
+from rigctl.measuring.lesson import Lesson
 
 FRAMES, TIMES = np.zeros((6, 4, 4), np.uint8), np.linspace(0.0, 5e-3, 6)
 
@@ -57,7 +57,7 @@ class Analysis:
 @pytest.fixture
 def analysis(monkeypatch: pytest.MonkeyPatch) -> Analysis:
     double = Analysis()
-    monkeypatch.setattr(rigctl.lesson, "analyse_shot", double)
+    monkeypatch.setattr(rigctl.measuring.lesson, "analyse_shot", double)
     return double
 
 

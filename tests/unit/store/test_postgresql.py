@@ -12,8 +12,8 @@ from sqlalchemy import create_engine
 from rigctl.errors import ConfigurationError, NotFoundError, StoreError
 from rigctl.exchange.contents import read_contents
 from rigctl.exchange.importing import import_campaign
-from rigctl.measured import measured_files, request
-from rigctl.modelling import fit_job
+from rigctl.measuring.measured import measured_files, request
+from rigctl.model.computing import fit_job
 from rigctl.reports.campaign import report_job
 from rigctl.store import ShotRecord, ShotState, Store
 from tests.unit.analysis.model.tabulated import contacts

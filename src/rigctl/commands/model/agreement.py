@@ -24,8 +24,8 @@ from rigctl.commands import report
 from rigctl.commands.effect import tell
 from rigctl.commands.model.printing import TABLE_WIDTH, print_json
 from rigctl.commands.model.reading import Fitted, fitted
-from rigctl.headline import headline
-from rigctl.known_effects import available, refused
+from rigctl.model.headline import headline
+from rigctl.model.known_effects import available, refused
 
 ALARM = 0.01
 SHOWN_CELLS = 8

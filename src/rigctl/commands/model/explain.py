@@ -20,7 +20,7 @@ from rigctl.commands import report
 from rigctl.commands.effect import tell
 from rigctl.commands.model.printing import TABLE_WIDTH, print_json
 from rigctl.commands.model.reading import opened
-from rigctl.known_effects import available
+from rigctl.model.known_effects import available
 
 
 def explaining(

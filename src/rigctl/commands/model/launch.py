@@ -13,7 +13,7 @@ from rich.table import Table
 from analysis.campaign import SHOT_LIST
 from analysis.effects.catalogue import LAUNCH_CATALOGUE
 from analysis.effects.effect import LaunchEffect
-from analysis.effects.pressure_friction import EFFECT as FRICTION
+from analysis.effects.launch.pressure_friction import EFFECT as FRICTION
 from analysis.errors import InputError, LaunchRefusedError
 from analysis.launch.agreement import LaunchAgreement, agreement_of
 from analysis.launch.fit import fit_launch
@@ -24,9 +24,9 @@ from analysis.model.documents import SMALLEST_P
 from analysis.model.inside import without_contact_frames
 from analysis.model.outliers import clean
 from analysis.quantity import Quantity
-from rigctl.campaigns import open_campaign
 from rigctl.commands.model.printing import TABLE_WIDTH, print_json
 from rigctl.errors import AnalysisInputError, NotFoundError
+from rigctl.model.campaigns import open_campaign
 
 SHOWN_ALIAS = 0.9
 

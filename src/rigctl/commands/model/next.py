@@ -11,17 +11,17 @@ from rich.table import Table
 from analysis.effects.own.fault import EffectFault
 from analysis.errors import LaunchRefusedError
 from analysis.launch.prediction import Limits
-from rigctl.campaigns import open_campaign
 from rigctl.commands import report
 from rigctl.commands.effect import tell
 from rigctl.commands.model.next_words import sentence, sweep_of
 from rigctl.commands.model.printing import TABLE_WIDTH, print_json
 from rigctl.config import load
 from rigctl.errors import AnalysisInputError
-from rigctl.known_effects import available, refused
-from rigctl.next_shots import Known, Question, answer
+from rigctl.model.campaigns import open_campaign
+from rigctl.model.known_effects import available, refused
+from rigctl.model.next_shots import Known, Question, answer
+from rigctl.model.tabulated_campaigns import require_poses
 from rigctl.sweeps.writing import write_sweep
-from rigctl.tabulated_campaigns import require_poses
 
 Json = dict[str, Any]
 

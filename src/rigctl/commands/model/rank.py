@@ -16,8 +16,8 @@ from analysis.quantity import Quantity
 from rigctl.commands.effect import tell
 from rigctl.commands.model.printing import TABLE_WIDTH, print_json
 from rigctl.commands.model.reading import Fitted, FittedStream, fitted, fitted_stream
-from rigctl.headline import headline
-from rigctl.known_effects import available, refused
+from rigctl.model.headline import headline
+from rigctl.model.known_effects import available, refused
 
 
 def ranking(

@@ -16,10 +16,10 @@ from analysis.model.judged import Judged, judged
 from analysis.model.ranking import rank
 from analysis.model.streaming.judged import JudgedStream, judged_stream
 from analysis.model.tables import ContactTable, Data
-from rigctl.campaigns import open_campaign
-from rigctl.known_effects import Available, refused
-from rigctl.seen_effects import require_seen
-from rigctl.streamed_campaigns import open_stream
+from rigctl.model.campaigns import open_campaign
+from rigctl.model.known_effects import Available, refused
+from rigctl.model.seen_effects import require_seen
+from rigctl.model.streamed_campaigns import open_stream
 from rigctl.temporary_room import temporary_room
 
 

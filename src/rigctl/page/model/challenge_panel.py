@@ -8,7 +8,7 @@ from nicegui import ui
 
 from rigctl.commands import challenge
 from rigctl.errors import RigError
-from rigctl.known_effects import ALL_EFFECTS
+from rigctl.model.known_effects import ALL_EFFECTS
 from rigctl.page.desk import Desk
 from rigctl.page.model.source import Source
 from rigctl.page.parts.tables import Cell, Line, facts

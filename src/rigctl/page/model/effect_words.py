@@ -7,7 +7,7 @@ from typing import Any
 
 from nicegui import ui
 
-from rigctl.known_effects import ALL_EFFECTS, effect_document
+from rigctl.model.known_effects import ALL_EFFECTS, effect_document
 from rigctl.page.parts.widgets import button
 
 Json = dict[str, Any]

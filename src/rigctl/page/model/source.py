@@ -11,11 +11,11 @@ from urllib.parse import quote
 from rigctl.daemon import Daemon
 from rigctl.errors import AnalysisInputError
 from rigctl.jobs import Job, in_process
-from rigctl.measured import measured_files, request
-from rigctl.own_effects import OwnEffects
+from rigctl.measuring.measured import measured_files, request
+from rigctl.model.own_effects import OwnEffects
 
 Json = dict[str, Any]
-FUNCTIONS = "rigctl.modelling"
+FUNCTIONS = "rigctl.model.computing"
 LOOKED_AT = ("campaign.toml", "shots.csv", "poses.csv")
 
 
@@ -58,7 +58,7 @@ class Source:
         Parameters
         ----------
         kind
-            Name of a function of `rigctl.modelling`, without `_job`.
+            Name of a function of `rigctl.model.computing`, without `_job`.
         effects
             Added to the base model, in their order.
         more

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from nicegui import run, ui
 
+from rigctl.measuring.reanalysing import ENDED
 from rigctl.page.desk import Desk
 from rigctl.page.layout import TICK_S, sheet
 from rigctl.page.parts.following import following
@@ -15,7 +16,6 @@ from rigctl.page.shots.judging import Judging
 from rigctl.page.shots.residuals import ShotResiduals
 from rigctl.page.shots.table import ShotTable, latest, stored
 from rigctl.page.shots.view import coefficients, film, read
-from rigctl.reanalysing import ENDED
 from rigctl.store import ShotRecord
 
 

@@ -9,7 +9,7 @@ from fastapi import APIRouter, Query
 from starlette.responses import Response
 
 from rigctl.daemon import Daemon
-from rigctl.reanalysing import analysed_before, reanalysis
+from rigctl.measuring.reanalysing import analysed_before, reanalysis
 from rigctl.service.accepted import accepted, accepts
 from rigctl.service.campaign_models import (
     CampaignList,

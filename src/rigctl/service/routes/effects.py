@@ -12,13 +12,13 @@ from analysis.effects.effect import Effect
 from rigctl.daemon import Daemon
 from rigctl.errors import NotFoundError
 from rigctl.jobs import in_process
-from rigctl.known_effects import ALL_EFFECTS, effect_document, effect_named
-from rigctl.own_effects import PART, OwnEffects
+from rigctl.model.known_effects import ALL_EFFECTS, effect_document, effect_named
+from rigctl.model.own_effects import PART, OwnEffects
 from rigctl.service.accepted import accepts, answered
 from rigctl.service.campaign_models import EffectName
 from rigctl.service.problems import documented
 
-READING = "rigctl.own_effects:reading_job"
+READING = "rigctl.model.own_effects:reading_job"
 _OWN = (401, 404, 405, 409)
 
 

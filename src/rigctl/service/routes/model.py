@@ -11,8 +11,8 @@ from starlette.responses import Response
 
 from rigctl.daemon import Daemon
 from rigctl.jobs import Job, Task, Work, in_process
-from rigctl.measured import measured_files, request
-from rigctl.own_effects import OwnEffects
+from rigctl.measuring.measured import measured_files, request
+from rigctl.model.own_effects import OwnEffects
 from rigctl.service.accepted import accepted, accepts, answered
 from rigctl.service.campaign_models import (
     EffectsQuery,
@@ -30,7 +30,7 @@ from rigctl.service.problems import documented
 
 Json = dict[str, Any]
 
-FUNCTIONS = "rigctl.modelling"
+FUNCTIONS = "rigctl.model.computing"
 
 _ANSWERED: dict[int | str, dict[str, Any]] = {
     200: {

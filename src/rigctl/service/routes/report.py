@@ -11,7 +11,7 @@ from starlette.responses import Response
 
 from rigctl.daemon import Daemon
 from rigctl.jobs import Job, JobState, in_process
-from rigctl.measured import MOST_SHOTS, measured_files
+from rigctl.measuring.measured import MOST_SHOTS, measured_files
 from rigctl.service.accepted import accepted, accepts
 from rigctl.service.models import CampaignName
 from rigctl.service.problems import documented

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from analysis.collision.operator import Body, walton
-from analysis.effects import inertia_factor, mass_mismatch, radius_mismatch
+from analysis.effects.contact import inertia_factor, mass_mismatch, radius_mismatch
 from tests.unit.analysis.effects.encounters import (
     NYLON,
     X,

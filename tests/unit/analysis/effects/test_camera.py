@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from analysis.effects import (
+from analysis.effects.camera import (
     camera_roll,
     mirror_angle,
     perspective,

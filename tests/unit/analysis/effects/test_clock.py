@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from analysis.effects import block_readout, exposure_offset, frame_rate
+from analysis.effects.camera import block_readout
+from analysis.effects.clock import exposure_offset, frame_rate
 from analysis.effects.effect import ClockEffect, Effect, Exposure
 from analysis.model.fit import fit_campaign
 from analysis.model.prediction import predict

@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from analysis.collision.operator import Encounter
-from analysis.effects import finite_contact
+from analysis.effects.contact import finite_contact
 from tests.unit.analysis.effects.encounters import (
     NYLON,
     X,

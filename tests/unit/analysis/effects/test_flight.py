@@ -6,7 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from analysis.collision.operator import Body
-from analysis.effects import (
+from analysis.effects.effect import FlightEffect, Flying
+from analysis.effects.flight import (
     buoyancy,
     drag,
     gravity_direction,
@@ -15,7 +16,6 @@ from analysis.effects import (
     spin_decay,
     wind,
 )
-from analysis.effects.effect import FlightEffect, Flying
 
 NYLON = Body.sphere(0.0254, 1150.0, 0.4)
 G = 9.80665

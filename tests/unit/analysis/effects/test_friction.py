@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from analysis.effects import (
+from analysis.effects.contact import (
     friction_drift,
     friction_speed,
     rolling_restitution_speed,

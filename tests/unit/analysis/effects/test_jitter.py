@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from analysis.effects import timing_jitter
-from analysis.effects.jitter_score import JitterScore, jitter_score
+from analysis.effects.clock import timing_jitter
+from analysis.effects.clock.jitter_score import JitterScore, jitter_score
 
 Floats = NDArray[np.float64]
 

@@ -9,7 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from analysis.effects import (
+from analysis.effects.catalogue import CATALOGUE, LAUNCH_CATALOGUE
+from analysis.effects.effect import LaunchEffect
+from analysis.effects.launch import (
     launch_delay,
     pressure_friction,
     pressure_hysteresis,
@@ -17,8 +19,6 @@ from analysis.effects import (
     slide_backlash,
     tube_spin,
 )
-from analysis.effects.catalogue import CATALOGUE, LAUNCH_CATALOGUE
-from analysis.effects.effect import LaunchEffect
 from analysis.launch.muzzle import Charge, LaunchLaw, Muzzle, push
 
 EVERY = pytest.mark.parametrize("effect", LAUNCH_CATALOGUE, ids=lambda effect: effect.name)

@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
+from analysis.effects.contact.mass_offset import EFFECT
 from analysis.effects.effect import Turning
-from analysis.effects.mass_offset import EFFECT
 
 SPIN, OFFSET = 200.0, 1e-4
 TIMES = np.arange(-8, 9) * 1e-3

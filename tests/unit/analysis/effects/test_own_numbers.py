@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from analysis.collision.operator import gives
-from analysis.effects import drag, friction_speed, velocity_offset, wind
+from analysis.effects.contact import friction_speed, velocity_offset
+from analysis.effects.flight import drag, wind
 from analysis.effects.own.numbers import has_own_numbers
 
 SPEED = 2.0

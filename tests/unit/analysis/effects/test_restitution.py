@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from analysis.effects import (
+from analysis.effects.contact import (
     adhesion,
     restitution_drift,
     restitution_obliquity,

@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 from analysis.collision.operator import walton
-from analysis.effects import inertia_factor, restitution_plastic, tangential_compliance
-from analysis.effects.effect import ContactEffect
-from analysis.effects.spring_slider import (
+from analysis.effects.contact import inertia_factor, restitution_plastic, tangential_compliance
+from analysis.effects.contact.spring_slider import (
     dashpot,
     impact,
     integrated,
@@ -20,7 +19,8 @@ from analysis.effects.spring_slider import (
     single_spring,
     table_name,
 )
-from analysis.effects.spring_slider_tables import wanted as wanted_tables
+from analysis.effects.contact.spring_slider_tables import wanted as wanted_tables
+from analysis.effects.effect import ContactEffect
 from tests.unit.analysis.effects.encounters import (
     X,
     after,

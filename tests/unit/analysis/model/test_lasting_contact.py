@@ -10,7 +10,7 @@ import pytest
 
 from analysis.collision.force_law import hertz_duration
 from analysis.effects.catalogue import CATALOGUE
-from analysis.effects.lasting_contact import EFFECT, contact_modulus
+from analysis.effects.contact.lasting_contact import EFFECT, contact_modulus
 from analysis.model.account import AS_STATED
 from analysis.model.judged import Judged, judged
 from analysis.model.poses import PoseData

@@ -7,7 +7,7 @@ from functools import cache
 
 import pytest
 
-from analysis.effects.lasting_contact import EFFECT
+from analysis.effects.contact.lasting_contact import EFFECT
 from analysis.model.documents import fit_document
 from analysis.model.judged import Judged, judged
 from analysis.model.nuisance import MOST_PULL, alarms_of, nuisances

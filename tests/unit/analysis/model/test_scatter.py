@@ -9,7 +9,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from analysis.effects.catalogue import CATALOGUE
-from analysis.effects.timing_jitter import EFFECT
+from analysis.effects.clock.timing_jitter import EFFECT
 from analysis.model.adding import added
 from analysis.model.fit import fit_campaign
 from analysis.model.poses import PoseData

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from analysis.effects.lasting_contact import EFFECT
+from analysis.effects.contact.lasting_contact import EFFECT
 from analysis.errors import InputError
 from analysis.model.gather import gather
 from analysis.model.judged import Judged, judged

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from analysis.effects.timing_jitter import EFFECT as JITTER
+from analysis.effects.clock.timing_jitter import EFFECT as JITTER
 from analysis.model.candidate import Ranking
 from analysis.model.fit import Fit, fit_campaign
 from analysis.model.inside import without_contact_frames

@@ -12,10 +12,10 @@ from analysis.model.streaming.reading import Reading, stream_poses
 from analysis.model.streaming.stream import PoseStream
 from analysis.setup import SlowErrors
 from analysis.slow_errors import typical
-from rigctl.campaigns import StoredShot, require_one_setup, stored_shot
 from rigctl.errors import NotFoundError
 from rigctl.input_errors import in_words
-from rigctl.measured import MeasuredFiles, each_measured
+from rigctl.measuring.measured import MeasuredFiles, each_measured
+from rigctl.model.campaigns import StoredShot, require_one_setup, stored_shot
 from rigctl.opening import read_store
 from rigctl.temporary_room import temporary_room
 
@@ -54,7 +54,7 @@ def stream_from(name: str, files: Iterable[MeasuredFiles]) -> PoseStream:
     Raises
     ------
     AnalysisInputError
-        As `rigctl.campaigns.poses_from`.
+        As `rigctl.model.campaigns.poses_from`.
     NotFoundError
         There are no shots, or none shows both spheres.
     OSError

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 
 from analysis.collision.operator import Encounter, Floats, Operator, Outcome, gives
+from analysis.effects.contact.spring_slider import Pressing, line_of_springs, rebound, single_spring
 from analysis.effects.effect import ContactEffect, Parameter, Values
-from analysis.effects.spring_slider import Pressing, line_of_springs, rebound, single_spring
 
 STIFFNESS_RATIO = 6 / 7
 """2 (1 - nu) / (2 - nu) for like spheres of Poisson's ratio 1/4, as in thesis, section 7.1."""

@@ -12,7 +12,7 @@ from typing import Any, Self
 
 from rigctl.config import Configuration
 from rigctl.errors import ConfigurationError
-from rigctl.known_effects import available, effect_named
+from rigctl.model.known_effects import available, effect_named
 
 Json = dict[str, Any]
 

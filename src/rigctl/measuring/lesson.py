@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from analysis.campaign import TEACHING_SHOTS
 from analysis.setup import Setup
 from analysis.shot import AnalysisOptions, MeasuredShot, RefusedShot, analyse_shot
-from rigctl.learned_pairs import LearnedPairs
+from rigctl.measuring.learned_pairs import LearnedPairs
 
 if TYPE_CHECKING:
     from analysis.photometric.appearance import Knowledge

@@ -1,4 +1,4 @@
-"""Makes the kept tables of spring_slider anew: python -m analysis.effects.spring_slider_tables."""
+"""Makes the tables of spring_slider: python -m analysis.effects.contact.spring_slider_tables."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from analysis.effects.spring_slider import TABLES, Pressing, integrated, table_name
-from analysis.effects.tangential_compliance import LAWS
+from analysis.effects.contact.spring_slider import TABLES, Pressing, integrated, table_name
+from analysis.effects.contact.tangential_compliance import LAWS
 
 LEVER = 3.5
 """1 + 1/K of a solid sphere."""

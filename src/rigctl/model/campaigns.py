@@ -18,12 +18,12 @@ from analysis.setup import Setup, SlowErrors
 from analysis.slow_errors import typical
 from rigctl.errors import AnalysisInputError
 from rigctl.input_errors import in_words
-from rigctl.measured import MeasuredFiles, measured_files
+from rigctl.measuring.measured import MeasuredFiles, measured_files
+from rigctl.measuring.stored_poses import poses_of, slow_errors_of
+from rigctl.measuring.stored_shot import setup_of
+from rigctl.model.tabulated_campaigns import is_tabulated, tabulated
 from rigctl.opening import read_store
 from rigctl.store import Store, StoreReader
-from rigctl.stored_poses import poses_of, slow_errors_of
-from rigctl.stored_shot import setup_of
-from rigctl.tabulated_campaigns import is_tabulated, tabulated
 
 Json = dict[str, Any]
 

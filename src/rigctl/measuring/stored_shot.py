@@ -16,11 +16,11 @@ from numpy.typing import NDArray
 from analysis.document import overlay_document
 from analysis.setup import DRAG_SIGMA, CameraSetup, Setup, SphereSetup
 from analysis.shot import AnalysisOptions, MeasuredShot, RefusedShot, analyse_shot
-from rigctl.analysis_process import AGAIN
-from rigctl.learned_pairs import LearnedPairs
-from rigctl.lesson import Lesson
+from rigctl.measuring.analysis_process import AGAIN
+from rigctl.measuring.learned_pairs import LearnedPairs
+from rigctl.measuring.lesson import Lesson
+from rigctl.measuring.stored_poses import measured_document
 from rigctl.store.folders import read_pixels
-from rigctl.stored_poses import measured_document
 
 if TYPE_CHECKING:
     from analysis.photometric.appearance import Knowledge

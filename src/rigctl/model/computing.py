@@ -39,16 +39,16 @@ from analysis.model.report import verdict_document
 from analysis.model.selection import Verdict, explain
 from analysis.model.structure import structure
 from analysis.model.tables import Data
-from rigctl.campaigns import folder_poses, poses_from
 from rigctl.errors import AnalysisInputError
 from rigctl.input_errors import in_words
-from rigctl.known_effects import Available, available, faults_refused
-from rigctl.measured import MeasuredFiles
-from rigctl.next_shots import Known, Question, answer
-from rigctl.own_effects import PART
-from rigctl.seen_effects import require_seen
+from rigctl.measuring.measured import MeasuredFiles
+from rigctl.model.campaigns import folder_poses, poses_from
+from rigctl.model.known_effects import Available, available, faults_refused
+from rigctl.model.next_shots import Known, Question, answer
+from rigctl.model.own_effects import PART
+from rigctl.model.seen_effects import require_seen
+from rigctl.model.tabulated_campaigns import is_tabulated, require_poses, tabulated
 from rigctl.store import reading
-from rigctl.tabulated_campaigns import is_tabulated, require_poses, tabulated
 
 Json = dict[str, Any]
 Say = Callable[[str, float | None], None]

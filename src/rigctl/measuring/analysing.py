@@ -11,19 +11,19 @@ import threading
 from collections.abc import Callable
 from queue import Empty, SimpleQueue
 
-from rigctl.analysis_process import (
+from rigctl.measuring.analysis_process import (
     AGAIN,
     CLOSE_WAIT_S,
     AnalysisFailedError,
     AnalysisProcess,
     Compiling,
 )
-from rigctl.result_keeping import Keeper
+from rigctl.measuring.result_keeping import Keeper
 from rigctl.store import Store
 
 _log = logging.getLogger(__name__)
 
-ANALYSE = "rigctl.stored_shot:analyse_stored_shot"
+ANALYSE = "rigctl.measuring.stored_shot:analyse_stored_shot"
 
 
 class Analyser:

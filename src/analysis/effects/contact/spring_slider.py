@@ -116,7 +116,7 @@ def kept_tables() -> dict[str, Floats]:
 
     Each takes about a tenth of a second to integrate.
     """
-    with (files("analysis.effects") / TABLES).open("rb") as file, np.load(file) as tables:
+    with (files("analysis.effects.contact") / TABLES).open("rb") as file, np.load(file) as tables:
         return {name: tables[name].astype(np.float64) for name in tables.files}
 
 

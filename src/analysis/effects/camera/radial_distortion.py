@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from analysis.effects.camera.frame_place import frame_places
 from analysis.effects.effect import CameraEffect, Floats, Parameter, Values
-from analysis.effects.frame_place import frame_places
 from analysis.imaging.views import View
 from analysis.setup import CameraSetup
 

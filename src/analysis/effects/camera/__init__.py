@@ -1,0 +1,1 @@
+"""Effects of the camera: where it shows what."""

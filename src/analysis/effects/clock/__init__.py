@@ -1,0 +1,1 @@
+"""Effects of the clock: when it shows what."""

@@ -1,0 +1,1 @@
+"""Effects of the contact: what the hard-sphere law leaves out."""

@@ -1,0 +1,1 @@
+"""Effects of the launch: pushers, slide and tubes."""

@@ -1,0 +1,1 @@
+"""From stored frames to results: processes, what they learn, and what is kept."""
