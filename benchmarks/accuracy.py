@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from analysis.campaign import analyse_campaign, read_campaign
-from analysis.imaging.frame import EdgeSettings
+from analysis.imaging.edge.frame import EdgeSettings
 from analysis.quantity import Quantity
 from analysis.shot import AnalysisOptions, MeasuredShot
 from simulators.world import write_campaign

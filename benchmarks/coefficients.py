@@ -25,8 +25,8 @@ from scipy.stats import norm
 from analysis.campaign import read_campaign
 from analysis.effects.contact.lasting_contact import EFFECT
 from analysis.exchange.pose_writing import measured_poses
-from analysis.model.gather import pose_data
-from analysis.model.poses import PoseData
+from analysis.model.data.gather import pose_data
+from analysis.model.data.poses import PoseData
 from analysis.results.campaign import Results, results
 from analysis.results.impacts import Impacts
 from analysis.results.lasting import mean_restitution

@@ -61,7 +61,7 @@ WRITES = (
     "rigctl.store.folders.write_synced",
     "rigctl.store.folders.write_over_synced",
     "rigctl.store.room.os.posix_fallocate",
-    "rigctl.rig.latch.write_synced",
+    "rigctl.rig.stopping.latch.write_synced",
 )
 """What the daemon writes a shot and a latch by."""
 CATALOGUE_BUSY_S = 0.1

@@ -29,11 +29,11 @@ from analysis.effects.catalogue import CATALOGUE
 from analysis.effects.effect import Effect
 from analysis.launch.fit import fit_launch
 from analysis.launch.prediction import Limits
-from analysis.model.adding import ALIAS_WITHIN
+from analysis.model.data.poses import PoseData
 from analysis.model.design.between import Repeated, best_fit, tell_apart
 from analysis.model.design.candidates import AFTER_THE_CAMPAIGN, grid
-from analysis.model.fit import Fit, fit_campaign
-from analysis.model.poses import PoseData
+from analysis.model.fitting.adding import ALIAS_WITHIN
+from analysis.model.fitting.fit import Fit, fit_campaign
 from simulators.challenge.nature import Nature
 from tests.unit.analysis.model.design.at_settings import drawn_settings, fired
 

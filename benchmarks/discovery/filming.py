@@ -10,10 +10,10 @@ from tempfile import TemporaryDirectory
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from analysis.model.fit import fit_campaign
-from analysis.model.gather import gather_poses
-from analysis.model.inside import without_contact_frames
-from analysis.model.poses import PoseData
+from analysis.model.data.gather import gather_poses
+from analysis.model.data.inside import without_contact_frames
+from analysis.model.data.poses import PoseData
+from analysis.model.fitting.fit import fit_campaign
 from benchmarks.discovery.campaigns import SILENCE
 from simulators.challenge.camera import OPTICS
 from simulators.challenge.campaign import FRAME_RATE_HZ, Fired, fire, measure

@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from analysis.effects.catalogue import CATALOGUE
-from analysis.model.poses import PoseData
-from analysis.model.selection import explain
+from analysis.model.data.poses import PoseData
+from analysis.model.verdict.selection import explain
 from benchmarks.discovery.campaigns import posed
 from benchmarks.discovery.options import Options
 from simulators.challenge.campaign import Noise, run_campaign

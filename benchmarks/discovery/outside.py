@@ -13,12 +13,12 @@ from scipy.stats import chi2 as chi2_distribution
 
 from analysis.effects.catalogue import CATALOGUE
 from analysis.effects.effect import ScatterEffect
-from analysis.model.alarm import UNEXPLAINED_LEVEL
-from analysis.model.fit import fit_campaign
-from analysis.model.inside import without_contact_frames
-from analysis.model.lackoffit import SMOOTH, cells_of
-from analysis.model.projector import projector
-from analysis.model.ranking import rank
+from analysis.model.data.inside import without_contact_frames
+from analysis.model.fitting.fit import fit_campaign
+from analysis.model.rank.projector import projector
+from analysis.model.rank.ranking import rank
+from analysis.model.structure.alarm import UNEXPLAINED_LEVEL
+from analysis.model.structure.lackoffit import SMOOTH, cells_of
 from benchmarks.discovery.campaigns import SILENCE, campaign
 from benchmarks.discovery.goals import Goal, report, share, show
 from benchmarks.discovery.options import Options

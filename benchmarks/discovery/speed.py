@@ -13,10 +13,10 @@ import numpy as np
 
 from analysis.effects.catalogue import CATALOGUE
 from analysis.effects.contact.lasting_contact import EFFECT
-from analysis.model.adding import added
-from analysis.model.fit import Fit, fit_campaign
-from analysis.model.ranking import rank
-from analysis.model.selection import explain
+from analysis.model.fitting.adding import added
+from analysis.model.fitting.fit import Fit, fit_campaign
+from analysis.model.rank.ranking import rank
+from analysis.model.verdict.selection import explain
 from benchmarks.discovery.campaigns import campaign
 from benchmarks.discovery.goals import Goal, report
 from benchmarks.discovery.lasting import HIDDEN as ON_TOP

@@ -7,8 +7,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from analysis.effects.catalogue import CATALOGUE
-from analysis.model.fit import fit_campaign
-from analysis.model.inside import without_contact_frames
+from analysis.model.data.inside import without_contact_frames
+from analysis.model.fitting.fit import fit_campaign
 from benchmarks.discovery.campaigns import SILENCE, campaign
 from simulators.challenge.effects import HIDDEN
 

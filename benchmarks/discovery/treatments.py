@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from analysis.model.poses import PoseData
+from analysis.model.data.poses import PoseData
 
 Floats = NDArray[np.float64]
 Treatment = Callable[[PoseData, np.random.Generator], PoseData]

@@ -12,10 +12,10 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from analysis.effects.catalogue import CATALOGUE
-from analysis.model.evidence import stage_of
-from analysis.model.fit import fit_campaign
-from analysis.model.inside import without_contact_frames
-from analysis.model.selection import Verdict, explain
+from analysis.model.data.evidence import stage_of
+from analysis.model.data.inside import without_contact_frames
+from analysis.model.fitting.fit import fit_campaign
+from analysis.model.verdict.selection import Verdict, explain
 from benchmarks.discovery.campaigns import campaign
 from benchmarks.discovery.filming import filmed_campaign
 from benchmarks.discovery.strength import amplitude_at

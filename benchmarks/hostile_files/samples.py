@@ -22,12 +22,13 @@ from analysis.exchange.impact_table import read_impacts
 from analysis.exchange.pose_table import each_shot, read_poses
 from analysis.exchange.shot_list import read_shot_list
 from analysis.exchange.tables import CONTACTS
-from analysis.imaging.stack import read_stack
-from analysis.photometric.appearance import Knowledge, Sphere
-from analysis.photometric.camera import camera_of
-from analysis.photometric.record import read_knowledge, write_knowledge
+from analysis.imaging.files.stack import read_stack
+from analysis.photometric.learn.appearance import Knowledge, Sphere
+from analysis.photometric.learn.record import read_knowledge, write_knowledge
+from analysis.photometric.render.camera import camera_of
 from rigctl.cameras import stack_file
-from rigctl.commands import challenge, discs
+from rigctl.commands import challenge
+from rigctl.commands.analysis import discs
 from rigctl.config.loading import default_path, load
 from rigctl.exchange.contents import read_contents
 from rigctl.service import keyfile

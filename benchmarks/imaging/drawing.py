@@ -7,11 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.motion.rotation import rotation_matrix
-from analysis.photometric.camera import Optics
-from analysis.photometric.pose import fit_pose
-from analysis.photometric.shading import HARMONICS, RADIALS, blurred_profiles, template
-from analysis.photometric.sight import Look, Scene, Sight, Stance
-from analysis.photometric.surface import draw
+from analysis.photometric.render.camera import Optics
+from analysis.photometric.render.pose import fit_pose
+from analysis.photometric.render.shading import HARMONICS, RADIALS, blurred_profiles, template
+from analysis.photometric.render.sight import Look, Scene, Sight, Stance
+from analysis.photometric.render.surface import draw
 from simulators.world.disc import SUBPIXELS, Disc
 from simulators.world.optics import Lighting
 

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.motion.rotation import rotation_matrix, rotation_vector
-from analysis.photometric.orientation_search import search_orientation, turns
-from analysis.photometric.pose import fit_pose
-from analysis.photometric.sight import Stance
+from analysis.photometric.follow.orientation_search import search_orientation, turns
+from analysis.photometric.render.pose import fit_pose
+from analysis.photometric.render.sight import Stance
 from benchmarks.imaging.drawing import LIMITS, RADIUS, SIZE, drawn, fitted, sight_of, with_noise
 from benchmarks.imaging.goals import Sheet
 from simulators.world.markers import scatter_markers

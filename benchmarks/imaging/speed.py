@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.campaign import read_campaign
-from analysis.imaging.frame import EdgeSettings
-from analysis.imaging.stack import read_stack
-from analysis.photometric.film import fit_film
+from analysis.imaging.edge.frame import EdgeSettings
+from analysis.imaging.files.stack import read_stack
+from analysis.photometric.follow.film import fit_film
 from analysis.photometric.method import compiles_first, followed_film, teach
 from analysis.shot import AnalysisOptions, Method, analyse_shot
 from analysis.tracking import track_spheres

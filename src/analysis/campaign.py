@@ -18,14 +18,14 @@ from numpy.typing import NDArray
 from analysis.errors import InputError, ShotRefusedError
 from analysis.exchange.description import read_description
 from analysis.exchange.shot_list import EXPOSURE, ShotRow, each_shot_row
-from analysis.imaging.png_files import holds_png
-from analysis.imaging.stack import SUFFIXES, read_stack
+from analysis.imaging.files.png_files import holds_png
+from analysis.imaging.files.stack import SUFFIXES, read_stack
 from analysis.setup import CameraSetup, Setup, SphereSetup, without_exposure
 from analysis.shot import AnalysisOptions, MeasuredShot, RefusedShot, analyse_shot, check_frames
 from analysis.workers import Workers
 
 if TYPE_CHECKING:
-    from analysis.photometric.appearance import Knowledge
+    from analysis.photometric.learn.appearance import Knowledge
 
 Floats = NDArray[np.float64]
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from analysis.imaging.markers import Markers
+from analysis.imaging.marker.markers import Markers
 from analysis.imaging.views import View
 from analysis.quantity import Quantity
 from analysis.shot import MeasuredShot, RefusedShot

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from analysis.collision.coefficients import Impact
 from analysis.errors import ShotRefusedError
-from analysis.imaging.frame import EdgeSettings
+from analysis.imaging.edge.frame import EdgeSettings
 from analysis.motion.pattern import Orientations
 from analysis.motion.poses import Centres
 from analysis.notes import measuring_notes
@@ -22,7 +22,7 @@ from analysis.tracking import Matching, Tracking, track_spheres
 from analysis.two_sides import measure_two_sides
 
 if TYPE_CHECKING:
-    from analysis.photometric.appearance import Knowledge
+    from analysis.photometric.learn.appearance import Knowledge
 
 Floats = NDArray[np.float64]
 

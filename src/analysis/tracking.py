@@ -12,14 +12,14 @@ from numpy.typing import NDArray
 from analysis.errors import ShotRefusedError
 from analysis.imaging.assignment import LEAST_COVERAGE, follow
 from analysis.imaging.discs import common_radius
-from analysis.imaging.film_discs import FilmDiscs
-from analysis.imaging.film_following import FilmCurves
-from analysis.imaging.frame import (
+from analysis.imaging.edge.frame import (
     EdgeSettings,
     FilmEdges,
     gradient_threshold,
     noise_sd,
 )
+from analysis.imaging.film_discs import FilmDiscs
+from analysis.imaging.film_following import FilmCurves
 from analysis.imaging.radii import filter_bias, view_radii
 from analysis.imaging.refinement import Knowledge, refine_outlines
 from analysis.imaging.tracks import Spheres

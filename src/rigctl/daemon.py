@@ -19,9 +19,9 @@ from rigctl.measuring.analysing import Analyser
 from rigctl.measuring.analysis_process import Compiling
 from rigctl.model.own_effects import OwnEffects
 from rigctl.opening import own_store
-from rigctl.rig.dead_man import DeadMan
 from rigctl.rig.machine import Rig
 from rigctl.rig.recovery import Recovery
+from rigctl.rig.stopping.dead_man import DeadMan
 from rigctl.store import Store, SweepRecord
 from rigctl.sweeps.runner import SweepRunner
 

@@ -8,7 +8,7 @@ import pytest
 from playwright.sync_api import Browser, Page
 
 from rigctl.commands.challenge import new
-from rigctl.commands.report_campaign import report_campaign
+from rigctl.commands.stored.report_campaign import report_campaign
 
 PHONE, DESK = {"width": 390, "height": 800}, {"width": 1280, "height": 900}
 

@@ -11,9 +11,9 @@ from analysis.effects.catalogue import CATALOGUE
 from analysis.exchange.description import read_description
 from analysis.exchange.pose_table import read_poses
 from analysis.exchange.shot_list import read_shot_list
-from analysis.model.fit import fit_campaign
-from analysis.model.gather import gather
-from analysis.model.poses import PoseData
+from analysis.model.data.gather import gather
+from analysis.model.data.poses import PoseData
+from analysis.model.fitting.fit import fit_campaign
 from simulators.challenge import HIDDEN, write_challenge
 from simulators.challenge.camera import OPTICS, apparent
 from simulators.challenge.campaign import FRAME_RATE_HZ, fire, run_campaign

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.photometric.camera import BENT, Optics, by_nearness, disc_of, nearer
+from analysis.photometric.render.camera import BENT, Optics, by_nearness, disc_of, nearer
 
 Floats = NDArray[np.float64]
 

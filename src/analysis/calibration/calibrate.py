@@ -15,10 +15,10 @@ from analysis.calibration.pixel_estimates import PixelEstimate, estimate, normal
 from analysis.calibration.table import estimates_of
 from analysis.campaign import TEACHING_SHOTS, Campaign, ShotJob, read_job
 from analysis.errors import InputError, ShotRefusedError
-from analysis.photometric.appearance import Knowledge
+from analysis.photometric.learn.appearance import Knowledge
 from analysis.photometric.method import Taught, followed_film, teach
+from analysis.photometric.render.sight import Equations
 from analysis.photometric.result import tracking_of
-from analysis.photometric.sight import Equations
 from analysis.setup import Setup, without_exposure
 from analysis.shot import check_frames
 

@@ -9,19 +9,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.calibration.bending import FAULTS, by_faults
-from analysis.photometric.appearance import Knowledge, profiles_of
-from analysis.photometric.film import Film, sights_of
-from analysis.photometric.lesson import Lesson
-from analysis.photometric.pixel_rows import MARKERS_SHARE, SCALE, STRETCH, VIEW_SHARE
-from analysis.photometric.shading import NUDGE
-from analysis.photometric.shared import (
+from analysis.photometric.follow.film import Film, sights_of
+from analysis.photometric.learn.appearance import Knowledge, profiles_of
+from analysis.photometric.learn.lesson import Lesson
+from analysis.photometric.learn.shared import (
     add_frame,
     shared_prior,
     shared_size,
     tangents_of,
     together,
 )
-from analysis.photometric.sight import Equations
+from analysis.photometric.render.pixel_rows import MARKERS_SHARE, SCALE, STRETCH, VIEW_SHARE
+from analysis.photometric.render.shading import NUDGE
+from analysis.photometric.render.sight import Equations
 
 Floats = NDArray[np.float64]
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from analysis.calibration.bending import DISTORTION, FAULTS, MIRROR, NEARNESS, ROLL
 from analysis.calibration.estimate import Estimate
 from analysis.calibration.pixel_estimates import PixelEstimate
-from analysis.photometric.appearance import Knowledge
+from analysis.photometric.learn.appearance import Knowledge
 
 Floats = NDArray[np.float64]
 

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from analysis.figures.palette import FLOOR, MEASURED
 from analysis.figures.sheet import plain, sheet
-from analysis.model.evidence import Stage
+from analysis.model.data.evidence import Stage
 
 BARS = 2.0
 

@@ -11,9 +11,9 @@ from matplotlib.image import AxesImage
 from matplotlib.patches import Rectangle
 
 from analysis.figures.sheet import STRUCTURE, Block, blocks_sheet
-from analysis.model.channels import AXES
-from analysis.model.covariates import LABELS, covariate_label
-from analysis.model.lackoffit import Cell, standard_deviations
+from analysis.model.structure.channels import AXES
+from analysis.model.structure.covariates import LABELS, covariate_label
+from analysis.model.structure.lackoffit import Cell, standard_deviations
 
 ALARM = 0.01
 BRIGHTEST = 12.0

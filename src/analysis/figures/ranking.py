@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 
 from analysis.figures.palette import GREY, MEASURED
 from analysis.figures.sheet import ALIKE, Block, blocks_sheet, plain, sheet
-from analysis.model.candidate import Candidate, Ranking
-from analysis.model.documents import SHOWN_ALIAS
+from analysis.model.rank.candidate import Candidate, Ranking
+from analysis.model.verdict.documents import SHOWN_ALIAS
 from analysis.quantity import Quantity
 
 MOST = 15

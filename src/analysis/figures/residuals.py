@@ -8,9 +8,9 @@ from matplotlib.figure import Figure
 from analysis.figures.palette import FAILS, GREY, MEASURED
 from analysis.figures.sheet import plain, sheet
 from analysis.model.agreement.table import probability
-from analysis.model.covariates import covariate_label
-from analysis.model.lackoffit import Cell
-from analysis.model.structure import CellResiduals
+from analysis.model.structure.covariates import covariate_label
+from analysis.model.structure.lackoffit import Cell
+from analysis.model.structure.structure import CellResiduals
 
 BAND = 2.0
 """Standard errors that the band reaches to each side."""

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from analysis.imaging.facet import EdgePoints
+from analysis.imaging.edge.facet import EdgePoints
 from analysis.imaging.outlines import Place
 
 Floats = NDArray[np.float64]

@@ -10,9 +10,9 @@ import numpy as np
 
 from analysis.errors import ShotRefusedError
 from analysis.imaging.discs import Disc, discs, vote
+from analysis.imaging.edge.frame import FilmEdges, filters
 from analysis.imaging.film_discs import FilmDiscs, film_discs
 from analysis.imaging.film_following import FilmCurves, follow_discs
-from analysis.imaging.frame import FilmEdges, filters
 from analysis.imaging.views import View, ViewGeometry
 
 LEAST_RIM_SHARE = 0.2

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.compiled import compiled, part
-from analysis.imaging.facet import EdgePoints
+from analysis.imaging.edge.facet import EdgePoints
 from analysis.imaging.limb import Edges
 
 Floats = NDArray[np.float64]

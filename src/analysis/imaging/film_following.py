@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from analysis.compiled import compiled, part
 from analysis.imaging.discs import peaks_near
+from analysis.imaging.edge.windows import Filters, Integers, edges_about
 from analysis.imaging.limb import LIMB_REACH_PX, Edges, settle_outlines
-from analysis.imaging.windows import Filters, Integers, edges_about
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.intp]

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.imaging.discs import discs, vote
-from analysis.imaging.frame import (
+from analysis.imaging.edge.frame import (
     EdgeSettings,
     FrameEdges,
     find_edges,

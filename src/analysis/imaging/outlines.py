@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.imaging.facet import EdgePoints
+from analysis.imaging.edge.facet import EdgePoints
 from analysis.imaging.limb import Hidden, settle_outlines
 from analysis.imaging.shells import Circle
 

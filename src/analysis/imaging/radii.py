@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 
 from analysis.errors import ShotRefusedError
 from analysis.imaging.assignment import KEEP_OFF_SIGMAS
+from analysis.imaging.edge.frame import EdgeSettings, filters, gradient_threshold
 from analysis.imaging.film_discs import FilmDiscs
 from analysis.imaging.film_passes import filtered_otherwise
-from analysis.imaging.frame import EdgeSettings, filters, gradient_threshold
 from analysis.imaging.views import View
 
 GOOD_COVERAGE = 0.6

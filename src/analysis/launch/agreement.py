@@ -12,8 +12,8 @@ from analysis.launch.muzzle import SIZE
 from analysis.launch.result import LaunchFit
 from analysis.launch.scatter import KINDS
 from analysis.launch.settings import LaunchSettings
-from analysis.model.fit import Fit
-from analysis.model.tables import Data
+from analysis.model.data.tables import Data
+from analysis.model.fitting.fit import Fit
 
 Floats = NDArray[np.float64]
 

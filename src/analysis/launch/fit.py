@@ -30,9 +30,9 @@ from analysis.launch.result import LaunchFit
 from analysis.launch.scatter import KINDS, scatter_shape, variance_component
 from analysis.launch.settings import LaunchSettings, settings_of
 from analysis.launch.theory import LaunchTheory
-from analysis.model.fit import Fit
-from analysis.model.normal import inverse
-from analysis.model.tables import Data
+from analysis.model.data.tables import Data
+from analysis.model.fitting.fit import Fit
+from analysis.model.fitting.normal import inverse
 
 Floats = NDArray[np.float64]
 

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from analysis.errors import LaunchRefusedError
 from analysis.launch.touch import Ground, observed_touch, touch_by_state
-from analysis.model.fit import Fit, normal_equations
-from analysis.model.tables import ContactTable, Data
+from analysis.model.data.tables import ContactTable, Data
+from analysis.model.fitting.fit import Fit, normal_equations
 
 Floats = NDArray[np.float64]
 

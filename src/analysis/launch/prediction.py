@@ -12,7 +12,7 @@ from analysis.launch.foretold import Foretold
 from analysis.launch.scatter import scatter_variance
 from analysis.launch.settings import LaunchSettings
 from analysis.launch.touch import NORMAL, TOUCH_POINT, states_of, tracks_meet
-from analysis.model.state import MOTION, POINT, SIZE, TILT, TIME, TURN_A, TURN_B, ShotStates
+from analysis.model.predict.state import MOTION, POINT, SIZE, TILT, TIME, TURN_A, TURN_B, ShotStates
 
 Floats = NDArray[np.float64]
 

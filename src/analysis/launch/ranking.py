@@ -18,10 +18,10 @@ from analysis.launch.compared import compare
 from analysis.launch.muzzle import LAW_NAMES
 from analysis.launch.result import LaunchFit
 from analysis.launch.theory import LaunchTheory
-from analysis.model.candidate import believed
-from analysis.model.normal import inverse
-from analysis.model.promise import Block, ByShot, Sums, block_of
-from analysis.model.ranking import alias_matrix, smallest_by_chance
+from analysis.model.fitting.normal import inverse
+from analysis.model.rank.candidate import believed
+from analysis.model.rank.ranking import alias_matrix, smallest_by_chance
+from analysis.model.rank.score_test import Block, ByShot, Sums, block_of
 
 Floats = NDArray[np.float64]
 

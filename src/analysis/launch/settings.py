@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from analysis.errors import InputError, LaunchRefusedError
 from analysis.exchange.shot_list import ShotRow, read_shot_list
-from analysis.model.poses import Observations
+from analysis.model.data.poses import Observations
 
 Floats = NDArray[np.float64]
 

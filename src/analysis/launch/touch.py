@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from analysis.collision.operator import Body, States
 from analysis.launch.muzzle import ALONG, LaunchLaw, Muzzle
-from analysis.model.state import MOTION, POINT, TILT, ShotStates
-from analysis.model.state import SIZE as STATE_SIZE
+from analysis.model.predict.state import MOTION, POINT, TILT, ShotStates
+from analysis.model.predict.state import SIZE as STATE_SIZE
 
 Floats = NDArray[np.float64]
 

@@ -11,11 +11,11 @@ from analysis.collision.operator import States, gives, surface_velocity
 from analysis.effects.contact.spring_slider import rebound
 from analysis.effects.contact.tangential_compliance import STIFFNESS_RATIO
 from analysis.model.agreement.outcome import Outcomes, outcomes
-from analysis.model.channels import contact_columns
-from analysis.model.contact import AFTER, contact_outcome
-from analysis.model.fit import Fit
-from analysis.model.projector import projector
-from analysis.model.tables import Data
+from analysis.model.data.tables import Data
+from analysis.model.fitting.fit import Fit
+from analysis.model.predict.contact import AFTER, contact_outcome
+from analysis.model.rank.projector import projector
+from analysis.model.structure.channels import contact_columns
 
 Floats = NDArray[np.float64]
 

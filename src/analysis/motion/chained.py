@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.errors import ShotRefusedError, counted
-from analysis.imaging.markers import FilmMarkers, Markers
+from analysis.imaging.marker.markers import FilmMarkers, Markers
 from analysis.motion.alignment import rotation_from_directions
 from analysis.motion.pattern import Orientations, sightings
 from analysis.motion.pattern_steps import LEAST_COMMON, average_pattern, orientation_covariances

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.errors import ShotRefusedError, counted
-from analysis.imaging.markers import FilmMarkers
+from analysis.imaging.marker.markers import FilmMarkers
 from analysis.motion.pattern_steps import LEAST_COMMON, Seen, learn_pattern
 
 Floats = NDArray[np.float64]

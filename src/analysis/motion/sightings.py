@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.imaging.dark_places import find_dark_places
 from analysis.imaging.film_discs import FilmDiscs
 from analysis.imaging.film_following import FilmCurves
 from analysis.imaging.film_passes import film_ellipses
-from analysis.imaging.marker_curves import FURTHEST_CENTRE, LARGEST_SINE
-from analysis.imaging.markers import FilmMarkers, Markers, SeenDisc, film_markers
+from analysis.imaging.marker.dark_places import find_dark_places
+from analysis.imaging.marker.marker_curves import FURTHEST_CENTRE, LARGEST_SINE
+from analysis.imaging.marker.markers import FilmMarkers, Markers, SeenDisc, film_markers
 from analysis.imaging.views import View, ViewGeometry
 
 Floats = NDArray[np.float64]

@@ -10,24 +10,24 @@ from numpy.typing import NDArray
 
 from analysis.compiled import kept_on_disk
 from analysis.errors import ShotRefusedError
-from analysis.imaging.frame import noise_sd
-from analysis.photometric.appearance import Knowledge
-from analysis.photometric.background import first_background
-from analysis.photometric.confirmation import shown_shares
-from analysis.photometric.dead_lines import filled
-from analysis.photometric.film import (
+from analysis.imaging.edge.frame import noise_sd
+from analysis.photometric.follow.confirmation import shown_shares
+from analysis.photometric.follow.dead_lines import filled
+from analysis.photometric.follow.film import (
     Film,
     drop_misfits,
     round_smear,
     settle_film,
     settle_without_shadows,
 )
-from analysis.photometric.first_tracking import first_tracking
-from analysis.photometric.following import Follower
-from analysis.photometric.learning import extended, learn, learn_together, without_false
-from analysis.photometric.pose import fit_frames
+from analysis.photometric.follow.first_tracking import first_tracking
+from analysis.photometric.follow.following import Follower
+from analysis.photometric.follow.start import LEAST_DARKNESS, first_film
+from analysis.photometric.learn.appearance import Knowledge
+from analysis.photometric.learn.learning import extended, learn, learn_together, without_false
+from analysis.photometric.render.background import first_background
+from analysis.photometric.render.pose import fit_frames
 from analysis.photometric.result import tracking_of
-from analysis.photometric.start import LEAST_DARKNESS, first_film
 from analysis.setup import Setup
 from analysis.tracking import Tracking
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.imaging.markers import FilmMarkers, Markers
+from analysis.imaging.marker.markers import FilmMarkers, Markers
 from analysis.imaging.outlines import Outline
 from analysis.imaging.shells import Circle
 from analysis.imaging.tracks import Track
@@ -14,11 +14,11 @@ from analysis.motion.cutting import cut_tears, notes_of, refuse_jumps
 from analysis.motion.drift import CENTRE_DRIFT_PER_SIGMA2
 from analysis.motion.pattern import Orientations
 from analysis.motion.poses import Centres
-from analysis.photometric.appearance import Knowledge
-from analysis.photometric.camera import place_covariances
-from analysis.photometric.facing_markers import facing_markers
-from analysis.photometric.film import Film
+from analysis.photometric.follow.facing_markers import facing_markers
+from analysis.photometric.follow.film import Film
 from analysis.photometric.honesty import enlargement
+from analysis.photometric.learn.appearance import Knowledge
+from analysis.photometric.render.camera import place_covariances
 from analysis.tracking import Tracking
 
 Floats = NDArray[np.float64]

@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.errors import ShotRefusedError
-from analysis.imaging.edges import laplacian_of_gaussian
+from analysis.imaging.edge.edges import laplacian_of_gaussian
+from analysis.imaging.edge.expansion import expanded_zero_crossings
+from analysis.imaging.edge.facet import zero_crossing_pixels
+from analysis.imaging.edge.frame import gradient_threshold, noise_sd
+from analysis.imaging.edge.labels import label_connected
 from analysis.imaging.ellipse_shells import fit_ellipse
-from analysis.imaging.expansion import expanded_zero_crossings
-from analysis.imaging.facet import zero_crossing_pixels
-from analysis.imaging.frame import gradient_threshold, noise_sd
-from analysis.imaging.labels import label_connected
 from analysis.motion.proximal import match_markers
 from analysis.qualification.drop import Method
 from analysis.qualification.grey_discs import fit_grey_discs

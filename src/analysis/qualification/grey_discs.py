@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.imaging.outlines import Place
-from analysis.photometric.shading import (
+from analysis.photometric.render.shading import (
     HARMONICS,
     ORDER,
     RADIALS,

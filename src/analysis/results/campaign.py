@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analysis.model.judged import Judged, judged
-from analysis.model.poses import PoseData
-from analysis.model.tables import ContactTable, Data
+from analysis.model.data.poses import PoseData
+from analysis.model.data.tables import ContactTable, Data
+from analysis.model.fitting.robust_fit import Judged, judged
 from analysis.quantity import Quantity
 from analysis.results.from_poses import pose_impacts
 from analysis.results.from_table import table_impacts

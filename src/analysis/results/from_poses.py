@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.errors import ShotRefusedError
-from analysis.model.poses import PoseData
+from analysis.model.data.poses import PoseData
 from analysis.results.impacts import SHARED, V_N, V_N_AFTER, V_S, V_S_AFTER, Impacts, LeftOut, told
 from analysis.scene import Scene
 from analysis.shot_poses import ShotPoses

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.collision.operator import Body, States, surface_velocity
-from analysis.model.tables import ContactTable
+from analysis.model.data.tables import ContactTable
 from analysis.results.impacts import V_S, V_S_AFTER, Impacts, told
 
 Floats = NDArray[np.float64]

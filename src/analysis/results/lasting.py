@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from analysis.effects.contact.lasting_contact import EFFECT
-from analysis.model.judged import Judged, judged_with
+from analysis.model.fitting.robust_fit import Judged, judged_with
 from analysis.quantity import Quantity
 from analysis.results.impacts import SHARED, Impacts
 from analysis.results.lines import Lines

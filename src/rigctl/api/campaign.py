@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from analysis.model.tables import Data
+from analysis.model.data.tables import Data
 from rigctl.api.fit import Fit
 from rigctl.api.measured import Measured, Source
 from rigctl.api.own_effects import Given, KnownEffects

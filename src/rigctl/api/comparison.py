@@ -12,9 +12,9 @@ from analysis.model.agreement.document import agreement_document, structure_docu
 from analysis.model.agreement.launch import launch_stage
 from analysis.model.agreement.table import Agreement as Compared
 from analysis.model.agreement.table import Stage
-from analysis.model.fit import Fit
-from analysis.model.structure import Structure as Tested
-from analysis.model.tables import Data
+from analysis.model.data.tables import Data
+from analysis.model.fitting.fit import Fit
+from analysis.model.structure.structure import Structure as Tested
 from rigctl.api.pictured import Pictured
 
 if TYPE_CHECKING:

@@ -7,16 +7,16 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from analysis.effects.effect import Effect
-from analysis.model.adding import added
-from analysis.model.documents import fit_document
-from analysis.model.evidence import Stage, stage_of
-from analysis.model.fit import fit_campaign
-from analysis.model.judged import Judged, judged
+from analysis.model.data.evidence import Stage, stage_of
+from analysis.model.data.poses import PoseData
+from analysis.model.data.tables import Data
+from analysis.model.fitting.adding import added
+from analysis.model.fitting.fit import fit_campaign
+from analysis.model.fitting.robust_fit import Judged, judged
 from analysis.model.plane import impact_plane
-from analysis.model.poses import PoseData
-from analysis.model.ranking import rank
-from analysis.model.structure import structure
-from analysis.model.tables import Data
+from analysis.model.rank.ranking import rank
+from analysis.model.structure.structure import structure
+from analysis.model.verdict.documents import fit_document
 from analysis.quantity import Quantity
 from rigctl.api.comparison import Agreement, Structure, agreement_of
 from rigctl.api.own_effects import Given, KnownEffects

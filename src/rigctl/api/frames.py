@@ -9,8 +9,8 @@ from typing import Any
 from analysis.campaign import Campaign, analyse_campaign
 from analysis.exchange.pose_table import PoseRow
 from analysis.exchange.shot_list import ShotRow
-from analysis.model.gather import pose_data
-from analysis.model.start import both_seen
+from analysis.model.data.gather import pose_data
+from analysis.model.predict.start import both_seen
 from analysis.setup import SlowErrors
 from analysis.shot import AnalysisOptions, Method
 from analysis.slow_errors import typical

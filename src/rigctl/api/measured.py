@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Protocol
 
-from analysis.model.tables import Data
+from analysis.model.data.tables import Data
 
 
 @dataclass(frozen=True, slots=True, eq=False)

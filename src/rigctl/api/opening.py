@@ -11,9 +11,9 @@ from analysis.campaign import DESCRIPTION, POSES, joined, read_campaign
 from analysis.campaign import Campaign as Shots
 from analysis.effects.effect import Effect
 from analysis.exchange.description import read_description
-from analysis.imaging.png_files import holds_png
-from analysis.imaging.stack import SUFFIXES
-from analysis.model.gather import CONTACTS, IMPACTS
+from analysis.imaging.files.png_files import holds_png
+from analysis.imaging.files.stack import SUFFIXES
+from analysis.model.data.gather import CONTACTS, IMPACTS
 from analysis.shot import Method
 from rigctl.api.campaign import Campaign
 from rigctl.api.frames import Frames

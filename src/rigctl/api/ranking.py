@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from analysis.model.candidate import Ranking as Ranked
-from analysis.model.documents import ranking_document
-from analysis.model.evidence import Stage
+from analysis.model.data.evidence import Stage
+from analysis.model.rank.candidate import Ranking as Ranked
+from analysis.model.verdict.documents import ranking_document
 from rigctl.api.pictured import Pictured
 
 if TYPE_CHECKING:

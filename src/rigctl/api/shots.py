@@ -7,9 +7,9 @@ from functools import cached_property
 from html import escape
 from typing import TYPE_CHECKING, Literal
 
-from analysis.model.gather import ORDER
-from analysis.model.poses import PoseData
-from analysis.model.tables import Data
+from analysis.model.data.gather import ORDER
+from analysis.model.data.poses import PoseData
+from analysis.model.data.tables import Data
 from analysis.results.campaign import Results, results
 from analysis.results.from_poses import pose_impacts
 from analysis.results.from_table import table_impacts

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from analysis.campaign import DESCRIPTION
 from analysis.exchange.description import read_description
-from analysis.model.gather import gather
+from analysis.model.data.gather import gather
 from rigctl.api.measured import Measured
 from rigctl.input_errors import in_words
 

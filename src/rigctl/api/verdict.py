@@ -6,13 +6,13 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from analysis.effects.effect import Effect
+from analysis.model.data.tables import Data
 from analysis.model.design.between import Telling
 from analysis.model.design.undecided import next_after
-from analysis.model.report import verdict_document
-from analysis.model.selection import Verdict as Found
-from analysis.model.selection import explain
-from analysis.model.tables import Data
-from analysis.model.words import doubts, verdict_sentence
+from analysis.model.verdict.report import verdict_document
+from analysis.model.verdict.selection import Verdict as Found
+from analysis.model.verdict.selection import explain
+from analysis.model.verdict.words import doubts, verdict_sentence
 from analysis.quantity import Quantity
 from rigctl.api.own_effects import KnownEffects
 from rigctl.api.pictured import Pictured

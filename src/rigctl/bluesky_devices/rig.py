@@ -13,7 +13,7 @@ from event_model import DataKey
 from rigctl.bluesky_devices.readings import described, read_of
 from rigctl.bluesky_devices.status import WorkStatus
 from rigctl.bluesky_devices.step import Progress, Step
-from rigctl.commands.shot import Operable, measured
+from rigctl.commands.rig.shot import Operable, measured
 from rigctl.errors import FireOutcomeUnknownError, RefusedError
 
 WAIT_S = 120.0

@@ -11,7 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from analysis.errors import InputError
 from analysis.files import FrameBudget, read_bytes
-from analysis.imaging.tiff_file import read_tiff
+from analysis.imaging.files.tiff_file import read_tiff
 from rigctl.cameras.frames import FrameSequence
 from rigctl.errors import FramesError
 

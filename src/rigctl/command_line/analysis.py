@@ -65,8 +65,8 @@ def analyse(
     json: Json = False,
 ) -> None:
     """Measure the collisions in frames."""
-    from rigctl.commands.analyse import Request
-    from rigctl.commands.analyse import analyse as measure
+    from rigctl.commands.analysis.analyse import Request
+    from rigctl.commands.analysis.analyse import analyse as measure
 
     request = Request(
         paths=paths,

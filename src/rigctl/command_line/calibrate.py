@@ -19,6 +19,6 @@ def calibrate(
     json: Json = False,
 ) -> None:
     """Estimate scale, aspect, mirror, roll, distortion and perspective from the shots."""
-    from rigctl.commands.calibrate import calibrate as estimate
+    from rigctl.commands.analysis.calibrate import calibrate as estimate
 
     estimate(campaign, as_json=json)

@@ -21,8 +21,8 @@ def list_campaigns(
     json: Json = False,
 ) -> None:
     """List stored campaigns, the one with the latest shot first."""
-    from rigctl.commands.campaigns import show
-    from rigctl.commands.shots import kept
+    from rigctl.commands.stored.campaigns import show
+    from rigctl.commands.stored.shots import kept
 
     with kept(config) as store:
         show(store, tag, as_json=json)
@@ -37,8 +37,8 @@ def note(
     json: Json = False,
 ) -> None:
     """Put a note in the place of a campaign's note."""
-    from rigctl.commands.campaigns import annotate
-    from rigctl.commands.shots import kept
+    from rigctl.commands.stored.campaigns import annotate
+    from rigctl.commands.stored.shots import kept
 
     with kept(config) as store:
         annotate(store, campaign, text, as_json=json)
@@ -55,8 +55,8 @@ def tag(
     json: Json = False,
 ) -> None:
     """Give a campaign exactly these tags."""
-    from rigctl.commands import campaigns as commands
-    from rigctl.commands.shots import kept
+    from rigctl.commands.stored import campaigns as commands
+    from rigctl.commands.stored.shots import kept
 
     with kept(config) as store:
         commands.tag(store, campaign, tags or [], as_json=json)

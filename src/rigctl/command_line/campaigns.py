@@ -24,7 +24,7 @@ def import_(
     json: Json = False,
 ) -> None:
     """Take an exchange folder into the catalogue, whole or not at all."""
-    from rigctl.commands.exchange import import_folder
+    from rigctl.commands.stored.exchange import import_folder
 
     import_folder(folder, name, config, as_json=json)
 
@@ -38,7 +38,7 @@ def export(
     json: Json = False,
 ) -> None:
     """Write a campaign of the catalogue as an exchange folder."""
-    from rigctl.commands.exchange import export_folder
+    from rigctl.commands.stored.exchange import export_folder
 
     export_folder(campaign, folder, config, as_json=json)
 
@@ -59,7 +59,7 @@ def reanalyse(
     json: Json = False,
 ) -> None:
     """Analyse a stored campaign once more; results are added beside those there are."""
-    from rigctl.commands.reanalyse import reanalyse as run
+    from rigctl.commands.stored.reanalyse import reanalyse as run
 
     run(campaign, method.value, config, scheduler=scheduler, workers=workers, as_json=json)
 
@@ -78,7 +78,7 @@ def verify(
     json: Json = False,
 ) -> None:
     """Compare all that is stored with its digests, its manifests and its audit."""
-    from rigctl.commands.keeping import verify as run
+    from rigctl.commands.stored.keeping import verify as run
 
     run(campaign, config, anchor=anchor, as_json=json)
 
@@ -86,7 +86,7 @@ def verify(
 @campaigns.command()
 def recover(*, config: Config = None, json: Json = False) -> None:
     """Build a lost or damaged catalogue again from the shots' folders; fires nothing."""
-    from rigctl.commands.recover import recover as run
+    from rigctl.commands.stored.recover import recover as run
 
     run(config, as_json=json)
 
@@ -99,6 +99,6 @@ def backup(
     json: Json = False,
 ) -> None:
     """Copy the store, while a daemon fires or none does, and verify the copy."""
-    from rigctl.commands.keeping import backup as run
+    from rigctl.commands.stored.keeping import backup as run
 
     run(folder, config, as_json=json)

@@ -24,6 +24,6 @@ def find_discs(
     json: Json = False,
 ) -> None:
     """Find all discs of a picture within a range of diameters."""
-    from rigctl.commands.discs import find
+    from rigctl.commands.analysis.discs import find
 
     find(image, diameter_px, sigma_px=sigma_px, as_json=json)

@@ -22,7 +22,7 @@ def export_nexus(
     config: Config = None,
 ) -> None:
     """Write poses, coefficients and their origin as a NeXus file."""
-    from rigctl.commands.export_other import export_nexus as write
+    from rigctl.commands.stored.export_other import export_nexus as write
 
     write(campaign, file, config)
 
@@ -35,6 +35,6 @@ def export_events(
     config: Config = None,
 ) -> None:
     """Write a campaign as documents of the event model."""
-    from rigctl.commands.export_other import export_events as write
+    from rigctl.commands.stored.export_other import export_events as write
 
     write(campaign, file, config)

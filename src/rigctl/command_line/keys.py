@@ -25,7 +25,7 @@ def add(
     json: Json = False,
 ) -> None:
     """Add a key and print it, this once."""
-    from rigctl.commands.keys import add as run
+    from rigctl.commands.rig.keys import add as run
 
     run(name, scope, expires, config, as_json=json)
 
@@ -33,7 +33,7 @@ def add(
 @keys.command("list")
 def list_keys(*, config: Config = None, json: Json = False) -> None:
     """List every named key, also those that open nothing any more."""
-    from rigctl.commands.keys import show
+    from rigctl.commands.rig.keys import show
 
     show(config, as_json=json)
 
@@ -41,6 +41,6 @@ def list_keys(*, config: Config = None, json: Json = False) -> None:
 @keys.command("revoke")
 def revoke(name: Name, *, config: Config = None) -> None:
     """Let a key open nothing any more, at once."""
-    from rigctl.commands.keys import revoke as run
+    from rigctl.commands.rig.keys import revoke as run
 
     run(name, config)

@@ -11,7 +11,7 @@ from rigctl.command_line.analysis import Method
 from rigctl.command_line.options import Json
 
 if TYPE_CHECKING:
-    from rigctl.commands.qualify import Request
+    from rigctl.commands.analysis.qualify import Request
 
 qualify = typer.Typer(help="The accuracy runs of the thesis on simulated apparatus, truth beside.")
 
@@ -30,7 +30,7 @@ def qualify_stage(
     *, method: By = None, seed: Seed = 0, out: Out = None, json: Json = False
 ) -> None:
     """Move a sphere in quarters of a pixel (figures 4.1 and 4.2)."""
-    from rigctl.commands.qualify import stage
+    from rigctl.commands.analysis.qualify import stage
 
     stage(_request(method, seed, out, as_json=json))
 
@@ -38,7 +38,7 @@ def qualify_stage(
 @qualify.command("drop")
 def qualify_drop(*, method: By = None, seed: Seed = 0, out: Out = None, json: Json = False) -> None:
     """Take gravity from ten falls of a sphere (table 6.1)."""
-    from rigctl.commands.qualify import drop
+    from rigctl.commands.analysis.qualify import drop
 
     drop(_request(method, seed, out, as_json=json))
 
@@ -46,7 +46,7 @@ def qualify_drop(*, method: By = None, seed: Seed = 0, out: Out = None, json: Js
 @qualify.command("disk")
 def qualify_disk(*, method: By = None, seed: Seed = 0, out: Out = None, json: Json = False) -> None:
     """Measure angles of a disk that turns at 997 turns a minute (table 6.2)."""
-    from rigctl.commands.qualify import disk
+    from rigctl.commands.analysis.qualify import disk
 
     disk(_request(method, seed, out, as_json=json))
 
@@ -56,12 +56,12 @@ def qualify_depth(
     *, method: ByEdges = Method.THESIS, seed: Seed = 0, out: Out = None, json: Json = False
 ) -> None:
     """Measure shots with the mirror and with Z constant (table 3.3)."""
-    from rigctl.commands.qualify import depth
+    from rigctl.commands.analysis.qualify import depth
 
     depth(_request(method, seed, out, as_json=json))
 
 
 def _request(method: Method | None, seed: int, out: Path | None, *, as_json: bool) -> Request:
-    from rigctl.commands.qualify import Request
+    from rigctl.commands.analysis.qualify import Request
 
     return Request(None if method is None else method.value, seed, out, as_json)

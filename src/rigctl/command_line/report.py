@@ -23,6 +23,6 @@ def report(
     config: Config = None,
 ) -> None:
     """Write the results of a campaign: coefficients, figure 7.4, restitution against speed."""
-    from rigctl.commands.report_campaign import report_campaign
+    from rigctl.commands.stored.report_campaign import report_campaign
 
     report_campaign(campaign, out, csv=csv, configuration=config)

@@ -38,7 +38,7 @@ def serve(
     # What is loaded stays: to look for garbage in it takes a tenth of the start.
     gc.disable()
     try:
-        from rigctl.commands.serve import serve as run_daemon
+        from rigctl.commands.rig.serve import serve as run_daemon
     finally:
         gc.enable()
     run_daemon(config, port, chosen_key(key, key_file), effects, log)
@@ -72,8 +72,8 @@ def shot(
     json: Json = False,
 ) -> None:
     """Fire one shot and print its coefficients."""
-    from rigctl.commands.shot import Order, settings_of
-    from rigctl.commands.shot import shot as fire
+    from rigctl.commands.rig.shot import Order, settings_of
+    from rigctl.commands.rig.shot import shot as fire
 
     settings = settings_of(
         pressure_a_kpa=pressure_kpa,
@@ -85,7 +85,7 @@ def shot(
     )
     order = Order(settings, campaign, wait_s)
     if local:
-        from rigctl.commands.local import opened
+        from rigctl.commands.rig.local import opened
 
         fire(order, opened(config), as_json=json)
     else:
@@ -104,7 +104,7 @@ def stop(
     json: Json = False,
 ) -> None:
     """Cut the power of every actuator now, and latch; needs no key."""
-    from rigctl.commands.stop import stop as stop_rig
+    from rigctl.commands.rig.stop import stop as stop_rig
 
     stop_rig(config, reason, as_json=json)
 
@@ -119,7 +119,7 @@ def release(
     json: Json = False,
 ) -> None:
     """Give power back after a stop, a fault or an unknown outcome, once a person has looked."""
-    from rigctl.commands.stop import release as release_rig
+    from rigctl.commands.rig.stop import release as release_rig
 
     release_rig(config, chosen_key(key, key_file), reason, as_json=json)
 
@@ -133,7 +133,7 @@ def demo(
     seed: Annotated[int, typer.Option(min=0, help="Another number, another effect hidden.")] = 8,
 ) -> None:
     """Find an effect that a simulated rig hides: fire, measure, compare; no daemon needed."""
-    from rigctl.commands.demo import demo as run_demo
+    from rigctl.commands.rig.demo import demo as run_demo
 
     run_demo(out, seed)
 
@@ -141,7 +141,7 @@ def demo(
 @rig.command()
 def precompile() -> None:
     """Compile the analysis for this machine once, a minute or two; no first shot waits for it."""
-    from rigctl.commands.precompile import precompile as run_precompile
+    from rigctl.commands.analysis.precompile import precompile as run_precompile
     from rigctl.commands.report import progress
 
     with progress() as say:

@@ -32,7 +32,7 @@ def list_shots(
     json: Json = False,
 ) -> None:
     """List stored shots, oldest first."""
-    from rigctl.commands.shots import Filter, kept, show, state_named
+    from rigctl.commands.stored.shots import Filter, kept, show, state_named
 
     wanted = Filter(campaign, None if state is None else state_named(state), tag, excluded)
     with kept(config) as store:
@@ -49,7 +49,7 @@ def exclude(
     json: Json = False,
 ) -> None:
     """Leave shots out of every fit; nothing of them is deleted."""
-    from rigctl.commands import shots as commands
+    from rigctl.commands.stored import shots as commands
 
     with commands.kept(config) as store:
         commands.exclude(store, shot, reason, campaign, as_json=json)
@@ -60,7 +60,7 @@ def include(
     shot: Several, *, campaign: Of = None, config: Config = None, json: Json = False
 ) -> None:
     """Let shots count again."""
-    from rigctl.commands import shots as commands
+    from rigctl.commands.stored import shots as commands
 
     with commands.kept(config) as store:
         commands.include(store, shot, campaign, as_json=json)
@@ -76,7 +76,7 @@ def note(
     json: Json = False,
 ) -> None:
     """Put a note in the place of a shot's note."""
-    from rigctl.commands import shots as commands
+    from rigctl.commands.stored import shots as commands
 
     with commands.kept(config) as store:
         commands.annotate(store, shot, text, campaign, as_json=json)
@@ -94,7 +94,7 @@ def tag(
     json: Json = False,
 ) -> None:
     """Give a shot exactly these tags."""
-    from rigctl.commands import shots as commands
+    from rigctl.commands.stored import shots as commands
 
     with commands.kept(config) as store:
         commands.tag(store, shot, tags or [], campaign, as_json=json)

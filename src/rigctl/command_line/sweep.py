@@ -67,8 +67,8 @@ def run(
     json: Json = False,
 ) -> None:
     """Run a sweep through the daemon and watch it to its end."""
-    from rigctl.commands import sweep as commands
-    from rigctl.commands.sweep_options import Options, form_of
+    from rigctl.commands.rig import sweep as commands
+    from rigctl.commands.rig.sweep_options import Options, form_of
 
     options = Options(
         file=file,
@@ -99,7 +99,7 @@ def status(
     json: Json = False,
 ) -> None:
     """Show how far a sweep is, how long it will take, and what became of its steps."""
-    from rigctl.commands import sweep as commands
+    from rigctl.commands.rig import sweep as commands
 
     with commands.service(config, chosen_key(key, key_file)) as daemon:
         commands.show(daemon, name, as_json=json)
@@ -147,7 +147,7 @@ def abort(
 def _order(
     wish: str, name: str | None, config: Path | None, key: Chosen | None, *, as_json: bool
 ) -> None:
-    from rigctl.commands import sweep as commands
+    from rigctl.commands.rig import sweep as commands
 
     with commands.service(config, key) as daemon:
         commands.order(daemon, wish, name, as_json=as_json)

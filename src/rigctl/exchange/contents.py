@@ -17,8 +17,8 @@ from analysis.exchange.description import read_description
 from analysis.exchange.impact_table import read_impacts
 from analysis.exchange.pose_table import PoseRow, read_poses
 from analysis.exchange.shot_list import EXCLUDED, NOTE, TAGS, ShotRow, read_shot_list
-from analysis.imaging.stack import read_stack
-from analysis.model.gather import CONTACTS, IMPACTS
+from analysis.imaging.files.stack import read_stack
+from analysis.model.data.gather import CONTACTS, IMPACTS
 from analysis.setup import Setup
 from rigctl.errors import AnalysisInputError
 from rigctl.exchange.remarks import read_remarks

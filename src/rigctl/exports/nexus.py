@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.collision.operator import Body
-from analysis.model.poses import PoseData
+from analysis.model.data.poses import PoseData
 from analysis.quantity import Quantity
 from analysis.results.campaign import Results
 from analysis.results.impacts import V_N

@@ -13,6 +13,6 @@ def wait_for_compiler(method: Method) -> str | None:
         from analysis.photometric.method import compiles_first  # noqa: PLC0415
 
         return "80 s" if compiles_first() else None
-    from analysis.imaging.marker_curves import dark_ellipses  # noqa: PLC0415
+    from analysis.imaging.marker.marker_curves import dark_ellipses  # noqa: PLC0415
 
     return None if kept_on_disk(dark_ellipses) else "40 s"

@@ -2,8 +2,8 @@
 
 A file for each campaign and set-up, `learned/<digest>.npz` beside the shots: a cache that may be
 deleted at any time. Whether it still holds is not decided here: a shot that does not show the
-learned spheres refuses them (`analysis.photometric.confirmation`), teaches anew, and its lesson
-takes the place of the one before.
+learned spheres refuses them (`photometric.follow.confirmation`), teaches anew, and its lesson takes
+the place of the one before.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from analysis.errors import InputError
 from analysis.setup import Setup, without_exposure
 
 if TYPE_CHECKING:
-    from analysis.photometric.appearance import Knowledge
+    from analysis.photometric.learn.appearance import Knowledge
 
 _log = logging.getLogger(__name__)
 
@@ -50,7 +50,7 @@ class LearnedPairs:
         if path in self._held and self._held[path][0] == stamp:
             return self._held[path][1]
         # Compiled functions are loaded only where they are wanted.
-        from analysis.photometric.record import read_knowledge  # noqa: PLC0415
+        from analysis.photometric.learn.record import read_knowledge  # noqa: PLC0415
 
         try:
             known = read_knowledge(path)
@@ -68,7 +68,7 @@ class LearnedPairs:
         OSError
             It cannot be written.
         """
-        from analysis.photometric.record import write_knowledge  # noqa: PLC0415
+        from analysis.photometric.learn.record import write_knowledge  # noqa: PLC0415
 
         path = self._path(campaign, setup)
         self._folder.mkdir(exist_ok=True)

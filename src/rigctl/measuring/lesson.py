@@ -18,7 +18,7 @@ from analysis.shot import AnalysisOptions, MeasuredShot, RefusedShot, analyse_sh
 from rigctl.measuring.learned_pairs import LearnedPairs
 
 if TYPE_CHECKING:
-    from analysis.photometric.appearance import Knowledge
+    from analysis.photometric.learn.appearance import Knowledge
 
 _log = logging.getLogger(__name__)
 

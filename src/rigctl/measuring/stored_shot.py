@@ -23,7 +23,7 @@ from rigctl.measuring.stored_poses import measured_document
 from rigctl.store.folders import read_pixels
 
 if TYPE_CHECKING:
-    from analysis.photometric.appearance import Knowledge
+    from analysis.photometric.learn.appearance import Knowledge
 
 Json = dict[str, Any]
 Floats = NDArray[np.float64]

@@ -11,9 +11,9 @@ from typing import Any
 
 from analysis.exchange.pose_table import Spheres
 from analysis.exchange.shot_list import EXCLUDED, ShotRow
-from analysis.model.gather import gather, gather_poses, pose_data
-from analysis.model.poses import PoseData
-from analysis.model.tables import Data
+from analysis.model.data.gather import gather, gather_poses, pose_data
+from analysis.model.data.poses import PoseData
+from analysis.model.data.tables import Data
 from analysis.setup import Setup, SlowErrors
 from analysis.slow_errors import typical
 from rigctl.errors import AnalysisInputError

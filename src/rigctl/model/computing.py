@@ -28,17 +28,17 @@ from analysis.model.agreement.document import (
 )
 from analysis.model.agreement.launch import launch_stage
 from analysis.model.agreement.table import Stage
+from analysis.model.data.tables import Data
 from analysis.model.design.between import Telling
 from analysis.model.design.undecided import next_after
-from analysis.model.documents import fit_document, ranking_document
-from analysis.model.fit import Fit
-from analysis.model.judged import judged
+from analysis.model.fitting.fit import Fit
+from analysis.model.fitting.robust_fit import judged
 from analysis.model.plane import impact_plane
-from analysis.model.ranking import rank
-from analysis.model.report import verdict_document
-from analysis.model.selection import Verdict, explain
-from analysis.model.structure import structure
-from analysis.model.tables import Data
+from analysis.model.rank.ranking import rank
+from analysis.model.structure.structure import structure
+from analysis.model.verdict.documents import fit_document, ranking_document
+from analysis.model.verdict.report import verdict_document
+from analysis.model.verdict.selection import Verdict, explain
 from rigctl.errors import AnalysisInputError
 from rigctl.input_errors import in_words
 from rigctl.measuring.measured import MeasuredFiles

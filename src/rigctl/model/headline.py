@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
-from analysis.model.account import Accounted
-from analysis.model.nuisance import alarms_of
-from analysis.model.nuisance_words import alarm_sentence
+from analysis.model.fitting.account import Accounted
+from analysis.model.fitting.nuisance import alarms_of
+from analysis.model.fitting.nuisance_words import alarm_sentence
 
 
 def headline(title: str, found: Accounted) -> str:

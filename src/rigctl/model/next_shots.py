@@ -9,14 +9,14 @@ from typing import Any
 from analysis.effects.effect import Effect, ScatterEffect
 from analysis.launch.fit import fit_launch
 from analysis.launch.prediction import Limits
+from analysis.model.data.poses import PoseData
 from analysis.model.design.between import PROBABILITY, tell_apart
 from analysis.model.design.candidates import grid
 from analysis.model.design.document import NONE, sharpening_document, telling_document
 from analysis.model.design.sharpen import sharpen
 from analysis.model.design.undecided import fired_alike, next_after
-from analysis.model.judged import judged
-from analysis.model.poses import PoseData
-from analysis.model.selection import explain
+from analysis.model.fitting.robust_fit import judged
+from analysis.model.verdict.selection import explain
 from rigctl.errors import NotFoundError, SettingsError
 
 Json = dict[str, Any]

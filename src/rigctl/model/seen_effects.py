@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from analysis.effects.effect import Effect
-from analysis.model.judged import judged
-from analysis.model.ranking import rank
-from analysis.model.tables import ContactTable, Data
+from analysis.model.data.tables import ContactTable, Data
+from analysis.model.fitting.robust_fit import judged
+from analysis.model.rank.ranking import rank
 from rigctl.errors import AnalysisInputError
 
 

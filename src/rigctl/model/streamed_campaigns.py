@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from itertools import islice
 from pathlib import Path
 
-from analysis.model.parts import SHOTS_AT_ONCE
+from analysis.model.data.parts import SHOTS_AT_ONCE
 from analysis.model.streaming.columns import ShotColumns
 from analysis.model.streaming.reading import Reading, stream_poses
 from analysis.model.streaming.stream import PoseStream

@@ -6,9 +6,9 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from analysis.campaign import POSES
-from analysis.model.gather import CONTACTS, IMPACTS, gather
-from analysis.model.poses import PoseData
-from analysis.model.tables import Data
+from analysis.model.data.gather import CONTACTS, IMPACTS, gather
+from analysis.model.data.poses import PoseData
+from analysis.model.data.tables import Data
 from rigctl.errors import AnalysisInputError, NotFoundError
 from rigctl.exchange.exporting import export_campaign, listing
 from rigctl.store import StoreReader

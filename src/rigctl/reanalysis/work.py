@@ -13,7 +13,7 @@ from rigctl.reanalysis.memory import keep_memory
 from rigctl.store.folders import result_text
 
 if TYPE_CHECKING:
-    from analysis.photometric.appearance import Knowledge
+    from analysis.photometric.learn.appearance import Knowledge
 
 Json = dict[str, Any]
 

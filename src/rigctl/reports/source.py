@@ -13,8 +13,8 @@ from typing import Any
 from analysis.campaign import DESCRIPTION, FRAMES, SHOT_LIST
 from analysis.exchange.shot_list import EXCLUDED, ShotRow, read_shot_list
 from analysis.files import read_toml
-from analysis.model.gather import CONTACTS, IMPACTS, POSES, gather
-from analysis.model.tables import Data
+from analysis.model.data.gather import CONTACTS, IMPACTS, POSES, gather
+from analysis.model.data.tables import Data
 from analysis.results.impacts import LeftOut
 from rigctl.errors import AnalysisInputError
 from rigctl.input_errors import in_words

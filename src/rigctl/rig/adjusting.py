@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from rigctl.rig.conditions import Conditions
-from rigctl.rig.estop import EmergencyStop
-from rigctl.rig.halting import halt
 from rigctl.rig.parts import Bench
+from rigctl.rig.stopping.estop import EmergencyStop
+from rigctl.rig.stopping.halting import halt
 from rigctl.settings import ShotSettings
 
 POLL_S = 0.02

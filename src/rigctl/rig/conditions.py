@@ -8,9 +8,9 @@ from datetime import datetime
 from rigctl.cameras.capture import RecordingConfirmation
 from rigctl.devices.roles import PowerQuery
 from rigctl.errors import RigError, StoreError
-from rigctl.rig.estop import EmergencyStop
 from rigctl.rig.interlocks import Interlock, fresh, within
 from rigctl.rig.parts import Bench
+from rigctl.rig.stopping.estop import EmergencyStop
 from rigctl.settings import ShotSettings
 
 

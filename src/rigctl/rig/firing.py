@@ -17,11 +17,11 @@ from rigctl.cameras.capture import RecordingConfirmation
 from rigctl.devices.roles import FireOutcome, FireReceipt, OutcomeQuery
 from rigctl.errors import DeviceAnswerError, DeviceError, RefusedError, RigError, StoreError
 from rigctl.rig.conditions import Conditions
-from rigctl.rig.estop import EmergencyStop
 from rigctl.rig.interlocks import Interlock, require
 from rigctl.rig.manifest import manifest
 from rigctl.rig.parts import Bench
 from rigctl.rig.states import Fired, ShotState
+from rigctl.rig.stopping.estop import EmergencyStop
 from rigctl.store.catalogue import Change
 from rigctl.store.records import ShotRecord
 

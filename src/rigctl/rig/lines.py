@@ -6,7 +6,7 @@ import logging
 
 from rigctl.devices.roles import Actuators
 from rigctl.errors import RigError
-from rigctl.rig.estop import EmergencyStop
+from rigctl.rig.stopping.estop import EmergencyStop
 
 _log = logging.getLogger(__name__)
 

@@ -18,12 +18,8 @@ from rigctl.rig.arming import Armed, ArmToken
 from rigctl.rig.bounds import require_within
 from rigctl.rig.clock import SYSTEM_CLOCK, Clock
 from rigctl.rig.conditions import Conditions
-from rigctl.rig.dead_man import DeadMan
-from rigctl.rig.estop import EmergencyStop
 from rigctl.rig.firing import ShotRun
-from rigctl.rig.halting import halt, make_safe
 from rigctl.rig.interlocks import require
-from rigctl.rig.latch import CleanEnd
 from rigctl.rig.lines import reopen
 from rigctl.rig.parts import Bench
 from rigctl.rig.recovery import Recovery, close_running, start
@@ -31,6 +27,10 @@ from rigctl.rig.running import ACTOR, RunningShot, in_thread, leave_unanalysed
 from rigctl.rig.standing import Standing
 from rigctl.rig.states import LATCHED, RigState, ShotState
 from rigctl.rig.status import RigStatus
+from rigctl.rig.stopping.dead_man import DeadMan
+from rigctl.rig.stopping.estop import EmergencyStop
+from rigctl.rig.stopping.halting import halt, make_safe
+from rigctl.rig.stopping.latch import CleanEnd
 from rigctl.settings import ShotSettings
 from rigctl.store.catalogue import Change
 from rigctl.store.records import NewShot, ShotRecord

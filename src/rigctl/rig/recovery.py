@@ -8,9 +8,9 @@ from datetime import datetime
 
 from rigctl.devices.roles import Trigger
 from rigctl.errors import DeviceError
-from rigctl.rig.estop import EmergencyStop
 from rigctl.rig.standing import AFTER_STOP, Standing
 from rigctl.rig.states import LATCHED, Fired, RigState, ShotState
+from rigctl.rig.stopping.estop import EmergencyStop
 from rigctl.store.catalogue import Change
 from rigctl.store.records import JournalEntry, ShotRecord
 from rigctl.store.states import RUNNING

@@ -8,9 +8,9 @@ from collections.abc import Callable
 
 from rigctl.errors import RefusedError, RigError, StoreError
 from rigctl.rig.clock import Clock
-from rigctl.rig.estop import EmergencyStop
 from rigctl.rig.standing import Standing
 from rigctl.rig.states import Fired, RigState, ShotState
+from rigctl.rig.stopping.estop import EmergencyStop
 from rigctl.store.catalogue import Change
 from rigctl.store.records import ShotRecord
 from rigctl.store.store import Store

@@ -11,9 +11,9 @@ from rigctl.config import Configuration, SolenoidPair
 from rigctl.rig.clock import Clock
 from rigctl.rig.interlocks import Interlock
 from rigctl.rig.logbook import Logbook
-from rigctl.rig.repeated_stops import RepeatedStops
 from rigctl.rig.states import LATCHED, RigState, require_move
 from rigctl.rig.status import RigStatus, Transition
+from rigctl.rig.stopping.repeated_stops import RepeatedStops
 from rigctl.settings import ShotSettings
 from rigctl.store.listeners import Listeners
 from rigctl.store.records import ShotRecord

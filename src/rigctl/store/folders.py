@@ -236,7 +236,7 @@ def read_pixels(path: Path) -> NDArray[np.uint8]:
         return pixels
     # Readers of images are loaded only where frames are no arrays.
     from analysis.errors import InputError  # noqa: PLC0415
-    from analysis.imaging.stack import read_stack  # noqa: PLC0415
+    from analysis.imaging.files.stack import read_stack  # noqa: PLC0415
 
     try:
         return read_stack(path).pixels

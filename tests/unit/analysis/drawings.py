@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
-from analysis.imaging.frame import EdgeSettings, FrameEdges, find_edges
+from analysis.imaging.edge.frame import EdgeSettings, FrameEdges, find_edges
 
 Floats = NDArray[np.float64]
 Frames = NDArray[np.uint8]

@@ -25,7 +25,7 @@ from analysis.exchange.contact_table import read_contacts
 from analysis.exchange.description import read_description
 from analysis.exchange.pose_table import read_poses
 from analysis.exchange.shot_list import read_shot_list
-from analysis.imaging.stack import read_stack
+from analysis.imaging.files.stack import read_stack
 path = Path(sys.argv[1])
 held = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
 resource.setrlimit(resource.RLIMIT_AS, (held + 1_000_000_000,) * 2)

@@ -22,13 +22,13 @@ from analysis.figures.ranking import alias_groups, aliases_figure, ranking_figur
 from analysis.figures.residuals import residuals_figure
 from analysis.figures.sheet import write
 from analysis.model.agreement.agree import agree
-from analysis.model.candidate import Ranking
-from analysis.model.crossvalidation import prediction_error
-from analysis.model.evidence import Stage
-from analysis.model.fit import fit_campaign
+from analysis.model.data.evidence import Stage
+from analysis.model.fitting.fit import fit_campaign
 from analysis.model.plane import impact_plane
-from analysis.model.ranking import rank
-from analysis.model.structure import structure
+from analysis.model.rank.candidate import Ranking
+from analysis.model.rank.ranking import rank
+from analysis.model.structure.structure import structure
+from analysis.model.verdict.crossvalidation import prediction_error
 from tests.unit.analysis.model.hard_spheres import campaign
 
 NAME = "a campaign with a name that its owner thought about for a rather long while, twice"

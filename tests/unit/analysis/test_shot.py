@@ -8,7 +8,7 @@ import pytest
 from rendered import setup_of, shot
 
 from analysis.document import overlay_document, shot_document
-from analysis.imaging.frame import EdgeSettings
+from analysis.imaging.edge.frame import EdgeSettings
 from analysis.setup import Setup
 from analysis.shot import AnalysisOptions, MeasuredShot, RefusedShot, analyse_shot
 from simulators.world import RenderedShot, WorldDescription

@@ -12,8 +12,8 @@ from analysis.campaign import ShotJob
 from analysis.errors import ShotRefusedError
 from analysis.exchange.folder import folder_writer
 from analysis.exchange.tables import CONTACT_SIGMAS
-from analysis.model.gather import gather
-from analysis.model.poses import PoseData
+from analysis.model.data.gather import gather
+from analysis.model.data.poses import PoseData
 from analysis.results.from_poses import pose_impacts
 from analysis.scene import Scene
 from analysis.shot import MeasuredShot, analyse_shot

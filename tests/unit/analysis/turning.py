@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from analysis.imaging.markers import Markers, film_markers
+from analysis.imaging.marker.markers import Markers, film_markers
 from analysis.motion.pattern import Orientations, orient
 
 Floats = NDArray[np.float64]

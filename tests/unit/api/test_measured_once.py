@@ -15,7 +15,7 @@ import pytest
 import rigctl
 from analysis.campaign import ShotJob, analyse_campaign, read_campaign
 from analysis.exchange.folder import folder_writer
-from analysis.model.gather import gather_poses
+from analysis.model.data.gather import gather_poses
 from analysis.shot import AnalysisOptions, MeasuredShot
 from rigctl.api import frames, kept_shots
 

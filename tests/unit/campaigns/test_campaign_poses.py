@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from analysis.model.gather import gather
+from analysis.model.data.gather import gather
 from rigctl.config import default_path
 from rigctl.errors import AnalysisInputError, NotFoundError
 from rigctl.measuring.measured import measured_files

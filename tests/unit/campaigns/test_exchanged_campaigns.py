@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from analysis.model.gather import gather, gather_poses
+from analysis.model.data.gather import gather, gather_poses
 from rigctl.errors import AnalysisInputError
 from rigctl.exchange import export_campaign
 from rigctl.exchange.contents import read_contents

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from analysis.effects.catalogue import CATALOGUE
-from analysis.model.gather import gather
-from analysis.model.judged import judged
+from analysis.model.data.gather import gather
+from analysis.model.fitting.robust_fit import judged
 from rigctl.errors import NotFoundError
 from rigctl.measuring.measured import measured_files, request
 from rigctl.model.computing import fit_job, ranking_job

@@ -9,9 +9,9 @@ from typing import Any
 import pytest
 
 from analysis.effects.catalogue import CATALOGUE
-from analysis.model.gather import gather
-from analysis.model.judged import judged
-from analysis.model.ranking import rank
+from analysis.model.data.gather import gather
+from analysis.model.fitting.robust_fit import judged
+from analysis.model.rank.ranking import rank
 from rigctl.errors import AnalysisInputError
 from rigctl.exchange.contents import read_contents
 from rigctl.exchange.importing import import_campaign

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import rigctl.model.streamed_campaigns as streamed
-from analysis.model.poses import PoseData
+from analysis.model.data.poses import PoseData
 from rigctl.errors import AnalysisInputError, NotFoundError, StoreError
 from rigctl.measuring.measured import MeasuredFiles, measured_files
 from rigctl.model.campaigns import campaign_poses

@@ -13,11 +13,11 @@ import pytest
 from rigctl import cli
 from rigctl.access.strength import Chosen
 from rigctl.commands import client as client_module
-from rigctl.commands import local as local_module
-from rigctl.commands import shot as shot_module
 from rigctl.commands.client import ServiceClient
 from rigctl.commands.report import rounded
-from rigctl.commands.shot import Order, fire_and_wait, settings_of
+from rigctl.commands.rig import local as local_module
+from rigctl.commands.rig import shot as shot_module
+from rigctl.commands.rig.shot import Order, fire_and_wait, settings_of
 from rigctl.errors import (
     ConfigurationError,
     DeviceError,

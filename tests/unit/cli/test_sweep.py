@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from rigctl.cli import run
-from rigctl.commands import sweep as commands
+from rigctl.commands.rig import sweep as commands
 from rigctl.errors import RefusedError
 from rigctl.store import StepState
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from analysis.model.poses import PoseData
+from analysis.model.data.poses import PoseData
 from analysis.results.campaign import Results, results
 from analysis.setup import SlowErrors
 from rigctl.cli import run

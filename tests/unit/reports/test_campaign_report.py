@@ -15,7 +15,7 @@ import pytest
 from analysis.results.tables import tables
 from rigctl.cli import run
 from rigctl.commands.challenge import new
-from rigctl.commands.report_campaign import report_campaign
+from rigctl.commands.stored.report_campaign import report_campaign
 from rigctl.errors import AnalysisInputError, NotFoundError, StoreError
 from rigctl.reports.campaign import measured_results
 from rigctl.reports.page import page

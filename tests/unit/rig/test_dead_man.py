@@ -19,8 +19,8 @@ from rig_fakes import BOUND_S, Laboratory, until
 from rigctl.config import load
 from rigctl.daemon import _dead_man
 from rigctl.errors import DeviceError
-from rigctl.rig import dead_man
-from rigctl.rig.dead_man import DeadMan
+from rigctl.rig.stopping import dead_man
+from rigctl.rig.stopping.dead_man import DeadMan
 
 CUT = bytes.fromhex("a0 01 00 a1")
 
@@ -71,7 +71,7 @@ def test_a_heartbeat_that_stops_is_followed_by_the_cut_and_told(
 
 def test_the_end_of_the_process_that_was_watched_is_followed_by_the_cut(relay: Relay) -> None:
     script = (
-        "import sys, time; from rigctl.rig.dead_man import DeadMan; "
+        "import sys, time; from rigctl.rig.stopping.dead_man import DeadMan; "
         "DeadMan(sys.argv[1], 1).start(lambda: True, print); print('on', flush=True); "
         "time.sleep(100)"
     )

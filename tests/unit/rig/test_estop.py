@@ -16,8 +16,8 @@ from rigctl.errors import (
     InterlockError,
     RefusedError,
 )
-from rigctl.rig import estop, latch
 from rigctl.rig.standing import AFTER_STOP
+from rigctl.rig.stopping import estop, latch
 from rigctl.store import ShotRecord
 
 

@@ -16,8 +16,8 @@ from rigctl.errors import (
     RefusedError,
     StoreError,
 )
-from rigctl.rig import latch
 from rigctl.rig.standing import AFTER_STOP
+from rigctl.rig.stopping import latch
 from rigctl.store.journal import Journal
 
 

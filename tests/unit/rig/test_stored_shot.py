@@ -12,8 +12,8 @@ import pytest
 
 import rigctl.measuring.lesson
 from analysis.campaign import THESIS_SETUP
-from analysis.photometric.appearance import Knowledge, Sphere
-from analysis.photometric.camera import camera_of
+from analysis.photometric.learn.appearance import Knowledge, Sphere
+from analysis.photometric.render.camera import camera_of
 from analysis.setup import Setup
 from analysis.shot import AnalysisOptions, MeasuredShot, RefusedShot
 from rigctl.measuring.learned_pairs import LearnedPairs

@@ -13,18 +13,18 @@ from analysis.model.agreement.outcome import outcome_rows, outcomes
 from analysis.model.agreement.poses import fitted_row, pose_groups, predicted_row, sides
 from analysis.model.agreement.shapes import shape_rows
 from analysis.model.agreement.table import Agreement, Row, Stage, looked_at_together
-from analysis.model.channels import (
+from analysis.model.data.poses import PoseData
+from analysis.model.data.tables import ContactTable, Data
+from analysis.model.fitting.fit import Fit
+from analysis.model.fitting.noise import noise_scales
+from analysis.model.rank.projector import Projector, projector
+from analysis.model.structure.channels import (
     FrameChannel,
     camera_channels,
     contact_columns,
     flight_channels,
 )
-from analysis.model.crossvalidation import prediction_error
-from analysis.model.fit import Fit
-from analysis.model.noise import noise_scales
-from analysis.model.poses import PoseData
-from analysis.model.projector import Projector, projector
-from analysis.model.tables import ContactTable, Data
+from analysis.model.verdict.crossvalidation import prediction_error
 
 Floats = NDArray[np.float64]
 Groups = dict[str, list[FrameChannel]]

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 
 from analysis.model.agreement.table import Agreement, Row
-from analysis.model.alarm import is_shared
-from analysis.model.covariates import covariate_label
-from analysis.model.documents import SMALLEST_P
-from analysis.model.lackoffit import Cell, standard_deviations
-from analysis.model.structure import CellResiduals, Structure
+from analysis.model.structure.alarm import is_shared
+from analysis.model.structure.covariates import covariate_label
+from analysis.model.structure.lackoffit import Cell, standard_deviations
+from analysis.model.structure.structure import CellResiduals, Structure
+from analysis.model.verdict.documents import SMALLEST_P
 
 Json = dict[str, Any]
 

@@ -13,13 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.model.agreement.outcome import jump_covariance
-from analysis.model.channels import PAIRS, contact_columns, contact_frame
-from analysis.model.comparison import compare
-from analysis.model.contact import AFTER, contact_outcome
-from analysis.model.fit import Fit
-from analysis.model.normal import solve_blocks
-from analysis.model.poses import PoseData
-from analysis.model.projector import projector
+from analysis.model.data.poses import PoseData
+from analysis.model.fitting.fit import Fit
+from analysis.model.fitting.normal import solve_blocks
+from analysis.model.predict.comparison import compare
+from analysis.model.predict.contact import AFTER, contact_outcome
+from analysis.model.rank.projector import projector
+from analysis.model.structure.channels import PAIRS, contact_columns, contact_frame
 from analysis.motion.exponential import exponential
 
 Floats = NDArray[np.float64]

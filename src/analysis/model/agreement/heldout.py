@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.model.crossvalidation import FOLDS
-from analysis.model.normal import with_prior
-from analysis.model.projector import Projector
+from analysis.model.fitting.normal import with_prior
+from analysis.model.rank.projector import Projector
+from analysis.model.verdict.crossvalidation import FOLDS
 
 Floats = NDArray[np.float64]
 

@@ -6,8 +6,8 @@ import numpy as np
 
 from analysis.launch.agreement import launch_agreement
 from analysis.model.agreement.table import Row, Stage
-from analysis.model.fit import Fit
-from analysis.model.tables import Data
+from analysis.model.data.tables import Data
+from analysis.model.fitting.fit import Fit
 
 
 def launch_stage(data: Data, fit: Fit) -> Stage:

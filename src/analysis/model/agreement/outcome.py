@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from analysis.model.agreement.heldout import left_out_steps
 from analysis.model.agreement.table import Row, Spread, root_mean
-from analysis.model.projector import ByShot, Projector
+from analysis.model.rank.projector import ByShot, Projector
 
 Floats = NDArray[np.float64]
 

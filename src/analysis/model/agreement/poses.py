@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from analysis.model.agreement.heldout import left_out_steps
 from analysis.model.agreement.table import Row, Spread, root_mean
-from analysis.model.normal import solve_blocks
-from analysis.model.projector import Projector
+from analysis.model.fitting.normal import solve_blocks
+from analysis.model.rank.projector import Projector
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]

@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 
 from analysis.model.agreement.outcome import jump_covariance
 from analysis.model.agreement.table import Row, Spread, root_mean
-from analysis.model.channels import SMOOTH, FrameChannel
-from analysis.model.normal import with_prior
-from analysis.model.poses import PoseData
-from analysis.model.projector import LEAST_INFORMATION, ByShot, Projector, Solved
+from analysis.model.data.poses import PoseData
+from analysis.model.fitting.normal import with_prior
+from analysis.model.rank.projector import LEAST_INFORMATION, ByShot, Projector, Solved
+from analysis.model.structure.channels import SMOOTH, FrameChannel
 
 Floats = NDArray[np.float64]
 

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2 as chi2_distribution
 
-from analysis.model.crossvalidation import PredictionError
-from analysis.model.lackoffit import holm
-from analysis.model.noise import NoiseScale
+from analysis.model.fitting.noise import NoiseScale
+from analysis.model.structure.lackoffit import holm
+from analysis.model.verdict.crossvalidation import PredictionError
 
 Floats = NDArray[np.float64]
 

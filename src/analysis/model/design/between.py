@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 
 from analysis.effects.effect import ContactLaw, Effect
 from analysis.launch.result import LaunchFit
-from analysis.model.adding import ALIAS_WITHIN, added
+from analysis.model.data.poses import PoseData
 from analysis.model.design.candidates import FINE, Candidates, Setting, candidates
 from analysis.model.design.choice import chosen, fewest_even
 from analysis.model.design.duel import Belief, Duels, truth
-from analysis.model.fit import Fit
-from analysis.model.poses import PoseData
+from analysis.model.fitting.adding import ALIAS_WITHIN, added
+from analysis.model.fitting.fit import Fit
 
 Floats = NDArray[np.float64]
 

@@ -14,13 +14,13 @@ from analysis.launch.prediction import LEAST_SPEED, Limits
 from analysis.launch.result import LaunchFit
 from analysis.launch.settings import OFFSET, PRESSURES, LaunchSettings
 from analysis.launch.touch import TOUCH_POINT, tracks_meet
-from analysis.model.fit import Fit
-from analysis.model.inside import without_contact_frames
-from analysis.model.poses import PoseData
-from analysis.model.prediction import predict
-from analysis.model.state import SIZE, Kick, ShotStates
-from analysis.model.theory import Theory
-from analysis.model.unseen import spins_unknown
+from analysis.model.data.inside import without_contact_frames
+from analysis.model.data.poses import PoseData
+from analysis.model.data.unseen import spins_unknown
+from analysis.model.fitting.fit import Fit
+from analysis.model.predict.prediction import predict
+from analysis.model.predict.state import SIZE, Kick, ShotStates
+from analysis.model.predict.theory import Theory
 
 Floats = NDArray[np.float64]
 

@@ -13,11 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.model.fit import normal_equations
-from analysis.model.normal import NormalEquations, inverse, solve_blocks, with_prior
-from analysis.model.poses import PoseData
-from analysis.model.state import ShotStates
-from analysis.model.theory import Theory
+from analysis.model.data.poses import PoseData
+from analysis.model.fitting.fit import normal_equations
+from analysis.model.fitting.normal import NormalEquations, inverse, solve_blocks, with_prior
+from analysis.model.predict.state import ShotStates
+from analysis.model.predict.theory import Theory
 
 Floats = NDArray[np.float64]
 

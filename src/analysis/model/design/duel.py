@@ -9,14 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtr
 
+from analysis.model.data.poses import PoseData
 from analysis.model.design.candidates import Candidates, foreseen, foreseen_shots
 from analysis.model.design.divergence import Design, by_shot, refitted
 from analysis.model.design.leads import Leads, Stand, grams, observed, pulled
 from analysis.model.design.probability import named_over_none
-from analysis.model.fit import Fit
-from analysis.model.normal import with_prior
-from analysis.model.poses import PoseData
-from analysis.model.state import ShotStates
+from analysis.model.fitting.fit import Fit
+from analysis.model.fitting.normal import with_prior
+from analysis.model.predict.state import ShotStates
 
 Floats = NDArray[np.float64]
 

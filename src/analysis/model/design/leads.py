@@ -18,12 +18,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.model.linear import linearise
-from analysis.model.normal import inverse, solve_blocks, with_prior
-from analysis.model.parts import SHOTS_AT_ONCE
-from analysis.model.poses import PoseData
-from analysis.model.state import ShotStates
-from analysis.model.theory import Theory
+from analysis.model.data.parts import SHOTS_AT_ONCE
+from analysis.model.data.poses import PoseData
+from analysis.model.fitting.normal import inverse, solve_blocks, with_prior
+from analysis.model.predict.linear import linearise
+from analysis.model.predict.state import ShotStates
+from analysis.model.predict.theory import Theory
 
 Floats = NDArray[np.float64]
 

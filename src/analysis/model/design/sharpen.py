@@ -9,13 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.launch.result import LaunchFit
+from analysis.model.data.poses import PoseData
 from analysis.model.design.between import MOST_EVEN, MOST_SHOTS, Repeated, repeated
 from analysis.model.design.candidates import Setting, candidates, foreseen_shots
 from analysis.model.design.choice import chosen, fewest_even
 from analysis.model.design.divergence import by_shot
-from analysis.model.fit import Fit
-from analysis.model.normal import with_prior
-from analysis.model.poses import PoseData
+from analysis.model.fitting.fit import Fit
+from analysis.model.fitting.normal import with_prior
 
 Floats = NDArray[np.float64]
 

@@ -11,11 +11,11 @@ from analysis.errors import LaunchRefusedError
 from analysis.launch.fit import fit_launch
 from analysis.launch.prediction import Limits
 from analysis.launch.settings import OFFSET, PRESSURES
+from analysis.model.data.poses import PoseData
 from analysis.model.design.between import Telling, tell_apart
 from analysis.model.design.candidates import grid
-from analysis.model.fit import fit_campaign
-from analysis.model.poses import PoseData
-from analysis.model.selection import Verdict
+from analysis.model.fitting.fit import fit_campaign
+from analysis.model.verdict.selection import Verdict
 
 
 def next_after(

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.exchange.shot_list import EXPOSURE, ShotRow
-from analysis.model.gather import ORDER
+from analysis.model.data.gather import ORDER
 
 Floats = NDArray[np.float64]
 

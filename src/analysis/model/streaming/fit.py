@@ -8,20 +8,27 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.model.descent import TO_THE_END, Purpose, Stand, descended, linearised, summed
-from analysis.model.fit import START, likeliest, starting_theories
-from analysis.model.normal import inverse
-from analysis.model.own_fit import own_states
-from analysis.model.parts import Kept
-from analysis.model.passes import Passes
-from analysis.model.poses import PoseData
-from analysis.model.start import first_states
-from analysis.model.state import ShotStates
+from analysis.model.data.parts import Kept
+from analysis.model.data.poses import PoseData
+from analysis.model.data.unseen import fitted_numbers
+from analysis.model.fitting.fit import START, likeliest, starting_theories
+from analysis.model.fitting.gauss_newton import (
+    TO_THE_END,
+    Purpose,
+    Stand,
+    descended,
+    linearised,
+    summed,
+)
+from analysis.model.fitting.normal import inverse
+from analysis.model.fitting.own_fit import own_states
+from analysis.model.fitting.passes import Passes
+from analysis.model.fitting.summary import FitSummary
+from analysis.model.predict.start import first_states
+from analysis.model.predict.state import ShotStates
+from analysis.model.predict.theory import LAW, Theory
 from analysis.model.streaming.spool import Spool
 from analysis.model.streaming.stream import PoseStream
-from analysis.model.summary import FitSummary
-from analysis.model.theory import LAW, Theory
-from analysis.model.unseen import fitted_numbers
 from analysis.quantity import Quantity
 
 

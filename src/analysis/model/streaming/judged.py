@@ -1,4 +1,4 @@
-"""A campaign of any length fitted, bad shots and frames left out, as `analysis.model.judged`."""
+"""A campaign of any length fitted, bad shots and frames left out, as `fitting.robust_fit`."""
 
 from __future__ import annotations
 
@@ -9,25 +9,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.effects.effect import ContactLaw, Effect, ScatterEffect
-from analysis.model.account import AS_STATED, Account
-from analysis.model.adding import with_law
-from analysis.model.candidate import Ranking
-from analysis.model.descent import Purpose
-from analysis.model.evidence import corrections
-from analysis.model.inside import without_contact_frames
-from analysis.model.noise import scales_over
-from analysis.model.outliers import (
+from analysis.model.data.evidence import corrections
+from analysis.model.data.inside import without_contact_frames
+from analysis.model.fitting.account import AS_STATED, Account
+from analysis.model.fitting.adding import with_law
+from analysis.model.fitting.gauss_newton import Purpose
+from analysis.model.fitting.noise import scales_over
+from analysis.model.fitting.outliers import (
     ROUNDS,
     bad_shots,
     robust_weight,
     starts_afresh,
     wild_frames,
 )
-from analysis.model.ranking import rank_over
-from analysis.model.scatter import jitter_found, jitter_over
+from analysis.model.predict.theory import Theory
+from analysis.model.rank.candidate import Ranking
+from analysis.model.rank.ranking import rank_over
+from analysis.model.rank.scatter import jitter_found, jitter_over
 from analysis.model.streaming.fit import StreamedFit, fit_stream, passes_of_stream
 from analysis.model.streaming.stream import Frame, PoseStream
-from analysis.model.theory import Theory
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -59,7 +59,7 @@ class JudgedStream:
         )
 
     def ranked(self, effects: Sequence[Effect]) -> Ranking:
-        """Score every effect that is not in the fit yet, as `analysis.model.ranking.rank`."""
+        """Score every effect that is not in the fit yet, as `analysis.model.rank.ranking.rank`."""
         return rank_over(passes_of_stream(self.data, self.fit), effects)
 
 

@@ -15,9 +15,9 @@ from analysis.errors import InputError
 from analysis.exchange.description import read_description
 from analysis.exchange.pose_table import Spheres, each_shot
 from analysis.exchange.shot_list import each_shot_row
-from analysis.model.gather import POSES, POSITION_GUESS, ROTATION_GUESS, stated_poses, usable
-from analysis.model.parts import SHOTS_AT_ONCE
-from analysis.model.poses import PoseData
+from analysis.model.data.gather import POSES, POSITION_GUESS, ROTATION_GUESS, stated_poses, usable
+from analysis.model.data.parts import SHOTS_AT_ONCE
+from analysis.model.data.poses import PoseData
 from analysis.model.streaming.columns import ShotColumns
 from analysis.model.streaming.spool import Spool
 from analysis.model.streaming.stream import PoseStream

@@ -20,7 +20,7 @@ class Spool(Generic[T]):
     Parameters
     ----------
     kind
-        What is kept, as `analysis.model.parts.Keeper` has it.
+        What is kept, as `analysis.model.data.parts.Keeper` has it.
     """
 
     def __init__(self, kind: type[T]) -> None:

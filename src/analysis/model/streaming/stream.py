@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.model.parts import Kept
-from analysis.model.poses import PoseData
+from analysis.model.data.parts import Kept
+from analysis.model.data.poses import PoseData
 from analysis.model.streaming.spool import Spool
 
 Floats = NDArray[np.float64]

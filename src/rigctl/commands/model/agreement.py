@@ -16,10 +16,10 @@ from analysis.model.agreement.agree import agree
 from analysis.model.agreement.document import agreement_document, structure_document
 from analysis.model.agreement.launch import launch_stage
 from analysis.model.agreement.table import Agreement, Row, Stage, probability, three_digits
-from analysis.model.documents import fit_document
-from analysis.model.lackoffit import Cell
 from analysis.model.plane import Plane, impact_plane
-from analysis.model.structure import Structure, structure
+from analysis.model.structure.lackoffit import Cell
+from analysis.model.structure.structure import Structure, structure
+from analysis.model.verdict.documents import fit_document
 from rigctl.commands import report
 from rigctl.commands.effect import tell
 from rigctl.commands.model.printing import TABLE_WIDTH, print_json

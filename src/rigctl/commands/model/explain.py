@@ -10,12 +10,12 @@ from rich.table import Table
 
 from analysis.effects.effect import Effect
 from analysis.effects.own.dropping import without_faulty
+from analysis.model.data.tables import Data
 from analysis.model.design.between import Telling
 from analysis.model.design.undecided import next_after
-from analysis.model.report import verdict_document
-from analysis.model.selection import Verdict, explain
-from analysis.model.tables import Data
-from analysis.model.words import doubts, verdict_sentence
+from analysis.model.verdict.report import verdict_document
+from analysis.model.verdict.selection import Verdict, explain
+from analysis.model.verdict.words import doubts, verdict_sentence
 from rigctl.commands import report
 from rigctl.commands.effect import tell
 from rigctl.commands.model.printing import TABLE_WIDTH, print_json

@@ -8,7 +8,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from analysis.model.documents import fit_document
+from analysis.model.verdict.documents import fit_document
 from rigctl.commands.effect import tell
 from rigctl.commands.model.printing import TABLE_WIDTH, print_json
 from rigctl.commands.model.reading import Fitted, FittedStream, fitted, fitted_stream

@@ -20,9 +20,9 @@ from analysis.launch.fit import fit_launch
 from analysis.launch.ranking import LaunchCandidate, LaunchRanking, rank_launch
 from analysis.launch.result import LaunchFit
 from analysis.launch.settings import read_settings, settings_of
-from analysis.model.documents import SMALLEST_P
-from analysis.model.inside import without_contact_frames
-from analysis.model.outliers import clean
+from analysis.model.data.inside import without_contact_frames
+from analysis.model.fitting.outliers import clean
+from analysis.model.verdict.documents import SMALLEST_P
 from analysis.quantity import Quantity
 from rigctl.commands.model.printing import TABLE_WIDTH, print_json
 from rigctl.errors import AnalysisInputError, NotFoundError

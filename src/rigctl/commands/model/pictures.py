@@ -14,9 +14,9 @@ from analysis.figures.plane import plane_figure
 from analysis.figures.ranking import aliases_figure, ranking_figure
 from analysis.figures.residuals import residuals_figure
 from analysis.figures.sheet import write
-from analysis.model.candidate import Ranking
 from analysis.model.plane import impact_plane
-from analysis.model.selection import Verdict
+from analysis.model.rank.candidate import Ranking
+from analysis.model.verdict.selection import Verdict
 from rigctl.commands.model.agreement import Compared
 from rigctl.errors import StoreError
 

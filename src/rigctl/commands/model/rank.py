@@ -10,8 +10,8 @@ from rich.table import Table
 
 from analysis.effects.own.dropping import without_faulty
 from analysis.effects.own.fault import EffectFault
-from analysis.model.candidate import Candidate, Ranking
-from analysis.model.documents import SHOWN_ALIAS, alike, fit_document, ranking_document
+from analysis.model.rank.candidate import Candidate, Ranking
+from analysis.model.verdict.documents import SHOWN_ALIAS, alike, fit_document, ranking_document
 from analysis.quantity import Quantity
 from rigctl.commands.effect import tell
 from rigctl.commands.model.printing import TABLE_WIDTH, print_json

@@ -10,12 +10,12 @@ from rich.console import Console
 
 from analysis.effects.effect import Effect
 from analysis.effects.own.fault import EffectFault
-from analysis.model.candidate import Ranking
-from analysis.model.fit import Fit
-from analysis.model.judged import Judged, judged
-from analysis.model.ranking import rank
+from analysis.model.data.tables import ContactTable, Data
+from analysis.model.fitting.fit import Fit
+from analysis.model.fitting.robust_fit import Judged, judged
+from analysis.model.rank.candidate import Ranking
+from analysis.model.rank.ranking import rank
 from analysis.model.streaming.judged import JudgedStream, judged_stream
-from analysis.model.tables import ContactTable, Data
 from rigctl.model.campaigns import open_campaign
 from rigctl.model.known_effects import Available, refused
 from rigctl.model.seen_effects import require_seen

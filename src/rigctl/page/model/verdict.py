@@ -6,10 +6,10 @@ from typing import Any
 
 from nicegui import ui
 
-from analysis.model.alarm import FEWEST
-from analysis.model.carried import FEW
-from analysis.model.nuisance_words import alarm_sentence
-from analysis.model.words import doubts, too_few, verdict_sentence
+from analysis.model.fitting.nuisance_words import alarm_sentence
+from analysis.model.structure.alarm import FEWEST
+from analysis.model.structure.influence import FEW
+from analysis.model.verdict.words import doubts, too_few, verdict_sentence
 from rigctl.page.model.state import ModelState, Question
 from rigctl.page.parts.widgets import button
 

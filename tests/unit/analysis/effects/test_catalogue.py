@@ -10,12 +10,12 @@ import pytest
 
 from analysis.effects.catalogue import CATALOGUE
 from analysis.effects.effect import ContactLaw, Effect, ScatterEffect
-from analysis.model.fit import Fit, fit_campaign
-from analysis.model.linear import linearise, whitened_residual
-from analysis.model.poses import PoseData
-from analysis.model.prediction import predict
-from analysis.model.ranking import rank
-from analysis.model.theory import Theory
+from analysis.model.data.poses import PoseData
+from analysis.model.fitting.fit import Fit, fit_campaign
+from analysis.model.predict.linear import linearise, whitened_residual
+from analysis.model.predict.prediction import predict
+from analysis.model.predict.theory import Theory
+from analysis.model.rank.ranking import rank
 from tests.unit.analysis.model.hard_spheres import campaign
 
 EVERY = pytest.mark.parametrize("effect", CATALOGUE, ids=lambda effect: effect.name)

@@ -8,8 +8,8 @@ import pytest
 from analysis.effects.camera import block_readout
 from analysis.effects.clock import exposure_offset, frame_rate
 from analysis.effects.effect import ClockEffect, Effect, Exposure
-from analysis.model.fit import fit_campaign
-from analysis.model.prediction import predict
+from analysis.model.fitting.fit import fit_campaign
+from analysis.model.predict.prediction import predict
 from analysis.setup import CameraSetup
 from tests.unit.analysis.model.hard_spheres import campaign
 

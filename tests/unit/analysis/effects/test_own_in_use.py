@@ -19,10 +19,10 @@ from analysis.effects.own.dropping import without_faulty
 from analysis.effects.own.fault import EffectFault
 from analysis.effects.own.guard import FUNCTIONS
 from analysis.effects.own.loading import load_effects
-from analysis.model.fit import Fit, fit_campaign
-from analysis.model.poses import PoseData
-from analysis.model.ranking import rank
-from analysis.model.selection import explain
+from analysis.model.data.poses import PoseData
+from analysis.model.fitting.fit import Fit, fit_campaign
+from analysis.model.rank.ranking import rank
+from analysis.model.verdict.selection import explain
 from analysis.setup import CameraSetup
 from tests.unit.analysis.effects.encounters import any_encounters
 from tests.unit.analysis.effects.own_files import DRIFT, HERE, STRETCH, line_here, text_of, write

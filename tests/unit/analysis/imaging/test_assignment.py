@@ -4,8 +4,8 @@ from drawings import SETTINGS, THRESHOLD, Place, draw, grey
 
 from analysis.errors import ShotRefusedError
 from analysis.imaging.assignment import follow, seed_frame
+from analysis.imaging.edge.frame import FilmEdges
 from analysis.imaging.film_discs import FilmDiscs
-from analysis.imaging.frame import FilmEdges
 from analysis.imaging.views import View, view_geometries
 from analysis.setup import CameraSetup
 

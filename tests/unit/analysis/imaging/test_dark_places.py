@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
-from analysis.imaging.dark_places import find_dark_places
-from analysis.imaging.markers import SeenDisc
+from analysis.imaging.marker.dark_places import find_dark_places
+from analysis.imaging.marker.markers import SeenDisc
 from analysis.imaging.outlines import Outline
 from analysis.imaging.shells import Circle
 from analysis.imaging.views import View, ViewGeometry

@@ -9,7 +9,7 @@ from analysis.imaging.discs import (
     peaks_near,
     vote,
 )
-from analysis.imaging.frame import FrameEdges
+from analysis.imaging.edge.frame import FrameEdges
 from analysis.imaging.limb import Edges
 
 TWO = [(40.3, 30.7, 18.0), (52.6, 88.2, 18.0)]

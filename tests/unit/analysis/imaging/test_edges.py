@@ -4,8 +4,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.ndimage import correlate1d
 
-from analysis.imaging.edges import gaussian_kernels, laplacian_of_gaussian
-from analysis.imaging.frame import EdgeSettings, find_edges
+from analysis.imaging.edge.edges import gaussian_kernels, laplacian_of_gaussian
+from analysis.imaging.edge.frame import EdgeSettings, find_edges
 
 INNER = slice(20, -20)
 slope = st.floats(-2.0, 2.0)

@@ -4,9 +4,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from analysis.imaging.edges import laplacian_of_gaussian
-from analysis.imaging.expansion import expand, expanded_zero_crossings, sample_offsets
-from analysis.imaging.facet import edge_points
+from analysis.imaging.edge.edges import laplacian_of_gaussian
+from analysis.imaging.edge.expansion import expand, expanded_zero_crossings, sample_offsets
+from analysis.imaging.edge.facet import edge_points
 
 
 @given(

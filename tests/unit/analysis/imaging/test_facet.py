@@ -8,9 +8,9 @@ from hypothesis.extra.numpy import arrays
 from numpy.polynomial.polynomial import polyder, polyval2d
 from scipy.special import ndtr
 
-from analysis.imaging.edges import laplacian_of_gaussian
-from analysis.imaging.facet import EdgePoints, edge_points, facet_coefficients, facet_value
-from analysis.imaging.frame import gradient_threshold
+from analysis.imaging.edge.edges import laplacian_of_gaussian
+from analysis.imaging.edge.facet import EdgePoints, edge_points, facet_coefficients, facet_value
+from analysis.imaging.edge.frame import gradient_threshold
 
 STEP = 120.0
 values = arrays(np.float64, (3, 3), elements=st.floats(-100, 100))

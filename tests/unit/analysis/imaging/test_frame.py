@@ -3,7 +3,7 @@ import pytest
 from drawings import draw, grey
 from scipy import ndimage
 
-from analysis.imaging.frame import EdgeSettings, find_edges, gradient_threshold, noise_sd
+from analysis.imaging.edge.frame import EdgeSettings, find_edges, gradient_threshold, noise_sd
 from simulators.world import Launch, WorldDescription, render_shot
 from simulators.world.optics import Optics
 

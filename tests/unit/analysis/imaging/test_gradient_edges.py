@@ -3,8 +3,8 @@ import drawings
 import numpy as np
 import pytest
 
-from analysis.imaging.facet import EdgePoints
-from analysis.imaging.gradient_edges import canny_edges, ridges, sobel_edges
+from analysis.imaging.edge.facet import EdgePoints
+from analysis.imaging.edge.gradient_edges import canny_edges, ridges, sobel_edges
 
 PLACE = (45.3, 60.7, 20.0)
 

@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 from scipy import ndimage
 
-from analysis.imaging.labels import label_connected
+from analysis.imaging.edge.labels import label_connected
 
 EIGHT = np.ones((3, 3))
 masks = array_shapes(min_dims=2, max_dims=2, max_side=14).flatmap(

@@ -5,8 +5,8 @@ import pytest
 from drawings import SETTINGS
 from rendered import OPTICS, RADIUS_PX, picture, setup_of
 
-from analysis.imaging.frame import FrameEdges, find_edges, gradient_threshold
-from analysis.imaging.markers import Markers, SeenDisc, find_markers
+from analysis.imaging.edge.frame import FrameEdges, find_edges, gradient_threshold
+from analysis.imaging.marker.markers import Markers, SeenDisc, find_markers
 from analysis.imaging.outlines import Outline, fit_outline
 from analysis.imaging.views import View, ViewGeometry, view_geometries
 from simulators.world import WorldDescription

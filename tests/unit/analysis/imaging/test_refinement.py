@@ -5,9 +5,9 @@ from drawings import SETTINGS
 from found import At, discs_at
 from rendered import OPTICS, RADIUS_PX, picture, setup_of
 
+from analysis.imaging.edge.frame import find_edges
 from analysis.imaging.film_discs import FilmDiscs
 from analysis.imaging.film_following import FilmCurves
-from analysis.imaging.frame import find_edges
 from analysis.imaging.outlines import fit_outline
 from analysis.imaging.refinement import Knowledge, refine_outlines
 from analysis.imaging.views import View, view_geometries

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from analysis.imaging.edges import laplacian_of_gaussian
-from analysis.imaging.facet import (
+from analysis.imaging.edge.edges import laplacian_of_gaussian
+from analysis.imaging.edge.facet import (
     facet_coefficients,
     facet_value,
     neighbourhoods,
     zero_crossing_pixels,
 )
-from analysis.imaging.roots import BAND, LEAST_SLOPE, roots_along
+from analysis.imaging.edge.roots import BAND, LEAST_SLOPE, roots_along
 
 
 def test_every_root_is_a_zero_of_its_facet_on_the_line_along_the_gradient() -> None:

@@ -9,7 +9,7 @@ import pytest
 import tifffile
 
 from analysis.errors import InputError
-from analysis.imaging.stack import read_stack
+from analysis.imaging.files.stack import read_stack
 
 FRAMES = np.random.default_rng(3).integers(0, 256, (5, 48, 64), dtype=np.uint8)
 
@@ -259,7 +259,7 @@ def test_libraries_write_no_lines_of_their_own_about_broken_files(tmp_path: Path
     (tmp_path / "none.avi").write_bytes(b"these are no frames at all")
     program = (
         "import sys\nfrom pathlib import Path\nfrom analysis.errors import InputError\n"
-        "from analysis.imaging.stack import read_stack\n"
+        "from analysis.imaging.files.stack import read_stack\n"
         "for path in sorted(Path(sys.argv[1]).iterdir()):\n"
         "    try:\n        read_stack(path)\n"
         "    except InputError as error:\n        print(error.path)\n"

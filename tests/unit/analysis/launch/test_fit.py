@@ -15,7 +15,7 @@ from analysis.launch.fit import fit_launch, fit_touches, misfires
 from analysis.launch.measurement import measured_touches
 from analysis.launch.result import LaunchFit
 from analysis.launch.scatter import KINDS, variance_component
-from analysis.model.fit import fit_campaign
+from analysis.model.fitting.fit import fit_campaign
 from tests.unit.analysis.launch.fired import SIGMA, TUBE, Faults, fired
 from tests.unit.analysis.model.hard_spheres import campaign, draw
 

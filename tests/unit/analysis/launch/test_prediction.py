@@ -15,7 +15,7 @@ from analysis.launch.prediction import Limits
 from analysis.launch.result import LaunchFit
 from analysis.launch.settings import LaunchSettings, in_turn
 from analysis.launch.touch import observed_touch, states_of
-from analysis.model.state import MOTION, POINT, TILT, TIME, TURN_A, TURN_B
+from analysis.model.predict.state import MOTION, POINT, TILT, TIME, TURN_A, TURN_B
 from tests.unit.analysis.launch.fired import SIGMA, fired
 
 RIG = Limits(pressure_kpa=(5.0, 120.0), offset_mm=(0.0, 24.0))

@@ -18,7 +18,7 @@ from analysis.launch.touch import (
     traced_back,
     tracks_meet,
 )
-from analysis.model.state import ShotStates
+from analysis.model.predict.state import ShotStates
 
 G = 9.80665
 R = 0.0127

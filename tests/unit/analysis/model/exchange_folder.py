@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from analysis.model.poses import PoseData
+from analysis.model.data.poses import PoseData
 
 DESCRIPTION = """\
 format = 1

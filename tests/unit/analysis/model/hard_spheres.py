@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from analysis.collision.operator import Body
-from analysis.model.poses import PoseData
+from analysis.model.data.poses import PoseData
 from analysis.setup import CameraSetup
 
 Floats = NDArray[np.float64]

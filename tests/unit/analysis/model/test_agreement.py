@@ -13,10 +13,10 @@ from analysis.model.agreement import launch
 from analysis.model.agreement.agree import agree
 from analysis.model.agreement.heldout import left_out_steps
 from analysis.model.agreement.table import Agreement, Row, Spread, Stage
-from analysis.model.crossvalidation import prediction_error
-from analysis.model.fit import fit_campaign
-from analysis.model.poses import PoseData
-from analysis.model.projector import projector
+from analysis.model.data.poses import PoseData
+from analysis.model.fitting.fit import fit_campaign
+from analysis.model.rank.projector import projector
+from analysis.model.verdict.crossvalidation import prediction_error
 from tests.unit.analysis.model.hard_spheres import Hidden, campaign
 
 CAMPAIGNS, SHOTS = 100, 6

@@ -7,12 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from analysis.model.alarm import alarms
-from analysis.model.lackoffit import Cell
-from analysis.model.report import verdict_document
-from analysis.model.selection import explain
-from analysis.model.tables import Data
-from analysis.model.words import doubts, verdict_sentence
+from analysis.model.data.tables import Data
+from analysis.model.structure.alarm import alarms
+from analysis.model.structure.lackoffit import Cell
+from analysis.model.verdict.report import verdict_document
+from analysis.model.verdict.selection import explain
+from analysis.model.verdict.words import doubts, verdict_sentence
 from tests.unit.analysis.model.chosen import EFFECTS
 from tests.unit.analysis.model.hard_spheres import Hidden, campaign
 

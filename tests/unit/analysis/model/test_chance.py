@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
-from analysis.model.promise import chance_of_falls
+from analysis.model.rank.score_test import chance_of_falls
 
 
 def test_a_fall_of_one_sign_has_half_the_chance_of_a_normal_deviate() -> None:

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from analysis.model.channels import AXES, contact_columns, contact_frame, whitened
-from analysis.model.contact import AFTER, contact_outcome
-from analysis.model.fit import fit_campaign
-from analysis.model.prediction import predict
+from analysis.model.fitting.fit import fit_campaign
+from analysis.model.predict.contact import AFTER, contact_outcome
+from analysis.model.predict.prediction import predict
+from analysis.model.structure.channels import AXES, contact_columns, contact_frame, whitened
 from analysis.motion.rotation import rotation_matrix, rotation_vector
 from tests.unit.analysis.model.hard_spheres import campaign
 

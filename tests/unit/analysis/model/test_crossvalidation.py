@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from analysis.model.crossvalidation import prediction_error
-from analysis.model.fit import Fit, fit_campaign
-from analysis.model.linear import whitened_residual
-from analysis.model.poses import PoseData
-from analysis.model.prediction import predict
-from analysis.model.state import SIZE, ShotStates
-from analysis.model.theory import Theory
+from analysis.model.data.poses import PoseData
+from analysis.model.fitting.fit import Fit, fit_campaign
+from analysis.model.predict.linear import whitened_residual
+from analysis.model.predict.prediction import predict
+from analysis.model.predict.state import SIZE, ShotStates
+from analysis.model.predict.theory import Theory
+from analysis.model.verdict.crossvalidation import prediction_error
 from tests.unit.analysis.model.chosen import chosen
 from tests.unit.analysis.model.hard_spheres import campaign
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from functools import cache
 
-from analysis.model.evidence import Stage, stage_of
-from analysis.model.exchange import exchanged, fits_without
-from analysis.model.fit import Fit, fit_campaign
-from analysis.model.poses import PoseData
+from analysis.model.data.evidence import Stage, stage_of
+from analysis.model.data.poses import PoseData
+from analysis.model.fitting.fit import Fit, fit_campaign
+from analysis.model.verdict.exchange import exchanged, fits_without
 from simulators.challenge.nature import Nature
 from tests.unit.analysis.model.chosen import chosen
 from tests.unit.analysis.model.design.at_settings import drawn_settings, fired

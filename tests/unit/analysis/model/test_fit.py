@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from analysis.model.fit import Fit, fit_campaign
-from analysis.model.gather import gather_poses
-from analysis.model.inside import without_contact_frames
-from analysis.model.outliers import clean
+from analysis.model.data.gather import gather_poses
+from analysis.model.data.inside import without_contact_frames
+from analysis.model.fitting.fit import Fit, fit_campaign
+from analysis.model.fitting.outliers import clean
 from simulators.challenge.campaign import run_campaign
 from simulators.challenge.folder import write_folder
 from simulators.challenge.nature import Nature

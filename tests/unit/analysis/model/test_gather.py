@@ -13,9 +13,9 @@ from scipy.spatial.transform import Rotation
 from analysis.errors import InputError
 from analysis.exchange.pose_table import read_poses
 from analysis.exchange.pose_writing import measured_poses, pose_writer
-from analysis.model.gather import gather
-from analysis.model.judged import judged
-from analysis.model.poses import PoseData
+from analysis.model.data.gather import gather
+from analysis.model.data.poses import PoseData
+from analysis.model.fitting.robust_fit import judged
 from analysis.shot import MeasuredShot, analyse_shot
 from simulators.world import WorldDescription
 from tests.unit.analysis.model.exchange_folder import write_campaign

@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 
 from analysis.collision.contact_frames import longest_contact
 from analysis.collision.operator import Body
-from analysis.model.inside import without_contact_frames
+from analysis.model.data.inside import without_contact_frames
 from tests.unit.analysis.model.hard_spheres import campaign, draw
 
 NYLON = Body.sphere(0.0254, 1150.0, 0.4)

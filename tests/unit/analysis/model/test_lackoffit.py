@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from analysis.model.fit import fit_campaign
-from analysis.model.lackoffit import Cell, lack_of_fit
-from analysis.model.poses import PoseData
+from analysis.model.data.poses import PoseData
+from analysis.model.fitting.fit import fit_campaign
+from analysis.model.structure.lackoffit import Cell, lack_of_fit
 from tests.unit.analysis.model.hard_spheres import Hidden, campaign
 
 CAMPAIGNS = 8

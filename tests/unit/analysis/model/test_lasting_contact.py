@@ -11,13 +11,13 @@ import pytest
 from analysis.collision.force_law import hertz_duration
 from analysis.effects.catalogue import CATALOGUE
 from analysis.effects.contact.lasting_contact import EFFECT, contact_modulus
-from analysis.model.account import AS_STATED
-from analysis.model.judged import Judged, judged
-from analysis.model.poses import PoseData
-from analysis.model.ranking import rank
-from analysis.model.selection import explain
+from analysis.model.data.poses import PoseData
+from analysis.model.fitting.account import AS_STATED
+from analysis.model.fitting.robust_fit import Judged, judged
+from analysis.model.rank.ranking import rank
 from analysis.model.streaming.judged import judged_stream
 from analysis.model.streaming.stream import PoseStream
+from analysis.model.verdict.selection import explain
 from benchmarks.discovery.campaigns import posed
 from simulators.challenge.campaign import Noise, run_campaign
 from simulators.challenge.force_choice import Forces

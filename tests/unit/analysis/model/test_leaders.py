@@ -7,12 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from analysis.model.candidate import Ranking
-from analysis.model.carried import most_carried
-from analysis.model.fit import fit_campaign
-from analysis.model.leaders import Leader, alias_set, in_order, refitted
-from analysis.model.poses import PoseData
-from analysis.model.ranking import rank
+from analysis.model.data.poses import PoseData
+from analysis.model.fitting.fit import fit_campaign
+from analysis.model.rank.candidate import Ranking
+from analysis.model.rank.leaders import Leader, alias_set, in_order, refitted
+from analysis.model.rank.ranking import rank
+from analysis.model.structure.influence import most_carried
 from tests.unit.analysis.model.chosen import chosen
 from tests.unit.analysis.model.hard_spheres import Hidden, campaign
 

@@ -7,12 +7,12 @@ import pytest
 
 from analysis.effects.catalogue import CATALOGUE
 from analysis.effects.effect import ContactLaw
-from analysis.model.fit import START, fit_campaign
-from analysis.model.linear import left_jacobian, linearise, whitened_difference
-from analysis.model.normal import solve_blocks
-from analysis.model.prediction import predict
-from analysis.model.state import SIZE
-from analysis.model.theory import Theory
+from analysis.model.fitting.fit import START, fit_campaign
+from analysis.model.fitting.normal import solve_blocks
+from analysis.model.predict.linear import left_jacobian, linearise, whitened_difference
+from analysis.model.predict.prediction import predict
+from analysis.model.predict.state import SIZE
+from analysis.model.predict.theory import Theory
 from analysis.motion.rotation import rotation_matrix, rotation_vector
 from tests.unit.analysis.model.hard_spheres import campaign
 

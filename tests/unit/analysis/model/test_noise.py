@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from analysis.model.fit import fit_campaign
-from analysis.model.noise import noise_scales, rescaled
+from analysis.model.fitting.fit import fit_campaign
+from analysis.model.fitting.noise import noise_scales, rescaled
 from tests.unit.analysis.model.hard_spheres import POSITION_SIGMA, ROTATION_SIGMA, campaign
 
 SHOTS = 60

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from analysis.model.fit import fit_campaign, normal_equations
-from analysis.model.normal import shot_steps, solve_blocks
-from analysis.model.state import SIZE
+from analysis.model.fitting.fit import fit_campaign, normal_equations
+from analysis.model.fitting.normal import shot_steps, solve_blocks
+from analysis.model.predict.state import SIZE
 from tests.unit.analysis.model.hard_spheres import campaign
 
 

@@ -8,11 +8,11 @@ from functools import cache
 import pytest
 
 from analysis.effects.contact.lasting_contact import EFFECT
-from analysis.model.documents import fit_document
-from analysis.model.judged import Judged, judged
-from analysis.model.nuisance import MOST_PULL, alarms_of, nuisances
-from analysis.model.nuisance_words import alarm_sentence
-from analysis.model.poses import PoseData
+from analysis.model.data.poses import PoseData
+from analysis.model.fitting.nuisance import MOST_PULL, alarms_of, nuisances
+from analysis.model.fitting.nuisance_words import alarm_sentence
+from analysis.model.fitting.robust_fit import Judged, judged
+from analysis.model.verdict.documents import fit_document
 from benchmarks.discovery.campaigns import posed
 from simulators.challenge.campaign import run_campaign
 from simulators.challenge.force_choice import Forces

@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from analysis.model.fit import START, fit_campaign
-from analysis.model.inside import without_contact_frames
-from analysis.model.outliers import Cleaned, bad_shots, clean
-from analysis.model.poses import PoseData
-from analysis.model.theory import Theory
+from analysis.model.data.inside import without_contact_frames
+from analysis.model.data.poses import PoseData
+from analysis.model.fitting.fit import START, fit_campaign
+from analysis.model.fitting.outliers import Cleaned, bad_shots, clean
+from analysis.model.predict.theory import Theory
 from benchmarks.discovery.campaigns import campaign as simulated
 from tests.unit.analysis.model.hard_spheres import campaign
 

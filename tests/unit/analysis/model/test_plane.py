@@ -7,7 +7,7 @@ import json
 import numpy as np
 import pytest
 
-from analysis.model.fit import fit_campaign
+from analysis.model.fitting.fit import fit_campaign
 from analysis.model.plane import Plane, impact_plane
 from tests.unit.analysis.model.hard_spheres import campaign
 

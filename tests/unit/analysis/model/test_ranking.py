@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from analysis.model.fit import fit_campaign
-from analysis.model.ranking import rank
+from analysis.model.fitting.fit import fit_campaign
+from analysis.model.rank.ranking import rank
 from tests.unit.analysis.model.chosen import EFFECTS, chosen
 from tests.unit.analysis.model.hard_spheres import Hidden, campaign
 

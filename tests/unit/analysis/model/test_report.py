@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from analysis.model.report import verdict_document
-from analysis.model.selection import explain
-from analysis.model.words import doubts, verdict_sentence
+from analysis.model.verdict.report import verdict_document
+from analysis.model.verdict.selection import explain
+from analysis.model.verdict.words import doubts, verdict_sentence
 from tests.unit.analysis.model.chosen import WIDELY_BELIEVED
 from tests.unit.analysis.model.hard_spheres import Hidden, campaign
 

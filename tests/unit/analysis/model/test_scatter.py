@@ -10,12 +10,12 @@ from scipy.spatial.transform import Rotation
 
 from analysis.effects.catalogue import CATALOGUE
 from analysis.effects.clock.timing_jitter import EFFECT
-from analysis.model.adding import added
-from analysis.model.fit import fit_campaign
-from analysis.model.poses import PoseData
-from analysis.model.ranking import rank
-from analysis.model.scatter import timing_jitter
-from analysis.model.selection import explain
+from analysis.model.data.poses import PoseData
+from analysis.model.fitting.adding import added
+from analysis.model.fitting.fit import fit_campaign
+from analysis.model.rank.ranking import rank
+from analysis.model.rank.scatter import timing_jitter
+from analysis.model.verdict.selection import explain
 from tests.unit.analysis.model.hard_spheres import campaign
 
 JITTER_S = 1.5e-5

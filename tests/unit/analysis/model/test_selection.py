@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from analysis.effects.effect import CameraEffect, Effect
-from analysis.model.poses import PoseData
-from analysis.model.selection import UNEXPLAINED_LEVEL, Verdict, explain
+from analysis.model.data.poses import PoseData
+from analysis.model.verdict.selection import UNEXPLAINED_LEVEL, Verdict, explain
 from analysis.setup import CameraSetup
 from tests.unit.analysis.model.chosen import EFFECTS, WIDELY_BELIEVED, believed_up_to, chosen
 from tests.unit.analysis.model.hard_spheres import Hidden, campaign

@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from analysis.model.fit import Fit, fit_campaign
-from analysis.model.lackoffit import Cell, holm, lack_of_fit
-from analysis.model.poses import PoseData
+from analysis.model.data.poses import PoseData
+from analysis.model.fitting.fit import Fit, fit_campaign
+from analysis.model.structure.lackoffit import Cell, holm, lack_of_fit
 from tests.unit.analysis.model.chosen import chosen
 from tests.unit.analysis.model.hard_spheres import Hidden, campaign
 

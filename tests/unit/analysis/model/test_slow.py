@@ -13,12 +13,12 @@ from scipy.spatial.transform import Rotation
 from analysis.effects.catalogue import CATALOGUE
 from analysis.exchange.description import read_description
 from analysis.exchange.folder import description
-from analysis.model.comparison import compare
-from analysis.model.fit import fit_campaign
-from analysis.model.gather import gather
-from analysis.model.poses import PoseData
-from analysis.model.ranking import rank
-from analysis.model.slow import RATE_FACTOR
+from analysis.model.data.gather import gather
+from analysis.model.data.poses import PoseData
+from analysis.model.fitting.fit import fit_campaign
+from analysis.model.fitting.slow import RATE_FACTOR
+from analysis.model.predict.comparison import compare
+from analysis.model.rank.ranking import rank
 from analysis.setup import NO_SLOW_ERRORS, SlowErrors
 from tests.unit.analysis.model.exchange_folder import write_campaign
 from tests.unit.analysis.model.hard_spheres import campaign

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from analysis.model.start import first_states
-from analysis.model.state import ShotStates
+from analysis.model.predict.start import first_states
+from analysis.model.predict.state import ShotStates
 from tests.unit.analysis.model.hard_spheres import Drawn, campaign, draw
 
 SHOTS = 60

@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from analysis.model.covariates import covariate_label
-from analysis.model.fit import fit_campaign
-from analysis.model.lackoffit import lack_of_fit
-from analysis.model.poses import PoseData
-from analysis.model.structure import Structure, running_mean, structure
+from analysis.model.data.poses import PoseData
+from analysis.model.fitting.fit import fit_campaign
+from analysis.model.structure.covariates import covariate_label
+from analysis.model.structure.lackoffit import lack_of_fit
+from analysis.model.structure.structure import Structure, running_mean, structure
 from tests.unit.analysis.model.hard_spheres import campaign
 
 SHOTS = 40

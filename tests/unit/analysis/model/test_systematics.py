@@ -9,11 +9,11 @@ import pytest
 
 from analysis.effects.effect import Floats
 from analysis.model.agreement.agree import agree
-from analysis.model.candidate import Candidate
-from analysis.model.fit import fit_campaign
-from analysis.model.leaders import refitted
-from analysis.model.poses import PoseData
-from analysis.model.ranking import rank
+from analysis.model.data.poses import PoseData
+from analysis.model.fitting.fit import fit_campaign
+from analysis.model.rank.candidate import Candidate
+from analysis.model.rank.leaders import refitted
+from analysis.model.rank.ranking import rank
 from analysis.setup import SlowErrors
 from tests.unit.analysis.model.chosen import chosen
 from tests.unit.analysis.model.hard_spheres import campaign

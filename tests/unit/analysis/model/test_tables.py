@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 from analysis.errors import InputError
-from analysis.model.crossvalidation import prediction_error
-from analysis.model.fit import Fit, fit_campaign
-from analysis.model.gather import gather, gather_poses
-from analysis.model.inside import without_contact_frames
-from analysis.model.lackoffit import lack_of_fit
-from analysis.model.noise import noise_scales
-from analysis.model.outliers import clean
-from analysis.model.tables import ContactTable
+from analysis.model.data.gather import gather, gather_poses
+from analysis.model.data.inside import without_contact_frames
+from analysis.model.data.tables import ContactTable
+from analysis.model.fitting.fit import Fit, fit_campaign
+from analysis.model.fitting.noise import noise_scales
+from analysis.model.fitting.outliers import clean
+from analysis.model.structure.lackoffit import lack_of_fit
+from analysis.model.verdict.crossvalidation import prediction_error
 from tests.unit.analysis.model.exchange_folder import DESCRIPTION, write_campaign
 from tests.unit.analysis.model.hard_spheres import campaign, draw
 from tests.unit.analysis.model.tabulated import (

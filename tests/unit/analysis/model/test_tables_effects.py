@@ -12,16 +12,16 @@ from analysis.collision.operator import Encounter, States
 from analysis.effects.catalogue import CATALOGUE
 from analysis.effects.effect import ContactEffect
 from analysis.model.agreement.agree import agree
-from analysis.model.fit import fit_campaign
-from analysis.model.gather import gather
+from analysis.model.data.gather import gather
+from analysis.model.data.tables import ContactTable
+from analysis.model.fitting.fit import fit_campaign
 from analysis.model.plane import impact_plane
-from analysis.model.ranking import rank
-from analysis.model.report import verdict_document
-from analysis.model.scatter import timing_jitter
-from analysis.model.selection import explain
-from analysis.model.structure import structure
-from analysis.model.tables import ContactTable
-from analysis.model.words import verdict_sentence
+from analysis.model.rank.ranking import rank
+from analysis.model.rank.scatter import timing_jitter
+from analysis.model.structure.structure import structure
+from analysis.model.verdict.report import verdict_document
+from analysis.model.verdict.selection import explain
+from analysis.model.verdict.words import verdict_sentence
 from tests.unit.analysis.model.chosen import chosen
 from tests.unit.analysis.model.exchange_folder import DESCRIPTION
 from tests.unit.analysis.model.tabulated import PLATE, contacts, folder_with, impacts, walton

@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 
 from analysis.effects.contact.lasting_contact import EFFECT
 from analysis.errors import InputError
-from analysis.model.gather import gather
-from analysis.model.judged import Judged, judged
-from analysis.model.tables import ContactTable
+from analysis.model.data.gather import gather
+from analysis.model.data.tables import ContactTable
+from analysis.model.fitting.robust_fit import Judged, judged
 from simulators.challenge.bodies import Bodies
 from simulators.challenge.encounter import collide
 from simulators.challenge.flight import acceleration

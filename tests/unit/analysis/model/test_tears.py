@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from analysis.model.inside import without_contact_frames
-from analysis.model.poses import PoseData
-from analysis.model.tears import without_torn_tracks
+from analysis.model.data.inside import without_contact_frames
+from analysis.model.data.poses import PoseData
+from analysis.model.data.tears import without_torn_tracks
 from tests.unit.analysis.model.hard_spheres import campaign
 
 

@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 
 from analysis.effects.catalogue import CATALOGUE
-from analysis.model.comparison import compare
-from analysis.model.contact import contact_outcome, differentiated_contact
-from analysis.model.fit import START, fit_campaign
-from analysis.model.poses import PoseData
-from analysis.model.ranking import rank
-from analysis.model.selection import explain
-from analysis.model.start import first_states
-from analysis.model.state import SIZE, TILT
-from analysis.model.theory import Theory
+from analysis.model.data.poses import PoseData
+from analysis.model.fitting.fit import START, fit_campaign
+from analysis.model.predict.comparison import compare
+from analysis.model.predict.contact import contact_outcome, differentiated_contact
+from analysis.model.predict.start import first_states
+from analysis.model.predict.state import SIZE, TILT
+from analysis.model.predict.theory import Theory
+from analysis.model.rank.ranking import rank
+from analysis.model.verdict.selection import explain
 from tests.unit.analysis.model.hard_spheres import Hidden, campaign
 
 FRICTION = {"friction-speed", "friction-drift", "rolling-restitution-speed", "inertia-factor"}

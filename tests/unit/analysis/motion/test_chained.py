@@ -6,7 +6,7 @@ from scipy.spatial.transform import Rotation
 from turning import CAMERA, LEAST_FACING, body_markers
 
 from analysis.errors import ShotRefusedError
-from analysis.imaging.markers import Markers, film_markers, joined
+from analysis.imaging.marker.markers import Markers, film_markers, joined
 from analysis.imaging.views import View
 from analysis.motion.chained import orient_by_steps
 from analysis.motion.pattern import sightings

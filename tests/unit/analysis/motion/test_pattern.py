@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 from turning import body_markers, oriented, sight, sighted
 
 from analysis.errors import ShotRefusedError
-from analysis.imaging.markers import Markers, film_markers
+from analysis.imaging.marker.markers import Markers, film_markers
 from analysis.motion.pattern import Orientations, sightings
 from analysis.motion.pattern_steps import average_pattern
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from found import At, discs_at
 
-from analysis.imaging.markers import FilmMarkers, Markers, film_markers
+from analysis.imaging.marker.markers import FilmMarkers, Markers, film_markers
 from analysis.imaging.views import View
 from analysis.motion.sightings import lifted_again
 

@@ -6,10 +6,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.photometric.camera import Optics
-from analysis.photometric.shading import HARMONICS, RADIALS, blurred_profiles, template
-from analysis.photometric.sight import Look, Scene, Sight, Stance
-from analysis.photometric.surface import draw
+from analysis.photometric.render.camera import Optics
+from analysis.photometric.render.shading import HARMONICS, RADIALS, blurred_profiles, template
+from analysis.photometric.render.sight import Look, Scene, Sight, Stance
+from analysis.photometric.render.surface import draw
 
 SUBPIXELS = 9
 

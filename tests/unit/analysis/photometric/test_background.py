@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from analysis.photometric.background import background_of, first_background
+from analysis.photometric.render.background import background_of, first_background
 
 SHAPE, FRAMES = (60, 80), 16
 

@@ -14,7 +14,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from analysis.photometric.appearance import Knowledge
+from analysis.photometric.learn.appearance import Knowledge
 from analysis.photometric.method import teach
 from analysis.setup import Setup
 from analysis.shot import AnalysisOptions, MeasuredShot, RefusedShot, analyse_shot

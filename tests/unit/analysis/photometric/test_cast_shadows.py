@@ -2,10 +2,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from analysis.photometric.cast_shadows import mark_shadows
-from analysis.photometric.confirmation import borne_out
-from analysis.photometric.pose import ONLY, fit_pose
-from analysis.photometric.sight import Sight, reel_of
+from analysis.photometric.follow.cast_shadows import mark_shadows
+from analysis.photometric.follow.confirmation import borne_out
+from analysis.photometric.render.pose import ONLY, fit_pose
+from analysis.photometric.render.sight import Sight, reel_of
 from tests.unit.analysis.photometric.drawn import (
     sight_of,
     sphere_image,

@@ -8,10 +8,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from analysis.photometric.contour import ALPHA as BY_ALPHA
-from analysis.photometric.contour import GROWTHS, LAYERS, add_cover
-from analysis.photometric.contour import RADIUS as BY_RADIUS
-from analysis.photometric.pixel_rows import roughness
+from analysis.photometric.render.contour import ALPHA as BY_ALPHA
+from analysis.photometric.render.contour import GROWTHS, LAYERS, add_cover
+from analysis.photometric.render.contour import RADIUS as BY_RADIUS
+from analysis.photometric.render.pixel_rows import roughness
 
 SIZE, RADIUS, ALPHA, SUBPIXELS = 61, 20.0, 0.16, 9
 BLUR = 0.85

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from analysis.photometric.folding import eliminate, fold
-from analysis.photometric.sight import Equations
+from analysis.photometric.render.folding import eliminate, fold
+from analysis.photometric.render.sight import Equations
 
 
 def positive(size: int, rng: np.random.Generator) -> np.ndarray:

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from analysis.photometric.camera import disc_of
 from analysis.photometric.method import followed_film, teach
+from analysis.photometric.render.camera import disc_of
 from simulators.world import Launch, RenderedShot, WorldDescription, render_shot
 from simulators.world.lamp import Lamp
 from simulators.world.optics import Optics

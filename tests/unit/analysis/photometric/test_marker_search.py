@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from analysis.photometric.marker_search import body_directions, local_darkness
+from analysis.photometric.learn.marker_search import body_directions, local_darkness
 
 ALPHA = 0.16
 BODY = body_directions()

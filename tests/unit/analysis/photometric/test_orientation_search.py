@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from analysis.motion.rotation import rotation_matrix, rotation_vector
-from analysis.photometric.orientation_search import Found, search_orientation, turns
+from analysis.photometric.follow.orientation_search import Found, search_orientation, turns
 from tests.unit.analysis.photometric.drawn import (
     sight_of,
     sphere_image,

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from analysis.motion.rotation import rotation_matrix, rotation_vector
-from analysis.photometric.pose import fit_pose, turned
+from analysis.photometric.render.pose import fit_pose, turned
 from tests.unit.analysis.photometric.drawn import (
     sight_of,
     sphere_image,

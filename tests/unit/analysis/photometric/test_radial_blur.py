@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from analysis.photometric.radial_blur import pairs_near, refined
-from analysis.photometric.shading import blurred_profiles
+from analysis.photometric.render.radial_blur import pairs_near, refined
+from analysis.photometric.render.shading import blurred_profiles
 
 
 @pytest.mark.parametrize("knots", [5, 6, 40])

@@ -13,9 +13,9 @@ from hypothesis import strategies as st
 
 from analysis.campaign import THESIS_SETUP
 from analysis.errors import InputError
-from analysis.photometric.appearance import Knowledge, Sphere
-from analysis.photometric.camera import camera_of
-from analysis.photometric.record import read_knowledge, write_knowledge
+from analysis.photometric.learn.appearance import Knowledge, Sphere
+from analysis.photometric.learn.record import read_knowledge, write_knowledge
+from analysis.photometric.render.camera import camera_of
 
 
 def drawn(seed: int, markers: int) -> Knowledge:

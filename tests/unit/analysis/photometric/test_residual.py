@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from analysis.compiled import compiled
-from analysis.photometric.covers import cover_canvas, paint_of
-from analysis.photometric.residual import LOOK, cover_at, model_pixel, shade
+from analysis.photometric.render.covers import cover_canvas, paint_of
+from analysis.photometric.render.residual import LOOK, cover_at, model_pixel, shade
 from tests.unit.analysis.photometric.drawn import sight_of, sphere_image, stance_at
 
 RADIUS, PLACE, LIMB, BLUR = 20.0, (31.4, 31.8), 0.6, 1.1

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
-from analysis.photometric.shading import (
+from analysis.photometric.render.shading import (
     DISC,
     HARMONICS,
     RADIALS,

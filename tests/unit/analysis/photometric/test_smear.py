@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from analysis.motion.rotation import rotation_matrix
-from analysis.photometric.pose import fit_pose
-from analysis.photometric.smear import motion_through, round_variance
+from analysis.photometric.render.pose import fit_pose
+from analysis.photometric.render.smear import motion_through, round_variance
 from tests.unit.analysis.photometric.drawn import (
     sight_of,
     sphere_image,

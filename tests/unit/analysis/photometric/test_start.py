@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from analysis.errors import ShotRefusedError
-from analysis.photometric.start import first_film
+from analysis.photometric.follow.start import first_film
 from analysis.setup import Setup
 from analysis.tracking import Tracking
 

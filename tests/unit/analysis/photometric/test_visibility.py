@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from analysis.photometric.visibility import own_shares
+from analysis.photometric.follow.visibility import own_shares
 
 SHAPE = (192, 240)
 FAR = [-1e6, -1e6, 0.0]

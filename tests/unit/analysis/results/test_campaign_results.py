@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from analysis.collision.operator import WaltonLaw
-from analysis.model.fit import fit_campaign
-from analysis.model.gather import gather
-from analysis.model.tables import ContactTable
+from analysis.model.data.gather import gather
+from analysis.model.data.tables import ContactTable
+from analysis.model.fitting.fit import fit_campaign
 from analysis.results.campaign import Results, results
 from analysis.results.curves import maw_curve, walton_curve
 from analysis.results.drawing import plane_figure, residual_figure, restitution_figure

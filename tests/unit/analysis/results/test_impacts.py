@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from analysis.model.gather import gather
-from analysis.model.tables import ContactTable
+from analysis.model.data.gather import gather
+from analysis.model.data.tables import ContactTable
 from analysis.results.from_poses import pose_impacts
 from analysis.results.from_table import table_impacts
 from analysis.results.impacts import told

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from analysis.collision.operator import Body
-from analysis.model.poses import PoseData
+from analysis.model.data.poses import PoseData
 from analysis.setup import CameraSetup
 from simulators.challenge.camera import OPTICS, apparent
 from simulators.challenge.encounter import follow

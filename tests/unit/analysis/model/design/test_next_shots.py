@@ -11,14 +11,14 @@ from analysis.errors import LaunchRefusedError
 from analysis.launch.fit import fit_launch
 from analysis.launch.prediction import Limits
 from analysis.launch.result import LaunchFit
+from analysis.model.data.poses import PoseData
 from analysis.model.design.between import Repeated, Telling, best_fit, tell_apart
 from analysis.model.design.candidates import Setting, candidates, grid
 from analysis.model.design.document import shots_document, telling_document
 from analysis.model.design.sharpen import sharpen
 from analysis.model.design.undecided import fired_alike, next_after, used_limits
-from analysis.model.fit import Fit, fit_campaign
-from analysis.model.poses import PoseData
-from analysis.model.selection import explain
+from analysis.model.fitting.fit import Fit, fit_campaign
+from analysis.model.verdict.selection import explain
 from simulators.challenge.nature import Nature
 from tests.unit.analysis.model.design.at_settings import drawn_settings, fired
 

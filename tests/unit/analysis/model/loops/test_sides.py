@@ -7,11 +7,11 @@ import pytest
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from analysis.model.contact import differentiated_contact
-from analysis.model.fit import START
-from analysis.model.sides import Flights, flights, flights_by_outcome, flights_by_state
-from analysis.model.start import first_states
-from analysis.model.theory import Theory
+from analysis.model.fitting.fit import START
+from analysis.model.predict.contact import differentiated_contact
+from analysis.model.predict.sides import Flights, flights, flights_by_outcome, flights_by_state
+from analysis.model.predict.start import first_states
+from analysis.model.predict.theory import Theory
 from benchmarks.discovery.campaigns import campaign
 
 Floats = NDArray[np.float64]

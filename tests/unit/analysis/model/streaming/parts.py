@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from analysis.model.poses import PoseData
+from analysis.model.data.poses import PoseData
 from analysis.model.streaming.stream import PoseStream
 
 

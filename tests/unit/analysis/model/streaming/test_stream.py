@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from analysis.model.inside import without_contact_frames
-from analysis.model.poses import PoseData
+from analysis.model.data.inside import without_contact_frames
+from analysis.model.data.poses import PoseData
 from tests.unit.analysis.model.hard_spheres import campaign
 from tests.unit.analysis.model.streaming.parts import gathered, streamed
 

@@ -9,16 +9,16 @@ import numpy as np
 import pytest
 
 from analysis.effects.clock.timing_jitter import EFFECT as JITTER
-from analysis.model.candidate import Ranking
-from analysis.model.fit import Fit, fit_campaign
-from analysis.model.inside import without_contact_frames
-from analysis.model.judged import judged
-from analysis.model.poses import PoseData
-from analysis.model.ranking import rank, rank_over
+from analysis.model.data.inside import without_contact_frames
+from analysis.model.data.poses import PoseData
+from analysis.model.fitting.fit import Fit, fit_campaign
+from analysis.model.fitting.robust_fit import judged
+from analysis.model.fitting.summary import FitSummary
+from analysis.model.rank.candidate import Ranking
+from analysis.model.rank.ranking import rank, rank_over
 from analysis.model.streaming.fit import fit_stream, passes_of_stream
 from analysis.model.streaming.judged import judged_stream
 from analysis.model.streaming.stream import PoseStream
-from analysis.model.summary import FitSummary
 from tests.unit.analysis.model.chosen import EFFECTS, chosen
 from tests.unit.analysis.model.hard_spheres import Hidden, campaign
 from tests.unit.analysis.model.streaming.parts import in_parts, streamed

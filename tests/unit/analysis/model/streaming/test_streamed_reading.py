@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from analysis.errors import InputError
-from analysis.model.gather import gather_poses
-from analysis.model.poses import PoseData
+from analysis.model.data.gather import gather_poses
+from analysis.model.data.poses import PoseData
 from analysis.model.streaming import reading
 from analysis.model.streaming.reading import stream_poses
 from tests.unit.analysis.model.exchange_folder import write_campaign

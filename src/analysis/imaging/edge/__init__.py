@@ -1,0 +1,1 @@
+"""Edges of a frame to a fraction of a pixel."""

@@ -1,0 +1,1 @@
+"""Frames from files of every form that is read."""

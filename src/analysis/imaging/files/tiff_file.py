@@ -1,0 +1,142 @@
+"""Frames from a multi-page TIFF, every one that the file speaks of or none."""
+
+from __future__ import annotations
+
+import logging
+import math
+import re
+import zlib
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import tifffile
+from numpy.typing import NDArray
+
+from analysis.errors import InputError, counted
+from analysis.files import FrameBudget
+from analysis.imaging.files.tiff_walk import walk
+
+# What the library finds wrong comes back as a refusal; its own lines would stand beside it.
+logging.getLogger("tifffile").addHandler(logging.NullHandler())
+
+_ZLIB = {tifffile.COMPRESSION.ADOBE_DEFLATE, tifffile.COMPRESSION.DEFLATE}
+_PADDING = 2
+"""A packed strip or tile may unpack to this many times the page: some writers fill up the last."""
+_OME_PIXELS = re.compile(r"<(?:\w+:)?Pixels\b[^>]*>")
+_OME_SIZES = re.compile(r"\bSize[ZCT]\s*=\s*[\"'](\d{1,9})[\"']")
+
+
+def read_tiff(path: Path, budget: FrameBudget) -> list[NDArray[np.generic]]:
+    """Return the pages of a TIFF in their order.
+
+    Raises
+    ------
+    InputError
+        Damaged, beyond the budget, or shorter than its pages, the last page's pointer or its
+        description (ImageJ, OME, tifffile) say; with the frame.
+    """
+    pages: list[NDArray[np.generic]] = []
+    size = path.stat().st_size
+    found = walk(path, budget)
+    try:
+        # Other files that a description names are not looked for.
+        with tifffile.TiffFile(path, _multifile=False) as tiff:
+            each = zip(islice(tiff.pages, len(found.value_ends)), found.value_ends, strict=False)
+            for index, (page, end_of_values) in enumerate(each):
+                _require_whole(path, index, page, end_of_values, size)
+                budget.claim(page.shape or (0,), page.dtype.itemsize if page.dtype else 1)
+                _require_readable(path, index, page, tiff.filehandle)
+                pages.append(page.asarray(maxworkers=1))
+            if pages and not found.ends_well:
+                raise InputError(
+                    path,
+                    f"truncated after frame {len(pages) - 1}: the next frame lies beyond the "
+                    f"file's end at byte {size}",
+                )
+            declared = _declared(tiff)
+            if len(pages) == 1 < declared and tiff.pages.first.is_contiguous:
+                return _behind_one_page(path, tiff, declared, budget)
+            if len(pages) < declared:
+                raise InputError(
+                    path,
+                    f"truncated after frame {len(pages) - 1}: its description counts "
+                    f"{counted(declared, 'frame')}",
+                )
+    except InputError:
+        raise
+    # A damaged TIFF makes the library raise whatever its parser stumbles over.
+    except Exception as error:
+        whole = counted(len(pages), "whole frame")
+        raise InputError(path, f"damaged after {whole}: {error}") from error
+    return pages
+
+
+def _require_whole(path: Path, index: int, page: Any, end_of_values: int, size: int) -> None:  # noqa: ANN401
+    """Refuse a page whose data or values lie beyond the end; the library passes over the latter."""
+    places = zip(page.dataoffsets, page.databytecounts, strict=True)
+    end = max((offset + length for offset, length in places), default=0)
+    if end > size:
+        raise _truncated(path, index, end, size)
+    if end_of_values > size:
+        raise _truncated(path, index, end_of_values, size, "its tags")
+
+
+def _truncated(path: Path, frame: int, end: int, size: int, part: str = "its data") -> InputError:
+    return InputError(
+        path, f"truncated in frame {frame}: {part} end at byte {end}, the file at {size}"
+    )
+
+
+def _require_readable(path: Path, index: int, page: Any, file: Any) -> None:  # noqa: ANN401
+    """Refuse a compression that is not read, and data that unpack to more than their page."""
+    tile = page.tilewidth * page.tilelength * max(1, page.tiledepth) if page.is_tiled else 0
+    if tile > _PADDING * max(page.size, 2**20):
+        raise InputError(path, f"damaged in frame {index}: a tile of {tile} pixels for {page.size}")
+    if page.compression == tifffile.COMPRESSION.NONE:
+        return
+    if page.compression not in _ZLIB:
+        name = tifffile.COMPRESSION(page.compression).name
+        raise InputError(path, f"compressed as {name}; save it uncompressed or compressed as zlib")
+    most = _PADDING * max(page.nbytes, tile * page.dtype.itemsize)
+    for offset, length in zip(page.dataoffsets, page.databytecounts, strict=True):
+        file.seek(offset)
+        if len(zlib.decompressobj().decompress(file.read(length), most + 1)) > most:
+            raise InputError(
+                path,
+                f"damaged in frame {index}: its data unpack to more than {most} bytes, the frame "
+                f"has {page.nbytes}",
+            )
+
+
+def _declared(tiff: tifffile.TiffFile) -> int:
+    """Return how many frames the description in the file counts; 0 where it has none."""
+    size = tiff.pages.first.size
+    if size == 0:
+        return 0
+    if tiff.is_imagej:
+        return int((tiff.imagej_metadata or {}).get("images", 0))
+    if tiff.is_ome:
+        images = _OME_PIXELS.findall(tiff.ome_metadata or "")
+        planes = (math.prod(map(int, _OME_SIZES.findall(image))) for image in images)
+        return sum(planes) // max(1, int(tiff.pages.first.samplesperpixel))
+    shapes = [tuple(each.get("shape", (0,))) for each in tiff.shaped_metadata or ()]
+    return int(sum(math.prod(shape) for shape in shapes) // size)
+
+
+def _behind_one_page(
+    path: Path, tiff: tifffile.TiffFile, frames: int, budget: FrameBudget
+) -> list[NDArray[np.generic]]:
+    """Return frames that lie one after another behind a single page, as large stacks do."""
+    page = tiff.pages.first
+    start, length, size = page.dataoffsets[0], page.nbytes, path.stat().st_size
+    if start + frames * length > size:
+        first_cut = (size - start) // length
+        raise _truncated(path, first_cut, start + (first_cut + 1) * length, size)
+    budget.require_frames(frames)
+    kind = np.dtype(page.dtype).newbyteorder(tiff.byteorder)
+    for _ in range(frames - 1):
+        budget.claim(page.shape, kind.itemsize)
+    values = np.fromfile(path, dtype=kind, count=frames * page.size, offset=start)
+    return list(values.reshape(frames, *page.shape))

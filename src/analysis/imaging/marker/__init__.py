@@ -1,0 +1,1 @@
+"""Dark markers on a sphere."""

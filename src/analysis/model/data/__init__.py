@@ -1,0 +1,1 @@
+"""Measured poses and tabulated contacts of a campaign, as arrays."""

@@ -1,0 +1,140 @@
+"""What a campaign's poses are taken to say: which shots and frames, and with which noise.
+
+Stated sigmas are taken at their word unless the scatter about free flight contradicts them. Those
+of a table that states none are the scatter about the theory as it is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from analysis.effects.clock.timing_jitter import EFFECT as JITTER
+from analysis.model.data.poses import PoseData
+from analysis.model.data.tables import ContactTable, Data
+from analysis.model.data.tables_noise import with_scatter_as_noise
+from analysis.model.fitting.account import AS_STATED
+from analysis.model.fitting.fit import Fit, fit_campaign
+from analysis.model.fitting.noise import NoiseScale, noise_scales
+from analysis.model.fitting.outliers import Cleaned, clean
+from analysis.model.predict.theory import Theory
+from analysis.model.verdict.crossvalidation import PredictionError, prediction_error
+
+CONTRADICTED_SIGMAS = 4.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Evidence:
+    """A campaign ready to be judged.
+
+    Attributes
+    ----------
+    stated
+        Every shot, sigmas as stated.
+    cleaned
+        Without bad frames and shots, sigmas as they really are.
+    noise
+        By what stated sigmas of positions and of orientations were multiplied.
+    """
+
+    stated: Data
+    cleaned: Cleaned
+    noise: tuple[float, float]
+
+    @property
+    def data(self) -> Data:
+        """What is left."""
+        return self.cleaned.data
+
+    @property
+    def whole(self) -> Data:
+        """Every shot, sigmas as they really are."""
+        if not isinstance(self.stated, PoseData):
+            return self.stated
+        position, rotation = self.noise
+        return self.stated.with_sigmas(
+            position * self.stated.position_sigma, rotation * self.stated.rotation_sigma
+        )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stage:
+    """One point of the error path: the effects in, the fit, and the error on shots left out."""
+
+    effects: tuple[str, ...]
+    fit: Fit
+    error: PredictionError
+
+
+def weighed(stated: Data, theory: Theory | None = None) -> Evidence:
+    """Take out what is bad and correct the sigmas, judged by a theory (None: the base model)."""
+    if isinstance(stated, ContactTable) and stated.estimated:
+        stated = with_scatter_as_noise(stated, theory)
+    cleaned = clean(stated, theory)
+    position, rotation = corrections(noise_scales(cleaned.data, cleaned.fit))
+    if (position, rotation) != AS_STATED and isinstance(stated, PoseData):
+        scaled = stated.with_sigmas(
+            position * stated.position_sigma, rotation * stated.rotation_sigma
+        )
+        cleaned = clean(scaled, cleaned.fit.theory)
+    return Evidence(stated, cleaned, (position, rotation))
+
+
+def corrections(scales: tuple[NoiseScale, NoiseScale]) -> tuple[float, float]:
+    """Return by what to multiply sigmas: 1 where the scatter does not contradict them."""
+    position, rotation = (
+        scale.value if abs(scale.value - 1) > CONTRADICTED_SIGMAS * scale.sigma else 1.0
+        for scale in scales
+    )
+    return position, rotation
+
+
+def stage_of(data: Data, fit: Fit) -> Stage:
+    """Return the point of the error path that a fit is."""
+    names = tuple(active.effect.name for active in fit.theory.active)
+    if data.jitter_s > 0:
+        names = (*names, JITTER.name)
+    return Stage(names, fit, prediction_error(data, fit))
+
+
+def weighed_again(
+    evidence: Evidence, path: list[Stage], jitter_s: float
+) -> tuple[Evidence, list[Stage]]:
+    """Judge shots, frames and noise by the theory as it is now; what it explains comes back.
+
+    The whole path is then fitted to the same shots, so that its errors compare.
+    """
+    kept = evidence.cleaned
+    same_noise = evidence.noise == AS_STATED and jitter_s == evidence.stated.jitter_s
+    if kept.kept.all() and not kept.frames and same_noise and not _estimated(evidence.stated):
+        return evidence, path
+    again = weighed(_jittered(evidence.stated, jitter_s), path[-1].fit.theory)
+    changed = (
+        not np.array_equal(again.cleaned.kept, kept.kept)
+        or again.cleaned.frames != kept.frames
+        or again.noise != evidence.noise
+        or _estimated(evidence.stated)
+    )
+    if not changed:
+        return replace(again, cleaned=replace(kept, data=again.data)), path
+    refit = _refitter(again.data)
+    last = replace(again.cleaned.fit, scatter=path[-1].fit.scatter)
+    return again, [*(refit(stage) for stage in path[:-1]), stage_of(again.data, last)]
+
+
+def _estimated(data: Data) -> bool:
+    return isinstance(data, ContactTable) and data.estimated
+
+
+def _jittered(data: Data, jitter_s: float) -> Data:
+    return replace(data, jitter_s=jitter_s) if isinstance(data, PoseData) else data
+
+
+def _refitter(data: Data) -> Callable[[Stage], Stage]:
+    def refit(stage: Stage) -> Stage:
+        own = data if JITTER.name in stage.effects else _jittered(data, 0.0)
+        return stage_of(own, fit_campaign(own, stage.fit.theory))
+
+    return refit

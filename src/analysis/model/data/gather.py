@@ -1,0 +1,264 @@
+"""From a campaign folder, or from shots measured here, to the arrays that are fitted."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.campaign import DESCRIPTION, FRAMES, SHOT_LIST, analyse_campaign, read_campaign
+from analysis.collision.operator import Body
+from analysis.errors import InputError
+from analysis.exchange.contact_table import read_contacts
+from analysis.exchange.description import read_description
+from analysis.exchange.impact_table import read_impacts
+from analysis.exchange.pose_table import PoseRow, own_slow_errors, read_poses
+from analysis.exchange.pose_writing import measured_poses
+from analysis.exchange.shot_list import ShotRow, read_shot_list
+from analysis.exchange.tabulated import Tabulated
+from analysis.model.data.poses import PoseData
+from analysis.model.data.tables import ContactTable, Data
+from analysis.model.data.tables_build import contacts_table, impacts_table
+from analysis.model.data.tables_noise import with_scatter_as_noise
+from analysis.model.predict.start import LEAST_FRAMES, both_seen
+from analysis.scene import body_of
+from analysis.setup import CameraSetup, Setup, SlowErrors
+from analysis.shot import AnalysisOptions, MeasuredShot
+from analysis.slow_errors import typical
+
+Floats = NDArray[np.float64]
+
+POSES, CONTACTS, IMPACTS = "poses.csv", "contacts.csv", "impacts.csv"
+ORDER = "order"
+POSITION_GUESS, ROTATION_GUESS = 2e-5, 8e-3
+"""m and rad, for errors that nobody stated: what images of 40 px a sphere give."""
+
+T = TypeVar("T", bound=Tabulated)
+Shots = Mapping[int, Mapping[str, Sequence[PoseRow]]]
+
+
+def gather(campaign: Path) -> tuple[str, Data]:
+    """Read a campaign at the latest stage that is there, or at the one that is named.
+
+    The latest is contacts.csv, else impacts.csv, else poses.csv, else the frames, measured now.
+
+    Parameters
+    ----------
+    campaign
+        The folder, or one of these files in it: that stage is taken, whatever else is there.
+
+    Returns
+    -------
+    The campaign's name, and its contacts or its poses.
+
+    Raises
+    ------
+    InputError
+        A file cannot be read, a sphere a is a plate, a plate b stands where poses are, no shot has
+        contacts or poses, or the file that is named holds no stage.
+    """
+    folder, named = (campaign.parent, campaign.name) if campaign.is_file() else (campaign, None)
+    if named not in {None, POSES, CONTACTS, IMPACTS}:
+        raise InputError(campaign, f"is none of {CONTACTS}, {IMPACTS} and {POSES}")
+    name, setup = read_description(folder / DESCRIPTION)
+    rows = read_shot_list(folder / SHOT_LIST)
+    if setup.spheres[0].plate:
+        raise InputError(folder / DESCRIPTION, "spheres: a is a plate; only b can be one")
+    for file, read in ((CONTACTS, _contacts), (IMPACTS, _impacts)):
+        if named == file or (named is None and (folder / file).exists()):
+            return name, read(folder / file, rows, setup)
+    return name, gather_poses(folder)[1]
+
+
+def gather_poses(folder: Path) -> tuple[str, PoseData]:
+    """Read the poses of a campaign's folder, whatever later stage there is.
+
+    From poses.csv where it is there, else from its frames, measured now.
+
+    Raises
+    ------
+    InputError
+        A file cannot be read, a sphere is a plate, or no shot has poses.
+    """
+    name, setup = read_description(folder / DESCRIPTION)
+    if any(sphere.plate for sphere in setup.spheres):
+        reason = f"spheres: poses are of two spheres; of one on a plate give {CONTACTS}"
+        raise InputError(folder / DESCRIPTION, reason)
+    rows = read_shot_list(folder / SHOT_LIST)
+    if (folder / POSES).exists():
+        shots: Shots = read_poses(folder / POSES)
+    elif not (folder / FRAMES).exists():
+        raise InputError(folder, f"holds no poses: neither {POSES} nor {FRAMES} is there")
+    else:
+        shots, setup = _measured_now(folder, setup)
+    counting = set(shots) - {row.shot for row in rows if row.is_excluded}
+    data = pose_data(shots, rows, setup) if counting else None
+    if data is None or not both_seen(data.position_sigma).any():
+        raise InputError(folder, "no shot of this campaign has frames that show both spheres")
+    return name, data
+
+
+def _measured_now(folder: Path, setup: Setup) -> tuple[Shots, Setup]:
+    """Measure frames; return poses by shot, and the set-up with how they err.
+
+    What else was found of a shot is not kept.
+    """
+    poses: dict[int, dict[str, list[PoseRow]]] = {}
+    errors: list[SlowErrors] = []
+    for job, shot, _ in analyse_campaign(read_campaign(folder), AnalysisOptions()):
+        if isinstance(shot, MeasuredShot):
+            poses[job.shot] = measured_poses(shot)
+            errors.append(shot.slow)
+    return poses, typical(setup, errors)
+
+
+def pose_data(shots: Shots, rows: Sequence[ShotRow], setup: Setup) -> PoseData:
+    """Put poses into arrays, frames of both spheres side by side, shots padded to the longest.
+
+    Shots that a person excluded are left out and named, and those whose frames do not show both
+    spheres. Errors that are not stated are guessed.
+    """
+    stated = stated_poses(shots, rows, setup)
+    position_sigma, guessed = with_guesses(stated.position_sigma, POSITION_GUESS)
+    rotation_sigma, guessed_too = with_guesses(stated.rotation_sigma, ROTATION_GUESS)
+    data = replace(
+        stated.with_sigmas(position_sigma, rotation_sigma), estimated=guessed or guessed_too
+    )
+    shown = usable(data)
+    return shown if len(shown.shots) > 0 else data
+
+
+def stated_poses(shots: Shots, rows: Sequence[ShotRow], setup: Setup) -> PoseData:
+    """Put poses into arrays as they were stated: an error that is not stated is NaN."""
+    excluded = {row.shot for row in rows if row.is_excluded}
+    numbers = sorted(set(shots) - excluded)
+    frames = {s: sorted({r.frame for rows_ in shots[s].values() for r in rows_}) for s in numbers}
+    longest = max(len(own) for own in frames.values())
+    shape = (len(numbers), longest)
+    times = np.zeros(shape)
+    position, position_sigma = np.zeros((*shape, 2, 3)), np.full((*shape, 2, 3), np.inf)
+    quaternions, turn_sigma = np.zeros((*shape, 2, 4)), np.full((*shape, 2), np.inf)
+    quaternions[..., 0] = 1.0
+    for s, number in enumerate(numbers):
+        place = {frame: k for k, frame in enumerate(frames[number])}
+        for i, name in enumerate("ab"):
+            for row in shots[number].get(name, ()):
+                k = place[row.frame]
+                times[s, k] = row.t_s
+                position[s, k, i] = np.nan_to_num(row.position)
+                position_sigma[s, k, i] = row.position_sigma
+                if row.quaternion is not None:
+                    quaternions[s, k, i] = row.quaternion
+                    turn_sigma[s, k, i] = row.rotation_sigma
+        times[s, len(place) :] = times[s, len(place) - 1]
+    return PoseData(
+        shots=np.array(numbers, dtype=np.intp),
+        times_s=times,
+        position=position,
+        position_sigma=position_sigma,
+        rotation=_matrices(quaternions),
+        rotation_sigma=turn_sigma,
+        slow=setup.slow,
+        own_slow={number: own_slow_errors(shots[number], setup.slow) for number in numbers},
+        bodies=(body_of(setup.spheres[0]), body_of(setup.spheres[1])),
+        gravity=setup.gravity_m_per_s2,
+        air_density=setup.air_density_kg_per_m3,
+        drag_coefficient=setup.drag_coefficient,
+        drag_sigma=setup.drag_sigma,
+        covariates=_covariates(numbers, rows),
+        camera=_camera(setup.camera, numbers, rows),
+        excluded=tuple(sorted(excluded & set(shots))),
+    )
+
+
+def _contacts(path: Path, rows: Sequence[ShotRow], setup: Setup) -> ContactTable:
+    found = read_contacts(path, plate=setup.spheres[1].plate)
+    table = contacts_table(*_of_shots(path, found, rows, setup))
+    return _table(path, table, _left_out(found, rows))
+
+
+def _impacts(path: Path, rows: Sequence[ShotRow], setup: Setup) -> ContactTable:
+    found = read_impacts(path)
+    table = impacts_table(*_of_shots(path, found, rows, setup))
+    return _table(path, table, _left_out(found, rows))
+
+
+def _left_out(found: Sequence[Tabulated], rows: Sequence[ShotRow]) -> tuple[int, ...]:
+    """Return the numbers of the tabulated shots that a person excluded."""
+    excluded = {row.shot for row in rows if row.is_excluded}
+    return tuple(row.shot for row in found if row.shot in excluded)
+
+
+def _of_shots(
+    path: Path, found: Sequence[T], rows: Sequence[ShotRow], setup: Setup
+) -> tuple[Sequence[T], tuple[Body, Body], dict[str, Floats], float]:
+    """Return tabulated rows that count with what the other files say of them."""
+    excluded = _left_out(found, rows)
+    found = [row for row in found if row.shot not in excluded]
+    if not found:
+        raise InputError(path, "holds no shots that count")
+    bodies = (body_of(setup.spheres[0]), body_of(setup.spheres[1]))
+    covariates = _covariates([row.shot for row in found], rows)
+    return found, bodies, covariates, setup.gravity_m_per_s2
+
+
+def _table(path: Path, table: ContactTable, excluded: tuple[int, ...]) -> ContactTable:
+    table = replace(table, excluded=excluded)
+    try:
+        return with_scatter_as_noise(table) if table.estimated else table
+    except ValueError as error:
+        raise InputError(path, f"no errors are stated, and {error}; state them") from error
+
+
+def usable(data: PoseData) -> PoseData:
+    """Leave out shots without frames that show both spheres; their numbers are kept."""
+    shown = both_seen(data.position_sigma).sum(axis=1) >= LEAST_FRAMES
+    return replace(data.of_shots(shown), unusable=tuple(int(n) for n in data.shots[~shown]))
+
+
+def with_guesses(sigma: Floats, guess: float) -> tuple[Floats, bool]:
+    """Put a guess for errors that are not stated (NaN), and say whether there were any.
+
+    The median of those that are stated, else the guess given: only a start, as the scatter about
+    free flight is what counts in the end.
+    """
+    missing = np.isnan(sigma)
+    stated = sigma[np.isfinite(sigma)]
+    typical = float(np.median(stated)) if stated.size else guess
+    return np.where(missing, typical, sigma), bool(missing.any())
+
+
+def _camera(camera: CameraSetup, numbers: Sequence[int], rows: Sequence[ShotRow]) -> CameraSetup:
+    """Return the camera with the longest exposure of these shots."""
+    own = [row.numbers for row in rows if row.shot in numbers]
+    stated = [numbers["exposure_us"] for numbers in own if "exposure_us" in numbers]
+    return replace(camera, exposure_s=max(stated) * 1e-6 if stated else None)
+
+
+def _matrices(quaternions: Floats) -> Floats:
+    """Return rotation matrices of unit quaternions, scalar first, (..., 4) to (..., 3, 3)."""
+    w, x, y, z = np.moveaxis(quaternions, -1, 0)
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+
+
+def _covariates(numbers: Sequence[int], rows: Sequence[ShotRow]) -> dict[str, Floats]:
+    """Return the order of firing and every numeric column that all shots have."""
+    by_number = {row.shot: row for row in rows}
+    known = [by_number[number] for number in numbers if number in by_number]
+    covariates: dict[str, Floats] = {}
+    if len(known) == len(numbers):
+        shared = set.intersection(*(set(row.numbers) for row in known))
+        covariates = {name: np.array([row.numbers[name] for row in known]) for name in shared}
+    timed = [row.time.timestamp() for row in known if row.time is not None]
+    rank = np.argsort(np.argsort(timed)) if len(timed) == len(numbers) else np.arange(len(numbers))
+    covariates[ORDER] = rank / max(len(numbers) - 1, 1) - 0.5
+    return covariates

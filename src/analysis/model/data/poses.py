@@ -1,0 +1,165 @@
+"""Measured poses of a campaign, all shots in arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.collision.operator import Body
+from analysis.model.fitting.systematics import Systematic, of_air, of_images
+from analysis.setup import DRAG_SIGMA, NO_SLOW_ERRORS, CameraSetup, SlowErrors
+
+Floats = NDArray[np.float64]
+
+
+class Observations(Protocol):
+    """What every kind of data says of its shots, whatever was measured in them."""
+
+    @property
+    def shots(self) -> NDArray[np.intp]:
+        """Numbers of the shots, shape (S,)."""
+
+    @property
+    def bodies(self) -> tuple[Body, Body]:
+        """Spheres a and b."""
+
+    @property
+    def gravity(self) -> float:
+        """m/s^2 along +X."""
+
+    @property
+    def covariates(self) -> Mapping[str, Floats]:
+        """What else is known of each shot, each of shape (S,)."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PoseData:
+    """Poses of both spheres in every frame of every shot, padded to the longest shot.
+
+    S shots, F frames, spheres in the order a, b; rig axes, SI units.
+
+    Attributes
+    ----------
+    shots
+        Numbers of the shots, shape (S,).
+    times_s
+        Time of each frame from the shot's first, shape (S, F).
+    position, position_sigma
+        Centres and standard errors, m, shape (S, F, 2, 3). An infinite sigma: not measured.
+    rotation
+        Orientations, body to rig axes, shape (S, F, 2, 3, 3).
+    rotation_sigma
+        Standard error about each axis, rad, shape (S, F, 2). Infinite: not measured.
+    bodies
+        Spheres a and b.
+    gravity
+        m/s^2 along +X.
+    air_density
+        kg/m^3.
+    drag_coefficient, drag_sigma
+        Drag coefficient of the spheres in air, 1, and its standard error; None: not stated.
+    covariates
+        What else is known of each shot, by name, each of shape (S,): `order` from -0.5 to 0.5 in
+        the order of firing, and every numeric column of the shot list.
+    camera
+        Rates, views and origins: what a camera effect needs to know.
+    estimated
+        Whether some errors were not stated, so that their scale is the scatter's.
+    unusable
+        Numbers of shots that are not here, having no frames that show both spheres.
+    excluded
+        Numbers of shots that are not here because a person left them out.
+    torn
+        Shot number and sphere of each track that was cut where it leaves free flight.
+    slow
+        Errors that last, of a typical shot.
+    own_slow
+        The same of single shots, by their numbers.
+    jitter_s
+        Standard deviation of each frame's time, common to both spheres, s.
+    """
+
+    shots: NDArray[np.intp]
+    times_s: Floats
+    position: Floats
+    position_sigma: Floats
+    rotation: Floats
+    rotation_sigma: Floats
+    bodies: tuple[Body, Body]
+    gravity: float
+    air_density: float
+    covariates: Mapping[str, Floats]
+    camera: CameraSetup
+    estimated: bool = False
+    unusable: tuple[int, ...] = ()
+    excluded: tuple[int, ...] = ()
+    torn: tuple[tuple[int, str], ...] = ()
+    slow: SlowErrors = NO_SLOW_ERRORS
+    jitter_s: float = 0.0
+    own_slow: Mapping[int, SlowErrors] = field(default_factory=dict)
+    drag_coefficient: float | None = None
+    drag_sigma: float = DRAG_SIGMA
+
+    def without(self, frames: NDArray[np.bool_]) -> PoseData:
+        """Return the data with some frames taken out, mask of shape (S, F)."""
+        position_sigma, rotation_sigma = self.position_sigma.copy(), self.rotation_sigma.copy()
+        position_sigma[frames] = np.inf
+        rotation_sigma[frames] = np.inf
+        return self.with_sigmas(position_sigma, rotation_sigma)
+
+    def with_sigmas(self, position_sigma: Floats, rotation_sigma: Floats) -> PoseData:
+        """Return the data with other standard errors."""
+        return replace(self, position_sigma=position_sigma, rotation_sigma=rotation_sigma)
+
+    def of_shots(self, chosen: NDArray[np.bool_]) -> PoseData:
+        """Return the data of some shots, mask of shape (S,)."""
+        names = ("shots", "times_s", "position", "position_sigma", "rotation", "rotation_sigma")
+        parts = {name: getattr(self, name)[chosen] for name in names}
+        covariates = {name: values[chosen] for name, values in self.covariates.items()}
+        return replace(self, **parts, covariates=covariates)
+
+    def held_down(self, weight: Floats) -> PoseData:
+        """Return the data with the sigmas of each shot divided by a weight, shape (S,)."""
+        return self.with_sigmas(
+            self.position_sigma / weight[:, None, None, None],
+            self.rotation_sigma / weight[:, None, None],
+        )
+
+    def part(self, some: slice) -> PoseData:
+        """Return the data of successive shots, without copying."""
+        names = ("shots", "times_s", "position", "position_sigma", "rotation", "rotation_sigma")
+        parts = {name: getattr(self, name)[some] for name in names}
+        covariates = {name: values[some] for name, values in self.covariates.items()}
+        return replace(self, **parts, covariates=covariates)
+
+    def joined(self, other: PoseData) -> PoseData:
+        """Return these shots followed by others of as many frames, all else as it is here.
+
+        Of the covariates only those of both remain.
+        """
+        names = ("shots", "times_s", "position", "position_sigma", "rotation", "rotation_sigma")
+        arrays: dict[str, Any] = {
+            n: np.concatenate([getattr(self, n), getattr(other, n)]) for n in names
+        }
+        covariates = {
+            name: np.concatenate([values, other.covariates[name]])
+            for name, values in self.covariates.items()
+            if name in other.covariates
+        }
+        own_slow = {**self.own_slow, **other.own_slow}
+        return replace(self, **arrays, covariates=covariates, own_slow=own_slow)
+
+    @property
+    def systematics(self) -> tuple[Systematic, ...]:
+        """Return what all shots share and is known beforehand with an error."""
+        return (*of_images(self.slow), *of_air(self.drag_coefficient, self.drag_sigma))
+
+    @property
+    def measured(self) -> NDArray[np.bool_]:
+        """Return which of the 12 numbers of each frame are measured, shape (S, F, 2, 6)."""
+        turns = np.repeat(np.isfinite(self.rotation_sigma)[..., None], 3, axis=-1)
+        return np.concatenate([np.isfinite(self.position_sigma), turns], axis=-1)

@@ -1,0 +1,61 @@
+"""Tracks of a campaign cut where they tear, before any law sees them.
+
+An outline that leaves its view, or is taken for another, sends a track away from free flight at a
+stated error of micrometres (`analysis.motion.tears`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.model.data.poses import PoseData
+from analysis.motion.tears import BEYOND, torn
+
+Floats = NDArray[np.float64]
+
+MOST_CUT, LEAST_LEFT = 0.5, 4
+"""Share of a flight's frames: if more are cut and few are left, those beside the contact may be
+wrong, and all stay."""
+
+
+def without_torn_tracks(data: PoseData) -> PoseData:
+    """Cut each track where it leaves free flight for good.
+
+    Single bad frames stay: whether they are is judged with the law.
+    """
+    seen = np.asarray(np.isfinite(data.position_sigma).any(axis=3))
+    both = np.asarray(np.isfinite(data.position_sigma).all(axis=(2, 3)))
+    apart = np.linalg.norm(data.position[:, :, 1] - data.position[:, :, 0], axis=2)
+    nearest = np.where(both, apart, np.inf).argmin(axis=1)
+    cut = np.zeros(seen.shape, dtype=np.bool_)
+    for s in np.flatnonzero(both.any(axis=1)):
+        for i in (0, 1):
+            frames = np.flatnonzero(seen[s, :, i])
+            for side in (frames[frames < nearest[s]][::-1], frames[frames > nearest[s]]):
+                cut[s, side, i] = _beyond(data, int(s), i, side, int(nearest[s]))
+    if not cut.any():
+        return data
+    return replace(
+        data,
+        position_sigma=np.where(cut[..., None], np.inf, data.position_sigma),
+        rotation_sigma=np.where(cut, np.inf, data.rotation_sigma),
+        torn=tuple((int(data.shots[s]), "ab"[i]) for s, i in np.argwhere(cut.any(axis=1))),
+    )
+
+
+def _beyond(
+    data: PoseData, shot: int, sphere: int, frames: NDArray[np.intp], contact: int
+) -> NDArray[np.bool_]:
+    """Return which frames of one side, from the contact outward, lie beyond a tear."""
+    tau = data.times_s[shot, frames] - data.times_s[shot, contact]
+    sigma = np.ascontiguousarray(data.position_sigma[shot, frames, sphere])
+    straight = np.where(np.isfinite(sigma), data.position[shot, frames, sphere], 0.0)
+    straight[:, 0] -= 0.5 * data.gravity * tau**2
+    beyond = np.asarray(torn(tau, straight, sigma) == BEYOND)
+    left = int((~beyond).sum())
+    if left < LEAST_LEFT and beyond.sum() > MOST_CUT * len(beyond):
+        return np.zeros_like(beyond)
+    return beyond

@@ -1,0 +1,1 @@
+"""Fits of a campaign: each shot's own numbers eliminated, what is shared fitted jointly."""

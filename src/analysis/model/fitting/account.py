@@ -1,0 +1,70 @@
+"""What was left out of a fit, and how large the noise was taken to be."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from analysis.model.fitting.summary import FitSummary
+
+AS_STATED = (1.0, 1.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Account:
+    """What a fit was given of a campaign.
+
+    Attributes
+    ----------
+    excluded
+        Numbers of the shots that a person left out.
+    rejected
+        Numbers of the shots that could not be used, or lie too far from the rest.
+    frames
+        (shot number, frame index) of frames that were taken out of shots that were kept.
+    noise
+        By what stated sigmas of positions and of orientations were multiplied.
+    torn
+        Shot number and sphere of each track that was cut where it leaves free flight.
+    """
+
+    excluded: list[int]
+    rejected: list[int]
+    frames: tuple[tuple[int, int], ...]
+    noise: tuple[float, float]
+    torn: tuple[tuple[int, str], ...] = ()
+
+    def remarks(self) -> list[str]:
+        """Say what was left out, and where stated sigmas were not believed."""
+        found = []
+        if self.excluded:
+            found.append(f"shots that a person excluded: {self.excluded}")
+        if self.rejected:
+            found.append(
+                f"shots left out, too far from the rest or not to be fitted: {self.rejected}"
+            )
+        if self.frames:
+            frames = [f"{frame} of shot {shot}" for shot, frame in self.frames]
+            found.append(f"frames left out: {', '.join(frames)}")
+        if self.torn:
+            tracks = [f"of sphere {sphere} in shot {shot}" for shot, sphere in self.torn]
+            found.append(f"tracks cut where they leave free flight: {', '.join(tracks)}")
+        if self.noise != AS_STATED:
+            position, rotation = self.noise
+            found.append(
+                f"the scatter about free flight is {position:.3g} times the stated sigmas of "
+                f"positions and {rotation:.3g} times those of orientations: these were used"
+            )
+        return found
+
+
+class Accounted(Protocol):
+    """A campaign with a fit, wherever its poses are kept."""
+
+    @property
+    def fit(self) -> FitSummary:
+        """What was found."""
+
+    @property
+    def account(self) -> Account:
+        """What it was found from."""

@@ -1,0 +1,116 @@
+"""One more effect in a fit, each kind in its way."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import TypeVar
+
+from analysis.collision.operator import WaltonLaw
+from analysis.effects.effect import ContactLaw, Effect, ScatterEffect
+from analysis.model.data.evidence import Evidence
+from analysis.model.data.tables import ContactTable, Data
+from analysis.model.fitting.fit import Fit, fit_campaign
+from analysis.model.fitting.gauss_newton import TO_THE_END, Purpose
+from analysis.model.fitting.lasting_scan import Start
+from analysis.model.fitting.lasting_start import MOST_SHOTS, starts
+from analysis.model.fitting.normal import prior_cost
+from analysis.model.fitting.outliers import robust_weight
+from analysis.model.fitting.passes import Passes, passes_of
+from analysis.model.fitting.summary import FitSummary
+from analysis.model.predict.free_flights import spread_flights
+from analysis.model.predict.theory import LAW_PRIOR, Theory
+from analysis.model.rank.scatter import timing_jitter, with_jitter
+
+F = TypeVar("F", bound=FitSummary)
+
+ALIAS_WITHIN = (2 * 1.2816) ** 2
+"""Difference of deviance below which the better of two fits is the wrong one in more than one of
+ten campaigns."""
+NEAR, MOST_STARTS = 20.0, 4
+"""Starts whose loss in the scan is this near the least are fitted, so many at most."""
+
+
+def added(data: Data, fit: Fit, effect: Effect, purpose: Purpose = TO_THE_END) -> tuple[Data, Fit]:
+    """Fit again with one more effect; one that is noise of its own enters the data's noise."""
+    if isinstance(effect, ContactLaw):
+
+        def refit(theory: Theory, start: Fit | None, until: Purpose) -> Fit:
+            return fit_campaign(data, theory, start, until)
+
+        return data, with_law(passes_of(data, fit), fit, effect, refit)
+    if not isinstance(effect, ScatterEffect):
+        return data, fit_campaign(data, fit.theory.with_effect(effect), fit, purpose)
+    score = timing_jitter(data, fit)
+    if score is None or isinstance(data, ContactTable):
+        return data, fit
+    return with_jitter(data, fit, effect, score.amplitude, score.sigma)
+
+
+def law_again(evidence: Evidence, fit: Fit, law: ContactLaw) -> Theory:
+    """Return the theory with the law looked for once more, in all shots.
+
+    The hard-sphere operator does not fit the very shots that tell one law from another, and they
+    were left out. Now that a law is in they count again; those it does not explain are held down.
+    """
+    whole = evidence.whole
+    first = fit_campaign(whole, fit.theory)
+    held = whole.held_down(robust_weight(first))
+    begun = fit_campaign(held, fit.theory, first)
+
+    def refit(theory: Theory, start: Fit | None, until: Purpose) -> Fit:
+        return fit_campaign(held, theory, start, until)
+
+    again = with_law(passes_of(whole, first), begun, law, refit)
+    return again.theory if again.chi2 < begun.chi2 - ALIAS_WITHIN else fit.theory
+
+
+def with_law(
+    passes: Passes, fit: F, law: ContactLaw, refit: Callable[[Theory, F | None, Purpose], F]
+) -> F:
+    """Fit again with another law of contact, in its likeliest family.
+
+    The law does not contain the present one, whose fit may be bent: it begins from a scan, with the
+    errors that shots share as they are stated, and all other families from the best one's states.
+
+    Parameters
+    ----------
+    passes, fit
+        The campaign about its present fit.
+    refit
+        From a theory, an earlier fit whose states are taken over or None, and how far it is to be
+        followed, to the fit.
+
+    Returns
+    -------
+    The fit; the present one where these shots tell nothing of such a law.
+    """
+    flights = spread_flights(passes.parts(), fit.theory, len(passes.shots), MOST_SHOTS)
+    begun = starts(flights, law, fit.theory)
+    if not begun:
+        return fit
+    near = [one for one in begun if one.cost < begun[0].cost + NEAR][:MOST_STARTS]
+    near += [replace(begun[0], law=other) for other in begun[0].law.beside]
+    # States about the operator are bent by it; about another family of such laws they are not.
+    inside = fit.theory.contact_law is not None
+    first = _theory(fit.theory, near[0])
+    best = refit(first, fit, _better_than(fit)) if inside else refit(first, None, TO_THE_END)
+    for one in near[1:]:
+        other = refit(_theory(best.theory, one), best, _better_than(best))
+        best = min(best, other, key=lambda each: each.chi2)
+    return best
+
+
+def _better_than(fit: FitSummary) -> Purpose:
+    return Purpose(beat=fit.chi2 + prior_cost(fit.theory))
+
+
+def _theory(theory: Theory, start: Start) -> Theory:
+    calibrated = tuple(replace(s, values=s.stated) for s in theory.systematics)
+    begun = replace(
+        theory,
+        law=WaltonLaw(float(start.vector[0]), float(start.vector[1]), LAW_PRIOR[2]),
+        systematics=calibrated,
+        active=tuple(a for a in theory.active if a.effect.name != start.law.name),
+    )
+    return begun.with_effect(start.law, start.values)

@@ -1,0 +1,114 @@
+"""How large the noise really is, positions and orientations apart.
+
+Taken from the scatter about each sphere's two free flights, fitted side by side without any law of
+contact: what is missing in the law does not make the noise look larger.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.model.data.tables import ContactTable, Data
+from analysis.model.fitting.fit import Fit
+from analysis.model.fitting.passes import Passes, passes_of
+from analysis.model.loops import plain
+from analysis.model.loops.blocks import whitenings
+from analysis.model.predict.comparison import Comparison, compare
+
+Floats = NDArray[np.float64]
+
+_LEAST = 1e-12
+
+
+@dataclass(frozen=True, slots=True)
+class NoiseScale:
+    """By what to multiply stated sigmas of one kind, and the standard error of that factor."""
+
+    value: float
+    sigma: float
+
+
+UNTOLD = NoiseScale(1.0, np.inf)
+
+
+def noise_scales(data: Data, fit: Fit) -> tuple[NoiseScale, NoiseScale]:
+    """Return by what to multiply the stated sigmas of positions and of orientations.
+
+    1 with an infinite error where nothing is left over to tell, as in a table of contacts.
+    """
+    return scales_over(passes_of(data, fit))
+
+
+def scales_over(passes: Passes) -> tuple[NoiseScale, NoiseScale]:
+    """Return the same from one pass over a campaign."""
+    squares, freedom = np.zeros((2, 2))
+    for data, states in passes.parts():
+        if isinstance(data, ContactTable):
+            return UNTOLD, UNTOLD
+        line, _ = compare(data, states, passes.fit.theory)
+        left, free = free_flight_misfit(line)
+        squares += left
+        freedom += free
+    return _scale(squares[0], freedom[0]), _scale(squares[1], freedom[1])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FreeFlight:
+    """Residuals about two free flights of each sphere, whatever the law between them.
+
+    Attributes
+    ----------
+    left
+        Whitened residuals with the flights fitted, shape (S, B, L).
+    basis
+        What fitting them took, unit columns across each other, shape (S, B, L, 48 / B).
+    share
+        One less the leverage of each residual, zero where nothing was measured, shape (S, B, L):
+        they add up to the degrees of freedom.
+    """
+
+    left: Floats
+    basis: Floats
+    share: Floats
+
+
+def about_free_flight(line: Comparison) -> FreeFlight:
+    """Fit the numbers of both flights of each sphere, and nothing else."""
+    basis = line.slopes @ whitenings(plain(line.gram), _LEAST)
+    taken = np.swapaxes(basis, 2, 3) @ line.residual[..., None]
+    measured = line.slopes.any(axis=3)
+    return FreeFlight(
+        left=line.residual - (basis @ taken)[..., 0],
+        basis=basis,
+        share=np.where(measured, 1 - np.einsum("sblp,sblp->sbl", basis, basis), 0.0),
+    )
+
+
+def free_flight_misfit(line: Comparison) -> tuple[Floats, Floats]:
+    """Return chi-squared about free flight and its freedom, each (positions, orientations)."""
+    flight = about_free_flight(line)
+    kinds = (~line.orientations, line.orientations)
+    return (
+        np.array([(flight.left**2)[:, kind].sum() for kind in kinds]),
+        np.array([flight.share[:, kind].sum() for kind in kinds]),
+    )
+
+
+def rescaled(data: Data, fit: Fit) -> Data:
+    """Return the data with sigmas as large as the scatter about free flight says they are."""
+    if isinstance(data, ContactTable):
+        return data
+    position, rotation = noise_scales(data, fit)
+    return data.with_sigmas(
+        position.value * data.position_sigma, rotation.value * data.rotation_sigma
+    )
+
+
+def _scale(chi2: float, freedom: float) -> NoiseScale:
+    if freedom < 0.5:
+        return UNTOLD
+    value = float(np.sqrt(chi2 / freedom))
+    return NoiseScale(value, value / float(np.sqrt(2 * freedom)))

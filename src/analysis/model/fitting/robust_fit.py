@@ -1,0 +1,81 @@
+"""A campaign fitted with effects of one's own choice, bad shots and frames left out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from analysis.effects.effect import ContactLaw, Effect
+from analysis.model.data.evidence import Evidence, stage_of, weighed, weighed_again
+from analysis.model.data.inside import without_contact_frames
+from analysis.model.data.tables import ContactTable, Data
+from analysis.model.fitting.account import Account
+from analysis.model.fitting.adding import added, law_again
+from analysis.model.fitting.fit import Fit, fit_campaign
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Judged:
+    """A campaign with a fit.
+
+    Attributes
+    ----------
+    evidence
+        Which shots and frames were used, and with which noise.
+    data
+        What was fitted.
+    fit
+        The fit.
+    """
+
+    evidence: Evidence
+    data: Data
+    fit: Fit
+
+    @property
+    def rejected(self) -> list[int]:
+        """Numbers of the shots that were left out."""
+        stated = self.evidence.stated
+        bad = [int(n) for n in stated.shots[~self.evidence.cleaned.kept]]
+        return sorted([*stated.unusable, *bad])
+
+    @property
+    def excluded(self) -> list[int]:
+        """Numbers of the shots that a person left out."""
+        return list(self.evidence.stated.excluded)
+
+    @property
+    def account(self) -> Account:
+        """What was left out, and how large the noise was taken to be."""
+        evidence = self.evidence
+        torn = () if isinstance(evidence.stated, ContactTable) else evidence.stated.torn
+        return Account(self.excluded, self.rejected, evidence.cleaned.frames, evidence.noise, torn)
+
+    def remarks(self) -> list[str]:
+        """Say what was left out, and where stated sigmas were not believed."""
+        return self.account.remarks()
+
+
+def judged(poses: Data, effects: Sequence[Effect] = ()) -> Judged:
+    """Fit the base model and some effects; what is bad is judged with these effects in."""
+    evidence = weighed(without_contact_frames(poses))
+    return judged_with(Judged(evidence, evidence.data, evidence.cleaned.fit), effects)
+
+
+def judged_with(base: Judged, effects: Sequence[Effect]) -> Judged:
+    """Fit some effects on top of the base model's fit."""
+    evidence, data, fit = base.evidence, base.data, base.fit
+    if not effects:
+        return base
+    for effect in effects:
+        data, fit = added(data, fit, effect)
+    again, path = weighed_again(evidence, [stage_of(data, fit)], data.jitter_s)
+    for law in (effect for effect in effects if isinstance(effect, ContactLaw)):
+        last = path[-1].fit
+        theory = law_again(again, last, law) if last.theory.contact_law else last.theory
+        if theory is not last.theory:
+            better = stage_of(again.data, fit_campaign(again.data, theory))
+            again, path = weighed_again(again, [better], data.jitter_s)
+    if again is evidence and path[-1].fit is fit:
+        return Judged(evidence, data, fit)
+    return Judged(again, again.data, path[-1].fit)

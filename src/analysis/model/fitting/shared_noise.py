@@ -1,0 +1,33 @@
+"""All noise that frames or numbers share: what whitening by their sigmas alone leaves out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.model.fitting.jitter import Jitter, by_frame, by_kind
+from analysis.model.fitting.slow import Slow
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SharedNoise:
+    """Slow errors of the flights, then jitter of the frames' times; either may be absent."""
+
+    slow: Slow | None
+    jitter: Jitter | None
+
+    def whiten(self, columns: Floats) -> Floats:
+        """Whiten columns by spheres and kinds (S, 4, 3 F, K); with jitter to (S, 1, 12 F, K)."""
+        if self.slow is not None:
+            columns = self.slow.whiten(columns)
+        return columns if self.jitter is None else self.jitter.whiten(columns)
+
+    def whiten_frames(self, columns: Floats) -> Floats:
+        """Whiten columns by frames, (S, 12 F, K)."""
+        if self.slow is not None:
+            columns = by_frame(self.slow.whiten(by_kind(columns)))
+        return columns if self.jitter is None else self.jitter.whiten_frames(columns)

@@ -1,0 +1,94 @@
+"""What a fit says of a campaign, wherever the shots' own numbers are kept."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.model.predict.theory import LAW, LAW_PRIOR_SIGMA, Theory
+from analysis.quantity import Quantity
+
+Floats = NDArray[np.float64]
+
+KNOWN_BEFOREHAND, MOST_RANGES = 0.9, 10.0
+"""A standard error as large as this share of the prior's, or as so many plausible ranges, is that
+of a parameter without influence."""
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class FitSummary:
+    """A fitted campaign without the states of its shots.
+
+    Attributes
+    ----------
+    theory
+        Law and effects at the minimum.
+    covariance
+        Of the theory's parameters, as the stated sigmas give it, shape (P, P).
+    chi2, residuals
+        Total chi-squared and number of residuals that enter it.
+    shot_chi2, shot_residuals
+        By shot, shape (S,).
+    own_numbers
+        How many of each shot's own numbers the data determine, shape (S,).
+    converged
+        Whether a further step would lower chi-squared by less than what matters.
+    scatter
+        Parameters of noise that the data were given besides their sigmas.
+    """
+
+    theory: Theory
+    covariance: Floats
+    chi2: float
+    residuals: int
+    shot_chi2: Floats
+    shot_residuals: NDArray[np.intp]
+    own_numbers: NDArray[np.intp]
+    converged: bool
+    scatter: Mapping[str, Quantity] = field(default_factory=dict)
+
+    @property
+    def freedom(self) -> int:
+        """Residuals less fitted numbers."""
+        return self.residuals - int(self.own_numbers.sum()) - len(self.theory.names)
+
+    @property
+    def chi2_per_dof(self) -> float:
+        """Chi-squared per degree of freedom: 1 when nothing is missing and the sigmas are true."""
+        return self.chi2 / max(self.freedom, 1)
+
+    def parameters(self) -> dict[str, Quantity]:
+        """Return law and effects with their standard errors.
+
+        What the shots say nothing of is not determined: its prior is no result. A law that takes
+        the operator's place has no beta0.
+        """
+        start, stop, every = len(LAW), self.theory.given, self._every()
+        law = [
+            (name, _told(q, KNOWN_BEFOREHAND * prior))
+            for (name, q), prior in zip(every[:start], LAW_PRIOR_SIGMA, strict=True)
+            if name != "beta0" or self.theory.contact_law is None
+        ]
+        ranges = [np.ptp(p.plausible) for a in self.theory.active for p in a.effect.parameters]
+        added = [
+            (name, _told(q, MOST_RANGES * float(wide)))
+            for (name, q), wide in zip(every[stop:], ranges, strict=True)
+        ]
+        return {**dict(law), **dict(added), **self.scatter}
+
+    def systematics(self) -> dict[str, Quantity]:
+        """Return the errors that all shots share: what was found of them and how well."""
+        return dict(self._every()[len(LAW) : self.theory.given])
+
+    def _every(self) -> list[tuple[str, Quantity]]:
+        theory, sigma = self.theory, np.sqrt(np.diag(self.covariance))
+        numbers = zip(theory.names, theory.vector, sigma, theory.units, strict=True)
+        return [(name, Quantity(float(v), float(s), unit)) for name, v, s, unit in numbers]
+
+
+def _told(quantity: Quantity, largest: float) -> Quantity:
+    """Return a quantity, or that it is not determined where its error is not below a largest."""
+    return quantity if quantity.sigma < largest else Quantity.undetermined(quantity.unit)

@@ -1,0 +1,1 @@
+"""What the theory predicts from the state of each shot, with derivatives."""

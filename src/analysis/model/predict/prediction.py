@@ -1,0 +1,277 @@
+"""Poses as the theory predicts them from the state of each shot.
+
+    state --contact--> state after --flight--> positions and orientations at the frames' true
+    times --camera--> where the images show them
+
+Both sides of the contact share its point, instant and orientations.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.effects.effect import (
+    BodyEffect,
+    CameraEffect,
+    ClockEffect,
+    Exposure,
+    FlightEffect,
+    Flying,
+    Turning,
+    Values,
+)
+from analysis.model.data.poses import PoseData
+from analysis.model.loops import plain
+from analysis.model.loops.flight import free_flight
+from analysis.model.predict.contact import contact_outcome
+from analysis.model.predict.sides import Flights, flights
+from analysis.model.predict.state import ShotStates
+from analysis.model.predict.theory import Theory
+from analysis.motion.rotation import rotation_matrix
+
+Floats = NDArray[np.float64]
+
+_NODES = np.array([0.5 - np.sqrt(1 / 12), 0.5 + np.sqrt(1 / 12)])
+"""Gauss-Legendre nodes on (0, 1); both weigh a half."""
+_CLOCK_PASSES = 2
+"""A time that hangs on the place hangs on it at that time: the second pass knows where."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Poses:
+    """Predicted positions (S, F, 2, 3), m, and orientations (S, F, 2, 3, 3), body to rig axes."""
+
+    position: Floats
+    rotation: Floats
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Timing:
+    """True times since first touch, s, by sphere.
+
+    Attributes
+    ----------
+    position
+        Of each coordinate, as the two views may show a sphere at two times, shape (S, F, 2, 3).
+    rotation
+        Of the orientation, shape (S, F, 2).
+    """
+
+    position: Floats
+    rotation: Floats
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Flown:
+    """Free flight at the frames' true times, before small forces and the camera.
+
+    Attributes
+    ----------
+    stated, timing
+        Times since first touch as stated, and as they truly are.
+    position, velocity
+        At mid exposure, without gravity's part in the velocity; shape (S, F, 2, 3).
+    touch
+        Orientations at first touch, shape (S, 2, 3, 3).
+    duration
+        Of the contact, s, shape (S,).
+    spin, rotation, jacobian
+        Spin, shape (S, F, 2, 3), orientation, and the left Jacobian of spin times time, shape
+        (S, F, 2, 3, 3).
+    turned
+        The rotation since tau = 0, shape (S, F, 2, 3, 3).
+    """
+
+    stated: Timing
+    timing: Timing
+    touch: Floats
+    position: Floats
+    velocity: Floats
+    duration: Floats
+    spin: Floats
+    rotation: Floats
+    jacobian: Floats
+    turned: Floats
+
+    @property
+    def since(self) -> tuple[Floats, Floats]:
+        """Time since this side began, of coordinates (S, F, 2, 3) and orientations (S, F, 2)."""
+        tau, tau_turn = self.timing.position, self.timing.rotation
+        late = self.duration[:, None, None]
+        return (
+            tau - np.where(tau > 0, late[..., None], 0.0),
+            tau_turn - np.where(tau_turn > 0, late, 0.0),
+        )
+
+
+def predict(data: PoseData, states: ShotStates, theory: Theory) -> Poses:
+    """Predict the pose of both spheres in every frame."""
+    flown = fly(data, states, flights(data, states, contact_outcome(data, states, theory)), theory)
+    return shown(data, flown, theory)
+
+
+def fly(data: PoseData, states: ShotStates, sides: Flights, theory: Theory) -> Flown:
+    """Follow both flights of both spheres to the frames' true times."""
+    stated = data.times_s - states.time_s[:, None]
+    start = Timing(
+        np.broadcast_to(stated[..., None, None], (*stated.shape, 2, 3)).copy(),
+        np.broadcast_to(stated[..., None], (*stated.shape, 2)).copy(),
+    )
+    flown = _free_flight(data, sides, start, start)
+    for _ in range(_CLOCK_PASSES if theory.clock else 0):
+        timing = exposed(data, start, flown.position, theory.clock)
+        flown = _free_flight(data, sides, start, timing)
+    return flown
+
+
+def rate(data: PoseData, flown: Flown) -> Floats:
+    """Return the velocities in all frames, gravity in, m/s, shape (S, F, 2, 3)."""
+    velocity = flown.velocity.copy()
+    velocity[..., 0] += data.gravity * flown.timing.position[..., 0]
+    return velocity
+
+
+def shown(data: PoseData, flown: Flown, theory: Theory) -> Poses:
+    """Add what small forces do on the way, and what turning and camera make of the place."""
+    position, rotation = flown.position, flown.rotation
+    if theory.flight:
+        push, twist = perturbation(flown, passages(data, flown), theory.flight)
+        position = position + push
+        rotation = rotation_matrix(twist) @ rotation
+    position = displaced(data, flown, position, theory.body)
+    return Poses(appear(data, position, theory.camera), rotation)
+
+
+def displaced(
+    data: PoseData,
+    flown: Flown,
+    position: Floats,
+    effects: Sequence[tuple[BodyEffect, Values]],
+) -> Floats:
+    """Return the centres of outlines from centres of mass, shape (S, F, 2, 3).
+
+    Where each shot has body axes of its own, nothing fixed in a body can be foretold.
+    """
+    if not data.slow.one_body_frame:
+        return position
+    for effect, values in effects:
+        position = effect.displace(Turning(position, flown.rotation, flown.touch), values)
+    return position
+
+
+def appear(
+    data: PoseData, position: Floats, effects: Sequence[tuple[CameraEffect, Values]]
+) -> Floats:
+    """Return where the images show centres, shape (S, F, 2, 3)."""
+    for effect, values in effects:
+        position = effect.appear(position, data.camera, values)
+    return position
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Passage:
+    """A sphere on its way to all frames at one node of the integrals, as small forces find it.
+
+    Attributes
+    ----------
+    sphere
+        0 or 1.
+    flying
+        Its motion there, unperturbed.
+    push
+        Displacement in each frame for a unit of acceleration there, s^2, shape (S, F, 3).
+    twist
+        Rotation for a unit of angular acceleration, s^2, shape (S, F, 1).
+    """
+
+    sphere: int
+    flying: Flying
+    push: Floats
+    twist: Floats
+
+
+def passages(data: PoseData, flown: Flown) -> list[Passage]:
+    """Return the passages of both spheres at both nodes of int_0^t (t - s) a(s) ds."""
+    since, turning = flown.since
+    gravity = np.array([data.gravity, 0.0, 0.0])
+    found = []
+    for i, body in enumerate(data.bodies):
+        own, rate_i = since[:, :, i], np.ascontiguousarray(flown.velocity[:, :, i])
+        spin = np.ascontiguousarray(flown.spin[:, :, i])
+        for node in _NODES:
+            back = (1.0 - node) * own
+            flying = Flying(
+                position=flown.position[:, :, i] - rate_i * back,
+                velocity=rate_i + gravity * node * own,
+                spin=spin,
+                body=body,
+                gravity=data.gravity,
+                air_density=data.air_density,
+            )
+            twist = 0.5 * (1.0 - node) * turning[:, :, i, None] ** 2
+            found.append(Passage(i, flying, 0.5 * own * back, twist))
+    return found
+
+
+def perturbation(
+    flown: Flown, on_way: Sequence[Passage], effects: Sequence[tuple[FlightEffect, Values]]
+) -> tuple[Floats, Floats]:
+    """Return what small forces add: displacement and rotation vector, shape (S, F, 2, 3).
+
+    Double integrals of the acceleration along the unperturbed path, int_0^t (t - s) a(s) ds.
+    """
+    push, twist = np.zeros_like(flown.position), np.zeros_like(flown.position)
+    for i in (0, 1):
+        # In arrays of their own: a sphere's part of the whole is slow to add to.
+        pushed, twisted = np.zeros((2, *push[:, :, i].shape))
+        for passage in (one for one in on_way if one.sphere == i):
+            for effect, values in effects:
+                linear, angular = effect.accelerate(passage.flying, values)
+                if np.any(linear):
+                    pushed += passage.push * linear
+                if np.any(angular):
+                    twisted += passage.twist * angular
+        push[:, :, i], twist[:, :, i] = pushed, twisted
+    return push, twist
+
+
+def _free_flight(data: PoseData, sides: Flights, stated: Timing, timing: Timing) -> Flown:
+    tau, tau_turn = timing.position, timing.rotation
+    position, velocity, spin, rotation, jacobian, turned = free_flight(
+        (plain(tau), plain(tau_turn)),
+        (sides.place, sides.velocity, sides.spin),
+        sides.rotation,
+        data.gravity,
+    )
+    return Flown(
+        stated=stated,
+        timing=timing,
+        touch=sides.touch,
+        position=position,
+        velocity=velocity,
+        duration=sides.duration,
+        spin=spin,
+        rotation=rotation,
+        jacobian=jacobian,
+        turned=turned,
+    )
+
+
+def exposed(
+    data: PoseData,
+    start: Timing,
+    position: Floats,
+    effects: Sequence[tuple[ClockEffect, Values]],
+) -> Timing:
+    """Return true times from stated ones, of spheres that are seen at these positions."""
+    exposure = Exposure(data.times_s, position)
+    tau, tau_turn = start.position, start.rotation
+    for effect, values in effects:
+        seen, turned = effect.expose(exposure, data.camera, values)
+        tau = tau + (seen - data.times_s[..., None, None])
+        tau_turn = tau_turn + (turned - data.times_s[..., None])
+    return Timing(tau, tau_turn)

@@ -1,0 +1,1 @@
+"""Effects that are not in a fit, scored in one pass."""

@@ -1,0 +1,126 @@
+"""What is said of each effect that a campaign may lack, and of all of them together."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.effects.effect import ContactLaw, Effect
+from analysis.model.rank.score_test import chance_of_falls
+
+Floats = NDArray[np.float64]
+
+BEYOND_RANGE_SIGMAS = 2.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Candidate:
+    """One effect's promise.
+
+    Attributes
+    ----------
+    effect
+        The effect, in the variant that promises most.
+    fall
+        Promised fall of chi-squared, in units of the noise as it was found; none for an amplitude
+        of the sign that nature does not have.
+    freedom
+        Directions in which it can be seen, at most one for each of its parameters.
+    amplitudes, sigmas
+        Of each of its parameters, in their units, shape (parameters,).
+    p_value
+        Of the fall by itself.
+    p_familywise
+        Share of campaigns with nothing missing in which some candidate looks as good as this.
+    seen
+        False where these shots hold no information on it; nothing else then has a meaning.
+    carriers
+        Numbers of the two shots that speak loudest for it.
+    carried_share
+        Share of the fall that is gone without these two.
+    law
+        The law that takes the operator's place in a refit, where the effect is its share.
+    """
+
+    effect: Effect
+    fall: float
+    freedom: int
+    amplitudes: Floats
+    sigmas: Floats
+    p_value: float
+    p_familywise: float
+    seen: bool
+    carriers: tuple[int, ...]
+    carried_share: float
+    law: ContactLaw | None = None
+
+    @property
+    def score(self) -> float:
+        """Signed root of the fall for one parameter, the root for several."""
+        if len(self.amplitudes) == 1 and np.isfinite(self.sigmas[0]):
+            return float(self.amplitudes[0] / self.sigmas[0])
+        return float(np.sqrt(self.fall))
+
+    @property
+    def plausible(self) -> bool:
+        """Whether every amplitude lies in its believed range, its error allowed for."""
+        return believed(self.effect, self.amplitudes, self.sigmas)
+
+    def chance_of(self, fall: float, values: Floats) -> float:
+        """Return the chance of a fall, in units of the noise, at fitted values (parameters,)."""
+        if one_sided(self.effect):
+            risen = values[0] > self.effect.off[0]
+            return float(chance_of_falls(np.array(fall if risen else 0.0), 1, one_sided=True))
+        return float(chance_of_falls(np.array(fall), self.freedom, one_sided=False))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Ranking:
+    """All candidates, the most promising first.
+
+    Attributes
+    ----------
+    candidates
+        In order of their falls; those that cannot be seen last.
+    aliases
+        Largest correlation between what two candidates do to the residuals, shape (K, K), in the
+        same order: near 1 these shots cannot tell them apart.
+    imitated
+        Share of what candidate i promises that candidate j could give instead, [i, j], shape
+        (K, K).
+    chance
+        Smallest p of each of many simulated campaigns with nothing missing, sorted.
+    noise_scale
+        Root of chi-squared per degree of freedom of the fit, by which sigmas were multiplied.
+    """
+
+    candidates: tuple[Candidate, ...]
+    aliases: Floats
+    imitated: Floats
+    chance: Floats
+    noise_scale: float
+
+    def threshold(self, level: float) -> float:
+        """Return the p below which a share `level` of campaigns with nothing missing goes."""
+        return float(np.quantile(self.chance, level))
+
+
+def believed(effect: Effect, values: Floats, sigmas: Floats) -> bool:
+    """Return whether values lie in the effect's plausible ranges, two standard errors allowed.
+
+    An error larger than the whole range leaves the value undetermined: that is no belief.
+    """
+    return all(
+        parameter.plausible[0] - BEYOND_RANGE_SIGMAS * sigma
+        <= value
+        <= parameter.plausible[1] + BEYOND_RANGE_SIGMAS * sigma
+        and sigma < np.ptp(parameter.plausible)
+        for parameter, value, sigma in zip(effect.parameters, values, sigmas, strict=True)
+    )
+
+
+def one_sided(effect: Effect) -> bool:
+    """Return whether an effect's one parameter can have one sign only."""
+    return len(effect.parameters) == 1 and effect.parameters[0].one_sided

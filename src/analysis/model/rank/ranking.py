@@ -1,0 +1,296 @@
+"""Which effects may be missing: all candidates scored in one pass.
+
+Linearised around the fit, each shot's own numbers and the fitted parameters projected out, a
+candidate promises a fall in chi-squared of z^2 = g' M^-1 g and an amplitude of M^-1 g, exact for
+small effects. The score is a signpost; the verdict is the refit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.effects.clock.jitter_score import JitterScore
+from analysis.effects.effect import ContactLaw, Effect, ScatterEffect
+from analysis.model.data.tables import Data
+from analysis.model.fitting.fit import Fit
+from analysis.model.fitting.passes import Passes, passes_of
+from analysis.model.predict.theory import Theory
+from analysis.model.rank.candidate import Candidate, Ranking, one_sided
+from analysis.model.rank.scatter import JitterTrial
+from analysis.model.rank.score_test import Beside, Block, Sums, block_of, sums_over
+
+Floats = NDArray[np.float64]
+
+DRAWS = 2000
+CARRIERS = 2
+ONE_SIDED = 0.5
+"""Share of chance campaigns in which a variance looks larger than nothing."""
+
+
+def rank(data: Data, fit: Fit, effects: Sequence[Effect], seed: int = 0) -> Ranking:
+    """Score every effect that is not in the fit yet, each in all its variants.
+
+    Parameters
+    ----------
+    seed
+        Of the simulated scores behind `p_familywise`.
+    """
+    return rank_over(passes_of(data, fit), effects, seed)
+
+
+def rank_over(passes: Passes, effects: Sequence[Effect], seed: int = 0) -> Ranking:
+    """Score the same in one pass over a campaign."""
+    wanted, scatters = _free(passes.fit.theory, _suitable(passes, effects))
+    trial = JitterTrial(passes) if scatters and passes.jitter_s == 0 else None
+    scale = float(np.sqrt(max(passes.fit.chi2_per_dof, 1e-12)))
+    if not wanted and not scatters:
+        return Ranking((), np.zeros((0, 0)), np.zeros((0, 0)), np.ones(DRAWS), scale)
+    shifts = _shifts(passes, wanted, scale, None if trial is None else trial.add)
+    rng = np.random.default_rng(seed)
+    smallest = smallest_by_chance(shifts.sums.matrix, shifts.blocks, rng)
+    chosen = [*shifts.candidates]
+    if trial is not None:
+        for effect in scatters:
+            chosen.append(_scattered(trial.score(), effect))
+            chance = rng.random(DRAWS)
+            smallest = np.minimum(smallest, np.where(chance < ONE_SIDED, chance, 1.0))
+    scored = [_with_familywise(c, smallest) for c in chosen]
+    order = sorted(range(len(scored)), key=lambda k: (not scored[k].seen, -scored[k].fall))
+    ranked = tuple(scored[k] for k in order)
+    return Ranking(ranked, *_likeness(shifts, order), np.sort(smallest), scale)
+
+
+def _suitable(passes: Passes, effects: Sequence[Effect]) -> list[Effect]:
+    """Return the effects that make sense for the campaign's bodies."""
+    data, _ = next(iter(passes.parts()))
+    return [effect for effect in effects if not (effect.of_pairs and data.bodies[1].is_plate)]
+
+
+def _free(theory: Theory, effects: Sequence[Effect]) -> tuple[list[Effect], list[ScatterEffect]]:
+    """Return the effects that are not in the theory: those that shift poses, those of the noise."""
+    present = {active.effect.name for active in theory.active}
+    inside = {name for active in theory.active for name in active.effect.contains}
+    free = [e for e in effects if e.name not in present | inside]
+    scatters = [effect for effect in free if isinstance(effect, ScatterEffect)]
+    return [effect for effect in free if not isinstance(effect, ScatterEffect)], scatters
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Shifts:
+    """Effects that shift poses: blocks of all their variants, and each one's likeliest."""
+
+    sums: Sums
+    blocks: list[Block]
+    shown: list[Block]
+    candidates: list[Candidate]
+
+
+def _shifts(
+    passes: Passes, wanted: Sequence[Effect], scale: float, beside: Beside | None
+) -> _Shifts:
+    """Score effects in all their variants; p-values are of each by itself."""
+    forms = [(k, form) for k, e in enumerate(wanted) for form in _forms(e)]
+    sums = sums_over(passes, [form for _, form in forms], beside)
+    blocks = _blocks(sums, [form for _, form in forms])
+    falls = np.array([float(block.falls(sums.gradient)) for block in blocks]) / scale**2
+    p_values = np.array([float(b.p_values(f)) for b, f in zip(blocks, falls, strict=True)])
+    best = [
+        min((i for i, (owner, _) in enumerate(forms) if owner == k), key=lambda i: p_values[i])
+        for k in range(len(wanted))
+    ]
+    shown = [blocks[i] for i in best]
+    candidates = [
+        _candidate(
+            sums,
+            scale,
+            effect=forms[i][1],
+            block=blocks[i],
+            fall=falls[i],
+            p=p_values[i],
+            carriers=tuple(int(n) for n in passes.shots[list(places)]),
+            share=share,
+            of=wanted[forms[i][0]],
+        )
+        for i, (places, share) in zip(best, _carried(sums, shown), strict=True)
+    ]
+    return _Shifts(sums, blocks, shown, candidates)
+
+
+def _forms(effect: Effect) -> tuple[Effect, ...]:
+    """Return what is scored of an effect: itself and its variants, or the shares of a law."""
+    return effect.shares if isinstance(effect, ContactLaw) else (effect, *effect.variants)
+
+
+def _likeness(shifts: _Shifts, order: Sequence[int]) -> tuple[Floats, Floats]:
+    """Return aliases and imitated shares of candidates in an order, shifts before noise, (K, K)."""
+    count = len(shifts.shown)
+    shown = [shifts.shown[k] for k in order if k < count]
+    among = np.array([place for place, k in enumerate(order) if k < count], dtype=np.intp)
+    aliases, imitated = np.zeros((2, len(order), len(order)))
+    aliases[np.ix_(among, among)] = alias_matrix(shifts.sums.matrix, shown)
+    imitated[np.ix_(among, among)] = imitated_shares(shifts.sums, shown)
+    return aliases, imitated
+
+
+def _blocks(sums: Sums, forms: Sequence[Effect]) -> list[Block]:
+    blocks, start = [], 0
+    for form in forms:
+        stop = start + len(form.parameters)
+        blocks.append(block_of(sums, np.arange(start, stop), one_sided=one_sided(form)))
+        start = stop
+    return blocks
+
+
+def _candidate(
+    sums: Sums,
+    scale: float,
+    *,
+    effect: Effect,
+    block: Block,
+    fall: float,
+    p: float,
+    carriers: tuple[int, ...],
+    share: float,
+    of: Effect,
+) -> Candidate:
+    count = len(effect.parameters)
+    seen = block.freedom > 0
+    amplitudes, sigmas = np.full(count, np.nan), np.full(count, np.nan)
+    if seen:
+        amplitudes = block.amplitudes(sums.gradient)
+        sigmas = scale * np.sqrt((block.whitening**2).sum(axis=1))
+    return Candidate(
+        effect=effect,
+        fall=float(fall),
+        freedom=block.freedom,
+        amplitudes=amplitudes,
+        sigmas=sigmas,
+        p_value=float(p),
+        p_familywise=1.0,
+        seen=seen,
+        carriers=carriers,
+        carried_share=share,
+        law=of if isinstance(of, ContactLaw) else None,
+    )
+
+
+def _scattered(score: JitterScore | None, effect: ScatterEffect) -> Candidate:
+    return Candidate(
+        effect=effect,
+        fall=0.0 if score is None else score.fall,
+        freedom=1,
+        amplitudes=np.array([0.0 if score is None else score.amplitude]),
+        sigmas=np.array([np.inf if score is None else score.sigma]),
+        p_value=1.0 if score is None else score.p_fall,
+        p_familywise=1.0,
+        seen=score is not None,
+        carriers=(),
+        carried_share=0.0,
+    )
+
+
+def _carried(sums: Sums, blocks: Sequence[Block]) -> list[tuple[tuple[int, ...], float]]:
+    """Return of each block the two shots with the largest part in its fall, and their share.
+
+    The share is what of the fall goes with them; none of a block without a fall.
+    """
+    amplitudes = np.zeros((len(sums.gradient), len(blocks)))
+    for k, block in enumerate(blocks):
+        amplitudes[block.columns, k] = block.amplitudes(sums.gradient)
+    carried: list[tuple[tuple[int, ...], float]] = []
+    loud = sums.by_shot.loudest(amplitudes, CARRIERS)
+    for block, whole, own in zip(blocks, sums.gradient @ amplitudes, loud, strict=True):
+        if whole <= 0:
+            carried.append(((), 0.0))
+            continue
+        rest = (sums.gradient - own.gradient)[block.columns] @ block.whitening
+        carried.append((own.places, 1.0 - float((rest**2).sum()) / float(whole)))
+    return carried
+
+
+def _with_familywise(candidate: Candidate, smallest: Floats) -> Candidate:
+    # The chance counts itself, so that a share of zero is never claimed.
+    share = (1 + int((smallest <= candidate.p_value).sum())) / (1 + len(smallest))
+    fields = {name: getattr(candidate, name) for name in candidate.__slots__}
+    return Candidate(**{**fields, "p_familywise": share})
+
+
+def smallest_by_chance(matrix: Floats, blocks: Sequence[Block], rng: np.random.Generator) -> Floats:
+    """Return the smallest p of each of many campaigns with nothing missing, shape (draws,).
+
+    Scores of such a campaign are Gaussian with the correlation of the columns.
+    """
+    values, vectors = np.linalg.eigh(matrix)
+    root = vectors * np.sqrt(np.clip(values, 0.0, None))
+    draws = rng.standard_normal((DRAWS, len(matrix))) @ root.T
+    # The smallest p of blocks that share a distribution is that of the largest fall.
+    alike: dict[tuple[int, bool], list[Block]] = {}
+    for block in blocks:
+        alike.setdefault((block.freedom, block.one_sided), []).append(block)
+    least = [own[0].p_values(_largest_falls(draws, own)) for own in alike.values()]
+    return np.asarray(np.min(least, axis=0))
+
+
+def _largest_falls(draws: Floats, blocks: Sequence[Block]) -> Floats:
+    """Return the largest fall of blocks of one distribution, for scores (draws, C)."""
+    wide = [block for block in blocks if len(block.columns) > 1 or block.freedom == 0]
+    single = [block for block in blocks if len(block.columns) == 1 and block.freedom == 1]
+    largest = np.max([np.zeros(len(draws)), *(block.falls(draws) for block in wide)], axis=0)
+    if single:
+        columns = np.concatenate([block.columns for block in single])
+        along = draws[:, columns] * np.concatenate([block.whitening[:, 0] for block in single])
+        far = (along if single[0].one_sided else np.abs(along)).max(axis=1)
+        largest = np.maximum(largest, np.square(np.maximum(far, 0.0)))
+    return np.asarray(largest)
+
+
+def alias_matrix(matrix: Floats, blocks: Sequence[Block]) -> Floats:
+    """Return the largest canonical correlation between columns of any two candidates, (K, K)."""
+    aliases = np.zeros((len(blocks), len(blocks)))
+    ends = np.cumsum([0, *(block.freedom for block in blocks)])
+    whole = _whitenings(len(matrix), blocks)
+    cross = whole.T @ matrix @ whole
+    freedom = np.diff(ends)
+    single, wide = np.flatnonzero(freedom == 1), np.flatnonzero(freedom > 1)
+    aliases[np.ix_(single, single)] = np.abs(cross[np.ix_(ends[single], ends[single])])
+    for i in wide:
+        rows = cross[ends[i] : ends[i + 1]]
+        # With a single column the largest singular value is that column's length.
+        aliases[i, single] = aliases[single, i] = np.linalg.norm(rows[:, ends[single]], axis=0)
+        for j in wide:
+            aliases[i, j] = np.linalg.norm(rows[:, ends[j] : ends[j + 1]], 2)
+    return np.minimum(aliases, 1.0)
+
+
+def imitated_shares(sums: Sums, blocks: Sequence[Block]) -> Floats:
+    """Return the share of each candidate's fall that each other could bring, shape (K, K).
+
+    Of what a candidate at its own amplitudes does to the residuals, as much as lies in the
+    other's columns: 1 less the squared sine of the angle between them.
+    """
+    count = len(blocks)
+    amplitudes = np.zeros((len(sums.matrix), count))
+    for k, block in enumerate(blocks):
+        amplitudes[block.columns, k] = block.amplitudes(sums.gradient)
+    done = sums.matrix @ amplitudes
+    whole = (amplitudes * done).sum(axis=0)
+    along = _whitenings(len(done), blocks).T @ done
+    owner = np.repeat(np.arange(count), [block.freedom for block in blocks])
+    brought = np.zeros((count, count))
+    np.add.at(brought, owner, along**2)
+    shares = np.where(whole > 0, brought / np.where(whole > 0, whole, 1.0), 0.0)
+    return np.asarray(np.minimum(shares, 1.0).T)
+
+
+def _whitenings(size: int, blocks: Sequence[Block]) -> Floats:
+    """Return the whitenings of all blocks beside each other, shape (C, directions seen)."""
+    parts = []
+    for block in blocks:
+        part = np.zeros((size, block.freedom))
+        part[block.columns] = block.whitening
+        parts.append(part)
+    return np.concatenate(parts, axis=1) if parts else np.zeros((size, 0))

@@ -1,0 +1,1 @@
+"""What a fit leaves over, held against what it may depend on."""

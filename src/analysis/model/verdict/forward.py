@@ -1,0 +1,130 @@
+"""Effects accepted one after the other, what is left ranked anew after each."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from analysis.effects.effect import ContactLaw, Effect
+from analysis.model.data.evidence import Evidence, Stage, stage_of, weighed_again
+from analysis.model.fitting.adding import law_again
+from analysis.model.fitting.fit import fit_campaign
+from analysis.model.rank.candidate import Ranking
+from analysis.model.rank.leaders import (
+    FIRST_LEVEL,
+    LATER_LEVEL,
+    Leader,
+    alias_set,
+    in_order,
+    refitted,
+)
+from analysis.model.rank.ranking import rank
+from analysis.model.verdict.exchange import AliasSets
+from analysis.model.verdict.gain import is_shared
+
+MOST_ACCEPTED, MOST_TRIED = 5, 3
+SHADOW = 0.5
+"""Share of an effect's promise that a better one, not believed, could bring in its stead."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Found:
+    """How far a search has come.
+
+    Attributes
+    ----------
+    path
+        From the base model on.
+    ranking
+        What is asked for beside the effects of its last stage.
+    alias_sets
+        What looks like each accepted effect, itself first.
+    """
+
+    evidence: Evidence
+    path: tuple[Stage, ...]
+    ranking: Ranking
+    alias_sets: AliasSets
+
+
+def forward(
+    found: Found, effects: Sequence[Effect], progress: Callable[[str], None], *, trusting: bool
+) -> Found:
+    """Accept effects until no leader passes its refit and brings the error left out down.
+
+    Parameters
+    ----------
+    trusting
+        Whether an effect is accepted that two shots carry.
+    """
+    while len(found.path) <= MOST_ACCEPTED:
+        progress(f"refitting the leaders, {len(found.path) - 1} effects accepted")
+        last, data = found.path[-1], found.evidence.data
+        level = FIRST_LEVEL if len(found.path) == 1 else LATER_LEVEL
+        leaders = refitted(data, last.fit, found.ranking, level)
+        accepted = _accepted(last, leaders, found.ranking, trusting=trusting)
+        if accepted is None:
+            break
+        leader, stage = accepted
+        alike = alias_set(leader, leaders, found.ranking)
+        jitter_s = leader.data.jitter_s
+        evidence, path = weighed_again(found.evidence, [*found.path, stage], jitter_s)
+        for law in _laws_in(path[-1], effects):
+            evidence, path = _law_again(evidence, path, law, jitter_s)
+        ranking = rank(evidence.data, path[-1].fit, effects)
+        found = Found(evidence, tuple(path), ranking, {**found.alias_sets, leader.name: alike})
+    return found
+
+
+def _laws_in(stage: Stage, effects: Sequence[Effect]) -> list[ContactLaw]:
+    """Return the law that takes the operator's place, with all its families."""
+    return [e for e in effects if isinstance(e, ContactLaw) and e.name in stage.effects]
+
+
+def _law_again(
+    evidence: Evidence, path: list[Stage], law: ContactLaw, jitter_s: float
+) -> tuple[Evidence, list[Stage]]:
+    """Look for a law once more, now that another effect is in and shots have come back."""
+    last = path[-1]
+    theory = law_again(evidence, last.fit, law)
+    if theory is last.fit.theory:
+        return evidence, path
+    better = stage_of(evidence.data, fit_campaign(evidence.data, theory))
+    return weighed_again(evidence, [*path[:-1], better], jitter_s)
+
+
+def _accepted(
+    present: Stage, leaders: Sequence[Leader], ranking: Ranking, *, trusting: bool
+) -> tuple[Leader, Stage] | None:
+    """Return the first leader that brings down the error on shots left out, at convergence.
+
+    What two shots carry is passed over, and so is what only stands in for it.
+    """
+    passed = [x for x in in_order(leaders) if x.carried and not trusting]
+    believed = [
+        x
+        for x in in_order(leaders)
+        if x.plausible and x not in passed and not _shadow(x, passed, ranking)
+    ]
+    for leader in believed[:MOST_TRIED]:
+        fit = leader.fit
+        if not fit.converged:
+            fit = fit_campaign(leader.data, fit.theory, fit)
+        stage = stage_of(leader.data, fit)
+        if stage.error.value < present.error.value and _shared(present, stage, trusting=trusting):
+            return leader, stage
+    return None
+
+
+def _shared(present: Stage, stage: Stage, *, trusting: bool) -> bool:
+    """Tell whether the gain on shots left out is that of most shots."""
+    gains = present.error.by_shot - stage.error.by_shot
+    fall = (present.fit.chi2 - stage.fit.chi2) / max(stage.fit.chi2_per_dof, 1e-12)
+    return trusting or is_shared(gains, fall)
+
+
+def _shadow(leader: Leader, passed: Sequence[Leader], ranking: Ranking) -> bool:
+    """Whether a better effect that was passed over could bring most of what this one does."""
+    names = [candidate.effect.name for candidate in ranking.candidates]
+    own = ranking.imitated[names.index(leader.name)]
+    return any(x.criterion > leader.criterion and own[names.index(x.name)] > SHADOW for x in passed)

@@ -1,0 +1,156 @@
+"""A verdict in words that a student understands."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from analysis.model.fitting.nuisance_words import alarm_sentence
+from analysis.model.structure.alarm import FEWEST
+from analysis.model.structure.influence import FEW
+from analysis.quantity import Quantity
+
+Json = dict[str, Any]
+
+STRIKING = 0.01
+"""Chance below which a candidate's promise is worth a word."""
+COMPARABLE = 0.5
+"""A candidate that is not believed is spoken of if it promises this share of what the best does."""
+
+
+def verdict_sentence(document: Json) -> str:
+    """Say the verdict."""
+    name, used = document["campaign"], document["used"]
+    if document["verdict"] == "none" and used < FEWEST:
+        return f"{name}: {too_few(used)}"
+    if document["verdict"] == "none":
+        return f"{name}: nothing is missing, as far as {used} shots can tell."
+    if document["verdict"] == "effect":
+        several = len(document["effects"]) > 1
+        what = "missing effects are" if several else "missing effect is"
+        return f"{name}: the {what} {_listed(document['effects'])}; {_fall(document)}."
+    if document["verdict"] == "alias":
+        return f"{name}: {_alike(document)}: these shots cannot tell; {_fall(document)}."
+    return _unexplained(document)
+
+
+def doubts(document: Json) -> list[str]:
+    """Say what few shots leave open, what is promised at unbelievable sizes, and what alarms.
+
+    These are never hidden; plausibility only decides which of two alike is tried first.
+    """
+    alarms = [alarm_sentence(alarm) for alarm in document.get("alarms", ())]
+    return [*alarms, *_of_few(document), *_not_believed(document)]
+
+
+def too_few(used: int) -> str:
+    """Say that so few shots tell nothing, and how many would."""
+    shots = "1 shot is" if used == 1 else f"{used} shots are"
+    return (
+        f"{shots} too few to tell what is missing: what stands out may be an error of "
+        f"{'its' if used == 1 else 'their'} own. Fire {FEWEST - used} more at least, and better "
+        f"{FEW + 1 - used}, at several pressures and offsets."
+    )
+
+
+def _of_few(document: Json) -> list[str]:
+    """Say what to think of what a few shots leave over where the verdict does not count it."""
+    used, verdict = document["used"], document["verdict"]
+    if used < FEWEST and verdict != "none":
+        return [f"But {too_few(used)}"]
+    if used > FEW or used < FEWEST or verdict == "unexplained" or not document["structure"]:
+        return []
+    where = document["structure"][0]
+    return [
+        f"What is left shows most in {where['channel']} against {where['covariate']}, but two of "
+        f"the {used} shots carry it: an error of their own, or something that more than {FEW} "
+        "shots would tell."
+    ]
+
+
+def _not_believed(document: Json) -> list[str]:
+    if document["verdict"] not in {"effect", "alias"}:
+        return []
+    falls = {c["effect"]: c["promised_fall"] for c in document["candidates"]}
+    named = {*document["effects"], *document["alias_set"]}
+    best = max((falls.get(name, 0.0) for name in named), default=0.0)
+    return [
+        _doubt(c)
+        for c in document["candidates"]
+        if not c["plausible"]
+        and c["effect"] not in named
+        and c["p_familywise"] < STRIKING
+        and c["promised_fall"] > COMPARABLE * best
+    ]
+
+
+def _doubt(candidate: Json) -> str:
+    unit = "" if candidate["unit"] == "1" else f" {candidate['unit']}"
+    size = Quantity(candidate["amplitude"], candidate["sigma"], candidate["unit"]).concise()
+    low, high = candidate["plausible_range"]
+    return (
+        f"{candidate['effect']} by itself would promise as much, but with {size}{unit}, where "
+        f"{low:g} to {high:g}{unit} is believed."
+    )
+
+
+def _alike(document: Json) -> str:
+    """Say what is sure, and of what is not which one of which."""
+    sets = document["alias_sets"]
+    sure = [name for name in document["effects"] if len(sets[name]) == 1]
+    open_ = [f"one of {' or '.join(alike)}" for alike in sets.values() if len(alike) > 1]
+    if not sure:
+        verb = "are" if len(open_) > 1 else "is"
+        return f"the missing effect{'s' * (len(open_) > 1)} {verb} {_listed(open_)}"
+    return f"{_listed(sure)} {'are' if len(sure) > 1 else 'is'} missing, and {_listed(open_)}"
+
+
+def _fall(document: Json) -> str:
+    first, last = document["path"][0], document["path"][-1]
+    it = "them" if len(document["effects"]) > 1 else "it"
+    return (
+        f"with {it} the error on shots left out falls from {first['prediction_error']:.3f} to "
+        f"{last['prediction_error']:.3f} of the noise{_each(document)}"
+    )
+
+
+def _each(document: Json) -> str:
+    """Say where several effects leave the error, one after the other."""
+    steps, before = [], set[str]()
+    for stage in document["path"][1:]:
+        new = [name for name in stage["with"] if name not in before]
+        before = set(stage["with"])
+        if len(new) == 1 and new[0] in document["effects"]:
+            steps.append(f"{stage['prediction_error']:.3f} with {new[0]}")
+    return f" ({', '.join(steps)})" if len(steps) > 1 else ""
+
+
+def _unexplained(document: Json) -> str:
+    names = _listed(document["effects"])
+    verb = "explain" if len(document["effects"]) > 1 else "explains"
+    part = f" {names} {verb} part of it." if names else ""
+    if not document["structure"]:
+        return (
+            f"{document['campaign']}: chi-squared is {document['chi2_per_dof']:.3g} per degree of "
+            f"freedom, where 1 is the noise, and no effect that {document['used']} shots tell "
+            f"explains it.{part} The stated errors are too small, or more shots are needed to see "
+            "what is missing."
+        )
+    where = document["structure"][0]
+    return (
+        f"{document['campaign']}: something is missing that the catalogue does not hold.{part} "
+        f"What is left shows most in {where['channel']} against {where['covariate']}"
+        f"{_kind(where['channel'])}."
+    )
+
+
+def _kind(channel: str) -> str:
+    """Say of what kind structure of frames is; that of a contact says so itself."""
+    if channel.startswith("image"):
+        return ": the images, not the contact"
+    if " position " in channel or " orientation " in channel:
+        return ": the flight or the images, not the contact"
+    return ""
+
+
+def _listed(names: list[str]) -> str:
+    return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)

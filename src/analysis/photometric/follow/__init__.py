@@ -1,0 +1,1 @@
+"""A known pair found in a film and followed through it."""

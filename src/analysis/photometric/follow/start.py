@@ -1,0 +1,151 @@
+"""From outlines and markers to the first film and the first guess of how the spheres look."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.errors import ShotRefusedError
+from analysis.imaging.views import View
+from analysis.motion.rotation import rotation_matrix, rotation_vector
+from analysis.photometric.follow.film import Film
+from analysis.photometric.follow.visibility import drop_unseen
+from analysis.photometric.learn.appearance import Knowledge, Sphere
+from analysis.photometric.learn.first_darkness import first_darkness
+from analysis.photometric.learn.relief import nodes_for
+from analysis.photometric.learn.saturation import refuse_full
+from analysis.photometric.learn.shared import BENDS
+from analysis.photometric.render.camera import Camera, camera_of
+from analysis.photometric.render.shading import HARMONICS
+from analysis.setup import Setup
+from analysis.tracking import Tracking
+
+Floats = NDArray[np.float64]
+
+FIRST_BLUR_PX = 0.85
+FIRST_DARKNESS, FAINT = 0.6, 0.4
+"""Of markers in ink; those that lack less of the light are taken as they are seen."""
+SMALLEST_ALPHA = 0.06
+LEAST_DARKNESS = 0.1
+"""With less of it markers cannot be told from smudges of the surface."""
+EDGE_BIAS_PX = 0.5
+"""Strong light from one side moves an edge by up to this much."""
+BEYOND = 3
+"""Frames that a track is carried on beyond its ends."""
+LEAST_TURNED = 2
+"""Frames with an orientation, for a rate to carry it on."""
+
+
+def first_film(
+    frames: NDArray[np.uint8], times_s: Floats, tracking: Tracking, setup: Setup
+) -> tuple[Film, Knowledge]:
+    """Return a film with the tracking's poses, gaps filled, and a first guess of the spheres.
+
+    Raises
+    ------
+    ShotRefusedError
+        Most of the light is beyond what the sensor holds, a sphere is seen to turn in too few
+        frames, or its height is seen in none.
+    """
+    refuse_full(frames)
+    for name, turned in zip("ab", tracking.orientations, strict=True):
+        if len(turned.frames) < LEAST_TURNED:
+            found = f"sphere {name} has an orientation in {len(turned.frames)} frames"
+            raise ShotRefusedError("markers", f"{found}, {LEAST_TURNED} are needed to learn it")
+    views = tuple(tracking.scales_px_per_m)
+    camera = camera_of(setup.camera, np.array([tracking.scales_px_per_m[v] for v in views]))
+    film = Film.blank(frames, len(views), times_s, setup.gravity_m_per_s2)
+    for i in (0, 1):
+        centres = tracking.centres[i]
+        for axis in range(3):
+            seen = np.isfinite(centres.position[:, axis])
+            if not seen.any():
+                found = f"sphere {'ab'[i]} shows enough of its limb in no frame of the top view"
+                raise ShotRefusedError("outlines", found)
+            own = centres.frames[seen]
+            film.centre[i, :, axis] = _carried(times_s, own, centres.position[seen, axis])
+        turned = tracking.orientations[i]
+        film.rotation[i] = _turned_on(times_s, turned.frames, turned.rotation)
+        first = max(int(centres.frames[0]) - BEYOND, 0)
+        film.placed[i, first : int(centres.frames[-1]) + BEYOND + 1] = True
+    camera = camera.with_origins(_agreeing_origins(camera, tracking, film))
+    radii = np.array([body.diameter_m / 2 for body in setup.spheres])
+    drop_unseen(film, camera.optics, radii)
+    shading = np.zeros((len(views), len(HARMONICS)))
+    shading[:, 0] = float(np.percentile(frames, 95))
+    alpha = max(tracking.marker_angle, SMALLEST_ALPHA)
+    darkness = _first_guess(first_darkness(frames, tracking.markers))
+    radius = float(camera.optics.scales[0] * setup.spheres[0].diameter_m / 2)
+    reliefs = np.zeros((len(views), nodes_for(radius), nodes_for(radius)))
+    spheres = [
+        Sphere(body.diameter_m / 2, turned.pattern, alpha, darkness, shading, reliefs)
+        for body, turned in zip(setup.spheres, tracking.orientations, strict=True)
+    ]
+    known = Knowledge(
+        camera=camera,
+        sigma_px=np.full(len(views), FIRST_BLUR_PX),
+        spheres=(spheres[0], spheres[1]),
+        scale_sigma=tracking.scale_sigma,
+        camera_sigma=(math.inf,) * (len(views) + BENDS),
+        limb_px=0.0,
+        smear_px2=np.zeros(len(views)),
+    )
+    return film, known
+
+
+def _first_guess(darkness: float | None) -> float:
+    """Return the darkness to begin with, where the markers seem to have this one."""
+    if darkness is None or darkness > FAINT:
+        return FIRST_DARKNESS
+    return max(darkness, LEAST_DARKNESS)
+
+
+def _carried(times_s: Floats, known: NDArray[np.intp], values: Floats) -> Floats:
+    """Interpolate a coordinate to all frames and carry it on straight beyond its ends."""
+    whole = np.interp(times_s, times_s[known], values)
+    for end, step in ((0, 1), (-1, -1)):
+        if len(known) < 2:
+            break
+        a, b = known[end], known[end + step]
+        slope = (values[end + step] - values[end]) / (times_s[b] - times_s[a])
+        beyond = times_s < times_s[a] if end == 0 else times_s > times_s[a]
+        whole[beyond] = values[end] + slope * (times_s[beyond] - times_s[a])
+    return whole
+
+
+def _turned_on(times_s: Floats, known: NDArray[np.intp], rotation: Floats) -> Floats:
+    """Carry orientations to all frames at the rate between the nearest known ones."""
+    whole = np.empty((len(times_s), 3, 3))
+    for k, time in enumerate(times_s):
+        near = int(np.abs(times_s[known] - time).argmin())
+        other = (
+            near + 1
+            if near + 1 < len(known) and (time > times_s[known[near]] or near == 0)
+            else near - 1
+        )
+        gap = times_s[known[other]] - times_s[known[near]]
+        rate = rotation_vector(rotation[other] @ rotation[near].T) / gap
+        whole[k] = rotation_matrix(rate * (time - times_s[known[near]])) @ rotation[near]
+    return whole
+
+
+def _agreeing_origins(camera: Camera, tracking: Tracking, film: Film) -> Floats:
+    """Shift the top view's columns so that both views agree on Y.
+
+    Origins that agree within what shading does to edges are left as they were stated.
+    """
+    origins = camera.optics.origins.copy()
+    if View.TOP not in camera.views:
+        return origins
+    v = camera.views.index(View.TOP)
+    gaps = [
+        outline.circle.column - origins[v, 1] - camera.optics.scales[v] * film.centre[i, k, 1]
+        for i, sphere in enumerate(tracking.spheres)
+        for k, outline in sphere[View.TOP].outlines.items()
+    ]
+    gap = float(np.median(gaps))
+    if abs(gap) > EDGE_BIAS_PX:
+        origins[v, 1] += gap
+    return origins

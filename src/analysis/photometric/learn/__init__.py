@@ -1,0 +1,1 @@
+"""How a pair of spheres looks, learned from the first shots."""

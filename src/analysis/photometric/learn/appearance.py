@@ -1,0 +1,141 @@
+"""What is learned of a pair of spheres and their camera, and serves every shot of a campaign."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.photometric.render.camera import Camera
+from analysis.photometric.render.shading import blurred_profiles, template
+from analysis.photometric.render.sight import Look
+from analysis.photometric.render.surface import draw
+
+Floats = NDArray[np.float64]
+
+KEPT_LOOKS = 8
+NARROWEST_PX = 0.35
+"""Standard deviation of a blur at least: a pixel's own is 0.29."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sphere:
+    """How one sphere looks.
+
+    Attributes
+    ----------
+    radius_m
+        Of the sphere.
+    markers
+        Directions in body axes, unit vectors, shape (markers, 3).
+    alpha
+        Angular radius of the markers, radians.
+    darkness
+        Share of the light that a marker swallows, 0 to 1.
+    shading
+        Coefficients in each view in the order of `shading.HARMONICS`, shape (V, harmonics).
+    reliefs
+        What they leave inside the disc, on a square grid from -1 to 1, shape (V, n, n).
+    """
+
+    radius_m: float
+    markers: Floats
+    alpha: float
+    darkness: float
+    shading: Floats
+    reliefs: Floats
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Knowledge:
+    """A camera and two spheres as images have shown them.
+
+    Attributes
+    ----------
+    camera
+        Views with their measured scales and origins.
+    sigma_px
+        Standard deviation of the blur in each view, lens and pixel together, shape (V,).
+    spheres
+        a and b.
+    scale_sigma
+        Relative standard error of the scale.
+    camera_sigma
+        Errors of `shared.Shared.camera` by the noise alone; infinite where nothing tells them.
+    limb_px
+        By how much the outline wants another radius than the markers do: light that no shading
+        here follows at the limb. It shifts an outline by as much. 0 where markers do not tell.
+    smear_px2
+        Variance that motion during the exposure added to the blur of the frames that taught, as
+        far as it is round (`smear.round_variance`), shape (V,).
+    """
+
+    camera: Camera
+    sigma_px: Floats
+    spheres: tuple[Sphere, Sphere]
+    scale_sigma: float
+    camera_sigma: tuple[float, ...]
+    limb_px: float
+    smear_px2: Floats
+
+    def smeared(self) -> Knowledge:
+        """Return the pair as a round blur shows it, the mean smear in it."""
+        return _smeared(self) if self.smear_px2.any() else self
+
+    def sharpened(self, smear_px2: Floats) -> Knowledge:
+        """Return the pair without the mean smear that a round blur has taken in."""
+        sharp = np.maximum(self.sigma_px**2 - smear_px2, NARROWEST_PX**2)
+        return replace(self, sigma_px=np.sqrt(sharp), smear_px2=self.sigma_px**2 - sharp)
+
+    def looks(self, wider_px: float = 0.0) -> tuple[Look, Look]:
+        """Return both spheres in the form of the fit, the blur wider by some pixels."""
+        return _looks(self, wider_px)
+
+
+@lru_cache(maxsize=KEPT_LOOKS)
+def _smeared(known: Knowledge) -> Knowledge:
+    wide = np.sqrt(known.sigma_px**2 + known.smear_px2)
+    return replace(known, sigma_px=wide, smear_px2=np.zeros_like(wide))
+
+
+@lru_cache(maxsize=KEPT_LOOKS)
+def _looks(known: Knowledge, wider_px: float) -> tuple[Look, Look]:
+    """Draw the templates of both spheres; every pass over a film asks for them again."""
+    first, second = (_look(known, sphere, wider_px) for sphere in known.spheres)
+    return first, second
+
+
+def _look(known: Knowledge, sphere: Sphere, wider_px: float) -> Look:
+    radii = known.camera.optics.scales * sphere.radius_m
+    templates = [
+        template(blurred_profiles(float(sigma + wider_px) / float(radius)), coefficients)
+        for sigma, radius, coefficients in zip(known.sigma_px, radii, sphere.shading, strict=True)
+    ]
+    discs, surfaces = draw(templates, sphere.reliefs, float(radii[0]))
+    return Look(
+        radius_m=sphere.radius_m,
+        markers=np.ascontiguousarray(sphere.markers),
+        alpha=sphere.alpha,
+        darkness=sphere.darkness,
+        discs=discs,
+        surfaces=surfaces,
+        sigma_px=known.sigma_px,
+    )
+
+
+def profiles_of(known: Knowledge, sphere: int) -> Floats:
+    """Return the blurred radial functions of a sphere in each view (`shading.Profiles`).
+
+    Shape (V, steps, radials); 0 behind the reach of a view's blur.
+    """
+    radii = known.camera.optics.scales * known.spheres[sphere].radius_m
+    each = [
+        blurred_profiles(float(sigma / radius)).values
+        for sigma, radius in zip(known.sigma_px, radii, strict=True)
+    ]
+    whole = np.zeros((len(each), max(map(len, each)), each[0].shape[1]))
+    for view, values in enumerate(each):
+        whole[view, : len(values)] = values
+    return whole

@@ -1,0 +1,314 @@
+"""Learning how a pair of spheres looks from a film whose poses are roughly known.
+
+Shading, markers and poses are improved in turn. The limit beyond which a residual counts no more
+draws in slowly: a tight one would lock a misplaced marker out for ever.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.motion.rotation import rotation_matrix
+from analysis.photometric.follow.confirmation import borne_out
+from analysis.photometric.follow.film import Film, fit_film, sights_of, take_out_shadows
+from analysis.photometric.learn.appearance import NARROWEST_PX, Knowledge, Sphere, profiles_of
+from analysis.photometric.learn.lesson import Lesson
+from analysis.photometric.learn.marker_search import missed_markers
+from analysis.photometric.learn.relief import add_residuals, changed_relief
+from analysis.photometric.learn.shading_fit import COMMON, shading_equations
+from analysis.photometric.learn.shading_solve import solve_shading
+from analysis.photometric.learn.shared import (
+    BENDS,
+    Shared,
+    add_frame,
+    shared_size,
+    solve_shared,
+    tangents_of,
+)
+from analysis.photometric.learn.unsmeared import unsmeared
+from analysis.photometric.render.shading import HARMONICS, NUDGE
+from analysis.photometric.render.sight import Equations
+
+Floats = NDArray[np.float64]
+
+MOST_FRAMES = 10
+"""Of a film: more tell little more of the spheres, and learning takes as much longer."""
+LIMITS = (60.0, 30.0, 15.0, 8.0, 6.0, 6.0)
+ORDINARY_DARKNESS = 0.6
+"""Of the markers that LIMITS are for."""
+FAINT_TURNS = 6
+MARKED_FROM = 2
+"""Turns from which the markers tell the radius."""
+FINISH_LIMITS = np.array([40.0, 15.0, 6.0])
+SEARCH_ROUNDS = (1, 2, 3)
+SHARED_FROM = 1
+RELIEF_FROM = 2
+INSIDE = 0.2
+"""Of what the inside of a disc says of the shading, where a relief takes what is left there."""
+UNLIMITED = 1e3
+TOGETHER_LIMITS = (15.0, 8.0, 6.0, 6.0)
+SEARCH_TOGETHER = (0, 1)
+EXTENDING_LIMITS = (15.0, 6.0, 6.0)
+WIDEST_PX = 3.0
+LIMB_SCALE_SIGMA, MARKER_SCALE_SIGMA = 5e-3, 1e-3
+"""What the scale is good to, relative, by the limb and by the markers.
+
+Light from one side passes for another radius at the limb. Markers move across the disc and are seen
+in both views at once, which tells the radius without the limb.
+"""
+FARTHEST_PER_M = 0.05
+"""Nearness below which a camera is taken as orthographic: farther than 20 m. Shading alone looks
+like a nearness of up to 0.01, and each 0.01 tilts Z against X by 6e-4."""
+OVERSTEP = 1.5
+"""Of the radius by the markers: shading that was learned with another radius holds it back."""
+
+
+def learn(film: Film, start: Knowledge, *, hold_scale: bool) -> Knowledge:
+    """Learn the spheres from a film, and improve its poses in place.
+
+    Parameters
+    ----------
+    film
+        With poses within about 2 pixels and 3 degrees.
+    start
+        Camera, markers and a first guess of the rest.
+    hold_scale
+        Keep the front view's scale.
+    """
+    film.refresh(start)
+    few, known = film.picked(MOST_FRAMES), start
+    for turn, limit in enumerate(_limits(start.spheres[0].darkness)):
+        shading_limit = limit if turn else UNLIMITED
+        marked = turn >= MARKED_FROM and tells_radius(known)
+        inside = INSIDE if turn >= RELIEF_FROM else 1.0
+        hold = hold_scale or marked
+        known = with_shading([few], known, shading_limit, hold_radius=hold, inside=inside)
+        if turn in SEARCH_ROUNDS:
+            known = with_missed([few], known)
+        elif turn > SEARCH_ROUNDS[-1]:
+            known = without_false([few], known)
+        if turn >= RELIEF_FROM:
+            known = with_reliefs([few], known, limit)
+        if turn >= SHARED_FROM:
+            known = with_shared([few], known, limit, move_radius=marked, hold_scale=hold_scale)
+        fit_film(few, known, np.full(2, limit))
+    film.keep_places(start.camera.optics, known.camera.optics)
+    fit_film(film, known, FINISH_LIMITS)
+    film.refresh(known)
+    return known
+
+
+def _limits(darkness: float) -> tuple[float, ...]:
+    """Return the limit of each turn.
+
+    What faint markers lack of the light must be beyond it as that of others is, or the shading
+    takes them for its own; and they part from it slowly.
+    """
+    if darkness >= ORDINARY_DARKNESS:
+        return LIMITS
+    nearer = (max(darkness / ORDINARY_DARKNESS * own, LIMITS[-1]) for own in LIMITS)
+    return *nearer, *LIMITS[-1:] * FAINT_TURNS
+
+
+def learn_together(films: Sequence[Film], start: Knowledge, *, hold_scale: bool) -> Knowledge:
+    """Learn the spheres from several films that already have poses.
+
+    One film shows some markers only at the limb, and its radius is the less certain for it.
+    """
+    few = [unsmeared(film.picked(MOST_FRAMES), start) for film in films]
+    known = start
+    for turn, limit in enumerate(TOGETHER_LIMITS):
+        if turn in SEARCH_TOGETHER:
+            known = with_missed(few, known)
+        known = without_false(few, known)
+        marked = tells_radius(known)
+        hold = hold_scale or marked
+        known = with_shading(few, known, limit, hold_radius=hold, inside=INSIDE)
+        known = with_reliefs(few, known, limit)
+        known = with_shared(few, known, limit, move_radius=marked, hold_scale=hold_scale)
+        for film in few:
+            fit_film(film, known, np.full(1, limit))
+            take_out_shadows(film, known)
+    return known
+
+
+def extended(film: Film, known: Knowledge) -> Knowledge:
+    """Return the knowledge with markers added that a film of the known pair shows.
+
+    One film alone does not turn every side of a sphere to the camera. The same object comes back
+    where nothing is added.
+    """
+    few = unsmeared(film.picked(MOST_FRAMES), known)
+    more, before = with_missed([few], known), [len(s.markers) for s in known.spheres]
+    if [len(s.markers) for s in more.spheres] == before:
+        return known
+    # So far the new markers count as shadows.
+    take_out_shadows(few, more)
+    for limit in EXTENDING_LIMITS:
+        fit_film(few, more, np.full(1, limit))
+        more = with_shared([few], more, limit, move_radius=False, hold_scale=True)
+    return more
+
+
+def with_shading(
+    films: Sequence[Film], known: Knowledge, limit: float, *, hold_radius: bool, inside: float
+) -> Knowledge:
+    """Return the knowledge with the shading, radius and blur that fit all frames best.
+
+    Parameters
+    ----------
+    inside
+        Of `Lesson`.
+    """
+    camera = known.camera
+    size, views = len(HARMONICS) + COMMON, len(camera.views)
+    normal, right = np.zeros((2, views, size, size)), np.zeros((2, views, size))
+    for i in range(len(known.spheres)):
+        lesson = _lesson(known, i, limit)._replace(inside=inside)
+        for sight, stance in sights_of(films, known, i):
+            for view in range(views):
+                own = Equations(normal[i, view], right[i, view])
+                shading_equations(sight, stance, view, lesson, own)
+    present = np.stack([sphere.shading for sphere in known.spheres])
+    surface = solve_shading(normal, right, present, hold_radius=hold_radius)
+    a, b = (replace(s, shading=c) for s, c in zip(known.spheres, surface.shading, strict=True))
+    limb_sigma = float(np.hypot(LIMB_SCALE_SIGMA, surface.log_radius_sigma))
+    scales = camera.optics.scales * np.exp(surface.log_radius)
+    changed = camera.with_scales(scales)
+    for film in films:
+        film.keep_places(camera.optics, changed.optics)
+    return replace(
+        known,
+        spheres=(a, b),
+        camera=changed,
+        sigma_px=np.clip(known.sigma_px + surface.blur_px, NARROWEST_PX, WIDEST_PX),
+        scale_sigma=known.scale_sigma if hold_radius else limb_sigma,
+    )
+
+
+def with_reliefs(films: Sequence[Film], known: Knowledge, limit: float) -> Knowledge:
+    """Return the knowledge with what smooth shading leaves inside the discs."""
+    spheres = []
+    for i, sphere in enumerate(known.spheres):
+        sums, weights = np.zeros_like(sphere.reliefs), np.zeros_like(sphere.reliefs)
+        for sight, stance in sights_of(films, known, i):
+            for view in range(len(sums)):
+                add_residuals(sight, stance, view, limit, (sums[view], weights[view]))
+        levels = np.maximum(np.abs(sphere.shading[:, 0]), 1.0)
+        reliefs = [
+            changed_relief(old, (total, weight), float(level))
+            for old, total, weight, level in zip(sphere.reliefs, sums, weights, levels, strict=True)
+        ]
+        spheres.append(replace(sphere, reliefs=np.stack(reliefs)))
+    return replace(known, spheres=(spheres[0], spheres[1]))
+
+
+def with_missed(films: Sequence[Film], known: Knowledge) -> Knowledge:
+    """Return the knowledge with markers added that the frames show."""
+    a, b = (
+        replace(
+            sphere,
+            markers=np.concatenate(
+                [sphere.markers, missed_markers(sights_of(films, known, i), known, i)]
+            ),
+        )
+        for i, sphere in enumerate(known.spheres)
+    )
+    return replace(known, spheres=(a, b))
+
+
+def without_false(films: Sequence[Film], known: Knowledge, *, unseen: bool = True) -> Knowledge:
+    """Return the knowledge without the markers that the frames do not bear out.
+
+    Parameters
+    ----------
+    unseen
+        Keep those that never face a view. What stands at the limb throughout a film may be no
+        marker, and other films that turn its place to the camera would be taken for strangers'.
+    """
+    a, b = (
+        replace(s, markers=s.markers[borne_out(sights, len(s.markers), unseen=unseen)])
+        for s, sights in ((s, sights_of(films, known, i)) for i, s in enumerate(known.spheres))
+    )
+    return replace(known, spheres=(a, b))
+
+
+def tells_radius(known: Knowledge) -> bool:
+    """Tell whether the markers determine the radius."""
+    return known.camera_sigma[0] < MARKER_SCALE_SIGMA
+
+
+def with_shared(
+    films: Sequence[Film], known: Knowledge, limit: float, *, move_radius: bool, hold_scale: bool
+) -> Knowledge:
+    """Return the knowledge with better markers, and what they and the tracks say of the camera.
+
+    Scales of the views against each other, the camera's nearness and, if they may move, the radii
+    of the discs: by a scale that is held each is drawn with the radius that it has, by one that is
+    not the spheres are as large as stated, in the mean of both.
+    """
+    camera = known.camera
+    views = len(camera.views)
+    steps: list[Shared] = []
+    for i, sphere in enumerate(known.spheres):
+        size = shared_size(len(sphere.markers), views)
+        equations = Equations(np.zeros((size, size)), np.zeros(size))
+        lesson = _lesson(known, i, limit)
+        for sight, stance in sights_of(films, known, i):
+            add_frame(sight, stance, lesson, equations)
+        steps.append(solve_shared(equations, lesson.tangents, views))
+    change, sigma = _agreed(steps)
+    grown = OVERSTEP * np.array([step.camera[0] for step in steps]) * move_radius
+    nearer = 0.0 if hold_scale else float(grown.mean())
+    a, b = (
+        replace(_changed(sphere, step), radius_m=sphere.radius_m * float(np.exp(own)))
+        for sphere, step, own in zip(known.spheres, steps, grown - nearer, strict=True)
+    )
+    scales = camera.optics.scales * np.exp(nearer + np.append(0.0, change[1:-BENDS]))
+    nearness = camera.optics.nearness + float(change[-BENDS])
+    far = nearness < FARTHEST_PER_M
+    changed = camera.with_scales(scales).with_nearness(0.0 if far else nearness)
+    changed = changed.with_shifted_mirror(float(change[-1]))
+    for film in films:
+        film.keep_places(camera.optics, changed.optics)
+    # What bends light at the limb, a lamp beside or gloss, has a part in what the markers say too.
+    limb = float(np.mean([step.limb for step in steps]))
+    told = float(np.linalg.norm([MARKER_SCALE_SIGMA, sigma[0], limb]))
+    radius_px = float(scales[0]) * (a.radius_m + b.radius_m) / 2
+    apart_px = radius_px * float(np.sqrt(np.mean([step.limb**2 for step in steps])))
+    return replace(
+        known,
+        spheres=(a, b),
+        camera=changed,
+        scale_sigma=told if move_radius and not hold_scale else known.scale_sigma,
+        camera_sigma=tuple(map(float, sigma)),
+        limb_px=apart_px if move_radius else known.limb_px,
+    )
+
+
+def _lesson(known: Knowledge, sphere: int, limit: float) -> Lesson:
+    wider = known.looks(NUDGE)[sphere]
+    tangents = tangents_of(known.spheres[sphere].markers)
+    return Lesson((wider.discs, wider.surfaces), profiles_of(known, sphere), tangents, limit)
+
+
+def _changed(sphere: Sphere, step: Shared) -> Sphere:
+    turns = np.einsum("mt,mtk->mk", step.markers, tangents_of(sphere.markers))
+    return replace(
+        sphere,
+        markers=np.einsum("mij,mj->mi", rotation_matrix(turns), sphere.markers),
+        alpha=float(np.clip(sphere.alpha + step.alpha, 0.03, 0.6)),
+        darkness=float(np.clip(sphere.darkness + step.darkness, 0.05, 1.0)),
+    )
+
+
+def _agreed(steps: list[Shared]) -> tuple[Floats, Floats]:
+    """Average what both spheres say of the camera, by their weights; return it with its errors."""
+    weight = sum(step.camera_weight for step in steps)
+    covariance = np.linalg.inv(weight)
+    change = covariance @ sum(step.camera_weight @ step.camera for step in steps)
+    return np.asarray(change), np.sqrt(np.diag(covariance))

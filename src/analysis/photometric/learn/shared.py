@@ -1,0 +1,159 @@
+"""What all frames of a sphere share, solved with each frame's own unknowns eliminated."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.photometric.learn.bundle import bundle_view
+from analysis.photometric.learn.lesson import Lesson
+from analysis.photometric.render.camera import Optics, by_nearness_and_shift
+from analysis.photometric.render.folding import eliminate, fold
+from analysis.photometric.render.pixel_rows import MARKERS_SHARE, SCALE, VIEW_SHARE
+from analysis.photometric.render.pose import POSE, add_priors, into_world
+from analysis.photometric.render.residual import UNKNOWNS
+from analysis.photometric.render.shading import HARMONICS
+from analysis.photometric.render.sight import LIGHTS, Equations, Sight, Stance
+
+Floats = NDArray[np.float64]
+
+Bending = Callable[[Optics, int, Floats], Floats]
+"""What unknowns of the camera change in a view of a sphere at a centre, shape (BENT, unknowns)."""
+
+MARKER_PRIOR, DARKNESS_PRIOR, ALPHA_PRIOR = 0.2, 0.2, 0.05
+RADIUS_PRIOR, BLUR_PRIOR, SCALE_PRIOR, HELD = 0.003, 0.05, 0.05, 1e-9
+BENDS_PRIOR, LOG_RADIUS_PRIOR = np.array([1.0, 1.0]), 0.01
+BENDS = len(BENDS_PRIOR)
+"""Expected sizes of a correction; radius and blur come from the shading and only take part."""
+SHADING_PRIOR = 50.0
+"""Grey levels by which a coefficient of the shading may be wrong."""
+GAUGE = 1e-4
+"""Most that all markers turn together, radians."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Shared:
+    """Corrections to what the frames of a sphere share, from `solve_shared`.
+
+    Attributes
+    ----------
+    markers
+        Turns about the two tangents of each marker, radians, shape (markers, 2).
+    darkness, alpha
+        Of the markers.
+    camera
+        Log radius of the sphere that the markers lie on, log of the scale of each view behind the
+        front view against that one's, as the tracks have it, the camera's nearness, 1/m, and the
+        columns, px, by which the mirror's view is shifted, shape (V + 2,).
+    camera_weight
+        Inverse of their covariance, shape (V + 2, V + 2).
+    limb
+        By how much the outline wants the sphere larger than its markers do, log of the radius.
+    """
+
+    markers: Floats
+    darkness: float
+    alpha: float
+    camera: Floats
+    camera_weight: Floats
+    limb: float
+
+
+def shared_size(markers: int, views: int, bends: int = BENDS) -> int:
+    """Return the number of shared unknowns, the last of them what bends the camera."""
+    return 2 * markers + MARKERS_SHARE + VIEW_SHARE * views + bends
+
+
+def add_frame(
+    sight: Sight,
+    stance: Stance,
+    lesson: Lesson,
+    shared: Equations,
+    bending: Bending = by_nearness_and_shift,
+) -> None:
+    """Add one frame to the full equations of the shared unknowns, its own eliminated (Schur)."""
+    views, markers = sight.optics.scales.shape[0], sight.look.markers.shape[0]
+    common = 2 * markers + MARKERS_SHARE
+    local = POSE + LIGHTS * views
+    total = local + len(shared.right)
+    bent = [0, 1, 2, 3, 4, UNKNOWNS + common, UNKNOWNS + common - 1]
+    whole = Equations(np.zeros((total, total)), np.zeros(total))
+    size = UNKNOWNS + common + VIEW_SHARE
+    for view in range(views):
+        own = Equations(np.zeros((size, size)), np.zeros(size))
+        bundle_view(sight, stance, view, lesson, own)
+        bends = bending(sight.optics, view, stance.centre)
+        turn = np.zeros((len(bent), POSE + bends.shape[1]))
+        turn[:5, :POSE] = into_world(sight.optics, view, stance.centre)
+        turn[:, POSE:] = bends
+        pose = [*range(POSE), *range(total - bends.shape[1], total)]
+        lights = range(POSE + LIGHTS * view, POSE + LIGHTS * (view + 1))
+        behind = local + common + VIEW_SHARE * view
+        shares = [*range(local, local + common), *range(behind, behind + VIEW_SHARE)]
+        at = np.array([-1] * 5 + [*lights, *shares])
+        fold(own, (at, np.array(bent)), (turn, np.array(pose)), whole)
+    add_priors(sight, stance, whole)
+    eliminate(whole, local, shared)
+
+
+def solve_shared(equations: Equations, tangents: Floats, views: int) -> Shared:
+    """Solve for the shared unknowns; weak priors hold what no frame determines.
+
+    Parameters
+    ----------
+    tangents
+        Of the markers, as in the lesson, shape (markers, 2, 3).
+    """
+    markers = len(tangents)
+    held = equations.normal + np.diag(shared_prior(markers, views, BENDS_PRIOR) ** -2.0)
+    held[: 2 * markers, : 2 * markers] += together(tangents)
+    inverse = np.linalg.inv(held)
+    step = inverse @ equations.right
+    views_from = 2 * markers + MARKERS_SHARE
+    on_markers, on_limb = views_from - 1, views_from
+    bends = range(len(step) - BENDS, len(step))
+    ratios = range(views_from + VIEW_SHARE + SCALE, bends.start, VIEW_SHARE)
+    camera = [on_markers, *ratios, *bends]
+    return Shared(
+        markers=step[: 2 * markers].reshape(markers, 2),
+        darkness=float(step[2 * markers]),
+        alpha=float(step[2 * markers + 1]),
+        camera=step[camera],
+        camera_weight=np.linalg.inv(inverse[np.ix_(camera, camera)]),
+        limb=float(step[on_limb] - step[on_markers]),
+    )
+
+
+def shared_prior(markers: int, views: int, bends: Floats) -> Floats:
+    """Return the expected sizes of the shared unknowns, those of the camera's bends given."""
+    shading = [SHADING_PRIOR] * len(HARMONICS)
+    return np.concatenate(
+        [
+            np.full(2 * markers, MARKER_PRIOR),
+            [DARKNESS_PRIOR, ALPHA_PRIOR, LOG_RADIUS_PRIOR],
+            [RADIUS_PRIOR, BLUR_PRIOR, HELD, HELD, *shading],
+            np.tile([RADIUS_PRIOR, BLUR_PRIOR, SCALE_PRIOR, HELD, *shading], views - 1),
+            bends,
+        ]
+    )
+
+
+def together(tangents: Floats) -> Floats:
+    """Return the weights that keep all markers from turning together, shape (2 M, 2 M).
+
+    That is all poses turned back; near a camera it holds to first order only, and what is left
+    over would set the pattern drifting.
+    """
+    common = tangents.reshape(-1, 3) / GAUGE
+    return np.asarray(common @ common.T)
+
+
+def tangents_of(markers: Floats) -> Floats:
+    """Return two unit vectors across each marker, shape (markers, 2, 3)."""
+    helper = np.eye(3)[np.abs(markers).argmin(axis=1)]
+    first = np.cross(markers, helper)
+    first /= np.linalg.norm(first, axis=1, keepdims=True)
+    return np.stack([first, np.cross(markers, first)], axis=1)

@@ -1,0 +1,1 @@
+"""How a sphere looks in a frame, and a frame's normal equations for its pose."""

@@ -1,0 +1,1 @@
+"""The emergency stop: what cuts, what watches, and what outlasts the process."""
