@@ -347,7 +347,7 @@ def codes_of_the_service() -> set[str]:
     folder = Path(next(iter(rigctl.service.__path__)))
     return {
         node.value.value
-        for file in folder.glob("*.py")
+        for file in folder.rglob("*.py")
         for node in ast.walk(ast.parse(file.read_text(encoding="utf-8")))
         if isinstance(node, ast.keyword) and node.arg == "code"
         if isinstance(node.value, ast.Constant) and isinstance(node.value.value, str)
