@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from analysis.effects.camera import (
-    block_readout,
     camera_roll,
     image_scale,
     mirror_angle,
@@ -12,6 +11,7 @@ from analysis.effects.camera import (
     radial_distortion,
 )
 from analysis.effects.clock import (
+    block_readout,
     exposure_offset,
     frame_rate,
     timing_jitter,

@@ -5,8 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from analysis.effects.camera import block_readout
-from analysis.effects.clock import exposure_offset, frame_rate
+from analysis.effects.clock import block_readout, exposure_offset, frame_rate
 from analysis.effects.effect import ClockEffect, Effect, Exposure
 from analysis.model.fitting.fit import fit_campaign
 from analysis.model.predict.prediction import predict

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
-import inspect
 import pickle
 from dataclasses import replace
 from functools import cache
@@ -12,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import analysis.effects
 from analysis.collision.operator import Encounter, Outcome, walton
 from analysis.effects.catalogue import CATALOGUE
 from analysis.effects.effect import CameraEffect, ContactEffect, ContactLaw, Effect
@@ -114,10 +113,13 @@ def test_a_fault_in_a_fit_that_needs_the_effect_is_raised(tmp_path: Path) -> Non
         without_faulty(FEW, lambda _: fit_campaign(data, fit.theory.with_effect(mine), fit))
 
 
+ROOMS = Path(analysis.effects.__file__).parent
+
+
 def source_of(effect: Effect) -> str:
     """Return the text of the file that defines an effect of the catalogue."""
-    module = importlib.import_module(f"analysis.effects.{effect.name.replace('-', '_')}")
-    return inspect.getsource(module)
+    [file] = ROOMS.rglob(f"{effect.name.replace('-', '_')}.py")
+    return file.read_text(encoding="utf-8")
 
 
 def appearing(
