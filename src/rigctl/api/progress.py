@@ -14,7 +14,7 @@ Told = Callable[[int, int], None]
 
 @contextmanager
 def counting(what: str) -> Iterator[Told]:
-    """Give a function that is told how many are done, and of how many."""
+    """Yield a function to call with the number done and the total number."""
     console = Console(stderr=True)
     if console.is_jupyter:
         yield lambda done, total: _line(f"{what}: {done} of {total}")

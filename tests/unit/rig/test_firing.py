@@ -25,7 +25,6 @@ from rigctl.errors import (
     RecordingNotConfirmedError,
     RefusedError,
     RigError,
-    StoreError,
 )
 
 
@@ -214,40 +213,6 @@ def test_an_outcome_that_cannot_be_stored_leaves_the_outcome_unknown(lab: Labora
     assert lab.state == "unknown_outcome"
     assert on_disk(lab) == ("unknown_outcome", "unknown")
     assert lab.trigger.fired == [1]
-
-
-LOCKED = [
-    ("capture", "start", "interrupted", "no", "being prepared; nothing was fired"),
-    ("trigger", "fire", "unknown_outcome", "unknown", "being fired; whether it fired is not known"),
-    ("capture", "collect", "stored", "yes", None),
-]
-
-
-@pytest.mark.parametrize(
-    ("part", "call", "state", "fired", "why"), LOCKED, ids=lambda value: str(value)[:12]
-)
-def test_a_release_gives_a_shot_whose_end_could_not_be_recorded_its_end(
-    lab: Laboratory, part: str, call: str, state: str, fired: str, why: str | None
-) -> None:
-    token = lab.arm()
-    holder = sqlite3.connect(lab.folder / "catalogue.db", isolation_level=None)
-    device = getattr(lab, part)
-    device.hooks[call] = lambda: holder.execute("BEGIN IMMEDIATE")
-    lab.fire(token)
-    device.hooks.clear()
-    with pytest.raises(StoreError):
-        lab.rig.release("anna", "looked at the disk")
-    assert lab.state in {"fault", "unknown_outcome"}
-    holder.execute("ROLLBACK")
-    holder.close()
-    lab.rig.release("anna", "looked at the disk")
-    assert lab.state == "idle"
-    assert on_disk(lab) == (state, fired)
-    last = lab.store.catalogue.last()
-    cause = "the store could not be written while the shot was"
-    assert last.failure == (None if why is None else f"{cause} {why}")
-    assert lab.to_analyse == ([last.id] if state == "stored" else [])
-    assert lab.shoot().state == "stored"
 
 
 class TriggerThatRemembers(FakeTrigger):

@@ -2,52 +2,56 @@
 
 from __future__ import annotations
 
-import gc
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
+from analysis.campaign import analyse_campaign, read_campaign
 from analysis.effects.catalogue import CATALOGUE
+from analysis.effects.contact import lasting_contact
+from analysis.model.data.gather import gather
+from analysis.model.fitting.robust_fit import judged
 from analysis.model.verdict.selection import explain
-from analysis.shot import AnalysisOptions, analyse_shot
-from rigctl.commands.rig.simulated_campaign import fire_all, measurements, simulated
-from rigctl.daemon import open_daemon
-from rigctl.measuring.stored_shot import setup_of
-from rigctl.model.campaigns import campaign_poses
+from analysis.shot import AnalysisOptions, Method
+from analysis.workers import Workers
+from rigctl.commands.challenge import new
 
-CAMPAIGN = "precompile"
-SWEEP = ((45.0, 3.0), (60.0, 9.0), (50.0, 12.0), (70.0, 6.0), (40.0, 1.0), (65.0, 14.0))
-"""Pressure (kPa) and offset (mm): sticking and sliding contacts, so that both are compiled."""
+FILMED, TABULATED = 4, 20
+"""Shots of the two small campaigns: one to be measured, one to be explained."""
 
 
 def precompile(say: Callable[[str], None]) -> None:
-    """Fire a small simulated campaign and do with it all that compiles.
+    """Measure a small simulated campaign by both methods, and explain another, in two processes.
 
-    The photometric method is compiled by the process that measures the shots, the thesis's method
-    and the model by this one meanwhile. What is compiled already takes seconds.
+    What is compiled already takes seconds.
 
     Raises
     ------
-    RigError
-        The simulated rig refused, or there is no disk for its store.
+    StoreError
+        There is no room for temporary files.
+    WorkerDiedError
+        A process was killed.
     """
-    # The compiler keeps nearly all that it makes: looking for garbage is a tenth of its time.
-    gc.disable()
-    with tempfile.TemporaryDirectory() as folder:
-        configuration = simulated(Path(folder) / "store", "photometric", seed=1)
-        with open_daemon(configuration) as daemon:
-            names = fire_all(daemon, CAMPAIGN, SWEEP, say)
-            say("compiling the method of edges")
-            stored = daemon.store.folders
-            frames = stored.frames(names[0])
-            analyse_shot(
-                frames.pixels,
-                frames.times_s - frames.times_s[0],
-                setup_of(stored.manifest(names[0])),
-                AnalysisOptions(method="thesis"),
-            )
-            say("waiting for the photometric method, which is compiled beside it")
-            measurements(daemon, names)
-            say("compiling the model")
-            explain(campaign_poses(daemon.store, CAMPAIGN)[1], CATALOGUE, say)
-    gc.enable()
+    with tempfile.TemporaryDirectory() as folder, Workers(2) as workers:
+        filmed, tabulated = Path(folder) / "filmed", Path(folder) / "tabulated"
+        new(filmed, seed=5, strength="full", shots=FILMED, from_frames=True)
+        new(tabulated, seed=5, strength="full", shots=TABULATED)
+        parts = [
+            workers.submit(_measure, filmed, "photometric"),
+            workers.submit(_explain, tabulated),
+            workers.submit(_measure, filmed, "thesis"),
+        ]
+        for done, part in enumerate(parts):
+            say(f"compiling: {done} of {len(parts)} parts")
+            part.result()
+
+
+def _measure(folder: Path, method: Method) -> None:
+    for _ in analyse_campaign(read_campaign(folder), AnalysisOptions(method=method), workers=1):
+        pass
+
+
+def _explain(folder: Path) -> None:
+    data = gather(folder)[1]
+    judged(data, (lasting_contact.EFFECT,))
+    explain(data, CATALOGUE)
