@@ -24,12 +24,17 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m simulators", description=__doc__)
     parser.add_argument("folder", type=Path, help="gets the ports, control.sock, capture, truth")
     parser.add_argument("--seed", type=int, default=1, help="of every random number in the world")
+    parser.add_argument(
+        "--watch-contact", action="store_true", help="the trigger box's watch cuts the power too"
+    )
     options = parser.parse_args(arguments)
     # Before any thread starts, so that every thread leaves these signals to `sigwait`.
     signal.pthread_sigmask(signal.SIG_BLOCK, _ENDS)
     folder = options.folder.absolute()
     try:
-        laboratory = open_laboratory(folder, {"seed": options.seed})
+        laboratory = open_laboratory(
+            folder, {"seed": options.seed, "watch_contact": options.watch_contact}
+        )
     except (OSError, ValueError) as error:
         print(error, file=sys.stderr)  # noqa: T201  # a command speaks on its streams
         return 2

@@ -71,9 +71,10 @@ class Laboratory:
         self, folder: Path, options: Options, world: World, clock: Callable[[], float]
     ) -> None:
         self._folder, self._world, self._clock = folder, world, clock
+        self._watch_contact = options.watch_contact
         self._regulator = PressureRegulator(clock, lag_s=options.pressure_lag_s)
         self._stage = ZaberStage(clock, options.slide_speed_mm_per_s)
-        self._box = TriggerBox(clock, self._fire)
+        self._box = TriggerBox(clock, self._fire, contact_in_power=options.watch_contact)
         self._cut_off = LcusRelay(RELAY_CHANNELS, self._switch_power)
         self._recorder = Processor(clock, options.run_up_s)
         self._power_switched_s: float | None = None
@@ -190,7 +191,8 @@ class Laboratory:
     def state(self) -> dict[str, object]:
         """Return how things stand in the laboratory, for people and tests.
 
-        `power_switched_s` is the laboratory's time at which the relay last switched.
+        `power_switched_s` is the laboratory's time at which relay or watch contact last switched,
+        `watch_late_s` that at which the trigger box missed its heartbeat.
         """
         now = self._clock()
         return {
@@ -198,8 +200,10 @@ class Laboratory:
             "pressure_a_kpa": self._regulator.pressure_kpa("A", now),
             "pressure_b_kpa": self._regulator.pressure_kpa("B", now),
             "offset_mm": self._stage.position_mm(now),
-            "powered": self._cut_off.is_on(CUT_OFF_CHANNEL),
-            "power_switched_s": self._power_switched_s,
+            "powered": self._box.is_powered,
+            "power_switched_s": self._power_last_switched_s(),
+            "armed": self._box.is_armed,
+            "watch_late_s": self._box.late_since_s,
             "recorder": str(self._recorder.status().mode),
         }
 
@@ -242,6 +246,14 @@ class Laboratory:
         if channel == CUT_OFF_CHANNEL:
             self._power_switched_s = self._clock()
             self._box.power(on)
+
+    def _power_last_switched_s(self) -> float | None:
+        late_s = self._box.late_since_s if self._watch_contact else None
+        if late_s is None or self._power_switched_s is None:
+            return self._power_switched_s
+        # Relay and contact lie in one line: the first of them that opened took the power.
+        off = not self._cut_off.is_on(CUT_OFF_CHANNEL)
+        return min(late_s, self._power_switched_s) if off else late_s
 
     def _switch_contact(self, channel: int, closed: bool) -> None:
         if channel == REMOTE_TRIGGER_CHANNEL:

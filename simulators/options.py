@@ -36,6 +36,8 @@ class Options:
         Speed of the slide.
     run_up_s
         Time from RECORD to the recorder's first picture in seconds.
+    watch_contact
+        The trigger box's watch opens a contact in the line of the actuators' power.
     hides
         One of `HIDES`. Empty: spheres of nylon in still air. Else one effect comes on top in their
         contact: that of this name, or the one that the seed draws.
@@ -45,6 +47,7 @@ class Options:
     pressure_lag_s: float = LAG_S
     slide_speed_mm_per_s: float = SPEED_MM_PER_S
     run_up_s: float = RUN_UP_S
+    watch_contact: bool = False
     hides: str = ""
 
 
@@ -76,6 +79,10 @@ def read_options(table: Mapping[str, object]) -> Options:
         if name == "hides":
             if value not in HIDES:
                 raise ValueError(f"simulation.hides is {value!r}; allowed {', '.join(HIDES[1:])}")
+            continue
+        if name == "watch_contact":
+            if not isinstance(value, bool):
+                raise ValueError(f"simulation.{name} is {value!r}; allowed true and false")
             continue
         low, high = _LIMITS[name]
         kinds = int if name == "seed" else (int, float)

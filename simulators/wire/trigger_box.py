@@ -7,7 +7,10 @@ import threading
 from collections.abc import Callable
 from dataclasses import dataclass
 
-VERSION = 1
+from simulators.wire.watch import Watch
+
+VERSION = 2
+"""From this version on the box knows `WATCH` and `BEAT`."""
 CHANNELS = 2
 ARMED_FOR_S = 5.0
 LARGEST_SEQUENCE = 2**32 - 1
@@ -17,6 +20,7 @@ PULSE_US = (100, 100_000)
 _FRAME = re.compile(rb"([^*]*)\*([0-9A-F]{2})")
 _ARM = re.compile(r"ARM (\d{1,10}) (-?\d{1,9}) (\d{1,9})", re.ASCII)
 _FIRE = re.compile(r"FIRE (\d{1,10})", re.ASCII)
+_WATCH = re.compile(r"WATCH (\d{1,5})", re.ASCII)
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,17 +49,31 @@ class TriggerBox:
         Laboratory time in seconds; the box's own clock counts from construction.
     output
         Called once for each fire with the pulses; its caller holds no lock.
+    version
+        1: a box of before the heartbeat.
+    contact_in_power
+        The watch's contact lies in the line of the outputs' power.
 
     Notes
     -----
-    States: SAFE --ARM--> ARMED --FIRE, SAFE, power cut or 5 s--> SAFE. A refused command changes
-    nothing. Any thread may call; the power comes from another device's thread.
+    States: SAFE --ARM--> ARMED --FIRE, SAFE, power cut, late watch or 5 s--> SAFE. A refused
+    command changes nothing. Any thread may call; the power comes from another device's thread.
+    Pulses are put out whole: nothing that ends them early is simulated.
     """
 
-    def __init__(self, clock: Callable[[], float], output: Callable[[Pulses], None]) -> None:
-        self._clock, self._output = clock, output
+    def __init__(
+        self,
+        clock: Callable[[], float],
+        output: Callable[[Pulses], None],
+        *,
+        version: int = VERSION,
+        contact_in_power: bool = False,
+    ) -> None:
+        self._clock, self._output, self._version = clock, output, version
+        self._contact_in_power = contact_in_power
         self._power_on_s = clock()
-        self._lock = threading.Lock()
+        self._lock = threading.RLock()
+        self._watch = Watch(clock)
         self._arming: _Arming | None = None
         self._powered = False
         self._last_sequence = 0
@@ -68,6 +86,24 @@ class TriggerBox:
             self._powered = on
             if not on:
                 self._arming = None
+
+    @property
+    def is_powered(self) -> bool:
+        """Whether the outputs have power: from the cut-off, and through the contact if wired."""
+        with self._lock:
+            return self._powered and (not self._contact_in_power or self._watch.is_kept)
+
+    @property
+    def is_armed(self) -> bool:
+        """Whether a fire command would fire."""
+        with self._lock:
+            return self._armed() is not None and self.is_powered
+
+    @property
+    def late_since_s(self) -> float | None:
+        """When the watch became late; None: it is kept, or none is set."""
+        with self._lock:
+            return self._watch.late_since_s
 
     def stick(self, on: bool) -> None:
         """Answer as ever, with outputs that do nothing."""
@@ -85,24 +121,48 @@ class TriggerBox:
             return _closed(self._arm(int(arm[1]), int(arm[2]), int(arm[3])))
         if fire := _FIRE.fullmatch(command):
             return _closed(self._fire(int(fire[1])))
+        if self._version > 1 and (answer := self._heartbeat(command)):
+            return _closed(answer)
         return _closed(self._plain(command))
+
+    def _heartbeat(self, command: str) -> str | None:
+        with self._lock:
+            if command == "BEAT":
+                return self._watch.beat()
+            if watch := _WATCH.fullmatch(command):
+                # What was armed before the watch was late, or ended, must not come back.
+                self._armed()
+                answer = self._watch.set(int(watch[1]))
+                if not self._watch.is_kept:
+                    self._arming = None
+                return answer
+        return None
 
     def _plain(self, command: str) -> str:
         with self._lock:
             if command == "ID?":
-                return f"RIGTRIG {VERSION} {CHANNELS}"
+                return f"RIGTRIG {self._version} {CHANNELS}"
             if command == "SAFE":
                 self._arming = None
                 return "SAFE"
             if command == "STAT?":
                 state = "SAFE" if self._armed() is None else "ARMED"
-                return f"STAT {state} {self._last_sequence} {self._fires} {int(self._powered)}"
+                return f"STAT {state} {self._last_sequence} {self._fires} {int(self.is_powered)}"
         return "ERR SYNTAX unknown command"
 
     def _armed(self) -> _Arming | None:
-        if self._arming is not None and self._clock() >= self._arming.until_s:
+        arming = self._arming
+        if arming is None:
+            return None
+        if self._clock() >= arming.until_s or self._watch.late_since_s is not None:
             self._arming = None
         return self._arming
+
+    def _unable(self) -> str | None:
+        """Return why nothing can be armed or fired at all."""
+        if self._watch.late_since_s is not None:
+            return f"ERR LATE {self._watch.period_ms}"
+        return None if self.is_powered else "ERR CUT no power"
 
     def _arm(self, sequence: int, delay_us: int, width_us: int) -> str:
         with self._lock:
@@ -112,8 +172,8 @@ class TriggerBox:
                 return f"ERR DUPLICATE {sequence}"
             if sequence < self._last_sequence:
                 return f"ERR SEQUENCE above {self._last_sequence}"
-            if not self._powered:
-                return "ERR CUT no power"
+            if refusal := self._unable():
+                return refusal
             until = self._clock() + ARMED_FOR_S
             self._arming = _Arming(sequence, delay_us, width_us, until)
             return f"ARMED {sequence}"
@@ -123,8 +183,8 @@ class TriggerBox:
             arming = self._armed()
             if self._last_sequence and sequence == self._last_sequence:
                 return f"ERR DUPLICATE {sequence}"
-            if not self._powered:
-                return "ERR CUT no power"
+            if refusal := self._unable():
+                return refusal
             if arming is None:
                 return "ERR NOTARMED no number"
             if sequence != arming.sequence:

@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Protocol, cast
 
 from rigctl.cameras.build import build_capture
-from rigctl.config import Configuration, Simulation
+from rigctl.config import SIMULATED, Configuration, Simulation, TriggerBox
 from rigctl.devices import build
-from rigctl.devices.roles import Actuators
+from rigctl.devices.roles import Actuators, HeartbeatWatch
 from rigctl.errors import ConfigurationError
 from rigctl.jobs import Jobs
 from rigctl.measuring.analysing import Analyser
@@ -21,7 +21,9 @@ from rigctl.model.own_effects import OwnEffects
 from rigctl.opening import own_store
 from rigctl.rig.machine import Rig
 from rigctl.rig.recovery import Recovery
+from rigctl.rig.stopping.box_watch import BoxWatch
 from rigctl.rig.stopping.dead_man import DeadMan
+from rigctl.rig.stopping.estop import Watch
 from rigctl.store import Store, SweepRecord
 from rigctl.sweeps.runner import SweepRunner
 
@@ -98,7 +100,7 @@ def open_daemon(configuration: Configuration) -> Iterator[Daemon]:
             capture,
             store,
             analyse=analyser.submit,
-            dead_man=_dead_man(configuration),
+            watches=_watches(configuration, devices),
         )
         opened.callback(rig.close)
         recovery = rig.recover()
@@ -130,14 +132,20 @@ def _open_devices(
     return actuators
 
 
-def _dead_man(configuration: Configuration) -> DeadMan | None:
-    """Return what cuts when the daemon dies: none where a cut lets spheres go, or none is left."""
-    relay = configuration.cut_off
-    holds = configuration.trigger.power_cut == "holds"
-    # The simulated relay dies with the daemon; a pyserial URL cannot be opened a second time.
-    if not (relay.dead_man and holds and relay.port.startswith("/")):
-        return None
-    return DeadMan(relay.port, relay.channel)
+def _watches(configuration: Configuration, devices: Actuators) -> tuple[Watch, ...]:
+    """Return what acts when the daemon dies: nothing where a cut lets spheres go."""
+    relay, trigger = configuration.cut_off, configuration.trigger
+    if trigger.power_cut != "holds":
+        return ()
+    watches: list[Watch] = []
+    # Simulated devices die with the daemon; a pyserial URL cannot be opened a second time.
+    if relay.dead_man and relay.port.startswith("/"):
+        watches.append(DeadMan(relay.port, relay.channel))
+    if isinstance(trigger, TriggerBox) and trigger.heartbeat:
+        real = not trigger.port.startswith(SIMULATED)
+        if real and isinstance(devices.trigger, HeartbeatWatch):
+            watches.append(BoxWatch(devices.trigger))
+    return tuple(watches)
 
 
 def _open_laboratory(simulation: Simulation | None, folder: Path) -> Laboratory | None:

@@ -25,6 +25,9 @@ class TriggerBox(StrictModel):
     pulse_us: int = Field(ge=100, le=100_000, description="width of each pulse, microseconds")
     answer_timeout_s: Seconds
     power_cut: Literal["holds"] = "holds"
+    heartbeat: bool = Field(
+        default=True, description="the box makes itself safe when the daemon dies or hangs"
+    )
 
 
 class SolenoidPair(StrictModel):

@@ -110,6 +110,20 @@ class PowerQuery(Protocol):
         """Say whether a fire command could move anything; raise a `DeviceError` if unheard."""
 
 
+@runtime_checkable
+class HeartbeatWatch(Protocol):
+    """A trigger that can watch over its host, and make itself safe when the host dies or hangs."""
+
+    def watch(self, within_s: float) -> bool:
+        """Begin to watch, with this longest silence; False where this device cannot."""
+
+    def beat(self) -> bool:
+        """Tell it that the host lives; False where it does not watch any more."""
+
+    def end_watch(self) -> None:
+        """Have it watch no more: it stays safe."""
+
+
 class Regulator(Actuator, Protocol):
     """Sets and reads the pressure of both pushers."""
 

@@ -20,10 +20,14 @@ from rigctl.errors import (
 
 _log = logging.getLogger(__name__)
 
-_IDENTITY = "RIGTRIG 1 2"
+_IDENTITY = re.compile(r"RIGTRIG ([12]) 2", re.ASCII)
+_HEARTBEAT_SINCE = 2
+_BEAT_TIMEOUT_S = 0.3
+"""Longest wait for the answer to a heartbeat: another must go out before the watch is late, s."""
 _FIRED = re.compile(r"FIRED (\d{1,10}) (\d{1,20})", re.ASCII)
 _FIRED_ALREADY = "ERR DUPLICATE"
-_ANSWERS = ("ARMED ", "FIRED ", "STAT ", "SAFE", "RIGTRIG ")
+_NOT_WATCHING = ("ERR LATE", "ERR NOWATCH")
+_ANSWERS = ("ARMED ", "FIRED ", "STAT ", "SAFE", "RIGTRIG ", "WATCHING ", "BEAT")
 
 
 class TriggerBox:
@@ -64,11 +68,9 @@ class TriggerBox:
         Raises
         ------
         DeviceError
-            Nothing answers, or it is no trigger box of version 1 with two channels.
+            Nothing answers, or it is no trigger box of version 1 or 2 with two channels.
         """
-        text = self._ask("ID?", kind="RIGTRIG ")
-        if text != _IDENTITY:
-            raise unexpected(text, "ID?", self.name)
+        self._version()
 
     def reopen(self) -> None:
         """Open the port again if it was lost; the box is then ready for no fire."""
@@ -146,6 +148,48 @@ class TriggerBox:
             return FireOutcome.NOT_FIRED
         return FireOutcome.UNKNOWN
 
+    def watch(self, within_s: float) -> bool:
+        """Have the box make itself safe where no `beat` comes within a time, rounded to ms.
+
+        Returns
+        -------
+        bool
+            False where the box is of version 1, which knows no heartbeat; nothing has changed.
+
+        Raises
+        ------
+        DeviceError
+            No answer, or a refusal.
+        """
+        if self._version() < _HEARTBEAT_SINCE:
+            return False
+        period_ms = round(1e3 * within_s)
+        self._expect(f"WATCH {period_ms}", f"WATCHING {period_ms}")
+        return True
+
+    def beat(self) -> bool:
+        """Tell the box that the host lives; return whether it still watches.
+
+        False: the watch was late, or the box was started anew; it is safe until the next `watch`.
+
+        Raises
+        ------
+        DeviceError
+            No clear answer came.
+        """
+        text = self._ask("BEAT", kind="BEAT", timeout_s=_BEAT_TIMEOUT_S)
+        if text.startswith(_NOT_WATCHING):
+            self._ready_for = None
+            return False
+        if text != "BEAT":
+            raise unexpected(text, "BEAT", self.name)
+        return True
+
+    def end_watch(self) -> None:
+        """Have the box watch no more; it disarms, and its contact in the power's line opens."""
+        self._expect("WATCH 0", "WATCHING 0")
+        self._ready_for = None
+
     def make_safe(self) -> None:
         """Disarm; both outputs low. Harmless in any state."""
         self._expect("SAFE", "SAFE")
@@ -155,15 +199,26 @@ class TriggerBox:
         """Release the port. Safe to call twice."""
         self._port.close()
 
+    def _version(self) -> int:
+        text = self._ask("ID?", kind="RIGTRIG ")
+        match = _IDENTITY.fullmatch(text)
+        if match is None:
+            raise unexpected(text, "ID?", self.name)
+        return int(match[1])
+
     def _expect(self, question: str, answer: str) -> None:
         text = self._ask(question, kind=answer)
         if text != answer:
             raise unexpected(text, question, self.name)
 
-    def _ask(self, question: str, *, kind: str) -> str:
+    def _ask(self, question: str, *, kind: str, timeout_s: float | None = None) -> str:
         with self._port.held():
             try:
-                line = self._port.ask(closed(question), late=lambda line: self._is_late(line, kind))
+                line = self._port.ask(
+                    closed(question),
+                    late=lambda line: self._is_late(line, kind),
+                    timeout_s=timeout_s,
+                )
                 return opened(line, self.name)
             except DeviceError:
                 self._ready_for = None

@@ -14,6 +14,7 @@ _STATUS = re.compile(r"STAT (SAFE|ARMED) (\d{1,10}) (\d{1,10}) ([01])", re.ASCII
 _ADVICE = {
     "CUT": "restore the cut-off",
     "CHECKSUM": "check the cable and its screen",
+    "LATE": "the box heard no heartbeat in time and made itself safe; release the rig",
     "NOTARMED": "arm again; the box disarms itself 5 s after ARM",
 }
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from datetime import timedelta
@@ -27,8 +27,7 @@ from rigctl.rig.running import ACTOR, RunningShot, in_thread, leave_unanalysed
 from rigctl.rig.standing import Standing
 from rigctl.rig.states import LATCHED, RigState, ShotState
 from rigctl.rig.status import RigStatus
-from rigctl.rig.stopping.dead_man import DeadMan
-from rigctl.rig.stopping.estop import EmergencyStop
+from rigctl.rig.stopping.estop import EmergencyStop, Watch
 from rigctl.rig.stopping.halting import halt, make_safe
 from rigctl.rig.stopping.latch import CleanEnd
 from rigctl.settings import ShotSettings
@@ -62,7 +61,7 @@ class Rig:
         Told the name of each stored shot; must return at once.
     spawn
         Runs a shot's work; by default in a thread of its own.
-    dead_man
+    watches
         As `EmergencyStop`.
     """
 
@@ -76,7 +75,7 @@ class Rig:
         clock: Clock = SYSTEM_CLOCK,
         analyse: Callable[[str], None] = leave_unanalysed,
         spawn: Callable[[Callable[[], None]], None] = in_thread,
-        dead_man: DeadMan | None = None,
+        watches: Sequence[Watch] = (),
     ) -> None:
         self._bench = Bench(configuration, devices, capture, store, clock)
         self._configuration, self._devices, self._store = configuration, devices, store
@@ -88,7 +87,7 @@ class Rig:
             clock,
             afterwards=self._after_stop,
             witness=devices.trigger.powered if isinstance(devices.trigger, PowerQuery) else None,
-            dead_man=dead_man,
+            watches=watches,
             tripped=lambda why: self.estop("dead man", why),
         )
         self._clean_end = CleanEnd(store.path)

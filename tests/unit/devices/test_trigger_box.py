@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rigctl.devices.roles import FireOutcome, OutcomeQuery, PowerQuery
+from rigctl.devices.roles import FireOutcome, HeartbeatWatch, OutcomeQuery, PowerQuery
 from rigctl.devices.serial_port import SerialPort
 from rigctl.devices.trigger_box import TriggerBox
 from rigctl.devices.trigger_box_lines import TriggerBoxStatus, closed, opened, status
@@ -64,7 +64,8 @@ class Box:
         if word == "STAT?":
             state = "ARMED" if self.armed else "SAFE"
             return sealed(f"STAT {state} {self.last} {self.last} {self.powered}")
-        return sealed("RIGTRIG 1 2")
+        watching = {"WATCH": f"WATCHING {''.join(rest)}", "BEAT": "BEAT"}
+        return sealed(watching.get(word, "RIGTRIG 2 2"))
 
 
 @pytest.fixture
@@ -231,9 +232,49 @@ def test_the_box_says_whether_the_cut_off_has_taken_its_power(build: Build, powe
 
 
 def test_another_device_on_the_port_is_not_taken_for_a_trigger_box(build: Build) -> None:
-    box, _ = build(Box(ID=sealed("RIGTRIG 2 2")))
-    with pytest.raises(DeviceAnswerError, match="RIGTRIG 2 2"):
+    box, _ = build(Box(ID=sealed("RIGTRIG 3 2")))
+    with pytest.raises(DeviceAnswerError, match="RIGTRIG 3 2"):
         box.check()
+    box.close()
+
+
+def test_a_box_watches_over_the_host_and_is_told_that_it_lives(build: Build) -> None:
+    box, device = build(Box())
+    assert isinstance(box, HeartbeatWatch)
+    assert box.watch(0.6)
+    assert box.beat()
+    box.end_watch()
+    told = [sealed("ID?"), sealed("WATCH 600"), sealed("BEAT"), sealed("WATCH 0")]
+    assert device.messages == told
+    box.close()
+
+
+def test_a_box_of_before_the_heartbeat_is_recognised_and_asked_for_none(build: Build) -> None:
+    box, device = build(Box(ID=sealed("RIGTRIG 1 2")))
+    box.check()
+    assert not box.watch(0.6)
+    assert device.messages == [sealed("ID?")] * 2
+    box.close()
+
+
+@pytest.mark.parametrize("refusal", ["ERR LATE 600", "ERR NOWATCH none is set"])
+def test_nothing_fires_after_a_box_that_watches_no_more(build: Build, refusal: str) -> None:
+    box, device = build(Box(BEAT=sealed(refusal)))
+    box.arm(7, 0)
+    assert not box.beat()
+    with pytest.raises(DeviceAnswerError, match="arm again"):
+        box.fire(7)
+    assert fires_on_the_wire(device) == 0
+    box.close()
+
+
+def test_an_answer_to_a_heartbeat_that_comes_late_is_passed_over(build: Build) -> None:
+    box, device = build(Box(BEAT=SILENT))
+    with pytest.raises(DeviceSilentError):
+        box.beat()
+    box.arm(7, 0)
+    device.answer = Box(FIRE=sealed("BEAT") + sealed("FIRED 7 5"))
+    assert box.fire(7).device_time_us == 5
     box.close()
 
 

@@ -14,10 +14,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
-from rig_fakes import BOUND_S, Laboratory, until
+from rig_fakes import BOUND_S, FakeCutOff, FakeTrigger, Laboratory, until
 
-from rigctl.config import load
-from rigctl.daemon import _dead_man
+from rigctl.config import Configuration, load
+from rigctl.daemon import _watches
+from rigctl.devices.roles import Actuators
 from rigctl.errors import DeviceError
 from rigctl.rig.stopping import dead_man
 from rigctl.rig.stopping.dead_man import DeadMan
@@ -121,7 +122,7 @@ def test_power_is_not_given_without_it(tmp_path: Path, monkeypatch: pytest.Monke
     lab = Laboratory(tmp_path / "data")
     absent = DeadMan("/nowhere", 1)
     monkeypatch.setattr(absent, "_spawn", refuse)
-    lab.rig._stop._dead_man = absent
+    lab.rig._stop._watches = (absent,)
     lab.rig.estop("berta", "smoke")
     with pytest.raises(DeviceError, match="cannot start"):
         lab.rig.release("berta", "only steam")
@@ -135,7 +136,8 @@ def refuse() -> subprocess.Popen[bytes]:
 
 def test_a_dead_man_that_ended_by_itself_stops_the_rig(tmp_path: Path, relay: Relay) -> None:
     lab = Laboratory(tmp_path / "data", threads=True)
-    lab.rig._stop._dead_man = man = DeadMan(relay.path, 1)
+    man = DeadMan(relay.path, 1)
+    lab.rig._stop._watches = (man,)
     lab.rig.estop("berta", "smoke")
     lab.rig.release("berta", "only steam")
     assert man._process is not None
@@ -145,11 +147,29 @@ def test_a_dead_man_that_ended_by_itself_stops_the_rig(tmp_path: Path, relay: Re
     lab.close()
 
 
-def test_it_watches_real_relays_alone_and_where_a_cut_lets_no_sphere_go() -> None:
-    simulated = load()
-    assert _dead_man(simulated) is None
+class Box(FakeTrigger):
+    """A trigger that could watch."""
+
+    def watch(self, within_s: float) -> bool:
+        return True
+
+    def beat(self) -> bool:
+        return True
+
+    def end_watch(self) -> None: ...
+
+
+def test_real_devices_alone_are_watched_and_where_a_cut_lets_no_sphere_go() -> None:
+    box = Actuators(Box([], "trigger"), None, None, FakeCutOff([], "cut_off"))
+
+    def kinds(configuration: Configuration) -> list[str]:
+        return [type(watch).__name__ for watch in _watches(configuration, box)]
+
     pusher, release = (load(Path(f"config/{name}.toml")) for name in ("pusher", "release"))
-    assert _dead_man(pusher) is not None
-    assert _dead_man(release) is None
+    assert kinds(load()) == []
+    assert kinds(pusher) == ["DeadMan", "BoxWatch"]
+    assert kinds(release) == []
     relay = pusher.cut_off.model_copy(update={"dead_man": False})
-    assert _dead_man(pusher.model_copy(update={"cut_off": relay})) is None
+    assert kinds(pusher.model_copy(update={"cut_off": relay})) == ["BoxWatch"]
+    trigger = pusher.trigger.model_copy(update={"heartbeat": False})
+    assert kinds(pusher.model_copy(update={"trigger": trigger})) == ["DeadMan"]

@@ -105,4 +105,4 @@ def test_a_laboratory_follows_a_killed_one_in_the_same_folder(tmp_path: Path) ->
         serial.Serial(second.paths["trigger"], timeout=2.0) as port,
     ):
         port.write(b"ID?*32\n")
-        assert port.read_until(b"\n").startswith(b"RIGTRIG 1 2*")
+        assert port.read_until(b"\n").startswith(b"RIGTRIG 2 2*")

@@ -47,7 +47,7 @@ def bench(clock: Clock) -> Bench:
 @pytest.mark.parametrize(
     ("asked", "answered"),
     [
-        (["ID?"], "RIGTRIG 1 2"),
+        (["ID?"], "RIGTRIG 2 2"),
         (["STAT?"], "STAT SAFE 0 0 1"),
         (["ARM 1 0 20000"], "ARMED 1"),
         (["ARM 1 -100000 100"], "ARMED 1"),
@@ -71,6 +71,16 @@ def bench(clock: Clock) -> Bench:
         (["ARM 1 0"], "ERR SYNTAX unknown command"),
         (["ARM 1 0.5 20000"], "ERR SYNTAX unknown command"),
         (["fire 1"], "ERR SYNTAX unknown command"),
+        (["WATCH 600"], "WATCHING 600"),
+        (["WATCH 600", "BEAT"], "BEAT"),
+        (["BEAT"], "ERR NOWATCH none is set"),
+        (["WATCH 600", "WATCH 0", "BEAT"], "ERR NOWATCH none is set"),
+        (["WATCH 99"], "ERR RANGE period 0 or 100 to 10000 ms"),
+        (["WATCH 10001"], "ERR RANGE period 0 or 100 to 10000 ms"),
+        (["WATCH"], "ERR SYNTAX unknown command"),
+        (["WATCH 600", "ARM 1 0 20000", "WATCH 700", "STAT?"], "STAT ARMED 0 0 1"),
+        (["WATCH 600", "ARM 1 0 20000", "WATCH 0", "STAT?"], "STAT SAFE 0 0 1"),
+        (["WATCH 600", "ARM 1 0 20000", "WATCH 99", "STAT?"], "STAT ARMED 0 0 1"),
         ([""], "ERR SYNTAX unknown command"),
     ],
 )
@@ -103,6 +113,57 @@ def test_the_box_disarms_itself_five_seconds_after_arming(clock: Clock, bench: B
     assert bench.ask("STAT?") == "STAT SAFE 0 0 1"
     assert bench.ask("FIRE 1") == "ERR NOTARMED no number"
     assert bench.pulses == []
+
+
+def test_a_box_that_hears_no_heartbeat_makes_itself_safe_until_it_is_told_to_watch_again(
+    clock: Clock, bench: Bench
+) -> None:
+    bench.ask("WATCH 600")
+    clock.advance(0.5)
+    assert bench.ask("BEAT") == "BEAT"
+    bench.ask("ARM 1 0 20000")
+    clock.advance(0.599)
+    assert bench.ask("STAT?") == "STAT ARMED 0 0 1"
+    clock.advance(0.001)
+    late = clock.now
+    clock.advance(0.2)
+    assert bench.ask("STAT?") == "STAT SAFE 0 0 1"
+    assert bench.box.late_since_s == pytest.approx(late)
+    for command in ("FIRE 1", "ARM 1 0 20000", "BEAT"):
+        assert bench.ask(command) == "ERR LATE 600"
+    assert bench.ask("WATCH 600") == "WATCHING 600"
+    assert bench.ask("FIRE 1") == "ERR NOTARMED no number"
+    assert bench.ask("ARM 1 0 20000") == "ARMED 1"
+    assert bench.pulses == []
+
+
+def test_other_commands_are_no_heartbeat(clock: Clock, bench: Bench) -> None:
+    bench.ask("WATCH 100")
+    for _ in range(4):
+        bench.ask("STAT?")
+        bench.ask("ARM 1 0 20000")
+        clock.advance(0.03)
+    assert bench.ask("BEAT") == "ERR LATE 100"
+
+
+def test_a_watch_whose_contact_lies_in_the_powers_line_takes_the_power(clock: Clock) -> None:
+    box = TriggerBox(clock, lambda _: None, contact_in_power=True)
+    box.power(True)
+    assert not box.is_powered
+    box.answer(framed("WATCH 600"))
+    assert box.is_powered
+    clock.advance(0.6)
+    assert not box.is_powered
+    box.answer(framed("WATCH 600"))
+    box.answer(framed("WATCH 0"))
+    assert not box.is_powered
+
+
+def test_a_box_of_before_the_heartbeat_knows_none(clock: Clock) -> None:
+    bench = Bench(clock)
+    bench.box = TriggerBox(clock, bench.pulses.append, version=1)
+    assert bench.ask("ID?") == "RIGTRIG 1 2"
+    assert bench.ask("WATCH 600") == bench.ask("BEAT") == "ERR SYNTAX unknown command"
 
 
 def test_a_box_without_power_neither_arms_nor_fires(bench: Bench) -> None:
@@ -174,7 +235,7 @@ def test_no_bytes_make_the_box_raise_or_fire(pieces: list[bytes], armed: bool) -
 @given(
     steps=st.lists(
         st.tuples(
-            st.sampled_from(["ARM", "FIRE", "SAFE", "cut", "restore", "wait"]),
+            st.sampled_from(["ARM", "FIRE", "SAFE", "WATCH", "BEAT", "cut", "restore", "wait"]),
             st.integers(1, 4),
         ),
         max_size=60,
@@ -191,7 +252,11 @@ def test_no_number_fires_twice_whatever_the_order(steps: list[tuple[str, int]]) 
             now[0] += number
         else:
             told = bench.ask(
-                {"ARM": f"ARM {number} 0 20000", "FIRE": f"FIRE {number}"}.get(verb, verb)
+                {
+                    "ARM": f"ARM {number} 0 20000",
+                    "FIRE": f"FIRE {number}",
+                    "WATCH": f"WATCH {1000 * number}",
+                }.get(verb, verb)
             )
             fired += [int(told.split()[1])] if told.startswith("FIRED") else []
     assert fired == sorted(set(fired))

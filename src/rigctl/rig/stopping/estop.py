@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import logging
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from queue import SimpleQueue
+from typing import Protocol
 
 from rigctl.devices.roles import CutOff
 from rigctl.errors import DeviceError, DeviceSilentError, RefusedError, RigError
 from rigctl.rig.clock import Clock
-from rigctl.rig.stopping.dead_man import SILENT_S, DeadMan
+from rigctl.rig.stopping.dead_man import SILENT_S
 from rigctl.rig.stopping.latch import KEEP_AGAIN_S, Latch, LatchFile
 from rigctl.rig.stopping.witness import Sight, Witness, look
 
@@ -32,6 +33,16 @@ WITNESS_WAIT_S = 1.0
 
 _UNDER_WAY = "the cut is under way"
 _BY_HAND = "switch the actuators off by hand"
+
+
+class Watch(Protocol):
+    """What takes the power, or makes a device safe, when this process no longer can."""
+
+    def start(self, alive: Callable[[], bool], tripped: Callable[[str], None]) -> None:
+        """Begin to watch, unless it does already; raise a `DeviceError` where it cannot."""
+
+    def end(self) -> None:
+        """Watch no more: what is safe by now stays safe."""
 
 
 @dataclass(slots=True)
@@ -65,11 +76,11 @@ class EmergencyStop:
     witness
         Another device's word on whether the actuators have power; None where none can tell, and
         a cut that left the host is then all that is known.
-    dead_man
-        Cuts when this process no longer can; power is never given without it. None where a cut
+    watches
+        Act when this process no longer can; power is never given without them. None where a cut
         lets spheres go, or where nothing outlives this process.
     tripped
-        Told the reason when the dead man has ended by itself.
+        Told the reason when one of them has acted, or ended by itself.
     """
 
     def __init__(
@@ -80,12 +91,12 @@ class EmergencyStop:
         *,
         afterwards: Callable[[], None],
         witness: Witness | None,
-        dead_man: DeadMan | None = None,
+        watches: Sequence[Watch] = (),
         tripped: Callable[[str], None] = lambda _: None,
     ) -> None:
         self._cut_off, self._file, self._clock = cut_off, LatchFile(folder), clock
         self._afterwards, self._witness = afterwards, witness
-        self._dead_man, self._tripped = dead_man, tripped
+        self._watches, self._tripped = tuple(watches), tripped
         self._lock = threading.Lock()
         # Guards what is known of the power; never held while a disk or a device is waited for.
         self._known = threading.Lock()
@@ -185,8 +196,8 @@ class EmergencyStop:
         """
         seen = self._stops
         self._await_followers()
-        if self._dead_man is not None:
-            self._dead_man.start(self.answers, self._tripped)
+        for watch in self._watches:
+            watch.start(self.answers, self._tripped)
         request = _Request(lambda _: self._restore(seen))
         self._requests.put(request)
         self._await(request, "could not be restored", "check the cut-off, then release again")
@@ -206,8 +217,8 @@ class EmergencyStop:
             except RigError:
                 _log.exception("on closing the cut-off")
         self._file.close()
-        if self._dead_man is not None:
-            self._dead_man.end()
+        for watch in self._watches:
+            watch.end()
         self._requests.put(None)
         self._thread.join(LINE_WAIT_S)
         self._await_followers()
