@@ -10,21 +10,25 @@ from typing import cast
 
 from uvicorn.protocols.http.auto import AutoHTTPProtocol
 
+from rigctl.service.guards import body_limit
+from rigctl.service.guards.progress import Progress
+
 _log = logging.getLogger(__name__)
 
 MOST_CONNECTIONS = 2048
 """Connections held at once; where a further one comes, the longest silent one is ended."""
 
 REQUEST_WITHIN_S = 5.0
-"""A connection that has not sent the head of its first request within this time is ended, s."""
+"""A connection that has not sent the head of a request it began, or the first, is ended, s."""
+
+BODY_WITHIN_S = body_limit.BODY_WITHIN_S + REQUEST_WITHIN_S
+"""One whose body has not come whole is ended, s; before that the request is refused by name."""
 
 SPARE_DESCRIPTORS = 512
 """Descriptors kept for devices, frames and the store."""
 
 LONGEST_HEAD = 65_536
-"""Bytes of the head of a first request."""
-
-_HEAD_ENDS = b"\r\n\r\n"
+"""Bytes of the head of a request."""
 
 
 def raise_descriptor_limit() -> int:
@@ -52,7 +56,7 @@ class Connections:
     Parameters
     ----------
     most
-        So many are held; a further one ends the first that has asked nothing yet, or is refused.
+        So many are held; a further one ends the first that has asked nothing whole, or is refused.
     """
 
     def __init__(self, most: int) -> None:
@@ -95,13 +99,18 @@ class Connections:
 
 
 class GuardedHttp(asyncio.Protocol):
-    """One connection: the server's own protocol behind a limit of number and time."""
+    """One connection: the server's own protocol behind a limit of number and time.
+
+    Each request has its time for head and body, the first as every later one. Between requests the
+    server's own limit for idle connections holds; bytes that are no request do not prolong it.
+    """
 
     def __init__(self, inner: asyncio.Protocol, connections: Connections) -> None:
         self._inner, self._connections = inner, connections
         self._transport: asyncio.Transport | None = None
-        self._tail, self._head_bytes = b"", 0
+        self._progress = Progress()
         self._timer: asyncio.TimerHandle | None = None
+        self._limit_s: float | None = None
         self.asked = False
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
@@ -111,22 +120,23 @@ class GuardedHttp(asyncio.Protocol):
             link.abort()
             return
         self._transport = link
-        loop = asyncio.get_running_loop()
-        self._timer = loop.call_later(REQUEST_WITHIN_S, self._end_silent)
+        self._allow(REQUEST_WITHIN_S)
         self._inner.connection_made(transport)
 
     def data_received(self, data: bytes) -> None:
-        """Pass data on, and note when the head of a request is whole."""
+        """Pass data on, and note how far its request is."""
         if self._transport is None:
             return
-        if not self.asked:
-            self._tail += data
-            self._head_bytes += len(data)
-            self.asked = _HEAD_ENDS in self._tail
-            self._tail = self._tail[-len(_HEAD_ENDS) :]
-            if not self.asked and self._head_bytes > LONGEST_HEAD:
-                self._transport.abort()
-                return
+        progress = self._progress
+        progress.feed(data)
+        self.asked = not progress.waits_for_head
+        if progress.head_bytes > LONGEST_HEAD:
+            self._transport.abort()
+            return
+        if progress.in_body:
+            self._allow(BODY_WITHIN_S)
+        else:
+            self._allow(REQUEST_WITHIN_S if progress.waits_for_head else None)
         self._inner.data_received(data)
 
     def eof_received(self) -> bool | None:
@@ -143,12 +153,21 @@ class GuardedHttp(asyncio.Protocol):
 
     def connection_lost(self, exc: Exception | None) -> None:
         """Forget the connection."""
-        if self._timer is not None:
-            self._timer.cancel()
+        self._allow(None)
         if self._transport is not None:
             self._connections.leave(self._transport)
             self._inner.connection_lost(exc)
 
-    def _end_silent(self) -> None:
-        if not self.asked and self._transport is not None:
+    def _allow(self, seconds: float | None) -> None:
+        """Give what comes next its time; the same time goes on where it runs already."""
+        if seconds == self._limit_s:
+            return
+        if self._timer is not None:
+            self._timer.cancel()
+        self._timer, self._limit_s = None, seconds
+        if seconds is not None:
+            self._timer = asyncio.get_running_loop().call_later(seconds, self._end_slow)
+
+    def _end_slow(self) -> None:
+        if self._transport is not None:
             self._transport.close()
