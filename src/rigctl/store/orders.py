@@ -39,7 +39,7 @@ class Orders:
         StoreError
             The disk refused.
         """
-        path = self._path(shot.id)
+        path = self.path(shot.id)
         text = json.dumps(order_document(shot, request), allow_nan=False, indent=1).encode()
         try:
             replace_synced(path, text)
@@ -52,11 +52,11 @@ class Orders:
 
     def has(self, shot: str) -> bool:
         """Say whether the order of a shot is there."""
-        return self._path(shot).exists()
+        return self.path(shot).exists()
 
     def forget(self, shot: str) -> None:
         """Remove the order of a shot whose manifest is there; raise `OSError` if it stays."""
-        self._path(shot).unlink(missing_ok=True)
+        self.path(shot).unlink(missing_ok=True)
 
     def all(self) -> Iterator[str]:
         """Give the names of the shots whose orders are there."""
@@ -67,10 +67,11 @@ class Orders:
 
     def read(self, shot: str) -> dict[str, Any]:
         """Return an order; raise `OSError` or `ValueError` where it cannot be read."""
-        document: dict[str, Any] = json.loads(self._path(shot).read_bytes())
+        document: dict[str, Any] = json.loads(self.path(shot).read_bytes())
         return document
 
-    def _path(self, shot: str) -> Path:
+    def path(self, shot: str) -> Path:
+        """Return where the order of a shot lies as long as it has not ended."""
         return self._folders.folder(shot).with_name(f".{shot}{_ENDING}")
 
 

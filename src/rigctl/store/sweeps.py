@@ -82,6 +82,12 @@ class Sweeps:
                 todo="free or repair the disk, then start it again",
             ) from error
 
+    def files(self) -> list[Path]:
+        """Return the file of each sweep of the table, whether it is there or not."""
+        with self._database.reading() as connection:
+            names = connection.execute(select(sweeps.c.id).order_by(sweeps.c.number)).scalars()
+            return [self._folder / f"{name}.json" for name in names]
+
     def sweep(self, sweep: str) -> SweepRecord:
         """Return one sweep; raise `NotFoundError` if there is none of that name."""
         with self._database.reading() as connection:

@@ -4,20 +4,29 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
+import shutil
+import stat
 import threading
 from collections.abc import Callable
+from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from rigctl.access.keyring import Keyring
+from rigctl.access.named_keys import KeyFile, NamedKey, hashed
+from rigctl.access.scopes import Scope
 from rigctl.cameras.frames import FrameSequence
 from rigctl.errors import NotFoundError, StoreError
-from rigctl.store import Change, NewShot, ShotState, Store, reading
+from rigctl.settings import ShotSettings
+from rigctl.store import Change, NewShot, NewSweep, ShotState, Store, reading
 from rigctl.store.integrity.backup import Backup, back_up
 from rigctl.store.integrity.ledger import begin
-from rigctl.store.integrity.seal import read_seal
+from rigctl.store.integrity.seal import read_seal, read_secret
 from rigctl.store.integrity.verifying import Verified, verify_store
+from rigctl.store.orders import Orders
 from tests.unit.store.conftest import perform, without_guard
 
 Fire = Callable[..., str]
@@ -202,6 +211,46 @@ def test_a_backup_is_a_store_of_its_own(store: Store, fire: Fire, tmp_path: Path
     assert (copy.path / "estop.json").read_text() == "{}"
     assert verified(copy) == verified(store)
     copy.close()
+
+
+def test_the_keys_of_a_store_open_its_backup_and_what_was_ordered_is_known_there(
+    store: Store, fire: Fire, new_shot: Callable[..., NewShot], tmp_path: Path
+) -> None:
+    fire()
+    given, gone = "key-of-the-thread-2026", "key-that-was-revoked-2026"
+    keys, secret, at = KeyFile(store.path), read_secret(store.path), datetime.now(UTC)
+    assert secret is not None
+    for name, key in (("anna", given), ("berta", gone)):
+        keys.add(NamedKey(name, (Scope.OPERATE,), hashed(key, secret), at.isoformat()))
+    keys.revoke("berta", at)
+    sweep = store.sweeps.accept("sweep", "body", new_sweep)[0].id
+    open_shot = store.accept("open", "body", new_shot)[0].id
+    before = os.umask(0o022)
+    try:
+        copied(store, tmp_path / "copy")
+    finally:
+        os.umask(before)
+    elsewhere = tmp_path / "elsewhere"
+    shutil.move(tmp_path / "copy", elsewhere)
+    opened = Keyring("the-daemon's-own-key-2026", lambda: elsewhere)
+    holder, _ = opened.holder(given)
+    assert holder is not None
+    assert (holder.name, holder.scopes) == ("anna", {Scope.OPERATE})
+    assert opened.holder(gone)[0] is None
+    with reading(elsewhere) as copy:
+        assert verify_store(copy, silent).faults == ()
+        assert Orders(copy.folders).read(open_shot)["shot"] == open_shot
+    kept = json.loads((elsewhere / "sweeps" / f"{sweep}.json").read_bytes())
+    assert (kept["id"], len(kept["steps"])) == (sweep, 2)
+    paths = (elsewhere, *elsewhere.rglob("*"))
+    assert {stat.S_IMODE(path.stat().st_mode) for path in paths} == {0o600, 0o700}
+
+
+def new_sweep() -> NewSweep:
+    steps = tuple(
+        ShotSettings(pressure_a_kpa=40.0, pressure_b_kpa=40.0, offset_mm=x) for x in (1, 2)
+    )
+    return NewSweep(steps, "{}", "{}", "nylon", "anna", datetime.now(UTC))
 
 
 def test_a_backup_taken_while_shots_are_fired_is_whole(

@@ -7,16 +7,19 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rigctl.errors import StoreError
+from rigctl.store.durable import FILE_MODE, FOLDER_MODE
 from rigctl.store.integrity.copying import copy_synced
 from rigctl.store.integrity.seal import read_seal
 from rigctl.store.integrity.verifying import Verified, verify_store
+from rigctl.store.orders import Orders
 from rigctl.store.reading import StoreReader, reading
 from rigctl.store.records import ShotRecord
+from rigctl.store.sweeps import Sweeps
 
 Say = Callable[[str, float | None], None]
 
-_BESIDE = ("estop.json",)
-"""Files beside the catalogue that must outlive it: a latch stays a latch."""
+_BESIDE = ("estop.json", "keys.json")
+"""Files beside the catalogue that must outlive it: a latch stays a latch, a key opens the same."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,7 +34,9 @@ def back_up(store: StoreReader, target: Path, say: Say) -> Backup:
     """Copy a store into an empty folder, and verify the copy.
 
     The catalogue is copied first, at one moment; the folders of its shots were whole before their
-    rows said so and never change. Shots and results that come later are not in the copy.
+    rows said so and never change. Shots and results that come later are not in the copy. What the
+    store is known by goes with it: the key of the audit, and the named keys that it hashes. All of
+    it is for its owner alone.
 
     Raises
     ------
@@ -41,7 +46,9 @@ def back_up(store: StoreReader, target: Path, say: Say) -> Backup:
         The disk refused.
     """
     say("copying the catalogue", 0.0)
+    target.chmod(FOLDER_MODE)
     store.database.copy_to(target / "catalogue.db")
+    (target / "catalogue.db").chmod(FILE_MODE)
     if (seal := read_seal(store.folder)) is not None:
         seal.keep(target)
     for name in _BESIDE:
@@ -62,7 +69,7 @@ def back_up(store: StoreReader, target: Path, say: Say) -> Backup:
 def _copy_shot(store: StoreReader, copy: StoreReader, shot: ShotRecord) -> int:
     source, target = store.folders.folder(shot.id), copy.folders.folder(shot.id)
     if not source.is_dir():
-        return 0
+        return _copy_order(store, copy, shot.id)
     there = store.folders.results(shot.id)
     later = {path.name for number, path in there.items() if number > shot.results}
     files = [path for path in source.rglob("*") if path.is_file() and path.name not in later]
@@ -72,8 +79,18 @@ def _copy_shot(store: StoreReader, copy: StoreReader, shot: ShotRecord) -> int:
     return len(files)
 
 
+def _copy_order(store: StoreReader, copy: StoreReader, shot: str) -> int:
+    """Copy the order of a shot that has not ended, as a copy without catalogue would need it."""
+    try:
+        copy_synced(Orders(store.folders).path(shot), Orders(copy.folders).path(shot))
+    except FileNotFoundError:
+        # It has ended by now, and its manifest says as much.
+        return 0
+    return 1
+
+
 def _copy_rest(store: StoreReader, copy: StoreReader) -> int:
-    """Copy what belongs to whole campaigns: imported tables, saved fits."""
+    """Copy what belongs to no single shot: imported tables, saved fits, orders of sweeps."""
     pairs = [(store.folder / "campaigns", copy.folder / "campaigns")]
     for number in copy.imports.numbers():
         source, target = store.imports.folder(number), copy.imports.folder(number)
@@ -85,6 +102,12 @@ def _copy_rest(store: StoreReader, copy: StoreReader) -> int:
             if path.is_file() and not path.name.startswith("."):
                 copy_synced(path, target / path.relative_to(source))
                 files += 1
+    for wanted in Sweeps(copy.database, copy.folder).files():
+        path = store.folder / wanted.relative_to(copy.folder)
+        # Those of before they were kept in files have none.
+        if path.is_file():
+            copy_synced(path, wanted)
+            files += 1
     return files + len(pairs) - 1
 
 
