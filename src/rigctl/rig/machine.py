@@ -7,14 +7,13 @@ import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
-from datetime import timedelta
 
 from rigctl.cameras.capture import Capture
 from rigctl.config import Configuration
 from rigctl.devices.roles import Actuators, PowerQuery
-from rigctl.errors import DeviceError, IdempotencyError, RefusedError, RigError, StoreError
+from rigctl.errors import DeviceError, RefusedError, RigError
 from rigctl.rig.adjusting import adjust
-from rigctl.rig.arming import Armed, ArmToken
+from rigctl.rig.arming import Armed
 from rigctl.rig.bounds import require_within
 from rigctl.rig.clock import SYSTEM_CLOCK, Clock
 from rigctl.rig.conditions import Conditions
@@ -22,6 +21,7 @@ from rigctl.rig.firing import ShotRun
 from rigctl.rig.interlocks import require
 from rigctl.rig.lines import reopen
 from rigctl.rig.parts import Bench
+from rigctl.rig.readiness import Readiness
 from rigctl.rig.recovery import Recovery, close_running, start
 from rigctl.rig.running import ACTOR, RunningShot, in_thread, leave_unanalysed
 from rigctl.rig.standing import Standing
@@ -30,14 +30,13 @@ from rigctl.rig.status import RigStatus
 from rigctl.rig.stopping.estop import EmergencyStop, Watch
 from rigctl.rig.stopping.halting import halt, make_safe
 from rigctl.rig.stopping.latch import CleanEnd
+from rigctl.rig.taking import Taking
 from rigctl.settings import ShotSettings
-from rigctl.store.catalogue import Change
-from rigctl.store.records import NewShot, ShotRecord
+from rigctl.store.records import ShotRecord
 from rigctl.store.store import Store
 
 _log = logging.getLogger(__name__)
 
-_ARMABLE = frozenset({RigState.IDLE, RigState.ARMED})
 _ENDING = frozenset({RigState.STORED, RigState.ABORTED, RigState.MISFIRE})
 _DEVICES_WAIT_S = 10.0
 
@@ -79,8 +78,7 @@ class Rig:
     ) -> None:
         self._bench = Bench(configuration, devices, capture, store, clock)
         self._configuration, self._devices, self._store = configuration, devices, store
-        self._limits, self._clock = configuration.limits, clock
-        self._analyse, self._spawn = analyse, spawn
+        self._clock, self._analyse = clock, analyse
         self._stop = EmergencyStop(
             devices.cut_off,
             store.path,
@@ -94,17 +92,22 @@ class Rig:
         self._conditions = Conditions(self._bench, self._stop)
         self._standing = Standing(configuration, store, clock)
         self._running = RunningShot(self._standing, store, self._stop, clock)
-        self._run = ShotRun(self._bench, self._conditions, self._stop, self._running)
-        self._token = ArmToken(self._limits.arm_lifetime_s, clock.monotonic)
+        self._readiness = Readiness(self._standing, configuration.limits, clock)
+        self._taking = Taking(
+            self._bench,
+            self._standing,
+            self._readiness,
+            conditions=self._conditions,
+            running=self._running,
+            run=ShotRun(self._bench, self._conditions, self._stop, self._running),
+            spawn=spawn,
+            analyse=analyse,
+        )
         self._acting, self.listeners = threading.Lock(), self._standing.listeners
 
     def status(self) -> RigStatus:
         """Return where the rig stands, at once; a token whose time is over is withdrawn by it."""
-        if self._token.has_expired and self._standing.lock.acquire(blocking=False):
-            try:
-                self._withdraw_expired()
-            finally:
-                self._standing.lock.release()
+        self._readiness.look_for_expired()
         status = self._standing.status()
         return replace(status, warnings=status.warnings + self._stop.warnings)
 
@@ -131,10 +134,10 @@ class Rig:
         StoreError
             The audit cannot be written.
         """
-        require_within(settings, self._limits)
+        require_within(settings, self._configuration.limits)
         with self._alone():
             self._await_safe_state()
-            self._begin_arming(settings, actor)
+            self._readiness.begin(settings, actor)
             reopen(self._devices, self._stop)
             if self._conditions.cut_off().holds:
                 try:
@@ -145,15 +148,11 @@ class Rig:
             conditions = self._conditions.all(settings)
             self._standing.found(conditions)
             require(conditions)
-            return self._give_token(settings, actor)
+            return self._readiness.give(settings, actor)
 
     def disarm(self, actor: str, reason: str) -> None:
         """Withdraw the live token, if there is one."""
-        with self._standing.lock:
-            self._token.withdraw(reason)
-            if self._standing.state is RigState.ARMED:
-                self._standing.move(RigState.IDLE, actor, reason)
-                self._standing.armed_for(self._standing.status().settings, None)
+        self._readiness.disarm(actor, reason)
 
     def rest(self) -> str:
         """Vent and stop the slide unless somebody uses the rig; say what became of each."""
@@ -188,32 +187,7 @@ class Rig:
         StoreError
             The claim is not on disk; nothing was fired, and the rig is disarmed.
         """
-        if not key.strip():
-            raise IdempotencyError("the idempotency key is empty", todo="send a fresh key")
-
-        def describe() -> NewShot:
-            return NewShot(
-                settings=self._token.take(token),
-                campaign=campaign,
-                note=note,
-                actor=actor,
-                simulated=self._configuration.simulation is not None,
-                configuration=self._configuration.digest,
-                accepted_at=self._clock.wall(),
-            )
-
-        with self._standing.lock:
-            self._withdraw_expired()
-            try:
-                shot, known = self._store.accept(key, body_hash, describe)
-            except StoreError:
-                self.disarm(ACTOR, "the shot could not be stored")
-                raise
-            if known:
-                return shot
-            self._start(shot, actor)
-        self._spawn(lambda: self._work(shot))
-        return shot
+        return self._taking.accept(token, key, body_hash, campaign=campaign, note=note, actor=actor)
 
     def fire(
         self,
@@ -255,7 +229,7 @@ class Rig:
             self._stop.stop(actor, reason)
         finally:
             with self._standing.lock:
-                self._token.withdraw("the emergency stop")
+                self._readiness.stopped()
                 self._running.overtake(f"emergency stop by {actor}: {reason}")
                 self._standing.armed_for(self._standing.status().settings, None)
                 self._standing.stopped(actor, reason, self._running.name)
@@ -360,60 +334,8 @@ class Rig:
         if ending:
             self._running.wait(_DEVICES_WAIT_S)
 
-    def _begin_arming(self, settings: ShotSettings, actor: str) -> None:
-        with self._standing.lock:
-            self._withdraw_expired()
-            if self._standing.state not in _ARMABLE or self._running.name is not None:
-                latched = self._standing.state in LATCHED
-                raise RefusedError(
-                    f"the rig is {self._standing.state} and cannot be armed",
-                    todo="release the rig with a reason" if latched else "wait for the shot's end",
-                    shot=self._running.name,
-                )
-            self.disarm(actor, "the rig is armed anew")
-            self._standing.armed_for(settings, None)
-
     def _after_stop(self) -> None:
         self._standing.note_of_stop("; ".join((*halt(self._devices), make_safe(self._devices))))
-
-    def _give_token(self, settings: ShotSettings, actor: str) -> Armed:
-        with self._standing.lock:
-            self._standing.move(RigState.CHECKED, actor, "every interlock holds")
-            try:
-                self._standing.move(RigState.ARMED, actor, "armed")
-            except StoreError:
-                self._standing.move(RigState.IDLE, ACTOR, "the audit cannot be written")
-                raise
-            lifetime_s = self._limits.arm_lifetime_s
-            expires_at = self._clock.wall() + timedelta(seconds=lifetime_s)
-            self._standing.armed_for(settings, expires_at)
-            token = self._token.issue(settings)
-            return Armed(token, expires_at, lifetime_s, self._standing.status().warnings)
-
-    def _start(self, shot: ShotRecord, actor: str) -> None:
-        self._standing.armed_for(shot.ordered, None)
-        try:
-            self._standing.move(RigState.FIRING, actor, "fire accepted", shot.id)
-        except RigError as error:
-            self.disarm(ACTOR, "the shot could not be started")
-            change = Change(ended_at=self._clock.wall(), failure=str(error))
-            self._store.move(shot.id, ShotState.ABORTED, change)
-            raise
-        self._running.begin(shot)
-
-    def _work(self, shot: ShotRecord) -> None:
-        failure: RigError | None = RigError("the run of the shot was torn down", shot=shot.id)
-        try:
-            failure = self._run.run(shot)
-        finally:
-            self._conditions.shot_ended()
-            ended = self._running.finish(failure)
-        if ended is not None and ended.state is ShotState.STORED:
-            self._analyse(ended.id)
-
-    def _withdraw_expired(self) -> None:
-        if self._token.has_expired:
-            self.disarm(ACTOR, f"the arm token expired after {self._limits.arm_lifetime_s:g} s")
 
     def _fail(self, error: RigError) -> None:
         with self._standing.lock:
