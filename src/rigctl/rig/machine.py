@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 
 from rigctl.cameras.capture import Capture
-from rigctl.config import Configuration
+from rigctl.config import CameraSection, Configuration
 from rigctl.devices.roles import Actuators, PowerQuery
 from rigctl.errors import DeviceError, RefusedError, RigError
 from rigctl.rig.adjusting import adjust
@@ -39,6 +39,11 @@ _log = logging.getLogger(__name__)
 
 _ENDING = frozenset({RigState.STORED, RigState.ABORTED, RigState.MISFIRE})
 _DEVICES_WAIT_S = 10.0
+
+
+def longest_run_s(camera: CameraSection) -> float:
+    """Return the longest time from an accepted order to a rig at rest, s."""
+    return camera.start_timeout_s + camera.collect_timeout_s + _DEVICES_WAIT_S
 
 
 class Rig:
@@ -79,6 +84,7 @@ class Rig:
         self._bench = Bench(configuration, devices, capture, store, clock)
         self._configuration, self._devices, self._store = configuration, devices, store
         self._clock, self._analyse = clock, analyse
+        self._longest_run_s = longest_run_s(configuration.camera)
         self._stop = EmergencyStop(
             devices.cut_off,
             store.path,
@@ -310,11 +316,6 @@ class Rig:
         self._stop.close(cut=self._configuration.trigger.power_cut == "holds")
         if safe and self._standing.state not in LATCHED and not self._stop.warnings:
             self._clean_end.leave()
-
-    @property
-    def _longest_run_s(self) -> float:
-        camera = self._configuration.camera
-        return camera.start_timeout_s + camera.collect_timeout_s + _DEVICES_WAIT_S
 
     @contextmanager
     def _alone(self) -> Iterator[None]:

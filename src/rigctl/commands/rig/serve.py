@@ -53,12 +53,16 @@ class _Server(uvicorn.Server):
         super().__init__(config)
         self._hub = hub
         self._loop: asyncio.AbstractEventLoop | None = None
+        self._ends = False
 
     def answers(self) -> bool:
-        """Say within `ANSWERS_WITHIN_S` whether the event loop takes calls."""
+        """Say within `ANSWERS_WITHIN_S` whether the event loop takes calls, or need not any more.
+
+        What leaves the rig safe after the service's end may take longer than a watchdog waits.
+        """
         taken = threading.Event()
-        if self._loop is None:
-            return False
+        if self._loop is None or self._ends:
+            return self._ends
         with suppress(RuntimeError):
             self._loop.call_soon_threadsafe(taken.set)
         return taken.wait(ANSWERS_WITHIN_S)
@@ -69,6 +73,7 @@ class _Server(uvicorn.Server):
         systemd.notify(systemd.READY)
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        self._ends = True
         systemd.notify(systemd.STOPPING)
         self._hub.close()
         await super().shutdown(sockets)
@@ -116,7 +121,13 @@ def serve(
     )
     origins = OwnOrigins((section.host, *section.names))
     try:
-        with listening, stop_listening, open_daemon(configuration) as daemon, ExitStack() as opened:
+        with (
+            ExitStack() as last,
+            listening,
+            stop_listening,
+            open_daemon(configuration) as daemon,
+            ExitStack() as opened,
+        ):
             opened.callback(StopPort(stop_listening, daemon.rig, origins).close)
             written = keyfile.write(daemon.store.path, address)
             hide_from_jobs(written)
@@ -126,7 +137,8 @@ def serve(
                 guarded = AnswerHeaders(OriginGuard(behind_proxy(page, section.proxy), origins))
                 connections = Connections(room_for(descriptors))
                 server = _server(guarded, configuration, hub, connections)
-                opened.callback(Watchdog(lambda: server.answers() and daemon.rig.answers()).close)
+                # It goes on until the rig is safe: a shot under way ends first.
+                last.callback(Watchdog(lambda: server.answers() and daemon.rig.answers()).close)
                 opened.callback(daemon.rig.listeners.add(logs.transition))
                 opened.callback(daemon.store.listeners.add(logs.shot))
                 typer.echo(_greeting(address, configuration, chosen=key is not None))
