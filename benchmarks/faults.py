@@ -1,13 +1,14 @@
 """Every fault in every state: python -m benchmarks.faults.
 
 The plan is generated: each state that a shot passes in the rig's transition table, by each fault
-of each simulated device, of the disk, the catalogue and the clock. A fault strikes when the rig
-enters the state, while one shot is armed and fired. Then it must hold that
+of each simulated device, of the disk, the catalogue and the clock, and of the worker that analyses
+an earlier shot meanwhile. A fault strikes when the rig enters the state, while one shot is armed
+and fired; states that a shot passes only when something fails are provoked. Then it must hold that
 
 - whatever was raised is an error of rigctl, with a code;
 - the rig has come to rest: idle, or waiting for a person;
 - the record agrees with the world's own count of fires, and nothing fired twice;
-- no shot is left without an end;
+- no shot is left without an end, and one whose worker was killed says so;
 - once the fault is gone, and the rig released where it waits, the next shot is stored, without a
   restart.
 
@@ -33,7 +34,8 @@ from pathlib import Path
 from typing import Any
 from unittest import mock
 
-from benchmarks.kill import NoAnalysis, configuration
+from benchmarks import killed_worker
+from benchmarks.kill import configuration
 from rigctl import daemon as daemons
 from rigctl.config import Configuration
 from rigctl.daemon import Daemon
@@ -64,6 +66,11 @@ WRITES = (
     "rigctl.rig.stopping.latch.write_synced",
 )
 """What the daemon writes a shot and a latch by."""
+PROVOKED: dict[RigState, tuple[str, str, dict[str, Any]]] = {
+    RigState.ABORTED: ("recorder", "never-starts", {}),
+    RigState.MISFIRE: ("trigger", "deaf", {"command": "FIRE"}),
+}
+"""The fault, of which device, by which a shot comes to a state that it does not pass unharmed."""
 CATALOGUE_BUSY_S = 0.1
 CLOCK_STEP_S = 3600.0
 
@@ -85,6 +92,7 @@ class Findings:
     """What became of the faults: errors by code, and what did not hold."""
 
     tried: int = 0
+    struck: int = 0
     ends: dict[str, int] = field(default_factory=dict)
     states: dict[str, int] = field(default_factory=dict)
     failed: list[str] = field(default_factory=list)
@@ -110,6 +118,8 @@ class Bench:
                 self._ends.append(full.stop)
         if fault.part == "catalogue" or fault.kind == "takes nothing":
             self._lock_catalogue()
+        elif fault.part == "worker":
+            killed_worker.kill()
         elif fault.part == "clock":
             self.step_s = CLOCK_STEP_S if fault.kind == "forward" else -CLOCK_STEP_S
         elif fault.part != "disk":
@@ -171,12 +181,16 @@ def plan() -> list[Fault]:
     faults += [("recorder", kind) for kind in FrameFault]
     faults += [("relay", kind) for kind in (*UsbFault, "stuck")]
     faults += [("disk", "takes nothing"), ("disk", "takes no frames"), ("catalogue", "locked")]
-    faults += [("clock", "forward"), ("clock", "back")]
+    faults += [("clock", "forward"), ("clock", "back"), ("worker", "killed")]
     return [Fault(part, str(kind), state) for state in PASSED for part, kind in faults]
 
 
 def attempt(bench: Bench, fault: Fault, found: Findings) -> None:
     """Let one fault strike a shot, and see what holds afterwards."""
+    held = ""
+    if fault.part == "worker":
+        held = bench.shoot().id
+        killed_worker.hold(bench.daemon, held)
     fires_before = bench.laboratory.fires
     struck = [False]
 
@@ -188,6 +202,9 @@ def attempt(bench: Bench, fault: Fault, found: Findings) -> None:
     if fault.state is RigState.IDLE:
         bench.strike(fault)
         struck[0] = True
+    if fault.state in PROVOKED:
+        part, kind, options = PROVOKED[fault.state]
+        bench.laboratory.fault(part, kind, **options)
     deaf = bench.daemon.rig.listeners.add(enters)
     error: Exception | None = None
     end = ""
@@ -200,11 +217,17 @@ def attempt(bench: Bench, fault: Fault, found: Findings) -> None:
     state = bench.rest()
     deaf()
     found.tried += 1
+    found.struck += struck[0]
     found.ends[end] = found.ends.get(end, 0) + 1
     found.states[state] = found.states.get(state, 0) + 1
     bench.mend()
     for complaint in complaints(bench, error, state, fires_before):
         found.failed.append(f"{fault}: {complaint}")
+    if held and (last := bench.daemon.store.catalogue.last()) is not None:
+        # One that was not struck is killed now: nothing may be left to the next fault.
+        killed_worker.kill()
+        for complaint in killed_worker.complaints(bench.daemon, held, last.id):
+            found.failed.append(f"{fault}: {complaint}")
 
 
 def complaints(
@@ -256,7 +279,7 @@ def opened(folder: Path, answer_timeout_s: float = 0.25) -> Iterator[Bench]:
     strict = Configuration.model_validate_json(json.dumps(document))
     load_integrator()
     with (
-        mock.patch.object(daemons, "Analyser", NoAnalysis),
+        mock.patch.object(daemons, "Analyser", killed_worker.ByRequest),
         mock.patch.object(daemons, "Rig", partial(Rig, clock=clock)),
         daemons.open_daemon(strict) as daemon,
     ):
@@ -268,12 +291,16 @@ def main() -> int:
     """Try the plan, or a part of it drawn by chance; print and write the findings."""
     asked = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     asked.add_argument("--most", type=int, default=0, help="so many, drawn by chance; 0: all")
+    asked.add_argument("--part", help="faults of this part alone, worker for one")
+    asked.add_argument("--share", type=float, default=1.0, help="of the plan, drawn by chance")
     asked.add_argument("--seed", type=int, default=1)
     asked.add_argument("--out", type=Path, default=OUT)
     options = asked.parse_args()
-    chosen, found = plan(), Findings()
-    if options.most:
-        chosen = random.Random(options.seed).sample(chosen, options.most)
+    chosen = [fault for fault in plan() if options.part in {None, fault.part}]
+    found = Findings()
+    most = options.most or round(options.share * len(chosen))
+    if most < len(chosen):
+        chosen = random.Random(options.seed).sample(chosen, most)
     with tempfile.TemporaryDirectory() as temporary, opened(Path(temporary) / "data") as bench:
         for fault in chosen:
             before = len(found.failed)
@@ -281,7 +308,7 @@ def main() -> int:
             for complaint in found.failed[before:]:
                 print(complaint, flush=True)
     survived = found.tried - len({text.partition(":")[0] for text in found.failed})
-    print(f"{found.tried} faults tried, {survived} survived")
+    print(f"{found.tried} faults tried, {found.struck} struck, {survived} survived")
     for name, counts in (("ended", found.ends), ("came to rest", found.states)):
         listed = sorted(counts.items(), key=lambda pair: -pair[1])
         print(f"{name}: " + "; ".join(f"{what} {count}" for what, count in listed))

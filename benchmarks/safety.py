@@ -2,7 +2,7 @@
 
 Runs, one after another: stops under load and the dead man, kills at random moments, every fault in
 every state, broken files, and shots in a row. Each prints its own table; a last table has them all.
-`--quick` takes a fiftieth of each. Ends 1 where one of them does not hold.
+`--share 0.1` takes a tenth of each, `--quick` a fiftieth. Ends 1 where one of them does not hold.
 """
 
 from __future__ import annotations
@@ -16,31 +16,34 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """One command: its module, and its words for a whole and for a quick run."""
+    """One command: its module, and its numbers in a whole run by their options."""
 
     what: str
     module: str
-    whole: tuple[str, ...]
-    quick: tuple[str, ...]
+    whole: dict[str, float]
+
+    def words(self, share: float) -> list[str]:
+        """Return the options for a share of the whole: a count is whole, and at least one."""
+        words = []
+        for option, number in self.whole.items():
+            part = share * number
+            words += [option, f"{max(1, round(part)) if isinstance(number, int) else part:g}"]
+        return words
 
 
+QUICK = 0.02
 PARTS = (
-    Part(
-        "stops under load, dead man",
-        "stop",
-        ("--times", "100", "--kills", "5"),
-        ("--times", "2", "--kills", "1"),
-    ),
-    Part("kills at random moments", "kill", ("--kills", "1000"), ("--kills", "20")),
-    Part("every fault in every state", "faults", (), ("--most", "10")),
-    Part("broken files", "hostile_files", ("--files", "12000"), ("--files", "240")),
-    Part("shots in a row", "soak", ("--shots", "10000"), ("--shots", "200")),
+    Part("stops under load, dead man", "stop", {"--times": 100, "--kills": 5}),
+    Part("kills at random moments", "kill", {"--kills": 1000}),
+    Part("every fault in every state", "faults", {"--share": 1.0}),
+    Part("broken files", "hostile_files", {"--files": 12_000}),
+    Part("shots in a row", "soak", {"--shots": 10_000}),
 )
 
 
-def run(part: Part, *, quick: bool) -> tuple[bool, float, list[str]]:
+def run(part: Part, share: float) -> tuple[bool, float, list[str]]:
     """Run one part, showing its lines as they come; return whether it held, its time, its lines."""
-    words = part.quick if quick else part.whole
+    words = part.words(share)
     print(f"== {part.what}: python -m benchmarks.{part.module} {' '.join(words)}", flush=True)
     began = time.monotonic()
     command = [sys.executable, "-m", f"benchmarks.{part.module}", *words]
@@ -56,11 +59,12 @@ def run(part: Part, *, quick: bool) -> tuple[bool, float, list[str]]:
 def main() -> int:
     """Run every part, and print the table."""
     asked = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    asked.add_argument("--share", type=float, default=1.0, help="of each part's numbers")
     asked.add_argument("--quick", action="store_true", help="a fiftieth of each")
     options = asked.parse_args()
     table = []
     for part in PARTS:
-        held, took_s, lines = run(part, quick=options.quick)
+        held, took_s, lines = run(part, QUICK if options.quick else options.share)
         table.append((part.what, held, took_s, lines[-1] if lines else ""))
     print(f"\n{'part':28} {'holds':>5} {'s':>6}  last line")
     for what, held, took_s, last in table:

@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from benchmarks.faults import PASSED, plan
+
 ROOT = Path(__file__).parents[2]
 
 
@@ -32,7 +34,28 @@ def test_faults_drawn_from_the_plan_end_in_a_named_error_and_a_safe_state(
     tmp_path: Path, most: int
 ) -> None:
     found = run("faults", tmp_path, "--most", str(most), "--seed", "7")
-    assert (found["tried"], found["failed"]) == (most, [])
+    # Each has struck: a state that a shot passes only when something fails is provoked.
+    assert (found["tried"], found["struck"], found["failed"]) == (most, most, [])
+
+
+@pytest.mark.long
+@pytest.mark.timeout(1000)
+def test_a_worker_that_is_killed_in_any_state_refuses_its_shot_alone_and_by_name(
+    tmp_path: Path,
+) -> None:
+    found = run("faults", tmp_path, "--part", "worker")
+    assert (found["tried"], found["struck"], found["failed"]) == (len(PASSED), len(PASSED), [])
+
+
+def test_the_plan_has_every_fault_in_every_state_that_a_shot_may_pass() -> None:
+    parts = {"trigger", "regulator", "slide", "cut-off", "recorder", "relay"}
+    by_state: dict[str, set[tuple[str, str]]] = {}
+    for fault in plan():
+        by_state.setdefault(fault.state, set()).add((fault.part, fault.kind))
+    assert set(by_state) == set(PASSED)
+    (kinds,) = {frozenset(kinds) for kinds in by_state.values()}
+    assert {part for part, _ in kinds} == parts | {"disk", "catalogue", "clock", "worker"}
+    assert ("worker", "killed") in kinds
 
 
 @pytest.mark.long

@@ -1,0 +1,101 @@
+"""A worker that analyses while the rig fires, and is killed: the part of the plan of faults.
+
+The analysis itself is a stand-in. It answers at once, or holds until it is killed, as its method
+says; process, supervision and store are the daemon's own.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rigctl.measuring.analysing import Analyser
+from rigctl.measuring.analysis_process import AnalysisFailedError
+from rigctl.store import ShotRecord, Store
+from rigctl.store.states import ShotState
+
+if TYPE_CHECKING:
+    from rigctl.daemon import Daemon
+
+AT_ONCE, HELD = "at-once", "held"
+ENDS_WITHIN_S = 60.0
+PROCESS = "analysis"
+"""Name of the worker's process."""
+
+
+def analyse(_folder: Path, method: str) -> dict[str, object]:
+    """Answer at once, or hold until killed."""
+    while method == HELD:
+        signal.pause()
+    return {"status": "measured"}
+
+
+class ByRequest:
+    """In the place of the analysis: a worker of the daemon's for those shots that are named."""
+
+    compiling = None
+
+    def __init__(self, store: Store, **_: object) -> None:
+        self._analyser = Analyser(
+            store,
+            workers=1,
+            method=AT_ONCE,
+            timeout_s=ENDS_WITHIN_S,
+            function=f"{__name__}:analyse",
+        )
+
+    def submit(self, shot: str) -> None:
+        pass
+
+    def submit_by(self, shot: str, method: str) -> None:
+        self._analyser.submit_by(shot, method)
+
+    def close(self) -> None:
+        self._analyser.close()
+
+
+def hold(daemon: Daemon, shot: str) -> None:
+    """Have a shot analysed by a worker that holds; return once it is under way."""
+    daemon.analyse_by(shot, HELD)
+    _until(lambda: daemon.store.shot(shot).state is ShotState.ANALYSING and bool(_workers()))
+
+
+def kill() -> None:
+    """Kill the worker."""
+    for number in _workers():
+        os.kill(number, signal.SIGKILL)
+
+
+def complaints(daemon: Daemon, held: str, following: str) -> Iterator[str]:
+    """Yield what does not hold of the shot whose worker was killed, and of the one behind it."""
+    shot = _ended(daemon, held)
+    if (shot.state, shot.failure_code) != (ShotState.REFUSED, AnalysisFailedError.code):
+        yield f"its shot is {shot.state}, {shot.failure_code}: {shot.failure}"
+    elif "was killed by SIGKILL" not in (shot.failure or ""):
+        yield f"its shot does not say so: {shot.failure}"
+    daemon.analyse_by(following, AT_ONCE)
+    shot = _ended(daemon, following, ShotState.ANALYSED)
+    if shot.state is not ShotState.ANALYSED:
+        yield f"the shot behind it is {shot.state}: {shot.failure}"
+
+
+def _ended(daemon: Daemon, name: str, state: ShotState = ShotState.REFUSED) -> ShotRecord:
+    _until(lambda: daemon.store.shot(name).state is state)
+    return daemon.store.shot(name)
+
+
+def _workers() -> list[int]:
+    children = multiprocessing.active_children()
+    return [child.pid for child in children if child.name == PROCESS and child.pid is not None]
+
+
+def _until(condition: Callable[[], bool]) -> None:
+    """Wait until a condition holds, or the time is over; the caller looks which."""
+    ends = time.monotonic() + ENDS_WITHIN_S
+    while not condition() and time.monotonic() < ends:
+        time.sleep(0.005)
