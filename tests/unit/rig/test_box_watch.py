@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
+import signal
+import subprocess
+import sys
 import threading
+import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from queue import SimpleQueue
@@ -18,6 +23,7 @@ from rigctl.rig.stopping.dead_man import SILENT_S
 from simulators.wire.faults import SerialDevice, SerialFaults
 from simulators.wire.framing import Lines
 from simulators.wire.pty_port import PtyPort
+from simulators.wire.trigger_box import Pulses
 from simulators.wire.trigger_box import TriggerBox as SimulatedBox
 
 
@@ -136,6 +142,54 @@ def test_power_is_not_given_where_the_box_does_not_answer(
         lab.rig.release("berta", "only steam")
     assert (lab.state, lab.cut_off.power) == ("estop", False)
     lab.close()
+
+
+DAEMON = """
+import sys
+from rigctl.devices.serial_port import SerialPort
+from rigctl.devices.trigger_box import TriggerBox
+from rigctl.errors import DeviceError
+from rigctl.rig.stopping.box_watch import BoxWatch
+
+port = SerialPort(sys.argv[1], part="trigger", baud=115200, answer_timeout_s=2.0)
+box = TriggerBox(port, pulse_us=20000)
+BoxWatch(box).start(lambda: True, lambda why: None)
+box.arm(1, 0.0)
+print("armed", flush=True)
+sys.stdin.readline()
+try:
+    print("fired", box.fire(1))
+except DeviceError as error:
+    print("refused", error)
+"""
+"""What a daemon does that arms, and fires once it is told to."""
+
+
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP])
+def test_from_the_daemons_death_or_halt_the_box_is_safe_within_a_second_and_stays_so(
+    tmp_path: Path, number: signal.Signals
+) -> None:
+    pulses: list[Pulses] = []
+    box = SimulatedBox(time.monotonic, pulses.append, contact_in_power=True)
+    box.power(True)
+    device = SerialDevice(Lines(b"\n"), box.answer, SerialFaults())
+    with (
+        contextlib.closing(PtyPort(device.receive, tmp_path / "box")) as far,
+        subprocess.Popen(
+            [sys.executable, "-c", DAEMON, far.path], stdin=-1, stdout=-1, text=True
+        ) as daemon,
+    ):
+        assert daemon.stdout is not None
+        assert daemon.stdout.readline() == "armed\n"
+        killed_s = time.monotonic()
+        daemon.send_signal(number)
+        until(lambda: box.late_since_s is not None)
+        assert float(str(box.late_since_s)) - killed_s < 1.0
+        assert (box.is_armed, box.is_powered) == (False, False)
+        daemon.send_signal(signal.SIGCONT)
+        said, _ = daemon.communicate("go on\n", timeout=BOUND_S)
+        assert "fired" not in said
+    assert pulses == []
 
 
 class Deaf:
