@@ -78,6 +78,7 @@ class TriggerBox:
         self._powered = False
         self._last_sequence = 0
         self._fires = 0
+        self._pulsing_until_s = clock()
         self._stuck = False
 
     def power(self, on: bool) -> None:
@@ -85,7 +86,7 @@ class TriggerBox:
         with self._lock:
             self._powered = on
             if not on:
-                self._arming = None
+                self._disarm()
 
     @property
     def is_powered(self) -> bool:
@@ -131,11 +132,9 @@ class TriggerBox:
                 return self._watch.beat()
             if watch := _WATCH.fullmatch(command):
                 # What was armed before the watch was late, or ended, must not come back.
-                self._armed()
-                answer = self._watch.set(int(watch[1]))
-                if not self._watch.is_kept:
-                    self._arming = None
-                return answer
+                if self._watch.late_since_s is not None or int(watch[1]) == 0:
+                    self._disarm()
+                return self._watch.set(int(watch[1]))
         return None
 
     def _plain(self, command: str) -> str:
@@ -143,12 +142,16 @@ class TriggerBox:
             if command == "ID?":
                 return f"RIGTRIG {self._version} {CHANNELS}"
             if command == "SAFE":
-                self._arming = None
+                self._disarm()
                 return "SAFE"
             if command == "STAT?":
                 state = "SAFE" if self._armed() is None else "ARMED"
                 return f"STAT {state} {self._last_sequence} {self._fires} {int(self.is_powered)}"
         return "ERR SYNTAX unknown command"
+
+    def _disarm(self) -> None:
+        self._arming = None
+        self._pulsing_until_s = self._clock()
 
     def _armed(self) -> _Arming | None:
         arming = self._arming
@@ -174,6 +177,8 @@ class TriggerBox:
                 return f"ERR SEQUENCE above {self._last_sequence}"
             if refusal := self._unable():
                 return refusal
+            if self._clock() < self._pulsing_until_s:
+                return "ERR BUSY pulses under way"
             until = self._clock() + ARMED_FOR_S
             self._arming = _Arming(sequence, delay_us, width_us, until)
             return f"ARMED {sequence}"
@@ -193,6 +198,8 @@ class TriggerBox:
             self._last_sequence = sequence
             self._fires += 1
             first = self._clock()
+            lasts_us = abs(arming.delay_us) + arming.width_us
+            self._pulsing_until_s = first + lasts_us * 1e-6
         if not self._stuck:
             # Outside the lock: the cut-off must never wait for whatever the pulses set off.
             self._output(_pulses(first, arming))

@@ -139,6 +139,18 @@ def demo(
 
 
 @rig.command()
+def firmware(
+    *,
+    out: Annotated[Path, typer.Option(help="Folder for the firmware's source.")] = Path("firmware"),
+    port: Annotated[str, typer.Option(help="Where the board is plugged in.")] = "/dev/ttyUSB0",
+) -> None:
+    """Write out the trigger box's firmware, and say how to build and flash it."""
+    from rigctl.commands.rig.firmware import write_firmware
+
+    write_firmware(out, port)
+
+
+@rig.command()
 def precompile() -> None:
     """Compile the analysis for this machine once, a minute or two; no first shot waits for it."""
     from rigctl.commands.analysis.precompile import precompile as run_precompile

@@ -15,6 +15,7 @@ _ADVICE = {
     "CUT": "restore the cut-off",
     "CHECKSUM": "check the cable and its screen",
     "LATE": "the box heard no heartbeat in time and made itself safe; release the rig",
+    "BUSY": "wait for the end of the pulses of the last shot",
     "NOTARMED": "arm again; the box disarms itself 5 s after ARM",
 }
 

@@ -105,6 +105,21 @@ def test_the_outputs_rise_apart_by_the_delay(
     assert pulses.width_s == pytest.approx(0.02)
 
 
+def test_a_box_arms_only_when_its_pulses_are_over(clock: Clock, bench: Bench) -> None:
+    bench.ask("ARM 1 5000 20000")
+    bench.ask("FIRE 1")
+    clock.advance(0.0249)
+    assert bench.ask("ARM 2 0 100") == "ERR BUSY pulses under way"
+    clock.advance(0.0002)
+    assert bench.ask("ARM 2 0 100") == "ARMED 2"
+
+
+def test_a_refused_watch_disarms_nothing(bench: Bench) -> None:
+    bench.ask("ARM 1 0 20000")
+    assert bench.ask("WATCH 99").startswith("ERR RANGE")
+    assert bench.ask("STAT?") == "STAT ARMED 0 0 1"
+
+
 def test_the_box_disarms_itself_five_seconds_after_arming(clock: Clock, bench: Bench) -> None:
     bench.ask("ARM 1 0 20000")
     clock.advance(4.999)
