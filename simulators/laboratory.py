@@ -263,6 +263,9 @@ class Laboratory:
 def open_laboratory(folder: Path, options: Mapping[str, object]) -> Laboratory:
     """Build the laboratory in a folder; the factory that a configuration names.
 
+    `options` are those of `[simulation]`, and under `scene` what the configuration says of spheres,
+    surroundings and optics: the simulated world has just these.
+
     Raises
     ------
     ValueError
@@ -276,7 +279,12 @@ def open_laboratory(folder: Path, options: Mapping[str, object]) -> Laboratory:
 def _world(options: Options, truth: Path) -> World:
     """Return the nylon rig's world, with what is hidden on top, its label sealed."""
     if not options.hides:
-        return World(WorldDescription(), options.seed, truth)
+        return World(options.world, options.seed, truth)
+    if options.world != WorldDescription(optics=options.world.optics):
+        raise ValueError(
+            f"simulation.hides is {options.hides!r}, which acts between the nylon rig's spheres;"
+            " leave spheres, environment and the tables contact, tube and air at nylon's"
+        )
     # Slow to load, and of no use to a laboratory that hides nothing.
     from simulators.challenge.effects import switched  # noqa: PLC0415
     from simulators.challenge.force_choice import Forces  # noqa: PLC0415
@@ -287,7 +295,7 @@ def _world(options: Options, truth: Path) -> World:
     named = None if options.hides == DRAWN else options.hides
     hidden = draw_in_contact(np.random.default_rng([options.seed, _LABEL]), named)
     law = contact_law(replace(switched(hidden), forces=Forces()))
-    world = World(WorldDescription(), options.seed, truth, law)
+    world = World(options.world, options.seed, truth, law)
     label = label_document(hidden, world=[LASTING])
     write_seal(truth, label, np.random.default_rng([options.seed, _SALT]))
     return world

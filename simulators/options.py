@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
+from typing import Any
 
 from simulators.ektapro.processor import RUN_UP_S
 from simulators.wire.alicat import LAG_S
 from simulators.wire.zaber import SPEED_MM_PER_S
+from simulators.world import WorldDescription
+from simulators.world.scene import described
 
 IN_CONTACT = (
     "friction-speed",
@@ -41,6 +44,9 @@ class Options:
     hides
         One of `HIDES`. Empty: spheres of nylon in still air. Else one effect comes on top in their
         contact: that of this name, or the one that the seed draws.
+    world
+        What the configuration describes and the tables `contact`, `tube` and `air` change
+        (`simulators.world.scene.described`).
     """
 
     seed: int = 1
@@ -49,8 +55,11 @@ class Options:
     run_up_s: float = RUN_UP_S
     watch_contact: bool = False
     hides: str = ""
+    world: WorldDescription = field(default_factory=WorldDescription)
 
 
+WORLD_TABLES = ("scene", "contact", "tube", "air")
+"""Tables that describe the world; `scene` is what the rig's own configuration says of it."""
 DRAWN = "drawn"
 HIDES = ("", DRAWN, *IN_CONTACT)
 
@@ -70,12 +79,16 @@ def read_options(table: Mapping[str, object]) -> Options:
     ValueError
         An unknown option, or a value of the wrong kind or outside its limits; the option is named.
     """
-    known = {field.name for field in fields(Options)}
+    known = {each.name for each in fields(Options)} - {"world"} | {*WORLD_TABLES}
     for name, value in table.items():
         if name not in known:
             raise ValueError(
                 f"simulation.{name} is no option; there are {', '.join(sorted(known))}"
             )
+        if name in WORLD_TABLES:
+            if not isinstance(value, Mapping):
+                raise ValueError(f"simulation.{name} is {value!r}; it is a table")
+            continue
         if name == "hides":
             if value not in HIDES:
                 raise ValueError(f"simulation.hides is {value!r}; allowed {', '.join(HIDES[1:])}")
@@ -88,4 +101,7 @@ def read_options(table: Mapping[str, object]) -> Options:
         kinds = int if name == "seed" else (int, float)
         if not isinstance(value, kinds) or isinstance(value, bool) or not low <= value <= high:
             raise ValueError(f"simulation.{name} is {value!r}; allowed {low} to {high}")
-    return Options(**table)  # type: ignore[arg-type]  # each value was checked above
+    plain = {name: value for name, value in table.items() if name not in WORLD_TABLES}
+    tables: dict[str, Any] = {name: table.get(name, {}) for name in WORLD_TABLES}
+    world = described(tables.pop("scene"), **tables)
+    return Options(**plain, world=world)  # type: ignore[arg-type]  # each value was checked above

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Protocol, cast
 
 from rigctl.cameras.build import build_capture
-from rigctl.config import SIMULATED, Configuration, Simulation, TriggerBox
+from rigctl.config import SIMULATED, Configuration, TriggerBox
 from rigctl.devices import build
 from rigctl.devices.roles import Actuators, HeartbeatWatch
 from rigctl.errors import ConfigurationError
@@ -81,7 +81,7 @@ def open_daemon(configuration: Configuration) -> Iterator[Daemon]:
     with ExitStack() as opened:
         store = own_store(configuration)
         opened.callback(store.close)
-        laboratory = _open_laboratory(configuration.simulation, store.path / LABORATORY_FOLDER)
+        laboratory = _open_laboratory(configuration, store.path / LABORATORY_FOLDER)
         if laboratory is not None:
             opened.callback(laboratory.close)
         devices = _open_devices(configuration, laboratory, opened)
@@ -148,7 +148,8 @@ def _watches(configuration: Configuration, devices: Actuators) -> tuple[Watch, .
     return tuple(watches)
 
 
-def _open_laboratory(simulation: Simulation | None, folder: Path) -> Laboratory | None:
+def _open_laboratory(configuration: Configuration, folder: Path) -> Laboratory | None:
+    simulation = configuration.simulation
     if simulation is None:
         return None
     module, _, name = simulation.factory.partition(":")
@@ -163,7 +164,9 @@ def _open_laboratory(simulation: Simulation | None, folder: Path) -> Laboratory 
         ) from error
     try:
         # What a configuration names has no type before it runs.
-        return cast("Laboratory", factory(folder, simulation.options))
+        return cast(
+            "Laboratory", factory(folder, simulation.options | {"scene": configuration.scene})
+        )
     except ValueError as error:
         raise ConfigurationError(
             str(error), part="simulation", todo="correct the table [simulation]"

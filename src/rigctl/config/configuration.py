@@ -119,6 +119,12 @@ class Configuration(StrictModel):
         text = json.dumps(self.model_dump(mode="json"), sort_keys=True, separators=(",", ":"))
         return hashlib.sha256(text.encode()).hexdigest()
 
+    @property
+    def scene(self) -> dict[str, object]:
+        """What a simulated world takes over, as JSON: spheres, environment, optics, exposure."""
+        document = self.model_dump(mode="json", include={"spheres", "environment", "optics"})
+        return document | {"exposure_us": self.camera.exposure_us}
+
     @model_validator(mode="after")
     def _has_its_apparatus(self) -> Self:
         pusher = self.apparatus == "pusher"

@@ -179,7 +179,7 @@ def test_transferred_pictures_show_the_instants_after_the_recording_was_told(
 def test_a_stuck_trigger_box_fires_nothing(host: Host, laboratory: Laboratory) -> None:
     host.power(True)
     laboratory.fault("trigger", "stuck")
-    host.trigger("ARM 1 0 20000")
+    host.trigger("ARM 1 0 100")
     assert host.trigger("FIRE 1").startswith("FIRED 1 ")
     assert laboratory.fires == 0
     laboratory.clear_faults()
