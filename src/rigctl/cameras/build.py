@@ -39,6 +39,7 @@ def build_capture(section: EktaproCamera | V4l2Camera, laboratory: Laboratory | 
             section.device,
             rows=section.rows,
             columns=section.columns,
+            pixel_format=section.pixel_format,
             input_number=section.input,
             buffers=section.buffers,
         )
@@ -89,6 +90,7 @@ def _source(
         section.source.device,
         rows=section.rows,
         columns=section.columns,
+        pixel_format=section.source.pixel_format,
         input_number=section.source.input,
     )
     return DigitisedPlayback(recorder, grabber, picture_rate_hz=rate)

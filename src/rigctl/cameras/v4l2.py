@@ -12,7 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rigctl.cameras import v4l2_structs as v4l2
+from rigctl.cameras.pixel_formats import COMPRESSED, GREY_FORMATS
 from rigctl.cameras.v4l2_kernel import Kernel, LinuxKernel, Mapping
+from rigctl.config import PixelFormatName
 from rigctl.errors import (
     DeviceAbsentError,
     DeviceAnswerError,
@@ -50,10 +52,10 @@ class VideoFrame:
 
 
 class VideoDevice:
-    """Streams 8-bit grey frames of one fixed size. One thread at a time.
+    """Streams grey frames of one fixed size, 8 bits a pixel. One thread at a time.
 
     The device node is open while it streams. Drivers may change what they are asked for: the
-    format is read back and anything else than grey of exactly this size is refused.
+    format is read back, and any other than this one of exactly this size is refused.
 
     Parameters
     ----------
@@ -61,6 +63,8 @@ class VideoDevice:
         Device node, such as ``/dev/video0``.
     rows, columns
         Size of a frame in pixels.
+    pixel_format
+        What the driver is asked for (`pixel_formats`).
     input_number
         Input of a frame grabber; cameras have input 0.
     buffers
@@ -77,18 +81,20 @@ class VideoDevice:
         *,
         rows: int,
         columns: int,
+        pixel_format: PixelFormatName = "GREY",
         input_number: int = 0,
         buffers: int = 8,
         kernel: Kernel | None = None,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self._path, self._rows, self._columns = path, rows, columns
+        self._format_name, self._format = pixel_format, GREY_FORMATS[pixel_format]
         self._input, self._wanted_buffers = input_number, buffers
         self._kernel: Kernel = kernel or LinuxKernel()
         self._clock = clock
         self._descriptor: int | None = None
         self._mapped: list[Mapping] = []
-        self._line_bytes = columns
+        self._line_bytes = columns * self._format.bytes_per_pixel
         self._last: int | None = None
         self._frames = 0
 
@@ -211,26 +217,29 @@ class VideoDevice:
                 raise
 
     def _set_format(self) -> None:
-        argument = v4l2.ask_format(self._columns, self._rows)
+        argument = v4l2.ask_format(self._columns, self._rows, self._format.code)
         self._call(v4l2.S_FMT, argument, "set the format")
         granted = v4l2.granted_format(argument)
-        fits = (granted.width, granted.height, granted.code) == (
-            self._columns,
-            self._rows,
-            v4l2.GREY,
-        )
+        wanted = (self._columns, self._rows, self._format.code)
+        fits = (granted.width, granted.height, granted.code) == wanted
         whole = granted.line_bytes * self._rows <= granted.image_bytes
-        if not (fits and whole and granted.line_bytes >= self._columns):
-            code = granted.code.to_bytes(4, "little").decode("latin-1")
-            raise FramesError(
-                "the driver grants another format",
-                part=self.name,
-                value=f"{granted.height} rows, {granted.width} columns, {code!r}, "
-                f"{granted.line_bytes} bytes a line, {granted.image_bytes} an image",
-                limit=f"{self._rows} rows, {self._columns} columns, 'GREY'",
-                todo="set rows and columns in the configuration to what the camera can do",
-            )
+        if not (fits and whole and granted.line_bytes >= self._line_bytes):
+            raise self._other_format(granted)
         self._line_bytes = granted.line_bytes
+
+    def _other_format(self, granted: v4l2.PixelFormat) -> FramesError:
+        code = granted.code.to_bytes(4, "little").decode("latin-1")
+        todo = "set rows, columns and pixel_format in the configuration to what the camera can do"
+        if code in COMPRESSED:
+            todo = f"{code} is compressed and changes grey levels: set pixel_format to another one"
+        return FramesError(
+            "the driver grants another format",
+            part=self.name,
+            value=f"{granted.height} rows, {granted.width} columns, {code!r}, "
+            f"{granted.line_bytes} bytes a line, {granted.image_bytes} an image",
+            limit=f"{self._rows} rows, {self._columns} columns, {self._format_name!r}",
+            todo=todo,
+        )
 
     def _map_buffers(self) -> None:
         argument = v4l2.ask_buffers(self._wanted_buffers)
@@ -273,7 +282,8 @@ class VideoDevice:
         pixels = None
         if not filled.damaged and filled.bytes_used >= size:
             data = np.frombuffer(self._mapped[filled.index][:size], dtype=np.uint8)
-            pixels = data.reshape(self._rows, self._line_bytes)[:, : self._columns]
+            lines = data.reshape(self._rows, self._line_bytes)
+            pixels = self._format.grey(lines, self._columns)
         self._call(v4l2.QBUF, v4l2.buffer(filled.index), "queue a buffer")
         if not filled.monotonic:
             raise DeviceAnswerError(

@@ -12,9 +12,6 @@ from dataclasses import dataclass
 CAPTURE = 1
 """V4L2_BUF_TYPE_VIDEO_CAPTURE."""
 
-GREY = int.from_bytes(b"GREY", "little")
-"""V4L2_PIX_FMT_GREY: one byte a pixel."""
-
 _MMAP = 1
 _FIELD_NONE = 1
 _CAN_CAPTURE, _CAN_STREAM, _HAS_DEVICE_CAPS = 0x1, 0x0400_0000, 0x8000_0000
@@ -95,9 +92,9 @@ def can_stream(capability: bytes | bytearray) -> bool:
     return bool(flags & wanted == wanted)
 
 
-def ask_format(width: int, height: int) -> bytearray:
-    """Return the argument of VIDIOC_S_FMT for 8-bit grey of this size in pixels."""
-    return bytearray(FORMAT.pack(CAPTURE, width, height, GREY, _FIELD_NONE, 0, 0))
+def ask_format(width: int, height: int, code: int) -> bytearray:
+    """Return the argument of VIDIOC_S_FMT for this size in pixels and this pixel format."""
+    return bytearray(FORMAT.pack(CAPTURE, width, height, code, _FIELD_NONE, 0, 0))
 
 
 def granted_format(answer: bytes | bytearray) -> PixelFormat:

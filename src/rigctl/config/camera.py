@@ -11,6 +11,8 @@ from rigctl.config.model import Port, Seconds, StrictModel
 
 EKTAPRO_ROWS = 192
 EKTAPRO_COLUMNS = 240
+PixelFormatName = Literal["GREY", "YUYV", "UYVY", "Y10", "Y12", "Y16"]
+"""Uncompressed formats of video devices, by their names in Video4Linux2."""
 
 
 class HidRelay(StrictModel):
@@ -48,6 +50,7 @@ class V4l2Source(StrictModel):
     driver: Literal["v4l2"]
     device: str = Field(min_length=1)
     input: int = Field(default=0, ge=0)
+    pixel_format: PixelFormatName = Field(default="GREY", description="asked of the driver")
 
 
 RemoteTriggerSection = Annotated[HidRelay | SerialLine, Field(discriminator="driver")]
@@ -109,6 +112,7 @@ class V4l2Camera(_Recording):
     kind: Literal["v4l2"]
     device: str = Field(min_length=1)
     input: int = Field(default=0, ge=0)
+    pixel_format: PixelFormatName = Field(default="GREY", description="asked of the driver")
     frame_rate_hz: float = Field(gt=0, le=100_000)
     buffers: int = Field(default=8, ge=2, le=64)
 

@@ -253,6 +253,11 @@ def test_a_format_that_was_not_asked_for_is_refused_and_the_node_closed(
     assert driver.open_now == 0
 
 
+def test_compressed_frames_are_refused_by_name_with_the_reason() -> None:
+    with pytest.raises(FramesError, match="MJPG is compressed and changes grey levels"):
+        device(Driver(code=b"MJPG")).start()
+
+
 def test_a_driver_that_grants_one_buffer_is_refused() -> None:
     driver = Driver(granted=1)
     with pytest.raises(DeviceAnswerError, match="found 1, allowed at least 2"):

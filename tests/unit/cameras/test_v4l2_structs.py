@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rigctl.cameras import v4l2_structs as v4l2
+from rigctl.cameras.pixel_formats import code_of
 
 
 class Capability(c.Structure):
@@ -97,7 +98,7 @@ def test_sizes_are_those_of_the_header(
         (v4l2.STREAMON, 0x40045612),
         (v4l2.STREAMOFF, 0x40045613),
         (v4l2.S_INPUT, 0xC0045627),
-        (v4l2.GREY, 0x59455247),
+        (code_of("GREY"), 0x59455247),
     ],
 )
 def test_request_numbers_are_those_a_c_compiler_makes_of_the_header(ours: int, number: int) -> None:
@@ -105,7 +106,7 @@ def test_request_numbers_are_those_a_c_compiler_makes_of_the_header(ours: int, n
 
 
 def test_a_wish_for_a_format_lies_where_the_header_puts_it() -> None:
-    asked = Format.from_buffer(v4l2.ask_format(240, 192))
+    asked = Format.from_buffer(v4l2.ask_format(240, 192, 0x59455247))
     pix = asked.fmt.pix
     assert (asked.type, pix.width, pix.height, pix.pixelformat) == (1, 240, 192, 0x59455247)
 
