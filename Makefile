@@ -7,7 +7,7 @@ READY  := $(VENV)/ready
 # Hundreds of processes are started by tests: each would compile our sources again.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test test-long lint types contracts check wheel wheel-installed wheel-extra lock bill clean
+.PHONY: demo test test-long test-kernel lint types contracts check wheel wheel-installed wheel-extra lock bill clean
 
 demo: $(READY)
 	$(BIN)/rigctl demo
@@ -17,6 +17,10 @@ test: $(READY)
 
 test-long: $(READY)
 	$(BIN)/python -m pytest -n 2 --dist worksteal -m long
+
+# Drivers on a real kernel, in a virtual machine; skipped with the reason where it cannot be had.
+test-kernel: $(READY)
+	$(BIN)/python -m pytest -m kernel tests/kernel
 
 lint: $(READY)
 	$(BIN)/ruff check .
