@@ -46,7 +46,8 @@ class GreyFormat:
         levels = np.ascontiguousarray(used).view("<u2")
         shift = self.bits - 8
         rounded = (levels.astype(np.uint32) + (1 << (shift - 1))) >> shift
-        return np.minimum(rounded, 255).astype(np.uint8)
+        grey: NDArray[np.uint8] = np.minimum(rounded, 255).astype(np.uint8)
+        return grey
 
 
 def code_of(characters: str) -> int:
