@@ -18,8 +18,6 @@ if TYPE_CHECKING:
 UNEXPLAINED_LEVEL = 0.005
 """Chance of a cell in a campaign with nothing missing below which it alarms. One such campaign in a
 hundred may: outliers and wrong sigmas need room below that."""
-FAR_OFF = 2.0
-"""Chi-squared per degree of freedom that no wrong guess of the noise brings."""
 FEWEST = 5
 """Of fewer shots nobody can say which of them errs: two are no finding, nor are two against two."""
 
@@ -41,8 +39,3 @@ def alarms(cell: Cell, shots: int) -> bool:
     """Say whether a cell stands out, is shared, and is more than the measurement itself leaves."""
     stands_out = cell.p_holm < UNEXPLAINED_LEVEL and not cell.of_measurement
     return stands_out and is_shared(cell, shots)
-
-
-def is_far_off(chi2_per_dof: float, shots: int) -> bool:
-    """Say whether a fit leaves so much that nobody may read that nothing is missing."""
-    return shots >= FEWEST and chi2_per_dof > FAR_OFF

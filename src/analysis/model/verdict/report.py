@@ -37,6 +37,7 @@ def verdict_document(
         "alias_sets": {name: list(alike) for name, alike in verdict.alias_sets.items()},
         "unexplained": verdict.verdict == "unexplained",
         "chi2_per_dof": verdict.fit.chi2_per_dof,
+        "p_chi2": max(verdict.fit.p_chi2, SMALLEST_P),
         "path": [
             {
                 "with": list(stage.effects),

@@ -22,7 +22,8 @@ from analysis.model.fitting.fit import Fit
 from analysis.model.fitting.outliers import Cleaned
 from analysis.model.rank.candidate import Ranking
 from analysis.model.rank.ranking import rank
-from analysis.model.structure.alarm import UNEXPLAINED_LEVEL, alarms, is_far_off
+from analysis.model.structure.alarm import UNEXPLAINED_LEVEL, alarms
+from analysis.model.structure.far_off import is_far_off
 from analysis.model.structure.lackoffit import Cell, lack_of_fit
 from analysis.model.verdict.exchange import AliasSets, exchanged, fits_without
 from analysis.model.verdict.forward import Found, forward
@@ -104,9 +105,7 @@ def explain(
     names = found.path[-1].effects
     alias_sets, last = {name: found.alias_sets[name] for name in names}, found.path[-1].fit
     return Verdict(
-        verdict="unexplained"
-        if _alarmed(found, cells) or is_far_off(last.chi2_per_dof, len(last.shot_chi2))
-        else _word(alias_sets),
+        verdict="unexplained" if _alarmed(found, cells) or is_far_off(last) else _word(alias_sets),
         effects=names,
         alias_sets=alias_sets,
         path=found.path,

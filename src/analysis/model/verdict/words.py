@@ -13,6 +13,8 @@ Json = dict[str, Any]
 
 STRIKING = 0.01
 """Chance below which a candidate's promise is worth a word."""
+RARE = 0.1
+"""Chance of a chi-squared below which nobody reads that nothing is missing."""
 COMPARABLE = 0.5
 """A candidate that is not believed is spoken of if it promises this share of what the best does."""
 
@@ -23,7 +25,7 @@ def verdict_sentence(document: Json) -> str:
     if document["verdict"] == "none" and used < FEWEST:
         return f"{name}: {too_few(used)}"
     if document["verdict"] == "none":
-        return f"{name}: nothing is missing, as far as {used} shots can tell."
+        return f"{name}: {_nothing(document)}"
     if document["verdict"] == "effect":
         several = len(document["effects"]) > 1
         what = "missing effects are" if several else "missing effect is"
@@ -90,6 +92,19 @@ def _doubt(candidate: Json) -> str:
     return (
         f"{candidate['effect']} by itself would promise as much, but with {size}{unit}, where "
         f"{low:g} to {high:g}{unit} is believed."
+    )
+
+
+def _nothing(document: Json) -> str:
+    """Say that nothing is missing, or, where more is left than noise, only that none was found."""
+    used, chance = document["used"], document["p_chi2"]
+    if chance > RARE:
+        return f"nothing is missing, as far as {used} shots can tell."
+    return (
+        f"no effect that {used} shots tell is missing, but chi-squared is "
+        f"{document['chi2_per_dof']:.3g} per degree of freedom, which noise of the stated size "
+        f"exceeds with a chance of {chance:.2g}: the stated errors are too small, or something is "
+        "missing that more shots would show."
     )
 
 

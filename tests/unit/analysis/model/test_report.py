@@ -18,7 +18,7 @@ from tests.unit.analysis.model.hard_spheres import Hidden, campaign
 KEYS = {
     *("campaign", "shots", "used", "excluded", "rejected", "rejected_frames", "verdict", "effects"),
     *("alias_set", "alias_sets", "unexplained", "chi2_per_dof", "path", "parameters", "candidates"),
-    *("noise", "structure", "next_shots", "torn_tracks", "alarms"),
+    *("noise", "structure", "next_shots", "torn_tracks", "alarms", "p_chi2"),
 }
 CANDIDATE = {
     *("effect", "score", "p_value", "p_familywise", "promised_fall"),
@@ -113,6 +113,15 @@ def test_a_sentence_says_the_verdict(documents: dict[str, dict[str, Any]]) -> No
     assert "these shots cannot tell" in said["alias"]
     assert "something is missing that the catalogue does not hold." in said["unexplained"]
     assert f"most in {documents['unexplained']['structure'][0]['channel']}" in said["unexplained"]
+
+
+def test_more_left_than_noise_is_never_said_to_be_nothing(
+    documents: dict[str, dict[str, Any]],
+) -> None:
+    said = verdict_sentence({**documents["none"], "chi2_per_dof": 1.247, "p_chi2": 0.053})
+    assert "nothing is missing" not in said
+    assert "no effect that 30 shots tell is missing, but chi-squared is 1.25" in said
+    assert "with a chance of 0.053" in said
 
 
 def test_an_effect_that_is_sure_is_said_beside_those_that_are_not(
