@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 
 from benchmarks.discovery import (
+    air,
     blind,
     frames,
     lasting,
@@ -27,6 +28,7 @@ SECTIONS = {
     "removed": removed.run,
     "frames": frames.run,
     "lasting": lasting.run,
+    "air": air.run,
     "speed": speed.run,
     "memory": memory.run,
 }

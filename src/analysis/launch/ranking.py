@@ -100,7 +100,8 @@ def rank_launch(launch: LaunchFit, effects: Sequence[LaunchEffect], seed: int = 
     blocks = _blocks(sums, effects)
     falls = [float(block.falls(sums.gradient)) for block in blocks]
     p_values = [float(b.p_values(np.array(f))) for b, f in zip(blocks, falls, strict=True)]
-    smallest = smallest_by_chance(sums.matrix, blocks, np.random.default_rng(seed))
+    alike, rng = [1.0] * len(blocks), np.random.default_rng(seed)
+    smallest = smallest_by_chance(sums.matrix, blocks, alike, rng)
     candidates = [
         LaunchCandidate(
             effect=effect,

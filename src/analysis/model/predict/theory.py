@@ -29,6 +29,8 @@ LAW_PRIOR_SIGMA = (1.0, 0.5, 0.7)
 """beta0 has no information without a shot that sticks, mu none without spins; a prior about the
 start holds them. With any data to speak of it has no weight."""
 _LAW_STEP = 1e-6
+_HELD = 1e-4
+"""Share of a stated error that is none."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -177,6 +179,15 @@ class Theory:
             systematics=(*self.systematics, *held),
             active=tuple(a for a in self.active if a.effect.name != name),
         )
+
+    def as_stated(self, name: str) -> Theory:
+        """Return the theory less one effect, what it had set free being just as stated."""
+        theory, known = self.without_effect(name), {s.effect.name for s in self.systematics}
+        held = (
+            s if s.effect.name in known else replace(s, sigma=_HELD * s.sigma)
+            for s in theory.systematics
+        )
+        return replace(theory, systematics=tuple(held))
 
     @property
     def contact_law(self) -> ContactLaw | None:

@@ -7,12 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.effects.effect import ContactLaw, Effect
+from analysis.effects.effect import ContactLaw, Effect, FlightEffect
 from analysis.model.rank.score_test import chance_of_falls
 
 Floats = NDArray[np.float64]
 
 BEYOND_RANGE_SIGMAS = 2.0
+STATED_WEIGHT = 10.0
+"""Looks that a flight effect of stated size counts for, among the thirty of a catalogue."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -33,7 +35,8 @@ class Candidate:
     p_value
         Of the fall by itself.
     p_familywise
-        Share of campaigns with nothing missing in which some candidate looks as good as this.
+        Share of campaigns with nothing missing in which some candidate looks as good as this, each
+        by its weight.
     seen
         False where these shots hold no information on it; nothing else then has a meaning.
     carriers
@@ -42,6 +45,8 @@ class Candidate:
         Share of the fall that is gone without these two.
     law
         The law that takes the operator's place in a refit, where the effect is its share.
+    weight
+        By which its chance may be larger than another's and count as much.
     """
 
     effect: Effect
@@ -55,6 +60,7 @@ class Candidate:
     carriers: tuple[int, ...]
     carried_share: float
     law: ContactLaw | None = None
+    weight: float = 1.0
 
     @property
     def score(self) -> float:
@@ -91,7 +97,8 @@ class Ranking:
         Share of what candidate i promises that candidate j could give instead, [i, j], shape
         (K, K).
     chance
-        Smallest p of each of many simulated campaigns with nothing missing, sorted.
+        Smallest p over its weight of each of many simulated campaigns with nothing missing,
+        sorted.
     noise_scale
         Root of chi-squared per degree of freedom of the fit, by which sigmas were multiplied.
     """
@@ -103,7 +110,7 @@ class Ranking:
     noise_scale: float
 
     def threshold(self, level: float) -> float:
-        """Return the p below which a share `level` of campaigns with nothing missing goes."""
+        """Return what p over weight is below in a share `level` of campaigns without an effect."""
         return float(np.quantile(self.chance, level))
 
 
@@ -119,6 +126,17 @@ def believed(effect: Effect, values: Floats, sigmas: Floats) -> bool:
         and sigma < np.ptp(parameter.plausible)
         for parameter, value, sigma in zip(effect.parameters, values, sigmas, strict=True)
     )
+
+
+def weight_of(effect: Effect, *, stated: bool) -> float:
+    """Return by what the chance of an effect is weighted among those of all that are looked at.
+
+    Whether the air is as stated is asked before the shots speak, and no law of contact can answer
+    in its stead: flights before the contact tell. Errors of images take part in every law, and one
+    that is pulled is as likely a sign of another law. Weighted chances keep the family's level:
+    C. R. Genovese, K. Roeder and L. Wasserman, Biometrika 93, 509 (2006).
+    """
+    return STATED_WEIGHT if stated and isinstance(effect, FlightEffect) else 1.0
 
 
 def one_sided(effect: Effect) -> bool:

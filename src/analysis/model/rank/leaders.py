@@ -88,7 +88,12 @@ def refitted(data: Data, fit: Fit, ranking: Ranking, level: float) -> list[Leade
         leader
         for c in _worth_it(invited, len(data.shots))
         for leader in [
-            _refit(data, fit, c, carried=c.carried_share >= most and _by_others(c) > threshold)
+            _refit(
+                data,
+                fit,
+                c,
+                carried=c.carried_share >= most and _by_others(c) > threshold * c.weight,
+            )
         ]
         if leader is not None
     ]
@@ -99,7 +104,8 @@ def refitted(data: Data, fit: Fit, ranking: Ranking, level: float) -> list[Leade
     return [
         leader
         for leader in leaders
-        if leader.candidate.chance_of(leader.fall / noise, leader.values) <= threshold
+        if leader.candidate.chance_of(leader.fall / noise, leader.values)
+        <= threshold * leader.candidate.weight
     ]
 
 

@@ -19,7 +19,7 @@ from analysis.model.data.tables import Data
 from analysis.model.fitting.fit import Fit
 from analysis.model.fitting.passes import Passes, passes_of
 from analysis.model.predict.theory import Theory
-from analysis.model.rank.candidate import Candidate, Ranking, one_sided
+from analysis.model.rank.candidate import Candidate, Ranking, one_sided, weight_of
 from analysis.model.rank.scatter import JitterTrial
 from analysis.model.rank.score_test import Beside, Block, Sums, block_of, sums_over
 
@@ -51,7 +51,7 @@ def rank_over(passes: Passes, effects: Sequence[Effect], seed: int = 0) -> Ranki
         return Ranking((), np.zeros((0, 0)), np.zeros((0, 0)), np.ones(DRAWS), scale)
     shifts = _shifts(passes, wanted, scale, None if trial is None else trial.add)
     rng = np.random.default_rng(seed)
-    smallest = smallest_by_chance(shifts.sums.matrix, shifts.blocks, rng)
+    smallest = smallest_by_chance(shifts.sums.matrix, shifts.blocks, shifts.weights, rng)
     chosen = [*shifts.candidates]
     if trial is not None:
         for effect in scatters:
@@ -85,6 +85,7 @@ class _Shifts:
 
     sums: Sums
     blocks: list[Block]
+    weights: list[float]
     shown: list[Block]
     candidates: list[Candidate]
 
@@ -98,6 +99,8 @@ def _shifts(
     blocks = _blocks(sums, [form for _, form in forms])
     falls = np.array([float(block.falls(sums.gradient)) for block in blocks]) / scale**2
     p_values = np.array([float(b.p_values(f)) for b, f in zip(blocks, falls, strict=True)])
+    asked = {s.effect.name for s in passes.fit.theory.systematics}
+    weights = [weight_of(e, stated=e.name in asked) for e in (wanted[k] for k, _ in forms)]
     best = [
         min((i for i, (owner, _) in enumerate(forms) if owner == k), key=lambda i: p_values[i])
         for k in range(len(wanted))
@@ -114,10 +117,11 @@ def _shifts(
             carriers=tuple(int(n) for n in passes.shots[list(places)]),
             share=share,
             of=wanted[forms[i][0]],
+            weight=weights[i],
         )
         for i, (places, share) in zip(best, _carried(sums, shown), strict=True)
     ]
-    return _Shifts(sums, blocks, shown, candidates)
+    return _Shifts(sums, blocks, weights, shown, candidates)
 
 
 def _forms(effect: Effect) -> tuple[Effect, ...]:
@@ -156,6 +160,7 @@ def _candidate(
     carriers: tuple[int, ...],
     share: float,
     of: Effect,
+    weight: float,
 ) -> Candidate:
     count = len(effect.parameters)
     seen = block.freedom > 0
@@ -175,6 +180,7 @@ def _candidate(
         carriers=carriers,
         carried_share=share,
         law=of if isinstance(of, ContactLaw) else None,
+        weight=weight,
     )
 
 
@@ -214,13 +220,16 @@ def _carried(sums: Sums, blocks: Sequence[Block]) -> list[tuple[tuple[int, ...],
 
 def _with_familywise(candidate: Candidate, smallest: Floats) -> Candidate:
     # The chance counts itself, so that a share of zero is never claimed.
-    share = (1 + int((smallest <= candidate.p_value).sum())) / (1 + len(smallest))
+    looked = candidate.p_value / candidate.weight
+    share = (1 + int((smallest <= looked).sum())) / (1 + len(smallest))
     fields = {name: getattr(candidate, name) for name in candidate.__slots__}
     return Candidate(**{**fields, "p_familywise": share})
 
 
-def smallest_by_chance(matrix: Floats, blocks: Sequence[Block], rng: np.random.Generator) -> Floats:
-    """Return the smallest p of each of many campaigns with nothing missing, shape (draws,).
+def smallest_by_chance(
+    matrix: Floats, blocks: Sequence[Block], weights: Sequence[float], rng: np.random.Generator
+) -> Floats:
+    """Return the smallest p over weight of many campaigns with nothing missing, shape (draws,).
 
     Scores of such a campaign are Gaussian with the correlation of the columns.
     """
@@ -228,10 +237,13 @@ def smallest_by_chance(matrix: Floats, blocks: Sequence[Block], rng: np.random.G
     root = vectors * np.sqrt(np.clip(values, 0.0, None))
     draws = rng.standard_normal((DRAWS, len(matrix))) @ root.T
     # The smallest p of blocks that share a distribution is that of the largest fall.
-    alike: dict[tuple[int, bool], list[Block]] = {}
-    for block in blocks:
-        alike.setdefault((block.freedom, block.one_sided), []).append(block)
-    least = [own[0].p_values(_largest_falls(draws, own)) for own in alike.values()]
+    alike: dict[tuple[int, bool, float], list[Block]] = {}
+    for block, weight in zip(blocks, weights, strict=True):
+        alike.setdefault((block.freedom, block.one_sided, weight), []).append(block)
+    least = [
+        own[0].p_values(_largest_falls(draws, own)) / weight
+        for (_, _, weight), own in alike.items()
+    ]
     return np.asarray(np.min(least, axis=0))
 
 

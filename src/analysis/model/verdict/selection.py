@@ -20,7 +20,7 @@ from analysis.model.data.inside import without_contact_frames
 from analysis.model.data.tables import ContactTable, Data
 from analysis.model.fitting.fit import Fit
 from analysis.model.fitting.outliers import Cleaned
-from analysis.model.rank.candidate import Ranking
+from analysis.model.rank.candidate import Ranking, weight_of
 from analysis.model.rank.ranking import rank
 from analysis.model.structure.alarm import UNEXPLAINED_LEVEL, alarms
 from analysis.model.structure.far_off import is_far_off
@@ -185,7 +185,8 @@ def _backward(data: Data, path: list[Stage]) -> tuple[list[Stage], dict[str, Fit
         without = fits_without(data, last.fit)
         losses = np.array([fit.chi2 - last.fit.chi2 for fit in without.values()])
         sizes = np.array([len(a.values) for a in active])
-        p_values = np.asarray(chi2_distribution.sf(losses / last.fit.chi2_per_dof, sizes))
+        weights = np.array([weight_of(a.effect, stated=bool(a.freed)) for a in active])
+        p_values = chi2_distribution.sf(losses / last.fit.chi2_per_dof, sizes) / weights
         worst = int(p_values.argmax())
         if p_values[worst] < DROP_LEVEL:
             return path, without
