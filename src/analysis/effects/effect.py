@@ -125,6 +125,8 @@ class ContactLaw(Effect):
     ----------
     law
         From the values of its parameters to the operator.
+    stepped
+        The same, integrated in so many steps; None: it is not integrated.
     shares
         Effects whose one parameter mixes the law, at typical values, into the operator: 0 is the
         operator, 1 the law.
@@ -135,6 +137,7 @@ class ContactLaw(Effect):
 
     stage: ClassVar[str] = "contact"
     law: Callable[[Values], Operator]
+    stepped: Callable[[Values, int], Operator] | None = None
     shares: tuple[ContactEffect, ...] = ()
     beside: tuple[ContactLaw, ...] = ()
 

@@ -35,18 +35,19 @@ TYPICAL = ((0.15, 0.05), (0.85, 0.05))
 """Stiffness ratio and tangential damping of a soft and of a Mindlin spring."""
 
 
-def law_of(force: ForceLaw, values: Values) -> Operator:
+def law_of(force: ForceLaw, values: Values, steps: int | None = None) -> Operator:
     """Return the operator of a force law at a duration (s), stiffness ratio and damping.
 
-    Each a number, or one for each encounter: values of shape (3,) or (3, N).
+    Each a number, or one for each encounter: values of shape (3,) or (3, N). It is integrated in so
+    many steps; None: in as many as measured shots tell.
     """
     duration, ratio, damping = values
 
     def operator(encounter: Encounter) -> Outcome:
         # Compiled functions are loaded only where contacts are integrated.
-        from analysis.collision.lasting import Stiffness, lasting  # noqa: PLC0415
+        from analysis.collision.lasting import STEPS, Stiffness, lasting  # noqa: PLC0415
 
-        return lasting(encounter, force, Stiffness(duration, ratio, damping))
+        return lasting(encounter, force, Stiffness(duration, ratio, damping), steps or STEPS)
 
     return operator
 
@@ -163,6 +164,7 @@ def effect_of(force: ForceLaw) -> ContactLaw:
         confused_with=("friction-speed", "restitution-obliquity", "inertia-factor"),
         contains=CONTAINED,
         law=lambda values: law_of(force, values),
+        stepped=lambda values, steps: law_of(force, values, steps),
         shares=SHARES,
     )
 

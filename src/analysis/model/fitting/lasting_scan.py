@@ -18,6 +18,9 @@ Floats = NDArray[np.float64]
 FAR, KNOWN = 1e6, 1e3
 LEAST, MOST = (0.05, 1e-3), (1.2, 3.0)
 """Of e and mu."""
+STEPS, ROUGH_STEPS = 40, 20
+"""Of an undamped contact: in a scan, and while its loss is wide. Laws are told apart all the same;
+their values are those of fits."""
 SMOOTHED = 2
 """Times that a start is gone down a wider loss first."""
 EVALUATIONS, FEW_EVALUATIONS = 15, 4
@@ -66,6 +69,8 @@ class Scan:
         Where the scan begins.
     whitening
         Of the flights after contact, shape (S, 18, 18).
+    steps
+        In which contacts are integrated.
     """
 
     flights: FreeFlights
@@ -73,6 +78,7 @@ class Scan:
     own_e: Floats
     middle: Floats
     whitening: Floats
+    steps: int
 
     def about(self, start: Start) -> Scan:
         """Return the scan with errors carried through the contact of a start."""
@@ -80,6 +86,9 @@ class Scan:
 
     def operator(self, law: ContactLaw, values: Floats) -> Operator:
         """Return the law at some values, shape (K,) or (K, N), with the other effects round it."""
+        stepped, steps = law.stepped, self.steps
+        if stepped is not None:
+            law = replace(law, law=lambda own: stepped(own, steps))
         return self.theory.with_effect(law, values).operator
 
     def residuals(self, law: ContactLaw, vectors: Floats) -> Floats:
@@ -108,11 +117,12 @@ class Scan:
         way to it is not missed (A. Blake and A. Zisserman, Visual Reconstruction, 1987).
         """
         found: list[Start] = []
+        roughly = replace(self, steps=ROUGH_STEPS)
         for law, begun in _by_law(starts):
             vectors = begun
             for _ in range(SMOOTHED):
-                left = self.residuals(law, vectors)
-                vectors, _ = self._lowered(law, vectors, _scales(left), FEW_EVALUATIONS)
+                left = roughly.residuals(law, vectors)
+                vectors, _ = roughly._lowered(law, vectors, _scales(left), FEW_EVALUATIONS)
             costs = self.costs(law, vectors)
             found += [Start(law, v, float(c)) for v, c in zip(vectors, costs, strict=True)]
         return sorted(found, key=lambda one: one.cost)

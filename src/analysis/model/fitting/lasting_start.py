@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from analysis.collision.force_law import hertz_duration
 from analysis.effects.contact.lasting_contact import TYPICAL_MODULUS
 from analysis.effects.effect import ContactLaw
-from analysis.model.fitting.lasting_scan import Scan, Start
+from analysis.model.fitting.lasting_scan import STEPS, Scan, Start
 from analysis.model.predict.free_flights import SIDE, FreeFlights
 from analysis.model.predict.theory import Theory
 
@@ -67,7 +67,7 @@ def _scan(flights: FreeFlights, theory: Theory, law: ContactLaw) -> Scan:
     own = _own_coefficients(flights)
     usual = hertz_duration(TYPICAL_MODULUS, flights.bodies)
     e, middle = own.e, np.array([np.median(own.e), own.mu, usual, *MIDDLE])
-    scan = Scan(flights, theory, e - middle[0], middle, np.zeros((len(e), SIDE, SIDE)))
+    scan = Scan(flights, theory, e - middle[0], middle, np.zeros((len(e), SIDE, SIDE)), STEPS)
     scan = replace(scan, middle=_timed(scan, law))
     for _ in range(2):
         e = _corrected(scan, law)
