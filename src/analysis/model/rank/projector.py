@@ -78,6 +78,9 @@ class Projector:
         Of the shared parameters, shape (P, P).
     held
         Of `Theory.held`, shapes (P,).
+    left
+        Downhill by the shared parameters, the prior in, shape (P,): little, for a fit ends before
+        its very minimum. A direction that they nearly imitate would show all of it.
     """
 
     residual: Floats
@@ -87,6 +90,7 @@ class Projector:
     shared: Floats
     covariance: Floats
     held: tuple[Floats, Floats]
+    left: Floats
     noise: SharedNoise | None = None
 
     def project(self, columns: Floats) -> ByShot:
@@ -115,7 +119,8 @@ class Projector:
         own = np.einsum("sk,sl,sij->kilj", basis, basis, channel.own).reshape(count, count)
         against = np.einsum("sk,sip->kip", basis, channel.against).reshape(count, -1)
         gradient = np.einsum("sk,si->ki", basis, channel.gradient).ravel()
-        return own - against @ self.covariance @ against.T, gradient
+        imitated = against @ self.covariance
+        return own - imitated @ against.T, gradient - imitated @ self.left
 
     def solve(self, channel: ByShot, basis: Floats) -> Solved:
         """Fit amplitudes of columns times a basis (S, K) beside all that was fitted."""
@@ -145,13 +150,16 @@ def projector(data: Data, fit: Fit) -> Projector:
     by_state = np.swapaxes(line.by_state, 1, 2)
     shared = line.by_theory - line.by_state @ solve_blocks(line.states, by_state @ line.by_theory)
     information = np.einsum("snp,snq->pq", line.by_theory, shared)
+    centre, known = fit.theory.prior
+    left = np.einsum("snp,sn->p", shared, line.residual) + (centre - fit.theory.vector) * known
     return Projector(
         residual=line.residual,
         by_state=line.by_state,
         states=line.states,
         own_gradient=line.own_gradient,
         shared=shared,
-        covariance=inverse(with_prior(information, fit.theory.prior[1])),
+        covariance=inverse(with_prior(information, known)),
         held=fit.theory.held,
+        left=left,
         noise=line.shared,
     )

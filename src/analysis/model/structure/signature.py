@@ -71,4 +71,5 @@ def _only(
         shared=shared,
         covariance=covariance,
         held=(sums.held[0][others], sums.held[1][others]),
+        left=np.zeros(len(others)),
     )
