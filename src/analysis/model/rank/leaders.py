@@ -14,6 +14,7 @@ from analysis.model.data.tables import Data
 from analysis.model.fitting.adding import ALIAS_WITHIN, added
 from analysis.model.fitting.fit import Fit, fit_campaign
 from analysis.model.fitting.gauss_newton import Purpose
+from analysis.model.fitting.normal import prior_cost
 from analysis.model.rank.candidate import Candidate, Ranking, believed
 from analysis.model.rank.scatter import with_jitter
 from analysis.model.structure.influence import most_carried
@@ -84,19 +85,11 @@ def refitted(data: Data, fit: Fit, ranking: Ranking, level: float) -> list[Leade
     """
     invited = [c for c in ranking.candidates if c.seen and c.p_familywise < level]
     threshold, most = ranking.threshold(level), most_carried(len(data.shots))
-    leaders = [
-        leader
-        for c in _worth_it(invited, len(data.shots))
-        for leader in [
-            _refit(
-                data,
-                fit,
-                c,
-                carried=c.carried_share >= most and _by_others(c) > threshold * c.weight,
-            )
-        ]
-        if leader is not None
-    ]
+    leaders: list[Leader] = []
+    for c in _worth_it(invited, len(data.shots)):
+        carried = c.carried_share >= most and _by_others(c) > threshold * c.weight
+        leader = _refit(data, fit, c, _bar(leaders, WITHIN), carried=carried)
+        leaders += [] if leader is None else [leader]
     if not leaders:
         return []
     leaders = _settled(fit, leaders)
@@ -109,21 +102,39 @@ def refitted(data: Data, fit: Fit, ranking: Ranking, level: float) -> list[Leade
     ]
 
 
+def _bar(leaders: Sequence[Leader], within: float) -> float:
+    """Return the chi-squared above which a further refit can be neither first nor alike.
+
+    One that is not believed, or that two shots carry, may have to make room, and sets no bar.
+
+    Parameters
+    ----------
+    within
+        Share of the best fall by which refits may still come nearer.
+    """
+    sure = [leader for leader in leaders if leader.plausible and not leader.carried]
+    if not sure:
+        return float(np.inf)
+    best = min(sure, key=lambda leader: leader.fit.chi2)
+    alike = 2 * ALIAS_WITHIN * max(best.fit.chi2_per_dof, 1.0)
+    return best.fit.chi2 + prior_cost(best.fit.theory) + max(within * best.fall, alike)
+
+
 def _settled(fit: Fit, leaders: Sequence[Leader]) -> list[Leader]:
     """Follow the fits to their end that may come out first, or look like the one that does."""
     best = min(leaders, key=lambda leader: leader.fit.chi2)
     near = best.fit.chi2 + WITHIN * max(best.fall, 0.0)
-    return [
-        leader
-        if leader.fit.converged or leader.fit.chi2 > near
-        else _leader(
-            leader.candidate,
-            leader.data,
-            (fit, fit_campaign(leader.data, leader.fit.theory, leader.fit)),
-            carried=leader.carried,
+    settled: list[Leader] = []
+    for leader in sorted(leaders, key=lambda each: each.fit.chi2):
+        if leader.fit.converged or leader.fit.chi2 > near:
+            settled.append(leader)
+            continue
+        until = Purpose(beat=_bar([each for each in settled if each.fit.converged], 0.0))
+        followed = fit_campaign(leader.data, leader.fit.theory, leader.fit, until)
+        settled.append(
+            _leader(leader.candidate, leader.data, (fit, followed), carried=leader.carried)
         )
-        for leader in leaders
-    ]
+    return settled
 
 
 def _by_others(candidate: Candidate) -> float:
@@ -186,12 +197,17 @@ def alias_set(chosen: Leader, leaders: Sequence[Leader], ranking: Ranking) -> tu
     return (chosen.name, *near)
 
 
-def _refit(data: Data, fit: Fit, candidate: Candidate, *, carried: bool) -> Leader | None:
-    """Return a candidate refitted; None where these shots tell nothing of its law."""
+def _refit(
+    data: Data, fit: Fit, candidate: Candidate, bar: float, *, carried: bool
+) -> Leader | None:
+    """Return a candidate refitted; None where these shots tell nothing of its law.
+
+    It is left where it stands once it promises to stay above a bar.
+    """
     if isinstance(candidate.effect, ScatterEffect) and isinstance(data, PoseData):
         return _with_scatter(data, fit, candidate, candidate.effect)
     effect = candidate.law or candidate.effect
-    data, refit = added(data, fit, effect, Purpose(roughly=True))
+    data, refit = added(data, fit, effect, Purpose(beat=bar, roughly=True))
     return None if refit is fit else _leader(candidate, data, (fit, refit), carried=carried)
 
 

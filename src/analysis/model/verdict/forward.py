@@ -68,9 +68,14 @@ def forward(
         leader, stage = accepted
         alike = alias_set(leader, leaders, found.ranking)
         jitter_s = leader.data.jitter_s
-        evidence, path = weighed_again(found.evidence, [*found.path, stage], jitter_s)
+        evidence, path, found_law = found.evidence, [*found.path, stage], leader.candidate.law
+        if found_law is None:
+            evidence, path = weighed_again(evidence, path, jitter_s)
         for law in _laws_in(path[-1], effects):
-            evidence, path = _law_again(evidence, path, law, jitter_s)
+            again = _law_again(evidence, path, law)
+            # A law that is new is judged once it has been looked for in all shots.
+            if again is not path or found_law is not None:
+                evidence, path = weighed_again(evidence, again, jitter_s)
         ranking = rank(evidence.data, path[-1].fit, effects)
         found = Found(evidence, tuple(path), ranking, {**found.alias_sets, leader.name: alike})
     return found
@@ -81,16 +86,14 @@ def _laws_in(stage: Stage, effects: Sequence[Effect]) -> list[ContactLaw]:
     return [e for e in effects if isinstance(e, ContactLaw) and e.name in stage.effects]
 
 
-def _law_again(
-    evidence: Evidence, path: list[Stage], law: ContactLaw, jitter_s: float
-) -> tuple[Evidence, list[Stage]]:
-    """Look for a law once more, now that another effect is in and shots have come back."""
+def _law_again(evidence: Evidence, path: list[Stage], law: ContactLaw) -> list[Stage]:
+    """Look for a law once more, in all shots; return the same path where it stays as it is."""
     last = path[-1]
     theory = law_again(evidence, last.fit, law)
     if theory is last.fit.theory:
-        return evidence, path
+        return path
     better = stage_of(evidence.data, fit_campaign(evidence.data, theory))
-    return weighed_again(evidence, [*path[:-1], better], jitter_s)
+    return [*path[:-1], better]
 
 
 def _accepted(

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from analysis.model.data.poses import PoseData
+from analysis.model.fitting.adding import ALIAS_WITHIN
 from analysis.model.fitting.fit import fit_campaign
 from analysis.model.rank.candidate import Ranking
 from analysis.model.rank.leaders import Leader, alias_set, in_order, refitted
@@ -51,6 +52,21 @@ def test_what_the_scores_foretell_to_look_alike_is_in_the_set_though_it_was_not_
     ranking, leaders = led(data, "frame-rate", "gravity-value", "friction-drift")
     best = in_order(leaders)[0]
     assert {"frame-rate", "gravity-value"} == set(alias_set(best, [best], ranking))
+
+
+def test_refits_that_are_left_early_would_have_come_first_nowhere_nor_alike() -> None:
+    names = ("restitution-viscoelastic", "image-scale", "friction-speed", "radius-mismatch")
+    names = (*names, "velocity-offset", "restitution-obliquity", "frame-rate")
+    data = campaign(60, 940, hidden=Hidden(slope=0.06))
+    fit = fit_campaign(data)
+    leaders = refitted(data, fit, rank(data, fit, chosen(*names)), LEVEL)
+    followed = {x.name: fit_campaign(data, x.fit.theory, x.fit).chi2 for x in leaders}
+    best = in_order(leaders)[0]
+    assert best.fit.converged
+    assert best.fit.chi2 == pytest.approx(min(followed.values()), abs=0.2)
+    left = [x.name for x in leaders if not x.fit.converged]
+    assert left
+    assert all(followed[name] > best.fit.chi2 + 2 * ALIAS_WITHIN for name in left)
 
 
 def test_what_contains_an_effect_is_a_larger_model_and_no_alias() -> None:
