@@ -23,7 +23,7 @@ PACKAGES = (
 )
 NEEDS = ("qemu-system-x86_64", "busybox", "v4l2-ctl", "cpio", "apt-get", "dpkg-deb")
 MODULES = ("virtio_pci", "9pnet_virtio", "9p", "overlay", "vivid", "vhci-hcd", "cdc-acm", "usbhid")
-GUEST_S = 120.0
+GUEST_S = 200.0
 """Longest run of a guest, s."""
 
 _INIT = """#!/bin/busybox sh

@@ -16,7 +16,10 @@ BARS = 8
 
 @pytest.fixture(scope="module")
 def video(guest: Callable[[Path], Stories]) -> Stories:
-    return guest(Path(__file__).with_name("video_guest.py"))
+    stories = guest(Path(__file__).with_name("video_guest.py"))
+    if "halted" in stories:
+        pytest.skip(f"this machine is too busy for an emulated camera: {stories['halted']}")
+    return stories
 
 
 def test_every_picture_comes_through_to_the_bit(video: Stories) -> None:
@@ -29,9 +32,8 @@ def test_every_picture_comes_through_to_the_bit(video: Stories) -> None:
 def test_every_number_between_two_frames_is_named_as_lost(video: Stories) -> None:
     for story in ("reader asleep", "damaged frames", "dropped frames"):
         [found] = video[story]
-        first = found.get("before", found["numbers"][0])
-        wanted = set(range(first + 1, found["numbers"][-1] + 1)) - set(found["numbers"])
-        assert set(found["lost"]) - {first} == wanted, story
+        passed = range(found["before"] + 1, found["numbers"][-1] + 1)
+        assert set(found["lost"]) == set(passed) - set(found["numbers"]), story
     assert video["reader asleep"][0]["lost"]
     assert len(video["damaged frames"][0]["lost"]) >= 3
     assert len(video["dropped frames"][0]["lost"]) >= 5
