@@ -84,7 +84,13 @@ def _kept(decorate: Callable[[F], Any], function: F, *, plain: bool = False) -> 
             raise TypeError(f"{message}, not {strange[0]}; pass numpy.ascontiguousarray of it")
         with alone(name):
             missed = sum(dispatcher.stats.cache_misses.values())
-            code = compile_here(signature)
+            try:
+                code = compile_here(signature)
+            except (ImportError, AttributeError):
+                # What an earlier version kept names a type that is no more, or lies elsewhere.
+                for index in _indices(dispatcher):
+                    index.unlink(missing_ok=True)
+                code = compile_here(signature)
         if sum(dispatcher.stats.cache_misses.values()) > missed:
             _compiled_here.add(name)
             for told in _told:
@@ -106,6 +112,11 @@ def arrays_of(kinds: Iterable[object]) -> Iterator[Any]:
 
 def kept_on_disk(function: Callable[..., object]) -> bool:
     """Tell whether a compiled function has been compiled here before."""
+    return any(_indices(function))
+
+
+def _indices(function: Callable[..., object]) -> Iterator[Path]:
+    """Yield the lists of what is kept of a compiled function."""
     dispatcher = cast("Any", function)
     name = f"{Path(dispatcher.py_func.__code__.co_filename).stem}.{dispatcher.py_func.__name__}-*"
-    return any(Path(dispatcher.stats.cache_path).glob(f"{name}.nbi"))
+    return Path(dispatcher.stats.cache_path).glob(f"{name}.nbi")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 import shutil
 import subprocess
 import sys
@@ -97,6 +98,16 @@ def test_numbers_written_at_a_call_are_no_kinds_of_their_own(package: Path) -> N
     (package / "analysis" / "room" / "whole.py").write_text(NUMBERED)
     count = "from analysis.room.inner import inner\nprint(len(inner.signatures))\n"
     assert asked(package, ASK + count) == ["20.0", "0", "1"]
+
+
+def test_what_was_kept_under_a_type_that_is_no_more_is_compiled_once_more(package: Path) -> None:
+    assert asked(package) == ["7.0", "0"]
+    (index,) = (package / "analysis" / "room").rglob("whole.whole-*.nbi")
+    # A list of kept functions is the library's version, then their types: here of no module.
+    version = pickle.dumps(pickle.loads(index.read_bytes()))
+    index.write_bytes(version + b"cno_such_module\nAnything\n.")
+    assert asked(package) == ["7.0", "0"]
+    assert asked(package) == ["7.0", "1"]
 
 
 @compiled
