@@ -26,9 +26,9 @@ from analysis.imaging.files.stack import read_stack
 from analysis.photometric.learn.appearance import Knowledge, Sphere
 from analysis.photometric.learn.record import read_knowledge, write_knowledge
 from analysis.photometric.render.camera import camera_of
+from rigctl import challenge
 from rigctl.cameras import stack_file
-from rigctl.commands import challenge
-from rigctl.commands.analysis import discs
+from rigctl.cli.frames import discs
 from rigctl.config.loading import default_path, load
 from rigctl.exchange.contents import read_contents
 from rigctl.service import keyfile

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, Page
 
-from rigctl.commands.challenge import new
-from rigctl.commands.stored.report_campaign import report_campaign
+from rigctl.challenge import new
+from rigctl.cli.store.report import report as write_report
 
 PHONE, DESK = {"width": 390, "height": 800}, {"width": 1280, "height": 900}
 
@@ -17,7 +17,7 @@ PHONE, DESK = {"width": 390, "height": 800}, {"width": 1280, "height": 900}
 def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("seen")
     new(folder / "nylon", seed=4, strength="full", shots=12)
-    report_campaign(folder / "nylon", folder / "report.html", csv=None, configuration=None)
+    write_report(folder / "nylon", out=folder / "report.html", csv=None, config=None)
     return folder / "report.html"
 
 

@@ -18,7 +18,7 @@ from bluesky import RunEngine
 from bluesky.utils import RunEngineInterrupted
 
 from rigctl.bluesky_devices import Rig, fire_once
-from rigctl.commands.client import connected
+from rigctl.client import connected
 from rigctl.settings import ShotSettings
 
 pytestmark = pytest.mark.long

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from rigctl.commands.challenge import new
+from rigctl.challenge import new
 from rigctl.exchange.contents import read_contents
 from rigctl.exchange.importing import import_campaign
 from rigctl.reanalysis import pool, reanalyse_campaign

@@ -18,7 +18,7 @@ from pathlib import Path
 import httpx
 import pytest
 
-from rigctl.commands.rig.serve import ANSWERS_WITHIN_S, END_WITHIN_S
+from rigctl.cli.rig.serve import ANSWERS_WITHIN_S, END_WITHIN_S
 from rigctl.config import load
 from rigctl.config.loading import default_path
 from rigctl.rig.machine import longest_run_s

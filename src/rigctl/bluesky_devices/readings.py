@@ -36,7 +36,7 @@ def described(name: str) -> dict[str, DataKey]:
 
 
 def read_of(name: str, shot: Mapping[str, Any]) -> dict[str, Reading[Any]]:
-    """Return the readings of a shot, as `rigctl.commands.rig.shot.measured` gives it.
+    """Return the readings of a shot, as `rigctl.firing.measured` gives it.
 
     What was not measured is NaN. All carry the time at which the shot was fired.
     """

@@ -13,8 +13,8 @@ from event_model import DataKey
 from rigctl.bluesky_devices.readings import described, read_of
 from rigctl.bluesky_devices.status import WorkStatus
 from rigctl.bluesky_devices.step import Progress, Step
-from rigctl.commands.rig.shot import Operable, measured
 from rigctl.errors import FireOutcomeUnknownError, RefusedError
+from rigctl.firing import Operable, measured
 
 WAIT_S = 120.0
 """Longest wait for the measurement of a shot."""
@@ -31,7 +31,7 @@ class Rig(Readable[Any], Movable[Step], Triggerable, Stageable):
     Parameters
     ----------
     client
-        A daemon (`rigctl.commands.client.connected`), or a rig in this process.
+        A daemon (`rigctl.client.connected`), or a rig in this process.
     name
         Stands before the name of every reading.
     campaign

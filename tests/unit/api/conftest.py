@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from rigctl.commands.challenge import new
+from rigctl.challenge import new
 from simulators.world import write_campaign
 
 SHOTS = 3

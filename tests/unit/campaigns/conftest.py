@@ -15,7 +15,7 @@ import pytest
 from analysis.exchange.pose_table import read_poses
 from analysis.exchange.shot_list import read_shot_list
 from rigctl.cameras.frames import FrameSequence
-from rigctl.commands.challenge import new
+from rigctl.challenge import new
 from rigctl.measuring.stored_poses import poses_document
 from rigctl.settings import ShotSettings
 from rigctl.store import Change, NewShot, ShotState, Store

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from rigctl import cli
-from rigctl.commands.challenge import HiddenEffect, Label, judge, summary
+from rigctl.challenge import HiddenEffect, Label, judge, summary
 from simulators.challenge import write_challenge
 
 

@@ -116,8 +116,8 @@ def many(campaign: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[list[int]]
 
     jobs = tuple(replace(job, shot=number) for number in range(1, MANY + 1))
     longer = Campaign(read.name, jobs)
-    monkeypatch.setattr("rigctl.commands.analysis.analyse.read_campaign", lambda *_: longer)
-    monkeypatch.setattr("rigctl.commands.analysis.analyse.analyse_campaign", measured_again)
+    monkeypatch.setattr("rigctl.cli.frames.analyse.read_campaign", lambda *_: longer)
+    monkeypatch.setattr("rigctl.cli.frames.analyse.analyse_campaign", measured_again)
     # What is older is not gone through each time.
     gc.collect()
     gc.freeze()

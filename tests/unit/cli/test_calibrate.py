@@ -7,7 +7,7 @@ from analysis.calibration.calibrate import Calibration
 from analysis.calibration.estimate import Estimate
 from analysis.campaign import Campaign
 from rigctl import cli
-from rigctl.commands.analysis import calibrate as command
+from rigctl.cli.frames import calibrate as command
 
 
 def estimate(value: float, sigma: float) -> Estimate:

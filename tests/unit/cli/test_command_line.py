@@ -11,13 +11,13 @@ import httpx
 import pytest
 
 from rigctl import cli
+from rigctl import client as client_module
+from rigctl import local as local_module
 from rigctl.access.strength import Chosen
-from rigctl.commands import client as client_module
-from rigctl.commands.client import ServiceClient
-from rigctl.commands.report import rounded
-from rigctl.commands.rig import local as local_module
-from rigctl.commands.rig import shot as shot_module
-from rigctl.commands.rig.shot import Order, fire_and_wait, settings_of
+from rigctl.cli.lazy import Command
+from rigctl.cli.rig import shot as shot_module
+from rigctl.cli.rig.shot import rounded, settings_of
+from rigctl.client import ServiceClient
 from rigctl.errors import (
     ConfigurationError,
     DeviceError,
@@ -30,6 +30,7 @@ from rigctl.errors import (
     SettingsError,
     StoreError,
 )
+from rigctl.firing import fire_and_wait
 from rigctl.service import keyfile
 from rigctl.service.keyfile import ServiceAddress
 from rigctl.service.problems import answer, from_error
@@ -53,6 +54,25 @@ def test_help_names_every_command(capsys: pytest.CaptureFixture[str]) -> None:
     shown = capsys.readouterr().out
     for command in ("serve", "shot"):
         assert f"\n  {command} " in shown
+
+
+def every_command() -> list[list[str]]:
+    words: list[list[str]] = []
+    for name, entry in cli.COMMANDS.items():
+        below = [] if isinstance(entry, Command) else [[name, each] for each in entry.commands]
+        words += below or [[name]]
+    return words
+
+
+@pytest.mark.parametrize("words", every_command(), ids=" ".join)
+def test_every_command_of_the_table_is_there_and_says_what_the_table_says(
+    words: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.run([*words, "--help"]) == 0
+    shown = " ".join(capsys.readouterr().out.split())
+    entry: Any = cli.COMMANDS[words[0]]
+    assert f"Usage: rigctl {' '.join(words)} " in shown
+    assert (entry if len(words) == 1 else entry.commands[words[1]]).help in shown
 
 
 BAD_INPUT = [
@@ -88,7 +108,7 @@ def test_a_campaign_that_cannot_be_a_folder_is_refused_before_anything_is_armed(
         raise AssertionError("a rig was opened")
 
     monkeypatch.setattr(local_module, "opened", never)
-    monkeypatch.setattr(client_module, "connected", never)
+    monkeypatch.setattr(shot_module, "connected", never)
     arguments = ["shot", "--pressure-kpa", "40", "--offset-mm", "6", "--campaign", name]
     assert cli.run([*arguments, "--local"] if local else arguments) == 2
     shown = capsys.readouterr()
@@ -115,7 +135,7 @@ def test_each_kind_of_failure_has_its_exit_code(
     def fail(*_: object, **__: object) -> None:
         raise error
 
-    monkeypatch.setattr(shot_module, "shot", fail)
+    monkeypatch.setattr(shot_module, "connected", fail)
     assert cli.run(["shot", "--pressure-kpa", "40", "--offset-mm", "6"]) == code
     assert str(error) in capsys.readouterr().err
 
@@ -158,9 +178,14 @@ def settings() -> Any:
 def test_a_shot_is_fired_once_and_its_measurement_awaited() -> None:
     bench = Bench(["accepted", "capturing", "stored", "analysing", "analysed"])
     waited: list[float] = []
-    order = Order(settings(), "nylon-1", 60.0)
     document = fire_and_wait(
-        bench, order, lambda _: None, clock=lambda: sum(waited), pause=waited.append
+        bench,
+        settings(),
+        "nylon-1",
+        60.0,
+        lambda _: None,
+        clock=lambda: sum(waited),
+        pause=waited.append,
     )
     assert document["state"] == "analysed"
     assert document["result"]["e"]["value"] == 0.74
@@ -174,7 +199,9 @@ def test_the_wait_for_a_measurement_has_an_end() -> None:
     waited: list[float] = []
     document = fire_and_wait(
         bench,
-        Order(settings(), None, 2.0),
+        settings(),
+        None,
+        2.0,
         lambda _: None,
         clock=lambda: sum(waited),
         pause=waited.append,
@@ -187,7 +214,7 @@ def test_the_wait_for_a_measurement_has_an_end() -> None:
 def test_two_shots_never_share_a_key() -> None:
     bench = Bench(["misfire"])
     for _ in range(2):
-        fire_and_wait(bench, Order(settings(), None, 1.0), lambda _: None)
+        fire_and_wait(bench, settings(), None, 1.0, lambda _: None)
     assert bench.fired[0][1] != bench.fired[1][1]
 
 

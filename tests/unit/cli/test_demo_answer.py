@@ -3,7 +3,7 @@ from typing import Any
 
 import pytest
 
-from rigctl.commands.rig.demo import answer_of
+from rigctl.cli.rig.demo import answer_of
 
 
 def told(verdict: str, *stages: tuple[str, float]) -> Any:

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from rigctl.challenge import new
 from rigctl.cli import run
-from rigctl.commands.challenge import new
 from rigctl.config import default_path
 
 WORDS = ("agreement", "explain", "fit", "fit --stream", "launch", "rank", "rank --stream")

@@ -4,7 +4,7 @@ from pathlib import Path
 import pytest
 
 from rigctl import cli
-from rigctl.commands.analysis import qualify
+from rigctl.cli.frames import qualify
 
 
 @pytest.fixture(autouse=True)

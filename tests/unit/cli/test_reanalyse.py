@@ -39,7 +39,7 @@ def answers(monkeypatch: pytest.MonkeyPatch) -> dict[str, Json]:
     def pool(scheduler: str | None, workers: int | None) -> Iterator[Pool]:
         yield Pool(Inline(), lambda: 1)
 
-    monkeypatch.setattr("rigctl.commands.stored.reanalyse.pool", pool)
+    monkeypatch.setattr("rigctl.cli.store.reanalyse.pool", pool)
     monkeypatch.setattr(
         "rigctl.measuring.stored_shot.analyse_stored_shot_as_taught",
         lambda folder, method, known: found[folder.name],
@@ -103,5 +103,5 @@ def test_a_campaign_that_is_not_there_starts_no_process(
     def never(*_: object) -> None:
         raise AssertionError("a process was started")
 
-    monkeypatch.setattr("rigctl.commands.stored.reanalyse.pool", never)
+    monkeypatch.setattr("rigctl.cli.store.reanalyse.pool", never)
     assert run(["reanalyse", "brass"]) == NOT_FOUND

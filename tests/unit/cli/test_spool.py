@@ -11,8 +11,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rigctl.commands.analysis import spool
-from rigctl.commands.analysis.spool import Spool, print_document
+from rigctl.cli import spool
+from rigctl.cli.spool import Spool, print_document
 from rigctl.errors import StoreError
 
 LINES = st.lists(st.text(st.characters(exclude_characters="\n\r", exclude_categories=["Cs"])))

@@ -10,7 +10,7 @@ LATER = {"scipy.stats", "scipy.optimize", "numba", "matplotlib", "analysis.shot"
 
 
 def test_the_daemon_starts_without_the_analysis_and_the_model() -> None:
-    ask = "import json, sys, rigctl.commands.rig.serve; print(json.dumps(sorted(sys.modules)))"
+    ask = "import json, sys, rigctl.cli.rig.serve; print(json.dumps(sorted(sys.modules)))"
     done = subprocess.run(
         [sys.executable, "-c", ask], capture_output=True, text=True, timeout=60, check=True
     )

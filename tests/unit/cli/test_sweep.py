@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from rigctl.cli import run
-from rigctl.commands.rig import sweep as commands
+from rigctl.cli.rig import sweep as commands
 from rigctl.errors import RefusedError
 from rigctl.store import StepState
 
@@ -62,7 +62,7 @@ def daemon(monkeypatch: pytest.MonkeyPatch) -> Daemon:
     def service(_: Path | None, __: str | None) -> Iterator[Daemon]:
         yield stand_in
 
-    monkeypatch.setattr(commands, "service", service)
+    monkeypatch.setattr(commands, "connected", service)
     monkeypatch.setattr(commands, "_POLL_S", 0.0)
     return stand_in
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from analysis.results.campaign import Results
-from rigctl.commands.challenge import new
+from rigctl.challenge import new
 from rigctl.reports.campaign import measured_results
 from rigctl.reports.source import Source, folder_source
 

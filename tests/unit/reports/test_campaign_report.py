@@ -13,9 +13,9 @@ from pathlib import Path
 import pytest
 
 from analysis.results.tables import tables
+from rigctl.challenge import new
 from rigctl.cli import run
-from rigctl.commands.challenge import new
-from rigctl.commands.stored.report_campaign import report_campaign
+from rigctl.cli.store.report import report
 from rigctl.errors import AnalysisInputError, NotFoundError, StoreError
 from rigctl.reports.campaign import measured_results
 from rigctl.reports.page import page
@@ -154,7 +154,7 @@ def test_of_contacts_that_last_no_line_has_a_number_and_their_own_law_is_told(
     place = tmp_path / "soft"
     nature = Nature(forces=Forces(), drag_coefficient=0.4)
     write_folder(place, run_campaign(nature, 5, shots=20))
-    report_campaign(place, tmp_path / "r.html", csv=None, configuration=None)
+    report(place, out=tmp_path / "r.html", csv=None, config=None)
     written = (tmp_path / "r.html").read_text(encoding="utf-8")
     rows = re.findall(r"<tr><td>(e|μ|β₀|kappa|zeta|t), [^<]*</td><td>([^<]*)</td>", written)
     told = dict(rows)
@@ -177,7 +177,7 @@ def test_the_command_writes_the_report_and_the_tables(
 
 def test_a_place_that_cannot_be_written_is_said(folder: Path, tmp_path: Path) -> None:
     with pytest.raises(StoreError, match="cannot be written"):
-        report_campaign(folder, tmp_path / "none" / "r.html", csv=None, configuration=None)
+        report(folder, out=tmp_path / "none" / "r.html", csv=None, config=None)
 
 
 def test_a_campaign_that_is_not_there_ends_with_not_found(
@@ -185,6 +185,6 @@ def test_a_campaign_that_is_not_there_ends_with_not_found(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     with pytest.raises(NotFoundError):
-        report_campaign(Path("nylon"), tmp_path / "r.html", csv=None, configuration=None)
+        report(Path("nylon"), out=tmp_path / "r.html", csv=None, config=None)
     with pytest.raises(AnalysisInputError):
-        report_campaign(tmp_path / "a" / "b", tmp_path / "r.html", csv=None, configuration=None)
+        report(tmp_path / "a" / "b", out=tmp_path / "r.html", csv=None, config=None)

@@ -6,7 +6,7 @@ import secrets
 
 from nicegui import ui
 
-from rigctl.commands import challenge
+from rigctl import challenge
 from rigctl.errors import RigError
 from rigctl.model.known_effects import ALL_EFFECTS
 from rigctl.page.desk import Desk

@@ -6,8 +6,8 @@ from typing import Any
 
 from nicegui import ui
 
-from rigctl.commands.model.next_words import sentence, sweep_of
 from rigctl.jobs import Job
+from rigctl.model.next_words import sentence, sweep_of
 from rigctl.page.desk import Desk
 from rigctl.page.model.state import ModelState, Question
 from rigctl.page.parts.tables import Line, facts

@@ -1,0 +1,111 @@
+"""Size of the house: code lines of each room, and files that exist for one other file.
+
+    python -m benchmarks.house [--depth 2] [--single ROOM]
+
+Code lines are those of ``src`` without blanks, comments and docstrings. A file counts as single
+where exactly one other file of ``src`` imports it; a package's ``__init__`` is not counted, nor
+is a file that an ``__init__`` alone collects from a folder (an effect, a route).
+"""
+
+import argparse
+import ast
+import io
+import tokenize
+from collections import defaultdict
+from pathlib import Path
+
+SOURCES = Path(__file__).resolve().parents[1] / "src"
+
+_LAYOUT = {
+    tokenize.COMMENT,
+    tokenize.NL,
+    tokenize.NEWLINE,
+    tokenize.INDENT,
+    tokenize.DEDENT,
+    tokenize.ENDMARKER,
+}
+
+
+def docstring_lines(tree: ast.Module) -> set[int]:
+    """Return the line numbers of all docstrings of a module."""
+    lines: set[int] = set()
+    for node in ast.walk(tree):
+        if not isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
+            continue
+        if ast.get_docstring(node, clean=False) is not None:
+            text = node.body[0]
+            lines.update(range(text.lineno, (text.end_lineno or text.lineno) + 1))
+    return lines
+
+
+def code_lines(text: str) -> int:
+    """Return the number of lines that hold code."""
+    lines: set[int] = set()
+    for token in tokenize.generate_tokens(io.StringIO(text).readline):
+        if token.type not in _LAYOUT:
+            lines.update(range(token.start[0], token.end[0] + 1))
+    return len(lines - docstring_lines(ast.parse(text)))
+
+
+def module_name(path: Path) -> str:
+    """Return the dotted name under which a file of ``src`` is imported."""
+    parts = path.relative_to(SOURCES).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+def imported(tree: ast.Module, name: str, package: bool, known: set[str]) -> set[str]:
+    """Return the modules of ``src`` that a module names, anywhere in its text."""
+    found: set[str] = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            found.update(alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            base = node.module or ""
+            if node.level:
+                parts = name.split(".")
+                parts = parts[: len(parts) - node.level + package]
+                base = ".".join([*parts, base] if base else parts)
+            found.add(base)
+            found.update(f"{base}.{alias.name}" for alias in node.names)
+    return (found & known) - {name}
+
+
+def main() -> None:
+    """Print lines and single files of each room, then the single files of one room."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--depth", type=int, default=2, help="folders below src that make a room")
+    parser.add_argument("--single", metavar="ROOM", help="list the single files below this room")
+    choice = parser.parse_args()
+    paths = {module_name(path): path for path in sorted(SOURCES.rglob("*.py"))}
+    known = set(paths)
+    lines: dict[str, int] = {}
+    users: dict[str, set[str]] = defaultdict(set)
+    for name, path in paths.items():
+        text = path.read_text(encoding="utf-8")
+        lines[name] = code_lines(text)
+        for other in imported(ast.parse(text), name, path.name == "__init__.py", known):
+            users[other].add(name)
+    single = {
+        name: next(iter(users[name]))
+        for name, path in paths.items()
+        if path.name != "__init__.py" and len(users[name]) == 1
+        if paths[next(iter(users[name]))].name != "__init__.py"
+    }
+    if choice.single is not None:
+        for name, user in sorted(single.items(), key=lambda pair: pair[1]):
+            if name.startswith(choice.single):
+                print(f"{lines[name]:5} {name:60} for {user}")
+        return
+    rooms: dict[str, list[str]] = defaultdict(list)
+    for name, path in paths.items():
+        folders = path.relative_to(SOURCES).parts[:-1]
+        rooms["/".join(folders[: choice.depth])].append(name)
+    print(f"{'room':32}{'lines':>7}{'files':>7}{'single':>8}")
+    for room, names in sorted(rooms.items()):
+        alone = sum(name in single for name in names)
+        print(f"{room:32}{sum(lines[name] for name in names):7}{len(names):7}{alone:8}")
+    print(f"{'all':32}{sum(lines.values()):7}{len(paths):7}{len(single):8}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,216 @@
+"""`rigctl analyse`: frames or a campaign folder to poses, contacts and coefficients."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.progress import Progress
+
+from analysis.campaign import (
+    SHOT_LIST,
+    Campaign,
+    ShotJob,
+    analyse_campaign,
+    joined,
+    read_campaign,
+)
+from analysis.errors import InputError
+from analysis.exchange.description import read_description
+from analysis.exchange.folder import folder_writer
+from analysis.figures.shot import draw_shot
+from analysis.imaging.edge.frame import EdgeSettings
+from analysis.imaging.files.stack import read_stack
+from analysis.shot import AnalysisOptions, MeasuredShot, RefusedShot
+from analysis.tracking import Matching
+from rigctl.cli.frames.analyse_output import ShotTable, shot_object
+from rigctl.cli.frames.compile_note import announce_compiling
+from rigctl.cli.options import Json, MeasuredBy, Method, Workers
+from rigctl.cli.spool import Spool, print_document
+from rigctl.errors import AnalysisInputError
+
+Shot = MeasuredShot | RefusedShot
+Done = tuple[ShotJob, Shot, int]
+
+
+def analyse(
+    paths: Annotated[
+        list[Path], typer.Argument(help="Campaign folders, or frames: TIFF, NPY, AVI, PNG folder.")
+    ],
+    *,
+    method: MeasuredBy = "photometric",
+    setup: Annotated[
+        Path | None,
+        typer.Option(help="A campaign.toml for frames that belong to no campaign folder."),
+    ] = None,
+    sigma_px: Annotated[
+        float | None,
+        typer.Option(min=0.5, max=8.0, help="Thesis method: width of the edge filter, pixels."),
+    ] = None,
+    samples: Annotated[
+        int | None,
+        typer.Option(min=1, max=16, help="Thesis method: facet samples a pixel. Default: exact."),
+    ] = None,
+    matching: Annotated[
+        Matching | None,
+        typer.Option(help="Thesis method: markers by rigid pattern, or frame to frame."),
+    ] = None,
+    three: Annotated[
+        bool, typer.Option("--three", help="Three frames before and three after, 2 ms apart.")
+    ] = False,
+    out: Annotated[
+        Path | None, typer.Option(help="Write an exchange folder with poses and contacts here.")
+    ] = None,
+    figures: Annotated[
+        Path | None, typer.Option(help="Write one picture a shot into this folder.")
+    ] = None,
+    workers: Workers = None,
+    json: Json = False,
+) -> None:
+    """Analyse, write what is asked for, and print a table or one JSON document.
+
+    Raises
+    ------
+    AnalysisInputError
+        An option belongs to the other method; a path, a set-up or a campaign file cannot be read,
+        or no shot's frames can. Then the refusal of each shot is printed first.
+    StoreError
+        The temporary folder is full.
+    """
+    _keep_sources(paths, out)
+    options = _options(method, sigma_px, samples, matching, three=three)
+    with Spool() as objects, ShotTable() as table:
+
+        def tell(number: int, shot: Shot) -> None:
+            if json:
+                objects.add(shot_object(number, shot))
+            else:
+                table.add(number, shot)
+
+        try:
+            known = None if setup is None else read_description(setup)[1]
+            # Loose files are numbered in the order given.
+            campaign = joined([read_campaign(path, known) for path in paths])
+            announce_compiling(method)
+            started = time.perf_counter()
+            frames = 0
+            with _written(campaign, out, figures) as write:
+                for job, shot, count in _watched(campaign, options, workers):
+                    frames += count
+                    tell(job.shot, shot)
+                    write(job, shot, count)
+            elapsed = time.perf_counter() - started
+        except InputError as error:
+            raise AnalysisInputError(error.reason, part=_place(error)) from error
+        if json:
+            head = {
+                "campaign": campaign.name,
+                "method": method,
+                "frames_per_second": round(frames / elapsed, 1),
+                "unlisted": [str(path) for path in campaign.unlisted],
+            }
+            print_document(head, "shots", objects)
+        else:
+            table.print(campaign.name)
+    _name_unlisted(campaign)
+    if frames == 0:
+        raise AnalysisInputError(
+            "no frames of any shot can be read",
+            part=campaign.name,
+            todo="the reason stands beside each shot",
+        )
+
+
+def _name_unlisted(campaign: Campaign) -> None:
+    if campaign.unlisted:
+        names = ", ".join(map(str, campaign.unlisted))
+        note = f"rigctl: frames without a row in {SHOT_LIST}, left out: {names}"
+        print(note, file=sys.stderr)  # noqa: T201
+
+
+def _keep_sources(paths: Sequence[Path], out: Path | None) -> None:
+    """Refuse to write an exchange folder over a campaign that is read."""
+    read = {place.resolve() for path in paths for place in (path, path.parent.parent)}
+    if out is not None and out.resolve() in read:
+        raise AnalysisInputError(
+            "is the campaign that is read; its files would be replaced",
+            part=str(out),
+            todo="choose another folder for --out",
+        )
+
+
+def _place(error: InputError) -> str:
+    return error.path if error.line is None else f"{error.path}, line {error.line}"
+
+
+def _options(
+    method: Method,
+    sigma_px: float | None,
+    samples: int | None,
+    matching: Matching | None,
+    *,
+    three: bool,
+) -> AnalysisOptions:
+    """Return the analysis's options; refuse those that the method does not have."""
+    if method == "thesis":
+        edges = EdgeSettings(samples_per_pixel=samples)
+        if sigma_px is not None:
+            edges = replace(edges, sigma_px=sigma_px)
+        return AnalysisOptions(edges, matching, three, "thesis")
+    given = {"--sigma-px": sigma_px, "--samples": samples, "--matching": matching}
+    for name, value in given.items():
+        if value is not None:
+            raise AnalysisInputError(
+                f"means nothing to the {method} method, which finds no edges",
+                part=name,
+                todo=f"leave {name} out, or add --method thesis",
+            )
+    return AnalysisOptions(three_and_three=three, method=method)
+
+
+def _watched(campaign: Campaign, options: AnalysisOptions, workers: int | None) -> Iterator[Done]:
+    """Give each shot as it is measured, with how many frames it had, under a progress bar."""
+    console = Console(stderr=True)
+    with Progress(console=console, transient=True, disable=not sys.stderr.isatty()) as bar:
+        task = bar.add_task("analysing", total=len(campaign.jobs))
+        yield from analyse_campaign(
+            campaign,
+            options,
+            workers,
+            progress=lambda count, _: bar.update(task, completed=count),
+        )
+
+
+@contextmanager
+def _written(
+    campaign: Campaign, out: Path | None, figures: Path | None
+) -> Iterator[Callable[[ShotJob, Shot, int], None]]:
+    """Give a function that writes what is asked for of a shot with so many frames, and forgets it.
+
+    No folder is made for a campaign of which no frames can be read.
+    """
+    with ExitStack() as opened:
+        keep: Callable[[int, MeasuredShot], object] | None = None
+
+        def write(job: ShotJob, shot: Shot, frames: int) -> None:
+            nonlocal keep
+            if out is not None and keep is None and frames > 0:
+                keep = opened.enter_context(folder_writer(out, campaign.name, campaign.jobs))
+            if not isinstance(shot, MeasuredShot):
+                return
+            if keep is not None:
+                keep(job.shot, shot)
+            if figures is not None:
+                figures.mkdir(parents=True, exist_ok=True)
+                title = f"{campaign.name}, shot {job.shot}"
+                pixels = read_stack(job.frames).pixels
+                draw_shot(figures / f"{job.shot:04d}.png", title, pixels, shot)
+
+        yield write

@@ -1,0 +1,51 @@
+"""`rigctl model fit`: the parameters that all shots share."""
+
+from __future__ import annotations
+
+from rich.console import Console
+from rich.table import Table
+
+from analysis.model.verdict.documents import fit_document
+from rigctl.cli.model.reading import Fitted, FittedStream, fitted, fitted_stream, tell
+from rigctl.cli.options import Campaign, Config, Json, OwnEffects, Streamed, With
+from rigctl.cli.output import TABLE_WIDTH, print_json, unit_word
+from rigctl.model.headline import headline
+from rigctl.model.known_effects import available
+
+
+def fit(
+    campaign: Campaign,
+    *,
+    effects: With = None,
+    folder: OwnEffects = None,
+    stream: Streamed = False,
+    config: Config = None,
+    json: Json = False,
+) -> None:
+    """Fit the base model and the named effects; print parameters with standard errors.
+
+    Raises
+    ------
+    AnalysisInputError
+        The campaign or the folder cannot be read, or a named effect has a fault.
+    NotFoundError
+        No effect has that name.
+    StoreError
+        The temporary folder is full.
+    """
+    known = available(folder)
+    read = fitted_stream if stream else fitted
+    found: Fitted | FittedStream = read(campaign, effects or [], known, config)
+    faults = tell(known.faults)
+    if json:
+        document = fit_document(found.title, found.names, found.judged)
+        print_json({**document, "faults": faults})
+        return
+    console = Console(width=TABLE_WIDTH)
+    console.print(headline(found.title, found.judged), highlight=False)
+    table = Table(box=None)
+    for heading in ("parameter", "value", "unit"):
+        table.add_column(heading, justify="left" if heading != "value" else "right")
+    for name, quantity in found.judged.fit.parameters().items():
+        table.add_row(name, quantity.concise(), unit_word(quantity.unit))
+    console.print(table)

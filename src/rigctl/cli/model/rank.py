@@ -1,0 +1,94 @@
+"""`rigctl model rank`: the score of every effect that is not in the fit."""
+
+from __future__ import annotations
+
+from rich.console import Console
+from rich.table import Table
+
+from analysis.effects.own.dropping import without_faulty
+from analysis.effects.own.fault import EffectFault
+from analysis.model.rank.candidate import Candidate, Ranking
+from analysis.model.verdict.documents import SHOWN_ALIAS, alike, fit_document, ranking_document
+from analysis.quantity import Quantity
+from rigctl.cli.model.pictures import draw_ranking
+from rigctl.cli.model.reading import Fitted, FittedStream, fitted, fitted_stream, tell
+from rigctl.cli.options import Campaign, Config, Json, OwnEffects, Pictures, Streamed, With
+from rigctl.cli.output import TABLE_WIDTH, print_json, unit_word
+from rigctl.model.headline import headline
+from rigctl.model.known_effects import available, refused
+
+
+def ranking(
+    campaign: Campaign,
+    *,
+    effects: With = None,
+    folder: OwnEffects = None,
+    out: Pictures = None,
+    stream: Streamed = False,
+    config: Config = None,
+    json: Json = False,
+) -> None:
+    """Fit the base model and the named effects, and rank what else the data ask for.
+
+    An effect of one's own with a fault is named and left out.
+
+    Raises
+    ------
+    AnalysisInputError
+        The campaign or the folder cannot be read, or a named effect has a fault.
+    NotFoundError
+        No effect has that name.
+    StoreError
+        The temporary folder is full, or a picture cannot be written.
+    """
+    known = available(folder)
+    read = fitted_stream if stream else fitted
+    found: Fitted | FittedStream = read(campaign, effects or [], known, config)
+    try:
+        ranked, dropped = without_faulty(known.effects, found.ranked)
+    except EffectFault as error:
+        raise refused(error.fault) from error
+    faults = tell([*known.faults, *dropped])
+    if json:
+        document = fit_document(found.title, found.names, found.judged)
+        print_json({**document, "candidates": ranking_document(ranked), "faults": faults})
+    else:
+        console = Console(width=TABLE_WIDTH)
+        console.print(headline(found.title, found.judged), highlight=False)
+        console.print(_table(ranked))
+    if out is not None:
+        draw_ranking(out, found.title, ranked)
+
+
+def _table(ranked: Ranking) -> Table:
+    table = Table(box=None)
+    longest = max((len(candidate.effect.name) for candidate in ranked.candidates), default=0)
+    table.add_column("effect", min_width=longest)
+    for heading in ("score", "promised fall", "p", "amplitude", "unit", "", "like"):
+        left = heading in {"unit", "", "like"}
+        table.add_column(heading, justify="left" if left else "right")
+    for k, candidate in enumerate(ranked.candidates):
+        _add_candidate(table, candidate, alike(ranked, k))
+    table.caption = (
+        "p: chance that something in the catalogue looks as good when nothing is missing; like: "
+        f"not told from this one by these shots (correlation above {SHOWN_ALIAS:g})"
+    )
+    return table
+
+
+def _add_candidate(table: Table, candidate: Candidate, likes: list[str]) -> None:
+    if not candidate.seen:
+        table.add_row(candidate.effect.name, "", "", "", "cannot be seen with these shots")
+        return
+    parameter = candidate.effect.parameters[0]
+    amplitude = Quantity(float(candidate.amplitudes[0]), float(candidate.sigmas[0]), parameter.unit)
+    table.add_row(
+        candidate.effect.name,
+        f"{candidate.score:.1f}",
+        f"{candidate.fall:.1f}",
+        f"{candidate.p_familywise:.4f}",
+        f"{parameter.symbol} = {amplitude.concise()}",
+        unit_word(parameter.unit),
+        "" if candidate.plausible else "not plausible",
+        ", ".join(likes),
+    )

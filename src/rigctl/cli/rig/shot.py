@@ -1,0 +1,196 @@
+"""`rigctl shot`: arm, fire once, wait for the measurement, print it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from contextlib import AbstractContextManager
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from pydantic import TypeAdapter, ValidationError
+from rich.console import Console
+from rich.table import Table
+
+from rigctl.cli.options import Config, Json, Key, KeyFile, given_key
+from rigctl.cli.output import print_json, progress
+from rigctl.client import connected
+from rigctl.errors import NotFoundError, RefusedError, SettingsError
+from rigctl.firing import ON_THE_WAY, Operable, fire_and_wait
+from rigctl.service.models import CampaignName
+from rigctl.settings import ShotSettings
+
+_WITHOUT_FRAMES = frozenset({"misfire", "aborted", "unknown_outcome", "interrupted"})
+_CAMPAIGN: TypeAdapter[str | None] = TypeAdapter(CampaignName | None)
+_NAMES = {
+    "v_n": "normal velocity before",
+    "v_s": "surface velocity before",
+    "v_n_after": "normal velocity after",
+    "v_s_after": "surface velocity after",
+    "e": "restitution e",
+    "beta": "tangential restitution β",
+    "contact_duration": "duration of contact",
+}
+_SHOWN_IN = {"s": (1e6, "µs"), "1": (1.0, "")}
+"""Factor and unit in which the table shows what results hold in SI units."""
+
+
+def shot(
+    *,
+    pressure_kpa: Annotated[float, typer.Option(help="Gauge pressure of pusher a in kPa.")],
+    offset_mm: Annotated[float, typer.Option(help="Vertical offset of tube b below a in mm.")],
+    pressure_b_kpa: Annotated[
+        float | None, typer.Option(help="Gauge pressure of pusher b in kPa; as a without it.")
+    ] = None,
+    delay_us: Annotated[
+        float, typer.Option(help="Pusher b fires this much later, microseconds.")
+    ] = 0.0,
+    angle_a_deg: Annotated[
+        float | None, typer.Option(help="Tilt of tube a in degrees; release apparatus only.")
+    ] = None,
+    angle_b_deg: Annotated[
+        float | None, typer.Option(help="Tilt of tube b in degrees; release apparatus only.")
+    ] = None,
+    campaign: Annotated[str | None, typer.Option(help="Campaign the shot belongs to.")] = None,
+    local: Annotated[bool, typer.Option("--local", help="Fire without a daemon.")] = False,
+    wait_s: Annotated[
+        float, typer.Option(min=0.0, max=3600.0, help="Longest wait for the measurement, s.")
+    ] = 120.0,
+    config: Config = None,
+    key: Key = None,
+    key_file: KeyFile = None,
+    json: Json = False,
+) -> None:
+    """Fire one shot and print what was measured.
+
+    Raises
+    ------
+    SettingsError
+        A setting lies beyond the bounds of physics, or the campaign's name could not be a
+        folder's: found before any rig is armed.
+    RefusedError
+        The rig refused, or the shot did not come through.
+    NotFoundError
+        The shot was fired, and there is no measurement of it.
+    """
+    settings = settings_of(
+        pressure_a_kpa=pressure_kpa,
+        pressure_b_kpa=pressure_kpa if pressure_b_kpa is None else pressure_b_kpa,
+        offset_mm=offset_mm,
+        delay_us=delay_us,
+        angle_a_deg=angle_a_deg,
+        angle_b_deg=angle_b_deg,
+    )
+    _require_name(campaign)
+    rig = _local(config) if local else connected(config, given_key(key, key_file))
+    with rig as opened, progress() as say:
+        document = fire_and_wait(opened, settings, campaign, wait_s, say)
+    _print(document, as_json=json)
+    _require_measured(document)
+
+
+def _local(config: Path | None) -> AbstractContextManager[Operable]:
+    # A daemon loads what a command beside one does not need.
+    from rigctl.local import opened  # noqa: PLC0415
+
+    return opened(config)
+
+
+def _require_name(campaign: str | None) -> None:
+    """Refuse a name that the service would refuse."""
+    try:
+        _CAMPAIGN.validate_python(campaign)
+    except ValidationError as error:
+        raise SettingsError(
+            "is not a campaign's name",
+            part="campaign",
+            value=repr(campaign),
+            limit="1 to 64 letters, digits, dots, hyphens or underscores, first a letter or digit",
+            todo="choose another name",
+        ) from error
+
+
+def settings_of(**fields: float | None) -> ShotSettings:
+    """Return checked settings; a field that is None is left out.
+
+    Raises
+    ------
+    SettingsError
+        A value is not a finite number within the bounds of physics.
+    """
+    given = {name: value for name, value in fields.items() if value is not None}
+    try:
+        return ShotSettings.model_validate(given)
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        name = str(first["loc"][0])
+        raise SettingsError(
+            first["msg"][0].lower() + first["msg"][1:],
+            part=name,
+            value=str(first["input"]),
+            todo="choose another value",
+        ) from error
+
+
+def _print(document: Mapping[str, Any], *, as_json: bool) -> None:
+    if as_json:
+        print_json(document, indent=1)
+        return
+    console = Console()
+    settings = document["settings"]
+    console.print(
+        f"shot {document['shot']}, {document['state']}: {settings['pressure_a_kpa']:g} and "
+        f"{settings['pressure_b_kpa']:g} kPa, offset {settings['offset_mm']:g} mm"
+        + (", simulated" if document["simulated"] else ""),
+        highlight=False,
+    )
+    result = document["result"] or {}
+    rows = [(name, result[name]) for name in _NAMES if isinstance(result.get(name), dict)]
+    if rows:
+        console.print(_table(rows))
+
+
+def rounded(value: float, sigma: float) -> tuple[str, str]:
+    """Return value and standard error as text, both to the error's second significant digit.
+
+    An error that is zero or not finite says nothing about digits: six are given then.
+    """
+    if not (math.isfinite(value) and math.isfinite(sigma) and sigma > 0):
+        return f"{value:.6g}", f"{sigma:.2g}"
+    digits = max(0, 1 - math.floor(math.log10(sigma)))
+    return f"{value:.{digits}f}", f"{sigma:.{digits}f}"
+
+
+def _table(rows: list[tuple[str, Mapping[str, Any]]]) -> Table:
+    table = Table("quantity", "value", "± σ", "unit", box=None, pad_edge=False)
+    for column in table.columns[1:3]:
+        column.justify = "right"
+    for name, quantity in rows:
+        factor, unit = _SHOWN_IN.get(quantity["unit"], (1.0, str(quantity["unit"])))
+        found, error = factor * float(quantity["value"]), factor * float(quantity["sigma"])
+        table.add_row(_NAMES[name], *rounded(found, error), unit)
+    return table
+
+
+def _require_measured(document: Mapping[str, Any]) -> None:
+    state, name = str(document["state"]), str(document["shot"])
+    why = f": {document['failure']}" if document["failure"] else ""
+    if state in _WITHOUT_FRAMES:
+        raise RefusedError(
+            f"the shot ended as {state.replace('_', ' ')}{why}",
+            shot=name,
+            todo="look at the rig before the next one",
+        )
+    if state == "refused":
+        raise NotFoundError(
+            f"the frames are stored, but the analysis refused them{why}",
+            shot=name,
+            todo="look at the frames",
+        )
+    if state in ON_THE_WAY:
+        raise NotFoundError(
+            f"the shot is {state}, its measurement did not come in time",
+            shot=name,
+            todo=f"ask later with GET /api/v1/shots/{name}/result",
+        )

@@ -1,0 +1,190 @@
+"""The REST service as commands, the Bluesky devices and scripts call it."""
+
+from __future__ import annotations
+
+import ssl
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+import httpx
+
+from rigctl.access.strength import Chosen
+from rigctl.config import load
+from rigctl.errors import ConfigurationError, RefusedError, RigError, SettingsError
+from rigctl.service import keyfile
+from rigctl.service.keyfile import ServiceAddress
+from rigctl.settings import ShotSettings
+
+_ANSWER_TIMEOUT_S = 10.0
+# Arming waits for pressure and slide; the configuration bounds their settling to an hour at most.
+_ARM_TIMEOUT_S = 120.0
+
+
+@contextmanager
+def connected(path: Path | None, key: Chosen | None) -> Iterator[ServiceClient]:
+    """Give a client of the daemon that runs on a configuration's store.
+
+    Its address and key are those that the daemon wrote beside its store; a key given here is used
+    in the place of the written one.
+
+    Raises
+    ------
+    ConfigurationError
+        The configuration cannot be, or no daemon wrote its key and none is given.
+    """
+    configuration = load(path)
+    try:
+        address = keyfile.read(Path(configuration.store.folder))
+    except ConfigurationError:
+        if key is None:
+            raise
+        service = configuration.service
+        scheme = "https" if service.encrypts else "http"
+        url = f"{scheme}://{service.host}:{service.port}"
+        address = ServiceAddress(url, key.key, service.tls_certificate)
+    with ServiceClient(address if key is None else replace(address, key=key.key)) as client:
+        yield client
+
+
+class ServiceClient:
+    """Speaks to a running daemon; a problem document comes back as the error it was made from.
+
+    Nothing is ever sent twice: a lost answer to a fire is reported, and the shot's fate is read
+    from the list of shots.
+    """
+
+    def __init__(
+        self, address: ServiceAddress, transport: httpx.BaseTransport | None = None
+    ) -> None:
+        self._url = address.url
+        self._http = httpx.Client(
+            base_url=f"{address.url}/api/v1",
+            headers={"Authorization": f"Bearer {address.key}"},
+            transport=transport,
+            trust_env=False,
+            verify=_trusting(address.certificate),
+        )
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._http.close()
+
+    def arm(self, settings: ShotSettings) -> str:
+        """Set the rig, wait until it has settled, and return the arm token."""
+        body = settings.model_dump(exclude_none=True)
+        return str(self._ask("POST", "/rig/arm", body, timeout_s=_ARM_TIMEOUT_S)["arm_token"])
+
+    def release(self, reason: str) -> dict[str, Any]:
+        """Let the rig leave its latch and return its state."""
+        return self._ask("POST", "/rig/release", {"reason": reason})
+
+    def fire(self, token: str, key: str, campaign: str | None) -> str:
+        """Fire once under this idempotency key and return the shot's id."""
+        body = {"arm_token": token} | ({"campaign": campaign} if campaign else {})
+        answer = self._ask("POST", "/shots", body, headers={"Idempotency-Key": key})
+        return str(answer["shot"])
+
+    def shot(self, shot: str) -> dict[str, Any]:
+        """Return one shot as the service lists it."""
+        return self._ask("GET", f"/shots/{shot}")
+
+    def result(self, shot: str) -> dict[str, Any]:
+        """Return the measurement of one shot."""
+        return self._ask("GET", f"/shots/{shot}/result")
+
+    def start_sweep(self, form: Mapping[str, Any], key: str) -> dict[str, Any]:
+        """Start a sweep under this idempotency key and return it."""
+        return self._ask("POST", "/sweeps", form, headers={"Idempotency-Key": key})
+
+    def sweeps(self) -> dict[str, Any]:
+        """Return the list of sweeps, latest first."""
+        return self._ask("GET", "/sweeps")
+
+    def sweep(self, name: str) -> dict[str, Any]:
+        """Return one sweep as the service lists it."""
+        return self._ask("GET", f"/sweeps/{name}")
+
+    def sweep_steps(self, name: str) -> dict[str, Any]:
+        """Return what was asked of a sweep (`form`) and its steps (`table`)."""
+        return self._ask("GET", f"/sweeps/{name}/steps")
+
+    def order_sweep(self, name: str, wish: str) -> dict[str, Any]:
+        """Pause, resume or abort a sweep and return it."""
+        return self._ask("POST", f"/sweeps/{name}/{wish}")
+
+    def _ask(
+        self,
+        method: str,
+        path: str,
+        body: Mapping[str, Any] | None = None,
+        headers: Mapping[str, str] | None = None,
+        timeout_s: float = _ANSWER_TIMEOUT_S,
+    ) -> dict[str, Any]:
+        try:
+            answer = self._http.request(method, path, json=body, headers=headers, timeout=timeout_s)
+        except httpx.ConnectError as error:
+            raise ConfigurationError(
+                "no daemon answers there",
+                part=self._url,
+                todo="start one with `rigctl serve`, or fire with --local",
+            ) from error
+        except httpx.TransportError as error:
+            raise RigError(
+                f"the daemon's answer to {method} {path} was lost ({type(error).__name__})",
+                part=self._url,
+                todo="look at GET /api/v1/shots before anything is fired again",
+            ) from error
+        if answer.is_success:
+            return dict(answer.json())
+        raise error_of(answer)
+
+
+def _trusting(certificate: str | None) -> ssl.SSLContext | bool:
+    """Return whom to trust: a daemon on this host shows the certificate of its configuration."""
+    if certificate is None:
+        return True
+    context = ssl.create_default_context()
+    context.load_verify_locations(certificate)
+    return context
+
+
+def error_of(answer: httpx.Response) -> RigError:
+    """Return the error that a problem document was made from."""
+    try:
+        document = dict(answer.json())
+    except ValueError:
+        document = {}
+    detail = str(document.get("detail", f"HTTP {answer.status_code}"))
+    kinds = {kind.code: kind for kind in _tree(RigError)}
+    kind = kinds.get(str(document.get("code")), _by_status(answer.status_code))
+    # The detail of an error of ours is a whole sentence, with what to do at its end.
+    todo = document.get("todo")
+    return kind(detail, todo=None if todo is None or todo in detail else str(todo))
+
+
+def _tree(kind: type[RigError]) -> Iterator[type[RigError]]:
+    yield kind
+    for below in kind.__subclasses__():
+        yield from _tree(below)
+
+
+def _by_status(status: int) -> type[RigError]:
+    kinds = {
+        401: ConfigurationError,
+        403: RefusedError,
+        409: RefusedError,
+        422: SettingsError,
+        503: RefusedError,
+    }
+    return kinds.get(status, RigError)

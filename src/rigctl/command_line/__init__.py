@@ -1,1 +1,0 @@
-"""Arguments and options of the commands, one file a group; `rigctl.cli` puts them together."""

@@ -1,1 +1,0 @@
-"""What each command does, one module for each; `rigctl.command_line` holds their options."""

@@ -1,0 +1,70 @@
+"""Fire a shot with a rig behind a daemon or in this process, and wait for its measurement."""
+
+from __future__ import annotations
+
+import time
+import uuid
+from collections.abc import Callable, Mapping
+from typing import Any, Protocol
+
+from rigctl.settings import ShotSettings
+
+ON_THE_WAY = frozenset({"accepted", "firing", "capturing", "stored", "analysing"})
+"""States of a shot that will get another."""
+_POLL_S = 0.1
+
+
+class Operable(Protocol):
+    """A rig to fire a shot with: behind a running daemon, or inside this process."""
+
+    def arm(self, settings: ShotSettings) -> str:
+        """Set the rig and return the arm token."""
+
+    def fire(self, token: str, key: str, campaign: str | None) -> str:
+        """Fire once under this idempotency key and return the shot's id."""
+
+    def shot(self, shot: str) -> Mapping[str, Any]:
+        """Return the shot as REST shows it."""
+
+    def result(self, shot: str) -> Mapping[str, Any]:
+        """Return the shot's measurement; raise `NotFoundError` while there is none."""
+
+
+def fire_and_wait(
+    rig: Operable,
+    settings: ShotSettings,
+    campaign: str | None,
+    wait_s: float,
+    say: Callable[[str], None],
+    *,
+    clock: Callable[[], float] = time.monotonic,
+    pause: Callable[[float], None] = time.sleep,
+) -> dict[str, Any]:
+    """Fire one shot and return it as REST shows it, with its measurement under `result`.
+
+    The measurement is waited for at most `wait_s`; `result` is None when there is none.
+    """
+    say("setting pressure and offset")
+    token = rig.arm(settings)
+    say("firing")
+    name = rig.fire(token, str(uuid.uuid4()), campaign)
+    say(f"shot {name}: waiting for its measurement")
+    return measured(rig, name, wait_s, clock=clock, pause=pause)
+
+
+def measured(
+    rig: Operable,
+    name: str,
+    wait_s: float,
+    *,
+    clock: Callable[[], float] = time.monotonic,
+    pause: Callable[[float], None] = time.sleep,
+) -> dict[str, Any]:
+    """Wait for the measurement of a fired shot, as `fire_and_wait`, and return the same."""
+    deadline = clock() + wait_s
+    record = rig.shot(name)
+    while record["state"] in ON_THE_WAY and clock() < deadline:
+        pause(_POLL_S)
+        record = rig.shot(name)
+    ended = record["state"] in {"analysed", "refused"}
+    return {**record, "result": rig.result(name) if ended else None}
