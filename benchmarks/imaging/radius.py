@@ -65,8 +65,5 @@ def unscaled(world: WorldDescription) -> Setup:
         front_origin_px=optics.front_origin_px,
         top_origin_px=optics.top_origin_px,
     )
-    a, b = (
-        SphereSetup(name, ball.diameter_m)
-        for name, ball in (("a", world.sphere_a), ("b", world.sphere_b))
-    )
-    return Setup(camera, (a, b))
+    a, b = world.sphere_a.diameter_m, world.sphere_b.diameter_m
+    return Setup(camera, (SphereSetup("a", a), SphereSetup("b", b)))

@@ -108,6 +108,8 @@ class ListedJobs(Sequence[ShotJob]):
 THESIS_SETUP = Setup(
     camera=CameraSetup(
         frame_rate_hz=1000.0,
+        height_px=192,
+        width_px=240,
         front_view_rows=(88, 192),
         top_view_rows=(0, 88),
     ),

@@ -46,12 +46,13 @@ class Scene:
     @classmethod
     def of(cls, setup: Setup, slow: SlowErrors) -> Scene:
         """Return the scene of frames that were measured with these slow errors."""
+        air = setup.environment
         return cls(
             bodies=(body_of(setup.spheres[0]), body_of(setup.spheres[1])),
-            gravity=setup.gravity_m_per_s2,
-            air_density=setup.air_density_kg_per_m3,
-            drag_coefficient=setup.drag_coefficient,
-            drag_sigma=setup.drag_sigma,
+            gravity=air.gravity_m_per_s2,
+            air_density=air.air_density_kg_per_m3,
+            drag_coefficient=air.drag_coefficient,
+            drag_sigma=air.drag_coefficient_sigma,
             exposure_s=setup.camera.longest_exposure_s,
             slow=slow,
         )

@@ -1,11 +1,45 @@
-"""What is known before a shot: camera, spheres and surroundings (formats.md, campaign.toml)."""
+"""What is known before a shot: camera, bodies and surroundings, as every document has them.
+
+campaign.toml, the manifest of a shot and the configuration of a rig all hold these tables, with
+these units and limits; `setup_of` and `setup_document` read and write them. A value beyond a limit
+cannot be made at all.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+import json
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import (
+    AliasChoices,
+    ConfigDict,
+    Field,
+    SerializerFunctionWrapHandler,
+    TypeAdapter,
+    ValidationInfo,
+    field_validator,
+    model_serializer,
+    model_validator,
+)
+from pydantic.dataclasses import dataclass
+
+STRICT = ConfigDict(strict=True, extra="forbid", allow_inf_nan=False)
+
+HOLLOW_SHELL = 0.667
+"""I / (m r^2) with all mass at the surface, 2/3 as it is written down; no sphere has more."""
+WHOLE_FRAME = (0, 0)
+"""Rows of the front view where none are stated."""
+
+Rows = tuple[int, int]
+"""Half-open range of image rows [first, past the last)."""
+Pixel = tuple[float, float]
+"""(row, column); an integer is the centre of a pixel."""
+Scale = Annotated[float, Field(gt=0, le=1e9)]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, config=STRICT)
 class CameraSetup:
     """The camera and its two views.
 
@@ -16,7 +50,8 @@ class CameraSetup:
     height_px, width_px
         Size of a frame.
     front_view_rows, top_view_rows
-        Half-open ranges of rows; no top view: None, and Z is taken as constant.
+        Half-open ranges of rows. No front view: the whole frame. No top view: None, and Z is taken
+        as constant.
     scale_px_per_m
         None: taken from the spheres' diameter in the images.
     front_origin_px, top_origin_px
@@ -25,15 +60,36 @@ class CameraSetup:
         Time the shutter is open, centred on a frame's time; None: not stated.
     """
 
-    frame_rate_hz: float
-    height_px: int = 192
-    width_px: int = 240
-    front_view_rows: tuple[int, int] = (0, 192)
-    top_view_rows: tuple[int, int] | None = None
-    scale_px_per_m: float | None = None
-    front_origin_px: tuple[float, float] | None = None
-    top_origin_px: tuple[float, float] | None = None
-    exposure_s: float | None = None
+    frame_rate_hz: Annotated[float, Field(gt=0, le=1e9)]
+    height_px: Annotated[int, Field(ge=8, le=65536)]
+    width_px: Annotated[int, Field(ge=8, le=65536)]
+    front_view_rows: Annotated[Rows, Field(validate_default=True)] = WHOLE_FRAME
+    top_view_rows: Rows | None = None
+    scale_px_per_m: Scale | None = None
+    front_origin_px: Pixel | None = None
+    top_origin_px: Pixel | None = None
+    exposure_s: Annotated[float, Field(ge=0, le=60)] | None = None
+
+    @field_validator("front_view_rows", "top_view_rows")
+    @classmethod
+    def _within_the_frame(cls, rows: Rows | None, info: ValidationInfo) -> Rows | None:
+        height = info.data.get("height_px")
+        if rows is None or height is None:
+            return rows
+        if rows == WHOLE_FRAME and info.field_name == "front_view_rows":
+            return 0, height
+        if not 0 <= rows[0] < rows[1] <= height:
+            raise ValueError(f"{list(rows)} is not a half-open range of rows within 0 to {height}")
+        return rows
+
+    @field_validator("top_view_rows")
+    @classmethod
+    def _beside_the_front_view(cls, rows: Rows | None, info: ValidationInfo) -> Rows | None:
+        # Where the front view is at fault itself, that is said already.
+        front = info.data.get("front_view_rows")
+        if rows is not None and front is not None and rows[0] < front[1] and front[0] < rows[1]:
+            raise ValueError(f"{list(rows)} overlaps front_view_rows {list(front)}")
+        return rows
 
     @property
     def longest_exposure_s(self) -> float:
@@ -41,25 +97,66 @@ class CameraSetup:
         return 1.0 / self.frame_rate_hz if self.exposure_s is None else self.exposure_s
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, config=STRICT)
 class SphereSetup:
     """One sphere: diameter in m, density in kg/m^3, inertia factor I / (m r^2).
 
-    A plate stands still, has no diameter, and comes only as sphere b.
+    A plate stands still, has no diameter (0 here), and comes only as sphere b.
     """
 
-    name: str
-    diameter_m: float
-    density_kg_per_m3: float = 1150.0
-    inertia_factor: float = 0.4
+    name: Literal["a", "b"]
+    diameter_m: Annotated[float, Field(gt=0, le=1)] = 0.0
+    density_kg_per_m3: Annotated[float, Field(gt=0, le=30_000)] = 1150.0
+    inertia_factor: Annotated[float, Field(gt=0, le=HOLLOW_SHELL)] = 0.4
     plate: bool = False
+
+    @model_validator(mode="after")
+    def _is_a_sphere_or_plate_b(self) -> Self:
+        if self.plate and self.name == "a":
+            raise ValueError("a plate comes only as sphere b")
+        if not self.plate and self.diameter_m == 0.0:
+            raise ValueError(f"diameter_m is missing for sphere {self.name!r}")
+        return self
+
+    @model_serializer(mode="wrap")
+    def _fields(self, inner: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        fields: dict[str, Any] = inner(self)
+        if self.plate:
+            return {"name": self.name, "plate": True}
+        return {name: value for name, value in fields.items() if name != "plate"}
+
+
+DRAG_SIGMA = 0.2
+"""Standard error of a stated drag coefficient where none is stated with it."""
+
+
+@dataclass(frozen=True, slots=True, config=STRICT)
+class Environment:
+    """Surroundings of the flight.
+
+    Attributes
+    ----------
+    gravity_m_per_s2
+        Along +X, down.
+    drag_coefficient, drag_coefficient_sigma
+        Of the spheres in air, F = rho/2 Cd A v^2, with its standard error; None: not stated.
+    """
+
+    gravity_m_per_s2: Annotated[float, Field(ge=-100, le=100)] = 9.80665
+    air_density_kg_per_m3: Annotated[float, Field(ge=0, le=2000)] = 1.2
+    drag_coefficient: Annotated[float, Field(ge=0, le=10)] | None = None
+    drag_coefficient_sigma: Annotated[float, Field(ge=0, le=10)] = DRAG_SIGMA
 
 
 MEMORY_RAD = 0.3
 """Of the thesis's markers, 4 mm on a sphere of an inch."""
 
 
-@dataclass(frozen=True, slots=True)
+def _named(key: str, field: str) -> Any:  # noqa: ANN401 - what a field is made of has no type
+    return Field(validation_alias=AliasChoices(key, field), serialization_alias=key)
+
+
+@dataclass(frozen=True, slots=True, config=STRICT)
 class SlowErrors:
     """Errors of poses that no scatter betrays, as they last through a flight or a campaign.
 
@@ -71,19 +168,19 @@ class SlowErrors:
     scale
         Relative standard error of the images' scale, by which lengths of all shots come out too
         long or too short together; 0: none is stated.
-    memory_rad
-        By how much a sphere turns while what the frames of a flight share lasts: what its markers
-        are wide.
     one_body_frame
         Whether orientations are of one body frame for each sphere in all shots, so that all share
         what a pattern stands off its sphere.
+    memory_rad
+        By how much a sphere turns while what the frames of a flight share lasts: what its markers
+        are wide.
     """
 
-    position_m: float = 0.0
-    rotation_rad: float = 0.0
-    scale: float = 0.0
+    position_m: Annotated[float, Field(ge=0), _named("slow_position_m", "position_m")] = 0.0
+    rotation_rad: Annotated[float, Field(ge=0), _named("slow_rotation_rad", "rotation_rad")] = 0.0
+    scale: Annotated[float, Field(ge=0, lt=1), _named("scale_sigma", "scale")] = 0.0
     one_body_frame: bool = True
-    memory_rad: float = MEMORY_RAD
+    memory_rad: Annotated[float, Field(gt=0), _named("slow_memory_rad", "memory_rad")] = MEMORY_RAD
 
     @property
     def stated(self) -> bool:
@@ -92,26 +189,56 @@ class SlowErrors:
 
 
 NO_SLOW_ERRORS = SlowErrors()
-DRAG_SIGMA = 0.2
-"""Standard error of a stated drag coefficient where none is stated with it."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, config=STRICT)
 class Setup:
     """Everything a shot's analysis needs beside its frames.
 
-    `gravity_m_per_s2` acts along +X (down). Poses that were measured elsewhere may come with their
-    slow errors. `drag_coefficient` is that of the spheres in air, F = rho/2 Cd A v^2, with its
-    standard error; None: not stated.
+    Attributes
+    ----------
+    spheres
+        a and b.
+    measurement
+        Slow errors of poses that were measured elsewhere.
     """
 
     camera: CameraSetup
     spheres: tuple[SphereSetup, SphereSetup]
-    gravity_m_per_s2: float = 9.80665
-    air_density_kg_per_m3: float = 1.2
-    slow: SlowErrors = NO_SLOW_ERRORS
-    drag_coefficient: float | None = None
-    drag_sigma: float = DRAG_SIGMA
+    environment: Environment = Environment()
+    measurement: SlowErrors = NO_SLOW_ERRORS
+
+    @field_validator("spheres")
+    @classmethod
+    def _one_of_each_name(
+        cls, spheres: tuple[SphereSetup, SphereSetup]
+    ) -> tuple[SphereSetup, SphereSetup]:
+        first, second = sorted(spheres, key=lambda sphere: sphere.name)
+        if first.name == second.name:
+            raise ValueError(f"both are named {first.name!r}; name them 'a' and 'b'")
+        return first, second
+
+
+_SETUP = TypeAdapter(Setup)
+
+
+def setup_of(document: Mapping[str, Any]) -> Setup:
+    """Return the set-up that a document holds; arrays may be lists.
+
+    Raises
+    ------
+    pydantic.ValidationError
+        A key is unknown, missing, or out of its range.
+    """
+    return _SETUP.validate_json(json.dumps(document))
+
+
+def setup_document(setup: Setup) -> dict[str, Any]:
+    """Return a set-up as documents hold it; what it does not know is left out."""
+    document: dict[str, Any] = _SETUP.dump_python(
+        setup, mode="json", by_alias=True, exclude_none=True
+    )
+    return document
 
 
 def without_exposure(setup: Setup) -> Setup:

@@ -48,4 +48,4 @@ def typical(setup: Setup, errors: Sequence[SlowErrors]) -> Setup:
         one_body_frame=all(each.one_body_frame for each in errors),
         memory_rad=float(np.median([each.memory_rad for each in errors])),
     )
-    return replace(setup, slow=slow)
+    return replace(setup, measurement=slow)

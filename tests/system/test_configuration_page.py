@@ -7,10 +7,11 @@ from fractions import Fraction
 from typing import Any
 
 import pytest
-from pydantic import BaseModel
+from pydantic import TypeAdapter
 
 import rigctl.config as sections
 from analysis.files import FileLimits
+from analysis.setup import Environment, SphereSetup
 from rigctl.config.configuration import AnalysisSection, ServiceSection, Simulation
 from rigctl.config.model import StrictModel
 from tests.system.test_documentation import DOCS, rows
@@ -43,10 +44,10 @@ def allowed(schema: dict[str, Any]) -> str:
     return text + (f" like `{schema['pattern']}`" if "pattern" in schema else "")
 
 
-def described(model: type[BaseModel]) -> list[list[str]]:
-    schemas = model.model_json_schema()["properties"]
+def described(model: Any) -> list[list[str]]:
+    schemas = TypeAdapter(model).json_schema()["properties"]
     wanted = []
-    for name, field in model.model_fields.items():
+    for name, field in model.__pydantic_fields__.items():
         state = "absent" if field.default is None else "needed"
         if field.default is not None and not field.is_required():
             state = literal(field.default)
@@ -54,7 +55,7 @@ def described(model: type[BaseModel]) -> list[list[str]]:
     return sorted(wanted)
 
 
-SECTIONS: dict[str, list[type[BaseModel]]] = {
+SECTIONS: dict[str, list[Any]] = {
     "Top level": [sections.Configuration],
     "[simulation]": [Simulation],
     "[limits]": [sections.Limits],
@@ -71,8 +72,8 @@ SECTIONS: dict[str, list[type[BaseModel]]] = {
     "[analysis]": [AnalysisSection],
     "[files]": [FileLimits],
     "[optics]": [sections.Optics],
-    "[[spheres]]": [sections.Sphere, sections.Plate],
-    "[environment]": [sections.Environment],
+    "[[spheres]]": [SphereSetup],
+    "[environment]": [Environment],
 }
 
 

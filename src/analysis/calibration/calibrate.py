@@ -85,8 +85,8 @@ def calibrate(
             refused[job.shot] = str(refusal)
             continue
         equations.append(normal_equations(film, known))
-        centres = tracking_of(film, known, times_s, setup.gravity_m_per_s2).centres
-        falls += falls_of(centres, times_s, setup.gravity_m_per_s2)
+        centres = tracking_of(film, known, times_s, setup.environment.gravity_m_per_s2).centres
+        falls += falls_of(centres, times_s, setup.environment.gravity_m_per_s2)
         used.append(job.shot)
         if progress is not None:
             progress(count, len(campaign.jobs))
@@ -95,7 +95,7 @@ def calibrate(
         raise InputError(
             campaign.name, f"no shot can be used for calibration; shot {first[0]}: {first[1]}"
         )
-    plumb = sideways(falls, setup.gravity_m_per_s2)
+    plumb = sideways(falls, setup.environment.gravity_m_per_s2)
     stated = setup.camera.scale_px_per_m is not None
     estimates = estimates_of(_with_scatter(equations, known), known, plumb, stated=stated)
     return Calibration(estimates, tuple(used), refused)

@@ -2,7 +2,7 @@
 
 from analysis.files.frame_budget import FrameBudget
 from analysis.files.limits import FileLimits, file_limits, let_hold
-from analysis.files.texts import parse_json, parse_toml, read_bytes, read_json, read_toml
+from analysis.files.texts import parse_json, parse_toml, read_bytes, read_json, read_toml, toml_text
 
 __all__ = [
     "FileLimits",
@@ -14,4 +14,5 @@ __all__ = [
     "read_bytes",
     "read_json",
     "read_toml",
+    "toml_text",
 ]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Literal, TypeVar
 
@@ -117,3 +117,37 @@ def _within(value: object) -> list[Any]:
     if isinstance(value, dict):
         return list(value.values())
     return value if isinstance(value, list) else []
+
+
+def toml_text(document: Mapping[str, Any]) -> str:
+    """Return TOML that reads back as a document of values, tables, and lists of tables.
+
+    Text, numbers and lists are written as JSON has them: for these TOML reads the same. What is
+    None is left out.
+    """
+    own = {name: value for name, value in document.items() if not _is_table(value)}
+    parts = ["\n".join(_lines(own))] if own else []
+    for name, value in document.items():
+        if _is_table(value):
+            tables, heading = (
+                ([value], f"[{name}]") if isinstance(value, Mapping) else (value, f"[[{name}]]")
+            )
+            parts += ["\n".join([heading, *_lines(table)]) for table in tables]
+    return "\n\n".join(parts) + "\n"
+
+
+def _is_table(value: object) -> bool:
+    return isinstance(value, Mapping) or (
+        isinstance(value, list) and bool(value) and all(isinstance(one, Mapping) for one in value)
+    )
+
+
+def _lines(table: Mapping[str, Any]) -> list[str]:
+    return [f"{name} = {_value(value)}" for name, value in table.items() if value is not None]
+
+
+def _value(value: object) -> str:
+    if isinstance(value, Mapping):
+        return "{ " + ", ".join(_lines(value)) + " }"
+    # TOML takes neither surrogate pairs nor, as JSON does, a bare delete.
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")

@@ -175,7 +175,7 @@ def followed_film(
 
 
 def _circumstances(setup: Setup) -> tuple[float | None, float]:
-    return setup.camera.exposure_s, setup.gravity_m_per_s2
+    return setup.camera.exposure_s, setup.environment.gravity_m_per_s2
 
 
 def _finish(film: Film, known: Knowledge) -> None:
@@ -264,7 +264,7 @@ def measure_poses(
         known = more
         settle_film(film, known, LAST_LIMIT)
         _finish(film, known)
-    tracking = tracking_of(film, known, times_s, setup.gravity_m_per_s2)
+    tracking = tracking_of(film, known, times_s, setup.environment.gravity_m_per_s2)
     if unlike:
         alone = f"learned by itself, with body axes and a scale of its own: {unlike}"
         tracking = replace(tracking, notes=(alone, *tracking.notes), learned_alone=True)

@@ -24,32 +24,28 @@ from rigctl.config.configuration import (
 from rigctl.config.limits import Limits
 from rigctl.config.loading import default_path, load, parse
 from rigctl.config.model import SIMULATED
-from rigctl.config.scene import Body, Environment, Optics, Plate, Sphere
+from rigctl.config.scene import Optics
 
 __all__ = [
     "SIMULATED",
     "Alicat",
     "AnalysisSection",
-    "Body",
     "CameraSection",
     "Configuration",
     "EktaproCamera",
     "EktaproLink",
-    "Environment",
     "FilesSource",
     "HidRelay",
     "Lcus",
     "Limits",
     "Optics",
     "PixelFormatName",
-    "Plate",
     "RemoteTriggerSection",
     "SerialLine",
     "ServiceSection",
     "Simulation",
     "SolenoidPair",
     "SourceSection",
-    "Sphere",
     "StoreSection",
     "TriggerBox",
     "TriggerSection",

@@ -7,14 +7,16 @@ import json
 from collections.abc import Iterator
 from typing import Literal, Self
 
-from pydantic import ConfigDict, Field, model_validator
+from pydantic import ConfigDict, Field, ValidationError, model_validator
 
+from analysis.exchange.faults import fault
 from analysis.files import FileLimits
+from analysis.setup import Environment, Setup, SphereSetup, setup_of
 from rigctl.config.actuators import Alicat, Lcus, SolenoidPair, TriggerSection, Zaber
 from rigctl.config.camera import CameraSection, EktaproCamera, FilesSource, SerialLine
 from rigctl.config.limits import Limits
 from rigctl.config.model import SIMULATED, StrictModel
-from rigctl.config.scene import Body, Environment, Optics
+from rigctl.config.scene import Optics
 
 
 class Simulation(StrictModel):
@@ -110,8 +112,22 @@ class Configuration(StrictModel):
     analysis: AnalysisSection
     files: FileLimits | None = None
     optics: Optics
-    spheres: tuple[Body, Body]
+    spheres: tuple[SphereSetup, SphereSetup]
     environment: Environment
+
+    @property
+    def setup(self) -> Setup:
+        """What the analysis must know of camera, spheres and surroundings."""
+        exposure_us = self.camera.exposure_us
+        camera = {
+            "frame_rate_hz": self.camera.picture_rate_hz,
+            "height_px": self.camera.rows,
+            "width_px": self.camera.columns,
+            "exposure_s": None if exposure_us is None else exposure_us * 1e-6,
+            **self.optics.model_dump(),
+        }
+        scene = self.model_dump(mode="json", include={"spheres", "environment"})
+        return setup_of({"camera": camera, **scene})
 
     @property
     def digest(self) -> str:
@@ -160,20 +176,12 @@ class Configuration(StrictModel):
         return self
 
     @model_validator(mode="after")
-    def _views_lie_in_the_frame(self) -> Self:
-        for field in ("front_view_rows", "top_view_rows"):
-            rows = getattr(self.optics, field)
-            if rows is not None and rows[1] > self.camera.rows:
-                raise ValueError(
-                    f"optics.{field} ends at row {rows[1]}, the picture has {self.camera.rows}"
-                )
-        return self
-
-    @model_validator(mode="after")
-    def _spheres_are_a_and_b(self) -> Self:
-        names = [body.name for body in self.spheres]
-        if names != ["a", "b"]:
-            raise ValueError(f"spheres are named {names}, a and b in this order are needed")
+    def _has_a_setup(self) -> Self:
+        try:
+            self.setup  # noqa: B018 - it is checked as it is made
+        except ValidationError as error:
+            # What of the camera is not its own section's stands under optics.
+            raise ValueError(fault(error.errors()[0]).replace("camera.", "optics.", 1)) from error
         return self
 
     def _acting_ports(self) -> Iterator[tuple[str, str]]:

@@ -157,7 +157,7 @@ def _clause(error: ErrorDetails) -> str:
         return "names nothing that exists"
     if error["type"] == "value_error":
         return str(error["ctx"]["error"])
-    if error["type"] == "extra_forbidden":
+    if error["type"] in {"extra_forbidden", "unexpected_keyword_argument"}:
         return "is not a field of this section"
     message = error["msg"]
     return message[0].lower() + message[1:]

@@ -19,17 +19,8 @@ def _rising(bounds: tuple[float, float]) -> tuple[float, float]:
     return bounds
 
 
-def _rising_rows(rows: tuple[int, int]) -> tuple[int, int]:
-    if not 0 <= rows[0] < rows[1]:
-        raise ValueError("a half-open range of rows must start at 0 or later and hold one row")
-    return rows
-
-
 Range = Annotated[tuple[float, float], AfterValidator(_rising)]
 """Closed interval [lowest, highest], in the unit that the field's name carries."""
-
-Rows = Annotated[tuple[int, int], AfterValidator(_rising_rows)]
-"""Half-open range of image rows [first, past the last)."""
 
 Seconds = Annotated[float, Field(gt=0, le=3600)]
 """A bound on a wait: longer than nothing and never without end."""

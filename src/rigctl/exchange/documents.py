@@ -11,7 +11,7 @@ from pydantic import ValidationError
 
 from analysis.exchange.pose_table import own_slow_errors
 from analysis.exchange.shot_list import EXCLUDED, EXPOSURE, NOTE, TAGS, ShotRow
-from analysis.setup import Setup, SphereSetup
+from analysis.setup import setup_document
 from rigctl.exchange.amending import tags_in
 from rigctl.measuring.stored_poses import poses_document, slow_errors_document
 from rigctl.settings import ShotSettings
@@ -23,7 +23,8 @@ if TYPE_CHECKING:
 
 Json = dict[str, Any]
 
-FORMAT = 1
+FORMAT = 2
+"""2: the set-up is one table; manifests of format 1 are read as before."""
 METHOD = "imported"
 CONFIGURATION, SIMULATED = "configuration", "simulated"
 """Words of shots.csv in which this program says more of its own shots."""
@@ -78,7 +79,7 @@ def manifest(shot: str, row: ShotRow, contents: Contents, campaign: str, frames:
         "words": row.words,
         "imported": {"folder": contents.folder.name, "campaign": contents.title},
         "program": {"name": "rigctl", "version": version("rigctl")},
-        **_scene(setup),
+        "setup": setup_document(setup),
         "exposure_s": row.numbers[EXPOSURE] * 1e-6 if EXPOSURE in row.numbers else None,
         "frames": frames or None,
     }
@@ -94,7 +95,7 @@ def first_result(shot: str, row: ShotRow, contents: Contents) -> Json:
         "status": METHOD,
         "frame_rate_hz": setup.camera.frame_rate_hz,
         **({} if poses is None else {"poses": poses_document(poses)}),
-        "slow_errors": slow_errors_document(own_slow_errors(poses or {}, setup.slow)),
+        "slow_errors": slow_errors_document(own_slow_errors(poses or {}, setup.measurement)),
     }
 
 
@@ -112,36 +113,3 @@ def _utc(time: datetime | None) -> datetime | None:
     if time is None:
         return None
     return time.replace(tzinfo=UTC) if time.tzinfo is None else time.astimezone(UTC)
-
-
-def _scene(setup: Setup) -> Json:
-    camera = setup.camera
-    return {
-        "camera": {"rows": camera.height_px, "columns": camera.width_px},
-        "picture_rate_hz": camera.frame_rate_hz,
-        "optics": {
-            "front_view_rows": camera.front_view_rows,
-            "top_view_rows": camera.top_view_rows,
-            "front_origin_px": camera.front_origin_px,
-            "top_origin_px": camera.top_origin_px,
-            "scale_px_per_m": camera.scale_px_per_m,
-        },
-        "spheres": [_body(sphere) for sphere in setup.spheres],
-        "environment": {
-            "gravity_m_per_s2": setup.gravity_m_per_s2,
-            "air_density_kg_per_m3": setup.air_density_kg_per_m3,
-            "drag_coefficient": setup.drag_coefficient,
-            "drag_coefficient_sigma": setup.drag_sigma,
-        },
-    }
-
-
-def _body(sphere: SphereSetup) -> Json:
-    if sphere.plate:
-        return {"name": sphere.name, "plate": True}
-    return {
-        "name": sphere.name,
-        "diameter_m": sphere.diameter_m,
-        "density_kg_per_m3": sphere.density_kg_per_m3,
-        "inertia_factor": sphere.inertia_factor,
-    }

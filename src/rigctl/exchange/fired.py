@@ -11,7 +11,8 @@ from typing import Any
 import tifffile
 
 from analysis.campaign import DESCRIPTION, FRAMES, POSES, SHOT_LIST
-from analysis.exchange.folder import description, write_shot_list
+from analysis.exchange.description import description
+from analysis.exchange.folder import write_shot_list
 from analysis.exchange.pose_table import PoseRow
 from analysis.exchange.pose_writing import write_pose_rows
 from analysis.exchange.shot_list import EXCLUDED, NOTE, TAGS, ShotRow
@@ -21,7 +22,7 @@ from rigctl.cameras.frames import FrameSequence
 from rigctl.exchange.amending import tags_field
 from rigctl.exchange.documents import CONFIGURATION, SIMULATED
 from rigctl.measuring.stored_poses import poses_of, slow_errors_of
-from rigctl.measuring.stored_shot import setup_of
+from rigctl.measuring.stored_shot import manifest_setup
 from rigctl.model.campaigns import require_one_setup
 from rigctl.store import ShotRecord
 from rigctl.store.folders import ShotFolders
@@ -64,7 +65,7 @@ def write_fired(
     measured: dict[int, Measured] = {}
     for done, shot in enumerate(shots):
         say(f"writing shot {shot.id}", done / len(shots))
-        setups[shot.id] = setup_of(folders.manifest(shot.id))
+        setups[shot.id] = manifest_setup(folders.manifest(shot.id))
         _write_frames(folder / FRAMES / f"{shot.number:04d}.tiff", folders.frames(shot.id))
         if (found := _measured(shot, folders)) is not None:
             measured[shot.number] = found

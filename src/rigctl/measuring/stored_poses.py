@@ -14,7 +14,7 @@ from typing import Any
 from analysis.document import shot_document
 from analysis.exchange.pose_table import PoseRow
 from analysis.exchange.pose_writing import measured_poses
-from analysis.setup import MEMORY_RAD, SlowErrors
+from analysis.setup import SlowErrors
 from analysis.shot import MeasuredShot, RefusedShot
 
 Json = dict[str, Any]
@@ -109,13 +109,11 @@ def slow_errors_document(slow: SlowErrors) -> Json:
 
 
 def slow_errors_of(document: Mapping[str, Any]) -> SlowErrors:
-    """Return the slow errors of a result."""
-    return SlowErrors(
-        position_m=float(document["position_m"]),
-        rotation_rad=float(document["rotation_rad"]),
-        # Results of earlier versions do not say how well the scale is known, nor how long errors
-        # last.
-        scale=float(document.get("scale", 0.0)),
-        one_body_frame=bool(document["one_body_frame"]),
-        memory_rad=float(document.get("memory_rad", MEMORY_RAD)),
-    )
+    """Return the slow errors of a result.
+
+    Raises
+    ------
+    ValueError
+        The document has another form.
+    """
+    return SlowErrors(**document)

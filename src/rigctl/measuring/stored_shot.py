@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.document import overlay_document
-from analysis.setup import DRAG_SIGMA, CameraSetup, Setup, SphereSetup
+from analysis.setup import Setup, setup_of
 from analysis.shot import AnalysisOptions, MeasuredShot, RefusedShot, analyse_shot
 from rigctl.measuring.analysis_process import AGAIN
 from rigctl.measuring.learned_pairs import LearnedPairs
@@ -86,25 +86,26 @@ def read_stored_shot(folder: Path) -> tuple[NDArray[np.uint8], Floats, Setup]:
     return (
         read_pixels(folder / manifest["frames"]["file"]),
         times_s - times_s[:1],
-        setup_of(manifest),
+        manifest_setup(manifest),
     )
 
 
 def _result(folder: Path, method: str, measure: Measure) -> Json:
     manifest = json.loads((folder / "manifest.json").read_bytes())
+    setup = _exposed(manifest)
     about: Json = {
         "shot": manifest["shot"],
         "method": method,
         "version": version("rigctl"),
-        "frame_rate_hz": manifest["picture_rate_hz"],
+        "frame_rate_hz": setup.camera.frame_rate_hz,
     }
-    if any("plate" in body for body in manifest["spheres"]):
+    if setup.spheres[1].plate:
         reason = "one body is a plate; two spheres are needed"
         return {**about, "status": "refused", "step": "setup", "reason": reason}
     frames = read_pixels(folder / manifest["frames"]["file"])
     times_s = np.array(manifest["frames"]["times_s"])
     options = AnalysisOptions(method="photometric" if method == "photometric" else "thesis")
-    shot = measure(frames, times_s - times_s[:1], _exposed(manifest), options)
+    shot = measure(frames, times_s - times_s[:1], setup, options)
     document = {**about, **measured_document(shot)}
     if isinstance(shot, MeasuredShot):
         document["overlay"] = overlay_document(shot)
@@ -113,51 +114,37 @@ def _result(folder: Path, method: str, measure: Measure) -> Json:
 
 def _exposed(manifest: Json) -> Setup:
     """Return the set-up with this shot's own exposure, where it is known."""
-    setup = setup_of(manifest)
+    setup = manifest_setup(manifest)
     own = manifest.get("exposure_s")
     camera = setup.camera if own is None else replace(setup.camera, exposure_s=float(own))
     return replace(setup, camera=camera)
 
 
-def setup_of(manifest: Json) -> Setup:
-    """Return what the analysis must know of camera, spheres and surroundings."""
-    optics, camera = manifest["optics"], manifest["camera"]
-    a, b = (
-        SphereSetup(
-            name=body["name"],
-            diameter_m=body["diameter_m"],
-            density_kg_per_m3=body["density_kg_per_m3"],
-            inertia_factor=body["inertia_factor"],
-        )
-        for body in manifest["spheres"]
-    )
-    return Setup(
-        camera=CameraSetup(
-            frame_rate_hz=manifest["picture_rate_hz"],
-            height_px=camera["rows"],
-            width_px=camera["columns"],
-            front_view_rows=tuple(optics["front_view_rows"]),
-            top_view_rows=_rows(optics["top_view_rows"]),
-            scale_px_per_m=optics["scale_px_per_m"],
-            front_origin_px=_pixel(optics["front_origin_px"]),
-            top_origin_px=_pixel(optics["top_origin_px"]),
-            exposure_s=_seconds(camera.get("exposure_us")),
-        ),
-        spheres=(a, b),
-        gravity_m_per_s2=manifest["environment"]["gravity_m_per_s2"],
-        air_density_kg_per_m3=manifest["environment"]["air_density_kg_per_m3"],
-        drag_coefficient=manifest["environment"].get("drag_coefficient"),
-        drag_sigma=manifest["environment"].get("drag_coefficient_sigma", DRAG_SIGMA),
-    )
+def manifest_setup(manifest: Json) -> Setup:
+    """Return the set-up that a manifest holds.
+
+    Raises
+    ------
+    KeyError, ValueError
+        It holds none, or one beyond its limits.
+    """
+    if "setup" in manifest:
+        return setup_of(manifest["setup"])
+    return setup_of(_of_format_1(manifest))
 
 
-def _pixel(values: list[float] | None) -> tuple[float, float] | None:
-    return None if values is None else (values[0], values[1])
-
-
-def _seconds(microseconds: float | None) -> float | None:
-    return None if microseconds is None else microseconds * 1e-6
-
-
-def _rows(values: list[int] | None) -> tuple[int, int] | None:
-    return None if values is None else (values[0], values[1])
+def _of_format_1(manifest: Json) -> Json:
+    """Return the set-up of a manifest that spread it over camera, optics and others."""
+    camera = manifest["camera"]
+    exposure_us = camera.get("exposure_us")
+    return {
+        "camera": {
+            "frame_rate_hz": manifest["picture_rate_hz"],
+            "height_px": camera["rows"],
+            "width_px": camera["columns"],
+            "exposure_s": None if exposure_us is None else exposure_us * 1e-6,
+            **manifest["optics"],
+        },
+        "spheres": manifest["spheres"],
+        "environment": manifest["environment"],
+    }

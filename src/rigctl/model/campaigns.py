@@ -20,7 +20,7 @@ from rigctl.errors import AnalysisInputError
 from rigctl.input_errors import in_words
 from rigctl.measuring.measured import MeasuredFiles, measured_files
 from rigctl.measuring.stored_poses import poses_of, slow_errors_of
-from rigctl.measuring.stored_shot import setup_of
+from rigctl.measuring.stored_shot import manifest_setup
 from rigctl.model.tabulated_campaigns import is_tabulated, tabulated
 from rigctl.opening import read_store
 from rigctl.store import Store, StoreReader
@@ -140,7 +140,7 @@ def stored_shot(campaign: str, files: MeasuredFiles) -> StoredShot:
             name=str(manifest["shot"]),
             row=_row(int(manifest["number"]), manifest, excluded=files.excluded),
             spheres=poses_of(result["poses"], slow),
-            setup=setup_of(manifest),
+            setup=manifest_setup(manifest),
             slow=slow,
         )
     except (KeyError, TypeError, ValueError) as error:

@@ -16,16 +16,15 @@ from analysis.files import read_toml
 from analysis.model.data.gather import CONTACTS, IMPACTS, POSES, gather
 from analysis.model.data.tables import Data
 from analysis.results.impacts import LeftOut
+from analysis.setup import setup_document
 from rigctl.errors import AnalysisInputError
 from rigctl.input_errors import in_words
 from rigctl.measuring.measured import MOST_SHOTS, MeasuredFiles, measured_files
+from rigctl.measuring.stored_shot import manifest_setup
 from rigctl.model.campaigns import poses_from
 from rigctl.store import ShotRecord, ShotState, Store, StoreReader
 
 Json = dict[str, Any]
-
-SCENE = ("camera", "optics", "spheres", "environment", "picture_rate_hz")
-"""What a manifest says of the apparatus, in the order in which it is shown."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,7 +149,9 @@ def stored_source(store: Store | StoreReader, name: str) -> Source:
         for entry in _behind(own, manifest)
     ]
     first = manifests[0]
-    about = {name: first[name] for name in SCENE if name in first}
+    about = setup_document(manifest_setup(first))
+    if "kind" in first.get("camera", {}):
+        about["recorder"] = first["camera"]
     return Source(
         title=name,
         origin=name,

@@ -6,13 +6,15 @@ from collections.abc import Iterable
 from importlib.metadata import version
 from typing import Any
 
+from analysis.setup import setup_document
 from rigctl.cameras.capture import RecordingConfirmation
 from rigctl.config import Configuration
 from rigctl.devices.roles import FireReceipt
 from rigctl.rig.interlocks import Interlock
 from rigctl.store.records import ShotRecord
 
-FORMAT = 1
+FORMAT = 2
+"""2: the set-up is one table; manifests of format 1 are read as before."""
 
 
 def manifest(
@@ -27,7 +29,6 @@ def manifest(
     The store adds the entry `frames`: digest, shape, times and lost pictures. Without a receipt
     the trigger confirmed the fire only when asked afterwards.
     """
-    scene = configuration.model_dump(mode="json", include={"camera", "optics"})
     return {
         "format": FORMAT,
         "shot": shot.id,
@@ -44,10 +45,8 @@ def manifest(
             "apparatus": configuration.apparatus,
             "sha256": configuration.digest,
         },
-        **scene,
-        "picture_rate_hz": configuration.camera.picture_rate_hz,
-        "spheres": [body.model_dump(mode="json") for body in configuration.spheres],
-        "environment": configuration.environment.model_dump(mode="json"),
+        "setup": setup_document(configuration.setup),
+        "camera": configuration.camera.model_dump(mode="json"),
         "recording": {"by": recording.by, "evidence": recording.evidence},
         "trigger": None if receipt is None else _receipt(receipt),
         "interlocks": [_condition(condition) for condition in conditions],

@@ -2,25 +2,16 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
+from analysis.files import toml_text
 from rigctl.errors import StoreError
 from rigctl.sweeps.form import Sweep
 
 
 def sweep_text(sweep: Sweep) -> str:
-    """Return TOML that reads back as the same sweep; what is at its default is left out.
-
-    Text and numbers are written as JSON has them: for these TOML reads the same.
-    """
-    document = sweep.model_dump(mode="json", exclude_defaults=True)
-    grid, shots = document.pop("grid", None), document.pop("shots", [])
-    sections = ["\n".join(_lines(document))] if document else []
-    if grid is not None:
-        sections.append("\n".join(["[grid]", *_lines(grid)]))
-    sections += ["\n".join(["[[shots]]", *_lines(shot)]) for shot in shots]
-    return "\n\n".join(sections) + "\n"
+    """Return TOML that reads back as the same sweep; what is at its default is left out."""
+    return toml_text(sweep.model_dump(mode="json", exclude_defaults=True))
 
 
 def write_sweep(path: Path, sweep: Sweep) -> None:
@@ -39,14 +30,3 @@ def write_sweep(path: Path, sweep: Sweep) -> None:
             part=str(path),
             todo="name a file in a folder that exists",
         ) from error
-
-
-def _lines(fields: dict[str, object]) -> list[str]:
-    return [f"{name} = {_value(value)}" for name, value in fields.items() if value is not None]
-
-
-def _value(value: object) -> str:
-    if isinstance(value, dict):
-        return "{ " + ", ".join(_lines(value)) + " }"
-    # A JSON string may hold DEL as it is; TOML forbids it.
-    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")

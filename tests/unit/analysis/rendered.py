@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.setup import CameraSetup, Setup, SphereSetup
+from analysis.setup import CameraSetup, Environment, Setup, SphereSetup
 from simulators.world import Launch, RenderedShot, WorldDescription, render_shot
 from simulators.world.description import Sphere
 from simulators.world.optics import Optics
@@ -40,7 +40,7 @@ def setup_of(description: WorldDescription, frame_rate_hz: float = 1000.0) -> Se
             SphereSetup("a", description.sphere_a.diameter_m),
             SphereSetup("b", description.sphere_b.diameter_m),
         ),
-        gravity_m_per_s2=description.environment.gravity_m_per_s2,
+        environment=Environment(description.environment.gravity_m_per_s2),
     )
 
 

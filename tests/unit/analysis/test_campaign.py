@@ -267,8 +267,8 @@ def test_a_written_folder_reads_back_equal_and_says_how_its_poses_err(
     assert read_description(written / "campaign.toml") == (name, wanted)
     # At 1574.8 px/m, what decision 0022 states for the photometric method.
     slow = read_description(written / "campaign.toml")[1]
-    assert slow.slow.position_m == pytest.approx(0.002 / 1574.8, rel=0.05)
-    assert slow.slow.one_body_frame
+    assert slow.measurement.position_m == pytest.approx(0.002 / 1574.8, rel=0.05)
+    assert slow.measurement.one_body_frame
     assert read_shot_list(written / "shots.csv") == read_shot_list(folder / "shots.csv")
 
 

@@ -83,6 +83,6 @@ def test_no_poses_at_all_are_refused_in_words() -> None:
     empty = ShotPoses(
         np.empty(0, np.intp), np.empty(0), none, none, np.empty((0, 2, 3, 3)), np.empty((0, 2))
     )
-    scene = Scene.of(SETUP, SETUP.slow)
+    scene = Scene.of(SETUP, SETUP.measurement)
     with pytest.raises(ShotRefusedError, match="no frame shows both spheres"):
         measure_two_sides(empty, scene)

@@ -87,7 +87,7 @@ def test_only_the_simulated_example_is_simulated() -> None:
         ("optics.front_view_rows", [88, 300], ["front_view_rows", "300", "192"]),
         ("spheres.1.density_kg_per_m3", True, ["spheres[1].density_kg_per_m3", "True"]),
         ("spheres.1.inertia_factor", 0.7, ["spheres[1].inertia_factor", "0.7", "at most 0.66"]),
-        ("spheres.1.name", "a", ["spheres", "['a', 'a']"]),
+        ("spheres.1.name", "a", ["spheres", "both are named 'a'"]),
         ("spheres.1", 3, ["spheres[1]", "3"]),
         ("simulation.factory", "os.system", ["simulation.factory", "os.system"]),
         ("name", datetime.date(2020, 1, 1), ["2020-01-01"]),

@@ -12,7 +12,7 @@ from rig_fakes import BOUND_S, Laboratory, until
 
 from rigctl.measuring.analysing import Analyser
 from rigctl.measuring.analysis_process import Compiling
-from rigctl.measuring.stored_shot import analyse_stored_shot, setup_of
+from rigctl.measuring.stored_shot import analyse_stored_shot, manifest_setup
 from rigctl.store import ShotRecord, Store
 
 DONE = {"analysed", "refused"}
@@ -209,12 +209,12 @@ def test_closing_leaves_a_shot_under_way_to_the_next_start(
 
 
 def test_the_manifest_alone_describes_the_setup(lab: Laboratory) -> None:
-    setup = setup_of(lab.store.folders.manifest(lab.shoot().id))
+    setup = manifest_setup(lab.store.folders.manifest(lab.shoot().id))
     assert (setup.camera.frame_rate_hz, setup.camera.height_px) == (1000.0, 192)
     assert setup.camera.front_view_rows == (88, 192)
     assert setup.camera.top_origin_px == (46.0, 120.0)
     assert [sphere.diameter_m for sphere in setup.spheres] == [0.0254, 0.0254]
-    assert setup.gravity_m_per_s2 == 9.80665
+    assert setup.environment.gravity_m_per_s2 == 9.80665
 
 
 def test_frames_that_cannot_be_measured_are_refused_with_step_and_reason(lab: Laboratory) -> None:

@@ -14,7 +14,7 @@ import rigctl.measuring.lesson
 from analysis.campaign import THESIS_SETUP
 from analysis.photometric.learn.appearance import Knowledge, Sphere
 from analysis.photometric.render.camera import camera_of
-from analysis.setup import Setup
+from analysis.setup import Environment, Setup
 from analysis.shot import AnalysisOptions, MeasuredShot, RefusedShot
 from rigctl.measuring.learned_pairs import LearnedPairs
 from rigctl.measuring.lesson import Lesson
@@ -112,7 +112,7 @@ def test_changed_spheres_teach_anew_and_their_lesson_goes_to_all_processes(
 
 @pytest.mark.parametrize(
     ("setup", "campaign"),
-    [(replace(THESIS_SETUP, gravity_m_per_s2=9.7), "nylon"), (THESIS_SETUP, "brass")],
+    [(replace(THESIS_SETUP, environment=Environment(9.7)), "nylon"), (THESIS_SETUP, "brass")],
 )
 def test_another_set_up_and_another_campaign_are_learned_on_their_own(
     analysis: Analysis, process: LearnedPairs, setup: Setup, campaign: str

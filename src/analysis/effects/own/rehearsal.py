@@ -209,6 +209,8 @@ def _times(shots: slice) -> Floats:
 def _camera(units: Units) -> CameraSetup:
     return CameraSetup(
         frame_rate_hz=1000.0 / units.time,
+        height_px=192,
+        width_px=240,
         front_view_rows=(88, 192),
         top_view_rows=(0, 88),
         scale_px_per_m=1574.8 / units.length,

@@ -162,13 +162,13 @@ def stated_poses(shots: Shots, rows: Sequence[ShotRow], setup: Setup) -> PoseDat
         position_sigma=position_sigma,
         rotation=_matrices(quaternions),
         rotation_sigma=turn_sigma,
-        slow=setup.slow,
-        own_slow={number: own_slow_errors(shots[number], setup.slow) for number in numbers},
+        slow=setup.measurement,
+        own_slow={number: own_slow_errors(shots[number], setup.measurement) for number in numbers},
         bodies=(body_of(setup.spheres[0]), body_of(setup.spheres[1])),
-        gravity=setup.gravity_m_per_s2,
-        air_density=setup.air_density_kg_per_m3,
-        drag_coefficient=setup.drag_coefficient,
-        drag_sigma=setup.drag_sigma,
+        gravity=setup.environment.gravity_m_per_s2,
+        air_density=setup.environment.air_density_kg_per_m3,
+        drag_coefficient=setup.environment.drag_coefficient,
+        drag_sigma=setup.environment.drag_coefficient_sigma,
         covariates=_covariates(numbers, rows),
         camera=_camera(setup.camera, numbers, rows),
         excluded=tuple(sorted(excluded & set(shots))),
@@ -203,7 +203,7 @@ def _of_shots(
         raise InputError(path, "holds no shots that count")
     bodies = (body_of(setup.spheres[0]), body_of(setup.spheres[1]))
     covariates = _covariates([row.shot for row in found], rows)
-    return found, bodies, covariates, setup.gravity_m_per_s2
+    return found, bodies, covariates, setup.environment.gravity_m_per_s2
 
 
 def _table(path: Path, table: ContactTable, excluded: tuple[int, ...]) -> ContactTable:

@@ -121,7 +121,7 @@ class Reading:
                         self._guessed(part),
                         covariates={name: column[own] for name, column in covariates.items()},
                         camera=camera,
-                        slow=setup.slow,
+                        slow=setup.measurement,
                     )
                 )
 

@@ -56,7 +56,7 @@ def first_film(
             raise ShotRefusedError("markers", f"{found}, {LEAST_TURNED} are needed to learn it")
     views = tuple(tracking.scales_px_per_m)
     camera = camera_of(setup.camera, np.array([tracking.scales_px_per_m[v] for v in views]))
-    film = Film.blank(frames, len(views), times_s, setup.gravity_m_per_s2)
+    film = Film.blank(frames, len(views), times_s, setup.environment.gravity_m_per_s2)
     for i in (0, 1):
         centres = tracking.centres[i]
         for axis in range(3):

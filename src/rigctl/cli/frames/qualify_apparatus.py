@@ -8,7 +8,7 @@ from typing import Protocol, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.setup import CameraSetup, Setup, SphereSetup
+from analysis.setup import CameraSetup, Environment, Setup, SphereSetup
 
 APPARATUS = "simulators.qualification"
 
@@ -101,4 +101,4 @@ def setup_of(shot: FilmedShot) -> Setup:
         exposure_s=optics.exposure_s,
     )
     spheres = (SphereSetup("a", shot.diameter_m), SphereSetup("b", shot.diameter_m))
-    return Setup(camera, spheres, shot.gravity_m_per_s2)
+    return Setup(camera, spheres, Environment(shot.gravity_m_per_s2))

@@ -24,7 +24,7 @@ from rigctl.config import Configuration, Simulation, load
 from rigctl.daemon import Daemon, open_daemon
 from rigctl.firing import measured
 from rigctl.local import LocalRig
-from rigctl.measuring.stored_shot import setup_of
+from rigctl.measuring.stored_shot import manifest_setup
 from rigctl.model.campaigns import campaign_poses
 from rigctl.settings import ShotSettings
 
@@ -129,7 +129,7 @@ def _draw(daemon: Daemon, records: list[Json], path: Path) -> list[Path]:
     record = next(each for each in records if each["state"] == "analysed")
     name = str(record["shot"])
     frames = daemon.store.folders.frames(name)
-    setup = setup_of(daemon.store.folders.manifest(name))
+    setup = manifest_setup(daemon.store.folders.manifest(name))
     options = AnalysisOptions(method=METHOD)
     shot = analyse_shot(frames.pixels, frames.times_s - frames.times_s[0], setup, options)
     if not isinstance(shot, MeasuredShot):

@@ -5,9 +5,8 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from analysis.errors import InputError
-from analysis.exchange.description import read_description
-from analysis.exchange.folder import description
-from analysis.setup import CameraSetup, Setup, SphereSetup
+from analysis.exchange.description import description, read_description
+from analysis.setup import CameraSetup, Environment, Setup, SlowErrors, SphereSetup
 
 WHOLE = """\
 format = 1
@@ -55,8 +54,7 @@ def test_every_field_of_a_whole_description_is_read(tmp_path: Path) -> None:
                 1000.0, 192, 240, (88, 192), (0, 88), 1574.8, (132.0, 120.0), (46.0, 120.0)
             ),
             (SphereSetup("a", 0.02), SphereSetup("b", 0.0254, 1140.0, 0.4)),
-            9.81,
-            1.1,
+            Environment(9.81, 1.1),
         ),
     )
 
@@ -65,14 +63,14 @@ def test_what_is_left_out_has_the_format_s_defaults(tmp_path: Path) -> None:
     _, setup = read_description(written(tmp_path, LEAST))
     assert setup.camera == CameraSetup(500.0, 192, 240, (0, 192), None)
     assert setup.spheres[1].plate
-    assert (setup.gravity_m_per_s2, setup.air_density_kg_per_m3) == (9.80665, 1.2)
-    assert setup.drag_coefficient is None
+    assert setup.environment == Environment(9.80665, 1.2, None)
 
 
 def test_a_drag_coefficient_without_an_error_is_known_to_0_2(tmp_path: Path) -> None:
     text = WHOLE.replace("[environment]", "[environment]\ndrag_coefficient = 0.42")
     _, setup = read_description(written(tmp_path, text))
-    assert (setup.drag_coefficient, setup.drag_sigma) == (0.42, 0.2)
+    air = setup.environment
+    assert (air.drag_coefficient, air.drag_coefficient_sigma) == (0.42, 0.2)
 
 
 @pytest.mark.parametrize(
@@ -84,7 +82,7 @@ def test_a_drag_coefficient_without_an_error_is_known_to_0_2(tmp_path: Path) -> 
         (("frame_rate_hz = 1000.0", "frame_rate_hz = inf"), "camera.frame_rate_hz", "inf"),
         (("frame_rate_hz = 1000.0\n", ""), "camera.frame_rate_hz", "is missing"),
         (("width_px = 240", "width_px = true"), "camera.width_px", "True"),
-        (("width_px = 240", "width_px = 4"), "camera.width_px", "found 4, allowed at least 16"),
+        (("width_px = 240", "width_px = 4"), "camera.width_px", "found 4, allowed at least 8"),
         (("width_px = 240", "width_px = 240.0"), "camera.width_px", "not a whole number"),
         (("[0, 88]", "[0, 88, 192]"), "camera.top_view_rows", "allowed 2 entries"),
         (("[0, 88]", "[0, 89]"), "camera.top_view_rows: [0, 89] overlaps", "[88, 192]"),
@@ -96,7 +94,7 @@ def test_a_drag_coefficient_without_an_error_is_known_to_0_2(tmp_path: Path) -> 
         (("inertia_factor = 0.4", "inertia_factor = 0.7"), "inertia_factor", "at most 0.667"),
         (("inertia_factor = 0.4", "inertia_factor = 0.0"), "inertia_factor", "more than 0"),
         (("diameter_m = 0.02\n", "diameter_m = 25.4\n"), "diameter_m", "25.4 mm are 0.0254"),
-        (("diameter_m = 0.02\n", "diameter_m = 0.6\n"), "diameter_m", "at most 0.5"),
+        (("diameter_m = 0.02\n", "diameter_m = 1.1\n"), "diameter_m", "at most 1"),
         (("diameter_m = 0.02\n", 'diameter_m = "1 in"\n'), "diameter_m", "not a number"),
         (("[environment]", "[surroundings]"), "surroundings", "is not a key"),
         (("[132.0, 120.0]", "[132.0]"), "camera.front_origin_px", "132.0"),
@@ -134,7 +132,7 @@ def test_all_faults_of_a_file_are_named_at_once_with_unknown_keys(tmp_path: Path
     assert set(fault.value.reason.split("; ")) == {
         "camera.frame_rate_hz: is missing",
         "camera.framerate_hz: is not a key of this table (found 1000.0)",
-        "camera.width_px: is out of range (found 4, allowed at least 16)",
+        "camera.width_px: is out of range (found 4, allowed at least 8)",
         "spheres.0.density_kg_per_m3: is out of range (found -1.0, allowed more than 0)",
     }
 
@@ -198,22 +196,33 @@ setups = st.builds(
                 SphereSetup,
                 name=st.just(name),
                 diameter_m=st.floats(1e-6, 0.5),
-                density_kg_per_m3=positive,
+                density_kg_per_m3=st.floats(1e-6, 30_000),
                 inertia_factor=st.floats(1e-6, 2 / 3),
             )
             for name in "ab"
         )
     ),
-    gravity_m_per_s2=st.floats(-100, 100),
-    air_density_kg_per_m3=st.floats(0, 100),
-    drag_coefficient=st.none() | st.floats(0, 10),
-    drag_sigma=st.floats(0, 10),
+    environment=st.builds(
+        Environment,
+        gravity_m_per_s2=st.floats(-100, 100),
+        air_density_kg_per_m3=st.floats(0, 2000),
+        drag_coefficient=st.none() | st.floats(0, 10),
+        drag_coefficient_sigma=st.floats(0, 10),
+    ),
+    measurement=st.builds(
+        SlowErrors,
+        position_m=st.floats(0, 1),
+        rotation_rad=st.floats(0, 1),
+        scale=st.floats(0, 1, exclude_max=True),
+        one_body_frame=st.booleans(),
+        memory_rad=positive,
+    ),
 )
 
 
 @settings(max_examples=40, deadline=None)
 @given(name=st.text(min_size=1, max_size=20), setup=setups)
-@example(name='a "quoted" \x7f\n\U00010000', setup=Setup(CameraSetup(1.0), PAIR))
+@example(name='a "quoted" \x7f\n\U00010000', setup=Setup(CameraSetup(1.0, 192, 240), PAIR))
 def test_a_written_description_reads_back_equal(
     tmp_path_factory: pytest.TempPathFactory, name: str, setup: Setup
 ) -> None:

@@ -71,5 +71,5 @@ def test_views_take_their_origin_from_the_set_up_or_the_middle_of_their_rows() -
     front, top = view_geometries(camera)
     assert (front.view, front.rows, front.origin) == (View.FRONT, (88, 192), (132.0, 120.0))
     assert (top.view, top.rows, top.origin) == (View.TOP, (0, 88), (43.5, 119.5))
-    (alone,) = view_geometries(CameraSetup(1000.0))
+    (alone,) = view_geometries(CameraSetup(1000.0, 192, 240))
     assert (alone.view, alone.origin) == (View.FRONT, (95.5, 119.5))

@@ -93,7 +93,7 @@ def test_campaign_toml_hands_them_on(tmp_path: Path) -> None:
     folder = write_campaign(tmp_path / "c", campaign(3, 5))
     path = folder / "campaign.toml"
     _, setup = read_description(path)
-    known = replace(setup, slow=SlowErrors(3e-6, 2e-4))
+    known = replace(setup, measurement=SlowErrors(3e-6, 2e-4))
     path.write_text(description("drifting", known), encoding="utf-8")
     _, data = gather(folder)
     assert isinstance(data, PoseData)

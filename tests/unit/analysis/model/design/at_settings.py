@@ -57,6 +57,8 @@ def fired(settings: Settings, nature: Nature, seed: int) -> PoseData:
         },
         camera=CameraSetup(
             RATE_HZ,
+            192,
+            240,
             front_view_rows=(88, 192),
             top_view_rows=(0, 88),
             scale_px_per_m=OPTICS.scale_px_per_m,
