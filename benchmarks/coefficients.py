@@ -27,9 +27,8 @@ from analysis.effects.contact.lasting_contact import EFFECT
 from analysis.exchange.pose_writing import measured_poses
 from analysis.model.data.gather import pose_data
 from analysis.model.data.poses import PoseData
-from analysis.results.campaign import Results, results
+from analysis.results.campaign import Results, mean_restitution, results
 from analysis.results.impacts import Impacts
-from analysis.results.lasting import mean_restitution
 from analysis.results.ratios import Ratio, ratios, velocities
 from analysis.scene import Scene
 from analysis.setup import Setup

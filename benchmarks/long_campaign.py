@@ -81,7 +81,7 @@ def reanalyse(shots: int, folder: Path) -> None:
     store = Store(folder / "data")
     fill(store, shots, json.dumps(result))
     compared = Comparisons()
-    given = mock.patch("rigctl.measuring.stored_shot.analyse_stored_shot_as_taught", copies(result))
+    given = mock.patch("rigctl.measuring.stored_shot.analyse_stored_shot_with", copies(result))
     with given, mock.patch("os.fsync", unforced):
         pool = Pool(Inline(), lambda: 2)
         for outcome in reanalyse_campaign(store, "nylon", "thesis", pool, lambda *_: None):

@@ -23,7 +23,7 @@ from analysis.exchange.pose_table import each_shot, read_poses
 from analysis.exchange.shot_list import read_shot_list
 from analysis.exchange.tables import CONTACTS
 from analysis.imaging.files.stack import read_stack
-from analysis.photometric.learn.appearance import Knowledge, Sphere
+from analysis.photometric.learn.appearance import Appearance, Sphere
 from analysis.photometric.learn.record import read_knowledge, write_knowledge
 from analysis.photometric.render.camera import camera_of
 from rigctl import challenge
@@ -251,7 +251,7 @@ def _lesson() -> bytes:
         shading=numbers.normal(size=(2, 4)),
         reliefs=numbers.normal(size=(2, 3, 3)),
     )
-    known = Knowledge(
+    known = Appearance(
         camera=camera_of(THESIS_SETUP.camera, np.array([1500.0, 1500.0])),
         sigma_px=np.ones(2),
         spheres=(sphere, sphere),

@@ -25,7 +25,7 @@ from analysis.shot import AnalysisOptions, MeasuredShot, RefusedShot, analyse_sh
 from analysis.workers import Workers
 
 if TYPE_CHECKING:
-    from analysis.photometric.learn.appearance import Knowledge
+    from analysis.photometric.learn.appearance import Appearance
 
 Floats = NDArray[np.float64]
 
@@ -207,7 +207,7 @@ def frames_of(folder: Path, shot: int) -> Path:
 
 
 def analyse_job(
-    job: ShotJob, options: AnalysisOptions, known: Knowledge | None = None
+    job: ShotJob, options: AnalysisOptions, known: Appearance | None = None
 ) -> tuple[MeasuredShot | RefusedShot, int]:
     """Analyse one shot from its files; frames that cannot be read refuse it.
 
@@ -249,12 +249,12 @@ def teaching_jobs(jobs: Sequence[ShotJob]) -> dict[Setup, list[ShotJob]]:
     return by_setup
 
 
-def _known(jobs: Sequence[ShotJob]) -> dict[Setup, Knowledge | None]:
+def _known(jobs: Sequence[ShotJob]) -> dict[Setup, Appearance | None]:
     """Return for each set-up, exposure aside, what its first shots teach (photometric method)."""
     # Compiled functions are loaded only where they are wanted.
     from analysis.photometric.method import teach  # noqa: PLC0415
 
-    known: dict[Setup, Knowledge | None] = {}
+    known: dict[Setup, Appearance | None] = {}
     for setup, own in teaching_jobs(jobs).items():
         shots = []
         for job in own:

@@ -22,7 +22,7 @@ from analysis.tracking import Matching, Tracking, track_spheres
 from analysis.two_sides import measure_two_sides
 
 if TYPE_CHECKING:
-    from analysis.photometric.learn.appearance import Knowledge
+    from analysis.photometric.learn.appearance import Appearance
 
 Floats = NDArray[np.float64]
 
@@ -102,7 +102,7 @@ class MeasuredShot:
     used_after: tuple[int, ...]
     between: tuple[int, ...]
     notes: tuple[str, ...]
-    known: Knowledge | None = None
+    known: Appearance | None = None
     slow: SlowErrors = NO_SLOW_ERRORS
 
 
@@ -123,7 +123,7 @@ def analyse_shot(
     times_s: Floats,
     setup: Setup,
     options: AnalysisOptions | None = None,
-    known: Knowledge | None = None,
+    known: Appearance | None = None,
     *,
     extend: bool = False,
 ) -> MeasuredShot | RefusedShot:
@@ -189,10 +189,10 @@ def _photometric(
     frames: NDArray[np.uint8],
     elapsed_s: Floats,
     setup: Setup,
-    known: Knowledge | None,
+    known: Appearance | None,
     *,
     extend: bool,
-) -> tuple[Tracking, Knowledge]:
+) -> tuple[Tracking, Appearance]:
     # Compiled functions are loaded only where they are wanted.
     from analysis.photometric.method import measure_poses  # noqa: PLC0415
 

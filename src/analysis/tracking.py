@@ -21,7 +21,7 @@ from analysis.imaging.edge.frame import (
 from analysis.imaging.film_discs import FilmDiscs
 from analysis.imaging.film_following import FilmCurves
 from analysis.imaging.radii import filter_bias, view_radii
-from analysis.imaging.refinement import Knowledge, refine_outlines
+from analysis.imaging.refinement import Appearance, refine_outlines
 from analysis.imaging.tracks import Spheres
 from analysis.imaging.views import View, view_geometries
 from analysis.motion.chained import orient_by_steps
@@ -180,7 +180,7 @@ def refined_discs(
 ) -> FilmDiscs:
     """Return the outlines without the stretches of the limb that markers cut."""
     a, b = (_standing(own, discs.found.shape[-1]) for own in seen.orientations)
-    known = Knowledge(seen.radii, (a, b), seen.angle)
+    known = Appearance(seen.radii, (a, b), seen.angle)
     return refine_outlines(curves, view_geometries(setup.camera), discs, known, settings.sigma_px)
 
 

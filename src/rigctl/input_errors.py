@@ -10,7 +10,7 @@ from rigctl.errors import AnalysisInputError
 
 
 @contextmanager
-def in_words(todo: str | None = None) -> Iterator[None]:
+def as_analysis_errors(todo: str | None = None) -> Iterator[None]:
     """Turn `InputError` of the analysis into `AnalysisInputError`, with file and line.
 
     Parameters

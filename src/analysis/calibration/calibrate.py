@@ -15,7 +15,7 @@ from analysis.calibration.pixel_estimates import PixelEstimate, estimate, normal
 from analysis.calibration.table import estimates_of
 from analysis.campaign import TEACHING_SHOTS, Campaign, ShotJob, read_job
 from analysis.errors import InputError, ShotRefusedError
-from analysis.photometric.learn.appearance import Knowledge
+from analysis.photometric.learn.appearance import Appearance
 from analysis.photometric.method import Taught, followed_film, teach
 from analysis.photometric.render.sight import Equations
 from analysis.photometric.result import tracking_of
@@ -123,7 +123,7 @@ def _first_shots(jobs: Sequence[ShotJob], setup: Setup) -> Iterator[Taught]:
             yield _frames(job, setup)
 
 
-def _with_scatter(equations: list[tuple[Equations, Equations]], known: Knowledge) -> PixelEstimate:
+def _with_scatter(equations: list[tuple[Equations, Equations]], known: Appearance) -> PixelEstimate:
     """Return what all shots say, its errors not below those by leaving out one shot at a time."""
     whole = estimate(equations, known)
     if len(equations) < LEAST_SHOTS:

@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from analysis.calibration.bending import FAULTS, by_faults
 from analysis.photometric.follow.film import Film, sights_of
-from analysis.photometric.learn.appearance import Knowledge, profiles_of
-from analysis.photometric.learn.lesson import Lesson
+from analysis.photometric.learn.appearance import Appearance, profiles_of
 from analysis.photometric.learn.shared import (
     add_frame,
     shared_prior,
@@ -19,6 +18,7 @@ from analysis.photometric.learn.shared import (
     tangents_of,
     together,
 )
+from analysis.photometric.learn.training_view import TrainingView
 from analysis.photometric.render.pixel_rows import MARKERS_SHARE, SCALE, STRETCH, VIEW_SHARE
 from analysis.photometric.render.shading import NUDGE
 from analysis.photometric.render.sight import Equations
@@ -49,7 +49,7 @@ class PixelEstimate:
     covariance: Floats
 
 
-def normal_equations(film: Film, known: Knowledge) -> tuple[Equations, Equations]:
+def normal_equations(film: Film, known: Appearance) -> tuple[Equations, Equations]:
     """Return the equations of what one shot shares with the others, for spheres a and b."""
     wider, views = known.looks(NUDGE), len(known.camera.views)
     both = []
@@ -57,14 +57,16 @@ def normal_equations(film: Film, known: Knowledge) -> tuple[Equations, Equations
         size = shared_size(len(sphere.markers), views, FAULTS)
         equations = Equations(np.zeros((size, size)), np.zeros(size))
         tangents = tangents_of(sphere.markers)
-        lesson = Lesson((wider[i].discs, wider[i].surfaces), profiles_of(known, i), tangents, LIMIT)
+        training = TrainingView(
+            (wider[i].discs, wider[i].surfaces), profiles_of(known, i), tangents, LIMIT
+        )
         for sight, stance in sights_of([film], known, i):
-            add_frame(sight, stance, lesson, equations, by_faults)
+            add_frame(sight, stance, training, equations, by_faults)
         both.append(equations)
     return both[0], both[1]
 
 
-def estimate(shots: Sequence[tuple[Equations, Equations]], known: Knowledge) -> PixelEstimate:
+def estimate(shots: Sequence[tuple[Equations, Equations]], known: Appearance) -> PixelEstimate:
     """Solve the equations of some shots together."""
     weight: Floats | None = None
     aim: Floats | None = None

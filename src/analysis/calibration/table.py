@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from analysis.calibration.bending import DISTORTION, FAULTS, MIRROR, NEARNESS, ROLL
 from analysis.calibration.estimate import Estimate
 from analysis.calibration.pixel_estimates import PixelEstimate
-from analysis.photometric.learn.appearance import Knowledge
+from analysis.photometric.learn.appearance import Appearance
 
 Floats = NDArray[np.float64]
 
@@ -54,7 +54,7 @@ USEFUL_DISTORTION, USEFUL_NEARNESS, USEFUL_PLUMB_RAD = 0.05, 2.0, 0.035
 
 
 def estimates_of(
-    found: PixelEstimate, known: Knowledge, plumb: tuple[Floats, Floats], *, stated: bool
+    found: PixelEstimate, known: Appearance, plumb: tuple[Floats, Floats], *, stated: bool
 ) -> tuple[Estimate, ...]:
     """Return all estimates of a camera.
 
@@ -84,7 +84,7 @@ def estimates_of(
 
 
 def _scales(
-    found: PixelEstimate, sigma: Floats, known: Knowledge, *, stated: bool
+    found: PixelEstimate, sigma: Floats, known: Appearance, *, stated: bool
 ) -> list[Estimate]:
     scales, views = known.camera.optics.scales, known.camera.views
     own = math.hypot(sigma[0], SCALE_FLOOR)

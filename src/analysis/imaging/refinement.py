@@ -20,7 +20,7 @@ BLURRED_SIGMAS = 1.5
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Knowledge:
+class Appearance:
     """What a first look at the whole shot has told.
 
     Attributes
@@ -43,7 +43,7 @@ def refine_outlines(
     curves: FilmCurves,
     views: tuple[ViewGeometry, ...],
     discs: FilmDiscs,
-    known: Knowledge,
+    known: Appearance,
     sigma_px: float,
 ) -> FilmDiscs:
     """Fit every outline again with its radius held and the limb's marked stretches left out.

@@ -23,7 +23,7 @@ from analysis.photometric.follow.film import (
 from analysis.photometric.follow.first_tracking import first_tracking
 from analysis.photometric.follow.following import Follower
 from analysis.photometric.follow.start import LEAST_DARKNESS, first_film
-from analysis.photometric.learn.appearance import Knowledge
+from analysis.photometric.learn.appearance import Appearance
 from analysis.photometric.learn.learning import extended, learn, learn_together, without_false
 from analysis.photometric.render.background import first_background
 from analysis.photometric.render.pose import fit_frames
@@ -52,7 +52,7 @@ def compiles_first() -> bool:
     return not kept_on_disk(fit_frames)
 
 
-def teach(shots: Sequence[Taught]) -> Knowledge | None:
+def teach(shots: Sequence[Taught]) -> Appearance | None:
     """Learn how a pair looks from the first shots of a campaign, together.
 
     Parameters
@@ -64,7 +64,7 @@ def teach(shots: Sequence[Taught]) -> Knowledge | None:
     -------
     None where no shot can be learned from; each then says why when it is measured.
     """
-    known: Knowledge | None = None
+    known: Appearance | None = None
     films: list[Film] = []
     for frames, times_s, setup in shots:
         try:
@@ -84,7 +84,7 @@ def teach(shots: Sequence[Taught]) -> Knowledge | None:
     return known
 
 
-def _sharper(films: Sequence[Film], known: Knowledge, *, hold_scale: bool) -> Knowledge:
+def _sharper(films: Sequence[Film], known: Appearance, *, hold_scale: bool) -> Appearance:
     """Learn films whose smear is known once more: what is known tells what the smear changes."""
     for _ in range(SMEARED_ROUNDS if any(film.motion.any() for film in films) else 0):
         for film in films:
@@ -101,7 +101,7 @@ def noise_of(frames: NDArray[np.uint8]) -> float:
 
 def learned_film(
     frames: NDArray[np.uint8], times_s: Floats, setup: Setup
-) -> tuple[Film, Knowledge]:
+) -> tuple[Film, Appearance]:
     """Learn how a pair looks from one shot; outlines and markers give the start.
 
     Raises
@@ -124,7 +124,7 @@ def learned_film(
     return film, known
 
 
-def refuse_faint(known: Knowledge) -> None:
+def refuse_faint(known: Appearance) -> None:
     """Refuse spheres whose markers came out as next to nothing: they tell no turn and no radius.
 
     Raises
@@ -142,7 +142,7 @@ def refuse_faint(known: Knowledge) -> None:
 def followed_film(
     frames: NDArray[np.uint8],
     times_s: Floats,
-    known: Knowledge,
+    known: Appearance,
     exposure_s: float | None = None,
     gravity: float = STANDARD_GRAVITY,
 ) -> Film:
@@ -178,14 +178,14 @@ def _circumstances(setup: Setup) -> tuple[float | None, float]:
     return setup.camera.exposure_s, setup.environment.gravity_m_per_s2
 
 
-def _finish(film: Film, known: Knowledge) -> None:
+def _finish(film: Film, known: Appearance) -> None:
     """Take shadows out of a film that has settled, and what is not to be believed."""
     settle_without_shadows(film, known, LAST_LIMIT)
     drop_misfits(film, known, LAST_LIMIT)
     refuse_few(film)
 
 
-def refuse_strangers(film: Film, known: Knowledge) -> None:
+def refuse_strangers(film: Film, known: Appearance) -> None:
     """Refuse a film of other spheres than the known ones.
 
     A strange pattern can be turned so that most of its markers fall on dark places of each frame;
@@ -231,10 +231,10 @@ def measure_poses(
     frames: NDArray[np.uint8],
     times_s: Floats,
     setup: Setup,
-    known: Knowledge | None,
+    known: Appearance | None,
     *,
     extend: bool = False,
-) -> tuple[Tracking, Knowledge]:
+) -> tuple[Tracking, Appearance]:
     """Measure the poses of a pair: as it is known, or learned from this shot where it is not.
 
     Parameters

@@ -14,10 +14,10 @@ from analysis.motion.cutting import cut_tears, notes_of, refuse_jumps
 from analysis.motion.drift import CENTRE_DRIFT_PER_SIGMA2
 from analysis.motion.pattern import Orientations
 from analysis.motion.poses import Centres
+from analysis.photometric.birge_ratio import birge_ratios
 from analysis.photometric.follow.facing_markers import facing_markers
 from analysis.photometric.follow.film import Film
-from analysis.photometric.honesty import enlargement
-from analysis.photometric.learn.appearance import Knowledge
+from analysis.photometric.learn.appearance import Appearance
 from analysis.photometric.render.camera import place_covariances
 from analysis.tracking import Tracking
 
@@ -30,23 +30,23 @@ MOST_PLACE, MOST_TURN_RAD = 0.2, 0.1
 CONSTANT_Z_SIGMA_M = 1e-6
 SLOW_ERROR_PX = 0.002
 """What shading and pattern leave while the same markers are seen, about this much; in light that
-the shading does not follow at the limb, `Knowledge.limb_px` on top."""
+the shading does not follow at the limb, `Appearance.limb_px` on top."""
 ORDINARY_LIMB_PX = 0.025
 """In even light outline and markers differ by up to this much and no track shows it: shadows are
 beyond it now and then, gloss is by ten times."""
 
 
-def tracking_of(film: Film, known: Knowledge, times_s: Floats, gravity: float) -> Tracking:
+def tracking_of(film: Film, known: Appearance, times_s: Floats, gravity: float) -> Tracking:
     """Return the film's poses with discs and markers where the fitted model has them.
 
     The stated errors are those of the pixels, enlarged to the scatter about free flight
-    (`honesty.enlargement`); the filter width given is that of an equal slow error.
+    (`honesty.birge_ratios`); the filter width given is that of an equal slow error.
     """
     _cut_tears(film, known, times_s, gravity)
     markers = [_markers(film, known, i) for i in (0, 1)]
     raw = _centres(film, known, 0), _centres(film, known, 1)
     standing = _orientations(film, known, 0, markers[0]), _orientations(film, known, 1, markers[1])
-    place, turn = enlargement(raw, standing, times_s, gravity)
+    place, turn = birge_ratios(raw, standing, times_s, gravity)
     enlarged = np.sqrt(np.repeat([place, turn], 3))
     film.covariance *= np.outer(enlarged, enlarged)
     spheres = [_tracks(film, known, i) for i in (0, 1)]
@@ -79,7 +79,7 @@ def tracking_of(film: Film, known: Knowledge, times_s: Floats, gravity: float) -
     )
 
 
-def _cut_tears(film: Film, known: Knowledge, times_s: Floats, gravity: float) -> None:
+def _cut_tears(film: Film, known: Appearance, times_s: Floats, gravity: float) -> None:
     """Take away the poses that belong to no free flight on either side of the contact."""
     centres = _centres(film, known, 0), _centres(film, known, 1)
     touch_m = sum(sphere.radius_m for sphere in known.spheres)
@@ -90,7 +90,7 @@ def _cut_tears(film: Film, known: Knowledge, times_s: Floats, gravity: float) ->
             film.leave_out(i, np.array([k]), reason)
 
 
-def _tracks(film: Film, known: Knowledge, sphere: int) -> dict[View, Track]:
+def _tracks(film: Film, known: Appearance, sphere: int) -> dict[View, Track]:
     optics, views = known.camera.optics, known.camera.views
     discs, tracks = film.discs(known)[:, len(views) * sphere :], {}
     frames = np.flatnonzero(film.placed[sphere])
@@ -106,7 +106,7 @@ def _tracks(film: Film, known: Knowledge, sphere: int) -> dict[View, Track]:
     return tracks
 
 
-def _markers(film: Film, known: Knowledge, sphere: int) -> tuple[FilmMarkers, Names]:
+def _markers(film: Film, known: Appearance, sphere: int) -> tuple[FilmMarkers, Names]:
     """Return the markers that face a view, and the index of each in the pattern."""
     frames = np.flatnonzero(film.placed[sphere])
     rows, names, ends = facing_markers(
@@ -121,7 +121,7 @@ def _markers(film: Film, known: Knowledge, sphere: int) -> tuple[FilmMarkers, Na
     return FilmMarkers(frames, ends, every), names[:, 0]
 
 
-def _centres(film: Film, known: Knowledge, sphere: int) -> Centres:
+def _centres(film: Film, known: Appearance, sphere: int) -> Centres:
     frames = np.flatnonzero(film.placed[sphere])
     position = film.centre[sphere, frames].copy()
     sigma = np.sqrt(np.einsum("nii->ni", film.covariance[sphere, frames])[:, :3])
@@ -132,7 +132,7 @@ def _centres(film: Film, known: Knowledge, sphere: int) -> Centres:
 
 
 def _orientations(
-    film: Film, known: Knowledge, sphere: int, seen: tuple[FilmMarkers, Names]
+    film: Film, known: Appearance, sphere: int, seen: tuple[FilmMarkers, Names]
 ) -> Orientations:
     (markers, names), placed = seen, np.flatnonzero(film.placed[sphere])
     covariance = film.covariance[sphere, placed][:, 3:, 3:]

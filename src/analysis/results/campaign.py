@@ -6,19 +6,88 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
+from analysis.effects.contact.lasting_contact import EFFECT
 from analysis.model.data.poses import PoseData
 from analysis.model.data.tables import ContactTable, Data
-from analysis.model.fitting.robust_fit import Judged, judged
+from analysis.model.fitting.robust_fit import Judged, judged, judged_with
 from analysis.quantity import Quantity
 from analysis.results.from_poses import pose_impacts
 from analysis.results.from_table import table_impacts
-from analysis.results.impacts import Impacts, LeftOut
-from analysis.results.lasting import contacts_that_last, mean_restitution
+from analysis.results.impacts import SHARED, V_N, V_N_AFTER, Impacts, LeftOut
 from analysis.results.lines import Lines, fit_lines
 from analysis.results.ratios import Ratios, ratios
-from analysis.results.speed import speed_line
-from analysis.results.york import Line
+from analysis.results.york import Line, york_line
+
+Floats = NDArray[np.float64]
+
+
+def speed_line(impacts: Impacts, found: Ratios, used: NDArray[np.bool_]) -> Line | None:
+    """Fit e = e_0 + slope |v_n|, errors of both and their correlation by the shared v_n.
+
+    A line is the first order of whatever law holds over the speeds of a campaign; slope in s/m.
+    None where the shots do not tell one. `used`, shape (S,), says which shots count.
+    """
+    sigma_speed = np.sqrt(impacts.covariance[:, V_N, V_N])
+    columns = (
+        *(impacts.approach, found.e.value, sigma_speed, found.e.sigma),
+        _correlation(impacts, found),
+    )
+    return york_line(*(column[used] for column in columns))
+
+
+def _correlation(impacts: Impacts, found: Ratios) -> Floats:
+    """Return the correlation of the errors of |v_n| and e = v_n' / |v_n|, shape (S,)."""
+    v, c = impacts.approach, impacts.covariance
+    # With |v_n| = -v_n: cov(|v_n|, e) = -cov(v_n, v_n') / |v_n| - e var(v_n) / |v_n|.
+    shared = -(c[:, V_N, V_N_AFTER] + found.e.value * c[:, V_N, V_N]) / v
+    spread = np.sqrt(c[:, V_N, V_N]) * found.e.sigma
+    return np.asarray(np.where(spread > 0, shared / np.where(spread > 0, spread, 1.0), 0.0))
+
+
+LEAST_FALL = 36.0
+"""Of chi-squared, in units of what is left: six standard errors."""
+LEAST_SIGMAS = 5.0
+"""By which the duration of a contact is to differ from none."""
+
+
+def contacts_that_last(found: Judged, lines: Lines) -> Judged | None:
+    """Return the fit of contacts that last; None where the two lines, or another law, may hold.
+
+    It is made only where the shots contradict the two lines, and believed where it leaves far less
+    unexplained than the operator of hard spheres does, at a duration that is measured and possible.
+    """
+    if lines.scatter == 1.0:
+        return None
+    other = judged_with(found, (EFFECT,))
+    fit, noise = other.fit, other.fit.chi2_per_dof
+    active = next((a for a in fit.theory.active if a.effect.name == EFFECT.name), None)
+    if active is None or (found.fit.chi2_per_dof - noise) * fit.freedom < LEAST_FALL * noise:
+        return None
+    duration = fit.parameters()[f"{EFFECT.name}.t"]
+    least, most = EFFECT.parameters[0].plausible
+    certain = duration.determined and duration.value > LEAST_SIGMAS * duration.sigma
+    return other if certain and least < duration.value < most else None
+
+
+def mean_restitution(impacts: Impacts, used: np.ndarray) -> Quantity:
+    """Return the mean e of some shots, mask of shape (S,), weighed by each shot's own errors.
+
+    It is that of these shots and no constant of the spheres. What all shots share errs as in each.
+    """
+    chosen = impacts.of_shots(used & np.isfinite(ratios(impacts).e.value))
+    each = ratios(chosen.apart()).e
+    weight = 1.0 / each.sigma**2
+    weight /= weight.sum()
+    mean = float(weight @ each.value)
+    common = 0.0
+    if chosen.shared is not None:
+        moved = [weight @ ratios(chosen.moved(k)).e.value - mean for k in range(SHARED)]
+        common = float(np.linalg.norm(moved))
+    own = float(np.sqrt(weight**2 @ each.sigma**2))
+    return Quantity(mean, float(np.hypot(own, common)), "1", common)
+
 
 NO_BOTH = "no frames show both spheres"
 

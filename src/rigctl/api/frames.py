@@ -18,7 +18,7 @@ from rigctl.api.kept_shots import KeptShots, shot_keys
 from rigctl.api.measured import Measured
 from rigctl.api.progress import counting
 from rigctl.errors import AnalysisInputError
-from rigctl.input_errors import in_words
+from rigctl.input_errors import as_analysis_errors
 from rigctl.measuring.first_analysis import wait_for_compiler
 from rigctl.measuring.stored_poses import measured_document, poses_of, slow_errors_of
 
@@ -40,7 +40,7 @@ class Frames:
 
     def measured(self, workers: int | None) -> Measured:
         """Return poses of all shots; those that were measured before are read."""
-        with in_words():
+        with as_analysis_errors():
             keys = shot_keys(self.campaign.jobs, self.method)
             documents = {
                 number: document

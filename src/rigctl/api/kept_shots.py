@@ -80,17 +80,17 @@ class KeptShots:
 def shot_keys(jobs: Sequence[ShotJob], method: Method) -> dict[int, str]:
     """Return the key of each shot whose frames can be read, by its number."""
     content = {job.shot: found for job in jobs if (found := digest_of(job.frames)) is not None}
-    taught = {} if method == "thesis" else _lessons(jobs, content)
+    learned = {} if method == "thesis" else _teaching(jobs, content)
     keys = {}
     for job in jobs:
         if job.shot in content:
-            lesson = taught.get(without_exposure(job.setup))
-            about = [sources(), method, asdict(job.setup), content[job.shot], lesson]
+            learned_from = learned.get(without_exposure(job.setup))
+            about = [sources(), method, asdict(job.setup), content[job.shot], learned_from]
             keys[job.shot] = sha256(json.dumps(about).encode()).hexdigest()
     return keys
 
 
-def _lessons(jobs: Sequence[ShotJob], content: dict[int, str]) -> dict[Setup, list[object]]:
+def _teaching(jobs: Sequence[ShotJob], content: dict[int, str]) -> dict[Setup, list[object]]:
     """Return what each set-up's spheres are learned from: frames and exposures."""
     return {
         setup: [[content.get(job.shot), job.setup.camera.exposure_s] for job in own]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
 
@@ -13,14 +13,48 @@ from analysis.effects.effect import Effect
 from analysis.exchange.description import read_description
 from analysis.imaging.files.png_files import holds_png
 from analysis.imaging.files.stack import SUFFIXES
-from analysis.model.data.gather import CONTACTS, IMPACTS
+from analysis.model.data.gather import CONTACTS, IMPACTS, gather
 from analysis.shot import Method
 from rigctl.api.campaign import Campaign
 from rigctl.api.frames import Frames
-from rigctl.api.measured import Source
+from rigctl.api.measured import Measured, Source
 from rigctl.api.own_effects import KnownEffects
-from rigctl.api.stored import Named, Tables
-from rigctl.input_errors import in_words
+from rigctl.input_errors import as_analysis_errors
+
+
+@dataclass(frozen=True, slots=True)
+class Tables:
+    """An exchange folder with contacts.csv, impacts.csv or poses.csv, or one of these files."""
+
+    path: Path
+
+    @property
+    def name(self) -> str:
+        """Name of the campaign."""
+        folder = self.path.parent if self.path.is_file() else self.path
+        with as_analysis_errors():
+            return read_description(folder / DESCRIPTION)[0]
+
+    def measured(self, workers: int | None) -> Measured:
+        """Return what the tables hold, of the latest stage that is there."""
+        with as_analysis_errors():
+            return Measured(gather(self.path)[1])
+
+
+@dataclass(frozen=True, slots=True)
+class Named:
+    """A campaign in the store of a configuration; its daemon measures the shots."""
+
+    name: str
+    configuration: Path | None
+
+    def measured(self, workers: int | None) -> Measured:
+        """Return the shots that are measured; those that are not are refused by name."""
+        # The store needs a system with file locks; folders do not.
+        from rigctl.model.campaigns import open_campaign  # noqa: PLC0415
+
+        return Measured(open_campaign(Path(self.name), self.configuration)[1])
+
 
 Place = str | PathLike[str]
 TABLES = (CONTACTS, IMPACTS, POSES)
@@ -59,7 +93,7 @@ def open_campaign(
         It cannot be read, or the folder of effects cannot.
     """
     known = KnownEffects.of(Path(effects) if isinstance(effects, str | PathLike) else effects)
-    with in_words():
+    with as_analysis_errors():
         return Campaign(_source(source, method, setup, config), known)
 
 

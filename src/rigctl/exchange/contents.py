@@ -22,7 +22,7 @@ from analysis.model.data.gather import CONTACTS, IMPACTS
 from analysis.setup import Setup
 from rigctl.errors import AnalysisInputError
 from rigctl.exchange.remarks import read_remarks
-from rigctl.input_errors import in_words
+from rigctl.input_errors import as_analysis_errors
 from rigctl.plain_text import require_plain
 from rigctl.store.campaign_words import Words
 
@@ -168,7 +168,7 @@ def _require_listed(folder: Path, listed: set[int], measured: set[int]) -> None:
 def _nothing_imported() -> Iterator[None]:
     """Say of each fault that nothing was imported."""
     try:
-        with in_words(todo="nothing was imported; correct the folder"):
+        with as_analysis_errors(todo="nothing was imported; correct the folder"):
             yield
     except OSError as error:
         raise AnalysisInputError(

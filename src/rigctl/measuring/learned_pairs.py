@@ -2,8 +2,8 @@
 
 A file for each campaign and set-up, `learned/<digest>.npz` beside the shots: a cache that may be
 deleted at any time. Whether it still holds is not decided here: a shot that does not show the
-learned spheres refuses them (`photometric.follow.confirmation`), teaches anew, and its lesson takes
-the place of the one before.
+learned spheres refuses them (`photometric.follow.confirmation`), and what is learned from it alone
+takes their place.
 """
 
 from __future__ import annotations
@@ -22,25 +22,25 @@ from analysis.errors import InputError
 from analysis.setup import Setup, without_exposure
 
 if TYPE_CHECKING:
-    from analysis.photometric.learn.appearance import Knowledge
+    from analysis.photometric.learn.appearance import Appearance
 
 _log = logging.getLogger(__name__)
 
 KEPT = 4
-"""Lessons that a process holds in memory."""
+"""Pairs that a process holds in memory."""
 
 
 class LearnedPairs:
-    """Lessons in a folder, each read once by a process until another one has replaced it.
+    """Learned pairs in a folder, each read once by a process until another one has replaced it.
 
     For one thread of each process; processes may read and write at any time.
     """
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
-        self._held: dict[Path, tuple[int, Knowledge]] = {}
+        self._held: dict[Path, tuple[int, Appearance]] = {}
 
-    def recall(self, campaign: str | None, setup: Setup) -> Knowledge | None:
+    def recall(self, campaign: str | None, setup: Setup) -> Appearance | None:
         """Return what was learned of the pair of a campaign; None where nothing can be read."""
         path = self._path(campaign, setup)
         try:
@@ -60,8 +60,8 @@ class LearnedPairs:
         self._hold(path, stamp, known)
         return known
 
-    def remember(self, campaign: str | None, setup: Setup, known: Knowledge) -> None:
-        """Let all processes have what was learned; a lesson before it is replaced as a whole.
+    def remember(self, campaign: str | None, setup: Setup, known: Appearance) -> None:
+        """Let all processes have what was learned; what was learned before is replaced as a whole.
 
         Raises
         ------
@@ -99,14 +99,14 @@ class LearnedPairs:
             json.dump(list(shots), file)
         os.replace(file.name, path)
 
-    def _hold(self, path: Path, stamp: int, known: Knowledge) -> None:
+    def _hold(self, path: Path, stamp: int, known: Appearance) -> None:
         self._held.pop(path, None)
         if len(self._held) == KEPT:
             del self._held[next(iter(self._held))]
         self._held[path] = (stamp, known)
 
     def _path(self, campaign: str | None, setup: Setup) -> Path:
-        """Return a lesson's file; the exposure, which may change from shot to shot, has no part."""
+        """Return a pair's file; the exposure, which may change from shot to shot, has no part."""
         still = without_exposure(setup)
         text = json.dumps([campaign, asdict(still)], sort_keys=True)
         return self._folder / f"{hashlib.sha256(text.encode()).hexdigest()[:16]}.npz"

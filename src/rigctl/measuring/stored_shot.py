@@ -17,13 +17,13 @@ from analysis.document import overlay_document
 from analysis.setup import Setup, setup_of
 from analysis.shot import AnalysisOptions, MeasuredShot, RefusedShot, analyse_shot
 from rigctl.measuring.analysis_process import AGAIN
+from rigctl.measuring.campaign_learning import CampaignLearning
 from rigctl.measuring.learned_pairs import LearnedPairs
-from rigctl.measuring.lesson import Lesson
 from rigctl.measuring.stored_poses import measured_document
 from rigctl.store.folders import read_pixels
 
 if TYPE_CHECKING:
-    from analysis.photometric.learn.appearance import Knowledge
+    from analysis.photometric.learn.appearance import Appearance
 
 Json = dict[str, Any]
 Floats = NDArray[np.float64]
@@ -45,8 +45,8 @@ def analyse_stored_shot(folder: Path, method: str) -> Json:
     shots that are worth another analysis, now that more is known of their spheres.
     """
     campaign = json.loads((folder / "manifest.json").read_bytes()).get("campaign")
-    lesson = Lesson(folder, campaign, pairs_beside(folder), read_stored_shot)
-    return {**_result(folder, method, lesson.measure), AGAIN: list(lesson.again)}
+    learning = CampaignLearning(folder, campaign, pairs_beside(folder), read_stored_shot)
+    return {**_result(folder, method, learning.measure), AGAIN: list(learning.again)}
 
 
 @lru_cache(maxsize=1)
@@ -59,7 +59,7 @@ def pairs_beside(folder: Path) -> LearnedPairs:
     return _pairs_in(folder.parents[2] / LEARNED)
 
 
-def analyse_stored_shot_as_taught(folder: Path, method: str, known: Knowledge | None) -> Json:
+def analyse_stored_shot_with(folder: Path, method: str, known: Appearance | None) -> Json:
     """Analyse as `analyse_stored_shot`, with nothing but what is handed over.
 
     The same shot, method and knowledge give the same result, in whatever process and order.

@@ -17,7 +17,7 @@ from analysis.model.data.tables import Data
 from analysis.setup import Setup, SlowErrors
 from analysis.slow_errors import typical
 from rigctl.errors import AnalysisInputError
-from rigctl.input_errors import in_words
+from rigctl.input_errors import as_analysis_errors
 from rigctl.measuring.measured import MeasuredFiles, measured_files
 from rigctl.measuring.stored_poses import poses_of, slow_errors_of
 from rigctl.measuring.stored_shot import manifest_setup
@@ -53,7 +53,7 @@ def open_campaign(
         Configuration or store cannot be read.
     """
     if campaign.exists() or len(campaign.parts) != 1:
-        with in_words():
+        with as_analysis_errors():
             return gather_poses(campaign) if poses else gather(campaign)
     name = str(campaign)
     with read_store(configuration) as store:
@@ -64,7 +64,7 @@ def open_campaign(
                     part=f"campaign {name}",
                     todo="import a folder that has its poses.csv or its frames",
                 )
-            with in_words():
+            with as_analysis_errors():
                 return name, tabulated(store, name)
         return campaign_poses(store, name)
 
@@ -77,7 +77,7 @@ def folder_poses(folder: Path) -> tuple[str, PoseData]:
     AnalysisInputError
         The folder cannot be read, or holds no poses.
     """
-    with in_words():
+    with as_analysis_errors():
         return gather_poses(folder)
 
 

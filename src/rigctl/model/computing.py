@@ -40,7 +40,7 @@ from analysis.model.verdict.documents import fit_document, ranking_document
 from analysis.model.verdict.report import verdict_document
 from analysis.model.verdict.selection import Verdict, explain
 from rigctl.errors import AnalysisInputError
-from rigctl.input_errors import in_words
+from rigctl.input_errors import as_analysis_errors
 from rigctl.measuring.measured import MeasuredFiles
 from rigctl.model.campaigns import folder_poses, poses_from
 from rigctl.model.known_effects import Available, available, faults_refused
@@ -183,7 +183,7 @@ def _data(asked: Json, say: Say) -> Data:
     if "folder" in asked:
         return folder_poses(Path(asked["folder"]))[1]
     if "store" in asked:
-        with reading(Path(asked["store"]), asked["database"]) as store, in_words():
+        with reading(Path(asked["store"]), asked["database"]) as store, as_analysis_errors():
             if is_tabulated(store, asked["campaign"]):
                 return tabulated(store, asked["campaign"])
     files = [

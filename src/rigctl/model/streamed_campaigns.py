@@ -13,7 +13,7 @@ from analysis.model.streaming.stream import PoseStream
 from analysis.setup import SlowErrors
 from analysis.slow_errors import typical
 from rigctl.errors import NotFoundError
-from rigctl.input_errors import in_words
+from rigctl.input_errors import as_analysis_errors
 from rigctl.measuring.measured import MeasuredFiles, each_measured
 from rigctl.model.campaigns import StoredShot, require_one_setup, stored_shot
 from rigctl.opening import read_store
@@ -41,7 +41,7 @@ def open_stream(campaign: Path, configuration: Path | None = None) -> tuple[str,
     """
     with temporary_room():
         if campaign.exists() or len(campaign.parts) != 1:
-            with in_words():
+            with as_analysis_errors():
                 return stream_poses(campaign)
         with read_store(configuration) as store:
             name = str(campaign)

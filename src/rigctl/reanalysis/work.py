@@ -2,18 +2,40 @@
 
 from __future__ import annotations
 
+import ctypes
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 from analysis.setup import without_exposure
 from rigctl.errors import RigError
-from rigctl.reanalysis.memory import keep_memory
 from rigctl.store.folders import result_text
 
 if TYPE_CHECKING:
-    from analysis.photometric.learn.appearance import Knowledge
+    from analysis.photometric.learn.appearance import Appearance
+
+
+# The parameters' numbers in malloc.h.
+_TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3
+LARGEST_KEPT = 32 << 20
+"""Bytes of the largest array whose memory is kept: what the GNU C library arrives at by itself,
+where nobody sets it."""
+
+
+@cache
+def keep_memory() -> None:
+    """Keep the memory of arrays for the next ones, up to 64 MiB of it in this process.
+
+    It is a matter of time alone. Where the C library is not GNU's, nothing is done.
+    """
+    library = ctypes.CDLL(None)
+    # As elsewhere in that library: what is free at the end of the heap may be twice as much.
+    for parameter, size in ((_MMAP_THRESHOLD, LARGEST_KEPT), (_TRIM_THRESHOLD, 2 * LARGEST_KEPT)):
+        if hasattr(library, "mallopt"):
+            library.mallopt(parameter, size)
+
 
 Json = dict[str, Any]
 
@@ -58,22 +80,24 @@ class Broken:
         return cls(f"{type(error).__name__}: {error}")
 
 
-def analysed(folders: Sequence[Path], method: str, known: Knowledge | None) -> list[Found | Broken]:
+def analysed(
+    folders: Sequence[Path], method: str, known: Appearance | None
+) -> list[Found | Broken]:
     """Analyse shots one after another; one that breaks stops no other."""
     # Loaded by the process that analyses: the others have no use for it.
-    from rigctl.measuring.stored_shot import analyse_stored_shot_as_taught  # noqa: PLC0415
+    from rigctl.measuring.stored_shot import analyse_stored_shot_with  # noqa: PLC0415
 
     keep_memory()
     found: list[Found | Broken] = []
     for folder in folders:
         try:
-            found.append(Found.of(analyse_stored_shot_as_taught(folder, method, known)))
+            found.append(Found.of(analyse_stored_shot_with(folder, method, known)))
         except Exception as error:  # noqa: BLE001 - whatever breaks is this shot's failure alone
             found.append(Broken.of(error))
     return found
 
 
-def taught(folders: Sequence[Path]) -> Knowledge | None:
+def taught(folders: Sequence[Path]) -> Appearance | None:
     """Return what shots teach of their spheres; those that cannot do not."""
     from analysis.photometric.method import teach  # noqa: PLC0415
     from rigctl.measuring.stored_shot import read_stored_shot  # noqa: PLC0415

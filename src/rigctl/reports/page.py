@@ -2,24 +2,65 @@
 
 from __future__ import annotations
 
+import io
+import re
 from collections.abc import Mapping
 from html import escape
 from importlib.resources import files
 
+import matplotlib as mpl
 import numpy as np
+from matplotlib.figure import Figure
 
 from analysis.effects.contact.lasting_contact import EFFECT as LASTING
 from analysis.effects.effect import Parameter
+from analysis.figures.palette import FAILS, FLOOR, GREY, MEASURED
+from analysis.figures.sheet import FAINT
 from analysis.quantity import Quantity
 from analysis.results.campaign import Results
 from analysis.results.drawing import plane_figure, residual_figure, restitution_figure
 from analysis.results.published import THESIS
 from analysis.results.tables import Table, tables
 from rigctl.reports.html import download, paragraph, picture, section, table
-from rigctl.reports.inline_svg import inline_svg
 from rigctl.reports.reproduce import reproduce
 from rigctl.reports.shots import every_shot, missing_shots
 from rigctl.reports.source import Source
+
+INKS = {
+    "#000000": "currentColor",
+    "#333333": "currentColor",
+    GREY.lower(): "var(--muted)",
+    FAINT.lower(): "var(--line)",
+    MEASURED.lower(): "var(--blue)",
+    FAILS.lower(): "var(--fails)",
+    FLOOR.lower(): "var(--floor)",
+}
+"""Colours as drawn, and the page's names for them; what is not here keeps its own."""
+
+
+def inline_svg(figure: Figure, name: str, description: str) -> str:
+    """Return the figure as an SVG element, the same text for the same figure.
+
+    Parameters
+    ----------
+    name
+        Unique in the page: it stands before every identifier within.
+    description
+        For those who do not see it; plain text without markup.
+    """
+    buffer = io.StringIO()
+    with mpl.rc_context({"svg.hashsalt": name, "svg.fonttype": "none"}):
+        figure.savefig(buffer, format="svg", transparent=True, metadata={"Date": None})
+    text = buffer.getvalue()
+    text = text[text.index("<svg ") :]
+    for drawn, shown in INKS.items():
+        text = re.sub(drawn, shown, text, flags=re.IGNORECASE)
+    text = re.sub(r'\bid="', f'id="{name}-', text)
+    text = re.sub(r"url\(#", f"url(#{name}-", text)
+    text = re.sub(r'xlink:href="#', f'xlink:href="#{name}-', text)
+    text = re.sub(r"<metadata>.*?</metadata>", "", text, count=1, flags=re.DOTALL)
+    return text.replace("<svg ", f'<svg role="img" aria-label="{description}" ', 1)
+
 
 SYMBOLS = {"e": "e", "mu": "μ", "beta0": "β₀"}
 NO_LAW = "no law of these contacts"

@@ -18,7 +18,7 @@ from analysis.model.data.tables import Data
 from analysis.results.impacts import LeftOut
 from analysis.setup import setup_document
 from rigctl.errors import AnalysisInputError
-from rigctl.input_errors import in_words
+from rigctl.input_errors import as_analysis_errors
 from rigctl.measuring.measured import MOST_SHOTS, MeasuredFiles, measured_files
 from rigctl.measuring.stored_shot import manifest_setup
 from rigctl.model.campaigns import poses_from
@@ -84,7 +84,7 @@ def folder_source(folder: Path) -> Source:
         It cannot be read.
     """
     home = folder.parent if folder.is_file() else folder
-    with in_words():
+    with as_analysis_errors():
         title, data = gather(folder)
         rows = read_shot_list(home / SHOT_LIST)
         described = read_toml(home / DESCRIPTION)

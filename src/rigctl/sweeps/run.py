@@ -2,19 +2,90 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections import deque
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
 
 from rigctl.rig.clock import Clock
 from rigctl.rig.machine import Rig
+from rigctl.settings import ShotSettings
 from rigctl.store import StepRecord, StepState, Store, SweepRecord, SweepState
 from rigctl.store.sweep_states import FAILED
-from rigctl.sweeps.choice import best
 from rigctl.sweeps.coefficient import Mean, Measured
 from rigctl.sweeps.orders import Orders, Wish
-from rigctl.sweeps.pace import Pace
 from rigctl.sweeps.plan import Rules
 from rigctl.sweeps.stepping import Stepper
+
+REMEMBERED = 16
+"""Steps over which the pace is averaged: enough to be steady, few enough to follow a change."""
+
+
+class Pace:
+    """Mean time from the end of one step to the end of the next, s."""
+
+    def __init__(self, began: float) -> None:
+        self._ended: deque[float] = deque([began], maxlen=REMEMBERED + 1)
+
+    def step_ended(self, at: float) -> None:
+        """Note the monotonic time (s) at which a step ended."""
+        self._ended.append(at)
+
+    def left_s(self, steps: int) -> float | None:
+        """Return how long so many steps will take, s; None before the first has ended."""
+        cycles = len(self._ended) - 1
+        if cycles == 0:
+            return None
+        return steps * (self._ended[-1] - self._ended[0]) / cycles
+
+
+SPREAD = 8
+"""Distinct settings measured in the sweep's own order before anything is chosen."""
+
+WIDTH = 0.2
+"""Range over which a shot speaks for its neighbours, as a share of the sweep's own range."""
+
+PRIOR = 0.1
+"""Weight of the plain mean of all shots, against 1 of a shot at the settings themselves."""
+
+
+def best(waiting: Sequence[ShotSettings], told: Sequence[tuple[ShotSettings, float]]) -> int:
+    """Return the index of the waiting settings with the highest expected information.
+
+    Information is 1 / sigma^2 of the coefficient from one shot, and 0 of one that could not be
+    measured. What is expected of settings is the mean over all shots, weighted by a Gaussian of
+    their distance with each setting scaled to its range in the sweep; far from all shots it is
+    their plain mean. The first comes first among equals, and as long as fewer than `SPREAD`
+    distinct settings have been measured.
+
+    Parameters
+    ----------
+    waiting
+        Settings of the steps that wait, in the sweep's order; at least one.
+    told
+        Settings of each shot whose analysis has ended, and its information.
+    """
+    fired = _places([settings for settings, _ in told])
+    if len(np.unique(fired, axis=0)) < SPREAD:
+        return 0
+    places = _places(waiting)
+    ranges = np.ptp(np.concatenate([places, fired]), axis=0)
+    ranges[ranges == 0.0] = 1.0
+    apart = (places[:, None] - fired[None]) / ranges
+    weights = np.exp(-0.5 * np.sum(apart**2, axis=2) / WIDTH**2)
+    information = np.array([each for _, each in told])
+    near = np.sum(weights, axis=1)
+    expected = (weights @ information + PRIOR * np.mean(information)) / (near + PRIOR)
+    # Rounding must not choose among equals.
+    return int(np.argmax(expected >= np.max(expected) * (1.0 - 1e-9)))
+
+
+def _places(settings: Sequence[ShotSettings]) -> NDArray[np.float64]:
+    """Return the settings as points (n, 3)."""
+    points = [(each.pressure_a_kpa, each.pressure_b_kpa, each.offset_mm) for each in settings]
+    return np.array(points, dtype=np.float64).reshape(-1, 3)
 
 
 @dataclass(frozen=True, slots=True)

@@ -31,7 +31,7 @@ def package(tmp_path: Path) -> Path:
     root = tmp_path / "analysis"
     (root / "room").mkdir(parents=True)
     own = Path(analysis.__file__).parent
-    for name in ("compiled.py", "file_lock.py", "machine_code.py"):
+    for name in ("compiled.py", "file_lock.py"):
         shutil.copy(own / name, root)
     for folder in (root, root / "room"):
         (folder / "__init__.py").touch()

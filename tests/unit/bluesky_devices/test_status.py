@@ -4,7 +4,7 @@ import pytest
 
 pytest.importorskip("bluesky")
 
-from rigctl.bluesky_devices.status import WorkStatus
+from rigctl.bluesky_devices.rig import WorkStatus
 
 BOUND_S = 20.0
 

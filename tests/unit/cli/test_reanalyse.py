@@ -41,7 +41,7 @@ def answers(monkeypatch: pytest.MonkeyPatch) -> dict[str, Json]:
 
     monkeypatch.setattr("rigctl.cli.store.reanalyse.pool", pool)
     monkeypatch.setattr(
-        "rigctl.measuring.stored_shot.analyse_stored_shot_as_taught",
+        "rigctl.measuring.stored_shot.analyse_stored_shot_with",
         lambda folder, method, known: found[folder.name],
     )
     return found

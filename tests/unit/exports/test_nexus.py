@@ -14,8 +14,8 @@ from analysis.model.data.poses import PoseData
 from analysis.results.campaign import Results, results
 from analysis.setup import SlowErrors
 from rigctl.cli import run
+from rigctl.cli.store.exchange_other import require
 from rigctl.errors import ConfigurationError, StoreError
-from rigctl.exports.extras import require
 from rigctl.reports.source import Source
 
 h5py: Any = pytest.importorskip("h5py")
@@ -131,7 +131,7 @@ def test_the_command_writes_it(folder: Path, tmp_path: Path) -> None:
 
 
 def test_without_the_library_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("rigctl.exports.extras.find_spec", lambda _: None)
+    monkeypatch.setattr("rigctl.cli.store.exchange_other.find_spec", lambda _: None)
     with pytest.raises(ConfigurationError, match=r"install rigctl\[hdf5\]"):
         require("h5py", "hdf5")
     assert importlib.util.find_spec("h5py") is not None

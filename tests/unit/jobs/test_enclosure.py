@@ -12,8 +12,8 @@ from typing import Any
 import pytest
 
 from rigctl.jobs import JobFailedError, Task, in_process
-from rigctl.jobs.enclosure import ENCLOSED, ON_NETWORK
 from rigctl.jobs.process import hide_from_jobs
+from rigctl.jobs.worker import ENCLOSED, ON_NETWORK
 
 SECRET = "the key of the daemon"
 
@@ -84,13 +84,13 @@ def test_a_job_keeps_the_network_where_the_catalogue_is_on_a_server(
 
 
 def test_a_kernel_that_refuses_is_named_in_the_record(monkeypatch: pytest.MonkeyPatch) -> None:
-    from rigctl.jobs import enclosure
+    from rigctl.jobs import worker
 
     def refuse(name: str, *_: object) -> None:
         raise PermissionError(1, "Operation not permitted", name)
 
-    monkeypatch.setattr(enclosure, "_call", refuse)
-    assert enclosure.enclose([], network=False) == (
+    monkeypatch.setattr(worker, "_call", refuse)
+    assert worker.enclose([], network=False) == (
         "network and key file are open to it: the kernel gives no namespaces "
         "(Operation not permitted)"
     )

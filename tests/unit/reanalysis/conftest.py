@@ -28,6 +28,6 @@ def answers(monkeypatch: pytest.MonkeyPatch) -> Callable[[Callable[[str, str], J
         def analyse(folder: Path, method: str, known: None) -> Json:
             return answer(folder.name, method)
 
-        monkeypatch.setattr("rigctl.measuring.stored_shot.analyse_stored_shot_as_taught", analyse)
+        monkeypatch.setattr("rigctl.measuring.stored_shot.analyse_stored_shot_with", analyse)
 
     return use

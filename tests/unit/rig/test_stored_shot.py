@@ -10,25 +10,25 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-import rigctl.measuring.lesson
+import rigctl.measuring.campaign_learning
 from analysis.campaign import THESIS_SETUP
-from analysis.photometric.learn.appearance import Knowledge, Sphere
+from analysis.photometric.learn.appearance import Appearance, Sphere
 from analysis.photometric.render.camera import camera_of
 from analysis.setup import Environment, Setup
 from analysis.shot import AnalysisOptions, MeasuredShot, RefusedShot
+from rigctl.measuring.campaign_learning import CampaignLearning
 from rigctl.measuring.learned_pairs import LearnedPairs
-from rigctl.measuring.lesson import Lesson
 
 FRAMES, TIMES = np.zeros((6, 4, 4), np.uint8), np.linspace(0.0, 5e-3, 6)
 
 
-def lesson(darkness: float) -> Knowledge:
+def lesson(darkness: float) -> Appearance:
     camera = camera_of(THESIS_SETUP.camera, np.array([1574.8, 1574.8]))
     sphere = Sphere(0.0127, np.eye(3), 0.16, darkness, np.zeros((2, 16)), np.zeros((2, 5, 5)))
     numbers: dict[str, Any] = {"sigma_px": np.full(2, 0.85), "scale_sigma": 7e-4}
     numbers |= {"camera_sigma": (0.0, 0.0), "limb_px": 0.0, "smear_px2": np.zeros(2)}
-    own = {name: numbers[name] for name in Knowledge.__slots__ if name in numbers}
-    return Knowledge(camera=camera, spheres=(sphere, sphere), **own)
+    own = {name: numbers[name] for name in Appearance.__slots__ if name in numbers}
+    return Appearance(camera=camera, spheres=(sphere, sphere), **own)
 
 
 class Analysis:
@@ -57,7 +57,7 @@ class Analysis:
 @pytest.fixture
 def analysis(monkeypatch: pytest.MonkeyPatch) -> Analysis:
     double = Analysis()
-    monkeypatch.setattr(rigctl.measuring.lesson, "analyse_shot", double)
+    monkeypatch.setattr(rigctl.measuring.campaign_learning, "analyse_shot", double)
     return double
 
 
@@ -76,9 +76,9 @@ def measure(
     setup: Setup = THESIS_SETUP,
     campaign: str | None = "nylon",
     shot: str = "20261123-000001",
-) -> Lesson:
+) -> CampaignLearning:
     folder = Path("shots/20261123") / shot
-    own = Lesson(folder, campaign, pairs, lambda _: (FRAMES, TIMES, setup))
+    own = CampaignLearning(folder, campaign, pairs, lambda _: (FRAMES, TIMES, setup))
     own.measure(FRAMES, TIMES, setup, AnalysisOptions())
     return own
 
@@ -137,7 +137,7 @@ def test_six_shots_teach_together_and_the_first_five_are_measured_again(
 ) -> None:
     taught: list[int] = []
 
-    def teach(shots: list[Any]) -> Knowledge:
+    def teach(shots: list[Any]) -> Appearance:
         taught.append(len(shots))
         analysis.shown = 0.9
         return lesson(0.9)

@@ -11,10 +11,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rigctl.store import StepState, SweepState
-from rigctl.sweeps.choice import SPREAD, best
 from rigctl.sweeps.coefficient import Estimate, estimate_in, mean_of
-from rigctl.sweeps.pace import Pace
 from rigctl.sweeps.plan import Rules, Until
+from rigctl.sweeps.run import SPREAD, Pace, best
 
 VALUES = st.floats(-1.0, 1.0)
 SIGMAS = st.floats(1e-3, 1.0)

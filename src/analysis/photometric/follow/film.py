@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from analysis.photometric.follow.cast_shadows import mark_shadows
 from analysis.photometric.follow.confirmation import confirmed
 from analysis.photometric.follow.whereabouts import whereabouts
-from analysis.photometric.learn.appearance import Knowledge
+from analysis.photometric.learn.appearance import Appearance
 from analysis.photometric.render.background import background_of
 from analysis.photometric.render.camera import Optics, discs_of, keep_places
 from analysis.photometric.render.pose import fit_frames
@@ -118,16 +118,13 @@ class Film:
         shown = both if len(both) else np.flatnonzero(self.placed.any(axis=0))
         few = shown[np.unique(np.linspace(0, len(shown) - 1, most).round().astype(np.intp))]
         part = replace(
-            self,
-            frames=self.frames[few],
-            shadowed=self.shadowed[few],
-            times_s=self.times_s[few],
+            self, frames=self.frames[few], shadowed=self.shadowed[few], times_s=self.times_s[few]
         )
         for name in ("centre", "rotation", "lights", "covariance", "quality", "placed", "motion"):
             setattr(part, name, np.ascontiguousarray(getattr(self, name)[:, few]))
         return part
 
-    def refresh(self, known: Knowledge) -> None:
+    def refresh(self, known: Appearance) -> None:
         """Take background and noise from the pixels that no disc comes near.
 
         Nor one of a sphere that has no pose there (`whereabouts`).
@@ -139,7 +136,7 @@ class Film:
         self.placed[sphere, frames] = False
         self.left_out[sphere].update(dict.fromkeys(frames.tolist(), reason))
 
-    def set_motion(self, known: Knowledge, times_s: Floats, exposure_s: float | None) -> None:
+    def set_motion(self, known: Appearance, times_s: Floats, exposure_s: float | None) -> None:
         """Take what the spheres move by during an exposure from their poses, where one is stated.
 
         Poses fitted without it are good to hundredths of a pixel, and so is it. A film in which
@@ -162,7 +159,7 @@ class Film:
         for centres in self.centre:
             keep_places(old, new, centres)
 
-    def discs(self, known: Knowledge, frames: slice = ALL) -> Floats:
+    def discs(self, known: Appearance, frames: slice = ALL) -> Floats:
         """Return all discs of the frames (row, column, radius), shape (F, 2 V, 3).
 
         Those of sphere a first; far away and without size where there is no pose.
@@ -172,7 +169,7 @@ class Film:
         placed = np.ascontiguousarray(self.placed[:, frames])
         return discs_of(known.camera.optics, centre, radii, placed)
 
-    def discs_anywhere(self, known: Knowledge) -> Floats:
+    def discs_anywhere(self, known: Appearance) -> Floats:
         """Return `discs` with those of spheres that have no pose in a frame (`whereabouts`).
 
         As much larger as they may be elsewhere.
@@ -191,7 +188,7 @@ class Film:
         discs[..., 2] += np.repeat(doubt, len(optics.scales), axis=1) * optics.scales[0]
         return discs
 
-    def reel(self, known: Knowledge, sphere: int) -> Reel:
+    def reel(self, known: Appearance, sphere: int) -> Reel:
         """Return the frames with the poses of a sphere, to be read or improved."""
         return Reel(
             images=self.frames,
@@ -209,7 +206,7 @@ class Film:
             quality=self.quality[sphere],
         )
 
-    def _others(self, known: Knowledge, sphere: int) -> Floats:
+    def _others(self, known: Appearance, sphere: int) -> Floats:
         """Return `others_of` all frames, as wide as the other sphere's smear makes them."""
         discs = self.discs_anywhere(known)
         if self.motion.any():
@@ -218,7 +215,7 @@ class Film:
             discs[..., 2] += (ways[:, :, None] * scales).transpose(1, 0, 2).reshape(len(discs), -1)
         return others_of(discs, sphere)
 
-    def sights(self, known: Knowledge, sphere: int) -> Iterator[tuple[Sight, Stance]]:
+    def sights(self, known: Appearance, sphere: int) -> Iterator[tuple[Sight, Stance]]:
         """Yield each frame that has a pose of a sphere, with that pose to be read or improved."""
         others, look = self._others(known, sphere), known.looks()[sphere]
         for k in np.flatnonzero(self.placed[sphere]):
@@ -230,14 +227,14 @@ class Film:
 
 
 def sights_of(
-    films: Sequence[Film], known: Knowledge, sphere: int
+    films: Sequence[Film], known: Appearance, sphere: int
 ) -> Iterator[tuple[Sight, Stance]]:
     """Yield the sights of a sphere in all films."""
     for film in films:
         yield from film.sights(known, sphere)
 
 
-def round_smear(film: Film, known: Knowledge) -> Floats:
+def round_smear(film: Film, known: Appearance) -> Floats:
     """Return `smear.round_variance` of all poses of a film."""
     return round_variance(known.camera.optics, film.motion[film.placed])
 
@@ -266,13 +263,13 @@ def _of_others(count: int, sphere: int) -> NDArray[np.intp]:
     return np.array(kept, dtype=np.intp)
 
 
-def fit_film(film: Film, known: Knowledge, limits: Floats) -> None:
+def fit_film(film: Film, known: Appearance, limits: Floats) -> None:
     """Improve every pose of a film, one step for each limit (`pose.fit_pose`)."""
     for i in (0, 1):
         fit_frames(film.reel(known, i), np.flatnonzero(film.placed[i]), limits)
 
 
-def settle_film(film: Film, known: Knowledge, limit: float) -> None:
+def settle_film(film: Film, known: Appearance, limit: float) -> None:
     """Improve every pose of a film until it stays where it is.
 
     Poses that followed their frame well need one step; those beside a contact need more. Shadows
@@ -282,7 +279,7 @@ def settle_film(film: Film, known: Knowledge, limit: float) -> None:
     _settle(film, known, limit, film.placed)
 
 
-def settle_without_shadows(film: Film, known: Knowledge, limit: float) -> None:
+def settle_without_shadows(film: Film, known: Appearance, limit: float) -> None:
     """Take the shadows out of a film that has settled, and settle the frames that have any.
 
     By how far shadows had moved the poses says what may be left of it (`Film.shadow_px`).
@@ -294,7 +291,7 @@ def settle_without_shadows(film: Film, known: Knowledge, limit: float) -> None:
     film.shadow_px = LEFT_OF_SHADOWS * float(np.sqrt((moved**2).mean())) if moved.size else 0.0
 
 
-def _settle(film: Film, known: Knowledge, limit: float, poses: NDArray[np.bool_]) -> None:
+def _settle(film: Film, known: Appearance, limit: float, poses: NDArray[np.bool_]) -> None:
     for i in (0, 1):
         reel, frames = film.reel(known, i), np.flatnonzero(poses[i])
         for _ in range(MOST_STEPS):
@@ -308,7 +305,7 @@ def _rejected(film: Film) -> Floats:
     return np.asarray((looked_at - film.quality[..., 1]) / looked_at)
 
 
-def take_out_shadows(film: Film, known: Knowledge, poses: NDArray[np.bool_] | None = None) -> None:
+def take_out_shadows(film: Film, known: Appearance, poses: NDArray[np.bool_] | None = None) -> None:
     """Find the shadows on the spheres of a film anew, in all poses or in some, shape (2, F)."""
     film.shadowed[:] = False
     for i, chosen in enumerate(film.placed if poses is None else poses):
@@ -329,7 +326,7 @@ def cost_of(quality: Floats, limit: float) -> Floats:
     return np.asarray((quality[..., 0] + rejected) / np.maximum(quality[..., 2], 1.0))
 
 
-def drop_misfits(film: Film, known: Knowledge, limit: float) -> None:
+def drop_misfits(film: Film, known: Appearance, limit: float) -> None:
     """Take away poses that are not to be believed.
 
     Those whose image the model explains much worse than the sphere's other frames, and those

@@ -13,7 +13,7 @@ from analysis.photometric.follow.film import Film, cost_of, others_of
 from analysis.photometric.follow.orientation_search import Found, search_orientation, turns
 from analysis.photometric.follow.visibility import drop_unseen, seen_as_own
 from analysis.photometric.follow.votes import peak_near, peaks, vote_map
-from analysis.photometric.learn.appearance import Knowledge
+from analysis.photometric.learn.appearance import Appearance
 from analysis.photometric.render.camera import disc_of
 from analysis.photometric.render.pose import fit_frames
 from analysis.photometric.render.sight import Reel, Scene, Sight, Stance
@@ -60,7 +60,7 @@ class Follower:
         The pair and its camera.
     """
 
-    def __init__(self, film: Film, known: Knowledge) -> None:
+    def __init__(self, film: Film, known: Appearance) -> None:
         self._film, self._known = film, known
         self._looks = known.looks()
         self._optics = known.camera.optics

@@ -12,15 +12,40 @@ from analysis.imaging.views import View
 from analysis.motion.rotation import rotation_matrix, rotation_vector
 from analysis.photometric.follow.film import Film
 from analysis.photometric.follow.visibility import drop_unseen
-from analysis.photometric.learn.appearance import Knowledge, Sphere
+from analysis.photometric.learn.appearance import Appearance, Sphere
 from analysis.photometric.learn.first_darkness import first_darkness
 from analysis.photometric.learn.relief import nodes_for
-from analysis.photometric.learn.saturation import refuse_full
 from analysis.photometric.learn.shared import BENDS
 from analysis.photometric.render.camera import Camera, camera_of
 from analysis.photometric.render.shading import HARMONICS
 from analysis.setup import Setup
 from analysis.tracking import Tracking
+
+MOST_FULL = 0.5
+"""Share of the bright pixels. A highlight fills a few percent; with half of the discs cut off the
+limb shifts by some tenths of a pixel, and the residuals do not show it."""
+
+
+def refuse_full(frames: NDArray[np.uint8]) -> None:
+    """Refuse frames in which most of what is bright has one and the same grey level.
+
+    Raises
+    ------
+    ShotRefusedError
+        With the share and the grey level.
+    """
+    counts = np.bincount(frames.ravel(), minlength=256)
+    top = int(np.flatnonzero(counts)[-1])
+    middle = int(np.searchsorted(counts.cumsum(), frames.size / 2))
+    bright = int(counts[(top + middle) // 2 + 1 :].sum())
+    share = counts[top] / bright if bright else 0.0
+    if share > MOST_FULL:
+        raise ShotRefusedError(
+            "frames",
+            f"{100 * share:.0f} % of the bright pixels are full at grey level {top}, "
+            f"{100 * MOST_FULL:.0f} % are allowed; take less light or a shorter exposure",
+        )
+
 
 Floats = NDArray[np.float64]
 
@@ -40,7 +65,7 @@ LEAST_TURNED = 2
 
 def first_film(
     frames: NDArray[np.uint8], times_s: Floats, tracking: Tracking, setup: Setup
-) -> tuple[Film, Knowledge]:
+) -> tuple[Film, Appearance]:
     """Return a film with the tracking's poses, gaps filled, and a first guess of the spheres.
 
     Raises
@@ -83,7 +108,7 @@ def first_film(
         Sphere(body.diameter_m / 2, turned.pattern, alpha, darkness, shading, reliefs)
         for body, turned in zip(setup.spheres, tracking.orientations, strict=True)
     ]
-    known = Knowledge(
+    known = Appearance(
         camera=camera,
         sigma_px=np.full(len(views), FIRST_BLUR_PX),
         spheres=(spheres[0], spheres[1]),

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from analysis.compiled import compiled
 from analysis.photometric.follow.film import Film
-from analysis.photometric.learn.appearance import Knowledge
+from analysis.photometric.learn.appearance import Appearance
 from analysis.photometric.render.camera import Optics, discs_of
 from analysis.photometric.render.residual import KEEP_OFF_PX
 
@@ -86,7 +86,7 @@ def drop_unseen(film: Film, optics: Optics, radii_m: Floats) -> None:
         film.leave_out(i, beyond[met], MET)
 
 
-def seen_as_own(film: Film, known: Knowledge, sphere: int, frame: int) -> bool:
+def seen_as_own(film: Film, known: Appearance, sphere: int, frame: int) -> bool:
     """Tell whether enough of a sphere's direct image is seen as such in a frame (`drop_unseen`)."""
     discs = film.discs(known, slice(frame, frame + 1))[0]
     inside, free = own_shares(discs, sphere, _shape(film))

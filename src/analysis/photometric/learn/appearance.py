@@ -49,7 +49,7 @@ class Sphere:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Knowledge:
+class Appearance:
     """A camera and two spheres as images have shown them.
 
     Attributes
@@ -80,11 +80,11 @@ class Knowledge:
     limb_px: float
     smear_px2: Floats
 
-    def smeared(self) -> Knowledge:
+    def smeared(self) -> Appearance:
         """Return the pair as a round blur shows it, the mean smear in it."""
         return _smeared(self) if self.smear_px2.any() else self
 
-    def sharpened(self, smear_px2: Floats) -> Knowledge:
+    def sharpened(self, smear_px2: Floats) -> Appearance:
         """Return the pair without the mean smear that a round blur has taken in."""
         sharp = np.maximum(self.sigma_px**2 - smear_px2, NARROWEST_PX**2)
         return replace(self, sigma_px=np.sqrt(sharp), smear_px2=self.sigma_px**2 - sharp)
@@ -95,19 +95,19 @@ class Knowledge:
 
 
 @lru_cache(maxsize=KEPT_LOOKS)
-def _smeared(known: Knowledge) -> Knowledge:
+def _smeared(known: Appearance) -> Appearance:
     wide = np.sqrt(known.sigma_px**2 + known.smear_px2)
     return replace(known, sigma_px=wide, smear_px2=np.zeros_like(wide))
 
 
 @lru_cache(maxsize=KEPT_LOOKS)
-def _looks(known: Knowledge, wider_px: float) -> tuple[Look, Look]:
+def _looks(known: Appearance, wider_px: float) -> tuple[Look, Look]:
     """Draw the templates of both spheres; every pass over a film asks for them again."""
     first, second = (_look(known, sphere, wider_px) for sphere in known.spheres)
     return first, second
 
 
-def _look(known: Knowledge, sphere: Sphere, wider_px: float) -> Look:
+def _look(known: Appearance, sphere: Sphere, wider_px: float) -> Look:
     radii = known.camera.optics.scales * sphere.radius_m
     templates = [
         template(blurred_profiles(float(sigma + wider_px) / float(radius)), coefficients)
@@ -125,7 +125,7 @@ def _look(known: Knowledge, sphere: Sphere, wider_px: float) -> Look:
     )
 
 
-def profiles_of(known: Knowledge, sphere: int) -> Floats:
+def profiles_of(known: Appearance, sphere: int) -> Floats:
     """Return the blurred radial functions of a sphere in each view (`shading.Profiles`).
 
     Shape (V, steps, radials); 0 behind the reach of a view's blur.

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.compiled import compiled, part
-from analysis.photometric.learn.lesson import Lesson, Viewed, drawn_for_bundle
+from analysis.photometric.learn.training_view import TrainingView, Viewed, drawn_for_bundle
 from analysis.photometric.render.bands import BAND, LANES
 from analysis.photometric.render.pixel_rows import (
     BESIDE,
@@ -125,7 +125,7 @@ def put_in_place(common: Floats, among: Floats, across: Floats, equations: Equat
 
 @compiled
 def bundle_view(
-    sight: Sight, stance: Stance, view: int, lesson: Lesson, equations: Equations
+    sight: Sight, stance: Stance, view: int, training: TrainingView, equations: Equations
 ) -> None:
     """Add one view of one frame to the equations of its own and of the shared unknowns.
 
@@ -135,7 +135,7 @@ def bundle_view(
         Of the view's UNKNOWNS, two turns of each marker, MARKERS_SHARE and the view's own
         VIEW_SHARE.
     """
-    drawn = drawn_for_bundle(sight, stance, view, lesson)
+    drawn = drawn_for_bundle(sight, stance, view, training)
     y, x = pixels_of(drawn, sight.optics.rows[view])
     turns = 2 * sight.look.markers.shape[0]
     common, among, across = (
@@ -152,7 +152,7 @@ def bundle_view(
         pixels = y[first : first + BAND], x[first : first + BAND]
         own = rows[: pixels[0].shape[0]]
         lay_pixels(sight.scene, drawn, sight.others[view], pixels, lanes)
-        fill_rows(sight.scene, drawn, lesson.limit, (lanes, wider), own)
+        fill_rows(sight.scene, drawn, training.limit, (lanes, wider), own)
         add_squares(own, common)
         add_turns(drawn, pixels, lanes[-BESIDE + SHADOW], own, (among, across))
     put_in_place(common, among, across, equations)

@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 from analysis.motion.rotation import rotation_matrix
 from analysis.photometric.follow.confirmation import borne_out
 from analysis.photometric.follow.film import Film, fit_film, sights_of, take_out_shadows
-from analysis.photometric.learn.appearance import NARROWEST_PX, Knowledge, Sphere, profiles_of
-from analysis.photometric.learn.lesson import Lesson
+from analysis.photometric.learn.appearance import NARROWEST_PX, Appearance, Sphere, profiles_of
 from analysis.photometric.learn.marker_search import missed_markers
 from analysis.photometric.learn.relief import add_residuals, changed_relief
 from analysis.photometric.learn.shading_fit import COMMON, shading_equations
@@ -29,6 +28,7 @@ from analysis.photometric.learn.shared import (
     solve_shared,
     tangents_of,
 )
+from analysis.photometric.learn.training_view import TrainingView
 from analysis.photometric.learn.unsmeared import unsmeared
 from analysis.photometric.render.shading import HARMONICS, NUDGE
 from analysis.photometric.render.sight import Equations
@@ -67,7 +67,7 @@ OVERSTEP = 1.5
 """Of the radius by the markers: shading that was learned with another radius holds it back."""
 
 
-def learn(film: Film, start: Knowledge, *, hold_scale: bool) -> Knowledge:
+def learn(film: Film, start: Appearance, *, hold_scale: bool) -> Appearance:
     """Learn the spheres from a film, and improve its poses in place.
 
     Parameters
@@ -114,7 +114,7 @@ def _limits(darkness: float) -> tuple[float, ...]:
     return *nearer, *LIMITS[-1:] * FAINT_TURNS
 
 
-def learn_together(films: Sequence[Film], start: Knowledge, *, hold_scale: bool) -> Knowledge:
+def learn_together(films: Sequence[Film], start: Appearance, *, hold_scale: bool) -> Appearance:
     """Learn the spheres from several films that already have poses.
 
     One film shows some markers only at the limb, and its radius is the less certain for it.
@@ -136,7 +136,7 @@ def learn_together(films: Sequence[Film], start: Knowledge, *, hold_scale: bool)
     return known
 
 
-def extended(film: Film, known: Knowledge) -> Knowledge:
+def extended(film: Film, known: Appearance) -> Appearance:
     """Return the knowledge with markers added that a film of the known pair shows.
 
     One film alone does not turn every side of a sphere to the camera. The same object comes back
@@ -155,24 +155,24 @@ def extended(film: Film, known: Knowledge) -> Knowledge:
 
 
 def with_shading(
-    films: Sequence[Film], known: Knowledge, limit: float, *, hold_radius: bool, inside: float
-) -> Knowledge:
+    films: Sequence[Film], known: Appearance, limit: float, *, hold_radius: bool, inside: float
+) -> Appearance:
     """Return the knowledge with the shading, radius and blur that fit all frames best.
 
     Parameters
     ----------
     inside
-        Of `Lesson`.
+        Of `TrainingView`.
     """
     camera = known.camera
     size, views = len(HARMONICS) + COMMON, len(camera.views)
     normal, right = np.zeros((2, views, size, size)), np.zeros((2, views, size))
     for i in range(len(known.spheres)):
-        lesson = _lesson(known, i, limit)._replace(inside=inside)
+        training = _training_view(known, i, limit)._replace(inside=inside)
         for sight, stance in sights_of(films, known, i):
             for view in range(views):
                 own = Equations(normal[i, view], right[i, view])
-                shading_equations(sight, stance, view, lesson, own)
+                shading_equations(sight, stance, view, training, own)
     present = np.stack([sphere.shading for sphere in known.spheres])
     surface = solve_shading(normal, right, present, hold_radius=hold_radius)
     a, b = (replace(s, shading=c) for s, c in zip(known.spheres, surface.shading, strict=True))
@@ -190,7 +190,7 @@ def with_shading(
     )
 
 
-def with_reliefs(films: Sequence[Film], known: Knowledge, limit: float) -> Knowledge:
+def with_reliefs(films: Sequence[Film], known: Appearance, limit: float) -> Appearance:
     """Return the knowledge with what smooth shading leaves inside the discs."""
     spheres = []
     for i, sphere in enumerate(known.spheres):
@@ -207,7 +207,7 @@ def with_reliefs(films: Sequence[Film], known: Knowledge, limit: float) -> Knowl
     return replace(known, spheres=(spheres[0], spheres[1]))
 
 
-def with_missed(films: Sequence[Film], known: Knowledge) -> Knowledge:
+def with_missed(films: Sequence[Film], known: Appearance) -> Appearance:
     """Return the knowledge with markers added that the frames show."""
     a, b = (
         replace(
@@ -221,7 +221,7 @@ def with_missed(films: Sequence[Film], known: Knowledge) -> Knowledge:
     return replace(known, spheres=(a, b))
 
 
-def without_false(films: Sequence[Film], known: Knowledge, *, unseen: bool = True) -> Knowledge:
+def without_false(films: Sequence[Film], known: Appearance, *, unseen: bool = True) -> Appearance:
     """Return the knowledge without the markers that the frames do not bear out.
 
     Parameters
@@ -237,14 +237,14 @@ def without_false(films: Sequence[Film], known: Knowledge, *, unseen: bool = Tru
     return replace(known, spheres=(a, b))
 
 
-def tells_radius(known: Knowledge) -> bool:
+def tells_radius(known: Appearance) -> bool:
     """Tell whether the markers determine the radius."""
     return known.camera_sigma[0] < MARKER_SCALE_SIGMA
 
 
 def with_shared(
-    films: Sequence[Film], known: Knowledge, limit: float, *, move_radius: bool, hold_scale: bool
-) -> Knowledge:
+    films: Sequence[Film], known: Appearance, limit: float, *, move_radius: bool, hold_scale: bool
+) -> Appearance:
     """Return the knowledge with better markers, and what they and the tracks say of the camera.
 
     Scales of the views against each other, the camera's nearness and, if they may move, the radii
@@ -257,10 +257,10 @@ def with_shared(
     for i, sphere in enumerate(known.spheres):
         size = shared_size(len(sphere.markers), views)
         equations = Equations(np.zeros((size, size)), np.zeros(size))
-        lesson = _lesson(known, i, limit)
+        training = _training_view(known, i, limit)
         for sight, stance in sights_of(films, known, i):
-            add_frame(sight, stance, lesson, equations)
-        steps.append(solve_shared(equations, lesson.tangents, views))
+            add_frame(sight, stance, training, equations)
+        steps.append(solve_shared(equations, training.tangents, views))
     change, sigma = _agreed(steps)
     grown = OVERSTEP * np.array([step.camera[0] for step in steps]) * move_radius
     nearer = 0.0 if hold_scale else float(grown.mean())
@@ -290,10 +290,10 @@ def with_shared(
     )
 
 
-def _lesson(known: Knowledge, sphere: int, limit: float) -> Lesson:
+def _training_view(known: Appearance, sphere: int, limit: float) -> TrainingView:
     wider = known.looks(NUDGE)[sphere]
     tangents = tangents_of(known.spheres[sphere].markers)
-    return Lesson((wider.discs, wider.surfaces), profiles_of(known, sphere), tangents, limit)
+    return TrainingView((wider.discs, wider.surfaces), profiles_of(known, sphere), tangents, limit)
 
 
 def _changed(sphere: Sphere, step: Shared) -> Sphere:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.compiled import compiled, part
-from analysis.photometric.learn.appearance import Knowledge
+from analysis.photometric.learn.appearance import Appearance
 from analysis.photometric.render.covers import cover_canvas, into_view, paint_of
 from analysis.photometric.render.residual import LOOK, cover_at, covered, model_pixel, shade
 from analysis.photometric.render.sight import Look, Sight, Stance
@@ -80,7 +80,9 @@ def turned_to(axis: Floats, direction: Floats) -> float:
     return float(axis[0] * direction[0] + axis[1] * direction[1] + axis[2] * direction[2])
 
 
-def missed_markers(sights: Iterable[tuple[Sight, Stance]], known: Knowledge, sphere: int) -> Floats:
+def missed_markers(
+    sights: Iterable[tuple[Sight, Stance]], known: Appearance, sphere: int
+) -> Floats:
     """Return markers of a sphere that its frames show and its look lacks, body axes, (new, 3)."""
     body = body_directions()
     sums, counts = np.zeros(len(body)), np.zeros(len(body))

@@ -14,19 +14,19 @@ from numpy.typing import NDArray
 from analysis.errors import InputError
 from analysis.files import file_limits
 from analysis.imaging.views import View
-from analysis.photometric.learn.appearance import Knowledge, Sphere
+from analysis.photometric.learn.appearance import Appearance, Sphere
 from analysis.photometric.render.camera import Camera, Optics
 
 Floats = NDArray[np.float64]
 
 FORMAT = 3
 SPHERES = ("a", "b")
-OWN = tuple(f.name for f in fields(Knowledge) if f.name not in {"camera", "spheres"})
+OWN = tuple(f.name for f in fields(Appearance) if f.name not in {"camera", "spheres"})
 """Numbers that are the pair's own."""
 TUPLES = {"middle", "camera_sigma"}
 
 
-def write_knowledge(file: IO[bytes], known: Knowledge) -> None:
+def write_knowledge(file: IO[bytes], known: Appearance) -> None:
     """Write an uncompressed NPZ: every number as it is, in double precision."""
     parts: dict[str, Any] = {
         "format": FORMAT,
@@ -39,7 +39,7 @@ def write_knowledge(file: IO[bytes], known: Knowledge) -> None:
     np.savez(file, allow_pickle=False, **parts)
 
 
-def read_knowledge(path: Path) -> Knowledge:
+def read_knowledge(path: Path) -> Appearance:
     """Return what `write_knowledge` has written, equal to the last bit.
 
     Raises
@@ -56,7 +56,7 @@ def read_knowledge(path: Path) -> Knowledge:
             optics: dict[str, Any] = {n: _plain(n, parts[f"optics.{n}"]) for n in Optics._fields}
             camera = Camera(tuple(View(str(name)) for name in parts["views"]), Optics(**optics))
             a, b = (_sphere(parts, letter) for letter in SPHERES)
-            return Knowledge(camera=camera, spheres=(a, b), **own)
+            return Appearance(camera=camera, spheres=(a, b), **own)
     except InputError:
         raise
     # A damaged archive makes the library raise whatever its parsers stumble over.

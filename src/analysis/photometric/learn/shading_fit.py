@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.compiled import compiled, part
-from analysis.photometric.learn.lesson import Lesson, drawn_for_bundle
 from analysis.photometric.learn.relief import FULL_TO, NONE_FROM
+from analysis.photometric.learn.training_view import TrainingView, drawn_for_bundle
 from analysis.photometric.render.bands import ACROSS, BAND, DOWN, LANES
 from analysis.photometric.render.pixel_rows import (
     BESIDE,
@@ -49,7 +49,7 @@ def _share(lanes: Floats, n: int, inside: float) -> float:
 
 @compiled
 def shading_equations(
-    sight: Sight, stance: Stance, view: int, lesson: Lesson, equations: Equations
+    sight: Sight, stance: Stance, view: int, training: TrainingView, equations: Equations
 ) -> None:
     """Add one frame to the normal equations of a view's shading, pose and light being kept.
 
@@ -58,7 +58,7 @@ def shading_equations(
     equations
         Of the change of each coefficient, then COMMON.
     """
-    drawn = drawn_for_bundle(sight, stance, view, lesson)
+    drawn = drawn_for_bundle(sight, stance, view, training)
     y, x = pixels_of(drawn, sight.optics.rows[view])
     size = USED.shape[0]
     products, own = np.zeros((size, size)), np.zeros((BAND, size))
@@ -71,9 +71,9 @@ def shading_equations(
         pixels = y[first : first + BAND], x[first : first + BAND]
         count = pixels[0].shape[0]
         lay_pixels(sight.scene, drawn, sight.others[view], pixels, lanes)
-        fill_rows(sight.scene, drawn, lesson.limit, (lanes, wider), rows[:count])
+        fill_rows(sight.scene, drawn, training.limit, (lanes, wider), rows[:count])
         for n in range(count):
-            share = _share(lanes, n, lesson.inside)
+            share = _share(lanes, n, training.inside)
             for k in range(size):
                 own[n, k] = rows[n, USED[k]] * share
         add_squares(own[:count], products)

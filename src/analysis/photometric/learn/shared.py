@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.photometric.learn.bundle import bundle_view
-from analysis.photometric.learn.lesson import Lesson
+from analysis.photometric.learn.training_view import TrainingView
 from analysis.photometric.render.camera import Optics, by_nearness_and_shift
 from analysis.photometric.render.folding import eliminate, fold
 from analysis.photometric.render.pixel_rows import MARKERS_SHARE, SCALE, VIEW_SHARE
@@ -70,7 +70,7 @@ def shared_size(markers: int, views: int, bends: int = BENDS) -> int:
 def add_frame(
     sight: Sight,
     stance: Stance,
-    lesson: Lesson,
+    training: TrainingView,
     shared: Equations,
     bending: Bending = by_nearness_and_shift,
 ) -> None:
@@ -84,7 +84,7 @@ def add_frame(
     size = UNKNOWNS + common + VIEW_SHARE
     for view in range(views):
         own = Equations(np.zeros((size, size)), np.zeros(size))
-        bundle_view(sight, stance, view, lesson, own)
+        bundle_view(sight, stance, view, training, own)
         bends = bending(sight.optics, view, stance.centre)
         turn = np.zeros((len(bent), POSE + bends.shape[1]))
         turn[:5, :POSE] = into_world(sight.optics, view, stance.centre)
@@ -105,7 +105,7 @@ def solve_shared(equations: Equations, tangents: Floats, views: int) -> Shared:
     Parameters
     ----------
     tangents
-        Of the markers, as in the lesson, shape (markers, 2, 3).
+        Of the markers, as in the training, shape (markers, 2, 3).
     """
     markers = len(tangents)
     held = equations.normal + np.diag(shared_prior(markers, views, BENDS_PRIOR) ** -2.0)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from analysis.compiled import compiled, part
 from analysis.photometric.follow.film import Film
-from analysis.photometric.learn.appearance import Knowledge
+from analysis.photometric.learn.appearance import Appearance
 from analysis.photometric.render.accumulation import lay_outer_instants, reach_of, span_along
 from analysis.photometric.render.bands import (
     BAND,
@@ -74,7 +74,7 @@ def add_differences(reel: Reel, frames: NDArray[np.intp], changes: Floats) -> No
             add_difference(sight, stance, view, changes[k])
 
 
-def unsmeared(film: Film, known: Knowledge) -> Film:
+def unsmeared(film: Film, known: Appearance) -> Film:
     """Return a film as shorter exposures would have shown it; the same one without motion."""
     if not film.motion.any():
         return film

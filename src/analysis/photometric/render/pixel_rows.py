@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.compiled import part
-from analysis.photometric.learn.lesson import Viewed
+from analysis.photometric.learn.training_view import Viewed
 from analysis.photometric.render.bands import (
     ACROSS,
     DISC,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated
 
@@ -9,9 +10,25 @@ import typer
 
 from rigctl.cli.options import Campaign, Config
 from rigctl.cli.store.report import open_source
+from rigctl.errors import ConfigurationError
 from rigctl.exports.event_documents import write_documents
-from rigctl.exports.extras import require
 from rigctl.reports.campaign import measured_results
+
+
+def require(library: str, extra: str) -> None:
+    """Make sure that a library of an extra is there.
+
+    Raises
+    ------
+    ConfigurationError
+        It is not installed.
+    """
+    if find_spec(library) is None:
+        raise ConfigurationError(
+            f"the library {library} is not installed",
+            part=f"extra {extra}",
+            todo=f"install rigctl[{extra}]",
+        )
 
 
 def export_nexus(

@@ -12,7 +12,7 @@ import pytest
 from analysis.collision.operator import gives
 from analysis.effects.contact import friction_speed, velocity_offset
 from analysis.effects.flight import drag, wind
-from analysis.effects.own.numbers import has_own_numbers
+from analysis.effects.own.checking import has_own_numbers
 
 SPEED = 2.0
 HELD = SimpleNamespace(speed=2.0)

@@ -9,7 +9,7 @@ from analysis.imaging.edge.frame import find_edges
 from analysis.imaging.film_discs import FilmDiscs
 from analysis.imaging.film_following import FilmCurves
 from analysis.imaging.outlines import fit_outline
-from analysis.imaging.refinement import Knowledge, refine_outlines
+from analysis.imaging.refinement import Appearance, refine_outlines
 from analysis.imaging.views import View, view_geometries
 from simulators.world import WorldDescription
 from simulators.world.optics import front_view
@@ -52,7 +52,7 @@ def plain() -> FilmDiscs:
 def refined(radius: float, *, known: bool = True) -> FilmDiscs:
     nothing = np.full((4, 0, 3), np.nan)
     standing = np.tile(LIMB, (4, 1, 1)) if known else nothing
-    knowledge = Knowledge({View.FRONT: (radius, radius)}, (standing, nothing), MARKER_ANGLE)
+    knowledge = Appearance({View.FRONT: (radius, radius)}, (standing, nothing), MARKER_ANGLE)
     return refine_outlines(film_curves(), (FRONT,), plain(), knowledge, SETTINGS.sigma_px)
 
 
@@ -99,7 +99,7 @@ def test_frames_without_an_outline_stay_without() -> None:
     discs = plain()
     discs.coverage[0, 0, 1] = -1.0
     nothing = np.full((4, 0, 3), np.nan)
-    knowledge = Knowledge({View.FRONT: (RADIUS_PX,) * 2}, (nothing, nothing), MARKER_ANGLE)
+    knowledge = Appearance({View.FRONT: (RADIUS_PX,) * 2}, (nothing, nothing), MARKER_ANGLE)
     again = refine_outlines(film_curves(), (FRONT,), discs, knowledge, SETTINGS.sigma_px)
     assert again.found[:, 0].tolist() == [[True, False, True, True], [True] * 4]
     assert sorted(again.tracks()[0][View.FRONT].outlines) == [0, 2, 3]

@@ -14,7 +14,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from analysis.photometric.learn.appearance import Knowledge
+from analysis.photometric.learn.appearance import Appearance
 from analysis.photometric.method import teach
 from analysis.setup import Setup
 from analysis.shot import AnalysisOptions, MeasuredShot, RefusedShot, analyse_shot
@@ -47,7 +47,7 @@ few = settings(
 class Filmed:
     shot: RenderedShot
     setup: Setup
-    known: Knowledge
+    known: Appearance
 
 
 def filmed(optics: Optics) -> Filmed:

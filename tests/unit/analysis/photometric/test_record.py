@@ -13,12 +13,12 @@ from hypothesis import strategies as st
 
 from analysis.campaign import THESIS_SETUP
 from analysis.errors import InputError
-from analysis.photometric.learn.appearance import Knowledge, Sphere
+from analysis.photometric.learn.appearance import Appearance, Sphere
 from analysis.photometric.learn.record import read_knowledge, write_knowledge
 from analysis.photometric.render.camera import camera_of
 
 
-def drawn(seed: int, markers: int) -> Knowledge:
+def drawn(seed: int, markers: int) -> Appearance:
     rng = np.random.default_rng(seed)
 
     def sphere() -> Sphere:
@@ -31,7 +31,7 @@ def drawn(seed: int, markers: int) -> Knowledge:
             reliefs=rng.normal(size=(2, 9, 9)),
         )
 
-    return Knowledge(
+    return Appearance(
         camera=camera_of(THESIS_SETUP.camera, rng.uniform(1e3, 2e3, 2)),
         sigma_px=rng.uniform(0.5, 2.0, 2),
         spheres=(sphere(), sphere()),

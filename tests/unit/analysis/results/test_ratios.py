@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from analysis.results.campaign import speed_line
 from analysis.results.impacts import Impacts
 from analysis.results.ratios import ratios, velocities
-from analysis.results.speed import speed_line
 from tests.unit.analysis.results.measured import LEVER, both_regimes, impacts
 
 

@@ -18,7 +18,7 @@ from analysis.shot import AnalysisOptions, MeasuredShot, RefusedShot, analyse_sh
 from rigctl.measuring.learned_pairs import LearnedPairs
 
 if TYPE_CHECKING:
-    from analysis.photometric.learn.appearance import Knowledge
+    from analysis.photometric.learn.appearance import Appearance
 
 _log = logging.getLogger(__name__)
 
@@ -27,7 +27,7 @@ Read = Callable[[Path], tuple[NDArray[np.uint8], Floats, Setup]]
 """From a shot's folder to its frames, their times in s from the first, and its set-up."""
 
 
-class Lesson:
+class CampaignLearning:
     """Measures one shot with what is known of its pair, and learns from it where more is needed.
 
     The first shot of a campaign teaches the photometric method; those that follow add markers on
@@ -79,7 +79,7 @@ class Lesson:
         self.again = teachers[:-1]
         return analyse_shot(frames, times_s, setup, options, together)
 
-    def _together(self, teachers: Sequence[str], setup: Setup) -> Knowledge | None:
+    def _together(self, teachers: Sequence[str], setup: Setup) -> Appearance | None:
         """Return what shots teach together; None where nothing comes of it."""
         # Compiled functions are loaded only where they are wanted.
         from analysis.photometric.method import teach  # noqa: PLC0415
@@ -95,7 +95,7 @@ class Lesson:
         """Return the folder of a shot of the same store, below that of its day."""
         return self._folder.parents[1] / name.partition("-")[0] / name
 
-    def _keep(self, setup: Setup, known: Knowledge | None, teachers: Sequence[str]) -> None:
+    def _keep(self, setup: Setup, known: Appearance | None, teachers: Sequence[str]) -> None:
         try:
             if known is not None:
                 self._pairs.remember(self._campaign, setup, known)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from analysis.motion.pattern import Orientations
 from analysis.motion.poses import Centres
-from analysis.photometric.honesty import enlargement
+from analysis.photometric.birge_ratio import birge_ratios
 
 Floats = NDArray[np.float64]
 TIMES = np.arange(60) * 2.5e-4
@@ -57,13 +57,13 @@ def still(rng: np.random.Generator) -> Orientations:
 
 
 def found(slowing_per_m: float, wild: float = 1.0) -> Floats:
-    """Return both enlargements of several films, shape (films, 2)."""
+    """Return both ratios of several films, shape (films, 2)."""
     every = []
     for seed in range(6):
         rng = np.random.default_rng(seed)
         a, b = film(1.0, slowing_per_m, rng), film(-1.0, slowing_per_m, rng)
         a = replace(a, sigma=a.sigma / wild)
-        every.append(enlargement((a, b), (still(rng), still(rng)), TIMES, G))
+        every.append(birge_ratios((a, b), (still(rng), still(rng)), TIMES, G))
     return np.array(every)
 
 

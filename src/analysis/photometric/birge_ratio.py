@@ -31,7 +31,7 @@ LEAST_OF_A_COORDINATE = 2
 """Frames that have one: behind another sphere in the mirror no height is measured."""
 
 
-def enlargement(
+def birge_ratios(
     centres: tuple[Centres, Centres],
     turned: tuple[Orientations, Orientations],
     times_s: Floats,

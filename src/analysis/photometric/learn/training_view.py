@@ -29,7 +29,7 @@ NOWHERE = -(1 << 30)
 """Row and column of a patch that is not drawn."""
 
 
-class Lesson(NamedTuple):
+class TrainingView(NamedTuple):
     """What the shared unknowns are improved with.
 
     Attributes
@@ -127,7 +127,7 @@ class Viewed(NamedTuple):
     look, wider
         Disc and surface, and the same with the blur NUDGE wider.
     profiles
-        Of the shading (`Lesson`).
+        Of the shading (`TrainingView`).
     canvas
         All markers, shape (rows, LAYERS + GROWTHS, columns).
     patches, corners
@@ -158,9 +158,9 @@ class Viewed(NamedTuple):
 
 
 @part
-def drawn_for_bundle(sight: Sight, stance: Stance, view: int, lesson: Lesson) -> Viewed:
+def drawn_for_bundle(sight: Sight, stance: Stance, view: int, training: TrainingView) -> Viewed:
     """Draw a view of a frame."""
-    look, wider = sight.look, lesson.wider
+    look, wider = sight.look, training.wider
     place = disc_of(sight.optics, view, stance.centre, look.radius_m)
     shape = (sight.scene.image.shape[0], sight.scene.image.shape[1])
     first_r, last_r, first_c, last_c = window(place, shape)
@@ -171,11 +171,11 @@ def drawn_for_bundle(sight: Sight, stance: Stance, view: int, lesson: Lesson) ->
     return Viewed(
         (look.discs[view], look.surfaces[view]),
         (wider[0][view], wider[1][view]),
-        lesson.profiles[view],
+        training.profiles[view],
         canvas,
         patches,
         corners,
-        turns_of(sight, stance, view, lesson.tangents),
+        turns_of(sight, stance, view, training.tangents),
         paint_of(sight, stance, view, place[2]),
         place,
         (first_r, first_c),
