@@ -71,14 +71,28 @@ def estimates_of(
     sigma = np.sqrt(np.diag(found.covariance))
     faults = slice(len(found.change) - FAULTS, len(found.change))
     change, error = found.change[faults], sigma[faults]
+    turns = (
+        ("mirror angle", MIRRORED.of(change[MIRROR], error[MIRROR]), "mirror-angle"),
+        ("roll against the mirror", ROLLED.of(change[ROLL], error[ROLL]), "camera-roll"),
+    )
+    how = "turn of the markers in one view against the other"
+    angles = [
+        _fault(name, at, "rad", USEFUL_ANGLE_RAD, effect, how=how) for name, at, effect in turns
+    ]
     return (
         *_scales(found, sigma, known, stated=stated),
         _aspect(found, slice(views, 2 * views)),
-        *([_mirror(change[MIRROR], error[MIRROR])] if views > 1 else []),
-        *([_roll(change[ROLL], error[ROLL])] if views > 1 else []),
+        *(angles if views > 1 else ()),
         _plumb("roll against gravity", plumb[0][0], plumb[1][0], "camera-roll"),
         _plumb("tilt against gravity", plumb[0][1], plumb[1][1], "gravity-direction"),
-        _distortion(change[DISTORTION], error[DISTORTION]),
+        _fault(
+            "radial distortion",
+            DISTORTED.of(change[DISTORTION], error[DISTORTION]),
+            "1",
+            USEFUL_DISTORTION,
+            "radial-distortion",
+            how="size and place in the frame; columns of one view against the other's",
+        ),
         _nearness(known.camera.optics.nearness, change[NEARNESS], error[NEARNESS]),
     )
 
@@ -109,81 +123,27 @@ def _scales(
     return estimates
 
 
-def _aspect(found: PixelEstimate, stretches: slice) -> Estimate:
-    weight = np.linalg.inv(found.covariance[stretches, stretches])
+def _aspect(pixels: PixelEstimate, stretches: slice) -> Estimate:
+    weight = np.linalg.inv(pixels.covariance[stretches, stretches])
     variance = 1.0 / weight.sum()
-    mean = variance * (weight @ found.change[stretches]).sum()
-    value, sigma = ASPECT.of(mean, math.sqrt(variance))
-    return Estimate(
-        name="pixel aspect",
-        value=value,
-        sigma=sigma,
-        unit="1",
-        useful=USEFUL_ASPECT,
-        none=0.0,
-        effect="pixel-aspect",
-        in_poses=False,
-        how="rigid pattern of markers, longer along rows than along columns",
-    )
+    mean = variance * (weight @ pixels.change[stretches]).sum()
+    found = ASPECT.of(mean, math.sqrt(variance))
+    how = "rigid pattern of markers, longer along rows than along columns"
+    return _fault("pixel aspect", found, "1", USEFUL_ASPECT, "pixel-aspect", how=how)
 
 
-def _mirror(change: float, error: float) -> Estimate:
-    value, sigma = MIRRORED.of(change, error)
-    return Estimate(
-        name="mirror angle",
-        value=value,
-        sigma=sigma,
-        unit="rad",
-        useful=USEFUL_ANGLE_RAD,
-        none=0.0,
-        effect="mirror-angle",
-        in_poses=False,
-        how="turn of the markers in one view against the other",
-    )
-
-
-def _roll(change: float, error: float) -> Estimate:
-    value, sigma = ROLLED.of(change, error)
-    return Estimate(
-        name="roll against the mirror",
-        value=value,
-        sigma=sigma,
-        unit="rad",
-        useful=USEFUL_ANGLE_RAD,
-        none=0.0,
-        effect="camera-roll",
-        in_poses=False,
-        how="turn of the markers in one view against the other",
-    )
+def _fault(
+    name: str, found: tuple[float, float], unit: str, useful: float, effect: str, *, how: str
+) -> Estimate:
+    """Return the estimate of a fault that poses do not know, and that a good camera has not."""
+    value, sigma = found
+    return Estimate(name, value, sigma, unit, useful, 0.0, effect, in_poses=False, how=how)
 
 
 def _plumb(name: str, value: float, sigma: float, effect: str) -> Estimate:
-    return Estimate(
-        name=name,
-        value=float(value),
-        sigma=math.hypot(sigma, PLUMB_FLOOR_RAD),
-        unit="rad",
-        useful=USEFUL_PLUMB_RAD,
-        none=0.0,
-        effect=effect,
-        in_poses=False,
-        how="free fall before and after the contact",
-    )
-
-
-def _distortion(change: float, error: float) -> Estimate:
-    value, sigma = DISTORTED.of(change, error)
-    return Estimate(
-        name="radial distortion",
-        value=value,
-        sigma=sigma,
-        unit="1",
-        useful=USEFUL_DISTORTION,
-        none=0.0,
-        effect="radial-distortion",
-        in_poses=False,
-        how="size and place in the frame; columns of one view against the other's",
-    )
+    found = float(value), math.hypot(sigma, PLUMB_FLOOR_RAD)
+    how = "free fall before and after the contact"
+    return _fault(name, found, "rad", USEFUL_PLUMB_RAD, effect, how=how)
 
 
 def _nearness(known: float, change: float, sigma: float) -> Estimate:

@@ -17,12 +17,13 @@ from analysis.model.data.gather import CONTACTS, IMPACTS, POSES, gather
 from analysis.model.data.tables import Data
 from analysis.results.impacts import LeftOut
 from analysis.setup import setup_document
+from rigctl.config import load
 from rigctl.errors import AnalysisInputError
 from rigctl.input_errors import as_analysis_errors
 from rigctl.measuring.measured import MOST_SHOTS, MeasuredFiles, measured_files
 from rigctl.measuring.stored_shot import manifest_setup
 from rigctl.model.campaigns import poses_from
-from rigctl.store import ShotRecord, ShotState, Store, StoreReader
+from rigctl.store import ShotRecord, ShotState, Store, StoreReader, reading
 
 Json = dict[str, Any]
 
@@ -73,6 +74,14 @@ class Source:
     missing: tuple[LeftOut, ...]
     files: tuple[tuple[str, str], ...]
     fired: Mapping[int, datetime]
+
+
+def open_source(campaign: Path, configuration: Path | None) -> Source:
+    """Open a campaign's folder, or the campaign of that name in the catalogue."""
+    if campaign.exists() or len(campaign.parts) != 1:
+        return folder_source(campaign)
+    with reading(Path(load(configuration).store.folder)) as store:
+        return stored_source(store, str(campaign))
 
 
 def folder_source(folder: Path) -> Source:

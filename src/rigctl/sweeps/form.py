@@ -8,8 +8,10 @@ from typing import Annotated, Literal, Self
 
 from pydantic import AfterValidator, Discriminator, Field, Tag, ValidationError, model_validator
 
+from analysis.files import toml_text
 from rigctl.config.loading import checked, read_toml
 from rigctl.config.model import StrictModel
+from rigctl.errors import StoreError
 from rigctl.plain_text import PLAIN
 from rigctl.settings import ShotSettings
 
@@ -224,3 +226,26 @@ def read_sweep(path: Path) -> Sweep:
         the file, the field, the value and the limit.
     """
     return checked(Sweep, read_toml(path), str(path))
+
+
+def sweep_text(sweep: Sweep) -> str:
+    """Return TOML that reads back as the same sweep; what is at its default is left out."""
+    return toml_text(sweep.model_dump(mode="json", exclude_defaults=True))
+
+
+def write_sweep(path: Path, sweep: Sweep) -> None:
+    """Write a sweep file; one of that name is replaced.
+
+    Raises
+    ------
+    StoreError
+        It cannot be written.
+    """
+    try:
+        path.write_text(sweep_text(sweep), encoding="utf-8")
+    except OSError as error:
+        raise StoreError(
+            f"cannot be written: {error.strerror}",
+            part=str(path),
+            todo="name a file in a folder that exists",
+        ) from error

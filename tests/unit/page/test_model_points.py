@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from random import Random
 
-from rigctl.page.model.points import ACROSS, ALL_DRAWN, BY_POINT, UP, apart
+from rigctl.page.model.where import ACROSS, ALL_DRAWN, BY_POINT, UP, apart
 
 
 def test_a_few_points_are_drawn_each() -> None:

@@ -10,8 +10,7 @@ from hypothesis import strategies as st
 from rigctl.errors import ConfigurationError, StoreError
 from rigctl.plain_text import PLAIN
 from rigctl.settings import ShotSettings
-from rigctl.sweeps.form import Grid, Range, RepeatedShot, Sweep, read_sweep
-from rigctl.sweeps.writing import sweep_text, write_sweep
+from rigctl.sweeps.form import Grid, Range, RepeatedShot, Sweep, read_sweep, sweep_text, write_sweep
 
 FILE = """\
 campaign = "nylon-2"

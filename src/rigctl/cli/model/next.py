@@ -22,7 +22,7 @@ from rigctl.model.known_effects import available, refused
 from rigctl.model.next_shots import Known, Question, answer
 from rigctl.model.next_words import sentence, sweep_of
 from rigctl.model.tabulated_campaigns import require_poses
-from rigctl.sweeps.writing import write_sweep
+from rigctl.sweeps.form import write_sweep
 
 
 def next_shots(

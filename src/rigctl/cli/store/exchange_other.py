@@ -9,10 +9,10 @@ from typing import Annotated
 import typer
 
 from rigctl.cli.options import Campaign, Config
-from rigctl.cli.store.report import open_source
 from rigctl.errors import ConfigurationError
 from rigctl.exports.event_documents import write_documents
 from rigctl.reports.campaign import measured_results
+from rigctl.reports.source import open_source
 
 
 def require(library: str, extra: str) -> None:

@@ -13,13 +13,11 @@ from analysis.quantity import Quantity
 from analysis.results.campaign import Results
 from analysis.results.tables import tables
 from rigctl.cli.options import Campaign, Config
-from rigctl.config import load
 from rigctl.errors import StoreError
 from rigctl.reports.campaign import measured_results
 from rigctl.reports.html import csv_text
 from rigctl.reports.page import page
-from rigctl.reports.source import Source, folder_source, stored_source
-from rigctl.store import reading
+from rigctl.reports.source import open_source
 
 
 def report(
@@ -72,11 +70,3 @@ def _said(found: Results) -> str:
 
 def _listed(parameters: Mapping[str, Quantity]) -> str:
     return ", ".join(f"{name} = {q.concise()}" for name, q in parameters.items())
-
-
-def open_source(campaign: Path, configuration: Path | None) -> Source:
-    """Open a campaign's folder, or the campaign of that name in the catalogue."""
-    if campaign.exists() or len(campaign.parts) != 1:
-        return folder_source(campaign)
-    with reading(Path(load(configuration).store.folder)) as store:
-        return stored_source(store, str(campaign))

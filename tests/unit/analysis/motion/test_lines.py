@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from analysis.motion.lines import fit_lines
+from analysis.motion.velocity import fit_lines
 
 
 @given(st.integers(2, 30), st.integers(0, 2**32 - 1))

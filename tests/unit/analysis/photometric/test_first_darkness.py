@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from analysis.imaging.marker.markers import FilmMarkers, Markers
-from analysis.photometric.learn.first_darkness import first_darkness
+from analysis.photometric.follow.start import first_darkness
 
 ROWS, COLUMNS, RADIUS = 60, 80, 4.0
 PLACES = [(20.0, 20.0), (20.0, 58.0), (40.0, 38.0)]

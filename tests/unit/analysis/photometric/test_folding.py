@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from analysis.photometric.render.folding import eliminate, fold
+from analysis.photometric.learn.shared import eliminate, fold
 from analysis.photometric.render.sight import Equations
 
 
