@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
+
+from rigctl.config.model import StrictModel
 
 
-class ShotSettings(BaseModel):
+class ShotSettings(StrictModel):
     """Settings of one shot, as REST and the sweep hand them in.
 
     Strict: a string or a boolean where a number belongs is refused, and so is an unknown field.
     The bounds here are those of physics; a rig's own limits are narrower and stand in its
     configuration.
     """
-
-    model_config = ConfigDict(strict=True, extra="forbid", frozen=True, allow_inf_nan=False)
 
     pressure_a_kpa: float = Field(ge=0, le=1000, description="pusher a, gauge pressure in kPa")
     pressure_b_kpa: float = Field(ge=0, le=1000, description="pusher b, gauge pressure in kPa")

@@ -7,21 +7,20 @@ from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import Field, ValidationError
 
 from analysis.errors import InputError
 from analysis.files import FrameBudget, read_bytes
 from analysis.imaging.files.tiff_file import read_tiff
 from rigctl.cameras.frames import FrameSequence
+from rigctl.config.model import StrictModel
 from rigctl.errors import FramesError
 
 _Number = Annotated[int, Field(ge=0, le=10**15)]
 
 
-class StackNote(BaseModel):
+class StackNote(StrictModel):
     """What the JSON beside a stack says (wire-protocol reference, capture folder)."""
-
-    model_config = ConfigDict(strict=True, extra="forbid", frozen=True, allow_inf_nan=False)
 
     frames: _Number
     rows: _Number

@@ -8,18 +8,17 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import (
     AfterValidator,
     BaseModel,
-    ConfigDict,
     Discriminator,
     Field,
     StringConstraints,
     Tag,
 )
 
+from rigctl.config.model import StrictModel
+from rigctl.service.forms import Query, View
 from rigctl.service.models import CampaignName
 from rigctl.service.models import Tag as Word
 from rigctl.store import CampaignRecord, ShotState
-
-_STRICT = ConfigDict(strict=True, extra="forbid", frozen=True, allow_inf_nan=False)
 
 MOST_EFFECTS = 8
 
@@ -54,35 +53,27 @@ Pair = Annotated[
 ]
 
 
-class EffectsQuery(BaseModel):
+class EffectsQuery(Query):
     """Effects of the catalogue that are added to the base model, in their order."""
-
-    model_config = ConfigDict(extra="forbid")
 
     effects: Effects = Field(alias="with")
 
 
-class ReanalyseQuery(BaseModel):
+class ReanalyseQuery(Query):
     """By which method; without it the configuration's."""
-
-    model_config = ConfigDict(extra="forbid")
 
     method: Literal["thesis", "photometric"] | None = None
 
 
-class FitOrder(BaseModel):
+class FitOrder(StrictModel):
     """Fit the base model with these effects and save the fit under a name."""
-
-    model_config = _STRICT
 
     name: FitName
     effects: Effects = Field(alias="with")
 
 
-class TellOrder(BaseModel):
+class TellOrder(StrictModel):
     """Choose shots that tell two effects apart; without `between`, the verdict's alias set."""
-
-    model_config = _STRICT
 
     between: Pair | None = None
     probability: float = Field(default=0.9, ge=0.55, le=0.999)
@@ -93,10 +84,8 @@ class TellOrder(BaseModel):
         return {**self.model_dump(include={"between", "probability"}), "sharpen": None, "to": None}
 
 
-class SharpenOrder(BaseModel):
+class SharpenOrder(StrictModel):
     """Choose shots that make a parameter of the fit surer."""
-
-    model_config = _STRICT
 
     sharpen: ParameterName
     to: float | None = Field(default=None, gt=0)
@@ -120,23 +109,19 @@ NextOrder = Annotated[
 """Either question about next shots."""
 
 
-class FitQuery(BaseModel):
+class FitQuery(Query):
     """Which version of a fit; without it the latest."""
-
-    model_config = ConfigDict(extra="forbid")
 
     version: int | None = Field(default=None, ge=1, le=1_000_000)
 
 
-class CampaignQuery(BaseModel):
+class CampaignQuery(Query):
     """Which campaigns to list; without a tag all."""
-
-    model_config = ConfigDict(extra="forbid")
 
     tag: Word | None = None
 
 
-class CampaignView(BaseModel):
+class CampaignView(View):
     """A campaign: its shots by state, and when its first and last were accepted (UTC)."""
 
     campaign: str
@@ -151,16 +136,7 @@ class CampaignView(BaseModel):
     @classmethod
     def of(cls, record: CampaignRecord) -> Self:
         """Return a record as REST shows it."""
-        return cls(
-            campaign=record.name,
-            shots=record.shots,
-            states=record.states,
-            excluded=record.excluded,
-            note=record.note,
-            tags=list(record.tags),
-            first_at=record.first_at,
-            last_at=record.last_at,
-        )
+        return cls.showing(record, campaign=record.name)
 
 
 class CampaignList(BaseModel):

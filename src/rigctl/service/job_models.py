@@ -8,9 +8,10 @@ from typing import Any, Self
 from pydantic import BaseModel, Field
 
 from rigctl.jobs import Job, JobState
+from rigctl.service.forms import View
 
 
-class JobSummary(BaseModel):
+class JobSummary(View):
     """A job without its result. Times are UTC; what is not known is null."""
 
     job: str
@@ -31,20 +32,7 @@ class JobSummary(BaseModel):
     @classmethod
     def of(cls, job: Job) -> Self:
         """Return a job as REST shows it."""
-        return cls(
-            job=job.id,
-            kind=job.kind,
-            campaign=job.subject,
-            state=job.state,
-            created_at=job.created_at,
-            started_at=job.started_at,
-            ended_at=job.ended_at,
-            progress=job.progress,
-            share=job.share,
-            enclosure=job.enclosure,
-            failure=job.failure,
-            failure_code=job.failure_code,
-        )
+        return cls.showing(job, job=job.id, campaign=job.subject)
 
 
 class JobView(JobSummary):

@@ -6,16 +6,16 @@ import hashlib
 from datetime import datetime
 from typing import Annotated, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, StringConstraints
+from pydantic import BaseModel, Field, StringConstraints
 
+from rigctl.config.model import StrictModel
 from rigctl.plain_text import Line
 from rigctl.rig.interlocks import Interlock
 from rigctl.rig.states import RigState
 from rigctl.rig.status import RigStatus, Transition
+from rigctl.service.forms import Query, View
 from rigctl.settings import ShotSettings
 from rigctl.store import Fired, ShotRecord, ShotState
-
-_STRICT = ConfigDict(strict=True, extra="forbid", frozen=True, allow_inf_nan=False)
 
 CampaignName = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,63}$")]
 """A campaign's name, which is also a folder's name."""
@@ -26,10 +26,8 @@ Tag = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,31
 MOST_TAGS = 16
 
 
-class ShotOrder(BaseModel):
+class ShotOrder(StrictModel):
     """Fire once with the settings that the token was given for."""
-
-    model_config = _STRICT
 
     arm_token: str = Field(min_length=1, max_length=200)
     campaign: CampaignName | None = None
@@ -40,42 +38,32 @@ class ShotOrder(BaseModel):
         return hashlib.sha256(self.model_dump_json().encode()).hexdigest()
 
 
-class ReleaseOrder(BaseModel):
+class ReleaseOrder(StrictModel):
     """Why a person says that the rig may leave its latch."""
 
-    model_config = _STRICT
-
     reason: Line
 
 
-class ExcludeOrder(BaseModel):
+class ExcludeOrder(StrictModel):
     """Why a shot is left out of every fit."""
 
-    model_config = _STRICT
-
     reason: Line
 
 
-class NoteOrder(BaseModel):
+class NoteOrder(StrictModel):
     """What is to be said of a shot or a campaign; null takes the note away."""
-
-    model_config = _STRICT
 
     note: Line | None
 
 
-class TagsOrder(BaseModel):
+class TagsOrder(StrictModel):
     """The tags that a shot or a campaign is to have, in the place of those it has."""
-
-    model_config = _STRICT
 
     tags: list[Tag] = Field(max_length=MOST_TAGS)
 
 
-class ShotQuery(BaseModel):
+class ShotQuery(Query):
     """Which shots to list; `after` is the id of the last shot of the page before."""
-
-    model_config = ConfigDict(extra="forbid")
 
     campaign: CampaignName | None = None
     state: ShotState | None = None
@@ -85,15 +73,13 @@ class ShotQuery(BaseModel):
     after: str | None = Field(default=None, pattern=r"^(\d{8}|i\d{4,8})-\d{6,12}$")
 
 
-class FrameQuery(BaseModel):
+class FrameQuery(Query):
     """How to draw a frame: as it is, or with what the analysis found drawn over it."""
-
-    model_config = ConfigDict(extra="forbid")
 
     overlay: Literal["none", "outlines"] = "none"
 
 
-class InterlockView(BaseModel):
+class InterlockView(View):
     """One named condition that must hold before anything fires, as it was last read."""
 
     name: str
@@ -108,19 +94,10 @@ class InterlockView(BaseModel):
     @classmethod
     def of(cls, interlock: Interlock, now: float) -> Self:
         """Return a condition as REST shows it; `now` is the monotonic time its age counts to."""
-        return cls(
-            name=interlock.name,
-            holds=interlock.holds,
-            value=interlock.value,
-            limit=interlock.limit,
-            unit=interlock.unit,
-            age_s=interlock.age_s(now),
-            source=interlock.source,
-            todo=interlock.todo,
-        )
+        return cls.showing(interlock, age_s=interlock.age_s(now))
 
 
-class RigView(BaseModel):
+class RigView(View):
     """The rig at one moment. Times are UTC; whoever reads it sees whether it is simulated."""
 
     name: str
@@ -140,24 +117,15 @@ class RigView(BaseModel):
     @classmethod
     def of(cls, status: RigStatus) -> Self:
         """Return a snapshot as REST shows it."""
-        return cls(
-            name=status.name,
-            apparatus=status.apparatus,
-            simulated=status.simulated,
-            state=status.state,
-            since=status.since,
-            reason=status.reason,
-            settings=status.settings,
+        return cls.showing(
+            status,
             expires_at=status.token_expires_at,
             interlocks=[InterlockView.of(each, status.read_at) for each in status.interlocks],
-            running=status.running,
             last_shot=status.last_shot.id if status.last_shot else None,
-            latch_reason=status.latch_reason,
-            warnings=list(status.warnings),
         )
 
 
-class RigEvent(BaseModel):
+class RigEvent(View):
     """The rig went into a state; `before` and `actor` are null in the first event, the present."""
 
     state: RigState
@@ -170,14 +138,7 @@ class RigEvent(BaseModel):
     @classmethod
     def of(cls, step: Transition) -> Self:
         """Return a transition as an event."""
-        return cls(
-            state=step.after,
-            before=step.before,
-            at=step.at,
-            actor=step.actor,
-            reason=step.reason,
-            shot=step.shot,
-        )
+        return cls.showing(step, state=step.after)
 
     @classmethod
     def present(cls, status: RigStatus) -> Self:
@@ -208,7 +169,7 @@ class ShotAccepted(BaseModel):
     state: ShotState
 
 
-class ShotView(BaseModel):
+class ShotView(View):
     """One shot. Times are UTC; a field that is not known is null.
 
     `outcome` is the state in which the rig left the shot, null while it runs; `fired` says whether
@@ -240,29 +201,7 @@ class ShotView(BaseModel):
     @classmethod
     def of(cls, record: ShotRecord) -> Self:
         """Return a record as REST shows it."""
-        return cls(
-            shot=record.id,
-            state=record.state,
-            outcome=record.outcome,
-            fired=record.fired,
-            settings=record.settings,
-            campaign=record.campaign,
-            note=record.note,
-            actor=record.actor,
-            simulated=record.simulated,
-            configuration=record.configuration,
-            accepted_at=record.accepted_at,
-            fired_at=record.fired_at,
-            ended_at=record.ended_at,
-            frames=record.frames,
-            lost=record.lost,
-            failure=record.failure,
-            failure_code=record.failure_code,
-            results=record.results,
-            excluded=record.excluded,
-            tags=list(record.tags),
-            imported_as=record.imported_as,
-        )
+        return cls.showing(record, shot=record.id)
 
 
 class ShotList(BaseModel):

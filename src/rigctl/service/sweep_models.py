@@ -6,8 +6,9 @@ import json
 from datetime import datetime
 from typing import Any, Self
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, Field
 
+from rigctl.service.forms import Query, View
 from rigctl.settings import ShotSettings
 from rigctl.store import StepRecord, StepState, SweepRecord, SweepState
 from rigctl.sweeps.coefficient import Mean
@@ -15,17 +16,15 @@ from rigctl.sweeps.orders import Wish
 from rigctl.sweeps.status import SweepStatus
 
 
-class SweepQuery(BaseModel):
+class SweepQuery(Query):
     """Which sweeps to list; `before` is the id of the last sweep of the page before."""
-
-    model_config = ConfigDict(extra="forbid")
 
     state: SweepState | None = None
     limit: int = Field(default=100, ge=1, le=500)
     before: str | None = Field(default=None, pattern=r"^\d{8}-s\d{4,12}$")
 
 
-class StepView(BaseModel):
+class StepView(View):
     """One step of a sweep. Times are UTC; `shot` is null while there is none."""
 
     step: int = Field(description="place in the order of firing, from 1")
@@ -40,19 +39,10 @@ class StepView(BaseModel):
     @classmethod
     def of(cls, step: StepRecord) -> Self:
         """Return a step as REST shows it."""
-        return cls(
-            step=step.number,
-            state=step.state,
-            settings=step.settings,
-            attempt=step.attempt,
-            shot=step.shot,
-            taken_at=step.taken_at,
-            ended_at=step.ended_at,
-            failure=step.failure,
-        )
+        return cls.showing(step, step=step.number)
 
 
-class MeanView(BaseModel):
+class MeanView(View):
     """A coefficient's mean over the measured shots of a sweep; no `sigma` before the third."""
 
     coefficient: str
@@ -65,17 +55,10 @@ class MeanView(BaseModel):
     @classmethod
     def of(cls, mean: Mean) -> Self:
         """Return a mean as REST shows it."""
-        return cls(
-            coefficient=mean.coefficient,
-            value=mean.value,
-            sigma=mean.sigma,
-            sigma_own=mean.own,
-            sigma_common=mean.common,
-            shots=mean.shots,
-        )
+        return cls.showing(mean, sigma_own=mean.own, sigma_common=mean.common)
 
 
-class SweepView(BaseModel):
+class SweepView(View):
     """One sweep. Times are UTC; what is not known is null."""
 
     sweep: str
@@ -96,16 +79,10 @@ class SweepView(BaseModel):
     def of(cls, status: SweepStatus) -> Self:
         """Return a snapshot as REST shows it."""
         record = status.record
-        return cls(
+        return cls.showing(
+            record,
             sweep=record.id,
-            state=record.state,
-            reason=record.reason,
             asked=status.asked,
-            campaign=record.campaign,
-            actor=record.actor,
-            accepted_at=record.accepted_at,
-            ended_at=record.ended_at,
-            steps=record.steps,
             counts={state: record.counts.get(state, 0) for state in StepState},
             current=None if status.step is None else StepView.of(status.step),
             left_s=status.left_s,
