@@ -18,7 +18,6 @@ from analysis.model.plane import impact_plane
 from analysis.model.structure.lackoffit import Cell
 from analysis.model.structure.structure import structure
 from analysis.model.verdict.documents import fit_document
-from rigctl.cli.model.pictures import draw_agreement
 from rigctl.cli.model.reading import Fitted, fitted, tell
 from rigctl.cli.options import Campaign, Config, Json, OwnEffects, Pictures, With
 from rigctl.cli.output import TABLE_WIDTH, print_json, progress
@@ -73,6 +72,9 @@ def agreement(
         console.print(_table(compared))
         console.print(_cells(left.cells))
     if out is not None:
+        # Without pictures nothing waits for what draws them.
+        from rigctl.cli.model.pictures import draw_agreement  # noqa: PLC0415
+
         draw_agreement(out, found.title, compared, left, plane)
 
 

@@ -17,7 +17,6 @@ from analysis.model.design.undecided import next_after
 from analysis.model.verdict.report import verdict_document
 from analysis.model.verdict.selection import Verdict, explain
 from analysis.model.verdict.words import doubts, verdict_sentence
-from rigctl.cli.model.pictures import draw_explanation
 from rigctl.cli.model.reading import opened, tell
 from rigctl.cli.options import Campaign, Config, Json, OwnEffects, Pictures
 from rigctl.cli.output import TABLE_WIDTH, print_json, progress, unit_word
@@ -46,7 +45,7 @@ def explaining(
     known = available(folder)
     title, data = opened(campaign, config)
     with progress() as say:
-        found, dropped = without_faulty(known.effects, lambda left: _judged(data, left, say))
+        found, dropped = without_faulty(known.effects, lambda left: _verdict(data, left, say))
     verdict, following = found
     faults = tell([*known.faults, *dropped])
     document = {**verdict_document(title, data, verdict, following), "faults": faults}
@@ -55,6 +54,9 @@ def explaining(
     else:
         _print(campaign, verdict, document)
     if out is not None:
+        # Without pictures nothing waits for what draws them.
+        from rigctl.cli.model.pictures import draw_explanation  # noqa: PLC0415
+
         draw_explanation(out, title, verdict)
 
 
@@ -79,7 +81,7 @@ def _print(campaign: Path, verdict: Verdict, document: dict[str, Any]) -> None:
         console.print(f"shots rejected: {document['rejected']}", highlight=False)
 
 
-def _judged(
+def _verdict(
     data: Data, effects: Sequence[Effect], say: Callable[[str], None]
 ) -> tuple[Verdict, Telling | None]:
     """Come to a verdict, and choose the shots that would end its doubts."""

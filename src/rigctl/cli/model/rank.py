@@ -10,7 +10,6 @@ from analysis.effects.own.fault import EffectFault
 from analysis.model.rank.candidate import Candidate, Ranking
 from analysis.model.verdict.documents import SHOWN_ALIAS, alike, fit_document, ranking_document
 from analysis.quantity import Quantity
-from rigctl.cli.model.pictures import draw_ranking
 from rigctl.cli.model.reading import Fitted, FittedStream, fitted, fitted_stream, tell
 from rigctl.cli.options import Campaign, Config, Json, OwnEffects, Pictures, Streamed, With
 from rigctl.cli.output import TABLE_WIDTH, print_json, unit_word
@@ -57,6 +56,9 @@ def ranking(
         console.print(headline(found.title, found.judged), highlight=False)
         console.print(_table(ranked))
     if out is not None:
+        # Without pictures nothing waits for what draws them.
+        from rigctl.cli.model.pictures import draw_ranking  # noqa: PLC0415
+
         draw_ranking(out, found.title, ranked)
 
 
