@@ -178,7 +178,7 @@ class SlowErrors:
 
     position_m: Annotated[float, Field(ge=0), _named("slow_position_m", "position_m")] = 0.0
     rotation_rad: Annotated[float, Field(ge=0), _named("slow_rotation_rad", "rotation_rad")] = 0.0
-    scale: Annotated[float, Field(ge=0, lt=1), _named("scale_sigma", "scale")] = 0.0
+    scale: Annotated[float, Field(ge=0), _named("scale_sigma", "scale")] = 0.0
     one_body_frame: bool = True
     memory_rad: Annotated[float, Field(gt=0), _named("slow_memory_rad", "memory_rad")] = MEMORY_RAD
 

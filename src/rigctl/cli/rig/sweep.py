@@ -144,43 +144,24 @@ def status(
         _show(daemon, name or _latest(daemon), as_json=json)
 
 
-def pause(
-    name: Name = None,
-    *,
-    config: Config = None,
-    key: Key = None,
-    key_file: KeyFile = None,
-    json: Json = False,
-) -> None:
-    """Pause a sweep, or the latest that has not ended; raise as `_order`."""
-    with connected(config, given_key(key, key_file)) as daemon:
-        _order(daemon, "pause", name, as_json=json)
+def _steering(wish: str) -> Callable[..., None]:
+    """Return the command that pauses, resumes or aborts a sweep; raise as `_order`."""
+
+    def steer(
+        name: Name = None,
+        *,
+        config: Config = None,
+        key: Key = None,
+        key_file: KeyFile = None,
+        json: Json = False,
+    ) -> None:
+        with connected(config, given_key(key, key_file)) as daemon:
+            _order(daemon, wish, name, as_json=json)
+
+    return steer
 
 
-def resume(
-    name: Name = None,
-    *,
-    config: Config = None,
-    key: Key = None,
-    key_file: KeyFile = None,
-    json: Json = False,
-) -> None:
-    """Let a sweep go on; raise as `_order`."""
-    with connected(config, given_key(key, key_file)) as daemon:
-        _order(daemon, "resume", name, as_json=json)
-
-
-def abort(
-    name: Name = None,
-    *,
-    config: Config = None,
-    key: Key = None,
-    key_file: KeyFile = None,
-    json: Json = False,
-) -> None:
-    """Abort a sweep; raise as `_order`."""
-    with connected(config, given_key(key, key_file)) as daemon:
-        _order(daemon, "abort", name, as_json=json)
+pause, resume, abort = (_steering(wish) for wish in ("pause", "resume", "abort"))
 
 
 def _order(daemon: Steerable, wish: str, name: str | None, *, as_json: bool) -> None:
