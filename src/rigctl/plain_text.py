@@ -25,6 +25,37 @@ _FIRST = re.compile(f"[{_HARMFUL}]")
 Line = Annotated[str, StringConstraints(min_length=1, max_length=LONGEST_LINE, pattern=PLAIN)]
 """One line of text for the journal."""
 
+_WORD = "^[A-Za-z0-9][A-Za-z0-9._-]{{0,{}}}$"
+LONGEST_NAME, LONGEST_TAG, MOST_TAGS = 64, 32, 16
+
+CampaignName = Annotated[str, StringConstraints(pattern=_WORD.format(LONGEST_NAME - 1))]
+"""A campaign's name, which is also a folder's name."""
+
+Tag = Annotated[str, StringConstraints(pattern=_WORD.format(LONGEST_TAG - 1))]
+"""A word by which shots are found again."""
+
+
+def require_word(
+    word: str, fault: str, part: str, *, longest: int = LONGEST_NAME, todo: str | None = None
+) -> str:
+    """Return a word that may be a campaign's name or, with another length, a tag.
+
+    Raises
+    ------
+    SettingsError
+        It may not; `fault` says so.
+    """
+    if re.fullmatch(_WORD.format(longest - 1)[1:-1], word) is None:
+        raise SettingsError(
+            fault,
+            part=part,
+            value=repr(word),
+            limit=f"1 to {longest} letters, digits, dots, hyphens or underscores, first a letter "
+            "or digit",
+            todo=todo,
+        )
+    return word
+
 
 def require_plain(text: str | None, part: str, shot: str | None = None) -> None:
     """Refuse a text that holds what a line must not; None and an empty text are none.

@@ -8,12 +8,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pydantic import TypeAdapter, ValidationError
-
 from analysis.exchange.shot_list import ShotRow
-from rigctl.errors import SettingsError
 from rigctl.exchange.documents import FORMAT, first_result, imported_shot, manifest
-from rigctl.service.models import CampaignName
+from rigctl.plain_text import require_word
 from rigctl.store import Store
 from rigctl.store.durable import sync_folder, write_synced
 from rigctl.store.folders import sha256
@@ -28,7 +25,6 @@ Json = dict[str, Any]
 Say = Callable[[str, float | None], None]
 
 OTHERS, FRAMES = "folder", "frames"
-_NAME: TypeAdapter[str] = TypeAdapter(CampaignName)
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +59,12 @@ def import_campaign(
     StoreError
         The disk or the catalogue refuses; nothing is imported.
     """
-    campaign = _campaign_name(name or contents.title)
+    campaign = require_word(
+        name or contents.title,
+        "cannot be the name of a campaign in the catalogue",
+        "name",
+        todo="give it another with --name; the folder keeps its own",
+    )
     with store.imports.staged(campaign) as stage:
         listing: dict[str, Json] = {}
         for done, row in enumerate(contents.rows):
@@ -82,19 +83,6 @@ def import_campaign(
         measured=states.count(ShotState.ANALYSED),
         to_analyse=states.count(ShotState.STORED),
     )
-
-
-def _campaign_name(name: str) -> str:
-    try:
-        return _NAME.validate_python(name)
-    except ValidationError as error:
-        raise SettingsError(
-            "cannot be the name of a campaign in the catalogue",
-            part="name",
-            value=repr(name),
-            limit="1 to 64 letters, digits, dots, hyphens or underscores, first a letter or digit",
-            todo="give it another with --name; the folder keeps its own",
-        ) from error
 
 
 def _keep_shot(

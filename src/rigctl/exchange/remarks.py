@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
@@ -10,9 +9,8 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic_core import ErrorDetails
 
 from analysis.errors import InputError
-from analysis.files import parse_toml, read_toml
-from rigctl.plain_text import Line
-from rigctl.service.models import MOST_TAGS, Tag
+from analysis.files import parse_toml, read_toml, toml_text
+from rigctl.plain_text import MOST_TAGS, Line, Tag
 from rigctl.store.campaign_words import Words
 
 REMARKS = "remarks.toml"
@@ -54,19 +52,10 @@ def _words(table: dict[str, Any]) -> Words:
 
 def written(words: Words) -> bytes | None:
     """Return the file that says these words; None where there is nothing to say."""
-    lines = []
-    if words.note is not None:
-        lines.append(f"note = {_quoted(words.note)}\n")
-    if words.tags:
-        lines.append(f"tags = [{', '.join(map(_quoted, words.tags))}]\n")
-    return "".join(lines).encode() or None
+    said = {"note": words.note, "tags": list(words.tags) or None}
+    return toml_text(said).encode() if said != {"note": None, "tags": None} else None
 
 
 def _fault(error: ErrorDetails) -> str:
     key = ".".join(map(str, error["loc"]))
     return f"{key}: {error['msg']} (found {error['input']!r})"
-
-
-def _quoted(text: str) -> str:
-    """Return a TOML string: as in JSON, but TOML takes no surrogate pairs and no bare delete."""
-    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")

@@ -15,9 +15,9 @@ from pydantic import (
 )
 
 from rigctl.config.model import StrictModel
+from rigctl.plain_text import CampaignName
+from rigctl.plain_text import Tag as Word
 from rigctl.service.forms import Query, View
-from rigctl.service.models import CampaignName
-from rigctl.service.models import Tag as Word
 from rigctl.store import CampaignRecord, ShotState
 
 MOST_EFFECTS = 8

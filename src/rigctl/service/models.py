@@ -4,26 +4,18 @@ from __future__ import annotations
 
 import hashlib
 from datetime import datetime
-from typing import Annotated, Literal, Self
+from typing import Literal, Self
 
-from pydantic import BaseModel, Field, StringConstraints
+from pydantic import BaseModel, Field
 
 from rigctl.config.model import StrictModel
-from rigctl.plain_text import Line
+from rigctl.plain_text import MOST_TAGS, CampaignName, Line, Tag
 from rigctl.rig.interlocks import Interlock
 from rigctl.rig.states import RigState
 from rigctl.rig.status import RigStatus, Transition
 from rigctl.service.forms import Query, View
 from rigctl.settings import ShotSettings
 from rigctl.store import Fired, ShotRecord, ShotState
-
-CampaignName = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,63}$")]
-"""A campaign's name, which is also a folder's name."""
-
-Tag = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,31}$")]
-"""A word by which shots are found again."""
-
-MOST_TAGS = 16
 
 
 class ShotOrder(StrictModel):

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from pydantic import TypeAdapter, ValidationError
+from pydantic import ValidationError
 from rich.console import Console
 from rich.table import Table
 
@@ -18,11 +18,10 @@ from rigctl.cli.output import print_json, progress
 from rigctl.client import connected
 from rigctl.errors import NotFoundError, RefusedError, SettingsError
 from rigctl.firing import ON_THE_WAY, Operable, fire_and_wait
-from rigctl.service.models import CampaignName
+from rigctl.plain_text import require_word
 from rigctl.settings import ShotSettings
 
 _WITHOUT_FRAMES = frozenset({"misfire", "aborted", "unknown_outcome", "interrupted"})
-_CAMPAIGN: TypeAdapter[str | None] = TypeAdapter(CampaignName | None)
 _NAMES = {
     "v_n": "normal velocity before",
     "v_s": "surface velocity before",
@@ -82,7 +81,8 @@ def shot(
         angle_a_deg=angle_a_deg,
         angle_b_deg=angle_b_deg,
     )
-    _require_name(campaign)
+    if campaign is not None:
+        require_word(campaign, "is not a campaign's name", "campaign", todo="choose another name")
     rig = _local(config) if local else connected(config, given_key(key, key_file))
     with rig as opened, progress() as say:
         document = fire_and_wait(opened, settings, campaign, wait_s, say)
@@ -95,20 +95,6 @@ def _local(config: Path | None) -> AbstractContextManager[Operable]:
     from rigctl.local import opened  # noqa: PLC0415
 
     return opened(config)
-
-
-def _require_name(campaign: str | None) -> None:
-    """Refuse a name that the service would refuse."""
-    try:
-        _CAMPAIGN.validate_python(campaign)
-    except ValidationError as error:
-        raise SettingsError(
-            "is not a campaign's name",
-            part="campaign",
-            value=repr(campaign),
-            limit="1 to 64 letters, digits, dots, hyphens or underscores, first a letter or digit",
-            todo="choose another name",
-        ) from error
 
 
 def settings_of(**fields: float | None) -> ShotSettings:

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from pydantic import TypeAdapter, ValidationError
 from rich.console import Console
 from rich.table import Table
 
@@ -18,10 +17,10 @@ from rigctl.cli.output import print_json
 from rigctl.config import load
 from rigctl.errors import NotFoundError, SettingsError
 from rigctl.opening import own_store
-from rigctl.service.models import ShotView, Tag
+from rigctl.plain_text import LONGEST_TAG, require_word
+from rigctl.service.models import ShotView
 from rigctl.store import ShotRecord, ShotState, Store
 
-_TAGS = TypeAdapter[list[str]](list[Tag])
 _ALL = 1_000_000
 
 
@@ -144,15 +143,7 @@ def kept(configuration: Path | None) -> Iterator[Store]:
 
 def valid_tags(tags: Collection[str]) -> list[str]:
     """Return words that may be tags; raise `SettingsError` for one that may not."""
-    try:
-        return _TAGS.validate_python(list(tags))
-    except ValidationError as error:
-        raise SettingsError(
-            "is not a tag",
-            part="tag",
-            value=repr(error.errors()[0]["input"]),
-            limit="1 to 32 letters, digits, dots, hyphens or underscores, first a letter or digit",
-        ) from error
+    return [require_word(tag, "is not a tag", "tag", longest=LONGEST_TAG) for tag in tags]
 
 
 def actor() -> str:

@@ -9,7 +9,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from rigctl.config import Limits
 from rigctl.page.parts.quantities import SETTINGS, Quantity
-from rigctl.service.models import CampaignName
+from rigctl.plain_text import CampaignName
 from rigctl.settings import ShotSettings
 
 _CAMPAIGN: TypeAdapter[str] = TypeAdapter(CampaignName)

@@ -10,6 +10,7 @@ from starlette.responses import Response
 
 from rigctl.daemon import Daemon
 from rigctl.measuring.reanalysing import analysed_before, reanalysis
+from rigctl.plain_text import CampaignName
 from rigctl.service.accepted import accepted, accepts
 from rigctl.service.campaign_models import (
     CampaignList,
@@ -17,7 +18,6 @@ from rigctl.service.campaign_models import (
     CampaignView,
     ReanalyseQuery,
 )
-from rigctl.service.models import CampaignName
 from rigctl.service.problems import documented
 
 PATIENCE_S = 60.0

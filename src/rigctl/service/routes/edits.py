@@ -5,9 +5,10 @@ from __future__ import annotations
 from fastapi import APIRouter, Request
 
 from rigctl.daemon import Daemon
+from rigctl.plain_text import CampaignName
 from rigctl.service.campaign_models import CampaignView
 from rigctl.service.guards.bodies import StrictRoute
-from rigctl.service.models import CampaignName, ExcludeOrder, NoteOrder, ShotView, TagsOrder
+from rigctl.service.models import ExcludeOrder, NoteOrder, ShotView, TagsOrder
 from rigctl.service.problems import documented
 
 _ORDER = (401, 404, 405, 411, 413, 422, 503)

@@ -13,6 +13,7 @@ from rigctl.daemon import Daemon
 from rigctl.jobs import Job, Task, Work, in_process
 from rigctl.measuring.measured import measured_files, request
 from rigctl.model.own_effects import OwnEffects
+from rigctl.plain_text import CampaignName
 from rigctl.service.accepted import accepted, accepts, answered
 from rigctl.service.campaign_models import (
     EffectsQuery,
@@ -25,7 +26,6 @@ from rigctl.service.campaign_models import (
     NextOrder,
 )
 from rigctl.service.guards.bodies import StrictRoute
-from rigctl.service.models import CampaignName
 from rigctl.service.problems import documented
 
 Json = dict[str, Any]

@@ -12,8 +12,8 @@ from starlette.responses import Response
 from rigctl.daemon import Daemon
 from rigctl.jobs import Job, JobState, in_process
 from rigctl.measuring.measured import MOST_SHOTS, measured_files
+from rigctl.plain_text import CampaignName
 from rigctl.service.accepted import accepted, accepts
-from rigctl.service.models import CampaignName
 from rigctl.service.problems import documented
 
 FUNCTION = "rigctl.reports.campaign:report_job"
