@@ -94,7 +94,7 @@ def tracking_of(film: Film, known: Appearance, times_s: Floats, gravity: float) 
     """Return the film's poses with discs and markers where the fitted model has them.
 
     The stated errors are those of the pixels, enlarged to the scatter about free flight
-    (`honesty.birge_ratios`); the filter width given is that of an equal slow error.
+    (`birge_ratio.birge_ratios`); the filter width given is that of an equal slow error.
     """
     _cut_tears(film, known, times_s, gravity)
     markers = [_markers(film, known, i) for i in (0, 1)]
