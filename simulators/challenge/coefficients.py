@@ -40,6 +40,8 @@ def coefficients(nature: Nature, settings: Settings, touch: Touch, radius_m: flo
     restitution *= 1.0 + nature.restitution_per_kelvin * warmth
     friction = nature.friction * (1.0 + nature.friction_drift * settings.order)
     friction *= 1.0 + nature.friction_speed * np.log(slip / REFERENCE_SPEED_M_PER_S)
-    return Coefficients(
-        restitution, friction, np.full_like(restitution, nature.rolling_restitution)
-    )
+    rolling = np.full_like(restitution, nature.rolling_restitution)
+    if nature.dependence is not None:
+        restitution *= nature.dependence.factor("e", settings, touch, radius_m)
+        friction *= nature.dependence.factor("mu", settings, touch, radius_m)
+    return Coefficients(restitution, friction, rolling)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 from simulators.challenge.nature import Nature
+from simulators.challenge.unnamed import LAWS, Dependence
 
 Switch = Callable[[Nature, float], Nature]
 
@@ -35,6 +36,8 @@ class Hidden:
         Names that such shots cannot be relied on to tell from it.
     beside
         Names that may stand beside it in an answer, as it contains them.
+    law
+        What depends on what, and how: slot, argument and shape of what no catalogue has.
     """
 
     name: str
@@ -48,6 +51,7 @@ class Hidden:
     known: bool = True
     like: tuple[str, ...] = ()
     beside: tuple[str, ...] = ()
+    law: tuple[str, str, str] | None = None
 
 
 def _field(name: str) -> Switch:
@@ -65,6 +69,13 @@ def _wind(nature: Nature, amplitude: float) -> Nature:
 
 def _tilted(nature: Nature, amplitude: float) -> Nature:
     return replace(nature, gravity_tilt_rad=(0.8 * amplitude, 0.6 * amplitude))
+
+
+def _following(name: str) -> Switch:
+    def switch(nature: Nature, amplitude: float) -> Nature:
+        return replace(nature, dependence=Dependence(LAWS[name], amplitude))
+
+    return switch
 
 
 _DRAG_COEFFICIENT = 0.45
@@ -272,6 +283,7 @@ _ALL = (
         "air",
         _field("pull_m_per_s2"),
         known=False,
+        law=("flight", "distance", "exponential"),
     ),
     Hidden(
         "camera-vibration",
@@ -291,10 +303,42 @@ _ALL = (
         _field("restitution_per_kelvin"),
         either_sign=True,
         known=False,
+        law=("e", "temperature_c", "linear"),
     ),
 )
 
-HIDDEN: Mapping[str, Hidden] = MappingProxyType({effect.name: effect for effect in _ALL})
+_FORMED = (
+    Hidden(
+        "attraction-power",
+        10.0,
+        "m/s^2",
+        "acceleration toward each other at touch, falling as 1/d^4",
+        "air",
+        _field("central_m_per_s2"),
+        either_sign=True,
+        known=False,
+        law=("flight", "distance", "power"),
+    ),
+    *(
+        Hidden(
+            name,
+            law.amplitude,
+            law.unit,
+            law.meaning,
+            f"{law.slot}(law)",
+            _following(name),
+            either_sign=True,
+            known=False,
+            law=(law.slot, law.argument, law.shape),
+        )
+        for name, law in LAWS.items()
+    ),
+)
+
+FORMED: Mapping[str, Hidden] = MappingProxyType({effect.name: effect for effect in _FORMED})
+"""Laws that no catalogue holds, by name."""
+
+HIDDEN: Mapping[str, Hidden] = MappingProxyType({e.name: e for e in (*_ALL, *_FORMED)})
 """Every effect that may be hidden, by name."""
 
 STRENGTHS: Mapping[str, float] = MappingProxyType({"full": 1.0, "quarter": 0.25})

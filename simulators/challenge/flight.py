@@ -36,6 +36,9 @@ def acceleration(nature: Nature, bodies: Bodies, environment: Environment) -> Ac
             result += nature.lift * air * _lift(velocity, spin, bodies.radius_m)
         if nature.pull_m_per_s2 != 0.0:
             result += nature.pull_m_per_s2 * _pull(position, bodies.radius_m)
+        if nature.central_m_per_s2 != 0.0:
+            fallen = _falling_off(position, bodies.radius_m, nature.central_power)
+            result += nature.central_m_per_s2 * fallen
         return result
 
     return accelerate
@@ -106,6 +109,14 @@ def _lift(velocity: Floats, spin: Floats, radius_m: float) -> Floats:
     # C_L v^2 side / |side| with |side| cancelled, so that a sphere without spin needs no case.
     ratio = radius_m * length / np.maximum(square, 1e-12)
     return np.asarray(radius_m * side / (2.2 * ratio + 0.7))
+
+
+def _falling_off(position: Floats, radius_m: float, power: float) -> Floats:
+    """Return vectors toward the other sphere, of length (2 R / distance)^power."""
+    apart = position[:, 1] - position[:, 0]
+    distance = np.linalg.norm(apart, axis=-1, keepdims=True)
+    toward = apart / distance * (2.0 * radius_m / distance) ** power
+    return np.stack([toward, -toward], axis=1)
 
 
 def _pull(position: Floats, radius_m: float) -> Floats:

@@ -7,11 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from simulators.challenge.effects import HIDDEN, STRENGTHS, Hidden
+from simulators.challenge.effects import FORMED, HIDDEN, STRENGTHS, Hidden
 from simulators.options import IN_CONTACT
 
 _NOTHING, _OUTSIDE, _TWO, _ONE = 0.1, 0.15, 0.2, 0.55
 """How often nothing is hidden, something outside every catalogue, two effects, one."""
+_A_LAW, _LAWS_FROM = 1 / 6, 0.3
+"""How often, whatever else was drawn, a law that no catalogue holds is hidden in its place; and
+where in a draw from 0 to 1 that share begins."""
 
 Amplitudes = Mapping[str, float]
 """Amplitude of each hidden effect by name, in the effect's own unit."""
@@ -26,7 +29,8 @@ def draw_label(rng: np.random.Generator, strength: str) -> Amplitudes:
         No strength has this name.
     """
     factor = STRENGTHS[strength]
-    able = [effect for effect in HIDDEN.values() if factor == 1.0 or not effect.faint]
+    drawn = [effect for effect in HIDDEN.values() if effect.name not in FORMED]
+    able = [effect for effect in drawn if factor == 1.0 or not effect.faint]
     known = [effect for effect in able if effect.known]
     kind = rng.choice(4, p=(_NOTHING, _OUTSIDE, _TWO, _ONE))
     if kind == 0:
@@ -38,7 +42,11 @@ def draw_label(rng: np.random.Generator, strength: str) -> Amplitudes:
         if kind == 2:
             others = [effect for effect in known if effect.acts_on != chosen[0].acts_on]
             chosen.append(_one(rng, others))
-    return {effect.name: factor * _signed(rng, effect) for effect in chosen}
+    amplitudes = {effect.name: factor * _signed(rng, effect) for effect in chosen}
+    if _LAWS_FROM < rng.random() < _LAWS_FROM + _A_LAW:
+        law = _one(rng, list(FORMED.values()))
+        return {law.name: factor * _signed(rng, law)}
+    return amplitudes
 
 
 def draw_in_contact(rng: np.random.Generator, name: str | None = None) -> Amplitudes:
@@ -65,6 +73,7 @@ def label_document(amplitudes: Amplitudes, world: Sequence[str] = ()) -> dict[st
                 "amplitude": amplitudes[effect.name],
                 "unit": effect.unit,
                 "meaning": effect.meaning,
+                **({"law": list(effect.law)} if effect.law else {}),
             }
             for effect in hidden
         ],

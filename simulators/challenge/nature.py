@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from simulators.challenge.force_choice import Forces
+from simulators.challenge.unnamed import Dependence
 
 Vector = tuple[float, float, float]
 
@@ -51,8 +52,12 @@ class Nature:
         Velocity of the air; acts through the drag.
     gravity_tilt_rad
         The vertical's tilt toward +Y and toward +Z.
+    dependence
+        A coefficient that follows something by a law that no catalogue holds.
     pull_m_per_s2
         Acceleration of each sphere toward the other at touch; it fades over 8 mm of gap.
+    central_m_per_s2, central_power
+        The same, falling off as this power of the centres' distance.
     image_scale, frame_rate
         Relative excess of lengths in the image, and of the true frame interval over the stated.
     pixel_aspect
@@ -88,7 +93,10 @@ class Nature:
     lift: float = 0.0
     wind_m_per_s: Vector = (0.0, 0.0, 0.0)
     gravity_tilt_rad: tuple[float, float] = (0.0, 0.0)
+    dependence: Dependence | None = None
     pull_m_per_s2: float = 0.0
+    central_m_per_s2: float = 0.0
+    central_power: float = 4.0
     image_scale: float = 0.0
     frame_rate: float = 0.0
     pixel_aspect: float = 0.0

@@ -13,7 +13,7 @@ import json
 import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Literal, Protocol, TypeVar, cast
+from typing import Annotated, Any, Literal, Protocol, TypeVar, cast
 
 from pydantic import BaseModel, Field, ValidationError
 
@@ -28,6 +28,7 @@ PUBLIC, SEALED, ANSWER = "challenge.json", "sealed.txt", "answer.json"
 ALONE = ("none", "unexplained")
 """Answers that name no effect, and stand alone."""
 
+Json = dict[str, Any]
 Model = TypeVar("Model", bound=BaseModel)
 Outcome = Literal["right", "alias", "partly", "wrong"]
 
@@ -49,13 +50,22 @@ class Challenge(StrictModel):
     names: list[str]
 
 
+Law = tuple[str, str, str]
+"""Slot, argument and shape: what depends on what, and how."""
+OF_A_LAW = ("slot", "argument", "shape")
+
+
 class HiddenEffect(StrictModel):
-    """One effect of the label: its size, in its unit, and what the number says."""
+    """One effect of the label: its size, in its unit, and what the number says.
+
+    `law` is what depends on what, and how, in what no catalogue holds.
+    """
 
     effect: str
     amplitude: float
     unit: str
     meaning: str
+    law: list[str] | None = None
 
 
 class Label(StrictModel):
@@ -72,9 +82,10 @@ class Label(StrictModel):
 
 
 class Answer(StrictModel):
-    """answer.json: what the user committed to."""
+    """answer.json: what the user committed to; `law` beside `unexplained`."""
 
     answer: Annotated[list[str], Field(min_length=1)]
+    law: Annotated[list[str], Field(min_length=3, max_length=3)] | None = None
 
 
 def new(
@@ -100,7 +111,7 @@ def new(
         raise _unwritable(folder, error) from error
 
 
-def commit(folder: Path, answer: str, *, known: Sequence[str]) -> list[str]:
+def commit(folder: Path, answer: str, *, known: Sequence[str], law: Law | None = None) -> list[str]:
     """Write the answer, once and for all, and return it as a list of names.
 
     Parameters
@@ -109,6 +120,8 @@ def commit(folder: Path, answer: str, *, known: Sequence[str]) -> list[str]:
         Names separated by commas, or `none`, or `unexplained`.
     known
         Names that an answer may hold besides those of the challenge.
+    law
+        Slot, argument and shape of what no catalogue holds, beside `unexplained`.
 
     Raises
     ------
@@ -117,14 +130,22 @@ def commit(folder: Path, answer: str, *, known: Sequence[str]) -> list[str]:
     AnalysisInputError
         challenge.json is damaged.
     SettingsError
-        A name stands twice, or beside `none` or `unexplained`.
+        A name stands twice, or beside `none` or `unexplained`; or a law beside another answer.
     RefusedError
         There is an answer already.
     StoreError
         The answer cannot be written.
     """
     names = _names(answer, {*_challenge(folder).names, *known, *ALONE})
-    text = Answer(answer=names).model_dump_json(indent=1) + "\n"
+    if law is not None and names != ["unexplained"]:
+        raise SettingsError(
+            "a law is an answer where the catalogue holds none",
+            part="--law",
+            value=repr(" ".join(law)),
+            todo="give it beside --answer unexplained",
+        )
+    stated = Answer(answer=names, law=None if law is None else list(law))
+    text = stated.model_dump_json(indent=1, exclude_none=True) + "\n"
     draft = folder / f"{ANSWER}.{os.getpid()}"
     try:
         draft.write_text(text, encoding="utf-8")
@@ -165,6 +186,26 @@ def reveal(folder: Path) -> tuple[Label, list[str], Outcome]:
     given = _read(folder / ANSWER, Answer).answer
     label = _opened(folder / SEALED, challenge.sha256)
     return label, given, judge(label, given)
+
+
+def law_compared(folder: Path, label: Label) -> Json | None:
+    """Return the law of an answer beside the true one; None: no law was answered.
+
+    Raises
+    ------
+    AnalysisInputError
+        The answer is damaged.
+    """
+    given = _read(folder / ANSWER, Answer).law
+    if given is None:
+        return None
+    true = next((list(e.law) for e in label.effects if e.law), None)
+    right = [true is not None and a == b for a, b in zip(given, true or given, strict=True)]
+    return {
+        "answer": given,
+        "truth": true,
+        "right": dict(zip(OF_A_LAW, right, strict=True)),
+    }
 
 
 def judge(label: Label, answer: Sequence[str]) -> Outcome:
@@ -252,15 +293,29 @@ def _unwritable(folder: Path, error: OSError) -> StoreError:
     return StoreError(f"cannot be written: {error}", part=str(folder))
 
 
-def summary(label: Label, answer: Sequence[str], outcome: Outcome, *, as_json: bool) -> str:
-    """Return what a reveal prints: a few lines, or one JSON document."""
+def summary(
+    label: Label,
+    answer: Sequence[str],
+    outcome: Outcome,
+    *,
+    as_json: bool,
+    law: Json | None = None,
+) -> str:
+    """Return what a reveal prints: a few lines, or one JSON document.
+
+    Parameters
+    ----------
+    law
+        The law that was answered beside the true one.
+    """
     if as_json:
         document: Mapping[str, object] = {
             "outcome": outcome,
             "answer": list(answer),
             "truth": label.answer,
-            "effects": [effect.model_dump() for effect in label.effects],
+            "effects": [effect.model_dump(exclude_none=True) for effect in label.effects],
             "world": label.world,
+            "law": law,
         }
         return json.dumps(document, allow_nan=False)
     always = f", on top of {', '.join(label.world)}, which this world always has"
@@ -273,4 +328,13 @@ def summary(label: Label, answer: Sequence[str], outcome: Outcome, *, as_json: b
         f"{'' if hidden.unit == '1' else ' ' + hidden.unit} ({hidden.meaning})"
         for hidden in label.effects
     ]
+    lines += [
+        f"its law: {hidden.law[0]} against {hidden.law[1]}, {hidden.law[2]}"
+        for hidden in label.effects
+        if hidden.law
+    ]
+    if law is not None:
+        right = [name for name in OF_A_LAW if law["right"][name]]
+        stated = f"{law['answer'][0]} against {law['answer'][1]}, {law['answer'][2]}"
+        lines.append(f"answered law: {stated}; right: {', '.join(right) or 'nothing of it'}")
     return "\n".join([*lines, "the label is the one sealed when the campaign was made"])

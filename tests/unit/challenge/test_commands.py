@@ -162,3 +162,47 @@ def test_a_reveal_says_what_the_world_has_whatever_it_hides() -> None:
 @pytest.mark.parametrize(("truth", "answer", "outcome"), JUDGED)
 def test_answers_are_judged(truth: Label, answer: list[str], outcome: str) -> None:
     assert judge(truth, answer) == outcome
+
+
+LAW = ["--law", "e", "temperature_c", "power"]
+
+
+def test_a_law_is_compared_with_the_true_one_slot_argument_and_shape(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = tmp_path / "y"
+    write_challenge(folder, {"restitution-temperature": 0.008}, seed=1, shots=3)
+    words = ["challenge", "commit", str(folder), "--answer", "unexplained"]
+    assert cli.run([*words, *LAW]) == 0
+    found = revealed(folder, capsys)
+    assert found["outcome"] == "right"
+    assert found["law"] == {
+        "answer": ["e", "temperature_c", "power"],
+        "truth": ["e", "temperature_c", "linear"],
+        "right": {"slot": True, "argument": True, "shape": False},
+    }
+    assert cli.run(["challenge", "reveal", str(folder)]) == 0
+    said = capsys.readouterr().out
+    assert "its law: e against temperature_c, linear" in said
+    assert "right: slot, argument" in said
+
+
+def test_a_law_where_the_catalogue_has_the_answer_is_wrong_in_all_of_it(
+    challenge: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert answered(challenge, "unexplained") == 0
+    (challenge / "answer.json").write_text(
+        json.dumps({"answer": ["unexplained"], "law": LAW[1:]}), encoding="utf-8"
+    )
+    found = revealed(challenge, capsys)
+    assert found["law"] == {
+        "answer": LAW[1:],
+        "truth": None,
+        "right": {"slot": False, "argument": False, "shape": False},
+    }
+
+
+def test_a_law_beside_a_named_effect_is_refused(challenge: Path) -> None:
+    words = ["challenge", "commit", str(challenge), "--answer", "drag"]
+    assert cli.run([*words, *LAW]) == 2
+    assert not (challenge / "answer.json").exists()

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from simulators.challenge import HIDDEN, new_challenge, write_challenge
-from simulators.challenge.effects import switched
+from simulators.challenge.effects import FORMED, switched
 from simulators.challenge.label import draw_label, label_document
 from simulators.challenge.nature import Nature
 
@@ -28,9 +28,11 @@ def test_every_effect_is_drawn_at_full_strength() -> None:
 def test_nothing_one_two_and_the_unknown_are_drawn_as_often_as_stated() -> None:
     drawn = labels("full")
     unknown = [label for label in drawn if any(not HIDDEN[name].known for name in label)]
-    assert sum(not label for label in drawn) / 2000 == pytest.approx(0.1, abs=0.03)
-    assert len(unknown) / 2000 == pytest.approx(0.15, abs=0.03)
-    assert sum(len(label) == 2 for label in drawn) / 2000 == pytest.approx(0.2, abs=0.03)
+    laws = sum(bool(set(label) & set(FORMED)) for label in drawn)
+    assert laws / 2000 == pytest.approx(1 / 6, abs=0.03)
+    assert sum(not label for label in drawn) / 2000 == pytest.approx(5 / 6 * 0.1, abs=0.03)
+    assert len(unknown) / 2000 == pytest.approx(1 / 6 + 5 / 6 * 0.15, abs=0.03)
+    assert sum(len(label) == 2 for label in drawn) / 2000 == pytest.approx(5 / 6 * 0.2, abs=0.03)
     assert {len(label) for label in unknown} == {1}
 
 

@@ -55,12 +55,18 @@ def commit(
     answer: Annotated[
         str, typer.Option(help="Names of effects, separated by commas; or none, or unexplained.")
     ],
+    law: Annotated[
+        tuple[str, str, str] | None,
+        typer.Option(help="Slot, argument and shape of the law, beside unexplained."),
+    ] = None,
 ) -> None:
     """Keep an answer of known names."""
-    names = challenge.commit(folder, answer, known=[effect.name for effect in CATALOGUE])
+    names = challenge.commit(folder, answer, known=[effect.name for effect in CATALOGUE], law=law)
     typer.echo(f"{folder}: {', '.join(names)}; see the truth with rigctl challenge reveal {folder}")
 
 
 def reveal(folder: Folder, *, json: Json = False) -> None:
     """Print the truth beside the answer."""
-    typer.echo(challenge.summary(*challenge.reveal(folder), as_json=json))
+    label, answer, outcome = challenge.reveal(folder)
+    law = challenge.law_compared(folder, label)
+    typer.echo(challenge.summary(label, answer, outcome, as_json=json, law=law))
