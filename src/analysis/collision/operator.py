@@ -103,6 +103,10 @@ class Encounter:
         every numeric column of the shot list.
     across
         The law across the normal: impulse against the surface velocity, kg m/s, shape (S,).
+    point
+        Where they touch, rig axes, m, shape (S, 3); None where nobody knows, as in a table.
+    rotation
+        Orientations of a and b, body to rig axes, shape (S, 2, 3, 3); None likewise.
     """
 
     before: States
@@ -113,6 +117,8 @@ class Encounter:
     beta0: Floats
     covariates: Mapping[str, Floats]
     across: Callable[[Encounter], Floats] = sticking_or_sliding
+    point: Floats | None = None
+    rotation: Floats | None = None
 
     @cached_property
     def approach(self) -> Floats:

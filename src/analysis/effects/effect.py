@@ -144,7 +144,10 @@ class ContactLaw(Effect):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Flying:
-    """A sphere in free flight: centre (m), velocity (m/s), spin (rad/s), each of shape (..., 3)."""
+    """A sphere in free flight: centre (m), velocity (m/s), spin (rad/s), each of shape (..., 3).
+
+    `partner` is the centre of the other sphere at the same time; None where there is none.
+    """
 
     position: Floats
     velocity: Floats
@@ -152,14 +155,20 @@ class Flying:
     body: Body
     gravity: float
     air_density: float
+    partner: Floats | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FlightEffect(Effect):
-    """Adds an acceleration (m/s^2) and an angular acceleration (rad/s^2), shapes (..., 3)."""
+    """Adds an acceleration (m/s^2) and an angular acceleration (rad/s^2), shapes (..., 3).
+
+    `nodes` is at how many instants of a flight it is asked for: two do for what changes little on
+    the way, a force that falls off steeply needs more.
+    """
 
     stage: ClassVar[str] = "flight"
     accelerate: Callable[[Flying, Values], tuple[Floats, Floats]]
+    nodes: int = 2
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

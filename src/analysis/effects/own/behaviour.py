@@ -26,6 +26,8 @@ SAME_SLOPE = 0.05
 """By which the slopes by a whole and by half a step may differ."""
 FACTOR = 2.0
 SAME_POWER, CONSTANT = 0.05, 0.01
+OTHER_VALUES = ((0.0, 2.0), (50.0, 100.0), (500.0, 1000.0))
+"""Middles and widths of columns: what acts beyond a pressure is silent at that of a temperature."""
 
 
 def complaint(effect: Effect, *, has_own_numbers: bool) -> Complaint | None:
@@ -50,6 +52,8 @@ def complaint(effect: Effect, *, has_own_numbers: bool) -> Complaint | None:
         return found
     for k, parameter in enumerate(effect.parameters):
         found = _influence(effect, k, off, columns)
+        if found is not None and _is_seen_elsewhere(effect, k, columns):
+            found = None
         if found is None and not has_own_numbers and not columns.asked and parameter.off == 0:
             found = _unit(effect, k)
         if found:
@@ -71,6 +75,17 @@ def _by_itself(effect: Effect) -> Complaint | None:
             "use no mean, count or place in the row: fit and ranking ask for shots many times over",
         )
     return None
+
+
+def _is_seen_elsewhere(effect: Effect, k: int, columns: AnyColumn) -> bool:
+    """Whether a parameter acts at other values of the columns of a shot list that it asks for."""
+    if not columns.asked:
+        return False
+    for middle, width in OTHER_VALUES:
+        there = AnyColumn(middle=middle, width=width)
+        if _influence(effect, k, response(effect, effect.off, SI, there), there) is None:
+            return True
+    return False
 
 
 def _far(parameter: Parameter) -> float:

@@ -65,19 +65,23 @@ class AnyColumn(Mapping[str, Floats]):
     ----------
     shots
         Those of the shots that take part.
+    middle, width
+        Of what is asked for, in its unit.
     asked
         Names other than `order` that were asked for.
     """
 
     shots: slice = field(default_factory=lambda: ALL)
     asked: set[str] = field(default_factory=set)
+    middle: float = 22.0
+    width: float = 4.0
 
     def __getitem__(self, name: str) -> Floats:
         order = np.linspace(-0.5, 0.5, SHOTS)
         if name == "order":
             return order[self.shots]
         self.asked.add(name)
-        return (22.0 + 4.0 * np.roll(order, 5))[self.shots]
+        return (self.middle + self.width * np.roll(order, 5))[self.shots]
 
     def __iter__(self) -> Iterator[str]:
         return iter(("order", *sorted(self.asked)))
@@ -138,6 +142,9 @@ def _encounter(units: Units, columns: AnyColumn) -> Encounter:
     shots = columns.shots
     e, mu, beta0 = (np.full(SHOTS, value)[shots] for value in LAW)
     body = _body(units)
+    point = rng.uniform(-0.003, 0.003, (SHOTS, 3))
+    turned = np.linalg.qr(rng.normal(size=(SHOTS, 2, 3, 3)))[0]
+    turned = turned * np.linalg.det(turned)[..., None, None]
     return Encounter(
         before=States(
             velocity_a=(common - half)[shots] * units.speed,
@@ -152,6 +159,8 @@ def _encounter(units: Units, columns: AnyColumn) -> Encounter:
         mu=mu,
         beta0=beta0,
         covariates=columns,
+        point=point[shots] * units.length,
+        rotation=turned[shots],
     )
 
 
@@ -179,10 +188,14 @@ def _joined(*parts: Floats) -> Floats:
 def _flying(units: Units, shots: slice) -> Flying:
     rng = np.random.default_rng(SEED)
     shape = (SHOTS, FRAMES, 3)
+    position, velocity = rng.uniform(-0.05, 0.05, shape), rng.normal(0.0, 2.0, shape)
+    spin, apart = rng.normal(0.0, 60.0, shape), _unit(rng.normal(size=shape))
+    gap = 2 * RADIUS_M * rng.uniform(1.0, 4.0, (*shape[:2], 1))
     return Flying(
-        position=rng.uniform(-0.05, 0.05, shape)[shots] * units.length,
-        velocity=rng.normal(0.0, 2.0, shape)[shots] * units.speed,
-        spin=rng.normal(0.0, 60.0, shape)[shots] / units.time,
+        position=position[shots] * units.length,
+        velocity=velocity[shots] * units.speed,
+        spin=spin[shots] / units.time,
+        partner=(position + gap * apart)[shots] * units.length,
         body=_body(units),
         gravity=GRAVITY_M_PER_S2 * units.acceleration,
         air_density=AIR_KG_PER_M3 * units.mass / units.length**3,

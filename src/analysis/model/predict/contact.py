@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.collision.operator import Encounter, Outcome, States, gives
-from analysis.model.data.poses import Observations
+from analysis.model.data.poses import Observations, PoseData
 from analysis.model.predict.state import ShotStates
 from analysis.model.predict.theory import Theory
 
@@ -92,19 +92,32 @@ def differentiated_contact(data: Observations, states: ShotStates, theory: Theor
     return Contact(outcomes[0], derivative)
 
 
+def encounter_of(data: Observations, states: ShotStates, theory: Theory) -> Encounter:
+    """Return how the spheres of every shot meet, as effects of the contact are given it."""
+    return _encounter(data, theory, states, _motion(states), states.normal)
+
+
 def _outcomes(
     data: Observations, theory: Theory, states: ShotStates, motion: Floats, normal: Floats
 ) -> Floats:
-    """Return outcomes for rows of motion (N, 12) and normals (N, 3); N a multiple of the shots.
+    """Return outcomes for rows of motion (N, 12) and normals (N, 3); N a multiple of the shots."""
+    return _row(theory.operator(_encounter(data, theory, states, motion, normal)))
 
-    A shot whose spins are not known slips without friction; its kick is the friction's impulse.
+
+def _encounter(
+    data: Observations, theory: Theory, states: ShotStates, motion: Floats, normal: Floats
+) -> Encounter:
+    """Return encounters of rows of motion (N, 12) and normals (N, 3).
+
+    Where they touch and how they are turned is that of their shot, whatever moves in the row. A
+    shot whose spins are not known slips without friction; its kick is the friction's impulse.
     """
     repeats = len(motion) // len(data.shots)
     law, parts = theory.law, motion.reshape(-1, 4, 3)
     friction = np.full(len(data.shots), law.mu)
     if states.kick is not None:
         friction[states.kick.shots] = 0.0
-    encounter = Encounter(
+    return Encounter(
         before=States(*(parts[:, k] for k in range(4))),
         normal=normal,
         bodies=data.bodies,
@@ -112,12 +125,13 @@ def _outcomes(
         mu=_repeated(friction, repeats),
         beta0=np.full(len(motion), law.beta0),
         covariates={name: _repeated(own, repeats) for name, own in data.covariates.items()},
+        point=_repeated(states.point, repeats) if isinstance(data, PoseData) else None,
+        rotation=_repeated(states.rotation, repeats) if isinstance(data, PoseData) else None,
     )
-    return _row(theory.operator(encounter))
 
 
 def _repeated(numbers: Floats, repeats: int) -> Floats:
-    return numbers if repeats == 1 else np.tile(numbers, repeats)
+    return numbers if repeats == 1 else np.tile(numbers, (repeats, *[1] * (numbers.ndim - 1)))
 
 
 def _row(outcome: Outcome) -> Floats:

@@ -35,8 +35,6 @@ from analysis.motion.rotation import rotation_matrix
 
 Floats = NDArray[np.float64]
 
-_NODES = np.array([0.5 - np.sqrt(1 / 12), 0.5 + np.sqrt(1 / 12)])
-"""Gauss-Legendre nodes on (0, 1); both weigh a half."""
 _CLOCK_PASSES = 2
 """A time that hangs on the place hangs on it at that time: the second pass knows where."""
 
@@ -139,7 +137,7 @@ def shown(data: PoseData, flown: Flown, theory: Theory) -> Poses:
     """Add what small forces do on the way, and what turning and camera make of the place."""
     position, rotation = flown.position, flown.rotation
     if theory.flight:
-        push, twist = perturbation(flown, passages(data, flown), theory.flight)
+        push, twist = perturbation(flown, OnWay(data, flown), theory.flight)
         position = position + push
         rotation = rotation_matrix(twist) @ rotation
     position = displaced(data, flown, position, theory.body)
@@ -194,15 +192,30 @@ class Passage:
     twist: Floats
 
 
-def passages(data: PoseData, flown: Flown) -> list[Passage]:
-    """Return the passages of both spheres at both nodes of int_0^t (t - s) a(s) ds."""
+class OnWay:
+    """What small forces find on the way, made once for every number of nodes that is asked for."""
+
+    def __init__(self, data: PoseData, flown: Flown) -> None:
+        self._data, self._flown = data, flown
+        self._made: dict[int, list[Passage]] = {}
+
+    def passages(self, nodes: int) -> list[Passage]:
+        """Return the passages of both spheres at the nodes of an integral."""
+        if nodes not in self._made:
+            self._made[nodes] = _passages(self._data, self._flown, nodes)
+        return self._made[nodes]
+
+
+def _passages(data: PoseData, flown: Flown, nodes: int) -> list[Passage]:
+    """Return the passages at the Gauss-Legendre nodes of int_0^t (t - s) a(s) ds."""
     since, turning = flown.since
     gravity = np.array([data.gravity, 0.0, 0.0])
+    places, shares = np.polynomial.legendre.leggauss(nodes)
     found = []
     for i, body in enumerate(data.bodies):
         own, rate_i = since[:, :, i], np.ascontiguousarray(flown.velocity[:, :, i])
         spin = np.ascontiguousarray(flown.spin[:, :, i])
-        for node in _NODES:
+        for node, share in zip((1.0 + places) / 2.0, shares / 2.0, strict=True):
             back = (1.0 - node) * own
             flying = Flying(
                 position=flown.position[:, :, i] - rate_i * back,
@@ -211,14 +224,15 @@ def passages(data: PoseData, flown: Flown) -> list[Passage]:
                 body=body,
                 gravity=data.gravity,
                 air_density=data.air_density,
+                partner=flown.position[:, :, 1 - i] - flown.velocity[:, :, 1 - i] * back,
             )
-            twist = 0.5 * (1.0 - node) * turning[:, :, i, None] ** 2
-            found.append(Passage(i, flying, 0.5 * own * back, twist))
+            twist = share * (1.0 - node) * turning[:, :, i, None] ** 2
+            found.append(Passage(i, flying, share * own * back, twist))
     return found
 
 
 def perturbation(
-    flown: Flown, on_way: Sequence[Passage], effects: Sequence[tuple[FlightEffect, Values]]
+    flown: Flown, on_way: OnWay, effects: Sequence[tuple[FlightEffect, Values]]
 ) -> tuple[Floats, Floats]:
     """Return what small forces add: displacement and rotation vector, shape (S, F, 2, 3).
 
@@ -228,8 +242,8 @@ def perturbation(
     for i in (0, 1):
         # In arrays of their own: a sphere's part of the whole is slow to add to.
         pushed, twisted = np.zeros((2, *push[:, :, i].shape))
-        for passage in (one for one in on_way if one.sphere == i):
-            for effect, values in effects:
+        for effect, values in effects:
+            for passage in (p for p in on_way.passages(effect.nodes) if p.sphere == i):
                 linear, angular = effect.accelerate(passage.flying, values)
                 if np.any(linear):
                     pushed += passage.push * linear

@@ -12,11 +12,10 @@ from analysis.effects.effect import BodyEffect, CameraEffect, ClockEffect, Effec
 from analysis.model.data.poses import PoseData
 from analysis.model.predict.comparison import Frames
 from analysis.model.predict.prediction import (
-    Passage,
+    OnWay,
     appear,
     displaced,
     exposed,
-    passages,
     perturbation,
     rate,
 )
@@ -34,15 +33,15 @@ class Unmoved:
     here: Frames
 
     @cached_property
-    def passages(self) -> list[Passage]:
+    def on_way(self) -> OnWay:
         """What all small forces in flight act on."""
-        return passages(self.data, self.here.flown)
+        return OnWay(self.data, self.here.flown)
 
     @cached_property
     def position(self) -> Floats:
         """Centres of mass, m, with what small forces do on the way, shape (S, F, 2, 3)."""
         flown, flight = self.here.flown, self.theory.flight
-        return flown.position + perturbation(flown, self.passages, flight)[0]
+        return flown.position + perturbation(flown, self.on_way, flight)[0]
 
     def change(self, moved: Theory, effect: Effect) -> tuple[Floats, Floats | None]:
         """Return what a theory with other values of an effect changes.
@@ -55,9 +54,9 @@ class Unmoved:
         if isinstance(effect, FlightEffect):
             old = [(e, v) for e, v in self.theory.flight if e is effect]
             new = [(e, v) for e, v in moved.flight if e is effect]
-            push, turned = perturbation(self.here.flown, self.passages, new)
+            push, turned = perturbation(self.here.flown, self.on_way, new)
             if old:
-                before = perturbation(self.here.flown, self.passages, old)
+                before = perturbation(self.here.flown, self.on_way, old)
                 push, turned = push - before[0], turned - before[1]
             position = position + push
         elif not isinstance(effect, CameraEffect | BodyEffect):
