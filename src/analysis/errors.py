@@ -50,3 +50,7 @@ def counted(number: int, noun: str) -> str:
 
 class LaunchRefusedError(Exception):
     """Settings from which no launch can be fitted or foretold: what was found, what was needed."""
+
+
+class ProposalRefusedError(Exception):
+    """Shots from which no law can be proposed: what was found, what was needed."""

@@ -40,10 +40,17 @@ class PredictionError:
     by_shot: Floats
 
 
-def prediction_error(data: Data, fit: Fit, seed: int = 0) -> PredictionError:
+def prediction_error(
+    data: Data, fit: Fit, seed: int = 0, folds: NDArray[np.intp] | None = None
+) -> PredictionError:
     """Predict each fifth of the shots with the parameters of the other four.
 
     The parameters without a fold are one Newton step from those of all shots.
+
+    Parameters
+    ----------
+    folds
+        Number of the fold that each shot is left out with, shape (S,); None: fifths by chance.
     """
     known, count = _known_before(data, fit)
     whole = normal_equations(data, fit.states, fit.theory)
@@ -51,7 +58,8 @@ def prediction_error(data: Data, fit: Fit, seed: int = 0) -> PredictionError:
     matrix, gradient = whole.reduced_by_shot()
     early_matrix, early_gradient = early.reduced_by_shot()
     least, early_least = _least(whole), _least(early)
-    folds = np.random.default_rng(seed).permutation(len(least)) % min(FOLDS, len(least))
+    if folds is None:
+        folds = np.random.default_rng(seed).permutation(len(least)) % min(FOLDS, len(least))
     pull, held = fit.theory.held
     squares = np.zeros(len(least))
     for fold in np.unique(folds):

@@ -1,0 +1,168 @@
+"""What each shot says of a change of each coefficient, and of each force in flight.
+
+A form's column is a channel times f(x) of the shots, so that any number of forms needs one pass.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.collision.operator import Encounter, Operator, Outcome
+from analysis.effects.effect import ContactEffect, Effect, Parameter, Values
+from analysis.model.data.poses import PoseData
+from analysis.model.data.tables import ContactTable, Data
+from analysis.model.fitting.fit import Fit
+from analysis.model.fitting.normal import inverse, solve_blocks, with_prior
+from analysis.model.predict.contact import encounter_of
+from analysis.model.predict.linear import linearise
+from analysis.model.proposals.flight_forms import FlightForm, flight_forms
+from analysis.model.proposals.form import COEFFICIENTS, SLOTS, TORSION, ContactForm, twisted
+from analysis.model.rank.projector import ByShot, Projector
+
+Floats = NDArray[np.float64]
+Form = ContactForm | FlightForm
+
+LEAST_INFORMATION = 1e-5
+"""A column of which less is left is what a fitted number does already."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Channels:
+    """A campaign about a fit: what any form would change, all that is fitted projected out.
+
+    Attributes
+    ----------
+    encounter
+        How the spheres of every shot meet.
+    by_shot
+        Of the channels: first the slots of the contact, then the columns of `flights`.
+    flights
+        Forces in flight, one for each further channel, and which of its columns that is.
+    covariance
+        Of what all shots share, shape (P, P).
+    noise_scale
+        Root of chi-squared per degree of freedom, by which sigmas are multiplied.
+    """
+
+    encounter: Encounter
+    by_shot: ByShot
+    flights: tuple[tuple[FlightForm, int], ...]
+    covariance: Floats
+    noise_scale: float
+
+    def weights(self, form: Form, number: int = 0) -> tuple[int, Floats]:
+        """Return the channel of one column of a form, and f of every shot there, shape (S,)."""
+        if isinstance(form, ContactForm):
+            return SLOTS.index(form.slot), form.columns(self.encounter)[:, number]
+        place = next(
+            k for k, (other, n) in enumerate(self.flights) if other is form and n == number
+        )
+        return len(SLOTS) + place, np.ones(len(self.by_shot.gradient))
+
+    def summed(self, columns: Sequence[tuple[int, Floats]]) -> Sums:
+        """Return M and g of columns, each a channel and its weights (S,)."""
+        where = np.array([channel for channel, _ in columns], dtype=np.intp)
+        weight = np.stack([own for _, own in columns], axis=1)
+        count, by = len(columns), self.by_shot
+        gradient, raw = np.zeros(count), np.zeros(count)
+        against = np.zeros((count, len(self.covariance)))
+        matrix = np.zeros((count, count))
+        places = {int(c): np.flatnonzero(where == c) for c in np.unique(where)}
+        for c, rows in places.items():
+            own = weight[:, rows]
+            gradient[rows] = own.T @ by.gradient[:, c]
+            raw[rows] = (own**2).T @ by.raw[:, c]
+            against[rows] = own.T @ by.against[:, c]
+            for d, others in places.items():
+                product = (own * by.own[:, c, d, None]).T @ weight[:, others]
+                matrix[np.ix_(rows, others)] = product
+        return Sums(matrix - against @ self.covariance @ against.T, gradient, raw)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sums:
+    """M (K, K), g (K,) and the raw diagonal of M (K,) of columns, all that is fitted out."""
+
+    matrix: Floats
+    gradient: Floats
+    raw: Floats
+
+    @property
+    def seen(self) -> NDArray[np.bool_]:
+        """Which columns these shots see, beside what is fitted, shape (K,)."""
+        return np.asarray(np.diag(self.matrix) > LEAST_INFORMATION * np.maximum(self.raw, 1e-300))
+
+    def of(self, columns: NDArray[np.intp] | NDArray[np.bool_]) -> Sums:
+        """Return those of some columns."""
+        some = np.arange(len(self.gradient))[columns]
+        return Sums(self.matrix[np.ix_(some, some)], self.gradient[some], self.raw[some])
+
+    def __add__(self, other: Sums) -> Sums:
+        """Return the sums of two campaigns together."""
+        return Sums(
+            self.matrix + other.matrix, self.gradient + other.gradient, self.raw + other.raw
+        )
+
+
+def channels_of(data: Data, fit: Fit) -> Channels:
+    """Linearise about a fit, and project all channels."""
+    flights = _flights(data)
+    theory = fit.theory
+    for probe in (_TORSION_PROBE, *(form.effect(f"flight-{k}") for k, form in enumerate(flights))):
+        theory = theory.with_effect(probe)
+    line = linearise(data, fit.states, theory)
+    fitted = len(fit.theory.names)
+    # A relative change of a coefficient is so many of its own units.
+    law = line.by_theory[..., : len(COEFFICIENTS)] * fit.theory.vector[: len(COEFFICIENTS)]
+    columns = np.concatenate([law, line.by_theory[..., fitted:]], axis=2)
+    by_state = np.swapaxes(line.by_state, 1, 2)
+    own = line.by_theory[..., :fitted]
+    shared = own - line.by_state @ solve_blocks(line.states, by_state @ own)
+    information = np.einsum("snp,snq->pq", own, shared)
+    sums = Projector(
+        residual=line.residual,
+        by_state=line.by_state,
+        states=line.states,
+        own_gradient=line.own_gradient,
+        shared=shared,
+        covariance=inverse(with_prior(information, fit.theory.prior[1])),
+        held=fit.theory.held,
+    )
+    # What is linearised is whitened already.
+    return Channels(
+        encounter=encounter_of(data, fit.states, fit.theory),
+        by_shot=sums.project(columns),
+        flights=tuple((form, k) for form in flights for k in range(len(form.symbols))),
+        covariance=sums.covariance,
+        noise_scale=float(np.sqrt(max(fit.chi2_per_dof, 1e-12))),
+    )
+
+
+def _flights(data: Data) -> list[FlightForm]:
+    """Return the forces that poses of two spheres can show; a table has no flight."""
+    a, b = data.bodies
+    if not isinstance(data, PoseData) or isinstance(data, ContactTable) or b.is_plate:
+        return []
+    return flight_forms(a.radius + b.radius, a.mass)
+
+
+def _probe(operator: Operator, values: Values) -> Operator:
+    def changed(encounter: Encounter) -> Outcome:
+        return twisted(operator(encounter), encounter, np.full(len(encounter.e), values[0]))
+
+    return changed
+
+
+_TORSION_PROBE: Effect = ContactEffect(
+    name="torsion-probe",
+    title=TORSION,
+    parameters=(Parameter("c", "m", "radius of contact", (-5e-3, 5e-3), step=1e-7),),
+    formula="torque of a contact in full slip",
+    source="K. L. Johnson, Contact Mechanics (1985), section 3.9",
+    gives_away="relative spin about the normal",
+    wrap=_probe,
+)

@@ -1,0 +1,94 @@
+"""A stated form tested on shots that it was not chosen on, with an ordinary p."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import chi2 as chi2_distribution
+
+from analysis.effects.effect import Effect
+from analysis.errors import ProposalRefusedError, counted
+from analysis.model.data.evidence import stage_of
+from analysis.model.data.tables import Data
+from analysis.model.fitting.adding import added
+from analysis.model.fitting.robust_fit import judged
+from analysis.quantity import Quantity
+
+FEWEST = 3
+LEVEL = 0.01
+"""Of one form, stated beforehand: no other was looked at."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Confirmation:
+    """What other shots say of a form.
+
+    Attributes
+    ----------
+    shots
+        How many were used.
+    fall
+        Of chi-squared that the form brings, in units of the noise.
+    p_value
+        Chance of such a fall where the form is not there.
+    error_before, error_after
+        On shots left out, without and with it.
+    parameters
+        As these shots alone have them.
+    """
+
+    effect: Effect
+    shots: int
+    fall: float
+    p_value: float
+    error_before: float
+    error_after: float
+    parameters: dict[str, Quantity]
+
+    @property
+    def confirmed(self) -> bool:
+        """Whether chance alone would not do it, and shots left out agree."""
+        return self.p_value < LEVEL and self.error_after < self.error_before
+
+
+def without_shots(data: Data, seen: set[int]) -> Data:
+    """Return the shots that a form has not seen.
+
+    Raises
+    ------
+    ProposalRefusedError
+        There are none, or next to none.
+    """
+    fresh: NDArray[np.bool_] = np.array([int(number) not in seen for number in data.shots])
+    if fresh.sum() < FEWEST:
+        raise ProposalRefusedError(
+            f"{counted(int(fresh.sum()), 'shot')} of these did not take part in the choice of the "
+            f"form, and at least {FEWEST} are needed: fire its next shots first"
+        )
+    return data.of_shots(fresh)
+
+
+def confirm(data: Data, given: Sequence[Effect], effect: Effect) -> Confirmation:
+    """Test one form on shots that it was not chosen on, beside effects that are given."""
+    base = judged(data, given)
+    before = stage_of(base.data, base.fit)
+    fitted, fit = added(base.data, base.fit, effect)
+    after = stage_of(fitted, fit)
+    fall = max((base.fit.chi2 - fit.chi2) / max(fit.chi2_per_dof, 1e-12), 0.0)
+    own = f"{effect.name}."
+    return Confirmation(
+        effect=effect,
+        shots=len(base.data.shots),
+        fall=fall,
+        p_value=float(chi2_distribution.sf(fall, len(effect.parameters))),
+        error_before=before.error.value,
+        error_after=after.error.value,
+        parameters={
+            name.removeprefix(own): quantity
+            for name, quantity in fit.parameters().items()
+            if name.startswith(own)
+        },
+    )

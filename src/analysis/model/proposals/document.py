@@ -1,0 +1,127 @@
+"""What was proposed, as other programs read it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from analysis.model.design.between import Repeated
+from analysis.model.design.document import shots_document
+from analysis.model.fitting.adding import ALIAS_WITHIN
+from analysis.model.proposals.confirm import Confirmation
+from analysis.model.proposals.form import ContactForm
+from analysis.model.proposals.hints import hint_for
+from analysis.model.proposals.propose import Accepted, Proposed
+from analysis.model.proposals.screen import SMALLEST_P
+from analysis.model.proposals.shapes import POWER
+from analysis.model.proposals.wording import formula, latex
+
+Json = dict[str, Any]
+
+
+def proposals_document(
+    campaign: str, proposed: Proposed, following: Sequence[Repeated] = ()
+) -> Json:
+    """Return the document of `rigctl model propose --json`."""
+    return {
+        "campaign": campaign,
+        "shots": len(proposed.evidence.stated.shots),
+        "used": len(proposed.data.shots),
+        "verdict": verdict(proposed),
+        "with": list(proposed.effects),
+        "path": [
+            {
+                "with": list(stage.effects),
+                "chi2_per_dof": stage.fit.chi2_per_dof,
+                "prediction_error": stage.error.value,
+            }
+            for stage in proposed.path
+        ],
+        "proposals": [
+            _proposal(proposed, one, following if k == 0 else ())
+            for k, one in enumerate(proposed.accepted)
+        ],
+        "left_out": [
+            {"argument": one.argument, "reason": one.reason, "todo": one.todo}
+            for one in proposed.admitted.left_out
+        ],
+        "confounded": [
+            {
+                "arguments": list(one.arguments),
+                "correlation": one.correlation,
+                "todo": one.todo,
+            }
+            for one in proposed.admitted.confounded
+        ],
+    }
+
+
+def verdict(proposed: Proposed) -> str:
+    """Return `proposal`; else `effect`, where the catalogue holds what is missing, or `none`."""
+    if proposed.accepted:
+        return "proposal"
+    return "effect" if set(proposed.effects) - set(proposed.path[0].effects) else "none"
+
+
+def _proposal(proposed: Proposed, one: Accepted, following: Sequence[Repeated]) -> Json:
+    form = one.form
+    return {
+        "slot": form.slot,
+        "argument": form.argument,
+        "shape": form.shape_name,
+        "name": one.name,
+        "formula": formula(form),
+        "latex": latex(form),
+        "parameters": parameters(one),
+        "p_familywise": one.p_familywise,
+        "error_before": one.before.error.value,
+        "error_after": one.after.error.value,
+        "alike": [{"slot": slot, "argument": argument} for slot, argument in one.alike],
+        "alike_effects": list(one.alike_effects),
+        "shapes": list(one.shapes),
+        "within": ALIAS_WITHIN,
+        "hint": hint_for(form.slot, form.argument, form.shape_name, rising=rises(proposed, one)),
+        "next_shots": shots_document(following),
+    }
+
+
+def parameters(one: Accepted) -> Json:
+    """Return amplitudes and constants with their standard errors and units."""
+    found = one.freed.parameters()
+    own = f"{one.name}."
+    return {
+        name.removeprefix(own): quantity.to_json()
+        for name, quantity in found.items()
+        if name.startswith(own)
+    }
+
+
+def rises(proposed: Proposed, one: Accepted) -> bool:
+    """Whether a coefficient rises with its argument, on the whole of the shots."""
+    values = next(a.values for a in one.found.fit.theory.active if a.effect.name == one.name)
+    form = one.form
+    if not isinstance(form, ContactForm):
+        return bool(values[0] > 0)
+    if form.shape is POWER:
+        return bool(values[0] > 0)
+    encounter = proposed.encounter
+    change = form.columns(encounter) @ values
+    along = form.arguments[0].of(encounter)[:, 0]
+    return bool(np.cov(change, along)[0, 1] > 0)
+
+
+def confirmation_document(campaign: str, found: Confirmation) -> Json:
+    """Return the document of `rigctl model propose --confirm --json`."""
+    return {
+        "campaign": campaign,
+        "used": found.shots,
+        "effect": found.effect.name,
+        "confirmed": found.confirmed,
+        "fall": found.fall,
+        "p_value": max(found.p_value, SMALLEST_P),
+        "error_before": found.error_before,
+        "error_after": found.error_after,
+        "parameters": {name: q.to_json() for name, q in found.parameters.items()},
+    }

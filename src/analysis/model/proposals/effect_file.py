@@ -1,0 +1,255 @@
+"""A proposal as an effect file: what `--with`, `explain` and `rank` load like any of one's own."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Sequence
+from pathlib import Path
+from textwrap import fill
+
+from analysis.effects.effect import FlightEffect, Parameter
+from analysis.model.proposals.channels import Form
+from analysis.model.proposals.flight_forms import FlightForm
+from analysis.model.proposals.form import TORSION, ContactForm
+from analysis.model.proposals.propose import Accepted, Proposed
+from analysis.model.proposals.shapes import POWER
+from analysis.model.proposals.wording import formula
+
+CAMPAIGN, SHOTS = "PROPOSED_FROM", "SHOTS_SEEN"
+"""Constants of a file: where its form was chosen. A test of it needs other shots."""
+_HEAD = '''"""{title}.
+
+{told}
+"""
+
+from __future__ import annotations
+
+{imports}
+'''
+_CONTACT_IMPORTS = """from dataclasses import replace
+
+import numpy as np
+
+from rigctl import ContactEffect, Encounter, Floats, Operator, Outcome, Parameter, Values
+"""
+_FLIGHT_IMPORTS = """import numpy as np
+
+from rigctl import FlightEffect, Floats, Flying, Parameter, Values
+"""
+_WRAP = '''
+
+def columns(encounter: Encounter) -> Floats:
+    """Return what the amplitudes multiply, one column each, for every shot."""
+{columns}
+
+
+def wrap(operator: Operator, values: Values) -> Operator:
+    """{doc}"""
+
+    def changed(encounter: Encounter) -> Outcome:
+{changed}
+
+    return changed
+
+
+EFFECT = ContactEffect('''
+_SCALED = """        change = columns(encounter) @ values
+        return operator(replace(encounter, {slot}=encounter.{slot} * {factor}))"""
+_TWISTED = """        outcome, (a, b) = operator(encounter), encounter.bodies
+        push = (1 + encounter.e) * encounter.approach.clip(min=0.0)
+        push = push / (1 / a.mass + 1 / b.mass)
+        spins = encounter.before.spin_b - encounter.before.spin_a
+        relative = (spins * encounter.normal).sum(axis=1)
+        torque = 3 * np.pi / 16 * encounter.mu * push * np.sign(relative)
+        twist = (torque * (columns(encounter) @ values))[:, None] * encounter.normal
+        after = outcome.after
+        spin_a = after.spin_a + twist / a.inertia
+        spin_b = after.spin_b - twist / b.inertia
+        return replace(outcome, after=replace(after, spin_a=spin_a, spin_b=spin_b))"""
+_ACCELERATE = '''
+
+def accelerate(flying: Flying, values: Values) -> tuple[Floats, Floats]:
+    """Return what is added to acceleration, m/s^2, and angular acceleration, rad/s^2."""
+    still = np.zeros_like(flying.spin)
+{body}
+
+
+EFFECT = FlightEffect('''
+_BODIES = {
+    "uniform": "    return np.zeros_like(flying.velocity) + values, still",
+    "velocity": """    speed = np.linalg.norm(flying.velocity, axis=-1, keepdims=True)
+    speed = speed.clip(min=1e-6)
+    return -values[0] * speed ** (Q - 1.0) * flying.velocity, still""",
+    "central": """    if flying.partner is None:
+        return still, still
+    apart = flying.partner - flying.position
+    distance = np.linalg.norm(apart, axis=-1, keepdims=True).clip(min=TOUCHING / 2)
+    size = (MASS / flying.body.mass) * (TOUCHING / distance) ** P
+    return values[0] * size * apart / distance, still""",
+    "central-exponential": """    if flying.partner is None:
+        return still, still
+    apart = flying.partner - flying.position
+    distance = np.linalg.norm(apart, axis=-1, keepdims=True).clip(min=TOUCHING / 2)
+    size = (MASS / flying.body.mass) * np.exp(-(distance - TOUCHING) / C)
+    return values[0] * size * apart / distance, still""",
+}
+
+
+def effect_name(form: Form) -> str:
+    """Return the name of a proposal's effect: what depends on what, and how."""
+    words = f"proposed-{form.slot}-{form.argument}-{form.shape_name}".replace("*", "-times-")
+    return "".join(c if c.isalnum() else "-" for c in words.lower())
+
+
+def written(folder: Path, campaign: str, proposed: Proposed) -> list[Path]:
+    """Write every proposal into a folder, each a file of its own.
+
+    Raises
+    ------
+    OSError
+        The folder cannot be written.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    paths = []
+    for one in proposed.accepted:
+        path = folder / f"{effect_name(one.form).replace('-', '_')}.py"
+        shots = [int(number) for number in proposed.evidence.stated.shots]
+        path.write_text(text_of(campaign, shots, one), encoding="utf-8")
+        paths.append(path)
+    return paths
+
+
+def text_of(campaign: str, shots: Sequence[int], one: Accepted) -> str:
+    """Return the file of one proposal, which says from which shots it comes."""
+    form, quantities = one.form, one.freed.parameters()
+    own = f"{one.name}."
+    found = ", ".join(
+        f"{name.removeprefix(own)} = {q.concise()}{'' if q.unit == '1' else ' ' + q.unit}"
+        for name, q in quantities.items()
+        if name.startswith(own)
+    )
+    told = fill(
+        f"Proposed from what a fit of {campaign} left over: {found}. Its scales are constants of "
+        "this file; what it is multiplied by is fitted again.",
+        99,
+    )
+    head = _HEAD.format(
+        title=formula(form).rstrip("."),
+        told=told,
+        imports=_CONTACT_IMPORTS if isinstance(form, ContactForm) else _FLIGHT_IMPORTS,
+    )
+    seen = f"\n{CAMPAIGN} = {campaign!r}\n{SHOTS} = {ranges(shots)!r}"
+    constants = "".join(f"\n{name} = {value!r}" for name, value in _named(form).items())
+    function = _function(form) + _declaration(form, campaign)
+    return head.rstrip("\n") + "\n" + seen + constants + "\n" + function
+
+
+def ranges(numbers: Sequence[int]) -> str:
+    """Return numbers in short, `1-120,122`."""
+    parts: list[list[int]] = []
+    for number in sorted(numbers):
+        if parts and number == parts[-1][1] + 1:
+            parts[-1][1] = number
+        else:
+            parts.append([number, number])
+    return ",".join(str(a) if a == b else f"{a}-{b}" for a, b in parts)
+
+
+def seen_shots(path: Path) -> tuple[str, set[int]] | None:
+    """Return the campaign and the shots that a proposal's file comes from; None: it names none."""
+    found: dict[str, str] = {}
+    for node in ast.parse(path.read_text(encoding="utf-8")).body:
+        if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name):
+            name, value = node.targets[0].id, node.value
+            if name in {CAMPAIGN, SHOTS} and isinstance(value, ast.Constant):
+                found[name] = str(value.value)
+    if len(found) < 2:
+        return None
+    ends = [part.split("-") for part in found[SHOTS].split(",") if part]
+    numbers = {n for end in ends for n in range(int(end[0]), int(end[-1]) + 1)}
+    return found[CAMPAIGN], numbers
+
+
+def _named(form: Form) -> dict[str, float]:
+    """Return the constants of a form by the names that its file has for them."""
+    if isinstance(form, FlightForm):
+        central = form.kind.startswith("central")
+        own = {"TOUCHING": form.touching, "MASS": form.mass} if central else {}
+        scales = zip(form.free, form.constants, strict=True)
+        return {**own, **{name.upper(): float(value) for name, value in scales}}
+    if len(form.arguments) == 2:
+        return {f"ZERO_{k + 1}": float(value) for k, value in enumerate(form.constants)}
+    names = () if form.shape is None else form.shape.constants
+    return {_found(name): float(v) for name, v in zip(names, form.constants, strict=True)}
+
+
+def _found(name: str) -> str:
+    """Return what a file calls a constant, so that no letter of a formula is it as well."""
+    return f"FOUND_{name.upper()}"
+
+
+def _function(form: Form) -> str:
+    if isinstance(form, FlightForm):
+        return _ACCELERATE.format(body=_BODIES[form.kind])
+    factor = "np.exp(change)" if form.shape is POWER else "(1.0 + change)"
+    scaled = _SCALED.format(slot=form.slot, factor=factor)
+    return _WRAP.format(
+        columns=_columns(form),
+        doc="Brake the spin about the normal." if form.slot == TORSION else f"Change {form.slot}.",
+        changed=_TWISTED if form.slot == TORSION else scaled,
+    )
+
+
+def _columns(form: ContactForm) -> str:
+    if len(form.arguments) == 2:
+        parts = [
+            f"np.log(np.maximum({argument.codes[0]}, 1e-9) / ZERO_{k + 1})"
+            if argument.positive
+            else f"({argument.codes[0]} - ZERO_{k + 1})"
+            for k, argument in enumerate(form.arguments)
+        ]
+        lines = [f"first = {parts[0]}", f"second = {parts[1]}"]
+        return _lines([*lines, "return (first * second)[:, None]"])
+    if form.shape is None:
+        codes = form.arguments[0].codes
+        named = [f"column_{k} = {code}" for k, code in enumerate(codes)]
+        stacked = ", ".join(f"column_{k}" for k in range(len(codes)))
+        return _lines([*named, f"return np.stack([{stacked}], axis=1)"])
+    names = form.shape.constants
+    lines = [f"x = {form.arguments[0].codes[0]}"]
+    lines += [f"{name} = {_found(name)}" for name in names]
+    return _lines([*lines, f"return np.stack([{', '.join(form.shape.codes)}], axis=1)"])
+
+
+def _lines(lines: list[str]) -> str:
+    return "\n".join(f"    {line}" for line in lines)
+
+
+def _declaration(form: Form, campaign: str) -> str:
+    effect = form.effect(effect_name(form))
+    texts = {
+        "name": effect.name,
+        "title": effect.title,
+        "formula": formula(form),
+        "source": f"proposed from what a fit of {campaign} left over",
+        "gives_away": effect.gives_away,
+    }
+    lines = [f"    {name}={text!r}," for name, text in texts.items()]
+    lines += [
+        "    parameters=(",
+        *(f"        {_parameter(p)}," for p in effect.parameters),
+        "    ),",
+    ]
+    if isinstance(effect, FlightEffect):
+        lines += ["    accelerate=accelerate,", f"    nodes={effect.nodes},"]
+    else:
+        lines.append("    wrap=wrap,")
+    return "\n".join(["", *lines, ")", ""])
+
+
+def _parameter(parameter: Parameter) -> str:
+    low, high = parameter.plausible
+    return (
+        f"Parameter(symbol={parameter.symbol!r}, unit={parameter.unit!r}, "
+        f"meaning={parameter.meaning!r}, plausible=({low!r}, {high!r}), step={parameter.step!r})"
+    )

@@ -1,0 +1,172 @@
+"""What a slot and an argument promise at their best: every shape at its likeliest constants."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.model.data.tables import Data
+from analysis.model.fitting.fit import Fit, fit_campaign
+from analysis.model.proposals.arguments import Argument
+from analysis.model.proposals.channels import Channels, Form
+from analysis.model.proposals.flight_forms import FlightForm
+from analysis.model.proposals.form import ContactForm
+from analysis.model.proposals.screen import FULL_SLOTS, columns_of, shaped, shapes_of
+
+Floats = NDArray[np.float64]
+
+FINE = 3
+MOST_SHAPES, MOST_GROUPS = 4, 8
+PENALTY = 2.0
+"""Of deviance, for each constant and each further amplitude that was sought (Akaike)."""
+OF_SETTING = 4.0
+CARRIERS = 2
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Promise:
+    """A form at its likeliest constants.
+
+    Attributes
+    ----------
+    fall
+        Of chi-squared that its amplitudes would bring, in units of the noise.
+    start
+        These amplitudes.
+    carried_share
+        Share of the fall that is gone without the two shots that speak loudest for it.
+    """
+
+    form: Form
+    fall: float
+    start: Floats
+    carried_share: float
+
+    @property
+    def worth(self) -> float:
+        """Fall less what its constants and further amplitudes would bring by chance.
+
+        Of a setting of the rig less still: what it does is done by how the spheres meet.
+        """
+        sought = len(self.form.free) + len(self.form.symbols) - 1
+        return self.fall - PENALTY * sought - (OF_SETTING if _is_setting(self.form) else 0.0)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Refitted:
+    """A form in a fit of its own, beside all that was fitted before."""
+
+    promise: Promise
+    name: str
+    fit: Fit
+    fall: float
+
+    @property
+    def form(self) -> Form:
+        """The form."""
+        return self.promise.form
+
+    @property
+    def worth(self) -> float:
+        """Fall as the refit brought it, less what constants bring by chance."""
+        return self.promise.worth - self.promise.fall + self.fall
+
+
+def promised(channels: Channels, group: tuple[str, str], forms: Sequence[Form]) -> list[Promise]:
+    """Return the best form of each shape of a group, the most worth first."""
+    own = [form for form in forms if form.group == group]
+    finer: list[Form] = []
+    sought = set[tuple[tuple[str, str], str]]()
+    for form in own:
+        if isinstance(form, FlightForm) or len(form.arguments) > 1 or form.shape is None:
+            finer.append(form)
+            continue
+        argument: Argument = form.arguments[0]
+        if (argument.key, form.shape.name) in sought:
+            continue
+        sought.add((argument.key, form.shape.name))
+        shapes = shapes_of(argument) if form.slot in FULL_SLOTS else (form.shape,)
+        for shape in shapes:
+            if shape.name == form.shape.name:
+                finer += shaped(channels, form.slot, argument, shape, FINE)
+    best: dict[tuple[str, str], Promise] = {}
+    for promise in _promises(channels, finer):
+        key = promise.form.shape_name, _variable(promise.form)
+        if key not in best or promise.fall > best[key].fall:
+            best[key] = promise
+    return sorted(best.values(), key=lambda promise: -promise.worth)[:MOST_SHAPES]
+
+
+def _is_setting(form: Form) -> bool:
+    return isinstance(form, ContactForm) and any(a.is_setting for a in form.arguments)
+
+
+def _variable(form: Form) -> str:
+    return form.arguments[0].symbol if isinstance(form, ContactForm) else ""
+
+
+def _promises(channels: Channels, forms: Sequence[Form]) -> list[Promise]:
+    columns = columns_of(forms)
+    weights = [channels.weights(form, number) for form, number in columns]
+    sums = channels.summed(weights)
+    seen, places = sums.seen, np.arange(len(columns))
+    noise, start, found = channels.noise_scale**2, 0, []
+    for form in forms:
+        own = places[start : start + len(form.symbols)]
+        start += len(form.symbols)
+        if not seen[own].all():
+            continue
+        block = sums.of(own)
+        amplitudes = np.linalg.lstsq(block.matrix, block.gradient, rcond=1e-10)[0]
+        fall = float(block.gradient @ amplitudes)
+        by_shot = np.stack(
+            [weights[k][1] * channels.by_shot.gradient[:, weights[k][0]] for k in own], axis=1
+        )
+        loudest = np.argsort(by_shot @ amplitudes)[-CARRIERS:]
+        rest = block.gradient - by_shot[loudest].sum(axis=0)
+        left = float(rest @ np.linalg.lstsq(block.matrix, rest, rcond=1e-10)[0])
+        share = 1.0 - left / fall if fall > 0 else 1.0
+        found.append(Promise(form, fall / noise, np.asarray(amplitudes, np.float64), share))
+    return found
+
+
+def refitted(data: Data, fit: Fit, promise: Promise, name: str) -> Refitted:
+    """Fit again with a form, its constants held."""
+    theory = fit.theory.with_effect(promise.form.effect(name))
+    again = fit_campaign(data, theory, fit)
+    noise = max(again.chi2_per_dof, 1e-12)
+    return Refitted(promise, name, again, (fit.chi2 - again.chi2) / noise)
+
+
+def with_free_constants(data: Data, found: Refitted) -> tuple[Refitted, Fit]:
+    """Fit the constants of a form too, from where they are.
+
+    Returns
+    -------
+    The form at these constants, and the fit in which they are free; as it was where it has none,
+    or where they run away.
+    """
+    form, values = found.form, _values(found.fit, found.name)
+    if not form.free:
+        return found, found.fit
+    start = np.concatenate([values, form.constants[-len(form.free) :]])
+    theory = found.fit.theory.without_effect(found.name)
+    freed = fit_campaign(data, theory.with_effect(form.freed(found.name), start), found.fit)
+    values = _values(freed, found.name)
+    constants = values[len(form.symbols) :]
+    # The same form, with what a fit determines of it: its type stays.
+    moved = form.at(*constants)
+    effect = moved.effect(found.name)
+    theory = theory.with_effect(effect, values[: len(form.symbols)])
+    again = fit_campaign(data, theory, freed)
+    if not np.isfinite(values).all() or again.chi2 > found.fit.chi2 + 1e-6:
+        return found, found.fit
+    fall = found.fall + (found.fit.chi2 - again.chi2) / max(again.chi2_per_dof, 1e-12)
+    return Refitted(replace(found.promise, form=moved), found.name, again, fall), freed
+
+
+def _values(fit: Fit, name: str) -> Floats:
+    return np.asarray(next(a.values for a in fit.theory.active if a.effect.name == name))

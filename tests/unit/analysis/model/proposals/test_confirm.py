@@ -1,0 +1,45 @@
+"""A stated form is tested on shots that it has not seen."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from analysis.effects.catalogue import CATALOGUE
+from analysis.effects.own.loading import load_effects
+from analysis.errors import ProposalRefusedError
+from analysis.model.proposals.confirm import confirm, without_shots
+from analysis.model.proposals.effect_file import written
+from tests.unit.analysis.model.proposals.hidden import campaign, proposed
+
+LAW, AMPLITUDE = "restitution-bump", 0.008
+
+
+@pytest.fixture
+def form(tmp_path: Path) -> Path:
+    """Return the file of a proposal."""
+    [path] = written(tmp_path, "first", proposed(LAW, AMPLITUDE)[1])
+    return path
+
+
+def test_a_true_form_is_confirmed_on_other_shots(form: Path) -> None:
+    [effect] = load_effects(form, CATALOGUE).effects
+    found = confirm(campaign({LAW: AMPLITUDE}, seed=99), (), effect)
+    assert found.confirmed
+    assert found.p_value < 1e-6
+    amplitude = found.parameters["a"]
+    assert abs(amplitude.value - AMPLITUDE) < 5 * amplitude.sigma
+
+
+def test_a_form_that_is_not_there_is_not_confirmed(form: Path) -> None:
+    [effect] = load_effects(form, CATALOGUE).effects
+    chances = [confirm(campaign({}, seed), (), effect).p_value for seed in range(50, 54)]
+    assert min(chances) > 1e-4
+
+
+def test_shots_that_the_form_was_chosen_on_are_left_out() -> None:
+    data = campaign({}, 1)
+    assert list(without_shots(data, set(range(1, 41))).shots) == list(range(41, 61))
+    with pytest.raises(ProposalRefusedError, match="0 shots of these"):
+        without_shots(data, set(range(1, 61)))

@@ -1,0 +1,104 @@
+"""A proposal written to a file is the effect that was fitted."""
+
+from __future__ import annotations
+
+import ast
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from analysis.collision.operator import walton
+from analysis.effects.catalogue import CATALOGUE
+from analysis.effects.effect import ContactEffect
+from analysis.effects.own.loading import load_effects
+from analysis.model.fitting.robust_fit import judged
+from analysis.model.proposals.arguments import known_arguments
+from analysis.model.proposals.effect_file import (
+    effect_name,
+    ranges,
+    seen_shots,
+    text_of,
+    written,
+)
+from analysis.model.proposals.form import SLOTS, ContactForm
+from analysis.model.proposals.propose import Accepted
+from analysis.model.proposals.screen import shapes_of
+from analysis.model.proposals.shapes import Spread
+from tests.unit.analysis.model.proposals.hidden import proposed
+
+
+@pytest.mark.parametrize(
+    ("name", "amplitude"),
+    [
+        ("restitution-bump", 0.008),
+        ("restitution-warm-and-fast", 0.004),
+        ("attraction-power", 10.0),
+        ("restitution-step", 0.008),
+    ],
+)
+def test_a_written_file_loads_and_fits_the_shots_as_the_proposal_did(
+    tmp_path: Path, name: str, amplitude: float
+) -> None:
+    data, found = proposed(name, amplitude)
+    paths = written(tmp_path, "nylon", found)
+    assert len(paths) == len(found.accepted)
+    loaded = load_effects(tmp_path, CATALOGUE)
+    assert loaded.faults == ()
+    beside = [effect for effect in CATALOGUE if effect.name in found.effects]
+    again = judged(data, [*beside, *loaded.effects])
+    assert again.fit.chi2 == pytest.approx(found.fit.chi2, abs=0.1)
+
+
+def test_a_file_says_from_which_shots_it_comes(tmp_path: Path) -> None:
+    data, found = proposed("restitution-bump", 0.008)
+    [path] = written(tmp_path, "nylon's own", found)
+    assert seen_shots(path) == ("nylon's own", {int(n) for n in data.shots})
+
+
+def test_runs_of_numbers_are_written_in_short() -> None:
+    assert ranges([1, 2, 3, 7, 9, 10]) == "1-3,7,9-10"
+
+
+def forms() -> list[ContactForm]:
+    """Return every slot with every argument in every shape, and products."""
+    _, found = proposed(None)
+    encounter = found.encounter
+    arguments = known_arguments(encounter, scalars=False, one_frame=True)
+    made = []
+    for k, argument in enumerate(arguments):
+        slot = SLOTS[k % len(SLOTS)]
+        if not argument.is_scalar:
+            ones = (1.0,) * len(argument.codes)
+            made.append(ContactForm(slot, (argument,), None, (), ones))
+            continue
+        values = argument.of(encounter)[:, 0]
+        spread = Spread(float(values.min()), float(values.max()), float(values.mean()))
+        for shape in shapes_of(argument):
+            constants, ones = shape.grid(spread, 1)[0], (1.0,) * len(shape.codes)
+            made.append(ContactForm(slot, (argument,), shape, constants, ones))
+    scalars = [argument for argument in arguments if argument.is_scalar]
+    made += [ContactForm("e", (a, b), None, (1.3, 2.7), (1.0,)) for a, b in pairwise(scalars)]
+    return made
+
+
+@pytest.mark.parametrize("form", forms(), ids=effect_name)
+def test_the_file_of_every_form_does_what_the_form_does(form: ContactForm, tmp_path: Path) -> None:
+    _, found = proposed("restitution-bump", 0.008)
+    one = found.accepted[0]
+    accepted: Accepted = replace(
+        one, found=replace(one.found, promise=replace(one.found.promise, form=form))
+    )
+    text = text_of("nylon", [1], accepted)
+    ast.parse(text)
+    scope: dict[str, object] = {}
+    exec(compile(text, "proposal.py", "exec"), scope)
+    effect = scope["EFFECT"]
+    assert isinstance(effect, ContactEffect)
+    values = 0.01 * np.arange(1, len(form.symbols) + 1)
+    by_form = form.effect("x").wrap(walton, values)(found.encounter).after
+    by_file = effect.wrap(walton, values)(found.encounter).after
+    for name in ("velocity_a", "velocity_b", "spin_a", "spin_b"):
+        np.testing.assert_allclose(getattr(by_file, name), getattr(by_form, name), rtol=1e-12)
