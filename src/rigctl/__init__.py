@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from rigctl.api.fit import Fit
     from rigctl.api.opening import open_campaign as open
     from rigctl.api.own_effects import effects
+    from rigctl.api.proposals import Proposals
     from rigctl.api.ranking import ErrorPath, Ranking
     from rigctl.api.shots import Shots
     from rigctl.api.verdict import Verdict
@@ -66,6 +67,7 @@ _PLACES = {
     "Operator": _OPERATOR,
     "Outcome": _OPERATOR,
     "Parameter": _EFFECT,
+    "Proposals": "rigctl.api.proposals",
     "Quantity": "analysis.quantity",
     "Ranking": "rigctl.api.ranking",
     "RigError": "rigctl.errors",
@@ -98,6 +100,7 @@ __all__ = [
     "Operator",
     "Outcome",
     "Parameter",
+    "Proposals",
     "Quantity",
     "Ranking",
     "RigError",

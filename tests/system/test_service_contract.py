@@ -62,6 +62,7 @@ ORDERS = [
     ("GET", "/api/v1/sweeps"),
     ("POST", "/api/v1/sweeps/{sweep}/pause"),
     ("GET", "/api/v1/campaigns/{campaign}/ranking"),
+    ("POST", "/api/v1/campaigns/{campaign}/propose"),
     ("POST", "/api/v1/campaigns/{campaign}/next"),
     ("POST", "/api/v1/campaigns/{campaign}/fits"),
     ("GET", "/api/v1/campaigns/{campaign}/fits/{fit}"),

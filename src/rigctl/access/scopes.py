@@ -60,6 +60,7 @@ ROUTES: dict[tuple[str, str], Scope] = {
     ("GET", "/campaigns/{campaign}/structure"): Scope.READ,
     ("GET", "/campaigns/{campaign}/ranking"): Scope.READ,
     ("POST", "/campaigns/{campaign}/explain"): Scope.READ,
+    ("POST", "/campaigns/{campaign}/propose"): Scope.READ,
     ("POST", "/campaigns/{campaign}/next"): Scope.READ,
     ("POST", "/campaigns/{campaign}/fits"): Scope.MAINTAIN,
     ("GET", "/campaigns/{campaign}/fits"): Scope.READ,

@@ -9,6 +9,7 @@ from analysis.model.data.tables import Data
 from rigctl.api.fit import Fit
 from rigctl.api.measured import Measured, Source
 from rigctl.api.own_effects import Given, KnownEffects
+from rigctl.api.proposals import Proposals, proposals
 from rigctl.api.shots import Shots
 from rigctl.api.verdict import Verdict, explained
 
@@ -80,6 +81,24 @@ class Campaign:
     def explain(self) -> Verdict:
         """Go the whole way by itself: which effect is missing, none, or none that is known."""
         return explained(self.name, self._data(), self._known)
+
+    def propose(self, *effects: Given) -> Proposals:
+        """Propose the law that no catalogue holds: what depends on what, and in which shape.
+
+        Parameters
+        ----------
+        effects
+            Known to be there, beside those of the catalogue that are found on the way.
+
+        Raises
+        ------
+        AnalysisInputError
+            As `measure`, or there are too few shots.
+        NotFoundError
+            No effect has that name.
+        """
+        chosen = [self._known.chosen(effect) for effect in effects]
+        return proposals(self.name, self._data(), chosen, self._known)
 
     def _data(self) -> Data:
         self.measure()

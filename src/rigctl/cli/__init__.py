@@ -108,6 +108,10 @@ _MODEL = Group(
             "model.explain:explaining",
             "Find what is missing, add it, and say how much of the error it removes.",
         ),
+        "propose": Command(
+            "model.propose:proposing",
+            "Propose the law that no catalogue holds: what depends on what, and in which shape.",
+        ),
         "next": Command(
             "model.next:next_shots",
             "Choose the next shots: to tell two effects apart, or to sharpen a parameter.",

@@ -46,6 +46,7 @@ from rigctl.model.campaigns import folder_poses, poses_from
 from rigctl.model.known_effects import Available, available, faults_refused
 from rigctl.model.next_shots import Known, Question, answer
 from rigctl.model.own_effects import PART
+from rigctl.model.proposing import proposed_laws
 from rigctl.model.seen_effects import require_seen
 from rigctl.model.tabulated_campaigns import is_tabulated, require_poses, tabulated
 from rigctl.store import reading
@@ -94,6 +95,29 @@ def explain_job(asked: Json, say: Say) -> Json:
 
     (verdict, following), dropped = without_faulty(known.effects, judge)
     document = verdict_document(asked["campaign"], data, verdict, following)
+    return {**document, "faults": _told(known, dropped)}
+
+
+def propose_job(asked: Json, say: Say) -> Json:
+    """Propose the law that no catalogue holds, beside the named effects; `limits` are the rig's."""
+    known = _known(asked)
+    given = [known.named(name) for name in asked["with"]]
+    data = _data(asked, say)
+    pressure, offset = asked["limits"]
+    limits = Limits((pressure[0], pressure[1]), (offset[0], offset[1]))
+    with faults_refused():
+        require_seen(data, given, "with")
+        (_, document), dropped = without_faulty(
+            known.effects,
+            lambda left: proposed_laws(
+                asked["campaign"],
+                data,
+                given,
+                left,
+                say=lambda text: say(text, None),
+                limits=limits,
+            ),
+        )
     return {**document, "faults": _told(known, dropped)}
 
 

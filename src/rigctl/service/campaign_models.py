@@ -72,6 +72,12 @@ class FitOrder(StrictModel):
     effects: Effects = Field(alias="with")
 
 
+class ProposeOrder(StrictModel):
+    """Propose a law that no catalogue holds, beside these effects."""
+
+    effects: Effects = Field(alias="with")
+
+
 class TellOrder(StrictModel):
     """Choose shots that tell two effects apart; without `between`, the verdict's alias set."""
 

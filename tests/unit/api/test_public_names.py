@@ -32,6 +32,7 @@ NAMES = {
     "Operator",
     "Outcome",
     "Parameter",
+    "Proposals",
     "Quantity",
     "Ranking",
     "RigError",
@@ -44,10 +45,11 @@ NAMES = {
     "open",
 }
 METHODS = {
-    "Campaign": "agreement explain fit measure name",
+    "Campaign": "agreement explain fit measure name propose",
     "Shots": "left_out name now plot table",
     "Fit": "add agreement campaign chi2_per_dof effects error_path parameters plot rank rejected "
     "structure table to_dict",
+    "Proposals": "campaign confirm effects numbers plot sentences table to_dict verdict write",
     "Ranking": "best campaign p_familywise plot table to_list",
     "ErrorPath": "campaign errors plot table",
     "Agreement": "campaign plot prediction_error table to_dict",

@@ -12,7 +12,16 @@ from rigctl.challenge import new
 from rigctl.cli import run
 from rigctl.config import default_path
 
-WORDS = ("agreement", "explain", "fit", "fit --stream", "launch", "rank", "rank --stream")
+WORDS = (
+    "agreement",
+    "explain",
+    "fit",
+    "fit --stream",
+    "launch",
+    "propose",
+    "rank",
+    "rank --stream",
+)
 
 
 @pytest.fixture(scope="module")

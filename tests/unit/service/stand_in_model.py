@@ -27,6 +27,9 @@ def next_job(asked: Json, say: Say) -> Json:
     return {key: value for key, value in asked.items() if key not in known}
 
 
+propose_job = next_job
+
+
 def explain_job(asked: Json, say: Say) -> Json:
     if asked["campaign"] == "broken":
         raise AnalysisInputError("holds no poses", part="result-0001.json", todo="analyse it again")

@@ -114,6 +114,7 @@ def test_the_routes_are_those_of_the_contract(app: Any) -> None:
         "/api/v1/campaigns/{campaign}/structure",
         "/api/v1/campaigns/{campaign}/ranking",
         "/api/v1/campaigns/{campaign}/explain",
+        "/api/v1/campaigns/{campaign}/propose",
         "/api/v1/campaigns/{campaign}/next",
         "/api/v1/campaigns/{campaign}/fits",
         "/api/v1/campaigns/{campaign}/fits/{fit}",

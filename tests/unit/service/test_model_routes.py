@@ -181,3 +181,17 @@ def test_two_who_ask_the_same_get_one_job_and_deleting_it_kills_it(
     deleted = ask("DELETE", one.headers["location"])
     assert (deleted.status_code, deleted.json()["state"]) == (200, "cancelled")
     assert [job.state for job in jobs.jobs()] == ["cancelled"]
+
+
+def test_a_law_is_asked_for_beside_effects_and_within_the_rigs_limits(
+    ask: Any, jobs: Jobs, measure: Shoot
+) -> None:
+    measure()
+    first = ask("POST", f"{NYLON}/propose", json={"with": ["drag"]})
+    assert (first.status_code, first.json()["kind"]) == (202, "propose")
+    jobs.wait(first.json()["job"], WAIT_S)
+    asked = ask("GET", first.headers["location"]).json()["result"]
+    assert asked["with"] == ["drag"]
+    assert [low < high for low, high in asked["limits"]] == [True, True]
+    refused = ask("POST", f"{NYLON}/propose", json={"with": ["phlogiston"]})
+    assert (refused.status_code, refused.json()["code"]) == (404, "not-found")

@@ -46,7 +46,7 @@ def test_every_route_has_a_scope_and_every_scope_a_route(app: Any) -> None:
     }
     assert set(ROUTES) == documented
     # Whatever is no GET and works out no question changes something.
-    asking = ("explain", "next")
+    asking = ("explain", "next", "propose")
     for (method, path), scope in ROUTES.items():
         reads = method == "GET" or path.endswith(asking)
         assert (scope is Scope.READ) == reads, (method, path)

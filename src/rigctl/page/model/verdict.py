@@ -10,6 +10,7 @@ from analysis.model.fitting.nuisance_words import alarm_sentence
 from analysis.model.structure.alarm import FEWEST
 from analysis.model.structure.influence import FEW
 from analysis.model.verdict.words import doubts, too_few, verdict_sentence
+from rigctl.page.model.law import ProposedLaw
 from rigctl.page.model.state import ModelState, Question
 from rigctl.page.parts.widgets import button
 
@@ -25,11 +26,12 @@ class Verdict:
         self._state = state
         jobs = state.source.daemon.jobs
         self._asked = Question(lambda: state.source.ask("explain"), jobs.job)
+        self._law = ProposedLaw(state, self.show.refresh)
         self.show()
 
     def follow(self) -> None:
         """Show the answer once it has come."""
-        if self._asked.follow():
+        if self._asked.follow() | self._law.follow():
             self.show.refresh()
 
     @ui.refreshable_method
@@ -68,6 +70,8 @@ class Verdict:
             ui.label(said).props("data-testid=explained")
             for doubt in doubts(self._asked.answer):
                 ui.label(doubt).classes("note")
+            if self._asked.answer["unexplained"]:
+                self._law.show()
 
     def _start(self) -> None:
         self._asked.start()

@@ -24,6 +24,7 @@ from rigctl.service.campaign_models import (
     FitReference,
     FitView,
     NextOrder,
+    ProposeOrder,
 )
 from rigctl.service.guards.bodies import StrictRoute
 from rigctl.service.problems import documented
@@ -72,6 +73,13 @@ def model_routes(daemon: Daemon) -> APIRouter:
     def explain(campaign: CampaignName) -> Response:
         """Find what is missing, to a verdict."""
         return accepted(_ask(daemon, "explain", campaign, []))
+
+    @router.post("/propose", status_code=202, responses=accepts() | documented(*_POST))
+    def propose(campaign: CampaignName, order: ProposeOrder) -> Response:
+        """Propose the law that no catalogue holds, beside the effects named."""
+        limits = daemon.configuration.limits
+        asked = {"limits": [limits.pressure_kpa, limits.offset_mm]}
+        return accepted(_ask(daemon, "propose", campaign, order.effects, asked))
 
     @router.post("/next", status_code=202, responses=accepts() | documented(*_POST))
     def next_shots(campaign: CampaignName, order: NextOrder) -> Response:

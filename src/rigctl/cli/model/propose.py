@@ -1,0 +1,114 @@
+"""`rigctl model propose`: the law that no catalogue holds, and its confirmation."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.console import Console
+
+from analysis.effects.effect import Effect
+from analysis.effects.own.dropping import without_faulty
+from analysis.launch.prediction import Limits
+from analysis.model.proposals.document import confirmation_document
+from analysis.model.proposals.effect_file import written
+from analysis.model.proposals.propose import Proposed
+from analysis.model.proposals.words import (
+    confirmation_sentence,
+    proposal_sentences,
+)
+from rigctl.cli.model.reading import opened, tell
+from rigctl.cli.options import Campaign, Config, Json, OwnEffects, With
+from rigctl.cli.output import TABLE_WIDTH, print_json, progress
+from rigctl.config import load
+from rigctl.model.known_effects import available, faults_refused
+from rigctl.model.proposing import confirmed, proposed_laws, unwritable
+from rigctl.model.seen_effects import require_seen
+from rigctl.sweeps.form import Sweep, write_sweep
+
+SWEEP = "next_shots.toml"
+
+
+def proposing(
+    campaign: Campaign,
+    *,
+    effects: With = None,
+    folder: OwnEffects = None,
+    write: Annotated[
+        Path | None, typer.Option(help="Write each proposal into this folder as an effect file.")
+    ] = None,
+    confirm: Annotated[
+        Path | None,
+        typer.Option(help="Test the form of this file on the shots it was not chosen on."),
+    ] = None,
+    config: Config = None,
+    json: Json = False,
+) -> None:
+    """Propose what depends on what, beside the named effects and all of the catalogue.
+
+    Raises
+    ------
+    AnalysisInputError
+        The campaign cannot be read, has too few shots, or an effect has a fault.
+    NotFoundError
+        No effect, or no campaign, has that name.
+    StoreError
+        The folder cannot be written.
+    """
+    known = available(folder)
+    given = [known.named(name, "--with") for name in effects or []]
+    if confirm is not None:
+        document = _confirming(campaign, given, confirm, config)
+        _print(document, [confirmation_sentence(document)], as_json=json)
+        return
+    rig = load(config).limits
+    limits = Limits(rig.pressure_kpa, rig.offset_mm)
+    title, data = opened(campaign, config)
+    with faults_refused(), progress() as say:
+        require_seen(data, given, "--with")
+        (found, document), dropped = without_faulty(
+            known.effects,
+            lambda left: proposed_laws(title, data, given, left, say=say, limits=limits),
+        )
+    document["faults"] = tell([*known.faults, *dropped])
+    document["files"], document["sweep"] = [], None
+    if write is not None:
+        _write(write, title, found, document)
+    lines = [*proposal_sentences(document), *(f"written: {path}" for path in document["files"])]
+    if document["sweep"]:
+        lines.append(f"next shots, to be fired as a sweep: rigctl sweep {document['sweep']}")
+    _print(document, lines, as_json=json)
+
+
+def _confirming(
+    campaign: Path, given: Sequence[Effect], file: Path, config: Path | None
+) -> dict[str, Any]:
+    """Test the form of a file on shots that it was not chosen on."""
+    title, data = opened(campaign, config)
+    with faults_refused(), progress() as say:
+        say("testing the form")
+        return confirmation_document(title, confirmed(title, data, given, file))
+
+
+def _write(folder: Path, title: str, found: Proposed, document: dict[str, Any]) -> None:
+    """Write each proposal, and the next shots as a sweep beside them."""
+    try:
+        document["files"] = [str(path) for path in written(folder, title, found)]
+    except OSError as error:
+        raise unwritable(folder, error) from error
+    shots = [shot for one in document["proposals"] for shot in one["next_shots"]]
+    if shots:
+        note = f"confirms a law proposed after {title}"
+        write_sweep(folder / SWEEP, Sweep.model_validate({"note": note, "shots": shots}))
+        document["sweep"] = str(folder / SWEEP)
+
+
+def _print(document: dict[str, Any], lines: Sequence[str], *, as_json: bool) -> None:
+    if as_json:
+        print_json(document)
+        return
+    console = Console(width=TABLE_WIDTH)
+    for line in lines:
+        console.print(line, highlight=False, markup=False)
