@@ -27,6 +27,7 @@ from analysis.model.structure.far_off import is_far_off
 from analysis.model.structure.lackoffit import Cell, lack_of_fit
 from analysis.model.verdict.exchange import AliasSets, exchanged, fits_without
 from analysis.model.verdict.forward import Found, forward
+from analysis.model.verdict.part import what_explains
 
 DROP_LEVEL = 0.0005
 
@@ -87,7 +88,31 @@ def explain(
     effects: Sequence[Effect],
     progress: Callable[[str], None] = lambda _: None,
 ) -> Verdict:
-    """Go the whole way from the base model to a verdict."""
+    """Go the whole way from the base model to a verdict.
+
+    Beside `unexplained` stand only effects without which shots left out would be foretold worse.
+    """
+    found = _concluded(data, effects, progress)
+    return _honest(found, effects) if found.verdict == "unexplained" else found
+
+
+def _honest(found: Verdict, effects: Sequence[Effect]) -> Verdict:
+    """Return an unexplained verdict without the effects that explain nothing."""
+    path = what_explains(found.cleaned.data, found.path)
+    if len(path) == len(found.path):
+        return found
+    names = path[-1].effects
+    return replace(
+        found,
+        effects=names,
+        alias_sets={name: found.alias_sets[name] for name in names},
+        path=path,
+        ranking=rank(found.cleaned.data, path[-1].fit, effects),
+    )
+
+
+def _concluded(data: Data, effects: Sequence[Effect], progress: Callable[[str], None]) -> Verdict:
+    """Accept effects step by step, and judge what is left."""
     progress("fitting the base model")
     stated = without_contact_frames(data)
     evidence = weighed(stated)
