@@ -16,6 +16,7 @@ from analysis.model.proposals.hints import hint_for
 from analysis.model.proposals.propose import Accepted, Proposed
 from analysis.model.proposals.screen import SMALLEST_P
 from analysis.model.proposals.shapes import POWER
+from analysis.model.proposals.together import SharedForm
 from analysis.model.proposals.wording import formula, latex
 
 Json = dict[str, Any]
@@ -124,4 +125,31 @@ def confirmation_document(campaign: str, found: Confirmation) -> Json:
         "error_before": found.error_before,
         "error_after": found.error_after,
         "parameters": {name: q.to_json() for name, q in found.parameters.items()},
+    }
+
+
+def together_document(campaigns: Sequence[str], found: Sequence[SharedForm]) -> Json:
+    """Return the document of several campaigns asked at once."""
+    return {
+        "campaigns": list(campaigns),
+        "verdict": "proposal" if found else "none",
+        "shared": [
+            {
+                "slot": one.slot,
+                "argument": one.argument,
+                "shape": one.shape,
+                "constants": list(one.constants),
+                "amplitude": one.amplitude,
+                "sigma": one.sigma,
+                "p_familywise": one.p_familywise,
+                "p_alike": max(one.p_alike, SMALLEST_P),
+                "each": [
+                    {"campaign": name, "amplitude": amplitude, "sigma": sigma}
+                    if np.isfinite(sigma)
+                    else {"campaign": name, "amplitude": None, "sigma": None}
+                    for name, (amplitude, sigma) in zip(campaigns, one.each, strict=True)
+                ],
+            }
+            for one in found
+        ],
     }

@@ -15,6 +15,7 @@ from analysis.model.proposals.channels import Channels, Form
 from analysis.model.proposals.flight_forms import FlightForm
 from analysis.model.proposals.form import ContactForm
 from analysis.model.proposals.screen import FULL_SLOTS, columns_of, shaped, shapes_of
+from analysis.model.proposals.shapes import spread_of
 
 Floats = NDArray[np.float64]
 
@@ -91,7 +92,8 @@ def promised(channels: Channels, group: tuple[str, str], forms: Sequence[Form]) 
         shapes = shapes_of(argument) if form.slot in FULL_SLOTS else (form.shape,)
         for shape in shapes:
             if shape.name == form.shape.name:
-                finer += shaped(channels, form.slot, argument, shape, FINE)
+                spread = spread_of(argument.of(channels.encounter)[:, 0])
+                finer += shaped(channels, form.slot, argument, shape, spread, fine=FINE)
     best: dict[tuple[str, str], Promise] = {}
     for promise in _promises(channels, finer):
         key = promise.form.shape_name, _variable(promise.form)

@@ -7,7 +7,7 @@ an exact family-wise threshold.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -27,6 +27,7 @@ from analysis.model.proposals.shapes import (
     LINEAR,
     POWER,
     Shape,
+    Spread,
     spread_of,
 )
 
@@ -161,42 +162,60 @@ def largest_by_chance(correlation: Floats, rng: np.random.Generator) -> Floats:
     return np.asarray(np.abs(draws).max(axis=0), dtype=np.float64)
 
 
-def contact_forms(channels: Channels, arguments: Sequence[Argument]) -> list[ContactForm]:
-    """Return every slot with every argument in every shape, and products of two arguments."""
+Spreads = Mapping[tuple[str, str], Spread]
+"""Where shots lie in every argument that is one number, by its key."""
+
+
+def spreads_of(channels: Channels, arguments: Sequence[Argument]) -> Spreads:
+    """Return where the shots of a campaign lie."""
+    encounter = channels.encounter
+    return {a.key: spread_of(a.of(encounter)[:, 0]) for a in arguments if a.is_scalar}
+
+
+def contact_forms(
+    channels: Channels, arguments: Sequence[Argument], spreads: Spreads | None = None
+) -> list[ContactForm]:
+    """Return every slot with every argument in every shape, and products of two arguments.
+
+    Parameters
+    ----------
+    spreads
+        Which set the constants that are tried; None: those of the campaign.
+    """
+    spreads = spreads_of(channels, arguments) if spreads is None else spreads
     found = []
     for slot in (*FULL_SLOTS, *SPARE_SLOTS):
         for argument in arguments:
-            found += _with_argument(channels, slot, argument, fine=1)
+            found += _with_argument(channels, slot, argument, spreads)
     products = [a for a in arguments if a.is_scalar and a.symbol != "|w_n|" and not a.is_setting]
     for slot in FULL_SLOTS:
         for pair in combinations(products, 2):
-            found += product_forms(channels, slot, pair)
+            zeros = spreads[pair[0].key].mean, spreads[pair[1].key].mean
+            found.append(_reaching(channels, ContactForm(slot, pair, None, zeros, (1.0,))))
     return found
 
 
-def product_forms(
-    channels: Channels, slot: str, pair: tuple[Argument, Argument]
-) -> list[ContactForm]:
-    """Return the product of two arguments, each about its middle."""
-    zeros = [_middle(channels, argument) for argument in pair]
-    return [_reaching(channels, ContactForm(slot, pair, None, (zeros[0], zeros[1]), (1.0,)))]
-
-
 def _with_argument(
-    channels: Channels, slot: str, argument: Argument, *, fine: int
+    channels: Channels, slot: str, argument: Argument, spreads: Spreads
 ) -> list[ContactForm]:
     if not argument.is_scalar:
         none = ContactForm(slot, (argument,), None, (), (1.0,) * len(argument.codes))
         return [_reaching(channels, none)]
     shapes = shapes_of(argument) if slot in FULL_SLOTS else _simplest(argument)
-    return [form for shape in shapes for form in shaped(channels, slot, argument, shape, fine)]
+    spread = spreads[argument.key]
+    return [f for shape in shapes for f in shaped(channels, slot, argument, shape, spread)]
 
 
 def shaped(
-    channels: Channels, slot: str, argument: Argument, shape: Shape, fine: int
+    channels: Channels,
+    slot: str,
+    argument: Argument,
+    shape: Shape,
+    spread: Spread,
+    *,
+    fine: int = 1,
 ) -> list[ContactForm]:
     """Return a shape with the constants of its grid; `fine` > 1: of a finer one."""
-    spread = spread_of(argument.of(channels.encounter)[:, 0])
     ones = (1.0,) * len(shape.codes)
     return [
         _reaching(channels, ContactForm(slot, (argument,), shape, constants, ones))
@@ -215,11 +234,6 @@ def shapes_of(argument: Argument) -> tuple[Shape, ...]:
 
 def _simplest(argument: Argument) -> tuple[Shape, ...]:
     return (LINEAR, POWER) if argument.positive else (LINEAR,)
-
-
-def _middle(channels: Channels, argument: Argument) -> float:
-    values = argument.of(channels.encounter)[:, 0]
-    return float(np.exp(np.log(values).mean())) if argument.positive else float(values.mean())
 
 
 def _reaching(channels: Channels, form: ContactForm) -> ContactForm:

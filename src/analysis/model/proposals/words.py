@@ -75,3 +75,30 @@ def confirmation_sentence(document: Json) -> str:
         f"{document['effect']} is {word}, p = {document['p_value']:.2g}; {values}; error on shots "
         f"left out {document['error_before']:.4f} without it, {document['error_after']:.4f} with it"
     )
+
+
+DIFFERENT = 0.01
+"""Chance below which campaigns are said not to share an amplitude."""
+
+
+def together_sentences(document: Json) -> list[str]:
+    """Return the sentences of a document of several campaigns."""
+    names = ", ".join(document["campaigns"])
+    if not document["shared"]:
+        return [f"{names}: together they ask for no law."]
+    return [f"{names}: together they ask for", *map(_shared, document["shared"])]
+
+
+def _shared(one: Json) -> str:
+    each = ", ".join(
+        f"{own['campaign']} not told"
+        if own["amplitude"] is None
+        else f"{own['campaign']} {own['amplitude']:.3g} +- {own['sigma']:.2g}"
+        for own in one["each"]
+    )
+    word = "each its own" if one["p_alike"] < DIFFERENT else "one for all"
+    return (
+        f"  {one['slot']} against {one['argument']}, {one['shape']}: {one['amplitude']:.3g} +- "
+        f"{one['sigma']:.2g}, chance {one['p_familywise']:.2g}; {word} (chance of such "
+        f"differences {one['p_alike']:.2g}): {each}"
+    )

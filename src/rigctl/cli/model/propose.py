@@ -11,18 +11,22 @@ from rich.console import Console
 
 from analysis.effects.effect import Effect
 from analysis.effects.own.dropping import without_faulty
+from analysis.errors import ProposalRefusedError
 from analysis.launch.prediction import Limits
-from analysis.model.proposals.document import confirmation_document
+from analysis.model.proposals.document import confirmation_document, together_document
 from analysis.model.proposals.effect_file import written
 from analysis.model.proposals.propose import Proposed
+from analysis.model.proposals.together import propose_together
 from analysis.model.proposals.words import (
     confirmation_sentence,
     proposal_sentences,
+    together_sentences,
 )
 from rigctl.cli.model.reading import opened, tell
 from rigctl.cli.options import Campaign, Config, Json, OwnEffects, With
 from rigctl.cli.output import TABLE_WIDTH, print_json, progress
 from rigctl.config import load
+from rigctl.errors import AnalysisInputError
 from rigctl.model.known_effects import available, faults_refused
 from rigctl.model.proposing import confirmed, proposed_laws, unwritable
 from rigctl.model.seen_effects import require_seen
@@ -43,6 +47,10 @@ def proposing(
         Path | None,
         typer.Option(help="Test the form of this file on the shots it was not chosen on."),
     ] = None,
+    together: Annotated[
+        list[Path] | None,
+        typer.Option(help="Ask this campaign as well: what do they share? Several times."),
+    ] = None,
     config: Config = None,
     json: Json = False,
 ) -> None:
@@ -62,6 +70,10 @@ def proposing(
     if confirm is not None:
         document = _confirming(campaign, given, confirm, config)
         _print(document, [confirmation_sentence(document)], as_json=json)
+        return
+    if together:
+        document = _together([campaign, *together], given, config)
+        _print(document, together_sentences(document), as_json=json)
         return
     rig = load(config).limits
     limits = Limits(rig.pressure_kpa, rig.offset_mm)
@@ -90,6 +102,21 @@ def _confirming(
     with faults_refused(), progress() as say:
         say("testing the form")
         return confirmation_document(title, confirmed(title, data, given, file))
+
+
+def _together(
+    campaigns: Sequence[Path], given: Sequence[Effect], config: Path | None
+) -> dict[str, Any]:
+    """Ask several campaigns for what they share, and what each has for itself."""
+    read = [opened(campaign, config) for campaign in campaigns]
+    titles = [title for title, _ in read]
+    with faults_refused(), progress() as say:
+        say("scoring forms in all campaigns")
+        try:
+            found = propose_together([data for _, data in read], given)
+        except ProposalRefusedError as error:
+            raise AnalysisInputError(str(error), part=", ".join(titles)) from error
+    return together_document(titles, found)
 
 
 def _write(folder: Path, title: str, found: Proposed, document: dict[str, Any]) -> None:

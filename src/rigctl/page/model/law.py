@@ -20,7 +20,7 @@ Json = dict[str, Any]
 class ProposedLaw:
     """The button that asks for a law, and what came of it; `refresh` draws the place anew."""
 
-    def __init__(self, state: ModelState, refresh: Callable[[], None]) -> None:
+    def __init__(self, state: ModelState, refresh: Callable[[], object]) -> None:
         self._state, self._refresh = state, refresh
         self._asked = Question(self._ask, state.source.daemon.jobs.job)
 

@@ -1,0 +1,104 @@
+"""`rigctl model propose`: its document, its files, and what it refuses."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from rigctl.cli import run
+from rigctl.sweeps.form import read_sweep
+from simulators.challenge import write_challenge
+
+SHOTS = 60
+KEYS = {
+    *("slot", "argument", "shape", "name", "formula", "latex", "parameters", "p_familywise"),
+    *("error_before", "error_after", "alike", "alike_effects", "shapes", "within", "hint"),
+    "next_shots",
+}
+
+
+@pytest.fixture(scope="module")
+def strange(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a campaign whose e has a bump at 5 m/s."""
+    folder = tmp_path_factory.mktemp("campaigns") / "strange"
+    write_challenge(folder, {"restitution-bump": 0.008}, seed=3, shots=SHOTS)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def laws(strange: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the folder into which its proposal was written."""
+    folder = tmp_path_factory.mktemp("laws")
+    assert run(["model", "propose", str(strange), "--write", str(folder)]) == 0
+    return folder
+
+
+def asked(capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, Any]:
+    capsys.readouterr()
+    assert run(["model", "propose", *words, "--json"]) == 0
+    found: dict[str, Any] = json.loads(capsys.readouterr().out)
+    return found
+
+
+def test_the_document_has_the_keys_of_the_contract(
+    strange: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    found = asked(capsys, str(strange))
+    assert (found["campaign"], found["shots"], found["verdict"]) == ("strange", SHOTS, "proposal")
+    [one] = found["proposals"]
+    assert set(one) == KEYS
+    assert (one["slot"], one["argument"], one["shape"]) == ("e", "speed_n", "bump")
+    assert set(one["parameters"]) == {"a", "m", "w"}
+    assert one["parameters"]["m"]["unit"] == "m/s"
+    assert one["error_after"] < one["error_before"]
+
+
+def test_the_files_are_an_effect_that_can_be_fitted_and_a_sweep(
+    strange: Path, laws: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert {path.name for path in laws.iterdir()} == {
+        "proposed_e_speed_n_bump.py",
+        "next_shots.toml",
+    }
+    name = "proposed-e-speed-n-bump"
+    capsys.readouterr()
+    words = ["model", "fit", str(strange), "--with", name, "--effects", str(laws), "--json"]
+    assert run(words) == 0
+    amplitude = json.loads(capsys.readouterr().out)["parameters"][f"{name}.a"]
+    assert abs(amplitude["value"] - 0.008) < 5 * amplitude["sigma"]
+    assert len(read_sweep(laws / "next_shots.toml").shots) > 1
+
+
+def test_a_form_is_confirmed_on_another_campaign_and_refused_on_its_own_shots(
+    strange: Path, laws: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = str(laws / "proposed_e_speed_n_bump.py")
+    write_challenge(tmp_path / "again", {"restitution-bump": 0.008}, seed=4, shots=SHOTS)
+    found = asked(capsys, str(tmp_path / "again"), "--confirm", file)
+    assert (found["confirmed"], found["used"]) == (True, SHOTS)
+    assert run(["model", "propose", str(strange), "--confirm", file]) == 2
+    assert "0 shots of these did not take part" in capsys.readouterr().err
+
+
+def test_several_campaigns_are_asked_at_once(
+    strange: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write_challenge(tmp_path / "other", {"restitution-bump": 0.008}, seed=5, shots=SHOTS)
+    found = asked(capsys, str(strange), "--together", str(tmp_path / "other"))
+    assert found["campaigns"] == ["strange", "other"]
+    first = found["shared"][0]
+    assert (first["slot"], first["argument"]) == ("e", "speed_n")
+    assert [own["campaign"] for own in first["each"]] == ["strange", "other"]
+
+
+def test_five_shots_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    write_challenge(tmp_path / "few", {}, seed=1, shots=5)
+    assert run(["model", "propose", str(tmp_path / "few")]) == 2
+    assert "at least 12 are needed" in capsys.readouterr().err
+
+
+def test_an_effect_that_is_not_there_is_not_found(strange: Path) -> None:
+    assert run(["model", "propose", str(strange), "--with", "phlogiston"]) == 4
