@@ -84,12 +84,14 @@ def trial(
     ), found
 
 
-def null(campaigns: int, d: float) -> list[Trial]:
+def null(campaigns: int, d: float, of: str) -> list[Trial]:
     """Count proposals where nothing is missing, or what is missing is in the catalogue."""
     tried = []
     kinds: list[tuple[str, dict[str, float]]] = [(name, {}) for name in list(TREATMENTS)[:3]]
     kinds += [("as stated", {name: size}) for name, size in BESIDE.items()]
     for treatment, hidden in kinds:
+        if of not in f"{' '.join(hidden) or 'nothing'}, {treatment}":
+            continue
         count = campaigns if not hidden else max(campaigns // len(BESIDE), 1)
         own = [trial(hidden, FIRST_SEED + k, treatment=treatment)[0] for k in range(count)]
         for one in own:
@@ -101,10 +103,12 @@ def null(campaigns: int, d: float) -> list[Trial]:
     return tried
 
 
-def power(campaigns: int, d: float) -> list[Trial]:
+def power(campaigns: int, d: float, of: str) -> list[Trial]:
     """Hide each law at one strength: the right slot and argument first, or in a small set."""
     tried: list[Trial] = []
     for name, law in LAWS.items():
+        if of not in name:
+            continue
         own = []
         for k in range(campaigns):
             seed = FIRST_SEED + 10_000 + k
@@ -149,7 +153,7 @@ def _named(one: Trial, right: tuple[str, str]) -> bool:
     return found[0] == right or (right in found and len(found) <= SMALL_SET)
 
 
-def exponent(campaigns: int, d: float) -> list[Trial]:
+def exponent(campaigns: int, d: float, of: str) -> list[Trial]:
     """Hold the exponent of a central force in flight against its standard error."""
     tried, hits = [], []
     for k in range(campaigns):
@@ -168,7 +172,7 @@ def exponent(campaigns: int, d: float) -> list[Trial]:
     return tried
 
 
-def central(campaigns: int, d: float) -> list[Trial]:
+def central(campaigns: int, d: float, of: str) -> list[Trial]:
     """Have a force as 1/d^4 proposed: one in flight, and nothing of the contact beside it."""
     size = HIDDEN["attraction-power"].amplitude
     tried = [
@@ -182,7 +186,7 @@ def central(campaigns: int, d: float) -> list[Trial]:
     return tried
 
 
-def speed(campaigns: int, d: float) -> list[Trial]:
+def speed(campaigns: int, d: float, of: str) -> list[Trial]:
     """Take the processor time of 120 and of 1000 shots, functions compiled."""
     global SHOTS
     trial({}, 1)
@@ -226,8 +230,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("section", choices=SECTIONS)
     parser.add_argument("--campaigns", type=int, default=20, help="of each kind")
     parser.add_argument("--d", type=float, default=6.0, help="strength of what is hidden")
+    parser.add_argument("--of", default="", help="only kinds whose name holds this")
     wanted = parser.parse_args(arguments)
-    tried = SECTIONS[wanted.section](wanted.campaigns, wanted.d)
+    tried = SECTIONS[wanted.section](wanted.campaigns, wanted.d, wanted.of)
     OUT.mkdir(exist_ok=True)
     path = OUT / f"proposals-{wanted.section}.json"
     path.write_text(json.dumps([asdict(one) for one in tried], indent=1) + "\n", encoding="utf-8")
