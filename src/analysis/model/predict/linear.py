@@ -5,16 +5,18 @@ The same as in comparison.py, spread out: what a test or a picture of single res
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.effects.effect import Effect
 from analysis.model.data.poses import PoseData
 from analysis.model.data.tables import Data
 from analysis.model.fitting.jitter import by_frame
 from analysis.model.fitting.shared_noise import SharedNoise
-from analysis.model.predict.columns import theory_columns
+from analysis.model.predict.columns import all_columns
 from analysis.model.predict.comparison import KINDS, compare, difference, misfit, weights
 from analysis.model.predict.prediction import Poses
 from analysis.model.predict.state import ShotStates
@@ -53,10 +55,18 @@ class Linearised:
     shared: SharedNoise | None
 
 
-def linearise(data: Data, states: ShotStates, theory: Theory) -> Linearised:
-    """Predict all poses and compare them with the data, to first order about states and theory."""
+def linearise(
+    data: Data, states: ShotStates, theory: Theory, effects: Sequence[Effect] = ()
+) -> Linearised:
+    """Predict all poses and compare them with the data, to first order about states and theory.
+
+    Parameters
+    ----------
+    effects
+        Whose parameters, where they are off, follow those of the theory in `by_theory`.
+    """
     line, here = compare(data, states, theory)
-    shared = theory_columns(data, states, theory, line, here)
+    shared = all_columns(data, states, theory, line=line, here=here, effects=effects)
     shots, blocks, _, size = line.slopes.shape
     by_theory = line.slopes @ shared.moved.reshape(shots, blocks, size, -1)
     by_theory[..., shared.framed] += shared.frames

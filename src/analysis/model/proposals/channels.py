@@ -14,17 +14,19 @@ from numpy.typing import NDArray
 from analysis.collision.operator import Encounter, Operator, Outcome
 from analysis.effects.effect import ContactEffect, Effect, Parameter, Values
 from analysis.model.data.poses import PoseData
-from analysis.model.data.tables import ContactTable, Data
+from analysis.model.data.tables import Data
 from analysis.model.fitting.fit import Fit
 from analysis.model.fitting.normal import inverse, solve_blocks, with_prior
 from analysis.model.predict.contact import encounter_of
 from analysis.model.predict.linear import linearise
 from analysis.model.proposals.flight_forms import FlightForm, flight_forms
 from analysis.model.proposals.form import COEFFICIENTS, SLOTS, TORSION, ContactForm, twisted
+from analysis.model.proposals.frame_forms import FrameForm, frame_forms
 from analysis.model.rank.projector import ByShot, Projector
 
 Floats = NDArray[np.float64]
-Form = ContactForm | FlightForm
+InFrames = FlightForm | FrameForm
+Form = ContactForm | InFrames
 
 LEAST_INFORMATION = 1e-5
 """A column of which less is left is what a fitted number does already."""
@@ -39,9 +41,10 @@ class Channels:
     encounter
         How the spheres of every shot meet.
     by_shot
-        Of the channels: first the slots of the contact, then the columns of `flights`.
-    flights
-        Forces in flight, one for each further channel, and which of its columns that is.
+        Of the channels: first the slots of the contact, then the columns of `framed`.
+    framed
+        Forms of flight, camera and clock, one for each further channel, and which of its columns
+        that is.
     covariance
         Of what all shots share, shape (P, P).
     noise_scale
@@ -50,7 +53,7 @@ class Channels:
 
     encounter: Encounter
     by_shot: ByShot
-    flights: tuple[tuple[FlightForm, int], ...]
+    framed: tuple[tuple[InFrames, int], ...]
     covariance: Floats
     noise_scale: float
 
@@ -58,9 +61,7 @@ class Channels:
         """Return the channel of one column of a form, and f of every shot there, shape (S,)."""
         if isinstance(form, ContactForm):
             return SLOTS.index(form.slot), form.columns(self.encounter)[:, number]
-        place = next(
-            k for k, (other, n) in enumerate(self.flights) if other is form and n == number
-        )
+        place = next(k for k, (other, n) in enumerate(self.framed) if other is form and n == number)
         return len(SLOTS) + place, np.ones(len(self.by_shot.gradient))
 
     def summed(self, columns: Sequence[tuple[int, Floats]]) -> Sums:
@@ -110,11 +111,9 @@ class Sums:
 
 def channels_of(data: Data, fit: Fit) -> Channels:
     """Linearise about a fit, and project all channels."""
-    flights = _flights(data)
-    theory = fit.theory
-    for probe in (_TORSION_PROBE, *(form.effect(f"flight-{k}") for k, form in enumerate(flights))):
-        theory = theory.with_effect(probe)
-    line = linearise(data, fit.states, theory)
+    framed = _in_frames(data)
+    probes = [_TORSION_PROBE, *(form.effect(f"probe-{k}") for k, form in enumerate(framed))]
+    line = linearise(data, fit.states, fit.theory, probes)
     fitted = len(fit.theory.names)
     # A relative change of a coefficient is so many of its own units.
     law = line.by_theory[..., : len(COEFFICIENTS)] * fit.theory.vector[: len(COEFFICIENTS)]
@@ -136,18 +135,18 @@ def channels_of(data: Data, fit: Fit) -> Channels:
     return Channels(
         encounter=encounter_of(data, fit.states, fit.theory),
         by_shot=sums.project(columns),
-        flights=tuple((form, k) for form in flights for k in range(len(form.symbols))),
+        framed=tuple((form, k) for form in framed for k in range(len(form.symbols))),
         covariance=sums.covariance,
         noise_scale=float(np.sqrt(max(fit.chi2_per_dof, 1e-12))),
     )
 
 
-def _flights(data: Data) -> list[FlightForm]:
-    """Return the forces that poses of two spheres can show; a table has no flight."""
+def _in_frames(data: Data) -> list[InFrames]:
+    """Return the forms that poses of two spheres can show; a table has no frames."""
     a, b = data.bodies
-    if not isinstance(data, PoseData) or isinstance(data, ContactTable) or b.is_plate:
+    if not isinstance(data, PoseData) or b.is_plate:
         return []
-    return flight_forms(a.radius + b.radius, a.mass)
+    return [*flight_forms(a.radius + b.radius, a.mass), *frame_forms()]
 
 
 def _probe(operator: Operator, values: Values) -> Operator:

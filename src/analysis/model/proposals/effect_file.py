@@ -8,9 +8,11 @@ from pathlib import Path
 from textwrap import fill
 
 from analysis.effects.effect import FlightEffect, Parameter
+from analysis.effects.own.guard import FUNCTIONS
 from analysis.model.proposals.channels import Form
 from analysis.model.proposals.flight_forms import FlightForm
 from analysis.model.proposals.form import TORSION, ContactForm
+from analysis.model.proposals.frame_forms import FrameForm
 from analysis.model.proposals.propose import Accepted, Proposed
 from analysis.model.proposals.shapes import POWER
 from analysis.model.proposals.wording import formula
@@ -95,6 +97,41 @@ _BODIES = {
 }
 
 
+_CAMERA_IMPORTS = """import numpy as np
+
+from rigctl import CameraEffect, CameraSetup, Floats, Parameter, Values
+"""
+_APPEAR = '''
+
+def appear(position: Floats, camera: CameraSetup, values: Values) -> Floats:
+    """Return where the images show centres that are at `position`: X down, Y right, Z near, m."""
+    places = np.moveaxis(position, -1, 0)
+    moved = [*places]
+    moved[{along}] = moved[{along}] + values[0] * places[{by}]{square}
+    return np.stack(moved, axis=-1)
+
+
+EFFECT = CameraEffect('''
+_CLOCK_IMPORTS = """import numpy as np
+
+from rigctl import CameraSetup, ClockEffect, Exposure, Floats, Parameter, Values
+"""
+_EXPOSE = '''
+
+def expose(exposure: Exposure, camera: CameraSetup, values: Values) -> tuple[Floats, Floats]:
+    """Return true times, s: of positions, to (S, F, 2, 3), and of orientations, to (S, F, 2)."""
+    stated = exposure.times_s[..., None]
+    true = stated + {change}
+    return true[..., None], true
+
+
+EFFECT = ClockEffect('''
+_SQUARE = "values[0] * stated**2"
+_PERIODIC = """(
+        values[0] * np.sin(2 * np.pi * F * stated) + values[1] * np.cos(2 * np.pi * F * stated)
+    )"""
+
+
 def effect_name(form: Form) -> str:
     """Return the name of a proposal's effect: what depends on what, and how."""
     words = f"proposed-{form.slot}-{form.argument}-{form.shape_name}".replace("*", "-times-")
@@ -136,7 +173,7 @@ def text_of(campaign: str, shots: Sequence[int], one: Accepted) -> str:
     head = _HEAD.format(
         title=formula(form).rstrip("."),
         told=told,
-        imports=_CONTACT_IMPORTS if isinstance(form, ContactForm) else _FLIGHT_IMPORTS,
+        imports=_imports(form),
     )
     seen = f"\n{CAMPAIGN} = {campaign!r}\n{SHOTS} = {ranges(shots)!r}"
     constants = "".join(f"\n{name} = {value!r}" for name, value in _named(form).items())
@@ -170,6 +207,12 @@ def seen_shots(path: Path) -> tuple[str, set[int]] | None:
     return found[CAMPAIGN], numbers
 
 
+def _imports(form: Form) -> str:
+    if isinstance(form, FrameForm):
+        return _CAMERA_IMPORTS if form.slot == "camera" else _CLOCK_IMPORTS
+    return _FLIGHT_IMPORTS if isinstance(form, FlightForm) else _CONTACT_IMPORTS
+
+
 def _named(form: Form) -> dict[str, float]:
     """Return the constants of a form by the names that its file has for them."""
     if isinstance(form, FlightForm):
@@ -177,6 +220,8 @@ def _named(form: Form) -> dict[str, float]:
         own = {"TOUCHING": form.touching, "MASS": form.mass} if central else {}
         scales = zip(form.free, form.constants, strict=True)
         return {**own, **{name.upper(): float(value) for name, value in scales}}
+    if isinstance(form, FrameForm):
+        return {"F": form.constants[0]} if form.constants else {}
     if len(form.arguments) == 2:
         return {f"ZERO_{k + 1}": float(value) for k, value in enumerate(form.constants)}
     names = () if form.shape is None else form.shape.constants
@@ -191,6 +236,11 @@ def _found(name: str) -> str:
 def _function(form: Form) -> str:
     if isinstance(form, FlightForm):
         return _ACCELERATE.format(body=_BODIES[form.kind])
+    if isinstance(form, FrameForm) and form.slot == "camera":
+        square = "**2" if form.kind == "power" else ""
+        return _APPEAR.format(along=form.along, by=form.by, square=square)
+    if isinstance(form, FrameForm):
+        return _EXPOSE.format(change=_SQUARE if form.kind == "power" else _PERIODIC)
     factor = "np.exp(change)" if form.shape is POWER else "(1.0 + change)"
     scaled = _SCALED.format(slot=form.slot, factor=factor)
     return _WRAP.format(
@@ -240,10 +290,9 @@ def _declaration(form: Form, campaign: str) -> str:
         *(f"        {_parameter(p)}," for p in effect.parameters),
         "    ),",
     ]
+    lines.append(f"    {FUNCTIONS[effect.stage]}={FUNCTIONS[effect.stage]},")
     if isinstance(effect, FlightEffect):
-        lines += ["    accelerate=accelerate,", f"    nodes={effect.nodes},"]
-    else:
-        lines.append("    wrap=wrap,")
+        lines.append(f"    nodes={effect.nodes},")
     return "\n".join(["", *lines, ")", ""])
 
 

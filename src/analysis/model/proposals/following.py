@@ -74,7 +74,7 @@ def _confirming(proposed: Proposed, data: PoseData, first: Accepted) -> tuple[Re
     form = first.form
     if not isinstance(form, ContactForm):
         # One of the exponents that are tried sees the same shots best.
-        form = next(other for other, _ in channels.flights if other.kind == form.kind)
+        form = next(f for f, _ in channels.framed if (f.group, f.kind) == (form.group, form.kind))
     channel, size = channels.weights(form)
     own = channels.by_shot.own[:, channel, channel]
     ends = _ends(np.asarray(size), own)

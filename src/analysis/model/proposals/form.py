@@ -24,6 +24,9 @@ SLOTS = (*COEFFICIENTS, TORSION)
 LARGEST_CHANGE, LARGEST_POWER, LARGEST_RADIUS_M = 0.9, 4.0, 5e-3
 """Of a coefficient over the shots, of an exponent, and of a radius of contact: beyond that it is no
 change of a coefficient any more."""
+OF_A_PRODUCT = ("x0", "y0")
+_WIDTHS = ("c", "w", "P")
+"""Constants that are never below zero."""
 _AMPLITUDES = {1: ("a",), 2: ("a", "b"), 3: ("a_x", "a_y", "a_z")}
 _TORSION = 3 * np.pi / 16
 """K. L. Johnson, Contact Mechanics (1985), section 3.9: the torque of full slip on a Hertzian
@@ -78,7 +81,9 @@ class ContactForm:
 
     @property
     def free(self) -> tuple[str, ...]:
-        """Names of the constants that a fit determines."""
+        """Names of the constants that a fit determines; of a product the zeros of both."""
+        if len(self.arguments) == 2:
+            return OF_A_PRODUCT
         return () if self.shape is None else self.shape.free
 
     def at(self, *free: float) -> ContactForm:
@@ -137,16 +142,10 @@ class ContactForm:
         """Return the same with the free constants as parameters too."""
         count = len(self.symbols)
         own = self.constants[len(self.constants) - len(self.free) :]
+        of = self.arguments if len(self.arguments) == 2 else self.arguments * len(own)
         scales = tuple(
-            Parameter(
-                symbol=symbol,
-                unit=self.arguments[0].unit,
-                meaning=f"scale of {self.argument}",
-                plausible=(value - 10 * abs(value) - 1e-9, value + 10 * abs(value) + 1e-9),
-                off=value,
-                step=1e-4 * max(abs(value), 1e-6),
-            )
-            for symbol, value in zip(self.free, own, strict=True)
+            _scale(symbol, value, argument)
+            for symbol, value, argument in zip(self.free, own, of, strict=True)
         )
         return self._effect(
             name,
@@ -203,6 +202,20 @@ def twisted(outcome: Outcome, encounter: Encounter, radius: Floats) -> Outcome:
             spin_a=after.spin_a + twist / a.inertia,
             spin_b=after.spin_b - twist / b.inertia,
         ),
+    )
+
+
+def _scale(symbol: str, value: float, argument: Argument) -> Parameter:
+    """Return a constant of an argument as a parameter."""
+    above_zero = symbol in _WIDTHS or argument.positive
+    return Parameter(
+        symbol=symbol,
+        unit=argument.unit,
+        meaning=f"scale of {argument.name}",
+        plausible=(value - 10 * abs(value) - 1e-9, value + 10 * abs(value) + 1e-9),
+        off=value,
+        step=1e-4 * max(abs(value), 1e-6),
+        possible=(1e-9, np.inf) if above_zero else (-np.inf, np.inf),
     )
 
 

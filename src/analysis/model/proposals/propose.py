@@ -25,6 +25,7 @@ from analysis.model.predict.contact import encounter_of
 from analysis.model.proposals.admissible import FEWEST_SHOTS, Admitted, admitted
 from analysis.model.proposals.blocks import falls_on_blocks
 from analysis.model.proposals.channels import Channels, Form, channels_of
+from analysis.model.proposals.form import ContactForm
 from analysis.model.proposals.refine import (
     CARRIERS,
     MOST_GROUPS,
@@ -190,23 +191,24 @@ class _State:
 
     def proposed(self) -> Proposed:
         names = {one.name for one in self.accepted}
-        fit = self.last.fit
+        fit, accepted = self.last.fit, list[Accepted]()
+        for one in self.accepted:
+            # Its constants as they are beside everything that went in after it.
+            if one.after is not self.last or len(self.accepted) > 1:
+                beside = replace(one.found, fit=fit)
+                found, freed = with_free_constants(self.data, beside)
+                fit, one = found.fit, replace(one, found=found, freed=freed)  # noqa: PLW2901
+            accepted.append(one)
+        path = self.path
+        if fit is not self.last.fit:
+            path = (*path[:-1], stage_of(self.data, fit))
         return Proposed(
             self.evidence,
-            self.path,
-            tuple(_settled(self, one) for one in self.accepted),
+            path,
+            tuple(accepted),
             tuple(name for name in self.last.effects if name not in names),
             self.admitted(encounter_of(self.data, fit.states, fit.theory)),
         )
-
-
-def _settled(state: _State, one: Accepted) -> Accepted:
-    """Return a form with its constants as they are beside everything that went in after it."""
-    if one.after is state.last:
-        return one
-    beside = replace(one.found, fit=state.last.fit)
-    found, freed = with_free_constants(state.data, beside)
-    return replace(one, found=found, freed=freed)
 
 
 def _begin(base: Judged, catalogue: Sequence[Effect]) -> _State:
@@ -220,7 +222,7 @@ def _step(state: _State) -> _State | None:
     channels = channels_of(state.data, state.last.fit)
     arguments = state.admitted(channels.encounter).arguments
     forms: list[Form] = [*contact_forms(channels, arguments)]
-    forms += list(dict.fromkeys(form for form, _ in channels.flights))
+    forms += list(dict.fromkeys(form for form, _ in channels.framed))
     # The zeros of a product move with the shots: the same once more is its main effects.
     taken = {(one.form.group, one.form.shape_name) for one in state.accepted}
     forms = [form for form in forms if (form.group, form.shape_name) not in taken]
@@ -267,8 +269,9 @@ def _rivals(
 def _refit(state: _State, promise: Promise) -> Refitted:
     name = f"{NAME}-{len(state.accepted) + 1}"
     found = refitted(state.data, state.last.fit, promise, name)
-    # A power of the distance is scored at a few exponents only.
-    return with_free_constants(state.data, found)[0] if promise.form.slot == "flight" else found
+    # An exponent and a frequency are scored at a few values only.
+    in_frames = not isinstance(promise.form, ContactForm)
+    return with_free_constants(state.data, found)[0] if in_frames else found
 
 
 def _apart(rivals: Sequence[Refitted]) -> list[Refitted]:
@@ -286,6 +289,7 @@ def _accepted(
     data, before = state.data, state.last
     if _carried(found.promise, len(data.shots)):
         return None
+    least = found.worth - ALIAS_WITHIN
     found, freed = with_free_constants(data, found)
     if not _determined(found):
         return None
@@ -296,7 +300,7 @@ def _accepted(
         return None
     if not falls_on_blocks(data, before.fit, found.fit):
         return None
-    near = [one for one in rivals if one.worth > found.worth - ALIAS_WITHIN]
+    near = [one for one in rivals if one.worth > least]
     own = [one.form.shape_name for one in near if one.form.group == found.form.group]
     others = [one.form for one in near if one.form.group != found.form.group]
     score = max(screen.groups()[found.form.group], 0.0)

@@ -12,8 +12,7 @@ from analysis.model.data.tables import Data
 from analysis.model.fitting.fit import Fit, fit_campaign
 from analysis.model.proposals.arguments import Argument
 from analysis.model.proposals.channels import Channels, Form
-from analysis.model.proposals.flight_forms import FlightForm
-from analysis.model.proposals.form import ContactForm
+from analysis.model.proposals.form import OF_A_PRODUCT, ContactForm
 from analysis.model.proposals.screen import FULL_SLOTS, columns_of, shaped, shapes_of
 from analysis.model.proposals.shapes import spread_of
 
@@ -52,7 +51,9 @@ class Promise:
 
         Of a setting of the rig less still: what it does is done by how the spheres meet.
         """
-        sought = len(self.form.free) + len(self.form.symbols) - 1
+        # The zeros of a product stay where they are until it goes in.
+        free = () if self.form.free == OF_A_PRODUCT else self.form.free
+        sought = len(free) + len(self.form.symbols) - 1
         return self.fall - PENALTY * sought - (OF_SETTING if _is_setting(self.form) else 0.0)
 
 
@@ -82,7 +83,7 @@ def promised(channels: Channels, group: tuple[str, str], forms: Sequence[Form]) 
     finer: list[Form] = []
     sought = set[tuple[tuple[str, str], str]]()
     for form in own:
-        if isinstance(form, FlightForm) or len(form.arguments) > 1 or form.shape is None:
+        if not isinstance(form, ContactForm) or len(form.arguments) > 1 or form.shape is None:
             finer.append(form)
             continue
         argument: Argument = form.arguments[0]

@@ -6,6 +6,7 @@ from analysis.model.proposals.arguments import Argument
 from analysis.model.proposals.channels import Form
 from analysis.model.proposals.flight_forms import FlightForm
 from analysis.model.proposals.form import TORSION, ContactForm
+from analysis.model.proposals.frame_forms import AXES, FrameForm
 from analysis.model.proposals.shapes import POWER
 
 _COEFFICIENTS = {"e": "e", "mu": r"\mu", "beta0": r"\beta_0"}
@@ -51,6 +52,8 @@ def latex(form: Form) -> str:
 def _written(form: Form, style: int) -> str:
     if isinstance(form, FlightForm):
         return _FLIGHT[form.kind][style]
+    if isinstance(form, FrameForm):
+        return _of_frames(form, style)
     change = _change(form, style)
     if form.slot == TORSION:
         torque = (
@@ -66,6 +69,20 @@ def _written(form: Form, style: int) -> str:
             style
         ]
     return (f"{name} = {zero} [1 + {change}]", rf"{name} = {zero}\,[1 + {change}]")[style]
+
+
+def _of_frames(form: FrameForm, style: int) -> str:
+    """Return where an image shows a centre, or when a frame was exposed."""
+    if form.slot == "camera":
+        i, j = AXES[form.along], AXES[form.by]
+        square = "^2" if form.kind == "power" else ""
+        return (f"{i}' = {i} + a {j}{square}", rf"{i}' = {i} + a\,{j}{square}")[style]
+    if form.kind == "power":
+        return ("t_true = t + a t^2", r"t_\mathrm{true} = t + a\,t^2")[style]
+    return (
+        "t_true = t + a sin(2 pi f t) + b cos(2 pi f t)",
+        r"t_\mathrm{true} = t + a\sin(2\pi f t) + b\cos(2\pi f t)",
+    )[style]
 
 
 def _change(form: ContactForm, style: int) -> str:

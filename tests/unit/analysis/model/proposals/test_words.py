@@ -1,0 +1,65 @@
+"""A proposal in sentences and formulas that a person can read."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from analysis.model.proposals.document import proposals_document
+from analysis.model.proposals.following import next_after
+from analysis.model.proposals.words import proposal_sentences
+from tests.unit.analysis.model.proposals.hidden import proposed
+
+
+def test_a_bump_is_said_with_formula_constants_errors_and_units() -> None:
+    _, found = proposed("restitution-bump", 0.008)
+    document = json.loads(json.dumps(proposals_document("nylon", found), allow_nan=False))
+    said = " ".join(proposal_sentences(document))
+    assert "nylon, 60 shots: a law is proposed." in said
+    assert "e depends on speed_n: e = e0 [1 + a exp(-(v_n - m)^2 / (2 w^2))]" in said
+    assert "m/s" in said
+    assert "confirmed on others" in said
+    assert "pressure_b_kpa takes no part: one and the same as pressure_a_kpa" in said
+
+
+def test_nothing_and_a_known_effect_are_said_as_such() -> None:
+    nothing = proposal_sentences(proposals_document("nylon", proposed(None)[1]))
+    assert "no law is proposed; these shots ask for none" in nothing[0]
+    known = proposal_sentences(proposals_document("nylon", proposed("image-scale", 0.005)[1]))
+    assert "image-scale explains it; no new law is needed" in known[0]
+
+
+@pytest.mark.parametrize(
+    ("name", "amplitude", "text", "latex"),
+    [
+        (
+            "restitution-warm-and-fast",
+            0.004,
+            "e = e0 [1 + a ln(v_n / ",
+            r"e = e_{0}\,[1 + a\,\ln(v_n/",
+        ),
+        ("attraction-power", 10.0, "k (D / d)^p toward b", r"(D/d)^{p}"),
+        ("friction-temperature", 0.02, "mu = mu0 [1 + a (T - ", r"\mu = \mu_{0}\,[1 + a\,(T-"),
+    ],
+)
+def test_a_formula_is_written_in_text_and_in_latex(
+    name: str, amplitude: float, text: str, latex: str
+) -> None:
+    document = proposals_document("x", proposed(name, amplitude)[1])
+    first = document["proposals"][0]
+    assert text in first["formula"]
+    assert latex in first["latex"]
+
+
+def test_next_shots_hold_both_where_the_form_is_most_and_where_it_is_least() -> None:
+    data, found = proposed("restitution-bump", 0.008)
+    shots = next_after(found)
+    assert sum(one.repeat for one in shots) >= 8
+    used = {tuple(row) for row in zip(data.covariates["pressure_a_kpa"], strict=True)}
+    assert all((one.setting.pressure_a_kpa,) in used for one in shots)
+    assert len({one.setting.pressure_a_kpa for one in shots}) > 1
+
+
+def test_where_nothing_is_proposed_no_shots_are_asked_for() -> None:
+    assert next_after(proposed(None)[1]) == ()
