@@ -12,6 +12,7 @@ from analysis.model.data.tables import Data
 from analysis.model.fitting.fit import Fit, fit_campaign
 from analysis.model.proposals.arguments import Argument
 from analysis.model.proposals.channels import Channels, Form
+from analysis.model.proposals.flight_forms import FlightForm
 from analysis.model.proposals.form import OF_A_PRODUCT, ContactForm
 from analysis.model.proposals.screen import FULL_SLOTS, columns_of, shaped, shapes_of
 from analysis.model.proposals.shapes import spread_of
@@ -23,6 +24,8 @@ MOST_SHAPES, MOST_GROUPS = 4, 8
 PENALTY = 2.0
 """Of deviance, for each constant and each further amplitude that was sought (Akaike)."""
 OF_SETTING = 4.0
+OF_FADING = 4.0
+"""Charged to a force that fades exponentially: one without a length of its own goes first."""
 CARRIERS = 2
 
 
@@ -54,7 +57,9 @@ class Promise:
         # The zeros of a product stay where they are until it goes in.
         free = () if self.form.free == OF_A_PRODUCT else self.form.free
         sought = len(free) + len(self.form.symbols) - 1
-        return self.fall - PENALTY * sought - (OF_SETTING if _is_setting(self.form) else 0.0)
+        charge = OF_SETTING if _is_setting(self.form) else 0.0
+        charge += OF_FADING if _fades(self.form) else 0.0
+        return self.fall - PENALTY * sought - charge
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -105,6 +110,10 @@ def promised(channels: Channels, group: tuple[str, str], forms: Sequence[Form]) 
 
 def _is_setting(form: Form) -> bool:
     return isinstance(form, ContactForm) and any(a.is_setting for a in form.arguments)
+
+
+def _fades(form: Form) -> bool:
+    return isinstance(form, FlightForm) and form.kind == "central-exponential"
 
 
 def _variable(form: Form) -> str:
