@@ -47,6 +47,8 @@ class Channels:
         that is.
     covariance
         Of what all shots share, shape (P, P).
+    left
+        What a fit that ends a little before its minimum leaves downhill of it, shape (P,).
     noise_scale
         Root of chi-squared per degree of freedom, by which sigmas are multiplied.
     """
@@ -55,6 +57,7 @@ class Channels:
     by_shot: ByShot
     framed: tuple[tuple[InFrames, int], ...]
     covariance: Floats
+    left: Floats
     noise_scale: float
 
     def weights(self, form: Form, number: int = 0) -> tuple[int, Floats]:
@@ -81,7 +84,8 @@ class Channels:
             for d, others in places.items():
                 product = (own * by.own[:, c, d, None]).T @ weight[:, others]
                 matrix[np.ix_(rows, others)] = product
-        return Sums(matrix - against @ self.covariance @ against.T, gradient, raw)
+        imitated = against @ self.covariance
+        return Sums(matrix - imitated @ against.T, gradient - imitated @ self.left, raw)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -122,14 +126,17 @@ def channels_of(data: Data, fit: Fit) -> Channels:
     own = line.by_theory[..., :fitted]
     shared = own - line.by_state @ solve_blocks(line.states, by_state @ own)
     information = np.einsum("snp,snq->pq", own, shared)
+    centre, known = fit.theory.prior
+    left = np.einsum("snp,sn->p", shared, line.residual) + (centre - fit.theory.vector) * known
     sums = Projector(
         residual=line.residual,
         by_state=line.by_state,
         states=line.states,
         own_gradient=line.own_gradient,
         shared=shared,
-        covariance=inverse(with_prior(information, fit.theory.prior[1])),
+        covariance=inverse(with_prior(information, known)),
         held=fit.theory.held,
+        left=left,
     )
     # What is linearised is whitened already.
     return Channels(
@@ -137,6 +144,7 @@ def channels_of(data: Data, fit: Fit) -> Channels:
         by_shot=sums.project(columns),
         framed=tuple((form, k) for form in framed for k in range(len(form.symbols))),
         covariance=sums.covariance,
+        left=left,
         noise_scale=float(np.sqrt(max(fit.chi2_per_dof, 1e-12))),
     )
 
