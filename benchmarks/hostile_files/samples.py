@@ -150,7 +150,7 @@ def _frames(room: Path) -> list[Sample]:
     second = ("p/1.png", _png(FRAMES[1]))
     found.append(Sample("PNG", "p/0.png", _png(FRAMES[0]), _named("p", read_stack), (second,)))
     found.append(
-        Sample("PNG, one picture", "d.png", _png(FRAMES[0]), _named("d.png", discs.read_grey))
+        Sample("PNG, one picture", "d.png", _png(FRAMES[0]), _named("d.png", discs.read_image))
     )
     found.append(Sample("NPY", "f.npy", _npy(FRAMES), _named("f.npy", read_stack)))
     return found

@@ -31,7 +31,7 @@ def read_pngs(folder: Path, budget: FrameBudget) -> list[NDArray[np.generic]]:
     InputError
         No PNG is there, their names give no order, one is damaged, or they are beyond the budget.
     """
-    names = _png_files(folder)
+    names = numbered_files(folder, SUFFIX)
     if not names:
         raise InputError(folder, "a folder without PNG files")
     budget.require_frames(len(names))
@@ -52,15 +52,15 @@ def read_picture(path: Path, budget: FrameBudget) -> NDArray[np.generic]:
     return np.asarray(page)
 
 
-def _png_files(folder: Path) -> list[Path]:
-    """Return the PNG files of a folder in the order of the numbers in their names.
+def numbered_files(folder: Path, suffix: str) -> list[Path]:
+    """Return the files of a folder with a suffix in the order of the numbers in their names.
 
     Raises
     ------
     InputError
         Two names differ in more than their numbers, or have the same numbers.
     """
-    names = [path for path in folder.iterdir() if path.suffix.lower() == SUFFIX]
+    names = [path for path in folder.iterdir() if path.suffix.lower() == suffix]
     names.sort(key=lambda path: (_numbers(path), path.name))
     for first, second in pairwise(names):
         if _NUMBER.sub("#", first.stem) != _NUMBER.sub("#", second.stem):
@@ -72,7 +72,7 @@ def _png_files(folder: Path) -> list[Path]:
         raise InputError(
             folder,
             f"{first.name} and {second.name} {why}, which gives no order; name the frames "
-            "0000.png, 0001.png and so on",
+            f"0000{suffix}, 0001{suffix} and so on",
         )
     return names
 

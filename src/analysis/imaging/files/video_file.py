@@ -39,13 +39,8 @@ def read_video(
         No decoder opens it, it ends before its container says, fewer frames can be read than the
         container counts, a frame is in colour, or it is beyond the budget; with the frame.
     """
-    if not _is_container(path):
-        raise _no_decoder(path)
-    _require_whole(path)
-    video = cv2.VideoCapture(str(path), cv2.CAP_FFMPEG)
+    video = open_video(path)
     try:
-        if not video.isOpened():
-            raise _no_decoder(path)
         count = video.get(cv2.CAP_PROP_FRAME_COUNT)
         sides = [int(video.get(side)) for side in _SIDES]
         pages: list[NDArray[np.generic]] = []
@@ -65,6 +60,27 @@ def read_video(
             f"counts {round(count)}",
         )
     return pages, ()
+
+
+def open_video(path: Path) -> cv2.VideoCapture:
+    """Open a video; the caller releases it.
+
+    Raises
+    ------
+    InputError
+        It is no container that is read here, ends before its container says, or has no decoder.
+    """
+    if not _is_container(path):
+        raise _no_decoder(path)
+    _require_whole(path)
+    try:
+        video = cv2.VideoCapture(str(path), cv2.CAP_FFMPEG)
+    except cv2.error as error:
+        raise _no_decoder(path) from error
+    if not video.isOpened():
+        video.release()
+        raise _no_decoder(path)
+    return video
 
 
 def _next(
@@ -130,9 +146,9 @@ def _stated_end(path: Path, size: int) -> int:
             head = file.read(16)
             if head[:4] == b"RIFF":
                 length = 8 + int.from_bytes(head[4:8], "little")
-            elif path.suffix.lower() == ".mp4":
+            elif path.suffix.lower() in {".mp4", ".mov", ".m4v"}:
                 length = _box_length(head)
-            elif path.suffix.lower() == ".mkv":
+            elif path.suffix.lower() in {".mkv", ".webm"}:
                 length = _element_length(head)
             else:
                 return end

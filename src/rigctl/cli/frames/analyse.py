@@ -31,6 +31,12 @@ from analysis.imaging.files.stack import read_stack
 from analysis.shot import AnalysisOptions, MeasuredShot, RefusedShot
 from analysis.tracking import Matching
 from rigctl.cli.frames.analyse_output import ShotTable, shot_object
+from rigctl.cli.frames.balls import (
+    BallRequest,
+    analyse_balls,
+    is_ball_campaign,
+    refuse_options_of_a_ball,
+)
 from rigctl.cli.frames.compile_note import announce_compiling
 from rigctl.cli.options import Json, MeasuredBy, Method, Workers
 from rigctl.cli.spool import Spool, print_document
@@ -72,6 +78,32 @@ def analyse(
         Path | None, typer.Option(help="Write one picture a shot into this folder.")
     ] = None,
     workers: Workers = None,
+    ball_diameter_mm: Annotated[
+        float | None,
+        typer.Option(min=0.1, max=2000.0, help="A film of one ball that bounces: its diameter."),
+    ] = None,
+    plate: Annotated[
+        bool, typer.Option("--plate", help="The ball bounces on a plate, floor or table (default).")
+    ] = False,
+    ball_mass_g: Annotated[
+        float | None, typer.Option(min=1e-6, help="Mass of the ball: its drag in air follows.")
+    ] = None,
+    fps: Annotated[
+        float | None,
+        typer.Option(min=0.1, max=1e8, help="Frames a second of the camera, not of the player."),
+    ] = None,
+    exposure_us: Annotated[
+        float | None, typer.Option(min=0.0, help="Exposure of a ball's film; else from its smear.")
+    ] = None,
+    roi: Annotated[
+        str | None, typer.Option(help="Part of a ball's film to look at: column,row,width,height.")
+    ] = None,
+    frames: Annotated[
+        str | None, typer.Option(help="Frames of a ball's film to look at: first:after-last.")
+    ] = None,
+    figure: Annotated[
+        Path | None, typer.Option(help="A picture of a ball's film with flights and bounces.")
+    ] = None,
     json: Json = False,
 ) -> None:
     """Analyse, write what is asked for, and print a table or one JSON document.
@@ -84,6 +116,29 @@ def analyse(
     StoreError
         The temporary folder is full.
     """
+    if ball_diameter_mm is not None or plate or all(map(is_ball_campaign, paths)):
+        asked = BallRequest(
+            paths=paths,
+            diameter_mm=ball_diameter_mm,
+            mass_g=ball_mass_g,
+            rate_hz=fps,
+            exposure_us=exposure_us,
+            window=roi,
+            frames=frames,
+            figure=figure,
+            out=out,
+        )
+        analyse_balls(asked, as_json=json)
+        return
+    of_a_ball = {
+        "--ball-mass-g": ball_mass_g,
+        "--fps": fps,
+        "--exposure-us": exposure_us,
+        "--roi": roi,
+        "--frames": frames,
+        "--figure": figure,
+    }
+    refuse_options_of_a_ball(of_a_ball)
     _keep_sources(paths, out)
     options = _options(method, sigma_px, samples, matching, three=three)
     with Spool() as objects, ShotTable() as table:
@@ -100,10 +155,10 @@ def analyse(
             campaign = joined([read_campaign(path, known) for path in paths])
             announce_compiling(method)
             started = time.perf_counter()
-            frames = 0
+            read = 0
             with _written(campaign, out, figures) as write:
                 for job, shot, count in _watched(campaign, options, workers):
-                    frames += count
+                    read += count
                     tell(job.shot, shot)
                     write(job, shot, count)
             elapsed = time.perf_counter() - started
@@ -113,14 +168,14 @@ def analyse(
             head = {
                 "campaign": campaign.name,
                 "method": method,
-                "frames_per_second": round(frames / elapsed, 1),
+                "frames_per_second": round(read / elapsed, 1),
                 "unlisted": [str(path) for path in campaign.unlisted],
             }
             print_document(head, "shots", objects)
         else:
             table.print(campaign.name)
     _name_unlisted(campaign)
-    if frames == 0:
+    if read == 0:
         raise AnalysisInputError(
             "no frames of any shot can be read",
             part=campaign.name,

@@ -6,39 +6,39 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
 
-import numpy as np
 import typer
-from numpy.typing import NDArray
 from rich.console import Console
 from rich.table import Table
 
+from analysis.balls.discs.finding import DOUBTFUL, SURE, Disc, find_balls
+from analysis.balls.films.film import Picture
+from analysis.balls.films.stacks import read_one
 from analysis.errors import InputError
-from analysis.files import FrameBudget
-from analysis.imaging import finding
-from analysis.imaging.files.png_files import read_picture
-from analysis.imaging.files.stack import TIFF_SUFFIXES
-from analysis.imaging.files.tiff_file import read_tiff
-from analysis.imaging.finding import FoundDisc
 from analysis.quantity import Quantity
 from rigctl.cli.options import Json
 from rigctl.cli.output import print_json
 from rigctl.errors import AnalysisInputError, SettingsError
 
-ALLOWED = "give a PNG or TIFF of 8 bit"
-GREY_BGR = (0.114, 0.587, 0.299)
-"""Shares of blue, green and red in a grey level (ITU-R BT.601)."""
+ALLOWED = "give a PNG or TIFF of 8 or 16 bits, grey or colour"
 SMALLEST_PX = 6.0
 """The limb of a smaller disc has too few pixels for a fit."""
 
 
 def find_discs(
-    image: Annotated[Path, typer.Argument(help="Picture: PNG, TIFF or whatever OpenCV reads.")],
+    image: Annotated[
+        Path, typer.Argument(help="Picture: PNG or TIFF, grey or colour, 8 or 16 bits.")
+    ],
     *,
-    diameter_px: Annotated[str, typer.Option(help="Range of diameters in pixels, like 20:60.")],
+    diameter_px: Annotated[
+        str | None, typer.Option(help="Range of diameters in pixels, like 20:60; default: all.")
+    ] = None,
     sigma_px: Annotated[
         float | None,
         typer.Option(min=0.5, max=8.0, help="Width of the edge filter in pixels."),
     ] = None,
+    doubtful: Annotated[
+        bool, typer.Option("--doubtful", help="Tell discs that chance might show too.")
+    ] = False,
     json: Json = False,
 ) -> None:
     """Find the discs and print a table or one JSON document.
@@ -50,27 +50,43 @@ def find_discs(
     AnalysisInputError
         The picture cannot be read.
     """
-    picture = read_grey(image)
-    found = finding.find_discs(picture, _range(diameter_px, min(picture.shape)), sigma_px)
+    picture = read_image(image)
+    side = min(picture.shape[:2])
+    low, high = (2 * SMALLEST_PX, 0.7 * side) if diameter_px is None else _range(diameter_px, side)
+    least = DOUBTFUL if doubtful else SURE
+    found = find_balls(picture, (low / 2, high / 2), least, sigma_px=sigma_px)
+    found = [disc for disc in found if low <= 2 * disc.radius <= high]
     if json:
-        print_json({"image": str(image), "discs": [asdict(disc) for disc in found]})
+        document = {"image": str(image), "discs": [_told(disc) for disc in found]}
+        print_json(document)
         return
     table = Table(title=f"{image}: {len(found)} discs", title_justify="left", box=None)
-    for heading in ("row px", "column px", "diameter px", "rim seen"):
+    for heading in ("row px", "column px", "diameter px", "rim seen", "by chance"):
         table.add_column(heading, justify="right", no_wrap=True)
     for disc in found:
         table.add_row(*_cells(disc))
-    table.caption = "in brackets: standard error in units of the last digit"
+    table.caption = (
+        "in brackets: standard error in units of the last digit; by chance: how many such discs a "
+        "picture of this size would show whose edges point anywhere"
+    )
     Console().print(table)
 
 
-def _cells(disc: FoundDisc) -> tuple[str, ...]:
+def _told(disc: Disc) -> dict[str, float]:
+    return {**asdict(disc), "coverage": disc.rim}
+
+
+def _cells(disc: Disc) -> tuple[str, ...]:
     lengths = (
         Quantity(disc.row, disc.row_sigma, "px"),
         Quantity(disc.column, disc.column_sigma, "px"),
         Quantity(2 * disc.radius, 2 * disc.radius_sigma, "px"),
     )
-    return (*(length.concise() for length in lengths), f"{disc.coverage:.0%}")
+    return (
+        *(length.concise() for length in lengths),
+        f"{disc.rim:.0%}",
+        f"10^{disc.log_alarms:.0f}",
+    )
 
 
 def _range(text: str, side_px: int) -> tuple[float, float]:
@@ -94,19 +110,9 @@ def _range(text: str, side_px: int) -> tuple[float, float]:
     return low, high
 
 
-def read_grey(image: Path) -> NDArray[np.uint8]:
-    """Return a picture in grey levels; raise `AnalysisInputError` where it cannot be read."""
-    budget, tiff = FrameBudget(image), image.suffix.lower() in TIFF_SUFFIXES
+def read_image(image: Path) -> Picture:
+    """Return a picture with its channels; raise `AnalysisInputError` where it cannot be read."""
     try:
-        picture = read_tiff(image, budget)[0] if tiff else read_picture(image, budget)
-    except (InputError, OSError) as error:
-        why = error.reason if isinstance(error, InputError) else f"cannot be read: {error.strerror}"
-        raise AnalysisInputError(why, part=str(image), todo=ALLOWED) from error
-    if picture.ndim == 3 and picture.shape[2] < 3:
-        picture = picture[..., 0]
-    if picture.dtype != np.uint8:
-        raise AnalysisInputError(f"holds {picture.dtype} values", part=str(image), todo=ALLOWED)
-    if picture.ndim == 2:
-        return picture.astype(np.uint8, copy=False)
-    weights = np.array(GREY_BGR if not tiff else GREY_BGR[::-1])
-    return np.asarray(np.rint(picture[..., :3] @ weights), dtype=np.uint8)
+        return read_one(image)
+    except InputError as error:
+        raise AnalysisInputError(error.reason, part=str(image), todo=ALLOWED) from error

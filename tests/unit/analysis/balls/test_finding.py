@@ -5,37 +5,37 @@ import drawings
 import numpy as np
 import pytest
 
-from analysis.imaging.finding import find_discs
+from analysis.balls.discs.finding import find_balls
 
 DISCS = [(30.4, 28.7, 14.0), (60.2, 60.9, 22.0), (28.3, 93.5, 18.0), (75.6, 105.1, 12.5)]
 
 
 def test_discs_of_several_sizes_are_found_once_each_with_their_radii() -> None:
-    found = find_discs(drawings.grey(drawings.draw(DISCS), noise=2.0), (20.0, 50.0))
+    found = find_balls(drawings.grey(drawings.draw(DISCS), noise=2.0), (10.0, 25.0))
     assert len(found) == len(DISCS)
     for row, column, radius in DISCS:
         nearest = min(found, key=lambda d: np.hypot(d.row - row, d.column - column))
         assert (nearest.row, nearest.column) == pytest.approx((row, column), abs=0.1)
         # The filter makes a disc too large by about sigma^2 / (2 R).
         assert nearest.radius == pytest.approx(radius, abs=0.15)
-        assert nearest.coverage > 0.85
+        assert nearest.rim > 0.85
         assert 0.0 < nearest.row_sigma < 0.05
 
 
 def test_dark_discs_on_a_bright_ground_are_found_as_well() -> None:
-    found = find_discs(drawings.grey(200.0 - drawings.draw(DISCS), noise=2.0), (20.0, 50.0))
+    found = find_balls(drawings.grey(200.0 - drawings.draw(DISCS), noise=2.0), (10.0, 25.0))
     assert len(found) == len(DISCS)
 
 
 def test_a_disc_outside_the_range_of_diameters_is_left_out() -> None:
-    found = find_discs(drawings.grey(drawings.draw(DISCS), noise=1.0), (32.0, 50.0))
+    found = find_balls(drawings.grey(drawings.draw(DISCS), noise=1.0), (16.0, 25.0))
     assert sorted(round(d.radius) for d in found) == [18, 22]
 
 
 def test_an_even_or_noisy_picture_holds_no_disc() -> None:
     flat = np.full((96, 120), 90.0)
-    assert find_discs(drawings.grey(flat), (20.0, 50.0)) == []
-    assert find_discs(drawings.grey(flat, noise=5.0), (20.0, 50.0)) == []
+    assert find_balls(drawings.grey(flat), (10.0, 25.0)) == []
+    assert find_balls(drawings.grey(flat, noise=5.0), (10.0, 25.0)) == []
 
 
 REAL = Path(__file__).resolve().parents[5] / "shared" / "data" / "real-images"
@@ -63,7 +63,7 @@ def test_every_bead_and_every_coin_of_a_real_picture_is_found_and_nothing_else(
 ) -> None:
     picture = cv2.imread(str(REAL / name), cv2.IMREAD_GRAYSCALE)
     assert picture is not None
-    found = find_discs(picture, diameters)
+    found = find_balls(picture, (diameters[0] / 2, diameters[1] / 2))
     assert len(found) == len(places)
     for row, column in places:
         near = [d for d in found if np.hypot(d.row - row, d.column - column) < reach]

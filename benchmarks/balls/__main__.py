@@ -1,0 +1,120 @@
+"""Drawn films of balls beside their truth: python -m benchmarks.balls --films 6.
+
+For each camera films of other balls, lights, grounds and drops are drawn, measured as `rigctl
+analyse` does, and held against the law that they were drawn with: e's error and its pull (error
+over stated error; 1 rms is right), and how far places lie from the drawn ones, up to a shift and a
+scale, as those are not told by a picture.
+"""
+
+from __future__ import annotations
+
+import argparse
+import tempfile
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from analysis.balls.analysis import AnalysedFilm, FilmJob, analyse_film
+from analysis.balls.films.reading import film_of_shot
+from analysis.balls.flight.known import Ball
+from analysis.balls.measuring import coefficient
+from analysis.errors import ShotRefusedError
+from benchmarks.balls.filming import Scene, Truth, film
+from benchmarks.balls.scenes import KINDS, scene
+
+NEAR_S = 0.03
+
+
+@dataclass(slots=True)
+class Tally:
+    """Errors of e and their pulls."""
+
+    errors: list[float] = field(default_factory=list)
+    pulls: list[float] = field(default_factory=list)
+
+    def add(self, error: float, sigma: float) -> None:
+        self.errors.append(error)
+        self.pulls.append(error / sigma)
+
+    def told(self) -> str:
+        errors, pulls = np.array(self.errors), np.array(self.pulls)
+        if len(errors) == 0:
+            return "no bounces"
+        return (
+            f"{len(errors)} bounces, e off by {np.sqrt((errors**2).mean()):.5f} rms, "
+            f"{np.abs(errors).max():.5f} at most; pull {np.sqrt((pulls**2).mean()):.2f} rms, "
+            f"{np.abs(pulls).max():.1f} at most"
+        )
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
+    parser.add_argument("--films", type=int, default=4)
+    parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--kinds", nargs="*", default=list(KINDS))
+    parser.add_argument("--keep", type=Path, help="folder for the films")
+    asked = parser.parse_args()
+    home = asked.keep or Path(tempfile.mkdtemp())
+    for kind in asked.kinds:
+        tally = Tally()
+        for seed in range(asked.first, asked.first + asked.films):
+            drawn = scene(kind, seed)
+            folder = home / f"{kind.replace(' ', '')}-{seed}"
+            truth = film(folder, drawn, seed)
+            one(folder, drawn, truth, tally)
+        print(f"== {kind}: {tally.told()}", flush=True)
+
+
+def one(folder: Path, drawn: Scene, truth: Truth, tally: Tally) -> None:
+    _, drop, camera, _ = drawn
+    density = drop.mass / (np.pi / 6 * drop.diameter**3)
+    exposure = camera.exposure_s if camera.kind == "12 bits" else None
+    ball = Ball(drop.diameter, density=density)
+    path = film_of_shot(folder / "frames", 1)
+    begun = time.perf_counter()
+    try:
+        found = analyse_film(FilmJob(1, path, ball, camera.rate_hz, exposure))
+    except ShotRefusedError as refusal:
+        print(f"{folder.name}: refused: {refusal}")
+        return
+    seconds = time.perf_counter() - begun
+    print(f"{folder.name}: {centres(found, truth)}, {seconds:.1f} s; {'; '.join(found.notes)}")
+    flights = found.measured.flights
+    for bounce in range(0 if flights is None else flights.bounces):
+        assert flights is not None
+        when = float(flights.contacts[bounce, 0])
+        nearest = min(truth.bounces, key=lambda each: abs(each.time - when))
+        if abs(nearest.time - when) > NEAR_S:
+            print(f"   a bounce at {when:.4f} s that is none")
+            continue
+        value, sigma = coefficient(found.measured, bounce)
+        v_n = flights.contacts[bounce, 1] / flights.scale_px_per_m
+        tally.add(value - nearest.e, sigma)
+        print(
+            f"   e {value:.4f} ± {sigma:.4f}, drawn {nearest.e:.4f}: {tally.errors[-1]:+.4f}, "
+            f"pull {tally.pulls[-1]:+.1f}; v_n {100 * (v_n / nearest.v_n - 1):+.2f} %; "
+            f"time {1e3 * (when - nearest.time):+.3f} ms"
+        )
+
+
+def centres(found: AnalysedFilm, truth: Truth) -> str:
+    """Say how far places lie from the drawn ones."""
+    placed, flights = found.measured.placed, found.measured.flights
+    used = np.ones(len(placed.frames), bool) if flights is None else flights.used
+    drawn = truth.seen[placed.frames[used]]
+    off = placed.places[used] - drawn[:, :2]
+    design = np.stack([np.ones(len(drawn)), drawn[:, 0], drawn[:, 1]], axis=1)
+    left = off - design @ np.linalg.lstsq(design, off, rcond=None)[0]
+    stated = placed.sigmas[used]
+    radius = found.measured.looks.radius_px / float(drawn[:, 2].mean()) - 1
+    return (
+        f"{len(drawn)} places off by {left[:, 0].std():.3f}, {left[:, 1].std():.3f} px (stated "
+        f"{np.median(stated[:, 0]):.3f}, {np.median(stated[:, 1]):.3f}), "
+        f"radius {100 * radius:+.1f} %"
+    )
+
+
+if __name__ == "__main__":
+    main()

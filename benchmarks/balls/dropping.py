@@ -1,0 +1,83 @@
+"""The law of a drawn film: flight with quadratic drag, hard contacts, e that depends on speed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+GRAVITY, AIR = 9.80665, 1.2
+STEP_S = 2e-5
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Drop:
+    """A ball that is let go: metres, kg; y up, the floor at 0.
+
+    Attributes
+    ----------
+    diameter, mass, drag_coefficient
+        Of the ball.
+    start, speed
+        Of its centre at time 0, shape (3,).
+    restitution
+        e0, slope and power: e = e0 - slope v^power.
+    grip
+        Share of the speed along the floor that a bounce leaves.
+    """
+
+    diameter: float
+    mass: float
+    drag_coefficient: float
+    start: Floats
+    speed: Floats
+    restitution: tuple[float, float, float]
+    grip: float
+
+
+@dataclass(frozen=True, slots=True)
+class Bounce:
+    """A bounce: when, speeds down and up, and their ratio."""
+
+    time: float
+    v_n: float
+    v_n_after: float
+
+    @property
+    def e(self) -> float:
+        """Return the ratio of the speeds."""
+        return self.v_n_after / self.v_n
+
+
+def fly(drop: Drop, lasts: float) -> tuple[Floats, Floats, list[Bounce]]:
+    """Return times, places of the centre and bounces; midpoint steps, contacts between them."""
+    area = np.pi * (0.5 * drop.diameter) ** 2
+    k = 0.5 * AIR * drop.drag_coefficient * area / drop.mass
+    radius = 0.5 * drop.diameter
+    count = int(lasts / STEP_S)
+    places = np.empty((count, 3))
+    x, v = drop.start.astype(float).copy(), drop.speed.astype(float).copy()
+    down = np.array([0.0, -GRAVITY, 0.0])
+    bounces = []
+    for n in range(count):
+        places[n] = x
+        middle = v + 0.5 * STEP_S * (down - k * np.sqrt(v @ v) * v)
+        change = down - k * np.sqrt(middle @ middle) * middle
+        ahead = x + STEP_S * middle
+        if ahead[1] < radius and v[1] < 0:
+            part = (x[1] - radius) / (x[1] - ahead[1])
+            v = v + part * STEP_S * change
+            e0, slope, power = drop.restitution
+            e = e0 - slope * (-v[1]) ** power
+            bounces.append(Bounce((n + part) * STEP_S, -v[1], -e * v[1]))
+            x = x + part * STEP_S * middle
+            v = np.array([drop.grip * v[0], -e * v[1], drop.grip * v[2]])
+            rest = (1 - part) * STEP_S
+            x = x + rest * v
+            v = v + rest * (down - k * np.sqrt(v @ v) * v)
+        else:
+            x, v = ahead, v + STEP_S * change
+    return np.asarray(STEP_S * np.arange(count), dtype=np.float64), places, bounces

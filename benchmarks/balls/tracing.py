@@ -1,0 +1,204 @@
+"""A ray tracer for one ball between a floor and a wall: shares no optics with what measures it.
+
+Metres; x right, y up, z away from the camera.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.compiled import compiled, part
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stage:
+    """Everything but the ball's place.
+
+    Attributes
+    ----------
+    size
+        Rows and columns of the picture.
+    focal_px, eye, look_down
+        Of a pinhole camera: focal length, place, and angle below the horizontal in rad.
+    lamp, lamp_size, ambient
+        Place and size of the light, and how much comes from everywhere.
+    ball, gloss, blotches
+        Colour of the ball (red, green, blue, 0 to 1), strength of its highlight, depth of its
+        blotches.
+    wall, wall_other, check
+        Two colours of the wall, which stands at `wall_z`, and the side of its checks in m.
+    floor, grain
+        Colour of the floor and depth of its grain.
+    boxes
+        Clutter: rectangles on the wall, (x, y, half width, half height, red, green, blue).
+    """
+
+    size: tuple[int, int]
+    focal_px: float
+    eye: Floats
+    look_down: float
+    lamp: Floats
+    lamp_size: float
+    ambient: float
+    ball: Floats
+    gloss: float
+    blotches: float
+    wall: Floats
+    wall_other: Floats
+    check: float
+    wall_z: float
+    floor: Floats
+    grain: float
+    boxes: Floats
+
+    def numbers(self) -> Floats:
+        """Return all but the boxes in one array."""
+        plain = [self.focal_px, *self.eye, self.look_down, *self.lamp, self.lamp_size]
+        plain += [self.ambient, *self.ball, self.gloss, self.blotches, *self.wall]
+        plain += [*self.wall_other, self.check, self.wall_z, *self.floor, self.grain]
+        return np.array(plain, dtype=np.float64)
+
+    def seen(self, place: Floats) -> Floats:
+        """Return where the camera sees a point: row and column, shape (2,)."""
+        x, y, z = place - self.eye
+        c, s = math.cos(self.look_down), math.sin(self.look_down)
+        ahead, up = c * z - s * y, s * z + c * y
+        row = 0.5 * (self.size[0] - 1) - self.focal_px * up / ahead
+        return np.array([row, 0.5 * (self.size[1] - 1) + self.focal_px * x / ahead])
+
+    def radius_px(self, place: Floats, radius_m: float) -> float:
+        """Return a ball's radius in the picture."""
+        y, z = (place - self.eye)[1:]
+        ahead = math.cos(self.look_down) * z - math.sin(self.look_down) * y
+        return float(self.focal_px * radius_m / math.sqrt(ahead**2 - radius_m**2))
+
+
+FOCAL, EYE, LOOK, LAMP, LAMP_SIZE, AMBIENT, BALL, GLOSS, BLOTCHES = 0, 1, 4, 5, 8, 9, 10, 13, 14
+WALL, OTHER, CHECK, WALL_Z, FLOOR, GRAIN = 15, 18, 21, 22, 23, 26
+"""Where the numbers of a stage begin."""
+FINE = 4
+"""Samples of a pixel along each side."""
+
+
+@part
+def _random(state: NDArray[np.uint64]) -> float:
+    """Return the next number between 0 and 1 (xorshift, Marsaglia 2003)."""
+    x = state[0]
+    x ^= x << np.uint64(13)
+    x ^= x >> np.uint64(7)
+    x ^= x << np.uint64(17)
+    state[0] = x
+    return float(x >> np.uint64(11)) / 9007199254740992.0
+
+
+@part
+def _grain(x: float, y: float, k: float) -> float:
+    """Return a smooth pattern between -1 and 1."""
+    a = math.sin(12.9 * x * k + 3.1) * math.sin(9.7 * y * k + 1.3)
+    b = math.sin(31.7 * (x + 0.31 * y) * k) * math.sin(27.1 * (y - 0.43 * x) * k + 2.2)
+    return 0.6 * a + 0.4 * b
+
+
+@part
+def _unit(v: Floats) -> float:
+    """Make a vector one of length 1; return what its length was."""
+    length = math.sqrt(v[0] ** 2 + v[1] ** 2 + v[2] ** 2)
+    v /= length
+    return length
+
+
+@part
+def _meets(origin: Floats, way: Floats, ball: Floats, radius: float) -> float:
+    """Return how far along a ray a ball is met; negative where it is not."""
+    to = ball - origin
+    along = to[0] * way[0] + to[1] * way[1] + to[2] * way[2]
+    gap = radius * radius - (to[0] ** 2 + to[1] ** 2 + to[2] ** 2 - along * along)
+    return along - math.sqrt(gap) if gap > 0.0 and along > 0.0 else -1.0
+
+
+@part
+def _ball_colour(scene: Floats, normal: Floats, way: Floats, lamp: Floats, colour: Floats) -> None:
+    shine = max(0.0, normal[0] * lamp[0] + normal[1] * lamp[1] + normal[2] * lamp[2])
+    half = lamp - way
+    _unit(half)
+    glint = max(0.0, normal[0] * half[0] + normal[1] * half[1] + normal[2] * half[2])
+    tone = 1.0 - scene[BLOTCHES] * (0.5 + 0.5 * _grain(normal[0] + 0.3, normal[1] - 0.2, 0.45))
+    for k in range(3):
+        # Light from the floor lies on its lower half.
+        low = 0.25 * scene[FLOOR + k] * (0.5 - 0.5 * normal[1])
+        light = scene[AMBIENT] + low + (1 - scene[AMBIENT]) * shine
+        colour[k] = scene[BALL + k] * tone * light + scene[GLOSS] * glint**40
+
+
+@part
+def _ground_colour(scene: Floats, boxes: Floats, point: Floats, on_floor: bool, c: Floats) -> None:
+    x, y, z = point
+    if on_floor:
+        c[:] = scene[FLOOR : FLOOR + 3] * (1.0 + scene[GRAIN] * _grain(x, 3 * z, 7.0))
+        return
+    odd = int(math.floor(x / scene[CHECK]) + math.floor(y / scene[CHECK])) % 2
+    first = OTHER if odd else WALL
+    c[:] = scene[first : first + 3] * (1.0 + 0.3 * scene[GRAIN] * _grain(x, y, 5.0))
+    for box in boxes:
+        if abs(x - box[0]) < box[2] and abs(y - box[1]) < box[3]:
+            c[:] = box[4:]
+
+
+@compiled
+def trace(scene: Floats, boxes: Floats, ways: Floats, delays: Floats, light: Floats) -> None:
+    """Add the light of one exposure, three colours a pixel.
+
+    Parameters
+    ----------
+    scene, boxes
+        Of a `Stage`.
+    ways
+        Ball at each instant from the first row's exposure to the last row's, and its radius; the
+        first row's fourth number seeds the samples. Shape (S, 5).
+    delays
+        By how many instants each row is later, shape (rows,).
+    light
+        Shape (rows, columns, 3).
+    """
+    rows, columns, _ = light.shape
+    state = np.array([np.uint64(ways[0, 4]) * np.uint64(2654435761) + np.uint64(88172645463325252)])
+    c, s = math.cos(scene[LOOK]), math.sin(scene[LOOK])
+    eye, colour, way, lamp = scene[EYE : EYE + 3], np.empty(3), np.empty(3), np.empty(3)
+    lasts = len(ways) - int(delays[rows - 1])
+    for i in range(rows):
+        for j in range(columns):
+            for n in range(FINE * FINE):
+                when = int(delays[i] + (n + _random(state)) / (FINE * FINE) * lasts)
+                instant = ways[min(when, len(ways) - 1)]
+                ball, radius = instant[:3], instant[3]
+                up = 0.5 * (rows - 1) - (i + (n // FINE + _random(state)) / FINE - 0.5)
+                right = j + (n % FINE + _random(state)) / FINE - 0.5 - 0.5 * (columns - 1)
+                up, right = up / scene[FOCAL], right / scene[FOCAL]
+                way[0], way[1], way[2] = right, c * up - s, c + s * up
+                _unit(way)
+                met = _meets(eye, way, ball, radius)
+                on_floor = False
+                if met < 0.0:
+                    wall = (scene[WALL_Z] - eye[2]) / way[2] if way[2] > 0 else 1e9
+                    floor = -eye[1] / way[1] if way[1] < 0 else 1e9
+                    on_floor = floor < wall
+                    place = eye + min(wall, floor) * way
+                else:
+                    place = eye + met * way
+                for k in range(3):
+                    lamp[k] = scene[LAMP + k] + scene[LAMP_SIZE] * (_random(state) - 0.5) - place[k]
+                _unit(lamp)
+                if met >= 0.0:
+                    _ball_colour(scene, (place - ball) / radius, way, lamp, colour)
+                else:
+                    _ground_colour(scene, boxes, place, on_floor, colour)
+                    facing = max(0.0, lamp[1] if on_floor else -lamp[2])
+                    shine = 0.0 if _meets(place, lamp, ball, radius) > 0.0 else facing
+                    colour *= scene[AMBIENT] + (1 - scene[AMBIENT]) * shine
+                light[i, j] += colour / (FINE * FINE)

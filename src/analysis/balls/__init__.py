@@ -1,0 +1,1 @@
+"""Unmarked balls in any film: files, finding, following, flights between bounces, results."""

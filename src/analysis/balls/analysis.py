@@ -1,0 +1,121 @@
+"""A film of a ball from file to result: what `rigctl analyse` does with one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.balls.films.film import Film
+from analysis.balls.films.part import Cut, PartOfFilm
+from analysis.balls.films.reading import open_film
+from analysis.balls.flight.known import Ball
+from analysis.balls.measuring import MeasuredBall, measure_ball
+from analysis.balls.remarks import remarks
+from analysis.errors import ShotRefusedError
+
+Floats = NDArray[np.float64]
+
+
+TURNS = {2: "stands upside down", 1: "lies on its side", 3: "lies on its side"}
+"""Quarter turns that may put a film upright, and what is wrong with it."""
+
+
+@dataclass(frozen=True, slots=True)
+class FilmJob:
+    """One film to be analysed.
+
+    Attributes
+    ----------
+    shot
+        Its number.
+    path
+        File or folder.
+    ball
+        What is stated of the ball.
+    rate_hz
+        Frames a second, where stated; else the file's own.
+    exposure_s
+        Where stated; else the file's own, or what the smear shows.
+    cut
+        Part of the film to look at; None: all of it.
+    """
+
+    shot: int
+    path: Path
+    ball: Ball
+    rate_hz: float | None = None
+    exposure_s: float | None = None
+    cut: Cut | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class AnalysedFilm:
+    """A measured ball, its film, and what a person should know."""
+
+    film: Film
+    measured: MeasuredBall
+    notes: tuple[str, ...]
+
+
+def analyse_film(job: FilmJob) -> AnalysedFilm:
+    """Measure one film.
+
+    Raises
+    ------
+    InputError
+        The film cannot be read.
+    ShotRefusedError
+        It has no times, or nothing in it is a ball in flight.
+    """
+    film: Film = open_film(job.path)
+    if job.cut is not None:
+        film = PartOfFilm(film, job.cut)
+    times = frame_times(film, job.rate_hz)
+    exposure = job.exposure_s if job.exposure_s is not None else film.head.exposure_s
+    try:
+        measured = measure_ball(film, times, job.ball, exposure)
+    except ShotRefusedError as refusal:
+        if refusal.step != "flight":
+            raise
+        turned = _turned(film, times, job.ball, exposure)
+        if turned is None:
+            raise
+        return turned
+    return AnalysedFilm(film, measured, remarks(measured))
+
+
+def _turned(film: Film, times: Floats, ball: Ball, exposure: float | None) -> AnalysedFilm | None:
+    """Measure a film in which things fall up or sideways; None where they fall no way."""
+    for turns, way in TURNS.items():
+        upright = PartOfFilm(film, Cut(), turns)
+        try:
+            measured = measure_ball(upright, times, ball, exposure)
+        except ShotRefusedError:
+            continue
+        note = f"the film {way}: rows and columns are those of the picture turned upright"
+        return AnalysedFilm(upright, measured, (note, *remarks(measured)))
+    return None
+
+
+def frame_times(film: Film, rate_hz: float | None) -> Floats:
+    """Return the time of each frame, s.
+
+    A stated rate holds for all frames: it is that of the camera, where the file's is that of the
+    player.
+
+    Raises
+    ------
+    ShotRefusedError
+        Neither the file nor a person says.
+    """
+    head = film.head
+    if rate_hz is not None:
+        return np.asarray(np.arange(head.frames) / rate_hz)
+    if head.times_s is not None:
+        return head.times_s
+    if head.rate_hz is not None:
+        return np.asarray(np.arange(head.frames) / head.rate_hz)
+    raise ShotRefusedError("frames", "the file says no frame rate; state it with --fps")

@@ -1,0 +1,259 @@
+"""All discs of one picture: spheres, coins, beads, on clutter, partly hidden, overlapping."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.balls.discs.gradient import SIGMA_PX, Gradient, gradient
+from analysis.balls.discs.judging import LEAST_SECTORS, false_alarms, fit_circle
+from analysis.balls.discs.votes import RADIUS_STEP, candidates
+
+Singles = NDArray[np.float32]
+Floats = NDArray[np.float64]
+
+SEARCH_RADIUS_PX = 12.5
+"""Larger discs are sought in a smaller picture, where their radius is one to two of these."""
+SURE = -8.0
+"""log10 of the number of false alarms of a disc that is reported."""
+DOUBTFUL = -2.0
+SAME_CENTRE, SAME_RADIUS = 0.25, 0.25
+"""Two circles nearer than these shares of the radius are one."""
+SAME_RING = 0.15
+"""A disc whose centre is nearer than this share of the larger radius belongs to the surer one."""
+BLOTCH = 0.4
+"""Width of the ellipse that takes blotches off, in radii."""
+
+
+@dataclass(frozen=True, slots=True)
+class Disc:
+    """A disc, pixels of the picture: centre and radius with standard errors.
+
+    Attributes
+    ----------
+    rim
+        Share of the rim whose gradient points to the centre.
+    log_alarms
+        log10 of how many such discs chance would show in a picture of this size.
+    """
+
+    row: float
+    column: float
+    radius: float
+    row_sigma: float
+    column_sigma: float
+    radius_sigma: float
+    rim: float
+    log_alarms: float
+
+
+def find_balls(
+    picture: NDArray[np.generic],
+    radii_px: tuple[float, float],
+    least: float = SURE,
+    *,
+    blotched: bool | None = None,
+    sigma_px: float | None = None,
+) -> list[Disc]:
+    """Find all discs of a picture, the surest first.
+
+    Parameters
+    ----------
+    picture
+        Shape (rows, columns) or (rows, columns, channels), any depth.
+    radii_px
+        Smallest and largest radius.
+    least
+        log10 of the number of false alarms that is allowed.
+    blotched
+        Whether closing and opening take blotches off discs first; None: where nothing is found
+        without.
+    sigma_px
+        Width of the filter that finds edges; None: a narrow one.
+    """
+    sought = _Sought(radii_px, least, SIGMA_PX if sigma_px is None else sigma_px)
+    values = np.ascontiguousarray(np.atleast_3d(picture), dtype=np.float32)
+    found: list[Disc] = []
+    if blotched is not True:
+        found = _of_versions(values, sought, (None,))
+    if blotched is True or (blotched is None and not found):
+        found = _of_versions(values, sought, (None, cv2.MORPH_CLOSE, cv2.MORPH_OPEN))
+    return found
+
+
+@dataclass(frozen=True, slots=True)
+class _Sought:
+    """Radii in pixels, log10 of the false alarms allowed, width of the edges' filter."""
+
+    radii: tuple[float, float]
+    least: float
+    sigma_px: float
+
+
+@dataclass(slots=True)
+class _Candidate:
+    """A circle of one version of the picture at one size, in the pixels of that version."""
+
+    level: int
+    disc: Disc
+
+
+def _of_versions(values: Singles, sought: _Sought, versions: tuple[int | None, ...]) -> list[Disc]:
+    radii, least = sought.radii, sought.least
+    # A circle is tried at each row, column and radius of the range.
+    radius_steps = max(1.0, math.log(radii[1] / radii[0]) / math.log(RADIUS_STEP))
+    tests = math.log10(values.shape[0] * values.shape[1] * radius_steps * len(versions))
+    levels = list(_levels(values, sought, versions))
+    alive = [np.ones(len(level.gradient.edges), np.bool_) for level in levels]
+    waiting: list[_Candidate] = []
+    for index, level in enumerate(levels):
+        edges, shape = level.gradient.edges, level.taken.shape
+        for place in candidates(edges, shape, level.radii)[:, 1:]:
+            disc = _judged(level, alive[index], place, tests)
+            if disc is not None and disc.log_alarms < least:
+                waiting.append(_Candidate(index, disc))
+    accepted: list[Disc] = []
+    while waiting:
+        waiting.sort(key=lambda each: each.disc.log_alarms, reverse=True)
+        best = waiting.pop()
+        if radii[0] * 0.97 <= best.disc.radius <= radii[1] * 1.03:
+            accepted.append(best.disc)
+        rest = []
+        for level, mask in zip(levels, alive, strict=True):
+            _take(level, mask, best.disc)
+        for other in waiting:
+            again: Disc | None = other.disc
+            if _touch(other.disc, best.disc):
+                level = levels[other.level]
+                again = _judged(level, alive[other.level], level.inward(other.disc), tests)
+            if again is None or again.log_alarms >= least or _one(again, best.disc):
+                continue
+            rest.append(_Candidate(other.level, again))
+        waiting = rest
+    return [_refined(values, disc, sought.sigma_px) for disc in accepted]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Level:
+    """One version of the picture at one size."""
+
+    gradient: Gradient
+    factor: float
+    radii: tuple[float, float]
+    taken: NDArray[np.float32]
+
+    def outward(self, value: float) -> float:
+        """Return a coordinate of the whole picture."""
+        return (value + 0.5) * self.factor - 0.5
+
+    def inward(self, disc: Disc) -> Floats:
+        """Return a disc's row, column and radius here."""
+        row, column = ((v + 0.5) / self.factor - 0.5 for v in (disc.row, disc.column))
+        return np.array([row, column, disc.radius / self.factor])
+
+
+def _levels(values: Singles, sought: _Sought, versions: tuple[int | None, ...]) -> Iterator[_Level]:
+    low, most = sought.radii
+    while low < most:
+        high = min(2.0 * low, most)
+        # Of the radii of this octave the smallest becomes the search's.
+        factor = max(1.0, low / SEARCH_RADIUS_PX)
+        small = values
+        if factor > 1.0:
+            size = tuple(max(8, round(side / factor)) for side in values.shape[1::-1])
+            small = np.atleast_3d(cv2.resize(values, size, interpolation=cv2.INTER_AREA))
+        own = (low / factor, high / factor)
+        for version in versions:
+            shown = small
+            if version is not None:
+                width = max(3, 2 * round(0.5 * BLOTCH * math.sqrt(own[0] * own[1])) + 1)
+                ellipse = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (width, width))
+                shown = np.atleast_3d(cv2.morphologyEx(small, version, ellipse))
+            found = gradient(np.ascontiguousarray(shown), sought.sigma_px)
+            yield _Level(found, factor, own, np.zeros(found.field.shape[1:], np.float32))
+        low = high
+
+
+def _judged(level: _Level, alive: NDArray[np.bool_], place: Floats, tests: float) -> Disc | None:
+    fit = fit_circle(level.gradient.edges, alive, np.ascontiguousarray(place))
+    radius, sectors = float(fit[2]), float(fit[6])
+    if radius <= 0 or sectors < LEAST_SECTORS:
+        return None
+    if not (0.9 * level.radii[0] < radius < 1.1 * level.radii[1]):
+        return None
+    field = level.gradient.field
+    if level.taken.any():
+        field = field.copy()
+        field[0][level.taken > 0] = 0.0
+    alarms, rim = false_alarms(field, level.gradient.threshold, fit[:3].copy(), tests).tolist()
+    row_sigma, column_sigma, radius_sigma = (level.factor * fit[3:6]).tolist()
+    return Disc(
+        row=level.outward(float(fit[0])),
+        column=level.outward(float(fit[1])),
+        radius=radius * level.factor,
+        row_sigma=row_sigma,
+        column_sigma=column_sigma,
+        radius_sigma=radius_sigma,
+        rim=rim,
+        log_alarms=alarms,
+    )
+
+
+def _take(level: _Level, alive: NDArray[np.bool_], disc: Disc) -> None:
+    """Take an accepted disc's edges out of what the others are judged by."""
+    row, column, radius = level.inward(disc).tolist()
+    band = max(1.5, 0.05 * radius)
+    points = level.gradient.edges
+    away = np.hypot(points[:, 0] - row, points[:, 1] - column)
+    alive &= np.abs(away - radius) > band
+    cv2.circle(
+        level.taken,
+        (round(column), round(row)),
+        max(1, round(radius)),
+        1.0,
+        thickness=max(1, round(2 * band)),
+    )
+
+
+def _one(a: Disc, b: Disc) -> bool:
+    radius = max(a.radius, b.radius)
+    apart = math.hypot(a.row - b.row, a.column - b.column)
+    alike = abs(a.radius - b.radius) < SAME_RADIUS * radius
+    # A ring within a sphere is its gloss, core or print.
+    within = apart < SAME_RING * radius
+    return within or (alike and apart < SAME_CENTRE * radius)
+
+
+def _touch(a: Disc, b: Disc) -> bool:
+    apart = math.hypot(a.row - b.row, a.column - b.column)
+    return apart < 1.1 * (a.radius + b.radius)
+
+
+def _refined(values: Singles, disc: Disc, sigma_px: float) -> Disc:
+    """Return a disc with its circle fitted to the edges of the whole picture."""
+    reach = math.ceil(1.25 * disc.radius + 6)
+    top, left = max(0, int(disc.row) - reach), max(0, int(disc.column) - reach)
+    window = values[top : int(disc.row) + reach + 1, left : int(disc.column) + reach + 1]
+    if min(window.shape[:2]) < 8:
+        return disc
+    edges = gradient(np.ascontiguousarray(window), sigma_px).edges
+    place = np.array([disc.row - top, disc.column - left, disc.radius])
+    fit = fit_circle(edges, np.ones(len(edges), np.bool_), place)
+    row, column, radius, *sigmas, sectors = fit.tolist()
+    moved = math.hypot(row - place[0], column - place[1])
+    if radius <= 0 or sectors < LEAST_SECTORS or moved > 0.1 * disc.radius + 1.0:
+        return disc
+    return replace(
+        disc,
+        row=row + top,
+        column=column + left,
+        radius=radius,
+        row_sigma=sigmas[0],
+        column_sigma=sigmas[1],
+        radius_sigma=sigmas[2],
+    )

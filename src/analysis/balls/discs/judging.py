@@ -1,0 +1,219 @@
+"""Whether a candidate is a disc: a circle through its edge points, and its number of false alarms.
+
+A contrario (Desolneux, Moisan and Morel, 2000): how many discs of such a kind would a picture of
+the same size show whose gradients point anywhere?
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.compiled import compiled, part
+
+SECTORS = 64
+LEAST_SECTORS = 0.42
+ALONG = math.cos(math.radians(22.5))
+CHANCE = 0.25
+"""Of a direction within 22.5 degrees of the radius, towards it or away."""
+SAMPLE_PX = 1.5
+PASSES = ((0.10, 29.0), (0.07, 26.0), (0.05, 23.0), (0.03, 20.0))
+"""Distance from the circle in radii, and angle with the radius in degrees, from pass to pass."""
+_BANDS = np.array([[band, math.cos(math.radians(angle))] for band, angle in PASSES])
+LEAST_BAND_PX = 0.8
+LEAST_POINTS = 8
+
+
+@part
+def _solve(matrix: NDArray[np.float64], right: NDArray[np.float64]) -> bool:
+    """Solve three equations in place by elimination; false where they are singular."""
+    for i in range(3):
+        best = i
+        for k in range(i + 1, 3):
+            if abs(matrix[k, i]) > abs(matrix[best, i]):
+                best = k
+        if abs(matrix[best, i]) < 1e-9:
+            return False
+        for j in range(3):
+            matrix[i, j], matrix[best, j] = matrix[best, j], matrix[i, j]
+        right[i], right[best] = right[best], right[i]
+        for k in range(3):
+            if k != i:
+                ratio = matrix[k, i] / matrix[i, i]
+                for j in range(3):
+                    matrix[k, j] -= ratio * matrix[i, j]
+                right[k] -= ratio * right[i]
+    for i in range(3):
+        right[i] /= matrix[i, i]
+    return True
+
+
+@compiled
+def log_binomial_tail(samples: int, hits: int, chance: float) -> float:
+    """Return log10 of the probability of so many hits or more."""
+    total = 0.0
+    largest = -1e300
+    for k in range(hits, samples + 1):
+        term = (
+            math.lgamma(samples + 1.0)
+            - math.lgamma(k + 1.0)
+            - math.lgamma(samples - k + 1.0)
+            + k * math.log(chance)
+            + (samples - k) * math.log(1.0 - chance)
+        )
+        if largest < -1e299:
+            largest = term
+        total += math.exp(term - largest)
+    return (largest + math.log(total)) / math.log(10.0) if hits <= samples else -1e9
+
+
+@part
+def _gather(
+    edges: NDArray[np.float32],
+    alive: NDArray[np.bool_],
+    circle: NDArray[np.float64],
+    limits: NDArray[np.float64],
+    sums: NDArray[np.float64],
+) -> None:
+    """Sum the normal equations of the points in a band; Tukey's biweight.
+
+    Parameters
+    ----------
+    limits
+        Width of the band in px and least cosine of a point's angle with the radius.
+    sums
+        Filled: matrix and right side in the first three rows; then weights, squares, points.
+    """
+    row, column, radius = circle
+    band, along = limits
+    sums[:] = 0.0
+    for k in range(len(edges)):
+        if not alive[k]:
+            continue
+        dr, dc = edges[k, 0] - row, edges[k, 1] - column
+        if abs(dr) > radius + band or abs(dc) > radius + band:
+            continue
+        away = math.sqrt(dr * dr + dc * dc)
+        off = away - radius
+        if abs(off) > band or away < 1e-6:
+            continue
+        u, v = dr / away, dc / away
+        if abs(u * edges[k, 2] + v * edges[k, 3]) < along:
+            continue
+        share = off / band
+        weight = (1.0 - share * share) ** 2
+        slopes = (u, v, 1.0)
+        for i in range(3):
+            for j in range(3):
+                sums[i, j] += weight * slopes[i] * slopes[j]
+            sums[i, 3] += weight * slopes[i] * off
+        sums[3, 0] += weight
+        sums[3, 1] += weight * off * off
+        sums[3, 2] += 1.0
+
+
+@part
+def _sectors(
+    edges: NDArray[np.float32],
+    alive: NDArray[np.bool_],
+    circle: NDArray[np.float64],
+    limits: NDArray[np.float64],
+) -> float:
+    """Return the share of the sectors of a circle that hold points of its rim."""
+    filled = np.zeros(SECTORS, np.bool_)
+    for k in range(len(edges)):
+        if not alive[k]:
+            continue
+        dr, dc = edges[k, 0] - circle[0], edges[k, 1] - circle[1]
+        away = math.sqrt(dr * dr + dc * dc)
+        if abs(away - circle[2]) > limits[0] or away < 1e-6:
+            continue
+        if abs(dr * edges[k, 2] + dc * edges[k, 3]) >= limits[1] * away:
+            turn = (math.atan2(dr, dc) + math.pi) / (2.0 * math.pi)
+            filled[int(turn * SECTORS) % SECTORS] = True
+    return float(filled.sum() / SECTORS)
+
+
+@compiled
+def fit_circle(
+    edges: NDArray[np.float32], alive: NDArray[np.bool_], start: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Fit a circle to the edge points near a candidate, in a band that narrows from pass to pass.
+
+    Parameters
+    ----------
+    start
+        Row, column, radius.
+
+    Returns
+    -------
+    Row, column, radius, their standard errors, and the share of the sectors with points; all zero
+    where none is found. Shape (7,).
+    """
+    found = np.zeros(7)
+    circle = start.copy()
+    sums, limits = np.zeros((4, 4)), np.zeros(2)
+    matrix, right = np.zeros((3, 3)), np.zeros(3)
+    for step in range(2 * len(_BANDS)):
+        limits[0] = max(LEAST_BAND_PX, _BANDS[step // 2, 0] * circle[2])
+        limits[1] = _BANDS[step // 2, 1]
+        _gather(edges, alive, circle, limits, sums)
+        matrix[:] = sums[:3, :3]
+        right[:] = sums[:3, 3]
+        if sums[3, 2] < LEAST_POINTS or not _solve(matrix, right):
+            return found
+        circle += right
+        if not (0.6 * start[2] < circle[2] < 1.6 * start[2]):
+            return found
+    scatter = math.sqrt(sums[3, 1] / sums[3, 0])
+    for i in range(3):
+        matrix[:] = sums[:3, :3]
+        right[:] = 0.0
+        right[i] = 1.0
+        if not _solve(matrix, right):
+            return found
+        found[3 + i] = scatter * math.sqrt(max(right[i], 0.0))
+    found[:3] = circle
+    found[6] = _sectors(edges, alive, circle, limits)
+    return found
+
+
+@compiled
+def false_alarms(
+    field: NDArray[np.float32],
+    threshold: float,
+    circle: NDArray[np.float64],
+    log_tests: float,
+) -> NDArray[np.float64]:
+    """Return log10 of the number of false alarms of a circle, and the share of its rim seen.
+
+    Samples of the rim outside the picture count neither way.
+
+    Parameters
+    ----------
+    field
+        Size and direction (row, column) of the gradient, shape (3, rows, columns).
+    """
+    _, rows, columns = field.shape
+    row, column, radius = circle
+    wanted = max(12, int(2.0 * math.pi * radius / SAMPLE_PX))
+    samples = hits = 0
+    for k in range(wanted):
+        angle = 2.0 * math.pi * k / wanted
+        u, v = math.sin(angle), math.cos(angle)
+        i, j = round(row + radius * u), round(column + radius * v)
+        if i < 0 or j < 0 or i >= rows or j >= columns:
+            continue
+        samples += 1
+        if field[0, i, j] < threshold:
+            continue
+        if abs(u * field[1, i, j] + v * field[2, i, j]) >= ALONG:
+            hits += 1
+    found = np.zeros(2)
+    found[0] = log_tests
+    if samples >= LEAST_POINTS:
+        found[0] += log_binomial_tail(samples, hits, CHANCE)
+        found[1] = hits / wanted
+    return found

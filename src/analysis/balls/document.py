@@ -1,0 +1,148 @@
+"""A film of one ball as other programs read it (commands.md): impacts in order of time."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from analysis.balls.flight import path
+from analysis.balls.flight.fit import Flights
+from analysis.balls.measuring import MeasuredBall, coefficient
+from analysis.quantity import Quantity
+
+Json = dict[str, Any]
+
+TIME, TOWARDS, BESIDE, AWAY, BESIDE_AFTER, _ = range(6)
+"""Of a contact, as `path.places` gives it."""
+
+
+def ball_document(measured: MeasuredBall, notes: tuple[str, ...]) -> Json:
+    """Return what was measured; a film with one impact has that one's keys at the top too."""
+    flights = measured.flights
+    impacts = [] if flights is None else [impact(measured, flights, k) for k in _order(flights)]
+    document: Json = {"status": "measured"}
+    if len(impacts) == 1:
+        document |= impacts[0]
+    document["impacts"] = impacts
+    looks, placed = measured.looks, measured.placed
+    document["ball"] = {
+        "diameter_px": Quantity(2 * looks.radius_px, 2 * looks.radius_sigma_px, "px").to_json()
+    }
+    document["exposure_s"] = measured.exposure_s
+    document["exposure_sigma_s"] = measured.exposure_found
+    if flights is not None:
+        document |= _camera(flights)
+    document["positions"] = {
+        "frame": placed.frames.tolist(),
+        "t_s": [float(t) for t in measured.times_s[placed.frames]],
+        "row_px": placed.places[:, 0].tolist(),
+        "column_px": placed.places[:, 1].tolist(),
+        "sigma_row_px": placed.sigmas[:, 0].tolist(),
+        "sigma_column_px": placed.sigmas[:, 1].tolist(),
+    }
+    document["notes"] = list(notes)
+    return document
+
+
+def _order(flights: Flights) -> range:
+    return range(flights.bounces)
+
+
+def impact(measured: MeasuredBall, flights: Flights, bounce: int) -> Json:
+    """Return one bounce: speeds along the plate's normal and beside it, e, and when.
+
+    Signs as in section 7.1 of the thesis with the plate as sphere b: v_n is negative before
+    contact. Without markers the spin is open, and with it v_s and beta.
+    """
+    contact = flights.contacts[bounce]
+    frames = flights.observed.frames
+    before = frames[flights.used & (flights.arcs == bounce)]
+    after = frames[flights.used & (flights.arcs == bounce + 1)]
+    value, sigma = coefficient(measured, bounce)
+    along_time = _sigma(flights, bounce, TIME)
+    rate = 1.0 / float(np.median(np.diff(measured.times_s)))
+    tilt, tilt_sigma = flights.values[path.TILT], _own_sigma(flights, path.TILT)
+    reach = float(np.hypot(contact[TOWARDS], contact[BESIDE])) / flights.scale_px_per_m
+    surface = abs(contact[BESIDE]) / flights.scale_px_per_m
+    return {
+        "contact_time_s": float(contact[TIME]),
+        "contact_time_sigma_s": along_time,
+        "contact_duration": None,
+        "frame": float(contact[TIME]) * rate,
+        "normal": [math.cos(tilt), -math.sin(tilt), 0.0],
+        "normal_sigma": [0.0, tilt_sigma, tilt_sigma],
+        "v_n": _speed(flights, bounce, TOWARDS, -1.0),
+        "v_n_after": _speed(flights, bounce, AWAY, 1.0),
+        "v_t": _speed(flights, bounce, BESIDE, 1.0),
+        "v_t_after": _speed(flights, bounce, BESIDE_AFTER, 1.0),
+        # A surface that spins as fast as the ball flies is the most that is taken for possible.
+        "v_s": _open(max(0.0, surface - reach), surface + reach),
+        "v_s_after": _open(-surface - reach, surface + reach),
+        "e": Quantity(value, sigma, "1").to_json(),
+        "beta": None,
+        "frames_before": before.tolist(),
+        "frames_after": after.tolist(),
+    }
+
+
+def _open(low: float, high: float) -> Json:
+    return {"value": None, "sigma": None, "low": low, "high": high, "unit": "m/s"}
+
+
+def _own_sigma(flights: Flights, index: int) -> float:
+    return math.sqrt(max(0.0, float(flights.covariance[index, index])))
+
+
+def _sigma(flights: Flights, bounce: int, number: int) -> float:
+    slope = flights.contact_slopes[bounce, number]
+    return math.sqrt(max(0.0, float(slope @ flights.covariance @ slope)))
+
+
+def _speed(flights: Flights, bounce: int, number: int, sign: float) -> Json:
+    """Return a speed in m/s; the scale's error is that of the fall, which the fit shares."""
+    scale = flights.scale_px_per_m
+    value = float(flights.contacts[bounce, number]) / scale
+    slope = flights.contact_slopes[bounce, number].copy()
+    slope[path.FALL] -= flights.contacts[bounce, number]
+    sigma = math.sqrt(max(0.0, float(slope @ flights.covariance @ slope))) / scale
+    return Quantity(sign * value, sigma, "m/s").to_json()
+
+
+def _camera(flights: Flights) -> Json:
+    fall, fall_sigma = flights.scale_of_fall
+    size, size_sigma = flights.scale_of_diameter
+    told = math.isfinite(fall_sigma)
+    ratio = Quantity(fall / size, math.hypot(fall_sigma, size_sigma), "1") if told else None
+    values = flights.values
+    return {
+        "scale_px_per_m": {
+            "used": Quantity(
+                flights.scale_px_per_m,
+                flights.scale_px_per_m * _own_sigma(flights, path.FALL),
+                "px/m",
+            ).to_json(),
+            "from_diameter": Quantity(size, size * size_sigma, "px/m").to_json(),
+            "from_gravity": Quantity(fall, fall * fall_sigma, "px/m").to_json() if told else None,
+            "gravity_over_diameter": None if ratio is None else ratio.to_json(),
+            "agree": not flights.contradiction,
+        },
+        "plate": {
+            "row_px": Quantity(values[path.PLATE], _own_sigma(flights, path.PLATE), "px").to_json(),
+            "tilt": Quantity(values[path.TILT], _own_sigma(flights, path.TILT), "rad").to_json(),
+        },
+        "row_time_s": Quantity(
+            values[path.ROW_TIME], _own_sigma(flights, path.ROW_TIME), "s"
+        ).to_json(),
+        "drag_per_m": Quantity(
+            values[path.DRAG] * flights.scale_px_per_m,
+            values[path.DRAG] * flights.scale_px_per_m * _own_sigma(flights, path.DRAG),
+            "1/m",
+        ).to_json(),
+        "residual_px": {
+            "row": float(np.std(flights.residuals[flights.used, 0])),
+            "column": float(np.std(flights.residuals[flights.used, 1])),
+        },
+        "chi2_per_dof": flights.chi2_per_dof,
+    }

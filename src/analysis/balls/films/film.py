@@ -1,0 +1,113 @@
+"""A film: what its file says of it, and its frames one after another."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Picture = NDArray[np.uint8] | NDArray[np.uint16]
+Readout = Literal["rows", "columns", "global", "unknown"]
+
+HELD_BYTES = 400e6
+"""Films that take no more are held once they are read; larger ones are read again when needed."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FilmHead:
+    """What a file says of its film.
+
+    Attributes
+    ----------
+    frames, height, width, channels
+        Numbers of each; three channels are blue, green, red.
+    times_s
+        Time of each frame counted from the first, shape (frames,); None: no times in the file.
+    rate_hz
+        Nominal frames a second; None: not in the file.
+    exposure_s
+        Time the shutter is open; None: not in the file.
+    encoded
+        Whether values follow a tone curve (sRGB) and not the light.
+    compressed
+        Whether a codec has altered the pixels.
+    readout
+        What a rolling shutter would read one after another.
+    notes
+        What about the file could not be checked, one sentence each.
+    """
+
+    frames: int
+    height: int
+    width: int
+    channels: int
+    times_s: Floats | None = None
+    rate_hz: float | None = None
+    exposure_s: float | None = None
+    encoded: bool = False
+    compressed: bool = False
+    readout: Readout = "global"
+    notes: tuple[str, ...] = ()
+
+
+class Film(ABC):
+    """Frames of one film; pictures have the shape (rows, columns, channels).
+
+    Attributes
+    ----------
+    path
+        File or folder, named in refusals.
+    head
+        What it says of itself.
+    """
+
+    def __init__(self, path: Path, head: FilmHead) -> None:
+        self.path, self.head = path, head
+        self._held: list[Picture] | None = None
+
+    def pictures(self) -> Iterator[Picture]:
+        """Give all frames in order; read once where they may be held."""
+        if self._held is not None:
+            yield from self._held
+            return
+        head, held = self.head, []
+        keep = True
+        taken = 0
+        for picture in self._read():
+            taken += picture.nbytes
+            keep = keep and taken <= HELD_BYTES
+            if keep:
+                held.append(picture)
+            else:
+                held = []
+            yield picture
+        if keep and len(held) == head.frames:
+            self._held = held
+
+    def chosen(self, frames: Sequence[int]) -> dict[int, Picture]:
+        """Return some frames by their numbers."""
+        wanted = set(frames)
+        last = max(wanted, default=-1)
+        found = {}
+        for number, picture in enumerate(self.pictures()):
+            if number in wanted:
+                found[number] = picture
+            if number >= last and self._held is not None:
+                break
+        return found
+
+    @abstractmethod
+    def _read(self) -> Iterator[Picture]:
+        """Give all frames, read anew.
+
+        Raises
+        ------
+        InputError
+            A frame is damaged or unlike the first.
+        """

@@ -1,0 +1,107 @@
+"""Films in files of pictures: folders of PNG, TIFF or DNG, multi-page TIFF, NPY."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.balls.films.film import Film, FilmHead, Picture
+from analysis.errors import InputError
+from analysis.files import FrameBudget
+from analysis.imaging.files.npy_file import read_npy
+from analysis.imaging.files.png_files import numbered_files, read_picture
+from analysis.imaging.files.tiff_file import read_tiff
+
+TIFF_SUFFIXES = (".tif", ".tiff")
+PICTURE_SUFFIXES = (".png", *TIFF_SUFFIXES)
+
+
+class PictureFolder(Film):
+    """A folder of pictures in the order of the numbers in their names.
+
+    Raises
+    ------
+    InputError
+        The folder holds no pictures, pictures of several kinds, or names that give no order.
+    """
+
+    def __init__(self, path: Path) -> None:
+        suffixes = {file.suffix.lower() for file in path.iterdir()} & set(PICTURE_SUFFIXES)
+        if not suffixes:
+            raise InputError(path, f"a folder without pictures ({', '.join(PICTURE_SUFFIXES)})")
+        if len(suffixes) > 1:
+            kinds = " and ".join(sorted(suffixes))
+            raise InputError(path, f"holds pictures of several kinds: {kinds}; keep one of them")
+        self._files = numbered_files(path, suffixes.pop())
+        FrameBudget(path).require_frames(len(self._files))
+        height, width, channels = read_one(self._files[0]).shape
+        super().__init__(path, FilmHead(len(self._files), height, width, channels))
+
+    def _read(self) -> Iterator[Picture]:
+        head = self.head
+        for file in self._files:
+            picture = read_one(file)
+            if picture.shape != (head.height, head.width, head.channels):
+                first = f"({head.height}, {head.width}, {head.channels})"
+                raise InputError(file, f"is of shape {picture.shape}, the first is of {first}")
+            yield picture
+
+
+class PictureStack(Film):
+    """Pictures of one file that is read whole."""
+
+    def __init__(
+        self, path: Path, read: Callable[[Path, FrameBudget], Sequence[NDArray[np.generic]]]
+    ) -> None:
+        pages = read(path, FrameBudget(path))
+        if len(pages) == 0:
+            raise InputError(path, "holds no frames")
+        pictures = [_picture(path, page) for page in pages]
+        if len({picture.shape for picture in pictures}) > 1:
+            raise InputError(path, "its frames differ in size")
+        height, width, channels = pictures[0].shape
+        super().__init__(path, FilmHead(len(pictures), height, width, channels))
+        self._pictures = pictures
+
+    def _read(self) -> Iterator[Picture]:
+        yield from self._pictures
+
+
+def read_npy_frames(path: Path, budget: FrameBudget) -> list[NDArray[np.generic]]:
+    """Return the frames of an NPY file, (frames, rows, columns) with or without channels."""
+    return list(read_npy(path, budget))
+
+
+def read_one(file: Path) -> Picture:
+    """Return one picture of 8 or 16 bits; raise `InputError` where it cannot be read."""
+    budget = FrameBudget(file)
+    try:
+        tiff = file.suffix.lower() in TIFF_SUFFIXES
+        page = read_tiff(file, budget)[0] if tiff else read_picture(file, budget)
+    except OSError as error:
+        raise InputError(file, f"cannot be read: {error.strerror or error}") from error
+    return _picture(file, page)
+
+
+def _picture(path: Path, page: NDArray[np.generic]) -> Picture:
+    """Return a picture of one or three channels (blue, green, red) of 8 or 16 bits."""
+    if page.ndim == 2:
+        page = page[..., None]
+    if page.ndim != 3 or page.dtype not in {np.dtype(np.uint8), np.dtype(np.uint16)}:
+        raise InputError(
+            path,
+            f"holds {page.dtype} values of shape {page.shape}; pictures of 8 or 16 bits (rows, "
+            "columns) or (rows, columns, channels) are needed",
+        )
+    channels = {1: 1, 2: 1, 3: 3, 4: 3}.get(page.shape[2])
+    if channels is None or 0 in page.shape:
+        raise InputError(path, f"holds pictures of shape {page.shape}")
+    page = page[..., :channels]
+    # TIFF has red first, what OpenCV reads has blue first.
+    if channels == 3 and path.suffix.lower() in TIFF_SUFFIXES:
+        page = page[..., ::-1]
+    return cast("Picture", np.ascontiguousarray(page))

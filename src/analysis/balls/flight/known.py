@@ -1,0 +1,149 @@
+"""What is known of a flight before a film is seen, each with how well: priors of the fit."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+DRAG_COEFFICIENT, DRAG_SIGMA = 0.47, 0.05
+"""Of a smooth sphere at Reynolds numbers of 10^3 to 2 10^5 (Clift, Grace and Weber, 1978)."""
+AIR_DENSITY = 1.2
+UNKNOWN_DENSITY, UNKNOWN_SPREAD = 500.0, 1.0
+"""kg/m^3 and the spread of its logarithm: from a hollow ball to one of glass."""
+DIAMETER_RIM_SIGMA = 0.01
+"""Relative: what shading and codecs do to a rim."""
+TILT_SIGMA, ROLL_SIGMA = 0.03, 0.05
+"""rad, of a plate against the vertical's normal and of a camera that stands by eye."""
+SMEAR_SIGMA = 0.005
+"""By which part of its smear a ball's centre comes out too high or too low: its light is uneven."""
+BARREL_SIGMA = 0.01
+"""Of a lens, at half the picture's larger side."""
+LOOK_SIGMA = 0.1
+"""rad, of a camera's line of sight against the plane of the flight."""
+LEAST_FOCUS = 1.0
+"""Focal lengths are this many of the picture's larger sides at least."""
+DRIFT_SHARE = 0.02
+"""Of a dropped ball's speed: how much of it is sideways at least."""
+READOUT_SHARE = 0.5
+"""Of the time between frames: the middle of what rolling shutters take to read a frame."""
+STAY_S = 5e-4
+"""Times of contact of balls of 20 mm and 1 m/s: from hard ones' 0.05 ms to soft ones' 2 ms."""
+
+
+@dataclass(frozen=True, slots=True)
+class Ball:
+    """What a person states of the ball.
+
+    Attributes
+    ----------
+    diameter_m, diameter_sigma
+        Diameter in m and its relative standard error.
+    density
+        kg/m^3; None: not stated.
+    drag_coefficient, drag_sigma
+        In air, with its standard error.
+    air_density
+        kg/m^3.
+    gravity
+        m/s^2.
+    """
+
+    diameter_m: float
+    diameter_sigma: float = 0.0
+    density: float | None = None
+    drag_coefficient: float = DRAG_COEFFICIENT
+    drag_sigma: float = DRAG_SIGMA
+    air_density: float = AIR_DENSITY
+    gravity: float = 9.80665
+
+    def drag_per_m(self) -> tuple[float, float]:
+        """Return k of a = k v^2 in 1/m, and the standard error of its logarithm."""
+        density = UNKNOWN_DENSITY if self.density is None else self.density
+        drag = 0.75 * self.air_density * self.drag_coefficient / (density * self.diameter_m)
+        spread = self.drag_sigma / self.drag_coefficient
+        if self.density is None:
+            spread = math.hypot(spread, UNKNOWN_SPREAD)
+        return drag, spread
+
+
+@dataclass(frozen=True, slots=True)
+class View:
+    """What is known of how the film was taken.
+
+    Attributes
+    ----------
+    height, width
+        Of the picture, px.
+    period_s
+        Time between frames.
+    exposure_s
+        Time the shutter is open.
+    readout
+        "rows" or "columns": read one after another; "global": all at once.
+    row_time_s
+        Stated time from one row to the next; None: fitted.
+    """
+
+    height: int
+    width: int
+    period_s: float
+    exposure_s: float
+    readout: str = "global"
+    row_time_s: float | None = None
+
+    def row_time(self) -> tuple[float, float]:
+        """Return the time a row is read after the one above, and its standard error, s."""
+        if self.row_time_s is not None:
+            return self.row_time_s, 0.0
+        if self.readout == "global":
+            return 0.0, 0.0
+        lines = self.height if self.readout == "rows" else self.width
+        middle = READOUT_SHARE * self.period_s / lines
+        return middle, 0.6 * middle
+
+    def receding_sigma(self, before: Floats, after: Floats) -> float:
+        """Return the standard error of a ball's speed away from the camera, camera distances a s.
+
+        A ball drifts along the line of sight as it does across the picture.
+
+        Parameters
+        ----------
+        before, after
+            Speeds at the bounces (row, column), px/s, shape (B, 2).
+        """
+        across = np.concatenate([before[:, 1], after[:, 1]])
+        down = np.abs(np.concatenate([before[:, 0], after[:, 0]]))
+        drift = math.hypot(float(np.sqrt((across**2).mean())), DRIFT_SHARE * float(down.mean()))
+        return drift / (LEAST_FOCUS * max(self.height, self.width))
+
+    def perspective_sigma(self) -> float:
+        """Return the standard error of the perspective term about zero, 1/px."""
+        return LOOK_SIGMA / (LEAST_FOCUS * max(self.height, self.width))
+
+
+@dataclass(frozen=True, slots=True)
+class Known:
+    """All that is known before the flights are fitted.
+
+    Attributes
+    ----------
+    ball, view
+        What is stated.
+    radius_px, radius_sigma_px
+        Of the ball in the picture.
+    """
+
+    ball: Ball
+    view: View
+    radius_px: float
+    radius_sigma_px: float = 0.0
+
+    def scale(self) -> tuple[float, float]:
+        """Return px/m by the ball's diameter, and its relative standard error."""
+        sigmas = DIAMETER_RIM_SIGMA, self.ball.diameter_sigma, self.radius_sigma_px / self.radius_px
+        return 2.0 * self.radius_px / self.ball.diameter_m, math.hypot(*sigmas)

@@ -1,0 +1,165 @@
+"""Places of a bouncing ball in the picture: flight under gravity and drag, bounces on a plate.
+
+Lengths are pixels in the plane of the flight at the plate; down is positive. A camera that looks
+down or up sees higher places smaller, and a rolling shutter sees lower ones later.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.compiled import compiled, part
+
+Floats = NDArray[np.float64]
+
+TIME, SPEED, PLACE, ACROSS, FALL, DRAG, ROW_TIME, PERSPECTIVE, ROLL = range(9)
+PLATE, TILT, STAY, DEPTH, BIAS, BARREL, MIDDLE_ROW, MIDDLE_COLUMN = range(9, 17)
+"""First contact's time, approach speed, column from the middle and speed across before it; fall,
+px/s^2; drag, 1/px; time a row or column, s; perspective, 1/px; the vertical's angle in the picture;
+row of contact; slope of the plate; duration of a contact, s; speed away from the camera before the
+first contact, in distances of the camera a second; shift of a smeared ball's centre along the rows
+by its speed, s; barrel distortion at half the picture's larger side; the picture's middle, about
+which it acts as perspective does."""
+COMMON = 17
+EACH = 3
+"""For each bounce: speeds away from the plate and across, what it gains away from the camera."""
+LARGEST_STEP_S = 0.02
+
+
+@part
+def _acceleration(
+    state: NDArray[np.float64], forces: NDArray[np.float64], out: NDArray[np.float64]
+) -> None:
+    speed = math.sqrt(state[2] ** 2 + state[3] ** 2)
+    out[0], out[1] = state[2], state[3]
+    out[2] = forces[0] - forces[2] * speed * state[2]
+    out[3] = forces[1] - forces[2] * speed * state[3]
+
+
+@part
+def _fly(state: NDArray[np.float64], time: float, forces: NDArray[np.float64]) -> None:
+    """Move a state (down, across, and their speeds) on by a time of either sign (Runge-Kutta).
+
+    Forces are the fall down and across, px/s^2, and the drag, 1/px.
+    """
+    steps = 1 + int(abs(time) / LARGEST_STEP_S)
+    h = time / steps
+    a, b, c, d = np.empty(4), np.empty(4), np.empty(4), np.empty(4)
+    for _ in range(steps):
+        _acceleration(state, forces, a)
+        _acceleration(state + 0.5 * h * a, forces, b)
+        _acceleration(state + 0.5 * h * b, forces, c)
+        _acceleration(state + h * c, forces, d)
+        state += (h / 6.0) * (a + 2.0 * b + 2.0 * c + d)
+
+
+@part
+def _meet(state: NDArray[np.float64], slope: float, lasts: float, forces: Floats) -> float:
+    """Move a state on to where it meets the plate again; return how long that takes.
+
+    `lasts` is a first guess; the rest are Newton's steps.
+    """
+    begun = state[1]
+    _fly(state, lasts, forces)
+    guess = lasts
+    for _ in range(12):
+        above = state[0] - (state[1] - begun) * slope
+        closing = state[2] - state[3] * slope
+        if abs(closing) < 1e-6:
+            break
+        step = min(max(-above / closing, -0.5 * guess), 0.5 * guess)
+        _fly(state, step, forces)
+        lasts += step
+        if abs(step) < 1e-12:
+            break
+    return lasts
+
+
+@part
+def _seen(values: NDArray[np.float64], found: NDArray[np.float64]) -> None:
+    """Turn places on the plane of flight, and what distance drift has added, into the picture."""
+    plate = values[PLATE] - values[MIDDLE_ROW]
+    half = max(values[MIDDLE_ROW], values[MIDDLE_COLUMN])
+    for n in range(len(found)):
+        distance = 1.0 + values[PERSPECTIVE] * found[n, 0] + found[n, 2]
+        down, across = (plate + found[n, 0]) / distance, found[n, 1] / distance
+        bent = 1.0 + values[BARREL] * (down * down + across * across) / half**2
+        found[n, 0] = values[MIDDLE_ROW] + bent * down
+        found[n, 1] = values[MIDDLE_COLUMN] + bent * across
+        found[n, 2] = distance
+
+
+@compiled
+def places(
+    values: NDArray[np.float64],
+    times: NDArray[np.float64],
+    arcs: NDArray[np.intp],
+    found: NDArray[np.float64],
+    contacts: NDArray[np.float64],
+) -> None:
+    """Fill in where a ball is seen.
+
+    Parameters
+    ----------
+    values
+        COMMON numbers and EACH for each bounce.
+    times
+        At which the ball's rows were read, s, increasing; shape (N,).
+    arcs
+        Which flight each belongs to: 0 before the first bounce; shape (N,).
+    found
+        Row, column, and the distance in its value at the first contact, shape (N, 3).
+    contacts
+        Of each bounce time, speed towards the plate, across before, speed away, across after,
+        along the plate's normal and beside it, and its column. Shape (bounces, 6).
+    """
+    forces = np.empty(3)
+    forces[0] = values[FALL] * math.cos(values[ROLL])
+    forces[1] = values[FALL] * math.sin(values[ROLL])
+    forces[2] = values[DRAG]
+    normal_down, normal_across = math.cos(values[TILT]), -math.sin(values[TILT])
+    slope = math.tan(values[TILT])
+    state, start = np.empty(4), np.empty(4)
+    # Before the first bounce, backward from it.
+    start[0], start[1] = 0.0, values[PLACE]
+    start[2], start[3] = values[SPEED], values[ACROSS]
+    begun = values[TIME]
+    state[:] = start
+    at = begun
+    for n in range(len(times) - 1, -1, -1):
+        if arcs[n] == 0:
+            _fly(state, times[n] - at, forces)
+            at = times[n]
+            found[n, 0], found[n, 1] = state[0] + values[BIAS] * abs(state[2]), state[1]
+            found[n, 2] = values[DEPTH] * (times[n] - begun)
+    state[:] = start
+    depth, receding = 0.0, values[DEPTH]
+    for k in range(len(contacts)):
+        own = COMMON + EACH * k
+        away, beside = values[own], values[own + 1]
+        receding += values[own + 2]
+        contacts[k, 0] = begun
+        contacts[k, 1] = state[2] * normal_down + state[3] * normal_across
+        contacts[k, 2] = state[3] * normal_down - state[2] * normal_across
+        contacts[k, 3] = away * normal_down - beside * normal_across
+        contacts[k, 4] = beside * normal_down + away * normal_across
+        contacts[k, 5] = state[1]
+        start[0], start[1] = state[0], state[1]
+        start[2], start[3] = -away, beside
+        begun += values[STAY]
+        state[:] = start
+        at = begun
+        for n in range(len(times)):
+            if arcs[n] == k + 1:
+                _fly(state, times[n] - at, forces)
+                at = times[n]
+                found[n, 0], found[n, 1] = state[0] + values[BIAS] * abs(state[2]), state[1]
+                found[n, 2] = depth + receding * (at - begun)
+        state[:] = start
+        lasted = _meet(state, slope, 2.0 * away / max(forces[0], 1e-9), forces)
+        begun += lasted
+        depth += receding * lasted
+    _seen(values, found)

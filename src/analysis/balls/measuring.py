@@ -1,0 +1,198 @@
+"""From a film to the flights and bounces of one ball."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.balls.films.film import Film, FilmHead
+from analysis.balls.flight import path
+from analysis.balls.flight.fit import Flights, Observed, Start, fit_flights
+from analysis.balls.flight.known import Ball, Known, View
+from analysis.balls.searching import Search, search
+from analysis.balls.seen.arcs import Chain
+from analysis.balls.seen.looks import Looks
+from analysis.balls.seen.placing import Motion, Placed, Placer, Window, cut_windows
+
+Floats = NDArray[np.float64]
+
+REPEATS = 3
+NEIGHBOURS = 5
+"""Sightings before and after that tell a speed before any flight is fitted."""
+LEAST_SIGMA = 0.3
+"""Of the median stated error: no frame counts for more."""
+LEAST_E = 3e-4
+"""Standard error of e that drawn films of the best light leave (python -m benchmarks.balls)."""
+SPEED_STEP_S = 1e-4
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MeasuredBall:
+    """Everything that a film says of its ball.
+
+    Attributes
+    ----------
+    search
+        How the ball was found, and what else moves.
+    placed
+        Its places as fitted.
+    times_s
+        Of all frames.
+    exposure_s
+        Stated or found from the smear.
+    exposure_found
+        Its standard error where it was found; None: stated, or too short to be seen.
+    flights
+        None: no bounce has enough frames on both sides.
+    systematic_e
+        What the choice of the ball's light does to e of each bounce; shape (B,).
+    head
+        Of the film.
+    """
+
+    search: Search
+    placed: Placed
+    times_s: Floats
+    exposure_s: float
+    exposure_found: float | None
+    flights: Flights | None
+    systematic_e: Floats
+    head: FilmHead
+
+    @property
+    def looks(self) -> Looks:
+        """Return how the ball looks."""
+        return self.search.looks
+
+    @property
+    def chain(self) -> Chain:
+        """Return the arcs that were found first."""
+        return self.search.chain
+
+
+def measure_ball(film: Film, times_s: Floats, ball: Ball, exposure_s: float | None) -> MeasuredBall:
+    """Find a ball that flies and bounces, and measure its bounces.
+
+    Parameters
+    ----------
+    times_s
+        Of the frames, s, shape (frames,).
+    exposure_s
+        None: found from the smear.
+
+    Raises
+    ------
+    ShotRefusedError
+        No ball, or none that flies freely.
+    """
+    found = search(film, times_s, ball)
+    looks, chain = found.looks, found.chain
+    period = float(np.median(np.diff(times_s)))
+    motion = _first_motion(chain, found.fall)
+    placer = Placer.new(looks.radius_px, exposure_s or 0.0)
+    longest = period if exposure_s is None else exposure_s
+    windows = cut_windows(film, looks, motion, longest)
+    placer.learn_blur(windows, motion)
+    if placer.learn_radius(windows, motion):
+        looks = looks.with_radius(placer.radius_px)
+        found = replace(found, looks=looks)
+        windows = cut_windows(film, looks, motion, longest)
+        placer.learn_blur(windows, motion)
+    told = None if exposure_s is not None else placer.learn_exposure(windows, motion, period)
+    placed = placer.place(windows, motion)
+    flights, coefficients = None, []
+    for _ in range(REPEATS if len(chain.times_s) else 0):
+        head = film.head
+        view = View(head.height, head.width, period, placer.exposure_s, head.readout)
+        observed, start = _observed(placed, times_s), _start(chain, found.fall)
+        known = Known(ball, view, looks.radius_px, looks.radius_sigma_px)
+        fitted = fit_flights(observed, start, known)
+        if fitted is None:
+            break
+        flights = fitted
+        coefficients.append(flights.contacts[:, 3] / flights.contacts[:, 1])
+        motion = _fitted_motion(flights)
+        own = _of_motion(windows, motion)
+        row_time = float(flights.values[path.ROW_TIME])
+        if exposure_s is None:
+            told = placer.learn_exposure(own, motion, period)
+        placer.learn_light(own, motion, row_time)
+        placed = placer.place(own, motion, row_time)
+    alike = [each for each in coefficients if len(each) == len(coefficients[-1])]
+    systematic = np.abs(alike[-1] - alike[max(0, len(alike) - 2)]) if alike else np.zeros(0)
+    return MeasuredBall(
+        search=found,
+        placed=placed if flights is None else _placed(flights),
+        times_s=times_s,
+        exposure_s=placer.exposure_s,
+        exposure_found=None if told is None else float(told[1]),
+        flights=flights,
+        systematic_e=systematic,
+        head=film.head,
+    )
+
+
+def _placed(flights: Flights) -> Placed:
+    observed = flights.observed
+    return Placed(observed.frames, observed.places, observed.sigmas * flights.sigma_scale)
+
+
+def _of_motion(windows: Sequence[Window], motion: Motion) -> list[Window]:
+    known = set(motion.frames.tolist())
+    return [window for window in windows if window.frame in known]
+
+
+def _first_motion(chain: Chain, fall: Floats) -> Motion:
+    """Return places as seen, and speeds from the sightings about each."""
+    frames, places, speeds = [], [], []
+    for arc in chain.arcs:
+        for k, frame in enumerate(arc.frames.tolist()):
+            part = slice(max(0, k - NEIGHBOURS), k + NEIGHBOURS + 1)
+            middle, _, speed = arc.course_of(part, fall)
+            frames.append(frame)
+            places.append(arc.places[k])
+            speeds.append(speed + fall * (arc.times_s[k] - middle))
+    order = np.argsort(frames, kind="stable")
+    frames_, index = np.unique(np.array(frames)[order], return_index=True)
+    return Motion(frames_, np.array(places)[order][index], np.array(speeds)[order][index])
+
+
+def _fitted_motion(flights: Flights) -> Motion:
+    placed = flights.observed
+    times = flights.observed.times_s + flights.row_delay(flights.observed.places)
+    ahead = flights.at(times + SPEED_STEP_S, flights.arcs)[:, :2]
+    behind = flights.at(times - SPEED_STEP_S, flights.arcs)[:, :2]
+    return Motion(placed.frames, placed.places, (ahead - behind) / (2 * SPEED_STEP_S))
+
+
+def _observed(placed: Placed, times_s: Floats) -> Observed:
+    least = LEAST_SIGMA * np.median(placed.sigmas, axis=0)
+    sigmas = np.maximum(placed.sigmas, least)
+    return Observed(placed.frames, times_s[placed.frames], placed.places, sigmas)
+
+
+def _start(chain: Chain, fall: Floats) -> Start:
+    before: list[Floats] = []
+    after: list[Floats] = []
+    for time, a, b in zip(chain.times_s, chain.arcs[:-1], chain.arcs[1:], strict=True):
+        for arc, end, speeds in ((a, True, before), (b, False, after)):
+            middle, _, speed = arc.course(fall, end=end)
+            speeds.append(speed + fall * (time - middle))
+    return Start(chain.times_s, chain.places, np.array(before), np.array(after))
+
+
+def coefficient(measured: MeasuredBall, bounce: int) -> tuple[float, float]:
+    """Return e of a bounce and its standard error."""
+    flights = measured.flights
+    if flights is None:
+        return math.nan, math.inf
+    contact, slopes = flights.contacts[bounce], flights.contact_slopes[bounce]
+    value = contact[3] / contact[1]
+    slope = slopes[3] / contact[1] - value * slopes[1] / contact[1]
+    variance = float(slope @ flights.covariance @ slope)
+    systematic = math.hypot(float(measured.systematic_e[bounce]), LEAST_E)
+    return float(value), math.hypot(math.sqrt(variance), systematic)

@@ -1,0 +1,145 @@
+"""Finding the ball of a film: what is round, moves, and falls as things fall."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.balls.films.film import Film
+from analysis.balls.flight.known import Ball
+from analysis.balls.seen.arcs import Arc, Chain, Sightings, chains, find_arcs
+from analysis.balls.seen.background import background, sample_frames
+from analysis.balls.seen.looks import Looks, families, find_discs_that_move, looks_of, noise_of
+from analysis.balls.seen.sightings import Sight
+from analysis.errors import ShotRefusedError
+
+Floats = NDArray[np.float64]
+
+MOST_FAMILIES = 4
+LEAST_FRAMES = 6
+LEAST_BALL_FRAMES = 6
+FALL_SHARE = (0.5, 2.0)
+"""Of the fall that follows from the ball's size: between these a ball flies."""
+LEAST_BEND = 1.5
+"""In errors of a place: how far a flight lies off its chord, where it says anything."""
+SEEN_RADII, SEEN_PX = 0.03, 0.3
+"""Error of a place as seen first."""
+STEADY_RADII = 0.5
+"""A ball that stays within so many radii for the whole film is not in flight."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Search:
+    """A ball and its flights as seen first.
+
+    Attributes
+    ----------
+    looks, chain
+        Of the ball.
+    fall
+        Free fall in the picture by the ball's size, (row, column) in px/s^2.
+    others
+        Flights of other balls at the same time, the strongest first.
+    unexplained
+        Frames in which the ball is seen and does not fly freely.
+    """
+
+    looks: Looks
+    chain: Chain
+    fall: Floats
+    others: tuple[Chain, ...]
+    unexplained: tuple[int, ...]
+
+
+def search(film: Film, times_s: Floats, ball: Ball) -> Search:
+    """Find the ball whose flights explain most.
+
+    Raises
+    ------
+    ShotRefusedError
+        Too few frames, nothing round that moves, or nothing of it flies freely.
+    """
+    if film.head.frames < LEAST_FRAMES:
+        raise ShotRefusedError(
+            "frames", f"{film.head.frames} frames; {LEAST_FRAMES} are needed at least"
+        )
+    samples = film.chosen(sample_frames(film))
+    ground = background(list(samples.values()))
+    noise = noise_of(list(samples.values()), ground)
+    groups = families(find_discs_that_move(samples, ground, noise))
+    if not groups:
+        raise ShotRefusedError(
+            "ball",
+            f"nothing round moves in this film: {len(samples)} of its {film.head.frames} frames "
+            "were looked at; check that the ball is in the picture and the camera stands still",
+        )
+    best: Search | None = None
+    moving: list[str] = []
+    for family in groups[:MOST_FAMILIES]:
+        looks = looks_of(family, samples, ground, film.head)
+        sight = Sight(looks, ground)
+        places = [sight.find(picture).places for picture in film.pictures()]
+        seen = Sightings(times_s, places, (film.head.height, film.head.width))
+        fall = np.array([ball.gravity * 2 * looks.radius_px / ball.diameter_m, 0.0])
+        arcs = find_arcs(seen, looks.radius_px, fall)
+        linked = [each for each in chains(arcs, looks.radius_px, fall) if _falls(each, looks, fall)]
+        if linked and (best is None or linked[0].strength > best.chain.strength):
+            chain = linked[0]
+            others = tuple(c for c in linked[1:] if _beside(c, chain))
+            best = Search(looks, chain, fall, others, _unexplained(seen, arcs))
+        moving.append(_way(seen, looks))
+    if best is None:
+        raise ShotRefusedError("flight", f"{moving[0]}; no flight of four frames is in this film")
+    return best
+
+
+def _falls(chain: Chain, looks: Looks, fall: Floats) -> bool:
+    """Return whether a chain's flights bend as a fall does; one must be long enough to say.
+
+    Anything that moves slowly goes through a few frames of some fall: a ball that rolls, or a hand.
+    """
+    error = SEEN_RADII * looks.radius_px + SEEN_PX
+    weight = bend = 0.0
+    for arc in chain.arcs:
+        lasts = float(arc.times_s[-1] - arc.times_s[0])
+        if fall[0] * lasts**2 / 8 < LEAST_BEND * error:
+            continue
+        gone = arc.times_s - arc.times_s.mean()
+        straight = np.stack([np.ones_like(gone), gone], axis=1)
+        curve = 0.5 * gone**2
+        curve = curve - straight @ np.linalg.lstsq(straight, curve, rcond=None)[0]
+        weight += float(curve @ curve)
+        bend += float(curve @ arc.places[:, 0])
+    if weight == 0.0:
+        return False
+    share, sigma = bend / weight / fall[0], error / np.sqrt(weight) / fall[0]
+    low, high = FALL_SHARE
+    return bool(low - 2 * sigma < share < high + 2 * sigma)
+
+
+def _beside(other: Chain, chain: Chain) -> bool:
+    """Return whether another chain lasts beside the ball's own."""
+    own = {int(f) for arc in chain.arcs for f in arc.frames}
+    theirs = {int(f) for arc in other.arcs for f in arc.frames}
+    return len(own & theirs) >= LEAST_BALL_FRAMES
+
+
+def _unexplained(seen: Sightings, arcs: list[Arc]) -> tuple[int, ...]:
+    flying = {int(frame) for arc in arcs for frame in arc.frames}
+    return tuple(k for k, places in enumerate(seen.places) if len(places) and k not in flying)
+
+
+def _way(seen: Sightings, looks: Looks) -> str:
+    """Say how something moves that does not fly."""
+    frames = [k for k, places in enumerate(seen.places) if len(places)]
+    if len(frames) < LEAST_BALL_FRAMES:
+        return f"a ball is seen in {len(frames)} frames only"
+    first, last = seen.places[frames[0]][0], seen.places[frames[-1]][0]
+    place = f"from ({first[0]:.0f}, {first[1]:.0f}) to ({last[0]:.0f}, {last[1]:.0f}) px"
+    down, across = abs(last[0] - first[0]), abs(last[1] - first[1])
+    span = f"frame {frames[0]} to {frames[-1]}, {place}; check frame rate and diameter if it flies"
+    if across > 2 * down and across > STEADY_RADII * looks.radius_px:
+        return f"the ball rolls or slides: {span}"
+    return f"the ball does not fall freely, as if it were held or carried: {span}"

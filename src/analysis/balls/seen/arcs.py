@@ -1,0 +1,257 @@
+"""Pieces of free flight in what looks like a ball, and the chain of them that bounces make.
+
+A ball may move by many radii from frame to frame: sightings belong together where one free fall
+goes through them, not where they are near.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.intp]
+
+FALL_SIGMA = 0.15
+"""Relative, of the fall in pixels that follows from the ball's size in the picture."""
+LEAST_FRAMES = 4
+LEAST_SEED = 3
+MOST_MISSES = 3
+TOLERANCE_RADII, TOLERANCE_PX = 0.35, 1.0
+MEMORY = 14
+"""An arc is continued from its last so many sightings: its course bends a little by drag."""
+MOST_SEED_RADII = 14.0
+"""A ball moves by no more of its radii from one frame to the next."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Arc:
+    """A ball in free flight: frames, their times in s and its places (row, column) in pixels.
+
+    Attributes
+    ----------
+    frames, times_s, places
+        Shapes (N,), (N,), (N, 2).
+    strength
+        Sum of the responses.
+    """
+
+    frames: Ints
+    times_s: Floats
+    places: Floats
+    strength: float
+
+    def course(self, fall: Floats, *, end: bool) -> tuple[float, Floats, Floats]:
+        """Return a time in the arc, and place and velocity then, near its end or its start."""
+        return self.course_of(slice(-MEMORY, None) if end else slice(0, MEMORY), fall)
+
+    def course_of(self, part: slice, fall: Floats) -> tuple[float, Floats, Floats]:
+        """Return the same of some of its sightings."""
+        return _course(self.times_s[part], self.places[part], fall)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sightings:
+    """Everything that looks like the ball.
+
+    Attributes
+    ----------
+    times_s
+        Of the frames, shape (frames,).
+    places
+        Of each frame row, column, response; arrays of shape (N, 3).
+    shape
+        Rows and columns of the picture.
+    """
+
+    times_s: Floats
+    places: Sequence[Floats]
+    shape: tuple[int, int]
+
+
+def find_arcs(seen: Sightings, radius_px: float, fall: Floats) -> list[Arc]:
+    """Return pieces of free flight, in order of time; no sighting belongs to two.
+
+    Parameters
+    ----------
+    fall
+        Acceleration of free fall in the picture, (row, column) in px/s^2.
+    """
+    free = [np.ones(len(each), dtype=bool) for each in seen.places]
+    search = _Search(seen, radius_px, fall, free)
+    arcs = []
+    while (arc := search.best()) is not None:
+        arcs.append(arc)
+    return sorted(arcs, key=lambda arc: float(arc.times_s[0]))
+
+
+class _Search:
+    def __init__(
+        self, seen: Sightings, radius_px: float, fall: Floats, free: list[NDArray[np.bool_]]
+    ) -> None:
+        self._seen, self._fall, self._free = seen, fall, free
+        self._tolerance = TOLERANCE_RADII * radius_px + TOLERANCE_PX
+        self._furthest = MOST_SEED_RADII * radius_px
+        self._tried: set[tuple[int, int, int]] = set()
+
+    def best(self) -> Arc | None:
+        """Return the next arc from the strongest seed that is left, and take its sightings."""
+        for first in range(len(self._seen.places) - 1):
+            for a in np.flatnonzero(self._free[first]).tolist():
+                for b in np.flatnonzero(self._free[first + 1]).tolist():
+                    if (first, a, b) in self._tried:
+                        continue
+                    self._tried.add((first, a, b))
+                    taken = self._grown(first, a, b)
+                    if len(taken) >= LEAST_FRAMES:
+                        return self._take(taken)
+        return None
+
+    def _grown(self, first: int, a: int, b: int) -> list[tuple[int, int]]:
+        places = self._seen.places
+        step = places[first + 1][b, :2] - places[first][a, :2]
+        if float(np.hypot(*step)) > self._furthest:
+            return []
+        taken = self._extended([(first, a), (first + 1, b)], 1)
+        if len(taken) < LEAST_SEED:
+            return []
+        return self._extended(taken, -1)
+
+    def _extended(self, taken: list[tuple[int, int]], way: int) -> list[tuple[int, int]]:
+        """Continue an arc into later frames (1) or earlier ones (-1)."""
+        times, places = self._seen.times_s, self._seen.places
+        taken = taken[::way]
+        misses = 0
+        frame = taken[-1][0] + way
+        rows, columns = self._seen.shape
+        while 0 <= frame < len(places) and misses < MOST_MISSES:
+            known = taken[-MEMORY:]
+            at = np.array([times[k] for k, _ in known])
+            where = np.array([places[k][i, :2] for k, i in known])
+            middle, place, velocity = _course(at, where, self._fall)
+            gone = times[frame] - middle
+            expected = place + velocity * gone + 0.5 * self._fall * gone**2
+            # A ball that has left the picture may come back on the same course.
+            inside = 0 <= expected[0] < rows and 0 <= expected[1] < columns
+            found = self._nearest(frame, expected)
+            if found is not None:
+                taken.append((frame, found))
+                misses = 0
+            elif inside:
+                misses += 1
+            frame += way
+        return taken[::way]
+
+    def _nearest(self, frame: int, expected: Floats) -> int | None:
+        places = self._seen.places[frame]
+        if len(places) == 0:
+            return None
+        away = np.hypot(*(places[:, :2] - expected).T)
+        away[~self._free[frame]] = np.inf
+        index = int(np.argmin(away))
+        return index if away[index] < self._tolerance else None
+
+    def _take(self, taken: list[tuple[int, int]]) -> Arc:
+        for frame, index in taken:
+            self._free[frame][index] = False
+        frames = np.array([frame for frame, _ in taken])
+        rows = np.array([self._seen.places[k][i] for k, i in taken])
+        return Arc(frames, self._seen.times_s[frames], rows[:, :2], float(rows[:, 2].sum()))
+
+
+def _course(times: Floats, places: Floats, fall: Floats) -> tuple[float, Floats, Floats]:
+    """Return the middle of some times, and place and velocity then, by least squares."""
+    middle = float(times.mean())
+    gone = times - middle
+    straight = places - 0.5 * fall * gone[:, None] ** 2
+    spread = float(gone @ gone)
+    velocity = gone @ straight / spread if spread > 0 else np.zeros(2)
+    return middle, straight.mean(axis=0), velocity
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Chain:
+    """Arcs one after another, and between them where and when their courses meet.
+
+    Attributes
+    ----------
+    arcs
+        In order of time.
+    times_s, places
+        Of the bounces between, shapes (B,) and (B, 2).
+    """
+
+    arcs: tuple[Arc, ...]
+    times_s: Floats
+    places: Floats
+
+    @property
+    def strength(self) -> float:
+        """Return the sum of all responses."""
+        return sum(arc.strength for arc in self.arcs)
+
+
+def chains(arcs: Sequence[Arc], radius_px: float, fall: Floats) -> list[Chain]:
+    """Return chains of arcs that meet in bounces, the strongest first; each arc is in one."""
+    rest, found = list(arcs), []
+    while rest:
+        best = _strongest(rest, radius_px, fall)
+        found.append(best)
+        rest = [arc for arc in rest if all(arc is not other for other in best.arcs)]
+    return sorted(found, key=lambda chain: -chain.strength)
+
+
+def _strongest(arcs: list[Arc], radius_px: float, fall: Floats) -> Chain:
+    ends: list[tuple[float, int | None, tuple[float, Floats] | None]] = []
+    for k, arc in enumerate(arcs):
+        best: tuple[float, int | None, tuple[float, Floats] | None] = (arc.strength, None, None)
+        for j in range(k):
+            meeting = _meeting(arcs[j], arc, radius_px, fall)
+            if meeting is not None and ends[j][0] + arc.strength > best[0]:
+                best = (ends[j][0] + arc.strength, j, meeting)
+        ends.append(best)
+    last: int | None = int(np.argmax([end[0] for end in ends]))
+    chosen, meetings = [], []
+    while last is not None:
+        chosen.append(arcs[last])
+        _, last_before, meeting = ends[last]
+        if meeting is not None:
+            meetings.append(meeting)
+        last = last_before
+    meetings.reverse()
+    return Chain(
+        tuple(reversed(chosen)),
+        np.array([time for time, _ in meetings]),
+        np.array([place for _, place in meetings]).reshape(-1, 2),
+    )
+
+
+def _meeting(a: Arc, b: Arc, radius_px: float, fall: Floats) -> tuple[float, Floats] | None:
+    """Return when and where two courses meet in a bounce; None where they do not."""
+    step = float(np.median(np.diff(a.times_s)))
+    if b.frames[0] <= a.frames[-1] - LEAST_FRAMES:
+        return None
+    at, place_a, velocity_a = a.course(fall, end=True)
+    bt, place_b, velocity_b = b.course(fall, end=False)
+    # Both at the time zero of the first: with the same fall their distance is linear in time.
+    gone = at - bt
+    place_b = place_b + velocity_b * gone + 0.5 * fall * gone**2
+    velocity_b = velocity_b + fall * gone
+    jump = velocity_b - velocity_a
+    size = float(jump @ jump)
+    if size <= 0 or np.sqrt(size) * step < 0.05:
+        return None
+    shift = -float((place_b - place_a) @ jump) / size
+    apart = place_b - place_a + jump * shift
+    time = at + shift
+    margin = (MOST_MISSES + 1.5) * step
+    if not a.times_s[-1] - margin <= time <= b.times_s[0] + margin:
+        return None
+    if b.times_s[0] - a.times_s[-1] > 4 * margin:
+        return None
+    if float(np.hypot(*apart)) > 1.5 * radius_px:
+        return None
+    return time, place_a + velocity_a * shift + 0.5 * fall * shift**2

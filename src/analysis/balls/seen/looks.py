@@ -1,0 +1,194 @@
+"""How the ball looks in this film: its radius, and the channel that tells it from the ground."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.balls.discs.finding import Disc, find_balls
+from analysis.balls.films.film import FilmHead, Picture
+from analysis.balls.films.tone import light
+
+Floats = NDArray[np.float64]
+Singles = NDArray[np.float32]
+
+LEAST_RADIUS_PX = 4.0
+MOST_SHARE = 0.35
+"""Largest radius, of the picture's smaller side."""
+LEAST_SHARE = 0.006
+"""Smallest radius, of the picture's smaller side."""
+MOST_SEARCHED = 16
+"""Frames in which discs are sought before the ball is known."""
+SEEN_LINES = 240
+CHANGED_SIGMAS = 6.0
+ALIKE = 0.12
+"""Discs whose radii differ by less than this share may be one ball's."""
+LEAST_ALARMS = -5.0
+LIGHT_SIGMA = 0.04
+"""Relative error of a radius that a smooth shading is fitted with."""
+BRIGHTNESS = np.array([0.114, 0.587, 0.299])
+"""Of blue, green and red (ITU-R BT.601)."""
+LEAST_BRIGHTNESS = 0.2
+"""Of the largest difference of a channel, where brightness is taken for the rim."""
+RIM_SIGMA = 0.007
+"""Relative error of a rim's radius where half of the ball is as dark as the ground."""
+SHADOW_WEIGHT = 25.0
+"""By how much the ground's own colour counts as noise: shadows dim it and drop out."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Looks:
+    """A ball as a film shows it.
+
+    Attributes
+    ----------
+    radius_px, radius_sigma_px
+        Of its rim, and the standard error of it.
+    weights
+        Of the channels, so that ball less ground is 1 on average, shape (channels,).
+    light_weights
+        The same for light in the place of the file's values.
+    seen
+        Frame and disc of each sighting that taught this.
+    """
+
+    radius_px: float
+    radius_sigma_px: float
+    weights: Floats
+    light_weights: Floats
+    seen: tuple[tuple[int, Disc], ...]
+
+    def with_radius(self, radius_px: float) -> Looks:
+        """Return the same with a radius that light and not the rim has told."""
+        return replace(self, radius_px=radius_px, radius_sigma_px=LIGHT_SIGMA * radius_px)
+
+
+def noise_of(samples: Sequence[Picture], ground: Picture) -> float:
+    """Return the standard deviation of a pixel that stands still, one grey level at least."""
+    # A part of the pixels tells as well.
+    step = max(1, min(ground.shape[:2]) // SEEN_LINES)
+    middle = ground[::step, ::step].astype(np.float32)
+    spreads = [
+        float(np.median(np.abs(sample[::step, ::step].astype(np.float32) - middle)))
+        for sample in samples[::4]
+    ]
+    return max(1.0, 1.4826 * float(np.median(spreads)))
+
+
+def find_discs_that_move(
+    samples: dict[int, Picture],
+    ground: Picture,
+    noise: float,
+    radii_px: tuple[float, float] | None = None,
+) -> list[tuple[int, Disc]]:
+    """Return discs of what differs from what stands still, with their frames."""
+    side = min(ground.shape[:2])
+    low, high = radii_px or (max(LEAST_RADIUS_PX, LEAST_SHARE * side), MOST_SHARE * side)
+    found: list[tuple[int, Disc]] = []
+    every = -(-len(samples) // MOST_SEARCHED)
+    for number, picture in list(samples.items())[::every]:
+        difference = picture.astype(np.float32) - ground.astype(np.float32)
+        where = np.argwhere(np.abs(difference).max(axis=2) > CHANGED_SIGMAS * noise)
+        if len(where) < 20:
+            continue
+        margin = int(low) + 4
+        top, left = np.maximum(where.min(axis=0) - margin, 0)
+        bottom, right = where.max(axis=0) + margin + 1
+        window = difference[top:bottom, left:right]
+        for disc in find_balls(window, (low, high), LEAST_ALARMS, blotched=False):
+            moved = Disc(
+                disc.row + top,
+                disc.column + left,
+                disc.radius,
+                disc.row_sigma,
+                disc.column_sigma,
+                disc.radius_sigma,
+                disc.rim,
+                disc.log_alarms,
+            )
+            found.append((number, moved))
+    return found
+
+
+def families(found: Sequence[tuple[int, Disc]]) -> list[list[tuple[int, Disc]]]:
+    """Return discs in groups of like radius, the surest group first."""
+    rest = sorted(found, key=lambda each: each[1].log_alarms)
+    groups: list[list[tuple[int, Disc]]] = []
+    while rest:
+        best: list[tuple[int, Disc]] = []
+        weight = 0.0
+        for _, centre in rest[:40]:
+            alike = [each for each in rest if abs(np.log(each[1].radius / centre.radius)) < ALIKE]
+            by_frame = dict(reversed(alike))
+            own = -sum(disc.log_alarms for disc in by_frame.values())
+            if own > weight:
+                best, weight = alike, own
+        groups.append(best)
+        rest = [each for each in rest if all(each is not other for other in best)]
+    return groups
+
+
+def looks_of(
+    family: Sequence[tuple[int, Disc]], samples: dict[int, Picture], ground: Picture, head: FilmHead
+) -> Looks:
+    """Return what a ball looks like from discs of one radius.
+
+    The radius is the rim's of the sharpest half. The channel is Fisher's, the ground's colour
+    counted as noise, so that shadows drop out where there is colour (Fisher, 1936).
+    """
+    radii = np.array([disc.radius for _, disc in family])
+    rims = np.array([disc.rim for _, disc in family])
+    sharp = rims >= np.median(rims)
+    radius = float(np.median(radii[sharp]))
+    spread = 1.4826 * float(np.median(np.abs(radii[sharp] - radius))) / np.sqrt(sharp.sum())
+    pixels = [_pixels(samples[number], ground, disc) for number, disc in family]
+    ball = np.concatenate([inside for inside, _ in pixels])
+    still = np.concatenate([behind for _, behind in pixels])
+    return Looks(
+        radius_px=radius,
+        radius_sigma_px=float(np.hypot(spread, RIM_SIGMA * radius)),
+        weights=_fisher(ball, still),
+        light_weights=_rim_weights(light(ball, head), light(still, head), head),
+        seen=tuple(family),
+    )
+
+
+def _pixels(picture: Picture, ground: Picture, disc: Disc) -> tuple[Picture, Picture]:
+    rows, columns, channels = picture.shape
+    reach = int(np.ceil(disc.radius))
+    top, left = max(0, int(disc.row) - reach), max(0, int(disc.column) - reach)
+    bottom, right = min(rows, int(disc.row) + reach + 1), min(columns, int(disc.column) + reach + 1)
+    if bottom <= top or right <= left:
+        nothing = np.empty((0, channels), picture.dtype)
+        return nothing, nothing
+    row, column = np.mgrid[top:bottom, left:right]
+    within = np.hypot(row - disc.row, column - disc.column) < 0.85 * disc.radius
+    window = (slice(top, bottom), slice(left, right))
+    return picture[window][within], ground[window][within]
+
+
+def _rim_weights(ball: Singles, still: Singles, head: FilmHead) -> Floats:
+    """Return weights for light at the rim: brightness where a codec has halved the colours."""
+    if head.channels == 3 and head.compressed:
+        difference = (ball.mean(axis=0) - still.mean(axis=0)).astype(np.float64)
+        brightness = float(BRIGHTNESS @ difference)
+        if abs(brightness) > LEAST_BRIGHTNESS * float(np.abs(difference).max()):
+            return BRIGHTNESS / brightness
+    return _fisher(ball, still)
+
+
+def _fisher(ball: NDArray[np.generic], still: NDArray[np.generic]) -> Floats:
+    inside, behind = np.asarray(ball, np.float64), np.asarray(still, np.float64)
+    difference = inside.mean(axis=0) - behind.mean(axis=0)
+    if len(difference) == 1:
+        return np.asarray(1.0 / np.where(difference == 0, 1.0, difference))
+    base = behind.mean(axis=0)
+    within = [np.asarray(np.cov(each.T), dtype=np.float64) for each in (inside, behind)]
+    spread = within[0] + within[1] + np.eye(len(difference))
+    scale = float(np.trace(spread)) / len(difference)
+    colour = np.outer(base, base) / float(base @ base)
+    weights = np.linalg.solve(spread + SHADOW_WEIGHT * scale * colour, difference)
+    return np.asarray(weights / float(weights @ difference))

@@ -1,0 +1,304 @@
+"""Places of a known ball in the frames of a film, from every pixel's light about it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.balls.films.film import Film, FilmHead, Picture
+from analysis.balls.films.tone import light
+from analysis.balls.seen.background import background_without
+from analysis.balls.seen.looks import Looks
+from analysis.balls.seen.photometry import LAYERS, MAP_SIDE, RESIDUAL, add_light, cover, fit_place
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.intp]
+
+MARGIN_RADII = 0.35
+MARGIN_PX = 6.0
+HIDING_RADII = 1.3
+BLURS = (0.4, 0.6, 0.85, 1.2, 1.7, 2.4)
+RADII = (0.8, 0.88, 0.94, 1.0, 1.06, 1.13, 1.22, 1.32)
+"""In radii of the rim; what a smooth shading can hide lies between."""
+MUCH_BETTER, MUCH_LARGER = 0.7, 0.12
+EXPOSURES = (0.0, 0.03, 0.08, 0.15, 0.25, 0.4, 0.6, 0.8, 0.98)
+"""In times between frames."""
+SLOW_FRAMES, FAST_FRAMES = 6, 6
+TOLD_SMEAR_PX = 1.5
+"""A change of the smear by less is not told from blur."""
+LEAST_CELL = 3.0
+"""Weight of a cell of the learned light that counts."""
+FURTHEST_RADII = 0.8
+"""A fit that has moved further from where the ball was seen is none."""
+SATURATED = 0.998
+"""Of the largest value of the file's kind."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Window:
+    """A ball's surroundings in one frame: light of the ball's channel, ground and weights.
+
+    Attributes
+    ----------
+    frame
+        Its number.
+    top, left
+        Of its first pixel.
+    pixels
+        Light, ground, weight, and what a fit leaves of the light; shape (4, rows, columns).
+    """
+
+    frame: int
+    top: int
+    left: int
+    pixels: Floats
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Motion:
+    """Where a ball is expected and how fast it moves, px and px/s (row, column), shape (N, 2)."""
+
+    frames: Ints
+    places: Floats
+    speeds: Floats
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Placed:
+    """Fitted places.
+
+    Attributes
+    ----------
+    frames, places, sigmas
+        Shapes (N,), (N, 2), (N, 2).
+    """
+
+    frames: Ints
+    places: Floats
+    sigmas: Floats
+
+
+def cut_windows(film: Film, looks: Looks, motion: Motion, exposure_s: float) -> list[Window]:
+    """Return the surroundings of the ball in each frame; the film is read once.
+
+    What stands still is learned again from frames in which the ball is elsewhere.
+    """
+    order = {int(frame): k for k, frame in enumerate(motion.frames)}
+    boxes = [_box(film.head, looks, motion, k, exposure_s) for k in range(len(motion.frames))]
+    top, left = (min(box[i] for box in boxes) for i in (0, 1))
+    bottom, right = (max(box[i] for box in boxes) for i in (2, 3))
+    cuts: dict[int, Picture] = {}
+    samples: list[Picture] = []
+    hidden: list[NDArray[np.bool_]] = []
+    every = max(1, film.head.frames // MOST_GROUNDS)
+    for number, picture in enumerate(film.pictures()):
+        k = order.get(number)
+        if k is not None:
+            a, b, c, d = boxes[k]
+            cuts[number] = picture[a:c, b:d].copy()
+        if number % every == 0:
+            samples.append(picture[top:bottom, left:right].copy())
+            mask = np.zeros((bottom - top, right - left), dtype=bool)
+            if k is not None:
+                a, b, c, d = boxes[k]
+                mask[a - top : c - top, b - left : d - left] = True
+            hidden.append(mask)
+    ground = background_without(samples, hidden)
+    still = _channel(ground, looks, film.head)
+    windows = []
+    for number, cut in cuts.items():
+        a, b, c, d = boxes[order[number]]
+        behind = still[a - top : c - top, b - left : d - left]
+        light_and_ground = _channel(cut, looks, film.head), behind
+        windows.append(_window(number, (a, b), cut, light_and_ground))
+    return windows
+
+
+MOST_GROUNDS = 60
+
+
+def _box(
+    head: FilmHead, looks: Looks, motion: Motion, k: int, exposure_s: float
+) -> tuple[int, int, int, int]:
+    reach = looks.radius_px * (1 + MARGIN_RADII) + MARGIN_PX
+    reach_both = reach + 0.5 * exposure_s * np.abs(motion.speeds[k])
+    low = np.floor(motion.places[k] - reach_both).astype(int)
+    high = np.ceil(motion.places[k] + reach_both).astype(int) + 1
+    return (
+        int(np.clip(low[0], 0, head.height - 1)),
+        int(np.clip(low[1], 0, head.width - 1)),
+        int(np.clip(high[0], 1, head.height)),
+        int(np.clip(high[1], 1, head.width)),
+    )
+
+
+def _channel(picture: Picture, looks: Looks, head: FilmHead) -> Floats:
+    return np.asarray(light(picture, head) @ looks.light_weights, dtype=np.float64)
+
+
+def _window(
+    frame: int, corner: tuple[int, int], cut: Picture, light_and_ground: tuple[Floats, Floats]
+) -> Window:
+    most = SATURATED * np.iinfo(cut.dtype).max
+    weight = (cut.max(axis=2) < most).astype(np.float64)
+    layers = [*light_and_ground, weight, np.zeros(weight.shape)]
+    return Window(frame, *corner, np.stack(layers))
+
+
+@dataclass(slots=True, eq=False)
+class Placer:
+    """Fits places of one ball in windows; it learns blur, exposure and the ball's own light.
+
+    Attributes
+    ----------
+    radius_px
+        Held.
+    blur_px
+        Of a rim.
+    exposure_s
+        Time the shutter is open.
+    table
+        Light of the ball beyond a smooth shading, shape (MAP_SIDE, MAP_SIDE).
+    """
+
+    radius_px: float
+    blur_px: float
+    exposure_s: float
+    table: Floats
+
+    @classmethod
+    def new(cls, radius_px: float, exposure_s: float) -> Placer:
+        """Return one that has learned nothing."""
+        return cls(radius_px, 1.0, exposure_s, np.zeros((MAP_SIDE, MAP_SIDE)))
+
+    def learn_blur(self, windows: Sequence[Window], motion: Motion) -> None:
+        """Take the blur that explains the slowest frames best."""
+        chosen = self._by_speed(windows, motion)[:SLOW_FRAMES]
+
+        def misfit(blur: float) -> float:
+            self.blur_px = blur
+            return self._misfit(chosen, motion)
+
+        self.blur_px = _least(misfit, BLURS)
+
+    def learn_radius(self, windows: Sequence[Window], motion: Motion) -> bool:
+        """Take a radius that explains the slowest frames much better than the rim's, if any does.
+
+        A ball whose far side is as dark as the ground shows a rim that is not its own.
+        """
+        chosen = self._by_speed(windows, motion)[:SLOW_FRAMES]
+        rim = self.radius_px
+
+        def misfit(factor: float) -> float:
+            self.radius_px = factor * rim
+            self._fits(chosen, motion, 0.0)
+            whole = [float((window.pixels[RESIDUAL] ** 2).sum()) for window in chosen]
+            return float(np.median(whole))
+
+        best = _least(misfit, RADII)
+        much = misfit(best) < MUCH_BETTER * misfit(1.0) and abs(best - 1.0) > MUCH_LARGER
+        self.radius_px = best * rim if much else rim
+        return much
+
+    def learn_exposure(
+        self, windows: Sequence[Window], motion: Motion, period_s: float
+    ) -> tuple[float, float] | None:
+        """Take the exposure that explains the fastest frames best.
+
+        Returns
+        -------
+        Exposure and its standard error in s; None where smears are too short to tell.
+        """
+        chosen = self._by_speed(windows, motion)[-FAST_FRAMES:]
+        speeds = np.hypot(*motion.speeds.T)
+        fastest = float(np.sort(speeds)[-FAST_FRAMES:].mean())
+        if fastest * period_s < 2 * TOLD_SMEAR_PX:
+            self.exposure_s = min(self.exposure_s, period_s)
+            return None
+
+        def misfit(exposure: float) -> float:
+            self.exposure_s = exposure
+            return self._misfit(chosen, motion)
+
+        self.exposure_s = _least(misfit, [share * period_s for share in EXPOSURES])
+        return self.exposure_s, TOLD_SMEAR_PX / fastest / np.sqrt(len(chosen))
+
+    def _by_speed(self, windows: Sequence[Window], motion: Motion) -> list[Window]:
+        sizes = np.hypot(*motion.speeds.T).tolist()
+        speed = dict(zip(motion.frames.tolist(), sizes, strict=True))
+        return sorted(windows, key=lambda window: speed[window.frame])
+
+    def _misfit(self, windows: Sequence[Window], motion: Motion) -> float:
+        """Return the mean square of the residuals about the ball, robust to a frame that fails."""
+        found = [fit[4] for _, fit, _ in self._fits(windows, motion, 0.0) if fit[5] > 0]
+        return float(np.median(found)) if found else np.inf
+
+    def place(self, windows: Sequence[Window], motion: Motion, row_time_s: float = 0.0) -> Placed:
+        """Fit the ball in each window; frames in which it is not where it is expected drop out."""
+        frames, places, sigmas = [], [], []
+        for window, fit, _ in self._fits(windows, motion, row_time_s):
+            if fit[5] <= 0 or fit[6] > FURTHEST_RADII * self.radius_px:
+                continue
+            frames.append(window.frame)
+            places.append((fit[0] + window.top, fit[1] + window.left))
+            sigmas.append((fit[2], fit[3]))
+        return Placed(
+            np.array(frames, dtype=np.intp),
+            np.array(places).reshape(-1, 2),
+            np.maximum(np.array(sigmas).reshape(-1, 2), 1e-4),
+        )
+
+    def learn_light(
+        self, windows: Sequence[Window], motion: Motion, row_time_s: float = 0.0
+    ) -> None:
+        """Learn what the smooth shading leaves of the ball's light, from all frames together."""
+        sums = np.zeros((2, MAP_SIDE, MAP_SIDE))
+        for window, fit, pose in self._fits(windows, motion, row_time_s):
+            if fit[5] <= 0 or fit[6] > FURTHEST_RADII * self.radius_px:
+                continue
+            covered = np.empty((LAYERS, *window.pixels.shape[1:]))
+            pose[:2] = fit[:2]
+            cover(pose, self.table, covered)
+            add_light(window.pixels[RESIDUAL].copy(), covered[0].copy(), pose, sums)
+        known = sums[1] > LEAST_CELL
+        self.table = self.table + np.where(known, sums[0] / np.maximum(sums[1], LEAST_CELL), 0.0)
+
+    def _fits(
+        self, windows: Sequence[Window], motion: Motion, row_time_s: float
+    ) -> list[tuple[Window, Floats, Floats]]:
+        """Fit the ball in each window; return window, fit and the pose that the fit began with."""
+        index = {int(frame): k for k, frame in enumerate(motion.frames)}
+        found = []
+        for window in windows:
+            k = index[window.frame]
+            place = motion.places[k] - (window.top, window.left)
+            later = float(np.clip(row_time_s * motion.speeds[k, 0], -0.5, 0.5))
+            shape = [self.radius_px, self.blur_px, 1.0 / (1.0 - later)]
+            pose = np.array([*place, *shape, *(self.exposure_s * motion.speeds[k])])
+            found.append((window, fit_place(window.pixels, pose, self.table), pose))
+        return found
+
+
+def _least(misfit: Callable[[float], float], tried: Sequence[float]) -> float:
+    """Return where a curve is least: by a parabola through the best of some values, twice."""
+    values = list(tried)
+    misfits = [misfit(value) for value in values]
+    for _ in range(2):
+        k = int(np.argmin(misfits))
+        if k in (0, len(values) - 1) or not np.isfinite(misfits[k - 1 : k + 2]).all():
+            break
+        bend, slope, _ = np.polyfit(
+            np.array(values[k - 1 : k + 2]) - values[k], misfits[k - 1 : k + 2], 2
+        )
+        if bend <= 0:
+            break
+        value = float(np.clip(values[k] - slope / (2 * bend), values[k - 1], values[k + 1]))
+        if value in values:
+            break
+        at = int(np.searchsorted(values, value))
+        values.insert(at, value)
+        misfits.insert(at, misfit(value))
+    return values[int(np.argmin(misfits))]

@@ -1,0 +1,102 @@
+"""Where in each frame something looks like the ball: peaks of a disc-shaped filter."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.balls.films.film import Picture
+from analysis.balls.seen.looks import Looks
+
+Singles = NDArray[np.float32]
+Floats = NDArray[np.float64]
+
+SOUGHT_RADIUS_PX = 6.0
+LEAST_RESPONSE = 0.3
+MOST = 6
+CLIP = (-0.3, 1.3)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sightings:
+    """Places in one frame, the best first: row, column, response; shape (N, 3)."""
+
+    places: Floats
+
+
+class Sight:
+    """Looks for a ball of known looks in one frame after another.
+
+    Parameters
+    ----------
+    looks
+        Radius and channel.
+    ground
+        What stands still.
+    """
+
+    def __init__(self, looks: Looks, ground: Picture) -> None:
+        self._factor = max(1.0, looks.radius_px / SOUGHT_RADIUS_PX)
+        self._weights = looks.weights.astype(np.float32)
+        rows, columns = ground.shape[:2]
+        self._size = (round(columns / self._factor), round(rows / self._factor))
+        self._ground = self._small(ground)
+        self._radius = looks.radius_px / self._factor
+        self._kernel = _disc_less_ring(self._radius)
+
+    def _small(self, picture: Picture) -> Singles:
+        small: NDArray[np.generic] = picture
+        if self._factor > 1.0:
+            small = np.atleast_3d(cv2.resize(picture, self._size, interpolation=cv2.INTER_AREA))
+        return np.asarray(small.astype(np.float32) @ self._weights, dtype=np.float32)
+
+    def find(self, picture: Picture) -> Sightings:
+        """Return where something of the ball's size and colour differs from the ground."""
+        difference = np.clip(self._small(picture) - self._ground, *CLIP)
+        border = cv2.BORDER_CONSTANT
+        filtered = cv2.filter2D(difference, cv2.CV_32F, self._kernel, borderType=border)
+        response = np.asarray(filtered, dtype=np.float32)
+        width = 2 * round(0.7 * self._radius) + 1
+        top = cv2.dilate(response, np.ones((width, width), np.uint8))
+        rows, columns = np.nonzero((response >= top) & (response >= LEAST_RESPONSE))
+        strength = response[rows, columns]
+        order = np.argsort(-strength)[:MOST]
+        places = np.empty((len(order), 3))
+        for k, index in enumerate(order.tolist()):
+            row, column = _peak(response, int(rows[index]), int(columns[index]))
+            places[k] = (
+                (row + 0.5) * self._factor - 0.5,
+                (column + 0.5) * self._factor - 0.5,
+                strength[index],
+            )
+        return Sightings(places)
+
+
+def _disc_less_ring(radius: float) -> Singles:
+    reach = int(np.ceil(1.6 * radius))
+    row, column = np.mgrid[-reach : reach + 1, -reach : reach + 1]
+    away = np.hypot(row, column)
+    disc = np.clip(radius - away + 0.5, 0.0, 1.0)
+    ring = ((away > 1.2 * radius) & (away <= 1.6 * radius)).astype(np.float64)
+    kernel = disc / disc.sum() - 0.5 * ring / max(ring.sum(), 1.0)
+    return np.asarray(kernel, dtype=np.float32)
+
+
+def _peak(response: Singles, row: int, column: int) -> tuple[float, float]:
+    rows, columns = response.shape
+    place = []
+    for at, most, line in (
+        (row, rows, response[:, column]),
+        (column, columns, response[row, :]),
+    ):
+        shift = 0.0
+        if 0 < at < most - 1:
+            before, here, after = (float(v) for v in line[at - 1 : at + 2])
+            curve = before - 2 * here + after
+            if curve < 0:
+                shift = min(0.5, max(-0.5, 0.5 * (before - after) / curve))
+        place.append(at + shift)
+    return place[0], place[1]

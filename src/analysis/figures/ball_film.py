@@ -1,0 +1,139 @@
+"""A film of a ball in one picture: its track, flights and bounces over a frame, and its course."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.patches import Circle
+from numpy.typing import NDArray
+
+from analysis.balls.analysis import AnalysedFilm
+from analysis.balls.films.film import Picture
+from analysis.balls.flight.fit import Flights
+from analysis.balls.measuring import coefficient
+from analysis.figures.palette import FAILS, GREY, MEASURED
+from analysis.quantity import Quantity
+
+Floats = NDArray[np.float64]
+
+SHOWN_BALLS = 12
+POINTS = 60
+BRIGHTEST_PERCENTILE = 99.8
+
+
+def draw_ball_film(path: Path, title: str, film: AnalysedFilm) -> None:
+    """Write the picture of a measured film as PNG.
+
+    One frame with the ball's places, fitted flights and bounces drawn over it; the course of its
+    row in time; what is left of the places beside the flights; e of each bounce.
+    """
+    figure = Figure(figsize=(13.2, 7.6), dpi=110, layout="constrained")
+    FigureCanvasAgg(figure)
+    figure.suptitle(title, x=0.01, ha="left", fontsize=14, fontweight="bold")
+    grid = figure.add_gridspec(3, 2, width_ratios=[1.0, 1.4])
+    _over_a_frame(figure.add_subplot(grid[:, 0]), film)
+    _course(figure.add_subplot(grid[0, 1]), film)
+    _residuals(figure.add_subplot(grid[1, 1]), film)
+    _coefficients(figure.add_subplot(grid[2, 1]), film)
+    figure.savefig(path)
+
+
+def _over_a_frame(axes: Axes, film: AnalysedFilm) -> None:
+    measured = film.measured
+    placed = measured.placed
+    shown = int(placed.frames[len(placed.frames) // 2])
+    picture = film.film.chosen([shown])[shown]
+    axes.imshow(_visible(picture), cmap="gray", interpolation="nearest")
+    chosen = np.linspace(0, len(placed.frames) - 1, SHOWN_BALLS).round().astype(int)
+    for row, column in placed.places[np.unique(chosen)]:
+        axes.add_patch(
+            Circle((column, row), measured.looks.radius_px, fill=False, color=MEASURED, lw=0.7)
+        )
+    axes.plot(placed.places[:, 1], placed.places[:, 0], ".", color=MEASURED, ms=2.5)
+    if measured.flights is not None:
+        for times, arcs in _pieces(measured.flights):
+            way = measured.flights.at(times, arcs)
+            axes.plot(way[:, 1], way[:, 0], color=FAILS, lw=0.8)
+        _plate(axes, measured.flights, picture.shape[1])
+    axes.set_xlim(-0.5, picture.shape[1] - 0.5)
+    axes.set_ylim(picture.shape[0] - 0.5, -0.5)
+    axes.set_title(f"frame {shown}", fontsize=9, loc="left", color=GREY)
+    axes.set_xlabel("column, px")
+    axes.set_ylabel("row, px")
+
+
+def _visible(picture: Picture) -> NDArray[np.float64]:
+    white = float(np.percentile(picture, BRIGHTEST_PERCENTILE))
+    shown = np.clip(picture / max(white, 1.0), 0.0, 1.0)
+    return np.asarray(shown[..., ::-1] if shown.shape[2] == 3 else shown[..., 0])
+
+
+def _pieces(flights: Flights) -> list[tuple[Floats, NDArray[np.intp]]]:
+    """Return times of each flight, of the ball's own row, from contact to contact."""
+    times = flights.observed.times_s + flights.row_delay(flights.observed.places)
+    ends = [float(times[0]), *flights.contacts[:, 0].tolist(), float(times[-1])]
+    return [
+        (np.linspace(begin, end, POINTS), np.full(POINTS, arc, dtype=np.intp))
+        for arc, (begin, end) in enumerate(pairwise(ends))
+    ]
+
+
+def _plate(axes: Axes, flights: Flights, width: int) -> None:
+    """Mark where the ball's centre meets the plate."""
+    for times, arcs in _pieces(flights)[1:]:
+        row, column, _ = flights.at(times[:1], arcs[:1])[0]
+        axes.plot(column, row, "o", mfc="none", mec=FAILS, ms=7)
+
+
+def _course(axes: Axes, film: AnalysedFilm) -> None:
+    measured = film.measured
+    placed = measured.placed
+    axes.plot(measured.times_s[placed.frames], placed.places[:, 0], ".", color=MEASURED, ms=3)
+    flights = measured.flights
+    if flights is not None:
+        for times, arcs in _pieces(flights):
+            way = flights.at(times, arcs)
+            axes.plot(times - flights.row_delay(way), way[:, 0], color=FAILS, lw=0.8)
+    axes.invert_yaxis()
+    axes.set_ylabel("row, px")
+
+
+def _residuals(axes: Axes, film: AnalysedFilm) -> None:
+    flights = film.measured.flights
+    axes.set_ylabel("place less flight, px")
+    axes.set_xlabel("time, s")
+    if flights is None:
+        return
+    times = flights.observed.times_s[flights.used]
+    axes.axhline(0.0, color=GREY, lw=0.6)
+    for index, (name, colour) in enumerate((("row", MEASURED), ("column", GREY))):
+        axes.plot(
+            times, flights.residuals[flights.used, index], ".", color=colour, ms=3, label=name
+        )
+    axes.legend(fontsize=8, frameon=False, loc="upper right")
+
+
+def _coefficients(axes: Axes, film: AnalysedFilm) -> None:
+    flights = film.measured.flights
+    if flights is None:
+        axes.axis("off")
+        axes.text(0.0, 0.9, "\n".join(film.notes), va="top", fontsize=9, wrap=True)
+        return
+    speeds = flights.contacts[:, 1] / flights.scale_px_per_m
+    for bounce, speed in enumerate(speeds.tolist()):
+        value, sigma = coefficient(film.measured, bounce)
+        axes.errorbar(speed, value, sigma, fmt="o", color=MEASURED, ms=4, capsize=2)
+        axes.annotate(
+            f" {bounce + 1}: {Quantity(value, sigma, '1').concise()}",
+            (speed, value),
+            fontsize=8,
+            color=GREY,
+        )
+    axes.margins(x=0.2, y=0.3)
+    axes.set_xlabel("speed before the bounce, m/s")
+    axes.set_ylabel("e")

@@ -1,0 +1,90 @@
+"""Discs in pictures drawn by area, and in pictures that a camera took."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from analysis.balls.discs.finding import find_balls
+from analysis.balls.discs.judging import log_binomial_tail
+
+REAL = Path(__file__).parents[5] / "shared" / "data" / "real-images"
+
+
+def drawn(discs: list[tuple[float, float, float, float]], noise: float = 3.0) -> NDArray[np.uint8]:
+    fine = 4
+    picture = np.full((160 * fine, 240 * fine), 90.0)
+    row, column = (np.mgrid[: 160 * fine, : 240 * fine] + 0.5) / fine - 0.5
+    for y, x, radius, grey in discs:
+        picture[np.hypot(row - y, column - x) < radius] = grey
+    small = picture.reshape(160, fine, 240, fine).mean(axis=(1, 3))
+    rng = np.random.default_rng(0)
+    blurred = cv2.GaussianBlur(small, (0, 0), 0.8) + noise * rng.standard_normal(small.shape)
+    return np.clip(blurred, 0, 255).astype(np.uint8)
+
+
+def test_bright_dark_and_overlapping_discs_are_found_where_they_were_drawn() -> None:
+    discs = [(50.3, 60.7, 22.0, 200.0), (95.0, 180.2, 30.0, 20.0), (70.0, 95.0, 18.0, 150.0)]
+    found = sorted(find_balls(drawn(discs), (10.0, 40.0)), key=lambda disc: disc.column)
+    assert len(found) == 3
+    for disc, (row, column, radius, _) in zip(
+        found, sorted(discs, key=lambda d: d[1]), strict=True
+    ):
+        assert (disc.row, disc.column) == pytest.approx((row, column), abs=0.3)
+        assert disc.radius == pytest.approx(radius, abs=0.3)
+
+
+def test_a_disc_cut_by_the_picture_s_edge_is_found() -> None:
+    (found,) = find_balls(drawn([(80.0, 5.0, 25.0, 200.0)]), (15.0, 35.0))
+    assert (found.row, found.column) == pytest.approx((80.0, 5.0), abs=0.5)
+
+
+def test_colour_alone_shows_a_disc() -> None:
+    grey = drawn([(80.0, 120.0, 25.0, 200.0)], noise=0.0).astype(np.float64)
+    # Green falls as red rises: the sum of the channels is the same everywhere.
+    picture = np.stack([np.full_like(grey, 90.0), 290.0 - grey, grey], axis=2).astype(np.uint8)
+    (found,) = find_balls(picture, (15.0, 35.0))
+    assert (found.row, found.column) == pytest.approx((80.0, 120.0), abs=0.3)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_noise_shows_no_discs(seed: int) -> None:
+    noise = np.random.default_rng(seed).normal(120.0, 20.0, (160, 240))
+    assert find_balls(np.clip(noise, 0, 255).astype(np.uint8), (10.0, 40.0)) == []
+
+
+def test_stripes_and_corners_show_no_discs() -> None:
+    row, column = np.mgrid[:160, :240]
+    stripes = np.where((row // 20 + column // 30) % 2 == 0, 60, 180).astype(np.uint8)
+    assert find_balls(stripes, (10.0, 40.0)) == []
+
+
+def test_deep_pictures_are_taken_as_they_are() -> None:
+    deep = drawn([(80.0, 120.0, 25.0, 200.0)]).astype(np.uint16) * 200
+    assert len(find_balls(deep, (15.0, 35.0))) == 1
+
+
+def test_the_tail_of_the_binomial_is_that_of_its_sum() -> None:
+    exact = sum(
+        np.prod([(20 - i) / (i + 1) for i in range(k)]) * 0.25**k * 0.75 ** (20 - k)
+        for k in range(12, 21)
+    )
+    assert log_binomial_tail(20, 12, 0.25) == pytest.approx(np.log10(exact), abs=1e-6)
+
+
+@pytest.mark.shared_data
+@pytest.mark.skipif(not REAL.exists(), reason="real pictures lie beside a development checkout")
+@pytest.mark.parametrize(
+    ("name", "radii", "count"),
+    [("scikit-image/coins.png", (15.0, 35.0), 24)]
+    + [(f"trackpy-brightfield/bf_{k:04d}.png", (6.0, 20.0), 5) for k in (0, 10, 20, 30)],
+)
+def test_all_discs_of_real_pictures_are_found_and_none_besides(
+    name: str, radii: tuple[float, float], count: int
+) -> None:
+    picture = cv2.imread(str(REAL / name), cv2.IMREAD_GRAYSCALE)
+    assert len(find_balls(np.asarray(picture), radii)) == count

@@ -1,0 +1,100 @@
+"""Flights and bounces fitted to places whose law is known in closed form."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from analysis.balls.flight.fit import Observed, Start, fit_flights
+from analysis.balls.flight.known import Ball, Known, View
+
+SCALE, FALL = 1000.0, 9806.65
+PLATE, RATE = 400.0, 240.0
+BOUNCES = [(0.3, 2.4, 1.9), (0.3 + 2 * 1.9 / 9.80665, 1.9, 1.45)]
+NOISE = 0.02
+
+
+def parabolas(rng: np.random.Generator) -> Observed:
+    """Places of a ball in a vacuum: pieces of parabolas that meet the plate."""
+    times = np.arange(0, 0.95, 1 / RATE)
+    rows = np.empty(len(times))
+    for k, t in enumerate(times):
+        past = [b for b in BOUNCES if b[0] <= t]
+        if past:
+            begun, _, up = past[-1]
+            rows[k] = PLATE - SCALE * up * (t - begun) + 0.5 * FALL * (t - begun) ** 2
+        else:
+            begun, down, _ = BOUNCES[0]
+            rows[k] = PLATE + SCALE * down * (t - begun) + 0.5 * FALL * (t - begun) ** 2
+    places = np.stack([rows, 100 + 20 * times], axis=1)
+    places += NOISE * rng.standard_normal(places.shape)
+    return Observed(np.arange(len(times)), times, places, np.full(places.shape, NOISE))
+
+
+def start() -> Start:
+    """A first guess that is off by a few per cent, as sightings give it."""
+    times = np.array([b[0] for b in BOUNCES]) + 0.001
+    down = np.array([[SCALE * b[1] * 1.02, 20.0] for b in BOUNCES])
+    up = np.array([[-SCALE * b[2] * 0.98, 20.0] for b in BOUNCES])
+    return Start(times, np.array([[PLATE + 2, 106.0], [PLATE - 1, 114.0]]), down, up)
+
+
+def known(diameter_m: float = 0.04, exposure_s: float = 0.0) -> Known:
+    ball = Ball(diameter_m, density=7800.0, air_density=0.0001)
+    return Known(ball, View(480, 200, 1 / RATE, exposure_s), radius_px=20.0)
+
+
+def coefficients(flights) -> list[tuple[float, float]]:
+    told = []
+    for contact, slopes in zip(flights.contacts, flights.contact_slopes, strict=True):
+        e = contact[3] / contact[1]
+        slope = slopes[3] / contact[1] - e * slopes[1] / contact[1]
+        told.append((e, math.sqrt(slope @ flights.covariance @ slope)))
+    return told
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_bounces_of_a_ball_in_a_vacuum_are_found_within_their_errors(seed: int) -> None:
+    flights = fit_flights(parabolas(np.random.default_rng(seed)), start(), known())
+    assert flights is not None
+    assert flights.bounces == 2
+    for (e, sigma), (time, down, up), contact in zip(
+        coefficients(flights), BOUNCES, flights.contacts, strict=True
+    ):
+        assert e == pytest.approx(up / down, abs=4 * sigma)
+        assert sigma < 0.002
+        assert contact[0] == pytest.approx(time, abs=2e-4)
+        assert contact[1] / flights.scale_px_per_m == pytest.approx(down, rel=0.003)
+
+
+def test_a_diameter_that_contradicts_gravity_is_told_and_left_out() -> None:
+    flights = fit_flights(parabolas(np.random.default_rng(4)), start(), known(diameter_m=0.06))
+    assert flights is not None
+    assert flights.contradiction
+    assert flights.scale_px_per_m == pytest.approx(SCALE, rel=0.005)
+    assert flights.contacts[0, 3] / flights.contacts[0, 1] == pytest.approx(1.9 / 2.4, abs=0.002)
+
+
+def test_frames_exposed_during_a_contact_do_not_count() -> None:
+    observed = parabolas(np.random.default_rng(5))
+    flights = fit_flights(observed, start(), known(exposure_s=0.004))
+    assert flights is not None
+    near = [np.abs(flights.observed.times_s - time) < 0.002 for time, _, _ in BOUNCES]
+    assert any(each.any() for each in near)
+    assert not flights.used[near[0] | near[1]].any()
+
+
+def test_a_bounce_with_too_few_frames_behind_it_ends_the_chain() -> None:
+    observed = parabolas(np.random.default_rng(6))
+    short = observed.of(observed.times_s < BOUNCES[1][0] + 2.5 / RATE)
+    flights = fit_flights(short, start(), known())
+    assert flights is not None
+    assert flights.bounces == 1
+
+
+def test_no_bounce_with_frames_on_both_sides_gives_none() -> None:
+    observed = parabolas(np.random.default_rng(7))
+    before = observed.of(observed.times_s < BOUNCES[0][0])
+    assert fit_flights(before, start(), known()) is None

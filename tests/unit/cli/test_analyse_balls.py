@@ -1,0 +1,218 @@
+"""`rigctl analyse` of films of one ball, held against the law that they were drawn with."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+
+from analysis.model.data.gather import gather
+from analysis.model.data.tables import ContactTable
+from rigctl import cli
+
+DROPS = Path(__file__).parents[4] / "shared" / "data" / "drops"
+SHAPE, RADIUS, RATE, FALL = (240, 120), 14.0, 200.0, 2800.0
+"""A ball of 28 px whose fall is 2800 px/s^2: 100 mm across."""
+DIAMETER_MM = 2 * RADIUS / FALL * 9806.65
+
+
+def picture(row: float, column: float = 60.0) -> np.ndarray[Any, np.dtype[np.uint8]]:
+    fine = 4
+    rows, columns = (np.mgrid[: SHAPE[0] * fine, : SHAPE[1] * fine] + 0.5) / fine - 0.5
+    grey = np.where(np.hypot(rows - row, columns - column) < RADIUS, 200.0, 60.0)
+    small = grey.reshape(SHAPE[0], fine, SHAPE[1], fine).mean(axis=(1, 3))
+    noise = np.random.default_rng(int(1e3 * abs(row))).normal(0.0, 1.5, SHAPE)
+    return np.clip(cv2.GaussianBlur(small, (0, 0), 0.7) + noise, 0, 255).astype(np.uint8)
+
+
+def write(folder: Path, rows: list[float], columns: list[float] | None = None) -> Path:
+    folder.mkdir()
+    for k, row in enumerate(rows):
+        column = 60.0 if columns is None else columns[k]
+        cv2.imwrite(str(folder / f"{k:04d}.png"), picture(row, column))
+    return folder
+
+
+def bouncing(count: int = 100, e: float = 0.8) -> list[float]:
+    plate, speed, begun, rows = 200.0, 0.0, 0.0, []
+    top = 40.0
+    contact = (2 * (plate - top) / FALL) ** 0.5
+    for t in np.arange(count) / RATE:
+        while t > contact:
+            speed = e * (FALL * (contact - begun) - speed if begun else FALL * contact)
+            begun, contact = contact, contact + 2 * speed / FALL
+        down = top + 0.5 * FALL * t**2 if begun == 0.0 else None
+        gone = t - begun
+        rows.append(plate - speed * gone + 0.5 * FALL * gone**2 if down is None else down)
+    return rows
+
+
+def answer(capsys: pytest.CaptureFixture[str], *arguments: str) -> dict[str, Any]:
+    assert cli.run(["analyse", *arguments, "--json"]) == 0
+    (shot,) = json.loads(capsys.readouterr().out)["shots"]
+    return dict(shot)
+
+
+@pytest.fixture
+def film(tmp_path: Path) -> Path:
+    return write(tmp_path / "film", bouncing())
+
+
+def test_a_film_without_any_folder_gives_e_of_every_bounce(
+    film: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    size = ["--ball-diameter-mm", f"{DIAMETER_MM:.3f}", "--fps", "200"]
+    shot = answer(capsys, str(film), *size, "--exposure-us", "0")
+    assert shot["status"] == "measured"
+    assert len(shot["impacts"]) >= 1
+    times = [impact["contact_time_s"] for impact in shot["impacts"]]
+    assert times == sorted(times)
+    for impact in shot["impacts"]:
+        e = impact["e"]
+        # Drawn in a vacuum: the drag of an unknown ball is what its error holds.
+        assert e["value"] == pytest.approx(0.8, abs=max(4 * e["sigma"], 0.005))
+        assert e["sigma"] < 0.02
+        assert impact["v_n"]["value"] < 0 < impact["v_n_after"]["value"]
+        assert impact["v_s"]["value"] is None
+        assert impact["v_s"]["low"] <= impact["v_s"]["high"]
+    assert shot["ball"]["diameter_px"]["value"] == pytest.approx(2 * RADIUS, rel=0.02)
+
+
+def test_a_diameter_that_is_wrong_is_contradicted_by_the_fall(
+    film: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    size = ["--ball-diameter-mm", f"{1.15 * DIAMETER_MM:.3f}", "--fps", "200"]
+    shot = answer(capsys, str(film), *size, "--exposure-us", "0")
+    assert not shot["scale_px_per_m"]["agree"]
+    assert any("contradicts gravity" in note for note in shot["notes"])
+    assert shot["impacts"][0]["e"]["value"] == pytest.approx(0.8, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("rows", "columns", "words"),
+    [
+        ([100.0] * 40, [20.0 + 2 * k for k in range(40)], "rolls"),
+        ([60 + 30 * np.sin(k / 6) for k in range(60)], None, "held"),
+    ],
+)
+def test_a_ball_that_does_not_fly_is_refused_with_frames_and_place(
+    rows: list[float],
+    columns: list[float] | None,
+    words: str,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    folder = write(tmp_path / "film", rows, columns)
+    shot = answer(capsys, str(folder), "--ball-diameter-mm", "20", "--fps", "1000")
+    assert shot["status"] == "refused"
+    assert words in shot["reason"]
+    assert "px" in shot["reason"]
+
+
+def test_a_film_without_a_ball_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = write(tmp_path / "film", [-100.0] * 12)
+    shot = answer(capsys, str(folder), "--ball-diameter-mm", "20", "--fps", "200")
+    assert (shot["status"], shot["step"]) == ("refused", "ball")
+
+
+def test_a_film_that_stands_upside_down_is_said_and_measured(
+    film: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "turned").mkdir()
+    for path in film.iterdir():
+        upright = cv2.imread(str(path), cv2.IMREAD_GRAYSCALE)
+        assert upright is not None
+        cv2.imwrite(str(tmp_path / "turned" / path.name), upright[::-1, ::-1])
+    size = ["--ball-diameter-mm", f"{DIAMETER_MM:.3f}", "--fps", "200", "--exposure-us", "0"]
+    shot = answer(capsys, str(tmp_path / "turned"), *size)
+    assert "upside down" in shot["notes"][0]
+    assert shot["impacts"][0]["e"]["value"] == pytest.approx(0.8, abs=0.02)
+
+
+def test_a_second_ball_is_named_with_its_frames(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = tmp_path / "two"
+    folder.mkdir()
+    for k, row in enumerate(bouncing()):
+        both = np.hstack([picture(row), picture(40 + 0.5 * FALL * ((70 - k) / RATE) ** 2)])
+        cv2.imwrite(str(folder / f"{k:04d}.png"), both)
+    size = ["--ball-diameter-mm", f"{DIAMETER_MM:.3f}", "--fps", "200", "--exposure-us", "0"]
+    shot = answer(capsys, str(folder), *size)
+    assert any("another ball" in note for note in shot["notes"])
+    assert shot["impacts"][0]["e"]["value"] == pytest.approx(0.8, abs=0.02)
+
+
+def test_a_film_without_a_rate_asks_for_it(film: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    shot = answer(capsys, str(film), "--ball-diameter-mm", "100")
+    assert shot["status"] == "refused"
+    assert "--fps" in shot["reason"]
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "words"),
+    [
+        ("--frames", "x", "--frames"),
+        ("--roi", "1,2", "--roi"),
+        ("--frames", "90:400", "100 frames"),
+    ],
+)
+def test_a_cut_that_cannot_be_is_bad_input(
+    option: str, value: str, words: str, film: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    arguments = ["analyse", str(film), "--ball-diameter-mm", "100", "--fps", "200"]
+    assert cli.run([*arguments, option, value]) == cli.BAD_INPUT
+    assert words in capsys.readouterr().err
+
+
+def test_options_of_a_ball_without_a_ball_are_refused(
+    film: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.run(["analyse", str(film), "--roi", "0,0,50,50"]) == cli.BAD_INPUT
+    assert "--ball-diameter-mm" in capsys.readouterr().err
+
+
+def test_only_the_frames_that_are_asked_for_count(
+    film: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    size = ["--ball-diameter-mm", f"{DIAMETER_MM:.3f}", "--fps", "200", "--exposure-us", "0"]
+    shot = answer(capsys, str(film), *size, "--frames", "20:100")
+    assert shot["impacts"][0]["e"]["value"] == pytest.approx(0.8, abs=0.02)
+
+
+def test_bounces_become_shots_that_the_model_reads(film: Path, tmp_path: Path) -> None:
+    size = ["--ball-diameter-mm", f"{DIAMETER_MM:.3f}", "--fps", "200", "--exposure-us", "0"]
+    out = tmp_path / "bounces"
+    assert cli.run(["analyse", str(film), *size, "--out", str(out)]) == 0
+    _, data = gather(out)
+    assert isinstance(data, ContactTable)
+    assert data.bodies[1].is_plate
+    assert len(data.shots) >= 1
+    assert cli.run(["analyse", str(film), *size, "--out", str(film)]) == cli.BAD_INPUT
+
+
+@pytest.mark.shared_data
+@pytest.mark.skipif(not DROPS.exists(), reason="films lie beside a development checkout")
+@pytest.mark.parametrize(
+    ("name", "bounces", "within"),
+    [("bench1000", 1, 0.002), ("high240", 2, 0.005), ("phone60", 5, 0.02)],
+)
+def test_e_of_drawn_films_is_that_of_their_law(
+    name: str, bounces: int, within: float, capsys: pytest.CaptureFixture[str]
+) -> None:
+    shot = answer(capsys, str(DROPS / name))
+    truth = json.loads((DROPS / name / "truth.json").read_text())["bounces"]
+    assert len(shot["impacts"]) == bounces
+    for impact, drawn in zip(shot["impacts"], truth, strict=False):
+        e = impact["e"]
+        assert e["value"] == pytest.approx(drawn["e"], abs=within)
+        assert abs(e["value"] - drawn["e"]) < 4 * e["sigma"]
+        assert impact["v_n"]["value"] == pytest.approx(drawn["v_n"], rel=0.02)
+    if bounces == 1:
+        assert shot["e"] == shot["impacts"][0]["e"]
