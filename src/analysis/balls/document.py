@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from analysis.balls.flight import path
-from analysis.balls.flight.fit import Flights
+from analysis.balls.flight.flights import Flights
 from analysis.balls.measuring import MeasuredBall, coefficient
 from analysis.quantity import Quantity
 

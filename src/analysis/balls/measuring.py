@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from analysis.balls.films.film import Film, FilmHead
 from analysis.balls.flight import path
-from analysis.balls.flight.fit import Flights, Observed, Start, fit_flights
+from analysis.balls.flight.fit import fit_flights
+from analysis.balls.flight.flights import Flights, Observed, Start
 from analysis.balls.flight.known import Ball, Known, View
 from analysis.balls.searching import Search, search
 from analysis.balls.seen.arcs import Chain

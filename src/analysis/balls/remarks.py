@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from analysis.balls.films.film import FilmHead
-from analysis.balls.flight.fit import LEAST_PLACES, Flights
+from analysis.balls.flight.flights import LEAST_PLACES, Flights
 from analysis.balls.measuring import MeasuredBall
 from analysis.balls.seen.arcs import Arc, Chain
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from analysis.balls.analysis import AnalysedFilm
 from analysis.balls.films.film import Picture
-from analysis.balls.flight.fit import Flights
+from analysis.balls.flight.flights import Flights
 from analysis.balls.measuring import coefficient
 from analysis.figures.palette import FAILS, GREY, MEASURED
 from analysis.quantity import Quantity

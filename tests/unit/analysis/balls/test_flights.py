@@ -7,7 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from analysis.balls.flight.fit import Observed, Start, fit_flights
+from analysis.balls.flight.fit import fit_flights
+from analysis.balls.flight.flights import Observed, Start
 from analysis.balls.flight.known import Ball, Known, View
 
 SCALE, FALL = 1000.0, 9806.65

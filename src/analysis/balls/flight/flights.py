@@ -1,0 +1,122 @@
+"""What is known of a ball's flights: places as observed, where a fit begins, and what it found."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.balls.flight import path
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.intp]
+LEAST_PLACES = 4
+"""A flight of fewer frames ends the chain."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Observed:
+    """Places of a ball: frame numbers, times in s, (row, column) and standard errors in px.
+
+    Attributes
+    ----------
+    frames, times_s, places, sigmas
+        Shapes (N,), (N,), (N, 2), (N, 2).
+    """
+
+    frames: Ints
+    times_s: Floats
+    places: Floats
+    sigmas: Floats
+
+    def of(self, chosen: NDArray[np.bool_]) -> Observed:
+        """Return some of them."""
+        return Observed(
+            self.frames[chosen], self.times_s[chosen], self.places[chosen], self.sigmas[chosen]
+        )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Start:
+    """Where the fit begins: bounces' times, places, speeds before and after.
+
+    Attributes
+    ----------
+    times_s, places, before, after
+        Shapes (B,), (B, 2), (B, 2), (B, 2): s, px, px/s, in (row, column).
+    """
+
+    times_s: Floats
+    places: Floats
+    before: Floats
+    after: Floats
+
+    def of(self, chosen: slice) -> Start:
+        """Return some of the bounces."""
+        return Start(
+            self.times_s[chosen], self.places[chosen], self.before[chosen], self.after[chosen]
+        )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Flights:
+    """The fitted flights of one film.
+
+    Attributes
+    ----------
+    values, covariance
+        Of all numbers of `path`, shapes (P,) and (P, P); those held fixed have no error.
+    contacts, contact_slopes
+        Of each bounce as `path.places` gives them, shape (B, 6), and their derivatives to the
+        values, shape (B, 6, P).
+    observed, arcs, used
+        What was fitted, which flight each place belongs to, and which places counted.
+    residuals
+        Place less model, px, shape (N, 2).
+    sigma_scale
+        By how much the scatter about the flights exceeds the stated errors, shape (N, 2).
+    chi2_per_dof
+        With the stated errors of places.
+    scale_px_per_m
+        From all that is known.
+    scale_of_fall
+        px/m from the fall alone and its relative standard error.
+    scale_of_diameter
+        px/m from the diameter alone and its relative standard error.
+    contradiction
+        Whether the two differ by more than their errors allow; the diameter was then left out.
+    """
+
+    values: Floats
+    covariance: Floats
+    contacts: Floats
+    contact_slopes: Floats
+    observed: Observed
+    arcs: Ints
+    used: NDArray[np.bool_]
+    residuals: Floats
+    sigma_scale: Floats
+    chi2_per_dof: float
+    scale_px_per_m: float
+    scale_of_fall: tuple[float, float]
+    scale_of_diameter: tuple[float, float]
+    contradiction: bool
+    readout: str
+
+    @property
+    def bounces(self) -> int:
+        """Return how many bounces there are."""
+        return len(self.contacts)
+
+    def row_delay(self, places: Floats) -> Floats:
+        """Return how much later than the first row each place is read, s."""
+        line = places[:, 1] if self.readout == "columns" else places[:, 0]
+        return np.asarray(self.values[path.ROW_TIME] * line)
+
+    def at(self, times_s: Floats, arcs: Ints) -> Floats:
+        """Return row, column and distance at times (of their own rows) in flights, shape (N, 3)."""
+        found = np.empty((len(times_s), 3))
+        contacts = np.empty((self.bounces, 6))
+        path.places(self.values, times_s, arcs, found, contacts)
+        return found
