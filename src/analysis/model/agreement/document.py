@@ -21,6 +21,8 @@ DRAWN = 6
 """Of so many cells, the most striking ones, a document holds the residuals."""
 MOST_POINTS = 1500
 """So many points of a cell are drawn at most."""
+SEED = 1
+"""Of the choice of points: the same cell is drawn the same way each time."""
 
 
 def agreement_document(found: Agreement) -> Json:
@@ -67,7 +69,7 @@ def cells_document(found: Structure) -> list[Json]:
             **cell_document(cell),
             "shared": is_shared(cell, len(found.data.shots)),
             "deviation": standard_deviations(cell),
-            "points": json.dumps(_drawn(found.residuals(cell.channel, cell.covariate))),
+            "points": json.dumps(drawn(found.residuals(cell.channel, cell.covariate))),
         }
         for cell in found.cells
     ]
@@ -94,12 +96,18 @@ def residuals_document(found: CellResiduals) -> Json:
     }
 
 
-def _drawn(found: CellResiduals) -> Json:
-    """Return residuals with the digits that a picture shows, of very many an even choice."""
+def drawn(found: CellResiduals) -> Json:
+    """Return residuals with the digits that a picture shows, of very many a random choice.
+
+    Points come in a fixed order of spheres and frames: a fixed stride would choose one sphere.
+    """
     document = residuals_document(found)
-    stride = -(-len(document["x"]) // MOST_POINTS)
+    count = len(document["x"])
+    chosen = range(count)
+    if count > MOST_POINTS:
+        chosen = np.sort(np.random.default_rng(SEED).permutation(count)[:MOST_POINTS]).tolist()
     for name in ("shots", "frames", "x", "residual", "sigma"):
-        document[name] = [_rounded(value) for value in document[name][::stride]]
+        document[name] = [_rounded(document[name][place]) for place in chosen]
     trend = document["trend"]
     document["trend"] = {name: [_rounded(v) for v in values] for name, values in trend.items()}
     return {**document, "of": len(found.place)}

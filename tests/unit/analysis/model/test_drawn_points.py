@@ -1,0 +1,47 @@
+"""Of the many points of a cell those that are drawn stand for all spheres and frames."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from analysis.model.agreement.document import MOST_POINTS, drawn
+from analysis.model.structure.structure import CellResiduals, Trend
+
+
+@pytest.mark.parametrize("spheres", [2, 3, 4, 8])
+def test_every_sphere_is_drawn_by_its_share_however_many_take_turns(spheres: int) -> None:
+    count = 4 * MOST_POINTS
+    points = drawn(cell(count, spheres))
+    seen = np.bincount([round(value) for value in points["residual"]], minlength=spheres)
+    expected = MOST_POINTS / spheres
+    assert np.all(np.abs(seen - expected) < 5 * np.sqrt(expected))
+
+
+def test_points_keep_their_shots_and_their_order() -> None:
+    points = drawn(cell(4 * MOST_POINTS, 2))
+    assert len(points["x"]) == MOST_POINTS
+    assert points["of"] == 4 * MOST_POINTS
+    assert points["shots"] == sorted(points["shots"])
+    assert [float(shot) for shot in points["shots"]] == points["x"]
+
+
+def test_few_points_are_all_drawn() -> None:
+    assert drawn(cell(50, 2))["shots"] == list(range(50))
+
+
+def cell(count: int, spheres: int) -> CellResiduals:
+    """Return a cell of spheres that take turns; each one's residual is its number."""
+    number = np.arange(count)
+    trend = Trend(np.zeros(1), np.zeros(1), np.ones(1))
+    return CellResiduals(
+        channel="position a",
+        covariate="time",
+        unit="mm",
+        shots=number,
+        frames=number,
+        place=number.astype(float),
+        residual=(number % spheres).astype(float),
+        sigma=np.ones(count),
+        trend=trend,
+    )
