@@ -9,7 +9,7 @@ from rigctl.page.campaigns.view import CampaignView
 from rigctl.page.desk import Desk
 from rigctl.page.layout import sheet
 from rigctl.page.parts.presence import kept_page
-from rigctl.page.shots.table import WHY, column, explain_headings
+from rigctl.page.shots.table import WHY, column, explain_headings, link_cells
 from rigctl.store import CampaignRecord, ShotState
 
 COLUMNS = [
@@ -73,6 +73,7 @@ def _listed(found: list[CampaignRecord]) -> None:
     table.props("dense flat data-testid=campaigns").classes("wide").bind_filter_from(given, "value")
 
     explain_headings(table, HEADINGS)
+    link_cells(table, "name", "/campaigns/", "name")
 
     def open_one(event: events.GenericEventArguments) -> None:
         ui.navigate.to(f"/campaigns/{event.args[1]['name']}")

@@ -1,4 +1,4 @@
-"""Tables of shots: filtered by any word, sorted by any column, opened by a click."""
+"""Tables of shots: filtered by words and numbers, sorted by any column, opened by a click."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from nicegui import ui
 
 from rigctl.errors import RigError
 from rigctl.page.desk import Desk
+from rigctl.page.parts.filtering import HINT, Filter, FilterError
 from rigctl.page.parts.quantities import COEFFICIENTS, SETTINGS
 from rigctl.page.parts.readings import Impact
 from rigctl.store import ShotRecord
@@ -92,23 +93,53 @@ class ShotTable:
         self._empty = ui.label("Reading …").classes("empty")
         self._whole = ui.element("div").classes("wide")
         with self._whole:
-            given = ui.input(placeholder="Filter: a state, a number, a word …").classes("filter")
-            given.props('outlined dense clearable data-testid=filter aria-label="Filter"')
             columns = MEASURED_COLUMNS if measured else COLUMNS
+            self._labels = {own["name"]: str(own["label"]) for own in columns}
+            self._given = ui.input(placeholder=f"Filter: {HINT}", validation=self._fault)
+            self._given.classes("filter").on_value_change(self._choose)
+            self._given.props(
+                'outlined dense clearable hide-bottom-space data-testid=filter aria-label="Filter"'
+            )
             self._table = ui.table(rows=[], columns=columns, pagination=20, row_key="number")
         self._table.props("dense flat data-testid=shots").classes("wide")
-        self._table.bind_filter_from(given, "value")
+        link_cells(self._table, "number", "/shots/", "id")
         self._table.on("rowClick", lambda event: ui.navigate.to(f"/shots/{event.args[1]['id']}"))
         explain_headings(self._table)
         self._whole.set_visibility(False)
+        self._rows: list[dict[str, object]] = []
 
     def show(self, shots: Sequence[ShotRecord], impacts: Sequence[Impact] = ()) -> None:
         """Show these shots, and what those of them were measured to be."""
         known = {impact.number: impact for impact in impacts}
-        self._table.rows = [{**_row(shot), **_measured(known.get(shot.number))} for shot in shots]
+        self._rows = [{**_row(shot), **_measured(known.get(shot.number))} for shot in shots]
+        self._choose()
         self._whole.set_visibility(bool(shots))
         self._empty.set_visibility(not shots)
         self._empty.set_text("No shot has been fired yet: arm and fire one on the page Rig.")
+
+    def _choose(self) -> None:
+        """Show the rows that the filter keeps; one that cannot be read keeps all."""
+        try:
+            kept = Filter.of(self._given.value or "", self._labels)
+        except FilterError:
+            kept = Filter(())
+        self._table.rows = [row for row in self._rows if kept.keeps(row)]
+
+    def _fault(self, given: str | None) -> str | None:
+        try:
+            Filter.of(given or "", self._labels)
+        except FilterError as error:
+            return str(error)
+        return None
+
+
+def link_cells(table: ui.table, column_name: str, place: str, key: str) -> None:
+    """Make a column's cells links to `place` and what rows hold under `key`: for the keyboard."""
+    table.add_slot(
+        f"body-cell-{column_name}",
+        f"""<q-td :props="props"><a v-if="props.row.{key}" :href="'{place}' + props.row.{key}"
+        @click.stop>{{{{ props.value }}}}</a></q-td>""",
+    )
 
 
 def explain_headings(table: ui.table, meanings: Mapping[str, str] = HEADINGS) -> None:

@@ -15,7 +15,7 @@ from rigctl.page.parts.impact_plots import over_incidence, over_speed
 from rigctl.page.parts.quantities import INCIDENCE, SPEED
 from rigctl.page.parts.readings import Impact, rows_of
 from rigctl.page.parts.widgets import plot, save_csv
-from rigctl.page.shots.table import WHY, column, explain_headings
+from rigctl.page.shots.table import WHY, column, explain_headings, link_cells
 from rigctl.page.sweeps.orders import SweepProgress
 from rigctl.page.sweeps.plots import progress
 from rigctl.settings import ShotSettings
@@ -57,6 +57,7 @@ class StepsTable:
         self._table.props("dense flat data-testid=steps").classes("wide")
         self._table.on("rowClick", _open_shot)
         explain_headings(self._table)
+        link_cells(self._table, "shot", "/shots/", "id")
 
     def show(self, steps: Sequence[StepRecord], shots: Mapping[str, ShotRecord]) -> None:
         """Show steps with their shots, by the shots' names."""
