@@ -46,6 +46,7 @@ def test_shots_that_the_model_asks_for_are_fired_and_stand_in_its_next_fit(
         0, timeout=LONG_MS
     )
     page.get_by_test_id("abort").click()
+    page.get_by_test_id("abort-now").click()
     expect(page.get_by_test_id("sweep-state")).to_contain_text("aborted", timeout=LONG_MS)
     page.get_by_role("link", name="Model").click()
     page.get_by_role("link", name="nylon").click()

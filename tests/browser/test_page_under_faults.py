@@ -81,6 +81,7 @@ def test_a_daemon_killed_in_a_sweep_and_started_again_is_found_by_the_open_page(
     # Killed between the fire and its answer, a shot may also be of unknown outcome.
     expect(page.get_by_text("the daemon ended;")).to_be_visible()
     page.get_by_test_id("abort").click()
+    page.get_by_test_id("abort-now").click()
     expect(state).to_contain_text("aborted")
 
 

@@ -25,6 +25,7 @@ def test_a_sweep_is_previewed_watched_paused_resumed_and_aborted(page: Page) -> 
     expect(state).to_contain_text("running")
     expect(state).to_contain_text(f"{fired + 1} of 12 shots", timeout=LONG_MS)
     page.get_by_test_id("abort").click()
+    page.get_by_test_id("abort-now").click()
     expect(state).to_contain_text("aborted", timeout=LONG_MS)
     expect(page.get_by_test_id("resume")).to_have_count(0)
     expect(page.get_by_test_id("steps")).to_contain_text("skipped")
@@ -50,6 +51,7 @@ def test_a_stop_in_the_middle_of_a_sweep_fires_nothing_more_until_a_person_says_
     expect(page.get_by_test_id("state")).to_have_text("idle", timeout=LONG_MS)
     expect(state).to_contain_text(f"{stopped_at} of 8 shots")
     page.get_by_test_id("abort").click()
+    page.get_by_test_id("abort-now").click()
     expect(state).to_contain_text("aborted")
 
 

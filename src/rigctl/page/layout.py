@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from html import escape
 
 from nicegui import events, ui
 
@@ -76,6 +77,7 @@ def sheet(desk: Desk, title: str, place: str) -> Iterator[None]:
     show()
     every(TICK_S, show)
     with ui.element("div").classes("sheet deaf") as below:
+        ui.html(escape(title), sanitize=False, tag="h1").classes("unseen")
         yield
     for part in (header, banner, below):
         _hear_once_connected(part)

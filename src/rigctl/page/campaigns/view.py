@@ -159,7 +159,7 @@ class CampaignView:
 
     @ui.refreshable_method
     def _head(self) -> None:
-        ui.html(f"<h1>{self._campaign}</h1>", sanitize=True)
+        ui.html(f"<h2>{self._campaign}</h2>", sanitize=True)
         if self._now is not None:
             ui.label(_counts(self._now.record)).classes("aside")
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import secrets
+from collections.abc import Mapping
+from typing import Any
 
 from nicegui import ui
 
@@ -11,7 +13,9 @@ from rigctl.errors import RigError
 from rigctl.model.known_effects import ALL_EFFECTS
 from rigctl.page.desk import Desk
 from rigctl.page.model.source import Source
-from rigctl.page.parts.tables import Cell, Line, facts
+from rigctl.page.model.state import ModelState
+from rigctl.page.parts.asking import ask_again
+from rigctl.page.parts.tables import Cell, Line, facts, minus, with_error
 from rigctl.page.parts.widgets import button
 
 FOLDER = "challenges"
@@ -56,10 +60,14 @@ def challenge_maker(desk: Desk) -> None:
 
 
 class ChallengePanel:
-    """Answer and truth of the challenge that a source is; nothing for any other source."""
+    """Answer and truth of the challenge that a source is; nothing for any other source.
 
-    def __init__(self, source: Source) -> None:
-        self._folder = source.folder
+    The truth stands beside what the fit with the most effects so far says.
+    """
+
+    def __init__(self, state: ModelState) -> None:
+        self._state = state
+        self._folder = state.source.folder
         if self._folder is not None and (self._folder / challenge.PUBLIC).is_file():
             with ui.element("div").classes("panel").props("data-testid=challenge"):
                 self._show()
@@ -80,9 +88,11 @@ class ChallengePanel:
         names = [*challenge.ALONE, *sorted(effect.name for effect in ALL_EFFECTS)]
         with ui.element("div").classes("beside"):
             given = ui.select(names, multiple=True, label="What is hidden?", with_input=True)
-            given.props("outlined dense use-chips data-testid=answer").style("min-width: 320px")
+            given.props("outlined dense use-chips data-testid=answer").style(
+                "min-width: min(320px, 100%)"
+            )
             commit = button(
-                "Commit", lambda: self._commit(given.value), look="fill", testid="commit"
+                "Commit …", lambda: self._ask(list(given.value)), look="fill", testid="commit"
             )
             commit.bind_enabled_from(given, "value", bool)
 
@@ -100,10 +110,18 @@ class ChallengePanel:
         def reveal() -> None:
             # Nothing of it is in the page before.
             with truth:
-                _truth(label, outcome)
+                _truth(label, outcome, (self._state.path() or [{}])[-1].get("parameters", {}))
             breaking.set_visibility(False)
 
         breaking = button("Break the seal", reveal, look="fill", testid="reveal")
+
+    def _ask(self, names: list[str]) -> None:
+        ask_again(
+            f"Commit to {' and '.join(names)}?",
+            "The answer is written once: it can neither be changed nor taken back.",
+            "Commit",
+            lambda: self._commit(names),
+        )
 
     def _commit(self, names: list[str]) -> None:
         if self._folder is None:
@@ -117,21 +135,53 @@ class ChallengePanel:
         self._show.refresh()
 
 
-def _truth(label: challenge.Label, outcome: challenge.Outcome) -> None:
-    """Place what was hidden, and how the answer agrees with it."""
+def _truth(
+    label: challenge.Label, outcome: challenge.Outcome, fitted: Mapping[str, Mapping[str, Any]]
+) -> None:
+    """Place what was hidden, how the answer agrees with it, and what the fit says of its size."""
     look = "good" if outcome in {"right", "alias"} else "bad"
     with ui.element("div").classes(f"verdict {look}").props("data-testid=truth"):
         ui.label(OUTCOMES[outcome]).classes("lead")
         ui.label(f"The truth is: {', '.join(label.answer)}.")
     lines = [
-        Line([one.effect, f"{one.amplitude:g}", one.unit, one.meaning]) for one in label.effects
+        Line(
+            [
+                one.effect,
+                minus(f"{one.amplitude:.4g}"),
+                *beside_truth(one, fitted),
+                Cell("" if one.unit == "1" else one.unit, look="left dim"),
+                Cell(one.meaning, look="left"),
+            ]
+        )
+        for one in label.effects
     ]
     if lines:
         headings: list[Cell | str] = [
             Cell("hidden", "Effect of the catalogue that was put into the shots."),
-            Cell("size", "Of its first parameter."),
-            "unit",
-            "what the number says",
+            Cell("size", "Of its first parameter, as it was put into the shots."),
+            Cell("your fit", "The same parameter as these shots say, with its standard error."),
+            Cell("apart", "Difference in standard errors of the fit: below 3 they agree."),
+            Cell("unit", look="left"),
+            Cell("what the number says", look="left"),
         ]
         facts(headings, lines)
     ui.label("The label is the one that was sealed when the campaign was made.").classes("note")
+
+
+def beside_truth(
+    hidden: challenge.HiddenEffect, fitted: Mapping[str, Mapping[str, Any]]
+) -> tuple[str, str]:
+    """Return what a fit says of a hidden effect's size, and by how many standard errors it errs.
+
+    Parameters
+    ----------
+    fitted
+        Parameters of the fit by `effect.symbol`, in the catalogue's order.
+    """
+    first = next((fitted[name] for name in fitted if name.startswith(f"{hidden.effect}.")), None)
+    if first is None:
+        return "not added", ""
+    sigma = first.get("sigma")
+    if first["value"] is None or not sigma:
+        return with_error(first), ""
+    return with_error(first), f"{abs(first['value'] - hidden.amplitude) / sigma:.1f} σ"

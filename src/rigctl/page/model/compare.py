@@ -8,12 +8,13 @@ from typing import Any
 from nicegui import ui
 
 from rigctl.page.model.effect_words import described
-from rigctl.page.parts.quantities import CHANCE, CHI2, ERROR, PARAMETERS, VALUE
+from rigctl.page.parts.quantities import BELIEVED, CHANCE, CHI2, ERROR, PARAMETERS, VALUE
 from rigctl.page.parts.tables import Cell, Line, chance, facts, with_error
 from rigctl.page.parts.widgets import save_csv
 
 Json = dict[str, Any]
 ALARM = 0.01
+FAR = 3.0
 SHOWN = 8
 """So many that disagree stand on the page at once, the least likely ones."""
 PARAMETER = Cell("parameter", "What the fit is free to choose, from all shots together.")
@@ -86,18 +87,35 @@ def _parameters(found: Json) -> list[Line]:
     lines, effects = [], described(found)
     for name, value in found["parameters"].items():
         unit = "" if value["unit"] == "1" else value["unit"]
-        lines.append(Line([_named(name, effects), with_error(value), Cell(unit, look="left dim")]))
+        words, meaning, believed = _about(name, effects)
+        number: Cell | str = with_error(value)
+        doubted = is_doubted(value, believed)
+        if doubted:
+            low, high = believed or (0.0, 0.0)
+            said = f"Outside what is believed, {low:g} to {high:g} {unit}".rstrip()
+            number = Cell(f"▲ {number}", f"{said}: something that is missing may hide in it.")
+        cells = [Cell(words, meaning), number, Cell(unit, look="left dim")]
+        lines.append(Line(cells, "fails" if doubted else ""))
     return lines
 
 
-def _named(name: str, effects: dict[str, Json]) -> Cell:
+def is_doubted(value: Json, believed: tuple[float, float] | None) -> bool:
+    """Say whether a parameter lies outside its believed range by more than its error explains."""
+    if believed is None or value["value"] is None:
+        return False
+    room = FAR * (value.get("sigma") or 0.0)
+    return not believed[0] - room <= value["value"] <= believed[1] + room
+
+
+def _about(name: str, effects: dict[str, Json]) -> tuple[str, str, tuple[float, float] | None]:
+    """Return a parameter in words, what it means, and the range in which it is believed."""
     if name in PARAMETERS:
         about = PARAMETERS[name]
-        return Cell(f"{about.name}, {about.meaning.rstrip('.')}", about.meaning)
+        return f"{about.name}, {about.meaning.rstrip('.')}", about.meaning, BELIEVED[name]
     effect, _, symbol = name.rpartition(".")
     parameters = effects[effect]["parameters"] if effect in effects else []
-    meaning = next((p["meaning"] for p in parameters if p["symbol"] == symbol), "")
-    return Cell(name, meaning)
+    found = next((p for p in parameters if p["symbol"] == symbol), None)
+    return (name, "", None) if found is None else (name, found["meaning"], found["plausible"])
 
 
 def _rows(found: Json) -> list[list[object]]:

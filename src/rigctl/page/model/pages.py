@@ -44,7 +44,7 @@ class ModelView:
         self._steps = Steps(desk, self._state, self._take)
         with self._steps.last:
             self._next = NextShots(desk, self._state)
-            ChallengePanel(source)
+            ChallengePanel(self._state)
         following(LOOK_S, self._follow)
 
     def _follow(self) -> None:
@@ -76,7 +76,7 @@ class ModelView:
     def _head(self) -> None:
         state = self._state
         with ui.element("div").classes("head"):
-            ui.html(f"<h1>{state.source.title}</h1>", sanitize=True)
+            ui.html(f"<h2>{state.source.title}</h2>", sanitize=True)
             if state.present is not None:
                 ui.label(_counted(state.present)).classes("aside").props("data-testid=counted")
             ui.space()

@@ -1,4 +1,4 @@
-"""The dialog that wants a reason before something is done."""
+"""The dialogs that want a reason, or a second word, before something is done."""
 
 from __future__ import annotations
 
@@ -33,4 +33,21 @@ def ask_reason(title: str, text: str, verb: str, act: Callable[[str], Awaitable[
             button("Cancel", dialog.close)
             done = button(verb, go, look="fill", testid=f"{verb.lower()}-now")
             done.bind_enabled_from(reason, "value", lambda given: bool((given or "").strip()))
+    dialog.on("hide", dialog.delete)
+
+
+def ask_again(title: str, text: str, verb: str, act: Callable[[], Awaitable[None] | None]) -> None:
+    """Open a dialog that says what `act` does for good; its button `verb` does it."""
+
+    async def go() -> None:
+        dialog.close()
+        if (waits := act()) is not None:
+            await waits
+
+    with ui.dialog(value=True) as dialog, ui.card().classes("ask").props("data-testid=ask-again"):
+        ui.label(title).classes("title")
+        ui.label(text)
+        with ui.element("div").classes("beside ends"):
+            button("Cancel", dialog.close).props("autofocus")
+            button(verb, go, look="fill", testid=f"{verb.lower()}-now")
     dialog.on("hide", dialog.delete)

@@ -60,6 +60,8 @@ PARAMETERS = {
     "mu": Quantity("μ", "", "Coulomb's coefficient of sliding friction in the contact."),
     "beta0": Quantity("β₀", "", "Tangential restitution of contacts that stick (Walton)."),
 }
+BELIEVED = {"e": (0.0, 1.0), "mu": (0.0, 1.0), "beta0": (-1.0, 1.0)}
+"""Of the parameters above: more restitution than 1 would make energy."""
 SETTINGS = {
     "pressure_a_kpa": Quantity(
         "Pressure a", "kPa", "Gauge pressure of the pusher of sphere a; it sets the speed."

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 
 from nicegui import ui
 
 from rigctl.page.desk import Desk, actor
+from rigctl.page.parts.asking import ask_again
 from rigctl.page.parts.widgets import button
 from rigctl.store import StepState, SweepState
 from rigctl.sweeps.status import SweepStatus
@@ -77,7 +78,19 @@ class SweepProgress:
         if state is SweepState.PAUSED:
             button("Resume", lambda: order(runner.resume, moves=True), look="fill", testid="resume")
         if state in {SweepState.RUNNING, SweepState.PAUSED}:
-            button("Abort", lambda: order(runner.abort), testid="abort")
+            button("Abort …", lambda: self._ask_abort(order), testid="abort")
+
+    def _ask_abort(
+        self, order: Callable[[Callable[[str, str], SweepStatus]], Awaitable[None]]
+    ) -> None:
+        done, steps, _ = how_far(self._status)
+        ask_again(
+            f"Abort sweep {self._status.record.id}",
+            f"{steps - done} of {steps} shots are left and would never be fired; the shot under "
+            "way ends first, and what was fired stays. A paused sweep can go on instead.",
+            "Abort",
+            lambda: order(self._desk.daemon.sweeps.abort),
+        )
 
 
 def how_far(status: SweepStatus) -> tuple[int, int, str]:

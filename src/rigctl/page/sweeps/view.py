@@ -167,7 +167,7 @@ class SweepView:
         return found
 
     def _heading(self) -> None:
-        ui.html(f"<h1>Sweep {self._sweep}</h1>", sanitize=False)
+        ui.html(f"<h2>Sweep {self._sweep}</h2>", sanitize=False)
 
     def _titled(self, title: str, name: str, meaning: str) -> None:
         with ui.element("div").classes("title"):

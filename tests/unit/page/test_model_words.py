@@ -1,0 +1,35 @@
+"""What the model's page says of parameters: believed or doubted, and how near to the truth."""
+
+from __future__ import annotations
+
+import pytest
+
+from rigctl.commands.challenge import HiddenEffect
+from rigctl.page.model.challenge_panel import beside_truth
+from rigctl.page.model.compare import is_doubted
+
+HIDDEN = HiddenEffect(effect="drag", amplitude=0.4, unit="1", meaning="drag coefficient")
+
+
+@pytest.mark.parametrize(
+    ("value", "sigma", "doubted"),
+    [(1.61, 0.01, True), (0.5, 0.01, False), (1.02, 0.01, False), (-1.2, 0.05, True)],
+)
+def test_a_parameter_is_doubted_beyond_three_errors_outside_its_believed_range(
+    value: float, sigma: float, doubted: bool
+) -> None:
+    assert is_doubted({"value": value, "sigma": sigma}, (-1.0, 1.0)) is doubted
+
+
+def test_what_is_not_determined_or_has_no_range_is_not_doubted() -> None:
+    assert not is_doubted({"value": None, "sigma": None}, (0.0, 1.0))
+    assert not is_doubted({"value": 7.0, "sigma": 0.1}, None)
+
+
+def test_the_truth_of_a_challenge_stands_beside_the_fit_with_their_distance() -> None:
+    fitted = {"e": {"value": 0.7, "sigma": 0.1}, "drag.Cd": {"value": 0.43, "sigma": 0.02}}
+    assert beside_truth(HIDDEN, fitted) == ("0.430 ± 0.020", "1.5 σ")
+
+
+def test_a_hidden_effect_that_nobody_added_has_nothing_beside_it() -> None:
+    assert beside_truth(HIDDEN, {"e": {"value": 0.7, "sigma": 0.1}}) == ("not added", "")
