@@ -84,10 +84,35 @@ def test_a_hidden_effect_is_found_added_answered_and_revealed(page: Page, served
     page.get_by_role("option", name=HIDDEN, exact=True).click()
     page.keyboard.press("Escape")
     page.get_by_test_id("commit").click()
+    expect(page.get_by_test_id("ask-again")).to_contain_text("neither be changed nor taken back")
+    page.get_by_test_id("commit-now").click()
     page.get_by_test_id("reveal").click()
     expect(page.get_by_test_id("truth")).to_contain_text(f"The truth is: {HIDDEN}")
     page.get_by_test_id("undo").click()
     expect(page.get_by_test_id("error-now")).to_contain_text(f"{before:.3f}")
+
+
+def test_a_plot_that_is_hidden_while_its_panel_changes_throws_nothing(
+    page: Page, served: Any
+) -> None:
+    thrown: list[str] = []
+    page.on("pageerror", lambda error: thrown.append(str(error)))
+    page.goto(f"{served.url}/sweeps")
+    plot = page.get_by_test_id("preview").locator(".js-plotly-plot")
+    plot.locator(".main-svg").first.wait_for()
+    plot.evaluate("plot => { plot.style.display = 'none'; }")
+    refused = page.evaluate(
+        """async () => {
+          const { Plotly } = await import("nicegui-plotly");
+          const hidden = document.querySelector(".js-plotly-plot");
+          try { await Plotly.Plots.resize(hidden); } catch (error) { return error.message; }
+          return "";
+        }"""
+    )
+    assert refused == ""
+    plot.evaluate("plot => { plot.style.display = ''; plot.style.width = '400px'; }")
+    expect(plot.locator(".main-svg").first).to_have_attribute("width", "400")
+    assert thrown == []
 
 
 def test_an_effect_of_ones_own_is_ranked_explained_added_and_mends_the_model(

@@ -50,9 +50,21 @@ def test_fates_are_told_apart_by_form_and_not_by_colour_alone() -> None:
     assert len(forms) == len(LOOKS)
 
 
+def test_the_legend_is_the_same_whatever_became_of_the_steps() -> None:
+    early = progress({"waits": [(1, settings(40, 6))]}, LIMITS)
+    late = progress({"measured": [(1, settings(40, 6))], "skipped": []}, LIMITS)
+    names = [
+        [trace["name"] for trace in drawn["data"] if "name" in trace] for drawn in (early, late)
+    ]
+    assert names == [list(LOOKS), list(LOOKS)]
+    assert early["layout"] == late["layout"]
+
+
 def test_only_fates_that_occur_are_drawn() -> None:
-    drawn = progress({"measured": [(1, settings(40, 6))], "waits": []}, LIMITS)
-    assert [trace["name"] for trace in drawn["data"] if "name" in trace] == ["measured"]
+    drawn = progress({"measured": [(1, settings(40, 6))], "waits": []}, LIMITS)["data"]
+    assert {trace.get("name"): trace["x"] for trace in drawn if trace["x"] != [None]} == {
+        "measured": [40]
+    }
 
 
 @pytest.mark.parametrize(

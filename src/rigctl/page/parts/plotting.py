@@ -20,8 +20,13 @@ VERSION = "3.7.0"
 ADDRESS = f"/plotly/{VERSION}/plotly.js"
 ASKED_AS = "nicegui-plotly"
 """Name under which the page library's element for plots imports it."""
-AS_MODULE = b"\nexport const Plotly = window.Plotly;\n"
-"""The library is a script that leaves its name in the window; the element imports a module."""
+AS_MODULE = b"""
+const shown = (plot) => !["", "none"].includes(getComputedStyle(plot).display);
+const resize = async (plot) => (shown(plot) ? window.Plotly.Plots.resize(plot) : plot);
+export const Plotly = { ...window.Plotly, Plots: { ...window.Plotly.Plots, resize } };
+"""
+"""The library is a script that leaves its name in the window; the element imports a module. It
+refuses to fit a plot into a panel that is not shown; such a plot is fitted when it is shown."""
 FOREVER = {"Cache-Control": "public, max-age=31536000, immutable", "Vary": "Accept-Encoding"}
 
 

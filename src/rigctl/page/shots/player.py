@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from nicegui import events, ui
 
+from rigctl.page.parts.tables import minus
 from rigctl.page.parts.widgets import button
 from rigctl.page.shots.film import frame_address
 from rigctl.page.shots.overlay import LAYERS, Overlays
@@ -14,6 +15,8 @@ from rigctl.store import ShotRecord
 SHOWN_IN_STRIP = 10
 SPEEDS = {2: "2 per s", 5: "5 per s", 10: "10 per s", 20: "20 per s"}
 JOG = 10
+WHOLE_MS = 0.9
+"""Frames that are farther apart than this, ms, are told apart by whole milliseconds."""
 HELP = {
     "outlines": "circle fitted to each sphere's edge: a sky blue, b orange",
     "markers": "dots on the spheres that were found, from which their turning follows",
@@ -57,8 +60,9 @@ class Player:
         self._contact = self._within(start or 0 if contact is None else contact)
         self._frame = self._contact if start is None else self._within(start)
         self._layers = [layer for layer in LAYERS if layer != "tracks"]
-        self._picture = ui.interactive_image(size=size, sanitize=False).classes("film")
-        self._picture.props("data-testid=film")
+        with ui.element("div").props("role=img").classes("wide") as self._named:
+            self._picture = ui.interactive_image(size=size, sanitize=False).classes("film")
+        self._picture.props("data-testid=film aria-hidden=true")
         self._strip()
         self._keypad()
         self._playing = ui.timer(0.1, lambda: self.step(1, around=True), active=False)
@@ -72,6 +76,7 @@ class Player:
         self._picture.set_source(frame_address(self._shot.id, self._frame))
         self._picture.set_content(self._overlays.drawing(self._frame, self._layers))
         self._where.set_text(self._said())
+        self._named.props(f'aria-label="film of shot {self._shot.number}, {self._said()}"')
         for place, thumbnail in self._thumbnails.items():
             if place == self._frame:
                 thumbnail.classes(add="now")
@@ -84,10 +89,27 @@ class Player:
         self.show(frame % self._count if around else frame)
 
     def _said(self) -> str:
-        since = self._times[self._frame] - self._times[self._contact]
-        seen = self._overlays.contact_frame is not None
-        words = "from contact" if seen else f"from frame {self._contact}"
-        return f"frame {self._frame} of 0–{self._count - 1}, {1e3 * since:+.1f} ms {words}"
+        words = f"frame {self._frame} of 0–{self._count - 1}"
+        since = self._since(self._frame)
+        return words if since is None else f"{words}, {since:+.1f} ms from contact"
+
+    def _since(self, frame: int) -> float | None:
+        """Return the time of a frame from that of the contact, ms; None where no contact is known.
+
+        Times from any other frame would change when the contact is found.
+        """
+        if self._overlays.contact_frame is None:
+            return None
+        return 1e3 * (self._times[frame] - self._times[self._contact])
+
+    def _caption(self, frame: int) -> str:
+        since = self._since(frame)
+        if since is None:
+            return f"frame {frame}"
+        if frame == self._contact:
+            return "contact"
+        step = 1e3 * (self._times[-1] - self._times[0]) / max(self._count - 1, 1)
+        return minus(f"{since:+.{0 if step >= WHOLE_MS else 1}f} ms")
 
     def _within(self, frame: int) -> int:
         return min(max(frame, 0), self._count - 1)
@@ -104,13 +126,12 @@ class Player:
                     self._thumbnails[place] = self._thumbnail(place)
 
     def _thumbnail(self, place: int) -> ui.element:
-        since = 1e3 * (self._times[place] - self._times[self._contact])
-        with ui.element("div").classes("frame") as thumbnail:
+        with ui.element("button").classes("frame") as thumbnail:
             ui.element("img").props(
-                f'src="{frame_address(self._shot.id, place)}" alt="frame {place}" loading=lazy'
+                f'src="{frame_address(self._shot.id, place)}" alt="" loading=lazy'
             )
-            ui.label(f"{since:+.0f} ms")
-        thumbnail.on("click", lambda: self.show(place))
+            ui.label(self._caption(place))
+        thumbnail.props(f'aria-label="show frame {place}"').on("click", lambda: self.show(place))
         return thumbnail
 
     def _keypad(self) -> None:

@@ -94,7 +94,9 @@ def _compiling(desk: Desk) -> None:
     said = ui.element("div").classes("stack").props("data-testid=compiling role=status")
     with said:
         ui.label("Machine code is being compiled, once on this host: it takes a minute or two.")
-        share = ui.linear_progress(show_value=False).props("instant-feedback")
+        share = ui.linear_progress(show_value=False).props(
+            'instant-feedback aria-label="machine code that is compiled"'
+        )
         count = ui.label().classes("note")
 
     def look() -> None:

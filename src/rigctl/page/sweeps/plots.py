@@ -13,7 +13,9 @@ from rigctl.settings import ShotSettings
 
 Json = dict[str, Any]
 DIAMETER_MM = 25.4
-HEIGHT = 330
+HEIGHT = 360
+ROOM_OF_LEGEND = 64
+"""Above the plot, px: the legend has two lines where the panel is narrow."""
 SCALE = (0.0, 0.25, 0.5, 1.0, 2.0)
 """Values of v_s / v_n marked beside the offsets."""
 LOOKS: dict[str, Json] = {
@@ -61,27 +63,31 @@ def grid(steps: Sequence[ShotSettings], limits: Limits) -> Json:
 
 
 def progress(steps: Mapping[str, Sequence[tuple[int, ShotSettings]]], limits: Limits) -> Json:
-    """Return the steps of a running sweep by what became of them (a key of `LOOKS`)."""
-    traces = [
-        {
-            "type": "scatter",
-            "mode": "markers",
-            "name": name,
-            "x": [settings.pressure_a_kpa for _, settings in steps[name]],
-            "y": [settings.offset_mm for _, settings in steps[name]],
-            "customdata": [number for number, _ in steps[name]],
-            "marker": look,
-            "hovertemplate": f"step %{{customdata}}, {name}: "
-            "%{x:.1f} kPa, %{y:.2f} mm<extra></extra>",
-        }
-        for name, look in LOOKS.items()
-        if steps.get(name)
-    ]
+    """Return the steps of a running sweep by what became of them (a key of `LOOKS`).
+
+    The legend names every fate from the start: one that grew would shift the plot under the hand.
+    """
+    traces = [_fate(name, steps.get(name, ())) for name in LOOKS]
     drawn = _plane(traces, limits, "sweep-progress")
-    legend = {"orientation": "h", "x": 0, "y": 1.02, "yanchor": "bottom"}
+    legend = {"orientation": "h", "x": 0, "y": 1.02, "yanchor": "bottom", "itemclick": False}
     drawn["layout"].update(showlegend=True, legend=legend)
-    drawn["layout"]["margin"]["t"] = 34
+    drawn["layout"]["margin"]["t"] = ROOM_OF_LEGEND
     return drawn
+
+
+def _fate(name: str, steps: Sequence[tuple[int, ShotSettings]]) -> Json:
+    """Return the trace of one fate; what stands for it in the legend is drawn nowhere."""
+    return {
+        "type": "scatter",
+        "mode": "markers",
+        "name": name,
+        "x": [settings.pressure_a_kpa for _, settings in steps] or [None],
+        "y": [settings.offset_mm for _, settings in steps] or [None],
+        "customdata": [number for number, _ in steps],
+        "marker": LOOKS[name],
+        "hovertemplate": f"step %{{customdata}}, {name}: %{{x:.1f}} kPa, %{{y:.2f}} mm"
+        "<extra></extra>",
+    }
 
 
 def _plane(traces: list[Json], limits: Limits, name: str) -> Json:
