@@ -54,6 +54,7 @@ def with_page(api: FastAPI, daemon: Daemon) -> ASGIApp:
     ui.run_with(
         shell,
         title="rigctl",
+        language="en-US",
         dark=None,
         tailwind=False,
         show_welcome_message=False,

@@ -67,7 +67,8 @@ class NextShots:
     def _select(self, names: list[str], place: int) -> None:
         chosen = ui.select(names, value=self._pair[place], with_input=True)
         chosen.props(f"outlined dense options-dense data-testid=tell-{place}")
-        chosen.style("min-width: 230px")
+        chosen.props(f'aria-label="{("effect", "to be told from")[place]}"')
+        chosen.style("min-width: min(230px, 100%)")
         chosen.on_value_change(lambda event: self._pair.__setitem__(place, event.value))
 
     def _answer(self) -> None:

@@ -56,6 +56,8 @@ def _line(line: Line, width: int) -> str:
 
 def _cell(tag: str, cell: Cell | str, span: int = 1) -> str:
     own = Cell(cell) if isinstance(cell, str) else cell
+    if not own.text:
+        tag = "td"  # A heading without words is none.
     parts = [f' class="{escape(own.look)}"'] if own.look else []
     parts += [f' colspan="{span}"'] if span > 1 else []
     text = escape(own.text)

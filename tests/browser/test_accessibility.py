@@ -1,0 +1,79 @@
+"""Every screen for everybody: axe-core finds nothing, nothing scrolls sideways, focus is seen."""
+
+from __future__ import annotations
+
+from urllib.parse import quote
+
+import pytest
+from axe_playwright_python.sync_playwright import Axe
+from playwright.sync_api import Page
+
+from tests.browser.conftest import Served
+from tests.browser.test_model_page import LONG_MS, SEED, challenge
+from tests.browser.test_rig_page import FIRST_USE_MS
+
+LOOKS = ((320, "dark"), (820, "light"), (1280, "dark"), (1920, "light"))
+PLACES = ("/", "/shots", "/sweeps", "/campaigns", "/model", "/campaigns/seen")
+STOPS = 25
+"""So many times the tabulator is pressed on a screen."""
+OUTLINED = """() => {
+  const at = document.activeElement;
+  const ring = (part) => part && parseFloat(getComputedStyle(part).outlineWidth) >= 3
+    && getComputedStyle(part).outlineStyle === "solid";
+  return at === document.body || ring(at) || ring(at.closest(".q-field__control"))
+    ? "" : at.outerHTML.slice(0, 200);
+}"""
+
+
+def test_axe_finds_nothing_and_nothing_scrolls_sideways_on_any_screen(
+    page: Page, served: Served
+) -> None:
+    page.get_by_test_id("campaign").fill("seen")
+    page.get_by_test_id("arm").click()
+    page.get_by_test_id("fire").click()
+    page.get_by_test_id("film").wait_for(timeout=LONG_MS)
+    page.get_by_test_id("coefficients").wait_for(timeout=FIRST_USE_MS)
+    shot = page.locator("a[href^='/shots/']").first.get_attribute("href") or ""
+    for place in (*PLACES, shot):
+        page.goto(served.url + place)
+        page.wait_for_function("window.did_handshake")
+        if place in {"/shots", "/campaigns/seen"}:
+            page.get_by_test_id("shots").locator("tbody tr").first.wait_for()
+        assert faults(page) == [], place
+
+
+def test_axe_finds_nothing_on_the_page_of_a_model(page: Page, served: Served) -> None:
+    folder = challenge(served.folder / "seen", SEED)
+    page.goto(f"{served.url}/model?folder={quote(str(folder))}")
+    page.get_by_test_id("heat-map").locator(".main-svg").first.wait_for(timeout=LONG_MS)
+    assert faults(page) == []
+
+
+@pytest.mark.parametrize("place", ["/", "/shots", "/sweeps", "/model"])
+def test_whatever_has_the_focus_is_seen_to_have_it(page: Page, served: Served, place: str) -> None:
+    page.goto(served.url + place)
+    page.wait_for_function("window.did_handshake")
+    unseen = []
+    for _ in range(STOPS):
+        page.keyboard.press("Tab")
+        if where := page.evaluate(OUTLINED):
+            unseen.append(where)
+    assert unseen == []
+
+
+def faults(page: Page) -> list[str]:
+    """Return what is wrong with the screen that is open, at every width, dark and light."""
+    found = []
+    for width, scheme in LOOKS:
+        page.emulate_media(color_scheme=scheme, reduced_motion="reduce")
+        page.set_viewport_size({"width": width, "height": 800})
+        if page.evaluate("document.documentElement.scrollWidth") > width:
+            found.append(f"scrolls sideways at {width} px")
+    # Rules look at what is there, colours at a theme: the narrow dark one and the wide light one.
+    for width, scheme in (LOOKS[0], LOOKS[-1]):
+        page.emulate_media(color_scheme=scheme)
+        page.set_viewport_size({"width": width, "height": 800})
+        for fault in Axe().run(page).response["violations"]:
+            places = [node["html"][:120] for node in fault["nodes"]]
+            found.append(f"{fault['id']} at {width} px, {scheme}: {places}")
+    return found
