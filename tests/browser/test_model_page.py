@@ -65,7 +65,7 @@ def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
 
 def test_a_hidden_effect_is_found_added_answered_and_revealed(page: Page, served: Any) -> None:
     folder = challenge(served.folder / "hidden", SEED)
-    page.goto(f"{served.url}/model?folder={quote(str(folder))}")
+    page.goto(f"{served.url}/model?folder={quote(str(folder))}&view=tables")
     page.get_by_test_id("heat-map").locator(".main-svg").first.wait_for(timeout=LONG_MS)
     expect(page.get_by_test_id("verdict")).to_contain_text("missing")
     for size in SCREENS:
@@ -119,7 +119,7 @@ def test_an_effect_of_ones_own_is_ranked_explained_added_and_mends_the_model(
     page: Page, served: Any
 ) -> None:
     folder = challenge(served.folder / "outside", OUTSIDE_SEED)
-    page.goto(f"{served.url}/model?folder={quote(str(folder))}")
+    page.goto(f"{served.url}/model?folder={quote(str(folder))}&view=tables")
     missing = page.get_by_test_id("missing")
     expect(missing).to_contain_text("1 of them your own", timeout=LONG_MS)
     expect(missing.get_by_test_id("fault")).to_contain_text("unfinished.py, line 3")

@@ -17,6 +17,7 @@ from rigctl.page.campaigns.pages import campaign_pages
 from rigctl.page.desk import Desk
 from rigctl.page.feed import Feed
 from rigctl.page.model.pages import model_pages
+from rigctl.page.model.story.cards import drawings_route
 from rigctl.page.parts.plotting import plotting_route
 from rigctl.page.parts.readings import Readings
 from rigctl.page.rig.pages import rig_page
@@ -51,6 +52,7 @@ def with_page(api: FastAPI, daemon: Daemon) -> ASGIApp:
     plotting_route(shell)
     film_route(shell, desk)
     report_route(shell, desk)
+    drawings_route(shell)
     ui.run_with(
         shell,
         title="rigctl",

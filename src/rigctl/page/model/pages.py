@@ -14,8 +14,10 @@ from rigctl.page.layout import sheet
 from rigctl.page.model.challenge_panel import ChallengePanel, challenge_maker
 from rigctl.page.model.next import NextShots
 from rigctl.page.model.source import Source
-from rigctl.page.model.state import ModelState
+from rigctl.page.model.state import Effects, ModelState
 from rigctl.page.model.steps import Steps
+from rigctl.page.model.story.cards import in_plain, slider_script
+from rigctl.page.model.story.view import Story
 from rigctl.page.model.verdict import Verdict
 from rigctl.page.parts.following import following
 from rigctl.page.parts.plotting import expect_plots
@@ -26,22 +28,29 @@ from rigctl.store import ShotState
 LOOK_S = 0.05
 """How often the page looks for an answer: who waits for a fit waits for half of it on average."""
 WORTH_SAYING_S = 3.0
+STORY, TABLES = VIEWS = ("story", "tables")
 LEFT_OUT = {"rejected": "left out as too far from the rest", "excluded": "excluded by a person"}
 
 
 class ModelView:
-    """The page of one campaign's model. Long work runs as jobs; the page asks how far they are."""
+    """The page of one campaign's model. Long work runs as jobs; the page asks how far they are.
 
-    def __init__(self, desk: Desk, source: Source) -> None:
-        self._desk = desk
+    Effects and view stand in the address, so that a reload keeps them.
+    """
+
+    def __init__(self, desk: Desk, source: Source, effects: Effects, view: str) -> None:
+        self._desk, self._view = desk, view
         self._state = ModelState(source)
-        self._state.take(())
+        self._state.take(effects)
         self._rest = False
         self._head()
-        self._verdict = Verdict(self._state)
+        self._verdict = Verdict(self._state, str if view == TABLES else in_plain)
         self._busy()
         self._failed()
-        self._steps = Steps(desk, self._state, self._take)
+        if view == TABLES:
+            self._steps: Steps | Story = Steps(desk, self._state, self._take)
+        else:
+            self._steps = Story(self._state, self._take)
         with self._steps.last:
             self._next = NextShots(desk, self._state)
             ChallengePanel(self._state)
@@ -70,7 +79,11 @@ class ModelView:
 
     def _take(self, effects: tuple[str, ...]) -> None:
         self._state.take(effects)
+        ui.navigate.history.replace(self._address(self._view))
         self._draw()
+
+    def _address(self, view: str) -> str:
+        return self._state.source.seen_as(self._state.effects, view)
 
     @ui.refreshable_method
     def _head(self) -> None:
@@ -80,6 +93,12 @@ class ModelView:
             if state.present is not None:
                 ui.label(_counted(state.present)).classes("aside").props("data-testid=counted")
             ui.space()
+            with ui.element("nav").classes("beside views").props('aria-label="view"'):
+                for name in VIEWS:
+                    link = ui.link(name.capitalize(), self._address(name)).classes("pill")
+                    link.props(f"data-testid=view-{name}")
+                    if name == self._view:
+                        link.classes("here").props('aria-current="page"')
             ui.label("model").classes("aside")
             ui.label("gravity").classes("pill").tooltip("free flight between frames")
             ui.label("Walton e, μ, β₀").classes("pill").tooltip(
@@ -139,25 +158,25 @@ def model_pages(desk: Desk) -> None:
     """Register `/model`, where a campaign is chosen, and `/model/{campaign}`."""
 
     @kept_page("/model")
-    def choose(folder: str = "") -> None:
+    def choose(folder: str = "", effects: str = "", view: str = STORY) -> None:
         with sheet(desk, "Model", "/model"):
             if folder:
-                _view(lambda: Source.of_folder(desk.daemon, folder), desk)
+                _view(lambda: Source.of_folder(desk.daemon, folder), desk, effects, view)
             else:
                 _choice(desk)
 
     @kept_page("/model/{campaign}")
-    def model(campaign: str) -> None:
+    def model(campaign: str, effects: str = "", view: str = STORY) -> None:
         with sheet(desk, f"Model of {campaign}", "/model"):
 
             def known() -> Source:
                 desk.daemon.store.campaigns.one(campaign)
                 return Source(desk.daemon, campaign)
 
-            _view(known, desk)
+            _view(known, desk, effects, view)
 
 
-def _view(source: Callable[[], Source], desk: Desk) -> None:
+def _view(source: Callable[[], Source], desk: Desk, effects: str, view: str) -> None:
     try:
         found = source()
     except RigError as error:
@@ -167,7 +186,8 @@ def _view(source: Callable[[], Source], desk: Desk) -> None:
             ui.link("Choose a campaign", "/model")
         return
     expect_plots()
-    ModelView(desk, found)
+    slider_script()
+    ModelView(desk, found, tuple(filter(None, effects.split(","))), view)
 
 
 def _choice(desk: Desk) -> None:

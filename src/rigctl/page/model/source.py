@@ -52,6 +52,11 @@ class Source:
             return f"/model/{self.title}"
         return f"/model?folder={quote(str(self.folder))}"
 
+    def seen_as(self, effects: Sequence[str], view: str) -> str:
+        """Return where the page of its model stands with these effects, in this view."""
+        more = f"effects={quote(','.join(effects))}&view={view}"
+        return f"{self.address}{'?' if self.folder is None else '&'}{more}"
+
     def ask(self, kind: str, effects: Sequence[str] = (), **more: object) -> Job:
         """Return the job that answers a question about these shots as they are measured now.
 

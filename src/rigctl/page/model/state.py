@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Any
@@ -63,6 +64,21 @@ class ModelState:
                     self.failure = error.sentence()
         self.follow()
 
+    def ask_trial(self, effect: str) -> None:
+        """Ask for the fit with one more effect, which is looked at and not yet added."""
+        stage = (*self.effects, effect)
+        if stage not in self._answers and stage not in self._jobs:
+            with suppress(RigError):
+                self._jobs[stage] = self.source.ask("picture", stage).id
+
+    def tried(self, effect: str) -> Json | None:
+        """Return the answer with one more effect; None while it is computed, or if it cannot be."""
+        return self._answers.get((*self.effects, effect))
+
+    def tries(self, effect: str) -> bool:
+        """Say whether the fit with one more effect is under way."""
+        return (*self.effects, effect) in self._jobs
+
     def follow(self) -> bool:
         """Fetch what has been answered since; say whether anything has."""
         ended = [
@@ -81,6 +97,8 @@ class ModelState:
         return next((job for job in running if job is not None), None)
 
     def _keep(self, stage: Effects, job: Job | None) -> None:
+        if stage not in self.stages() and (job is None or job.state is not JobState.DONE):
+            return
         if job is None:
             self.failure = "The answer was forgotten before it was read; ask again."
         elif job.state is JobState.DONE and job.result is not None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from nicegui import ui
@@ -20,10 +21,13 @@ STRONG = 0.05
 
 
 class Verdict:
-    """One sentence before any table, and a button that has the whole way gone."""
+    """One sentence before any table, and a button that has the whole way gone.
 
-    def __init__(self, state: ModelState) -> None:
-        self._state = state
+    `worded` puts a sentence into the words of the view.
+    """
+
+    def __init__(self, state: ModelState, worded: Callable[[str], str] = str) -> None:
+        self._state, self._worded = state, worded
         jobs = state.source.daemon.jobs
         self._asked = Question(lambda: state.source.ask("explain"), jobs.job)
         self._law = ProposedLaw(state, self.show.refresh)
@@ -47,8 +51,8 @@ class Verdict:
         with ui.element("div").classes(f"verdict{look}").props("data-testid=verdict role=status"):
             with ui.element("div").classes("beside"):
                 with ui.element("div").classes("said"):
-                    ui.label(lead).classes("lead")
-                    ui.label(rest)
+                    ui.label(self._worded(lead)).classes("lead")
+                    ui.label(self._worded(rest))
                     for alarm in (present or {}).get("alarms", ()):
                         ui.label(alarm_sentence(alarm)).classes("note").props("data-testid=alarm")
                 self._offer()
@@ -67,7 +71,7 @@ class Verdict:
             ui.label(self._asked.failure).classes("note")
         if self._asked.answer is not None:
             said = f"By itself: {verdict_sentence(self._asked.answer)}"
-            ui.label(said).props("data-testid=explained")
+            ui.label(self._worded(said)).props("data-testid=explained")
             for doubt in doubts(self._asked.answer):
                 ui.label(doubt).classes("note")
             if self._asked.answer["unexplained"]:

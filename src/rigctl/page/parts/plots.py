@@ -191,7 +191,7 @@ def error_path(labels: Sequence[str], errors: Sequence[float], bars: Sequence[fl
                 "error_y": {"type": "data", "array": list(bars), "color": MEASURED, "width": 4},
                 "text": [f"<b>{error:.3f}</b>" for error in errors],
                 "textposition": "top right",
-                "line": {"color": MEASURED, "width": 2.4},
+                "line": {"color": MEASURED, "width": 2.4, "shape": "hv"},
                 "marker": {"size": 10, "color": MEASURED},
                 "hovertemplate": "%{y:.4f} of the noise<extra></extra>",
                 "cliponaxis": False,

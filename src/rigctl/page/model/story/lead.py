@@ -1,0 +1,137 @@
+"""The effect that is looked at: drawing, two sentences, formula, and the slider under its plot."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from html import escape
+from typing import Any
+
+from nicegui import ui
+
+from rigctl.page.model.compare import parsed
+from rigctl.page.model.effect_words import in_unit
+from rigctl.page.model.story.cards import Card, card_of
+from rigctl.page.model.story.plots import dots_plot, line_plot
+from rigctl.page.model.story.preview import Preview, preview
+from rigctl.page.model.where import apart
+from rigctl.page.parts.tables import minus, with_error
+from rigctl.page.parts.widgets import button, plot
+
+Json = dict[str, Any]
+FURTHEST = 2.0
+"""The slider reaches so many times the best amplitude, and half of it to the other side."""
+STEPS = 200
+
+
+def drawing(card: Card) -> None:
+    """Place the drawing of an effect; one of the user's own has none."""
+    address, text = card.drawing
+    if address:
+        ui.html(
+            f'<img src="{address}" alt="{escape(text)}" width="200" height="120" loading="lazy">',
+            sanitize=False,
+        ).classes("drawing")
+
+
+def lead_card(
+    effect: Json,
+    fits: tuple[Json, Json | None],
+    cell: Json,
+    add: Callable[[str], None],
+    *,
+    waits: bool,
+) -> None:
+    """Place the card of an effect.
+
+    Parameters
+    ----------
+    fits
+        Without it and with it; None while the second is computed (`waits`), or if it cannot be.
+    cell
+        Whose points are drawn.
+    """
+    before, after = fits
+    card = card_of(effect)
+    points = parsed(cell["points"])
+    sums = None if after is None else _preview(effect, before, after, cell)
+    with ui.element("div").classes("lead-card").props("data-testid=lead"):
+        with ui.element("div").classes("stack"):
+            drawing(card)
+            _said(card)
+        with ui.element("div").classes("stack"):
+            ui.label("Dots: what the model lacks. Line: what it gains from this effect.").classes(
+                "note"
+            )
+            drawn = apart(points)
+            with ui.element("div").classes("layers"):
+                plot(dots_plot(cell, drawn))
+                if sums is not None:
+                    plot(line_plot(cell, drawn, (sums.x, [0.0] * len(sums.x)))).classes("over")
+            if sums is not None:
+                _slider(card, effect["parameters"][0], sums)
+            elif waits:
+                ui.label("Fitting it in full; the slider comes with the answer …").classes("busy")
+            else:
+                ui.label("These shots do not determine its size.").classes("note")
+        with ui.element("div").classes("stack outcome"):
+            _gauge(before)
+            button(
+                "Add it", lambda: add(card.effect), look="fill", testid=f"add-{card.effect}"
+            ).props(f'aria-label="Add {card.title}"')
+
+
+def _said(card: Card) -> None:
+    with ui.element("div").classes("title"):
+        ui.html(escape(card.title), sanitize=False, tag="h4")
+    with ui.element("div").classes("beside"):
+        ui.label(card.where).classes("pill where")
+        ui.label(card.effect).classes("pill")
+    ui.label(card.what)
+    ui.html(f"<b>How you notice:</b> {escape(card.notice)}", sanitize=False).classes("note")
+    formula = card.formula if card.typeset else escape(card.formula)
+    ui.html(formula, sanitize=False).classes("typeset")
+
+
+def _preview(effect: Json, before: Json, after: Json, cell: Json) -> Preview | None:
+    name = (cell["channel"], cell["covariate"])
+    same = next((c for c in after["cells"] if (c["channel"], c["covariate"]) == name), None)
+    if same is None:
+        return None
+    points = parsed(cell["points"]), parsed(same["points"])
+    return preview(before, after, effect["effect"], points)
+
+
+def _slider(card: Card, parameter: Json, sums: Preview) -> None:
+    unit = in_unit(parameter)
+    ends = sorted((-0.5 * sums.best, FURTHEST * sums.best))
+    document = json.dumps({**sums.document(), "symbol": parameter["symbol"], "unit": unit})
+    slider = ui.element("input").classes("amount")
+    slider.props(
+        f"type=range min={ends[0]} max={ends[1]} step={(ends[1] - ends[0]) / STEPS} value=0 "
+        f'aria-label="size of: {escape(card.title)}" data-testid=amount data-best={sums.best}'
+    )
+    slider.on("input", js_handler=f"(event) => window.slidePreview(event.target, {document})")
+    low, high = parameter["plausible"]
+    best = {"value": sums.best, "sigma": sums.sigma}
+    with ui.element("div").classes("beside"):
+        ui.label(f"{parameter['symbol']} = 0{unit}").classes("strong amplitude")
+        ui.label(f"best {with_error(best)}{unit}").classes("best")
+        ui.space()
+        inside = low <= sums.best <= high
+        believed = ui.label(minus(f"believed from {low:g} to {high:g}{unit}"))
+        believed.classes("note" if inside else "note fails")
+    ui.label(f"{parameter['symbol']}: {parameter['meaning']}. Preview; Add fits in full.").classes(
+        "note"
+    )
+
+
+def _gauge(before: Json) -> None:
+    ui.label("error on unseen shots").classes("note")
+    ui.html('<i style="height: 100%"></i>', sanitize=False).classes("gauge").props(
+        "aria-hidden=true"
+    )
+    ui.label(f"{before['prediction_error']:.3f} ×").classes("gauge-number").props(
+        "data-testid=preview-error"
+    )
+    ui.label("1.000 × is the floor: the noise").classes("note")

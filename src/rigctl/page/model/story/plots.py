@@ -1,0 +1,100 @@
+"""Plots of the story: one cell, with the curve that the slider moves, before and after."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from analysis.figures.palette import FAILS, FLOOR, GREY, MEASURED
+from rigctl.page.model.story.words import covariate
+from rigctl.page.parts.plots import WIDEST_LABEL, figure
+
+Json = dict[str, Any]
+HEIGHT = 320
+
+
+def cell_plot(cell: Json, points: Json, curve: tuple[Sequence[float], Sequence[float]]) -> Json:
+    """Return measured less model of a cell, with a curve over it."""
+    return _plot([_shots(points, MEASURED, 0.6), _line(curve)], cell, points)
+
+
+def dots_plot(cell: Json, points: Json) -> Json:
+    """Return measured less model of a cell."""
+    return _plot([_shots(points, MEASURED, 0.6)], cell, points)
+
+
+def line_plot(cell: Json, points: Json, curve: tuple[Sequence[float], Sequence[float]]) -> Json:
+    """Return a curve alone on the axes of `dots_plot`, to lie over it.
+
+    A slider redraws this one alone: the dots, a thousand of them, take several times as long.
+    """
+    drawn = _plot([_line(curve)], cell, points)
+    for axis in ("xaxis", "yaxis"):
+        drawn["layout"][axis]["visible"] = False
+    drawn["layout"]["shapes"] = []
+    drawn["config"] = {"staticPlot": True}
+    return drawn
+
+
+def before_after(cell: Json, before: Json, after: Json) -> Json:
+    """Return both on the same axes: grey without the effect, blue with it."""
+    both = {**before, **{key: [*before[key], *after[key]] for key in ("x", "residual")}}
+    return _plot([_shots(before, GREY, 0.4), _shots(after, MEASURED, 0.7)], cell, both)
+
+
+def _plot(traces: list[Json], cell: Json, points: Json) -> Json:
+    low, high = min([0.0, *points["residual"]]), max([0.0, *points["residual"]])
+    room = 0.06 * (high - low)
+    left, right = min(points["x"]), max(points["x"])
+    beside = 0.04 * (right - left)
+    zero = {"type": "line", "xref": "paper", "x0": 0, "x1": 1, "y0": 0, "y1": 0}
+    return figure(
+        traces,
+        HEIGHT,
+        "story",
+        margin={"l": WIDEST_LABEL, "r": 12, "t": 12, "b": 48},
+        shapes=[{**zero, "line": {"color": FLOOR, "width": 2}}],
+        xaxis={
+            "title": {"text": _axis(cell, points)},
+            "range": [left - beside, right + beside],
+            "zeroline": False,
+        },
+        yaxis={
+            "title": {"text": f"measured − model, {points['unit']}"},
+            "range": [low - room, high + room],
+            "zeroline": False,
+        },
+    )
+
+
+def _line(curve: tuple[Sequence[float], Sequence[float]]) -> Json:
+    return {
+        "type": "scatter",
+        "mode": "lines",
+        "x": list(curve[0]),
+        "y": list(curve[1]),
+        "line": {"color": FAILS, "width": 3},
+        "hoverinfo": "skip",
+    }
+
+
+def _axis(cell: Json, points: Json) -> str:
+    """Return the covariate in plain words with its unit, as the label of the points states it."""
+    _, comma, unit = str(points["x_label"]).rpartition(", ")
+    plain = covariate(cell["covariate"])
+    if cell["covariate"].startswith("ln "):
+        return f"{plain} (logarithm)"
+    return f"{plain}, {unit}" if comma else plain
+
+
+def _shots(points: Json, colour: str, opacity: float) -> Json:
+    by_shot = all(frame < 0 for frame in points["frames"])
+    return {
+        "type": "scatter",
+        "mode": "markers",
+        "x": points["x"],
+        "y": points["residual"],
+        "customdata": points["shots"],
+        "marker": {"color": colour, "size": 7 if by_shot else 4, "opacity": opacity},
+        "hovertemplate": f"shot %{{customdata}}: %{{y:.3g}} {points['unit']}<extra></extra>",
+    }

@@ -1,0 +1,73 @@
+"""What a slider needs to move the model's curve and its error without asking anybody."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+Json = dict[str, Any]
+POINTS = 60
+
+
+@dataclass(frozen=True, slots=True)
+class Preview:
+    """One effect's curve over one cell, and the error without it and at its best amplitude.
+
+    Attributes
+    ----------
+    best, sigma
+        Amplitude of the full fit and its standard error.
+    x, curve
+        What the model gains at the best amplitude, at `POINTS` places.
+    without, with_it
+        Error on unseen shots over the noise.
+    """
+
+    best: float
+    sigma: float
+    x: list[float]
+    curve: list[float]
+    without: float
+    with_it: float
+
+    def at(self, amplitude: float) -> float:
+        """Return the error at an amplitude: a parabola in its square, least at the best one."""
+        share = 1 - amplitude / self.best
+        return math.sqrt(self.with_it**2 + (self.without**2 - self.with_it**2) * share**2)
+
+    def document(self) -> Json:
+        """Return it as the browser's slider takes it."""
+        return asdict(self)
+
+
+def preview(before: Json, after: Json, effect: str, points: tuple[Json, Json]) -> Preview | None:
+    """Return the preview from two full fits, without an effect and with it.
+
+    The model gains what its residuals lose: the running means of the same cell differ by the
+    curve of the effect, while the noise of the shots stays in both.
+
+    Parameters
+    ----------
+    points
+        Of one cell, in the fit before and in the fit after.
+    """
+    found = next(
+        (value for name, value in after["parameters"].items() if name.startswith(f"{effect}.")),
+        None,
+    )
+    if found is None or not found["value"]:
+        return None
+    first, second = points[0]["trend"], points[1]["trend"]
+    x = np.linspace(min(first["x"]), max(first["x"]), POINTS)
+    curve = np.interp(x, first["x"], first["mean"]) - np.interp(x, second["x"], second["mean"])
+    return Preview(
+        best=found["value"],
+        sigma=found.get("sigma") or 0.0,
+        x=[float(f"{value:.5g}") for value in x],
+        curve=[float(f"{value:.5g}") for value in curve],
+        without=before["prediction_error"],
+        with_it=after["prediction_error"],
+    )

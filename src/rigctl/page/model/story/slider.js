@@ -1,0 +1,21 @@
+// Moves the model's curve and the error of a preview with its slider, without asking the server.
+window.slidePreview = (slider, sums) => {
+  cancelAnimationFrame(slider.frame);
+  slider.frame = requestAnimationFrame(() => {
+    const amplitude = Number(slider.value);
+    const share = amplitude / sums.best;
+    const error = Math.sqrt(
+      sums.with_it ** 2 + (sums.without ** 2 - sums.with_it ** 2) * (1 - share) ** 2,
+    );
+    const panel = slider.closest(".lead-card");
+    const plot = panel.querySelector(".js-plotly-plot.over");
+    if (plot) window.Plotly.restyle(plot, { y: [sums.curve.map((y) => y * share)] }, [0]);
+    const most = Math.max(sums.without, sums.with_it) - 1;
+    const level = Math.min(1, Math.max(0, (error - 1) / (most || 1)));
+    const said = `${sums.symbol} = ${Number(amplitude.toPrecision(3))}${sums.unit}`.replace("-", "−");
+    panel.querySelector(".gauge > i").style.height = `${100 * level}%`;
+    panel.querySelector(".gauge-number").textContent = `${error.toFixed(3)} ×`;
+    panel.querySelector(".amplitude").textContent = said;
+    slider.setAttribute("aria-valuetext", `${said}, error ${error.toFixed(3)} times the noise`);
+  });
+};

@@ -1,0 +1,222 @@
+"""The story: compare, where it fails, what is missing, add; each with its result in words."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from html import escape
+from typing import Any
+
+from nicegui import ui
+
+from rigctl.page.model.compare import parsed
+from rigctl.page.model.effect_words import described, left_out
+from rigctl.page.model.state import Effects, ModelState
+from rigctl.page.model.steps import GrownPath
+from rigctl.page.model.story.cards import card_of, in_plain
+from rigctl.page.model.story.lead import drawing, lead_card
+from rigctl.page.model.story.plots import before_after, cell_plot
+from rigctl.page.model.story.words import (
+    ALARM,
+    channel,
+    compared,
+    covariate,
+    failing,
+    leading,
+    where,
+)
+from rigctl.page.model.where import apart
+from rigctl.page.parts.widgets import button, plot
+
+Json = dict[str, Any]
+BARS = 8
+CELLS = 6
+OTHERS = 4
+STRONG = 0.05
+
+
+class Story:
+    """Four steps, drawn anew with each answer; `take` has the model taken with other effects.
+
+    `last` is where more can be placed after them.
+    """
+
+    def __init__(self, state: ModelState, take: Callable[[Effects], None]) -> None:
+        self._state, self._take = state, take
+        self._shown: Json | None = None
+        self._after: Json | None = None
+        self._effect, self._waits = "", False
+        with ui.element("div").classes("stack story"):
+            self._steps()
+            self.last = ui.element("div").classes("stack")
+        self.show()
+
+    def show(self) -> None:
+        """Draw the latest answer on the way to the present effects."""
+        if (found := self._state.present) is not None and found is not self._shown:
+            self._shown, self._effect = found, ""
+            seen = self._seen(found)
+            self._try(seen[0]["effect"] if seen else "")
+
+    def rank(self) -> None:
+        """Draw the trial of the effect that is looked at, once it is there."""
+        if self._effect and self._waits != self._state.tries(self._effect):
+            self._draw()
+
+    def _try(self, effect: str) -> None:
+        self._effect = effect
+        if effect:
+            self._state.ask_trial(effect)
+        self._draw()
+
+    def _draw(self) -> None:
+        self._after = self._state.tried(self._effect) if self._effect else None
+        self._waits = self._state.tries(self._effect)
+        self._steps.refresh()
+
+    def _seen(self, found: Json) -> list[Json]:
+        return [c for c in found["candidates"] if c["seen"] and c["effect"] not in found["with"]]
+
+    @ui.refreshable_method
+    def _steps(self) -> None:
+        found = self._shown
+        if found is None:
+            return
+        cells = leading(found["cells"])
+        with _step(1, "Compare"):
+            _lede(compared(found), "story-compare")
+            _bars(failing(found)[:BARS])
+        with _step(2, "Where it fails"):
+            self._where(cells)
+        with _step(3, "What is missing"):
+            self._missing(found, cells[0])
+        with _step(4, "Add it"):
+            self._added(found)
+
+    def _where(self, cells: Sequence[Json]) -> None:
+        points = parsed(cells[0]["points"])
+        trend = points["trend"]
+        _lede(where(cells[0], points), "story-where")
+        with ui.element("div").classes("columns where"):
+            plot(cell_plot(cells[0], apart(points), (trend["x"], trend["mean"])))
+            with ui.element("div").classes("stack"):
+                ui.label("What the error goes with, and how surely").classes("strong")
+                _bars_of(
+                    [
+                        (
+                            f"{channel(c['channel'])}, {covariate(c['covariate'])}",
+                            c["deviation"] / max(cells[0]["deviation"], 1e-9),
+                            f"{c['deviation']:.0f} σ",
+                            c["p_familywise"] < ALARM,
+                        )
+                        for c in cells[:CELLS]
+                    ]
+                )
+
+    def _missing(self, found: Json, cell: Json) -> None:
+        known, seen = described(found), self._seen(found)
+        strong = [c for c in seen if c["p_familywise"] < STRONG]
+        if not self._effect:
+            _lede("No effect that is known would change anything in these shots.", "story-missing")
+            return
+        lede = (
+            "Move the slider until the line lies on the dots."
+            if strong
+            else f"None of {len(seen)} effects stands out any more. The best of them:"
+        )
+        _lede(lede, "story-missing")
+        waits = self._state.tries(self._effect)
+        fits = found, self._after
+        lead_card(known[self._effect], fits, cell, self._add, waits=waits)
+        like: list[str] = next((c["like"] for c in seen if c["effect"] == self._effect), [])
+        alike = [c for c in seen if c["effect"] in like]
+        others = [c for c in seen if c not in alike and c["effect"] != self._effect][:OTHERS]
+        if alike:
+            with ui.element("div").classes("bracket").props("data-testid=look-alikes"):
+                ui.label("Look-alikes: they do the same to these shots.").classes("strong")
+                self._cards(alike, known, seen)
+        ui.label(f"Also looked at, of {len(seen)} effects").classes("strong")
+        self._cards(others, known, seen)
+        left_out(found)
+
+    def _cards(self, candidates: Sequence[Json], known: dict[str, Json], seen: list[Json]) -> None:
+        most = max((c["promised_fall"] for c in seen), default=1.0) or 1.0
+        with ui.element("div").classes("cards"):
+            for candidate in candidates:
+                card = card_of(known[candidate["effect"]])
+                with ui.element("div").classes("card"):
+                    drawing(card)
+                    ui.label(card.title).classes("strong")
+                    ui.label(card.notice).classes("note")
+                    share = max(0.0, min(1.0, candidate["promised_fall"] / most))
+                    bar = ui.element("div").classes("bar").props("aria-hidden=true")
+                    bar.style(f"width: {100 * share:.0f}%")
+                    look = button(
+                        "Look at it",
+                        lambda name=card.effect: self._try(name),
+                        testid=f"try-{card.effect}",
+                    )
+                    look.props(f'aria-label="Look at {card.title}"')
+
+    def _added(self, found: Json) -> None:
+        path = self._state.path()
+        if found["with"] and len(path) > 1:
+            before, after = path[-2], path[-1]
+            title = card_of(described(found)[found["with"][-1]]).title
+            _lede(
+                f"With “{title}” the error on shots that the model has not seen goes from "
+                f"{before['prediction_error']:.3f} to {after['prediction_error']:.3f} times the "
+                "noise; 1.000 is the floor.",
+                "story-added",
+            )
+            _changed(before, after)
+        GrownPath(self._state, self._take, in_plain)
+
+    def _add(self, name: str) -> None:
+        self._take((*self._state.effects, name))
+
+
+def _changed(before: Json, after: Json) -> None:
+    cell = leading(before["cells"])[0]
+    name = (cell["channel"], cell["covariate"])
+    same = next((c for c in after["cells"] if (c["channel"], c["covariate"]) == name), None)
+    if same is not None:
+        ui.label(f"The {channel(cell['channel'])}: grey before, blue after, on the same axes.")
+        plot(before_after(cell, apart(parsed(cell["points"])), apart(parsed(same["points"]))))
+
+
+def _step(number: int, title: str) -> ui.element:
+    panel = ui.element("section").classes("panel step-panel").props(f"id=step-{number}")
+    with panel, ui.element("div").classes("title"):
+        ui.label(str(number)).classes("step-number").props("aria-hidden=true")
+        ui.html(escape(title), sanitize=False, tag="h3")
+    return panel
+
+
+def _lede(text: str, testid: str) -> None:
+    ui.label(text).classes("lede").props(f"data-testid={testid}")
+
+
+def _bars(rows: Sequence[Json]) -> None:
+    most = max(row["error"] for row in rows)
+    _bars_of(
+        [
+            (
+                channel(row["quantity"]),
+                row["error"] / most,
+                f"{row['error']:.2f} ×  {row['size']:.3g} {row['unit']}",
+                row["p_familywise"] < ALARM,
+            )
+            for row in rows
+        ]
+    )
+    ui.label("× the noise: 1 is the floor, nothing can be foretold better.").classes("note")
+
+
+def _bars_of(bars: Sequence[tuple[str, float, str, bool]]) -> None:
+    """Place bars: a name, a share of the longest, what is said beside it, whether it fails."""
+    with ui.element("div").classes("bars"):
+        for name, share, said, fails in bars:
+            ui.label(f"▲ {name}" if fails else name).classes("fails" if fails else "")
+            bar = ui.element("div").classes("bar fails" if fails else "bar fine")
+            bar.style(f"width: {100 * max(0.01, share):.0f}%").props("aria-hidden=true")
+            ui.label(said)

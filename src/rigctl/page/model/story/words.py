@@ -1,0 +1,115 @@
+"""Plain words for what is measured and for what an error goes with."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+Json = dict[str, Any]
+ALARM = 0.01
+NEARLY = 0.85
+"""A cell this near to the most striking one gives way to it only where it is named before."""
+KINDS = {
+    "relative velocity": {"n": "speed along the line of centres", "t": "sliding speed"}
+    | {"b": "sideways speed"},
+    "common velocity": {axis: f"mean speed of both, {axis}" for axis in "ntb"},
+    "relative spin": {"n": "difference of twists", "t": "difference of spins, t"}
+    | {"b": "difference of spins, b"},
+    "common spin": {"n": "mean twist", "t": "mean tumbling", "b": "mean rolling"},
+    "relative position": {axis: f"gap between spheres, {axis}" for axis in "ntb"},
+    "common position": {axis: f"path of both, {axis}" for axis in "ntb"},
+    "relative orientation": {axis: f"difference of turns, {axis}" for axis in "ntb"},
+    "common orientation": {axis: f"mean turn, {axis}" for axis in "ntb"},
+}
+CHANNELS = {
+    **{f"{kind} {axis}": word for kind, axes in KINDS.items() for axis, word in axes.items()},
+    "normal velocity": "speed along the line of centres",
+    "tangential velocity": "sliding speed",
+    "velocity out of plane": "sideways speed",
+    "common velocity": "mean speed of both",
+    "common spin": "mean spin of both",
+    "position a": "place of sphere a",
+    "position b": "place of sphere b",
+    "orientation a": "turn of sphere a",
+    "orientation b": "turn of sphere b",
+    "image X": "measured height",
+    "image Y": "measured left–right",
+    "image Z": "measured depth",
+}
+COVARIATES = {
+    "ln v_n": "approach speed",
+    "ln v_s/v_n": "sliding ÷ approach",
+    "spin along v_t x n": "rolling spin before",
+    "spin about n": "twist before",
+    "contact X": "height of the contact",
+    "contact Y": "left–right of the contact",
+    "contact Z": "depth of the contact",
+    "time": "time from contact",
+    "field X": "place in the picture (height)",
+    "field Y": "place in the picture (left–right)",
+    "field Z": "place in the picture (depth)",
+    "order": "order of firing",
+    "pressure_a_kpa": "pressure a (sets the speed)",
+    "pressure_b_kpa": "pressure b (sets the speed)",
+    "offset_mm": "offset (sets the angle)",
+    "delay_us": "delay of b",
+    "temperature_c": "temperature",
+}
+"""What happened at the contact first, then where, then the settings that only bring it about."""
+
+
+def channel(name: str) -> str:
+    """Return what is measured in plain words."""
+    plain = name.removesuffix(" against place")
+    return CHANNELS.get(plain, plain.replace("_", " "))
+
+
+def covariate(name: str) -> str:
+    """Return what an error goes with in plain words; unknown columns keep their own."""
+    return COVARIATES.get(name, name.replace("_", " "))
+
+
+def leading(cells: Sequence[Json]) -> list[Json]:
+    """Return the cells by how much they say, of nearly equal ones what happened before settings."""
+    rank = {name: place for place, name in enumerate(COVARIATES)}
+    ordered = sorted(cells, key=lambda cell: -cell["deviation"])
+    if not ordered:
+        return []
+    near = [c for c in ordered if c["deviation"] >= NEARLY * ordered[0]["deviation"]]
+    first = min(near, key=lambda cell: rank.get(cell["covariate"], len(rank)))
+    return [first, *(cell for cell in ordered if cell is not first)]
+
+
+def failing(found: Json) -> list[Json]:
+    """Return all rows of agreement: those that fail first, the worst in units of the noise."""
+    rows = [row for stage in found["stages"] for row in stage["quantities"]]
+    return sorted(rows, key=lambda row: (row["p_familywise"] >= ALARM, -row["error"]))
+
+
+def compared(found: Json) -> str:
+    """Say how wrong the model is at its worst."""
+    wrong = [row for row in failing(found) if row["p_familywise"] < ALARM]
+    if not wrong:
+        return (
+            "Everything that was measured agrees with the model, as far as the noise lets one see."
+        )
+    worst = wrong[0]
+    return (
+        f"The model gets the {channel(worst['quantity'])} wrong by {worst['size']:.3g} "
+        f"{worst['unit']}: {worst['error']:.3g} times the noise, so this is no noise."
+    )
+
+
+def where(cell: Json, points: Json) -> str:
+    """Say how the error of a cell goes with its covariate, from the curve that is drawn."""
+    if cell["p_familywise"] >= ALARM:
+        return "No error goes with anything that was recorded: what is left looks like noise."
+    mean, unit = np.asarray(points["trend"]["mean"]), points["unit"]
+    places = {"first": 0, "middle": len(mean) // 2, "last": len(mean) - 1}
+    least, middle, most = (f"{mean[place]:+.3g}".replace("-", "−") for place in places.values())
+    return (
+        f"The {channel(cell['channel'])} goes wrong with {covariate(cell['covariate'])}: measured "
+        f"less model is {least} {unit} at its least, {middle} in the middle, {most} at its most."
+    )

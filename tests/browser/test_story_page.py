@@ -1,0 +1,69 @@
+"""The story of a model: a hidden effect is shown, moved by a slider, added, and reloaded."""
+
+from __future__ import annotations
+
+from urllib.parse import quote
+
+from playwright.sync_api import Page, expect
+
+from tests.browser.conftest import Served
+from tests.browser.test_model_page import HIDDEN, LONG_MS, SEED, challenge, error_now
+
+MOVED = """(slider, share) => {
+  const best = Number(slider.dataset.best);
+  slider.value = share * best;
+  slider.dispatchEvent(new Event("input", { bubbles: true }));
+  return new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(
+    slider.closest(".lead-card").querySelector(".js-plotly-plot.over").data[0].y.map(Number),
+  ))));
+}"""
+
+
+def test_a_hidden_effect_is_moved_added_and_kept_by_a_reload(page: Page, served: Served) -> None:
+    folder = challenge(served.folder / "told", SEED)
+    sent: list[str] = []
+    page.on("websocket", lambda socket: socket.on("framesent", lambda text: sent.append(str(text))))
+    page.goto(f"{served.url}/model?folder={quote(str(folder))}")
+    slider = page.get_by_test_id("amount")
+    slider.wait_for(timeout=LONG_MS)
+    expect(page.get_by_test_id("story-compare")).to_contain_text("times the noise")
+    card = page.get_by_test_id("lead")
+    expect(card).to_contain_text("The mirror is not at 45°")
+    assert card.locator("math").count() == 1
+    drawing = card.locator("img")
+    assert drawing.evaluate("picture => picture.naturalWidth") > 0
+
+    without = preview_error(page)
+    before = len(sent)
+    half = slider.evaluate(MOVED, 0.5)
+    whole = slider.evaluate(MOVED, 1.0)
+    assert without > preview_error(page)
+    assert max(map(abs, half)) > 0
+    assert all(
+        abs(2 * a - b) <= 1e-3 * max(map(abs, whole)) for a, b in zip(half, whole, strict=True)
+    )
+    assert asked(sent[before:]) == []
+    foretold = preview_error(page)
+
+    page.get_by_test_id(f"add-{HIDDEN}").click()
+    expect(page.get_by_test_id("story-added")).to_contain_text("The mirror is not at 45°")
+    assert asked(sent[before:]) != []
+    expect(page.get_by_test_id("story-added")).to_contain_text(f"to {foretold:.3f} times")
+    assert page.evaluate("location.search").endswith(f"effects={HIDDEN}&view=story")
+    page.reload()
+    expect(page.get_by_test_id("story-added")).to_contain_text(
+        f"to {foretold:.3f} times", timeout=LONG_MS
+    )
+    page.get_by_test_id("view-tables").click()
+    page.get_by_test_id("error-now").wait_for(timeout=LONG_MS)
+    assert abs(error_now(page) - foretold) < 0.001
+
+
+def asked(sent: list[str]) -> list[str]:
+    """Return what of the messages to the server asks something of it."""
+    return [text for text in sent if '"event"' in text]
+
+
+def preview_error(page: Page) -> float:
+    """Return the error on unseen shots that the slider shows."""
+    return float(page.get_by_test_id("preview-error").inner_text().removesuffix(" ×"))

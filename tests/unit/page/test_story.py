@@ -1,0 +1,109 @@
+"""The story of a model: cards in plain words, what leads, and a preview that agrees with fits."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from rigctl.model.known_effects import ALL_EFFECTS, effect_document
+from rigctl.page.model.story.cards import HERE, card_of, in_plain
+from rigctl.page.model.story.preview import preview
+from rigctl.page.model.story.words import channel, compared, covariate, leading
+
+CATALOGUE = [effect_document(effect) for effect in ALL_EFFECTS]
+
+
+@pytest.mark.parametrize("effect", CATALOGUE, ids=lambda effect: str(effect["effect"]))
+def test_an_effect_has_a_card_in_plain_words(effect: dict[str, Any]) -> None:
+    card = card_of(effect)
+    if "-" in card.effect:
+        assert card.effect not in f"{card.title} {card.what} {card.notice}".lower()
+    assert card.what.endswith((".", "!"))
+    if card.typeset:
+        assert card.formula.startswith("<math")
+        address, text = card.drawing
+        assert (HERE / "drawings" / address.rpartition("/")[2]).is_file()
+        assert text
+
+
+def test_a_sentence_names_effects_as_their_cards_do_and_leaves_other_words() -> None:
+    said = in_plain("With mirror-angle something is missing; restitution-warmth promises most.")
+    assert said == (
+        "With “The mirror is not at 45°” something is missing; restitution-warmth promises most."
+    )
+
+
+def test_an_effect_of_ones_own_describes_itself() -> None:
+    own = {
+        "effect": "restitution-warmth",
+        "title": "Warm nylon",
+        "stage": "contact",
+        "parameters": [{"meaning": "change of e per kelvin"}],
+        "formula": "e = e0 [1 + a T]",
+        "gives_away": "follows the temperature",
+    }
+    card = card_of(own)
+    assert (card.title, card.what, card.typeset) == ("Warm nylon", "change of e per kelvin.", False)
+
+
+def test_of_nearly_equal_cells_what_happened_leads_before_the_setting_that_brought_it() -> None:
+    cells = [cell("pressure_a_kpa", 50), cell("ln v_n", 46), cell("order", 3)]
+    assert [one["covariate"] for one in leading(cells)] == ["ln v_n", "pressure_a_kpa", "order"]
+
+
+def test_a_setting_that_says_clearly_more_leads() -> None:
+    cells = [cell("pressure_a_kpa", 50), cell("ln v_n", 20)]
+    assert leading(cells)[0]["covariate"] == "pressure_a_kpa"
+
+
+def test_what_has_no_plain_word_keeps_its_own() -> None:
+    assert channel("relative velocity t") == "sliding speed"
+    assert covariate("humidity_percent") == "humidity percent"
+
+
+def test_the_worst_quantity_is_said_in_its_unit_and_in_that_of_the_noise() -> None:
+    rows = [row("normal velocity", 22.4, 1e-9), row("common spin", 30.0, 0.4)]
+    said = compared({"stages": [{"quantities": rows}]})
+    assert "speed along the line of centres wrong by 80 mm/s: 22.4 times the noise" in said
+    assert compared({"stages": [{"quantities": [row("common spin", 1.0, 0.4)]}]}).startswith(
+        "Everything"
+    )
+
+
+def test_the_curve_of_a_preview_is_what_the_residuals_lose_and_its_error_that_of_both_fits() -> (
+    None
+):
+    x = np.linspace(0.0, 8.0, 15)
+    law = 3.0 * x - 5.0
+    found = preview(
+        {"prediction_error": 2.4},
+        {"prediction_error": 1.0, "parameters": {"drag.Cd": {"value": 0.4, "sigma": 0.1}}},
+        "drag",
+        (points(x, law + 1.0), points(x, np.full(15, 1.0))),
+    )
+    assert found is not None
+    assert np.allclose(found.curve, 3.0 * np.array(found.x) - 5.0, atol=1e-3)
+    assert found.at(0.0) == pytest.approx(2.4)
+    assert found.at(0.4) == pytest.approx(1.0)
+    assert found.at(0.8) == pytest.approx(2.4)
+    assert found.at(0.2) == pytest.approx((1.0 + (2.4**2 - 1.0) / 4) ** 0.5)
+
+
+def test_an_effect_that_the_shots_do_not_determine_has_no_preview() -> None:
+    after = {"prediction_error": 1.0, "parameters": {"drag.Cd": {"value": None, "sigma": None}}}
+    none = points(np.array([0.0, 1.0]), np.zeros(2))
+    assert preview({"prediction_error": 1.0}, after, "drag", (none, none)) is None
+
+
+def points(x: np.ndarray, mean: np.ndarray) -> dict[str, Any]:
+    return {"trend": {"x": x.tolist(), "mean": mean.tolist()}}
+
+
+def cell(name: str, deviation: float) -> dict[str, Any]:
+    return {"channel": "relative velocity n", "covariate": name, "deviation": deviation}
+
+
+def row(quantity: str, error: float, p: float) -> dict[str, Any]:
+    return {"quantity": quantity, "error": error, "p_familywise": p, "size": 80.0, "unit": "mm/s"}
