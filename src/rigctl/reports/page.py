@@ -64,6 +64,8 @@ def inline_svg(figure: Figure, name: str, description: str) -> str:
 
 SYMBOLS = {"e": "e", "mu": "μ", "beta0": "β₀"}
 NO_LAW = "no law of these contacts"
+BEYOND_CHANCE = 25.0
+"""χ² by degree of freedom from which on it says less than how far the shots lie from the lines."""
 LEAST_CHANCE = 1e-99
 """Less is not told apart."""
 MEANINGS = {"e": "normal restitution", "mu": "sliding friction", "beta0": "rotational restitution"}
@@ -104,13 +106,25 @@ def _head(source: Source, found: Results) -> str:
         ),
         '<div class="key">',
     ]
-    # Where contacts last the two lines are no law of theirs: what the fit has comes first.
-    best = found.whole_fit if found.lasting else found.coefficients()
     for name, meaning in MEANINGS.items():
-        absent = NO_LAW if found.lasting else "not determined"
-        shown = best[name].concise() if name in best else absent
-        lines.append(f"<div><b>{escape(shown)}</b><span>{SYMBOLS[name]}, {meaning}</span></div>")
+        shown, how = NO_LAW if found.lasting else "not determined", ""
+        if (best := _best(found, name)) is not None:
+            shown, how = best[0].concise(), f"; {best[1]}"
+        lines.append(
+            f"<div><b>{escape(shown)}</b><span>{SYMBOLS[name]}, {meaning}{how}</span></div>"
+        )
     return "\n".join([*lines, "</div>"])
+
+
+def _best(found: Results, name: str) -> tuple[Quantity, str] | None:
+    """Return the estimate with the smaller standard error, and which of the two it is.
+
+    Where contacts last the two lines are no law of theirs: what the fit has comes first.
+    """
+    whole = (found.whole_fit.get(name), "fit to all that was measured")
+    lines = (None if found.lasting else found.coefficients().get(name), "two lines, by regression")
+    told = [(own, how) for own, how in (whole, lines) if own is not None and own.determined]
+    return min(told, key=lambda one: one[0].sigma, default=None)
 
 
 def _coefficients(source: Source, found: Results, columns: dict[str, Table]) -> str:
@@ -161,6 +175,9 @@ def _remark(source: Source, found: Results) -> str:
         f"Regression: χ² = {lines.chi2:.1f} for {lines.freedom} degrees of freedom, "
         f"p {_chance(lines.p_value)}."
     )
+    if lines.chi2 > BEYOND_CHANCE * lines.freedom:
+        times = np.sqrt(lines.chi2 / lines.freedom)
+        told = f"The shots lie {times:.0f} times as far from the two lines as their errors say."
     if found.lasting:
         return (
             f"{told} The contacts last, and the two lines are no law of theirs: e falls with the "

@@ -81,6 +81,15 @@ def test_the_report_is_one_whole_file_that_loads_and_runs_nothing(text: str) -> 
     assert not re.findall(r"url\((?!#)", text)
 
 
+def test_each_card_leads_with_the_estimate_of_the_smaller_error(folder: Path, text: str) -> None:
+    found = measured_results(folder_source(folder))
+    cards = re.findall("<b>([^<]+)</b><span>(e|μ|β₀), ", text)
+    assert [symbol for _, symbol in cards] == ["e", "μ", "β₀"]
+    for (shown, _), name in zip(cards, ("e", "mu", "beta0"), strict=True):
+        both = [found.whole_fit[name], found.coefficients()[name]]
+        assert shown == min(both, key=lambda one: one.sigma).concise()
+
+
 def test_identifiers_within_the_figures_are_unique_and_found(text: str) -> None:
     names = re.findall(r'\bid="([^"]+)"', text)
     assert len(names) == len(set(names))
