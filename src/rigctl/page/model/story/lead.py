@@ -128,7 +128,8 @@ def _slider(card: Card, parameter: Json, sums: Preview) -> None:
 
 def _gauge(before: Json) -> None:
     ui.label("error on unseen shots").classes("note")
-    ui.html('<i style="height: 100%"></i>', sanitize=False).classes("gauge").props(
+    level = 100 if before["prediction_error"] > 1 else 0
+    ui.html(f'<i style="height: {level}%"></i>', sanitize=False).classes("gauge").props(
         "aria-hidden=true"
     )
     ui.label(f"{before['prediction_error']:.3f} ×").classes("gauge-number").props(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from html import escape
 from typing import Any
@@ -29,6 +30,8 @@ from rigctl.page.parts.widgets import button, plot
 
 Json = dict[str, Any]
 BARS = 8
+LEAST_SPAN = 1.5
+"""Errors in units of the noise up to which the scale of the bars goes at least."""
 CELLS = 6
 OTHERS = 4
 STRONG = 0.05
@@ -82,6 +85,7 @@ class Story:
         if found is None:
             return
         cells = leading(found["cells"])
+        self._rail(found, cells[0])
         with _step(1, "Compare"):
             _lede(compared(found), "story-compare")
             _bars(failing(found)[:BARS])
@@ -91,6 +95,24 @@ class Story:
             self._missing(found, cells[0])
         with _step(4, "Add it"):
             self._added(found)
+
+    def _rail(self, found: Json, cell: Json) -> None:
+        """Place the four steps, each with its result in some words and a link to it."""
+        worst, path = failing(found)[0], self._state.path()
+        fails = cell["p_familywise"] < ALARM
+        effect = described(found).get(self._effect)
+        first, last = path[0]["prediction_error"], path[-1]["prediction_error"]
+        results = (
+            ("Compare", f"worst: {worst['error']:.3g} × the noise"),
+            ("Where it fails", f"with {covariate(cell['covariate'])}" if fails else "nowhere"),
+            ("What is missing", card_of(effect).title if effect and fails else "nothing known"),
+            ("Add it", f"{first:.3f} → {last:.3f} × the noise" if len(path) > 1 else "not yet"),
+        )
+        with ui.element("nav").classes("rail").props('aria-label="steps"'):
+            for number, (name, result) in enumerate(results, start=1):
+                with ui.link(target=f"#step-{number}").classes("stop-by"):
+                    ui.label(f"{number} {name}").classes("strong")
+                    ui.label(result).classes("note")
 
     def _where(self, cells: Sequence[Json]) -> None:
         points = parsed(cells[0]["points"])
@@ -197,19 +219,22 @@ def _lede(text: str, testid: str) -> None:
 
 
 def _bars(rows: Sequence[Json]) -> None:
-    most = max(row["error"] for row in rows)
+    # From the floor on, in steps of equal ratio: nothing is drawn for what is only noise.
+    most = math.log(max(LEAST_SPAN, *(row["error"] for row in rows)))
     _bars_of(
         [
             (
                 channel(row["quantity"]),
-                row["error"] / most,
+                math.log(max(1.0, row["error"])) / most,
                 f"{row['error']:.2f} ×  {row['size']:.3g} {row['unit']}",
                 row["p_familywise"] < ALARM,
             )
             for row in rows
         ]
     )
-    ui.label("× the noise: 1 is the floor, nothing can be foretold better.").classes("note")
+    ui.label("× the noise. Bars begin at 1, the floor: nothing can be foretold better.").classes(
+        "note"
+    )
 
 
 def _bars_of(bars: Sequence[tuple[str, float, str, bool]]) -> None:
