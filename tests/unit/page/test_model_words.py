@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import pytest
-from rigctl.commands.challenge import HiddenEffect
 
+from rigctl.challenge import HiddenEffect
 from rigctl.page.model.challenge_panel import beside_truth
 from rigctl.page.model.compare import is_doubted
 
