@@ -17,6 +17,8 @@ from playwright.sync_api import Page, ViewportSize, expect
 
 from tests.browser.conftest import PORT, Served
 
+pytestmark = pytest.mark.long
+
 LONG_MS = 60_000
 SCREENS: list[ViewportSize] = [
     {"width": 820, "height": 1180},

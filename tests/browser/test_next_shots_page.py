@@ -9,9 +9,12 @@ import sys
 from pathlib import Path
 from typing import Any
 
+import pytest
 from playwright.sync_api import Page, expect
 
 from tests.browser.conftest import KEY
+
+pytestmark = pytest.mark.long
 
 LONG_MS = 120_000
 PRESSURES, OFFSETS = "40:80:2", "0:12:4"

@@ -12,6 +12,8 @@ from playwright.sync_api import Browser, Page, expect
 from tests.browser.conftest import KEY, WIDE
 from tests.browser.wire import Wire
 
+pytestmark = pytest.mark.long
+
 LONG_MS = 60_000
 SILENCE = "nothing on this page is live"
 ORDER = {"pressure_a_kpa": 40.0, "pressure_b_kpa": 40.0, "offset_mm": 6.0}

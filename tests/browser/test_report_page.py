@@ -10,6 +10,8 @@ from playwright.sync_api import Browser, Page
 from rigctl.challenge import new
 from rigctl.cli.store.report import report as write_report
 
+pytestmark = pytest.mark.long
+
 PHONE, DESK = {"width": 390, "height": 800}, {"width": 1280, "height": 900}
 
 

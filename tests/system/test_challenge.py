@@ -24,6 +24,8 @@ from simulators.challenge.making import campaign_seed
 from simulators.challenge.nature import Nature
 from tests.system.test_documentation import DOCS, needs_shell, perform
 
+pytestmark = pytest.mark.long
+
 
 def test_the_readers_of_the_analysis_find_every_number_again(tmp_path: Path) -> None:
     campaign = run_campaign(Nature(), 3, shots=5)

@@ -13,6 +13,8 @@ import pytest
 
 from simulators.challenge.making import write_challenge
 
+pytestmark = pytest.mark.long
+
 ENDS_WITHIN_S = 100.0
 SHOTS = 40
 

@@ -28,7 +28,7 @@ EXPLAIN = {
     *("alias_set", "alias_sets", "unexplained", "chi2_per_dof", "path", "parameters", "candidates"),
     *("noise", "structure", "next_shots", "faults", "torn_tracks", "alarms"),
 }
-pytestmark = pytest.mark.timeout(300)
+pytestmark = [pytest.mark.long, pytest.mark.timeout(300)]
 
 
 @pytest.fixture(scope="module")

@@ -24,7 +24,7 @@ PICTURES = {
     "rank": {"ranking", "aliases"},
     "explain": {"error-path", "ranking", "aliases", "structure", "rebound"},
 }
-pytestmark = pytest.mark.timeout(300)
+pytestmark = [pytest.mark.long, pytest.mark.timeout(300)]
 
 
 @pytest.fixture(scope="module")

@@ -10,6 +10,8 @@ import pytest
 from rigctl.sweeps.form import read_sweep
 from simulators.challenge.making import write_challenge
 
+pytestmark = pytest.mark.long
+
 
 def next_shots(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
     command = [sys.executable, "-c", "from rigctl.cli import main; main()", "model", "next"]

@@ -9,6 +9,8 @@ import pytest
 
 from tests.system.test_documentation import DOCS, needs_shell, perform
 
+pytestmark = pytest.mark.long
+
 HIDDEN_PER_KELVIN = 0.008
 """What `reveal` says of the challenge of the guide."""
 

@@ -9,6 +9,8 @@ import pytest
 
 from tests.system.test_documentation import DOCS, needs_shell, perform
 
+pytestmark = pytest.mark.long
+
 REPORT = DOCS / "how-to" / "report-results.md"
 OTHERS = DOCS / "how-to" / "other-systems.md"
 

@@ -16,6 +16,8 @@ from typing import Any
 import httpx
 import pytest
 
+pytestmark = pytest.mark.long
+
 RIGCTL = [sys.executable, "-c", "from rigctl.cli import main; main()"]
 WAIT_S = 60.0
 

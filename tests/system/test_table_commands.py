@@ -9,7 +9,7 @@ import pytest
 from tests.system.test_model_commands import EXPLAIN, FIT, answer, rigctl
 from tests.unit.analysis.model.tabulated import PLATE, contacts, impacts
 
-pytestmark = pytest.mark.timeout(300)
+pytestmark = [pytest.mark.long, pytest.mark.timeout(300)]
 
 
 @pytest.fixture(scope="module")

@@ -9,6 +9,8 @@ from analysis.campaign import Campaign
 from rigctl import cli
 from rigctl.cli.frames import calibrate as command
 
+pytestmark = pytest.mark.long
+
 
 def estimate(value: float, sigma: float) -> Estimate:
     return Estimate(

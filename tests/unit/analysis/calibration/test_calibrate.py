@@ -16,6 +16,8 @@ from analysis.errors import InputError
 from simulators.world import WorldDescription, write_campaign
 from simulators.world.optics import Optics
 
+pytestmark = pytest.mark.long
+
 OPTICS = Optics(exposure_s=0.0)
 SEED, PRESSURES, OFFSETS = 4, [40.0, 60.0, 80.0], [3.0, 8.0, 6.0]
 NEARNESS_PER_M = 1.0

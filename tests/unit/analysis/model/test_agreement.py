@@ -19,6 +19,8 @@ from analysis.model.rank.projector import projector
 from analysis.model.verdict.crossvalidation import prediction_error
 from tests.unit.analysis.model.hard_spheres import Hidden, campaign
 
+pytestmark = pytest.mark.long
+
 CAMPAIGNS, SHOTS = 100, 6
 STAGES = ["before contact", "after contact", "flight", "camera"]
 CALM = {"before contact", "flight", "camera"}

@@ -10,6 +10,8 @@ import pytest
 from benchmarks.discovery.strength import strength
 from benchmarks.discovery.trial import Task, judge
 
+pytestmark = pytest.mark.long
+
 SHOTS = 40
 FOUND = (
     "restitution-drift",

@@ -5,12 +5,15 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from analysis.model.data.poses import PoseData
 from analysis.model.fitting.fit import Fit, fit_campaign
 from analysis.model.structure.lackoffit import Cell, holm, lack_of_fit
 from tests.unit.analysis.model.chosen import chosen
 from tests.unit.analysis.model.hard_spheres import Hidden, campaign
+
+pytestmark = pytest.mark.long
 
 ALARM = 0.01
 [SCALE] = chosen("image-scale")

@@ -15,6 +15,8 @@ from simulators.world.lamp import Lamp
 from simulators.world.optics import Optics
 from tests.unit.analysis.rendered import setup_of
 
+pytestmark = pytest.mark.long
+
 WORLD = WorldDescription(optics=replace(Optics(), lamp=Lamp(strength=110.0, room=50.0)))
 SETUP = setup_of(WORLD)
 SEED, SIGMAS, SHIFT_PX = 5, 6.0, 0.3

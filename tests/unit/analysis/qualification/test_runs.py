@@ -17,6 +17,8 @@ from analysis.qualification.stage import measure_stage
 from rigctl.cli.frames.qualify_apparatus import setup_of
 from simulators.qualification import filmed_drop, filmed_shot, stage_run, turning_disk
 
+pytestmark = pytest.mark.long
+
 
 def test_subpixel_edges_beat_pixels_shells_beat_hough_and_grey_levels_beat_all() -> None:
     run = stage_run((1.0, 1.0), 1)

@@ -22,6 +22,8 @@ from analysis.model.verdict.selection import explain
 from simulators.challenge.nature import Nature
 from tests.unit.analysis.model.design.at_settings import drawn_settings, fired
 
+pytestmark = pytest.mark.long
+
 SHOTS = 14
 LIMITS = Limits((12.0, 95.0), (0.0, 22.0))
 NATURE = Nature(viscosity=0.3)
