@@ -49,6 +49,7 @@ ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
 TUTORIAL = DOCS / "tutorials" / "first-shot.md"
 ANALYSE = DOCS / "how-to" / "analyse-frames.md"
+FILM = DOCS / "how-to" / "film-a-ball.md"
 REAL_RIG = DOCS / "how-to" / "real-rig.md"
 KEYS = DOCS / "how-to" / "keys-and-remote-access.md"
 KEEPING = DOCS / "how-to" / "keep-a-campaign.md"
@@ -274,7 +275,8 @@ def test_every_option_of_the_analysis_is_explained() -> None:
     )
     options = set(re.findall(r"^ +(--[a-z-]+)", done.stdout, re.MULTILINE)) - {"--help"}
     assert options
-    assert options <= set(re.findall(r"--[a-z-]+", page_commands(ANALYSE)))
+    explained = page_commands(ANALYSE) + page_commands(FILM)
+    assert options <= set(re.findall(r"--[a-z-]+", explained))
 
 
 def anchor(heading: str) -> str:

@@ -279,7 +279,7 @@ def test_parts_of_a_table_are_the_table_of_these_shots(tmp_path: Path, write) ->
 
 def test_a_plate_in_place_of_a_is_refused(tmp_path: Path) -> None:
     swapped = PLATE.replace('"a"', '"c"').replace('"b"', '"a"').replace('"c"', '"b"')
-    with pytest.raises(InputError, match="a is a plate; only b can be one"):
+    with pytest.raises(InputError, match="a plate comes only as sphere b"):
         gather(impacts(tmp_path, 3, 17, description=swapped))
 
 
