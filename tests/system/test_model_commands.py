@@ -27,6 +27,7 @@ EXPLAIN = {
     *("campaign", "shots", "used", "excluded", "rejected", "rejected_frames", "verdict", "effects"),
     *("alias_set", "alias_sets", "unexplained", "chi2_per_dof", "path", "parameters", "candidates"),
     *("noise", "structure", "next_shots", "faults", "torn_tracks", "alarms"),
+    "p_chi2",
 }
 pytestmark = [pytest.mark.long, pytest.mark.timeout(300)]
 
