@@ -12,10 +12,9 @@ import random
 import sys
 import tempfile
 import time
-from functools import reduce
-from operator import xor
 from pathlib import Path
 
+from rigctl.devices.trigger_box_lines import closed
 from simulators.chip import CLOCK_HZ, Edge, SimulatedChip, build
 
 FIRMWARE = Path(__file__).parents[1] / "firmware"
@@ -25,8 +24,8 @@ TICK_US, JITTER_BAR_US = 4.0, 50.0
 
 
 def framed(content: str) -> bytes:
-    """Close a line as NMEA 0183 does."""
-    return f"{content}*{reduce(xor, content.encode(), 0):02X}\n".encode()
+    """Return a closed line with its ending."""
+    return f"{closed(content)}\n".encode()
 
 
 def us(cycles: int) -> float:

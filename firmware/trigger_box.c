@@ -19,6 +19,7 @@ static struct {
 /* --- answers: each character is part of the checksum until it is closed --- */
 
 static uint8_t checksum;
+static const char hexadecimal[] = "0123456789ABCDEF";
 
 static void say(const char *text)
 {
@@ -48,7 +49,6 @@ static void say_with(const char *text, uint32_t number)
 
 static void close_answer(void)
 {
-    static const char hexadecimal[] = "0123456789ABCDEF";
     uint8_t sum = checksum;
     board_send('*');
     board_send(hexadecimal[sum >> 4]);
@@ -257,7 +257,6 @@ void trigger_box_line(char *line, uint8_t length)
         for (uint8_t at = 0; at < length - 3; at++)
             sum ^= (uint8_t)line[at];
         if (sum != (nibble(line[length - 2]) << 4 | nibble(line[length - 1]))) {
-            static const char hexadecimal[] = "0123456789ABCDEF";
             const char wanted[] = {hexadecimal[sum >> 4], hexadecimal[sum & 15], '\0'};
             say("ERR CHECKSUM ");
             say(wanted);

@@ -23,7 +23,7 @@ from rigctl.rig.machine import Rig
 from rigctl.rig.recovery import Recovery
 from rigctl.rig.stopping.box_watch import BoxWatch
 from rigctl.rig.stopping.dead_man import DeadMan
-from rigctl.rig.stopping.estop import Watch
+from rigctl.rig.stopping.watch import Watch
 from rigctl.store import Store, SweepRecord
 from rigctl.sweeps.runner import SweepRunner
 

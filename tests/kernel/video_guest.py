@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import subprocess
+import tempfile
 import time
 from collections.abc import Callable
 from contextlib import closing
@@ -37,7 +38,8 @@ def loop_back() -> None:
     """Known pictures out of one node and in by the other, joined inside the kernel."""
     chance = np.random.default_rng(3)
     pictures = chance.integers(0, 256, (PICTURES, ROWS, COLUMNS), dtype=np.uint8)
-    Path("/tmp/pictures").write_bytes(pictures.tobytes())
+    path = Path(tempfile.mkdtemp()) / "pictures"
+    path.write_bytes(pictures.tobytes())
     size = f"width={COLUMNS},height={ROWS},pixelformat=GREY"
     control("-d0", "-i", "1")
     control("-d0", "-v", size)
@@ -48,7 +50,7 @@ def loop_back() -> None:
     control("-d0", f"--set-selection=target=crop,{whole}")
     control("-d0", "-c", "loop_video=1,osd_text_mode=2")
     sender = subprocess.Popen(
-        ["v4l2-ctl", "-d1", "--stream-out-mmap", "--stream-loop", "--stream-from=/tmp/pictures"],
+        ["v4l2-ctl", "-d1", "--stream-out-mmap", "--stream-loop", f"--stream-from={path}"],
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
     )

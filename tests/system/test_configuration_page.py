@@ -14,7 +14,8 @@ from analysis.files import FileLimits
 from analysis.setup import Environment, SphereSetup
 from rigctl.config.configuration import AnalysisSection, ServiceSection, Simulation
 from rigctl.config.model import StrictModel
-from tests.system.test_documentation import DOCS, rows
+from tests.system.test_documentation import DOCS
+from tests.system.test_reference_pages import rows
 
 
 def literal(value: object) -> str:

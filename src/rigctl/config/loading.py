@@ -14,6 +14,7 @@ from analysis import files
 from analysis.errors import InputError
 from rigctl.config.configuration import Configuration
 from rigctl.errors import ConfigurationError
+from rigctl.shipped import shipped
 
 Model = TypeVar("Model", bound=BaseModel)
 
@@ -38,16 +39,8 @@ def default_path() -> Path:
     ConfigurationError
         Neither is there.
     """
-    package = Path(__file__).resolve().parents[1]
-    candidates = (package / "simulated.toml", package.parents[1] / "config" / "simulated.toml")
-    for path in candidates:
-        if path.is_file():
-            return path
-    raise ConfigurationError(
-        "the simulated rig's configuration is missing",
-        part="simulated.toml",
-        todo="install the package again, or name a file with --config",
-    )
+    todo = "install the package again, or name a file with --config"
+    return shipped("simulated.toml", "config/simulated.toml", todo=todo)
 
 
 def load(path: Path | None = None) -> Configuration:

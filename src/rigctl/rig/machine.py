@@ -27,9 +27,10 @@ from rigctl.rig.running import ACTOR, RunningShot, in_thread, leave_unanalysed
 from rigctl.rig.standing import Standing
 from rigctl.rig.states import LATCHED, RigState, ShotState
 from rigctl.rig.status import RigStatus
-from rigctl.rig.stopping.estop import EmergencyStop, Watch
+from rigctl.rig.stopping.estop import EmergencyStop
 from rigctl.rig.stopping.halting import halt, make_safe
 from rigctl.rig.stopping.latch import CleanEnd
+from rigctl.rig.stopping.watch import Watch
 from rigctl.rig.taking import Taking
 from rigctl.settings import ShotSettings
 from rigctl.store.records import ShotRecord

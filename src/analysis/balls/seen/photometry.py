@@ -69,6 +69,18 @@ def _span(half: float, middle: float, most: int) -> tuple[int, int]:
     return max(0, math.ceil(middle - half)), min(most, math.floor(middle + half) + 1)
 
 
+@part
+def _steps(pose: NDArray[np.float64]) -> int:
+    """Return at how many instants of the exposure the ball is drawn."""
+    return 1 + int(math.sqrt(pose[WAY] ** 2 + pose[WAY + 1] ** 2) / STEP_PX)
+
+
+@part
+def _centre(pose: NDArray[np.float64], gone: float) -> tuple[float, float]:
+    """Return row and column of the centre at a share of the exposure, -0.5 to 0.5."""
+    return pose[0] + gone * pose[WAY], pose[1] + gone * pose[WAY + 1]
+
+
 @compiled
 def cover(
     pose: NDArray[np.float64], table: NDArray[np.float64], found: NDArray[np.float64]
@@ -89,13 +101,12 @@ def cover(
     """
     radius, sigma, stretch = pose[RADIUS], pose[BLUR], pose[STRETCH]
     _, rows, columns = found.shape
-    steps = 1 + int(math.sqrt(pose[WAY] ** 2 + pose[WAY + 1] ** 2) / STEP_PX)
     found[:] = 0.0
     terms = np.empty(TERMS)
     outer = radius + FURTHEST_SIGMAS * sigma
+    steps = _steps(pose)
     for k in range(steps):
-        gone = (k + 0.5) / steps - 0.5
-        row, column = pose[0] + gone * pose[WAY], pose[1] + gone * pose[WAY + 1]
+        row, column = _centre(pose, (k + 0.5) / steps - 0.5)
         top, bottom = _span(outer * stretch, row, rows)
         for i in range(top, bottom):
             dr = (i - row) / stretch
@@ -141,13 +152,12 @@ def rim(
     """
     radius, sigma, stretch = pose[RADIUS], pose[BLUR], pose[STRETCH]
     _, rows, columns = found.shape
-    steps = 1 + int(math.sqrt(pose[WAY] ** 2 + pose[WAY + 1] ** 2) / STEP_PX)
     found[:] = 0.0
     terms = np.empty(TERMS)
     outer = radius + FURTHEST_SIGMAS * sigma
+    steps = _steps(pose)
     for k in range(steps):
-        gone = (k + 0.5) / steps - 0.5
-        row, column = pose[0] + gone * pose[WAY], pose[1] + gone * pose[WAY + 1]
+        row, column = _centre(pose, (k + 0.5) / steps - 0.5)
         top, bottom = _span(outer * stretch, row, rows)
         for i in range(top, bottom):
             dr = (i - row) / stretch

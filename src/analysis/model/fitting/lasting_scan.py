@@ -19,8 +19,8 @@ FAR, KNOWN = 1e6, 1e3
 LEAST, MOST = (0.05, 1e-3), (1.2, 3.0)
 """Of e and mu."""
 STEPS, ROUGH_STEPS = 40, 20
-"""Of an undamped contact: in a scan, and while its loss is wide. Laws are told apart all the same;
-their values are those of fits."""
+"""Integration steps of an undamped contact, in a scan and in its first, wide stages. They are fewer
+than in a fit: a scan only compares laws, and the fit gives the values."""
 SMOOTHED = 2
 """Times that a start is gone down a wider loss first."""
 EVALUATIONS, FEW_EVALUATIONS = 15, 4

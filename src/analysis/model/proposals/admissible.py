@@ -1,4 +1,4 @@
-"""Which arguments a campaign can speak of, and why it cannot speak of the others."""
+"""Which arguments vary enough in a campaign to be tested, and why the others do not."""
 
 from __future__ import annotations
 

@@ -49,7 +49,7 @@ def next_after(proposed: Proposed, limits: Limits | None = None) -> tuple[Repeat
 def _against_rival(
     proposed: Proposed, data: PoseData, first: Accepted, limits: Limits | None
 ) -> tuple[Repeated, ...]:
-    """Return shots that tell two forms apart; none where a rival hangs on what no setting sets."""
+    """Return shots that separate two forms; none where no setting changes the rival's argument."""
     if first.rival is None:
         return ()
     fit = proposed.fit

@@ -27,7 +27,7 @@ def fold(
 ) -> None:
     """Add C^T N C and C^T r to the whole, N and r being the own equations of one view.
 
-    C puts most unknowns where they stand in the whole, and turns a few into others.
+    C copies most unknowns to their places in the whole, and combines a few into others linearly.
 
     Parameters
     ----------

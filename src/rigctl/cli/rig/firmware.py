@@ -10,6 +10,7 @@ from typing import Annotated
 import typer
 
 from rigctl.errors import SettingsError
+from rigctl.shipped import shipped
 
 SOURCES = ("trigger_box.c", "trigger_box.h", "atmega328p.c")
 """What the board runs; the rest builds it and tests it."""
@@ -33,31 +34,6 @@ source {hash}
 """
 
 
-def firmware_folder() -> Path:
-    """Return the folder of the firmware's source: inside the package when installed.
-
-    Raises
-    ------
-    SettingsError
-        It lies neither there nor in the checkout.
-    """
-    package = Path(__file__).resolve().parents[2]
-    for folder in (package / "firmware", package.parents[1] / "firmware"):
-        if (folder / SOURCES[0]).is_file():
-            return folder
-    raise SettingsError(
-        "the firmware's source is missing", part=SOURCES[0], todo="install the package again"
-    )
-
-
-def source_hash() -> str:
-    """Return the SHA-256 of what the board runs, in hexadecimal digits."""
-    digest = hashlib.sha256()
-    for name in SOURCES:
-        digest.update((firmware_folder() / name).read_bytes())
-    return digest.hexdigest()
-
-
 def firmware(
     *,
     out: Annotated[Path, typer.Option(help="Folder for the firmware's source.")] = Path("firmware"),
@@ -67,10 +43,12 @@ def firmware(
 
     Raises
     ------
+    ConfigurationError
+        The source did not come with the program.
     SettingsError
         A file of that name is there already and differs: it may hold somebody's changes.
     """
-    source = firmware_folder()
+    source = shipped("firmware", "firmware", todo="install the package again")
     for name in _ALL:
         path = out / name
         if path.exists() and path.read_bytes() != (source / name).read_bytes():
@@ -82,5 +60,6 @@ def firmware(
         path.parent.mkdir(parents=True, exist_ok=True)
         if not path.exists():
             shutil.copyfile(source / name, path)
-    text = _STEPS.format(out=out, port=port, hash=source_hash())
+    digest = hashlib.sha256(b"".join((source / name).read_bytes() for name in SOURCES))
+    text = _STEPS.format(out=out, port=port, hash=digest.hexdigest())
     typer.echo(text, nl=False)

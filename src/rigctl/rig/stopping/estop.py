@@ -8,13 +8,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from queue import SimpleQueue
-from typing import Protocol
 
 from rigctl.devices.roles import CutOff
 from rigctl.errors import DeviceError, DeviceSilentError, RefusedError, RigError
 from rigctl.rig.clock import Clock
 from rigctl.rig.stopping.dead_man import SILENT_S
 from rigctl.rig.stopping.latch import KEEP_AGAIN_S, Latch, LatchFile
+from rigctl.rig.stopping.watch import Watch
 from rigctl.rig.stopping.witness import Sight, Witness, look
 
 _log = logging.getLogger(__name__)
@@ -33,16 +33,6 @@ WITNESS_WAIT_S = 1.0
 
 _UNDER_WAY = "the cut is under way"
 _BY_HAND = "switch the actuators off by hand"
-
-
-class Watch(Protocol):
-    """What takes the power, or makes a device safe, when this process no longer can."""
-
-    def start(self, alive: Callable[[], bool], tripped: Callable[[str], None]) -> None:
-        """Begin to watch, unless it does already; raise a `DeviceError` where it cannot."""
-
-    def end(self) -> None:
-        """Watch no more: what is safe by now stays safe."""
 
 
 @dataclass(slots=True)
