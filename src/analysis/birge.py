@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.special import gammaincc
+
+from analysis.chi_squared import chance_of_more
 
 Floats = NDArray[np.float64]
 
@@ -25,5 +26,5 @@ def variance_ratio(chi2: ArrayLike, freedom: ArrayLike) -> Floats:
         Of a fit, and its degrees of freedom; without any the ratio is 1.
     """
     scatter, count = np.asarray(chi2, np.float64), np.maximum(freedom, 1)
-    beyond = (gammaincc(count / 2, scatter / 2) < CONTRADICTED) & (np.asarray(freedom) > 0)
+    beyond = chance_of_more(scatter, freedom) < CONTRADICTED
     return np.where(beyond, np.maximum(scatter / count, 1.0), 1.0)

@@ -18,8 +18,8 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2 as chi2_distribution
 
+from analysis import chi_squared
 from analysis.effects.effect import LaunchEffect
 from analysis.effects.launch.pressure_friction import EFFECT as FRICTION
 from analysis.errors import LaunchRefusedError
@@ -117,7 +117,7 @@ def misfires(launch: LaunchFit, before: int = 0) -> NDArray[np.bool_]:
     residual, _ = launch.compared.whitened(launch.scatter)
     squares = (residual**2).sum(axis=1)
     shots = len(squares)
-    bad = np.asarray(squares > chi2_distribution.isf(ALARM_SHARE / shots, residual.shape[1]))
+    bad = np.asarray(squares > chi_squared.limit(ALARM_SHARE / shots, residual.shape[1]))
     physics = bad.sum() + before > PHYSICS_SHARE * (shots + before)
     return np.zeros_like(bad) if physics else bad
 

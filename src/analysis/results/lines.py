@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2 as chi2_distribution
 
+from analysis import chi_squared
 from analysis.birge import variance_ratio
 from analysis.collision.operator import WaltonLaw
 from analysis.quantity import Quantity
@@ -73,7 +73,7 @@ class Lines:
     @property
     def p_value(self) -> float:
         """Return the chance of so much scatter by the shots' own errors."""
-        return float(chi2_distribution.sf(self.chi2, self.freedom)) if self.freedom > 0 else 1.0
+        return float(chi_squared.chance_of_more(self.chi2, self.freedom))
 
     @property
     def scatter(self) -> float:
@@ -144,7 +144,7 @@ def _with_shared(found: Lines, own: Impacts) -> Lines:
 def _far(found: Lines) -> NDArray[np.bool_]:
     """Return which shots lie too far from both lines, shape (S,)."""
     chi2 = found.held.chi2
-    typical = max(1.0, float(np.median(chi2)) / float(chi2_distribution.median(2)))
+    typical = max(1.0, float(np.median(chi2)) / float(chi_squared.median(2)))
     far = np.asarray(chi2 > FAR**2 * typical)
     return far if far.sum() <= MOST_FAR * len(far) else np.zeros_like(far)
 

@@ -28,7 +28,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
-from scipy.stats import chi2, norm
+from scipy.special import ndtr
+
+from analysis import chi_squared
 
 Floats = NDArray[np.float64]
 
@@ -204,9 +206,9 @@ def _estimated(z: float, likelihood: _Likelihood) -> JitterScore:
     spread = 1.0 / float(np.sqrt(likelihood.information(ratio)))
     return JitterScore(
         z=z,
-        p_value=float(norm.sf(z)),
+        p_value=float(ndtr(-z)),
         amplitude=amplitude,
         sigma=min(spread / (2 * amplitude), spread**0.5) if amplitude > 0 else spread**0.5,
         fall=fall,
-        p_fall=0.5 * float(chi2.sf(fall, 1)) if fall > 0 else 1.0,
+        p_fall=0.5 * float(chi_squared.chance_of_more(fall, 1)) if fall > 0 else 1.0,
     )

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2 as chi2_distribution
 
+from analysis import chi_squared
 from analysis.model.agreement.freed import with_free_outcomes
 from analysis.model.agreement.outcome import outcome_rows, outcomes
 from analysis.model.agreement.poses import fitted_row, pose_groups, predicted_row, sides
@@ -54,7 +54,7 @@ def agree(data: Data, fit: Fit, further: Sequence[Stage] = ()) -> Agreement:
         stages=(*further, *looked_at_together(stages)),
         chi2=fit.chi2,
         freedom=freedom,
-        p_value=float(chi2_distribution.sf(fit.chi2, freedom)),
+        p_value=float(chi_squared.chance_of_more(fit.chi2, freedom)),
         prediction=prediction_error(data, fit),
         noise=noise_scales(data, fit),
     )

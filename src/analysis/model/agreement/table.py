@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2 as chi2_distribution
 
+from analysis import chi_squared
 from analysis.model.fitting.noise import NoiseScale
 from analysis.model.structure.lackoffit import holm
 from analysis.model.verdict.crossvalidation import PredictionError
@@ -43,7 +43,7 @@ class Spread:
         """
         if self.mean <= 0 or self.variance <= 0:
             return 1.0
-        return float(chi2_distribution.sf(chi2 * 2 * self.mean / self.variance, self.freedom))
+        return float(chi_squared.chance_of_more(chi2 * 2 * self.mean / self.variance, self.freedom))
 
     @property
     def freedom(self) -> float:

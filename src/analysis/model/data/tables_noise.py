@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2 as chi2_distribution
 
+from analysis import chi_squared
 from analysis.model.data.tables import ContactTable
 from analysis.model.fitting.fit import Fit, fit_campaign
 from analysis.model.predict.comparison import compare
@@ -77,7 +77,7 @@ def _factor(chi2: Floats, freedom: Floats) -> float:
     told = freedom > LEAST_FREEDOM
     if not told.any():
         return 0.0
-    expected = chi2_distribution.median(freedom[told])
+    expected = chi_squared.median(freedom[told])
     return float(np.sqrt(np.median(chi2[told] / expected)))
 
 

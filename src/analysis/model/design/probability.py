@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from scipy.stats import chi2 as chi2_distribution
-from scipy.stats import ncx2
+from scipy.special import chndtr
+
+from analysis import chi_squared
 
 LEVEL = 0.001
 """Chance of a fall of chi-squared large enough for an effect to be named when nothing is missing:
@@ -20,5 +21,5 @@ def named_over_none(apart: float, parameters: int) -> float:
     parameters
         Of the effect.
     """
-    least = chi2_distribution.isf(LEVEL, parameters)
-    return float(ncx2.sf(least, parameters, max(apart, 1e-12)))
+    least = chi_squared.limit(LEVEL, parameters)
+    return 1.0 - float(chndtr(least, parameters, max(apart, 1e-12)))

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import norm
+from scipy.special import ndtri
 
 from analysis.model.data.poses import PoseData
 from analysis.model.data.tables import ContactTable, Data
@@ -112,7 +112,7 @@ def bad_shots(fit: FitSummary, gone: int = 0) -> NDArray[np.bool_]:
     ratio = quality / np.median(quality)
     spread = 2 / (9 * freedom)
     deviate = (np.cbrt(ratio) - (1 - spread)) / np.sqrt(spread)
-    bad = deviate > norm.isf(ALARM_SHARE / len(quality))
+    bad = deviate > -ndtri(ALARM_SHARE / len(quality))
     if bad.sum() + gone > PHYSICS_SHARE * (len(bad) + gone):
         low, high = np.quantile(quality, [0.25, 0.75])
         bad = quality > high + FAR_OUT * (high - low)

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import gammaincc
 
+from analysis import chi_squared
 from analysis.model.predict.theory import LAW, LAW_PRIOR_SIGMA, Theory
 from analysis.quantity import Quantity
 
@@ -64,7 +64,7 @@ class FitSummary:
     @property
     def p_chi2(self) -> float:
         """Chance of so large a chi-squared when nothing is missing and the sigmas are true."""
-        return chance_of_chi2(self.chi2, self.freedom)
+        return float(chi_squared.chance_of_more(self.chi2, self.freedom))
 
     def parameters(self) -> dict[str, Quantity]:
         """Return law and effects with their standard errors.
@@ -93,11 +93,6 @@ class FitSummary:
         theory, sigma = self.theory, np.sqrt(np.diag(self.covariance))
         numbers = zip(theory.names, theory.vector, sigma, theory.units, strict=True)
         return [(name, Quantity(float(v), float(s), unit)) for name, v, s, unit in numbers]
-
-
-def chance_of_chi2(chi2: float, freedom: int) -> float:
-    """Return the chance of a chi-squared as large, 1 without a degree of freedom."""
-    return float(gammaincc(freedom / 2, chi2 / 2)) if freedom > 0 else 1.0
 
 
 def _told(quantity: Quantity, largest: float) -> Quantity:

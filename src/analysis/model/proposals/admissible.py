@@ -8,10 +8,10 @@ from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import rankdata
 
 from analysis.collision.operator import Encounter
 from analysis.model.proposals.arguments import OF_PLACES, SPEEDS, Argument, known_arguments
+from analysis.model.verdict.gain import ranks_of
 
 Floats = NDArray[np.float64]
 
@@ -108,7 +108,7 @@ def _copy(
 
 def _confounded(kept: Sequence[Argument], encounter: Encounter) -> list[Confounded]:
     scalar = [a for a in kept if a.is_scalar and a.symbol != "|w_n|"]
-    ranks = {a.key: _line(rankdata(a.of(encounter)[:, 0])) for a in scalar}
+    ranks = {a.key: _line(ranks_of(a.of(encounter)[:, 0])) for a in scalar}
     found = []
     for a, b in combinations(scalar, 2):
         both = float((ranks[a.key] * ranks[b.key]).mean())

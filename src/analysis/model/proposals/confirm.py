@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2 as chi2_distribution
 
+from analysis import chi_squared
 from analysis.effects.effect import Effect
 from analysis.errors import ProposalRefusedError, counted
 from analysis.model.data.evidence import stage_of
@@ -83,7 +83,7 @@ def confirm(data: Data, given: Sequence[Effect], effect: Effect) -> Confirmation
         effect=effect,
         shots=len(base.data.shots),
         fall=fall,
-        p_value=float(chi2_distribution.sf(fall, len(effect.parameters))),
+        p_value=float(chi_squared.chance_of_more(fall, len(effect.parameters))),
         error_before=before.error.value,
         error_after=after.error.value,
         parameters={

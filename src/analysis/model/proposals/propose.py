@@ -10,8 +10,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.stats import chi2 as chi2_distribution
 
+from analysis import chi_squared
 from analysis.collision.operator import Encounter
 from analysis.effects.effect import Effect
 from analysis.errors import ProposalRefusedError, counted
@@ -361,7 +361,9 @@ def _without_idle(state: _State) -> _State:
         for active in fit.theory.active[:-1]:
             if active.effect.name not in state.given:
                 rest = fit_campaign(state.data, fit.theory.without_effect(active.effect.name), fit)
-                chance = chi2_distribution.sf((rest.chi2 - fit.chi2) / noise, len(active.values))
+                chance = chi_squared.chance_of_more(
+                    (rest.chi2 - fit.chi2) / noise, len(active.values)
+                )
                 losses[active.effect.name] = float(chance), rest
         if not losses:
             return state

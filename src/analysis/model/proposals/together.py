@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2 as chi2_distribution
 
+from analysis import chi_squared
 from analysis.effects.effect import Effect
 from analysis.errors import ProposalRefusedError, counted
 from analysis.model.data.poses import PoseData
@@ -216,9 +216,7 @@ def _shared(
         sigma=float(1 / np.sqrt(information.sum())),
         each=tuple(each),
         p_familywise=p_familywise,
-        p_alike=float(chi2_distribution.sf(apart, len(information) - 1))
-        if len(information) > 1
-        else 1.0,
+        p_alike=float(chi_squared.chance_of_more(apart, len(information) - 1)),
     )
 
 

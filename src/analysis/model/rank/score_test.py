@@ -11,8 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import chdtrc, erfc, ndtr
+from scipy.special import ndtr
 
+from analysis import chi_squared
 from analysis.effects.effect import Effect
 from analysis.model.data.tables import Data
 from analysis.model.fitting.fit import Fit
@@ -154,14 +155,10 @@ def chance_of_falls(falls: Floats, freedom: int, *, one_sided: bool) -> Floats:
 
     Half of a normal's where one sign of one amplitude counts, and none counts for the other.
     """
-    if freedom == 0:
-        return np.ones_like(falls)
     falls = np.maximum(falls, 0.0)
     if one_sided:
         return np.where(falls > 0, ndtr(-np.sqrt(falls)), 1.0)
-    if freedom == 1:
-        return np.asarray(erfc(np.sqrt(0.5 * falls)))
-    return np.asarray(chdtrc(freedom, falls))
+    return chi_squared.chance_of_more(falls, freedom)
 
 
 def candidate_sums(data: Data, fit: Fit, effects: Sequence[Effect]) -> Sums:

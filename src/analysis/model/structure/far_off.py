@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from analysis.model.fitting.summary import FitSummary, chance_of_chi2
+from analysis import chi_squared
+from analysis.model.fitting.summary import FitSummary
 from analysis.model.structure.alarm import FEWEST
 
 FAR_OFF = 1e-4
@@ -23,4 +24,4 @@ def is_far_off(fit: FitSummary) -> bool:
         return False
     loudest = np.argsort(fit.shot_chi2 - own)[-LOUDEST:]
     chi2 = fit.chi2 - float(fit.shot_chi2[loudest].sum())
-    return chance_of_chi2(chi2, fit.freedom - int(own[loudest].sum())) < FAR_OFF
+    return bool(chi_squared.chance_of_more(chi2, fit.freedom - int(own[loudest].sum())) < FAR_OFF)

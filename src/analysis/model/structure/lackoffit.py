@@ -13,8 +13,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
-from scipy.stats import chi2 as chi2_distribution
 
+from analysis import chi_squared
 from analysis.model.data.poses import PoseData
 from analysis.model.data.tables import Data
 from analysis.model.fitting.fit import Fit, fit_campaign
@@ -199,9 +199,7 @@ def standard_deviations(cell: Cell) -> float:
 
 
 def _chance(solved: Solved, scale2: float) -> float:
-    if solved.freedom == 0:
-        return 1.0
-    return float(chi2_distribution.sf(solved.chi2 / scale2, solved.freedom))
+    return float(chi_squared.chance_of_more(solved.chi2 / scale2, solved.freedom))
 
 
 def _basis(values: Floats) -> Floats:

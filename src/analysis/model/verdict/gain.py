@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import rankdata
 
 Floats = NDArray[np.float64]
 
@@ -28,9 +27,15 @@ def signed_rank(gains: Floats) -> float:
 
     Near a unit normal where gains and losses are alike; 0 without any.
     """
-    ranks = rankdata(np.abs(gains)) * (gains != 0)
+    ranks = ranks_of(np.abs(gains)) * (gains != 0)
     size = float(np.sqrt((ranks**2).sum()))
     return float((np.sign(gains) * ranks).sum() / size) if size > 0 else 0.0
+
+
+def ranks_of(values: Floats) -> Floats:
+    """Return the rank of each number, from 1, shape (S,); equal ones share their mean rank."""
+    _, place, count = np.unique(values, return_inverse=True, return_counts=True)
+    return (np.cumsum(count) - (count - 1) / 2)[place]
 
 
 def is_shared(gains: Floats, fall: float) -> bool:

@@ -11,8 +11,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.stats import chi2 as chi2_distribution
 
+from analysis import chi_squared
 from analysis.effects.clock.timing_jitter import EFFECT as JITTER
 from analysis.effects.effect import Effect
 from analysis.model.data.evidence import Stage, stage_of, weighed
@@ -211,7 +211,7 @@ def _backward(data: Data, path: list[Stage]) -> tuple[list[Stage], dict[str, Fit
         losses = np.array([fit.chi2 - last.fit.chi2 for fit in without.values()])
         sizes = np.array([len(a.values) for a in active])
         weights = np.array([weight_of(a.effect, stated=bool(a.freed)) for a in active])
-        p_values = chi2_distribution.sf(losses / last.fit.chi2_per_dof, sizes) / weights
+        p_values = chi_squared.chance_of_more(losses / last.fit.chi2_per_dof, sizes) / weights
         worst = int(p_values.argmax())
         if p_values[worst] < DROP_LEVEL:
             return path, without

@@ -4,24 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
 import pytest
 
+from analysis.chi_squared import chance_of_more
 from analysis.model.fitting.fit import Fit, fit_campaign
-from analysis.model.fitting.summary import chance_of_chi2
 from analysis.model.structure.far_off import is_far_off
 from tests.unit.analysis.model.hard_spheres import campaign
-
-
-def test_the_chance_of_a_chi_squared_is_the_share_of_sums_of_squares_above_it() -> None:
-    drawn = (np.random.default_rng(3).standard_normal((40_000, 12)) ** 2).sum(axis=1)
-    for chi2 in (6.0, 12.0, 20.0, 25.0):
-        share = (drawn > chi2).mean()
-        assert chance_of_chi2(chi2, 12) == pytest.approx(share, abs=4 * np.sqrt(share / 40_000))
-
-
-def test_without_a_degree_of_freedom_nothing_is_rare() -> None:
-    assert chance_of_chi2(5.0, 0) == 1.0
 
 
 @pytest.fixture(scope="module")
@@ -42,7 +30,7 @@ def test_a_tenth_more_in_every_shot_of_many_numbers_is_far_off(fit: Fit) -> None
 
 def test_a_quarter_more_of_few_numbers_is_not() -> None:
     """As in eight shots of a table, whose chi-squared of 1.25 chance exceeds once in twenty."""
-    assert 0.03 < chance_of_chi2(1.25 * 93, 93) < 0.08
+    assert 0.03 < chance_of_more(1.25 * 93, 93) < 0.08
 
 
 def test_what_two_shots_alone_leave_is_theirs(fit: Fit) -> None:
