@@ -12,6 +12,8 @@ from analysis.balls.films.film import Film
 from analysis.balls.films.part import Cut, PartOfFilm
 from analysis.balls.films.reading import open_film
 from analysis.balls.flight.known import Ball
+from analysis.balls.lens.lens import Lens
+from analysis.balls.lens.straight import StraightFilm
 from analysis.balls.measuring import MeasuredBall, measure_ball
 from analysis.balls.remarks import remarks
 from analysis.errors import ShotRefusedError
@@ -41,6 +43,8 @@ class FilmJob:
         Where stated; else the file's own, or what the smear shows.
     cut
         Part of the film to look at; None: all of it.
+    lens
+        Its distortion is taken out of the pictures; None: they are taken as they are.
     """
 
     shot: int
@@ -49,6 +53,7 @@ class FilmJob:
     rate_hz: float | None = None
     exposure_s: float | None = None
     cut: Cut | None = None
+    lens: Lens | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -66,11 +71,13 @@ def analyse_film(job: FilmJob) -> AnalysedFilm:
     Raises
     ------
     InputError
-        The film cannot be read.
+        The film cannot be read, or the lens is of pictures of another size.
     ShotRefusedError
         It has no times, or nothing in it is a ball in flight.
     """
     film: Film = open_film(job.path)
+    if job.lens is not None:
+        film = StraightFilm(film, job.lens)
     if job.cut is not None:
         film = PartOfFilm(film, job.cut)
     times = frame_times(film, job.rate_hz)

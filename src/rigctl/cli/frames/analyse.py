@@ -101,6 +101,10 @@ def analyse(
     frames: Annotated[
         str | None, typer.Option(help="Frames of a ball's film to look at: first:after-last.")
     ] = None,
+    lens: Annotated[
+        Path | None,
+        typer.Option(help="Lens of a ball's film: lens.toml of `rigctl calibrate --board`."),
+    ] = None,
     figure: Annotated[
         Path | None, typer.Option(help="A picture of a ball's film with flights and bounces.")
     ] = None,
@@ -125,6 +129,7 @@ def analyse(
             exposure_us=exposure_us,
             window=roi,
             frames=frames,
+            lens=lens,
             figure=figure,
             out=out,
         )
@@ -136,6 +141,7 @@ def analyse(
         "--exposure-us": exposure_us,
         "--roi": roi,
         "--frames": frames,
+        "--lens": lens,
         "--figure": figure,
     }
     refuse_options_of_a_ball(of_a_ball)

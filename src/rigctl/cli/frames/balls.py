@@ -22,6 +22,7 @@ from analysis.balls.flight.known import (
     UNKNOWN_DENSITY,
     Ball,
 )
+from analysis.balls.lens.lens import read_lens
 from analysis.campaign import DESCRIPTION, FRAMES, SHOT_LIST
 from analysis.errors import InputError, ShotRefusedError
 from analysis.exchange.description import read_description
@@ -55,6 +56,8 @@ class BallRequest:
         `x,y,w,h`: the part of the picture to look at.
     frames
         `A:B`: the frames to look at.
+    lens
+        lens.toml of the camera; None: pictures are taken as they are.
     figure
         File for a picture of the film; of several films, each has its number in the name.
     out
@@ -68,6 +71,7 @@ class BallRequest:
     exposure_us: float | None = None
     window: str | None = None
     frames: str | None = None
+    lens: Path | None = None
     figure: Path | None = None
     out: Path | None = None
 
@@ -200,6 +204,7 @@ def _job(number: int, path: Path, ball: Ball, request: BallRequest) -> FilmJob:
         rate_hz=request.rate_hz,
         exposure_s=None if exposure is None else 1e-6 * exposure,
         cut=_cut(request),
+        lens=None if request.lens is None else read_lens(request.lens),
     )
 
 

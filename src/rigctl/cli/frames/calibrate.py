@@ -17,15 +17,32 @@ from analysis.calibration.estimate import Estimate
 from analysis.campaign import read_campaign
 from analysis.errors import InputError
 from analysis.quantity import Quantity
+from rigctl.cli.frames.calibrate_lens import board_of, calibrate_by_board
 from rigctl.cli.frames.compile_note import announce_compiling
 from rigctl.cli.options import Json
 from rigctl.cli.output import TABLE_WIDTH, print_json
-from rigctl.errors import AnalysisInputError
+from rigctl.errors import AnalysisInputError, SettingsError
 
 
 def calibrate(
-    campaign: Annotated[Path, typer.Argument(help="Campaign folder with frames.")],
+    campaign: Annotated[
+        Path, typer.Argument(help="Campaign folder with frames; with --board a film or pictures.")
+    ],
     *,
+    board: Annotated[
+        str | None,
+        typer.Option(help="A filmed chessboard in place of shots: its inner corners, as in 9x6."),
+    ] = None,
+    square_mm: Annotated[
+        float | None, typer.Option(min=0.01, max=1e4, help="Side of a square of the board.")
+    ] = None,
+    marker_mm: Annotated[
+        float | None,
+        typer.Option(min=0.01, max=1e4, help="A ChArUco board: the side of its markers."),
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="With --board: write lens.toml, for analyse --lens.")
+    ] = None,
     json: Json = False,
 ) -> None:
     """Estimate the camera of a campaign and print a table or one JSON document.
@@ -33,8 +50,22 @@ def calibrate(
     Raises
     ------
     AnalysisInputError
-        The campaign cannot be read, or no shot of it can be used.
+        The campaign or the film cannot be read, no shot of it can be used, or it does not show the
+        board.
+    SettingsError
+        An option is no board, or belongs to one that is not stated.
     """
+    if board is not None:
+        calibrate_by_board(campaign, board_of(board, square_mm, marker_mm), out, as_json=json)
+        return
+    for name, value in {"--square-mm": square_mm, "--marker-mm": marker_mm, "--out": out}.items():
+        if value is not None:
+            raise SettingsError(
+                "is of a filmed board",
+                part=name,
+                value=str(value),
+                todo="state the board too, as in --board 9x6, or leave it out",
+            )
     announce_compiling("photometric")
     try:
         read = read_campaign(campaign)

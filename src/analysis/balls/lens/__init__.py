@@ -1,0 +1,1 @@
+"""The lens of a camera: from pictures of a board to pictures without distortion."""

@@ -1,0 +1,103 @@
+"""A lens as it was calibrated, and its file lens.toml."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field, TypeAdapter, ValidationError
+from pydantic.dataclasses import dataclass
+
+from analysis.errors import InputError
+from analysis.exchange.faults import fault
+from analysis.files import read_toml, toml_text
+from analysis.setup import STRICT, Pixel
+
+Floats = NDArray[np.float64]
+
+FORMAT = 1
+Length = Annotated[float, Field(gt=0, le=1e7)]
+Coefficient = Annotated[float, Field(ge=-10, le=10)]
+Sigma = Annotated[float, Field(ge=0)]
+
+
+@dataclass(frozen=True, slots=True, config=STRICT)
+class Lens:
+    """Pinhole and radial distortion: D. C. Brown, Photogramm. Eng. 37, 855 (1971).
+
+    A direction (x, y, 1) is seen at centre + focal (x, y) (1 + k1 r^2 + k2 r^4), r^2 = x^2 + y^2.
+
+    Attributes
+    ----------
+    height_px, width_px
+        Size of the pictures that it was calibrated with; it holds for no others.
+    focal_px
+        (along rows' direction, along columns' direction), that is (vertical, horizontal).
+    centre_px
+        Principal point, (row, column); an integer is the centre of a pixel.
+    k1, k2
+        Of the distortion.
+    focal_sigma_px, k1_sigma, k2_sigma
+        Standard errors.
+    corner_px, corner_sigma_px
+        How far distortion moves the corner of the picture that is farthest from the centre,
+        outwards positive, and its standard error.
+    """
+
+    height_px: Annotated[int, Field(ge=8, le=65536)]
+    width_px: Annotated[int, Field(ge=8, le=65536)]
+    focal_px: tuple[Length, Length]
+    centre_px: Pixel
+    k1: Coefficient
+    k2: Coefficient
+    focal_sigma_px: Sigma
+    k1_sigma: Sigma
+    k2_sigma: Sigma
+    corner_px: float
+    corner_sigma_px: Sigma
+
+    @property
+    def matrix(self) -> Floats:
+        """Return the camera matrix in the order (column, row, 1), shape (3, 3)."""
+        (fy, fx), (row, column) = self.focal_px, self.centre_px
+        return np.array([[fx, 0.0, column], [0.0, fy, row], [0.0, 0.0, 1.0]])
+
+    @property
+    def distortion(self) -> Floats:
+        """Return k1, k2 and two zeros for decentring, shape (4,)."""
+        return np.array([self.k1, self.k2, 0.0, 0.0])
+
+
+_LENS = TypeAdapter(Lens)
+
+
+def lens_document(lens: Lens) -> dict[str, Any]:
+    """Return a lens as lens.toml and JSON hold it."""
+    document: dict[str, Any] = _LENS.dump_python(lens, mode="json")
+    return document
+
+
+def write_lens(path: Path, lens: Lens) -> None:
+    """Write lens.toml."""
+    path.write_text(toml_text({"format": FORMAT, **lens_document(lens)}), encoding="utf-8")
+
+
+def read_lens(path: Path) -> Lens:
+    """Read lens.toml.
+
+    Raises
+    ------
+    InputError
+        Absent, not TOML, of a newer format, or every key that is unknown, missing or out of range.
+    """
+    table = read_toml(path)
+    found = table.pop("format", None)
+    if found != FORMAT:
+        raise InputError(path, f"format {found!r}; this program reads format {FORMAT} of a lens")
+    try:
+        return _LENS.validate_json(json.dumps(table))
+    except ValidationError as error:
+        raise InputError(path, "; ".join(map(fault, error.errors()))) from error
