@@ -180,7 +180,7 @@ def analyse_shot(
             tracking = track_spheres(frames, elapsed_s, setup, edges, matching)
             known = None
         else:
-            tracking, known = _photometric(frames, elapsed_s, setup, known, extend=extend)
+            tracking, known = _rendered(frames, elapsed_s, setup, known, extend=extend)
         slow = slow_errors(
             tracking, one_body_frame=known is not None and not tracking.learned_alone
         )
@@ -209,18 +209,25 @@ def analyse_shot(
     )
 
 
-def _photometric(
+def _rendered(
     frames: NDArray[np.uint8],
     elapsed_s: Floats,
     setup: Setup,
     known: Appearance | None,
     *,
     extend: bool,
-) -> tuple[Tracking, Appearance]:
+) -> tuple[Tracking, Appearance | None]:
+    """Return poses by the photometric method; of spheres without markers, places by outlines."""
     # Compiled functions are loaded only where they are wanted.
+    from analysis.photometric.follow.first_tracking import track_unmarked  # noqa: PLC0415
     from analysis.photometric.method import measure_poses  # noqa: PLC0415
 
-    return measure_poses(frames, elapsed_s, setup, known, extend=extend)
+    try:
+        return measure_poses(frames, elapsed_s, setup, known, extend=extend)
+    except ShotRefusedError as refusal:
+        if refusal.step != "markers":
+            raise
+        return track_unmarked(frames, setup, refusal.reason), known
 
 
 def _odd_times(times_s: Floats, setup: Setup) -> tuple[str, ...]:

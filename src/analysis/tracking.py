@@ -171,8 +171,8 @@ def followed_discs(
     edges: FilmEdges, setup: Setup, least_coverage: float
 ) -> tuple[FilmDiscs, FilmCurves]:
     """Follow the discs of whatever radius the edges or the set-up tell (`assignment.follow`)."""
-    views, radius = view_geometries(setup.camera), _start_radius(edges, setup)
-    return follow(edges, views, radius, least_coverage=least_coverage)
+    views, radii = view_geometries(setup.camera), _start_radii(edges, setup)
+    return follow(edges, views, radii, least_coverage=least_coverage)
 
 
 def refined_discs(
@@ -231,19 +231,20 @@ def refuse_repeats(frames: NDArray[np.uint8], discs: FilmDiscs) -> None:
             raise ShotRefusedError("frames", "the same as the frame before, bit for bit", int(k))
 
 
-def _start_radius(film: FilmEdges, setup: Setup) -> float:
-    """Return the discs' radius to about a pixel."""
+def _start_radii(film: FilmEdges, setup: Setup) -> tuple[float, float]:
+    """Return the radii of the discs of a and b to about a pixel."""
+    a, b = (sphere.diameter_m for sphere in setup.spheres)
     if setup.camera.scale_px_per_m is not None:
-        diameter = sum(s.diameter_m for s in setup.spheres) / 2
-        return setup.camera.scale_px_per_m * diameter / 2
+        return setup.camera.scale_px_per_m * a / 2, setup.camera.scale_px_per_m * b / 2
     edges = [film.whole(k) for k in range(len(film))]
     busiest = sorted(edges, key=lambda e: -len(e.points))[:FRAMES_FOR_RADIUS]
     if len(busiest[0].points) < 12:
         raise ShotRefusedError("outlines", "no edges stand out of the noise in any frame")
-    discs = 2 if setup.camera.top_view_rows is None else 4
-    largest = min(busiest[0].shape) / 2
-    found = [common_radius(e.points, e.shape, SMALLEST_RADIUS_PX, largest, discs) for e in busiest]
-    return float(np.median(found))
+    views = 1 if setup.camera.top_view_rows is None else 2
+    limits = SMALLEST_RADIUS_PX, min(busiest[0].shape) / 2
+    sizes = {1.0: 2 * views} if a == b else {1.0: views, b / a: views}
+    radius = float(np.median([common_radius(e.points, e.shape, limits, sizes) for e in busiest]))
+    return radius, radius * b / a
 
 
 def _standing(orientations: Orientations, frames: int) -> Floats:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from analysis.errors import ShotRefusedError
-from analysis.imaging.discs import Disc, discs, vote
+from analysis.imaging.discs import Disc, discs, pair_apart, vote, vote_radii
 from analysis.imaging.edge.frame import FilmEdges, filters
 from analysis.imaging.film_discs import FilmDiscs, film_discs
 from analysis.imaging.film_following import FilmCurves, follow_discs
@@ -19,56 +19,74 @@ LEAST_RIM_SHARE = 0.2
 CLEAR_RIM_SHARE = 0.4
 """Where every disc shows as much of its rim, and nothing else does, no better frame is sought."""
 LEAST_COVERAGE = 0.4
+LEAST_APART = 0.45
+"""Of both radii together: two places nearer than that are one disc, voted for twice."""
 KEEP_OFF_SIGMAS = 2.5
 
 
 def seed_frame(
-    film: FilmEdges, views: tuple[ViewGeometry, ...], radius_px: float
+    film: FilmEdges, views: tuple[ViewGeometry, ...], radii_px: tuple[float, float]
 ) -> tuple[int, dict[View, tuple[Disc, Disc]]]:
     """Find a frame that shows both spheres clearly in every view, or else the one that does best.
 
+    Parameters
+    ----------
+    radii_px
+        Of spheres a and b.
+
     Returns
     -------
-    The frame's index, and for each view its two discs, the left one first.
+    The frame's index, and for each view the discs of a and b; of spheres alike the left one first.
 
     Raises
     ------
     ShotRefusedError
         No frame shows two spheres in each view.
     """
+    radii_px = vote_radii(radii_px)
     best: tuple[float, int, dict[View, tuple[Disc, Disc]]] | None = None
     most_seen = (-1, 0, "")
     for k in _middle_first(len(film)):
         edges = film.whole(k)
-        votes = vote(edges.points, radius_px, edges.shape)
-        found = discs(votes, LEAST_RIM_SHARE, radius_px)
+        found = {
+            radius: discs(vote(edges.points, radius, edges.shape), LEAST_RIM_SHARE, radius)
+            for radius in dict.fromkeys(radii_px)
+        }
         pairs: dict[View, tuple[Disc, Disc]] = {}
         seen = 0
         for geometry in views:
-            inside = [d for d in found if geometry.rows[0] <= d.row < geometry.rows[1]]
-            seen += min(len(inside), 2)
-            if len(inside) >= 2:
-                left, right = sorted(inside[:2], key=lambda d: d.column)
-                pairs[geometry.view] = (left, right)
+            a, b = ([d for d in found[radius] if _inside(d, geometry)] for radius in radii_px)
+            pair = pair_apart(a, b, LEAST_APART * sum(radii_px))
+            seen += 2 if pair is not None else min(len(a) + len(b), 1)
+            if pair is not None:
+                alike = radii_px[0] == radii_px[1] and pair[0].column > pair[1].column
+                pairs[geometry.view] = pair[::-1] if alike else pair
         if seen > most_seen[0]:
-            most_seen = (seen, k, ", ".join(f"({d.row:.0f}, {d.column:.0f})" for d in found))
-        if len(pairs) < len(views) or not _columns_agree(pairs, radius_px):
+            shown = [f"({d.row:.0f}, {d.column:.0f})" for every in found.values() for d in every]
+            most_seen = (seen, k, ", ".join(shown))
+        if len(pairs) < len(views) or not _columns_agree(pairs, max(radii_px)):
             continue
         shares = [d.rim_share for pair in pairs.values() for d in pair]
         if best is None or sum(shares) > best[0]:
             best = (sum(shares), k, pairs)
-        if len(found) == len(shares) and min(shares) >= CLEAR_RIM_SHARE:
+        alone = sum(map(len, found.values())) == len(shares)
+        if alone and min(shares) >= CLEAR_RIM_SHARE:
             break
     if best is None:
         seen, k, places = most_seen
+        radii = " and ".join(f"{radius:.1f}" for radius in dict.fromkeys(radii_px))
         raise ShotRefusedError(
             "assignment",
             f"no frame shows two spheres in each of {len(views)} views with the columns of the "
             f"views in agreement; the best frame shows {seen} of {2 * len(views)} discs of "
-            f"radius {radius_px:.1f} px, at (row, column) {places or 'none'}",
+            f"radius {radii} px, at (row, column) {places or 'none'}",
             k,
         )
     return best[1], best[2]
+
+
+def _inside(disc: Disc, geometry: ViewGeometry) -> bool:
+    return geometry.rows[0] <= disc.row < geometry.rows[1]
 
 
 def _middle_first(count: int) -> list[int]:
@@ -89,7 +107,7 @@ def _columns_agree(pairs: dict[View, tuple[Disc, Disc]], radius_px: float) -> bo
 def follow(
     film: FilmEdges,
     views: tuple[ViewGeometry, ...],
-    radius_px: float,
+    radii_px: tuple[float, float],
     *,
     least_coverage: float = LEAST_COVERAGE,
 ) -> tuple[FilmDiscs, FilmCurves]:
@@ -97,21 +115,26 @@ def follow(
 
     Parameters
     ----------
+    radii_px
+        Of spheres a and b.
     least_coverage
         Share of its limb that an outline shows, to be believed.
 
     Returns
     -------
-    The discs of sphere a (the one that comes from the left) and of sphere b; and the edges about
-    them.
+    The discs of sphere a (of spheres alike the one that comes from the left) and of sphere b; and
+    the edges about them.
 
     Raises
     ------
     ShotRefusedError
         No frame shows two spheres in each view.
     """
-    seed, pairs = seed_frame(film, views, radius_px)
-    places = [[(pair[i].row, pair[i].column, radius_px) for pair in pairs.values()] for i in (0, 1)]
+    seed, pairs = seed_frame(film, views, radii_px)
+    places = [
+        [(pair[i].row, pair[i].column, radius) for pair in pairs.values()]
+        for i, radius in enumerate(radii_px)
+    ]
     start = seed, np.array(places).reshape(-1, 3)
     frames = np.require(film.frames, None, ["C", "W"])
     rules = (KEEP_OFF_SIGMAS * film.settings.sigma_px, False), least_coverage
@@ -119,7 +142,8 @@ def follow(
     curves, outlines = follow_discs(frames, filtered, start, rules)
     discs = film_discs(tuple(pairs), outlines)
     first, second = (_first_column(discs, i) for i in (0, 1))
-    return (discs if first <= second else discs.swapped()), curves
+    alike = len(set(vote_radii(radii_px))) == 1
+    return (discs.swapped() if alike and first > second else discs), curves
 
 
 def _first_column(discs: FilmDiscs, sphere: int) -> float:

@@ -8,7 +8,9 @@ doi:10.1145/360666.360677). It only starts the fit of the outline.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import product
 
 import cv2
 import numpy as np
@@ -36,6 +38,29 @@ class Disc:
     row: float
     column: float
     rim_share: float
+
+
+ALIKE = 1.1
+"""Discs whose radii differ by a smaller factor are not told apart by their votes."""
+
+
+def vote_radii(radii_px: tuple[float, float]) -> tuple[float, float]:
+    """Return the radii to vote for: the mean one twice where two spheres are nearly alike."""
+    if max(radii_px) < ALIKE * min(radii_px):
+        return (sum(radii_px) / 2,) * 2
+    return radii_px
+
+
+def pair_apart(
+    first: Sequence[Disc], second: Sequence[Disc], apart_px: float
+) -> tuple[Disc, Disc] | None:
+    """Return one disc of each list that lie apart and show most of their rims; None without any."""
+    pairs = [
+        (a, b)
+        for a, b in product(first, second)
+        if math.hypot(a.row - b.row, a.column - b.column) >= apart_px
+    ]
+    return max(pairs, key=lambda pair: pair[0].rim_share + pair[1].rim_share, default=None)
 
 
 def vote(points: EdgePoints, radius_px: float, shape: tuple[int, int]) -> NDArray[np.float32]:
@@ -199,21 +224,36 @@ def _peak(votes: NDArray[np.float32], r: int, c: int) -> Disc:
 
 
 def common_radius(
-    points: EdgePoints, shape: tuple[int, int], smallest_px: float, largest_px: float, count: int
+    points: EdgePoints,
+    shape: tuple[int, int],
+    range_px: tuple[float, float],
+    sizes: Mapping[float, int],
 ) -> float:
-    """Return the radius at which `count` discs of one size stand out most from all other places.
+    """Return the radius of size 1 at which discs of some sizes stand out from all other places.
 
     Markers and highlights vote for many small discs, each as full as the next one. So the shares
-    of the rims of the best `count` places count less those of the next as many. Tried in steps of
-    2 per cent; good to about a pixel.
+    of the rims of the best places count less those of the next as many. Tried in steps of 2 per
+    cent; good to about a pixel.
+
+    Parameters
+    ----------
+    range_px
+        Of the radius of the smallest disc, and of the largest.
+    sizes
+        How many discs there are of each size: two alike are {1.0: 2}, a second one half as large
+        makes it {1.0: 1, 0.5: 1}.
     """
-    steps = int(np.ceil(np.log(largest_px / smallest_px) / 0.02)) + 1
-    radii = np.geomspace(smallest_px, largest_px, steps)
+    smallest, largest = range_px[0] / min(sizes), range_px[1] / max(sizes)
+    steps = int(np.ceil(np.log(largest / smallest) / 0.02)) + 1
+    radii = np.geomspace(smallest, largest, steps)
     scores = []
     for radius in radii:
-        votes = vote(points, float(radius), shape)
-        peaks = summits(votes, 0.1, int(radius))
-        shares = np.sort(votes[peaks[:, 0], peaks[:, 1]])[::-1]
-        best, next_best = shares[:count], shares[count : 2 * count]
-        scores.append(float(best.sum(dtype=np.float64) - next_best.sum(dtype=np.float64)))
+        score = 0.0
+        for size, count in sizes.items():
+            votes = vote(points, float(size * radius), shape)
+            peaks = summits(votes, 0.1, int(size * radius))
+            shares = np.sort(votes[peaks[:, 0], peaks[:, 1]])[::-1]
+            best, next_best = shares[:count], shares[count : 2 * count]
+            score += float(best.sum(dtype=np.float64) - next_best.sum(dtype=np.float64))
+        scores.append(score)
     return float(radii[int(np.argmax(scores))])

@@ -35,6 +35,14 @@ REACH = 0.35
 """A disc is looked for within this many radii of where its motion predicts it."""
 CLOSE_PX = 1.5
 """So near to its place by two frames before is a disc in free flight; at the contact it is not."""
+FAR = 3.0
+"""A disc whose motion is not known yet is looked for within this many radii in the end."""
+STEPS = 2
+REVERSAL = 2.5
+"""A light sphere may come back from a heavy one faster than it came: it is looked for within so
+many of its steps since it was last seen."""
+APART = 0.6
+"""Of both radii together: nearer to a disc that was found, a far place is that disc again."""
 MOST_GROWTH = 0.15
 """An outline's radius differs from the expected one by less than this share."""
 LEAST_RIM_SHARE = 0.1
@@ -87,6 +95,45 @@ def predict(circles: Floats, coverage: Floats, k: int, direction: int, place: Fl
 
 
 @part
+def far_reach(circles: Floats, coverage: Floats, k: int, direction: int, radius: float) -> float:
+    """Return how far a disc may be from where free flight takes it, pixels.
+
+    That is `REACH` of its radius, unless it moves farther than that from frame to frame (in a
+    frame of the contact it hardly does: the frame before that counts too), or its motion is not
+    known yet.
+    """
+    nearest, later, step = -1, -1, -1.0
+    j, steps = k - direction, 0
+    while 0 <= j < coverage.size and steps < STEPS:
+        if coverage[j] >= 0.0:
+            nearest = j if nearest < 0 else nearest
+            if later >= 0:
+                moved = math.hypot(
+                    circles[later, 0] - circles[j, 0], circles[later, 1] - circles[j, 1]
+                )
+                step = max(step, moved / abs(later - j))
+                steps += 1
+            later = j
+        j -= direction
+    if steps < STEPS:
+        return max(FAR * radius, REVERSAL * step)
+    return REVERSAL * step * abs(k - nearest) if step > REACH * radius else 0.0
+
+
+@part
+def keep_apart(found: Look, discs: Floats, fresh: NDArray[np.bool_]) -> None:
+    """Take back far places that are those of discs found before."""
+    circles, coverage = found[0], found[2]
+    for n in range(coverage.size):
+        for m in range(coverage.size):
+            if not fresh[n] or n == m or coverage[m] < 0.0 or (fresh[m] and m > n):
+                continue
+            apart = math.hypot(circles[n, 0] - circles[m, 0], circles[n, 1] - circles[m, 1])
+            if apart < APART * (discs[n, 2] + discs[m, 2]):
+                coverage[n] = -1.0
+
+
+@part
 def look_about(edges: Edges, discs: Floats, reach_px: float, rules: Rules) -> tuple[Look, bool]:
     """Fit the outlines of a frame that hold, and tell whether all do."""
     circles, covariance = discs.copy(), np.zeros((discs.shape[0], 3, 3))
@@ -105,28 +152,61 @@ def look_about(edges: Edges, discs: Floats, reach_px: float, rules: Rules) -> tu
 
 
 @part
+def look_within(
+    frame: NDArray[np.uint8],
+    filters: Filters,
+    discs: Floats,
+    search: tuple[float, NDArray[np.bool_]],
+    rules: Rules,
+) -> tuple[Floats, Integers, Look, bool]:
+    """Find the edges of a frame within a distance of places, and the outlines that hold.
+
+    Parameters
+    ----------
+    search
+        The distance, pixels, and which discs go to the best peak of the votes first, shape
+        (discs,).
+    """
+    near = discs.copy()
+    near[:, 2] += search[0] + LIMB_REACH_PX + 1.0
+    points, _, labels = edges_about(frame, near, filters[0], filters[1])
+    edges = points[0], points[1], points[2], points[3]
+    if search[1].any():
+        peaks = peaks_near(edges, discs, search[0])
+        for n in range(discs.shape[0]):
+            if search[1][n] and peaks[n, 2] >= LEAST_RIM_SHARE:
+                discs[n, :2] = peaks[n, :2]
+    found, every = look_about(edges, discs, search[0], rules)
+    return points, labels, found, every
+
+
+@part
 def look(
-    frame: NDArray[np.uint8], filters: Filters, discs: Floats, rules: Rules
+    frame: NDArray[np.uint8], filters: Filters, discs: Floats, far: Floats, rules: Rules
 ) -> tuple[Floats, Integers, Look]:
     """Find the edges of a frame about some places, and the outlines that hold.
 
     First closely about the places; where that does not find every disc, further around them and
-    from the best peaks of the votes.
+    from the best peaks of the votes; then those that move fast as far off as a contact may have
+    sent them.
+
+    Parameters
+    ----------
+    far
+        That distance for each disc, pixels, shape (discs,); 0 for those that do not.
     """
-    near = discs.copy()
-    for further in range(2):
-        reach = REACH * discs[0, 2] if further > 0 else CLOSE_PX
-        near[:, 2] = discs[:, 2] + reach + LIMB_REACH_PX + 1.0
-        points, _, labels = edges_about(frame, near, filters[0], filters[1])
-        edges = points[0], points[1], points[2], points[3]
-        if further > 0:
-            peaks = peaks_near(edges, discs, reach)
-            for n in range(discs.shape[0]):
-                if peaks[n, 2] >= LEAST_RIM_SHARE:
-                    discs[n, :2] = peaks[n, :2]
-        found, every = look_about(edges, discs, reach, rules)
-        if every:
-            break
+    expected, reach = discs.copy(), REACH * float(discs[:, 2].mean())
+    stay = np.zeros(discs.shape[0], dtype=np.bool_)
+    points, labels, found, every = look_within(frame, filters, discs, (CLOSE_PX, stay), rules)
+    if not every:
+        points, labels, found, every = look_within(frame, filters, discs, (reach, ~stay), rules)
+    missed = (found[2] < 0.0) & (far > reach)
+    if missed.any():
+        for n in range(missed.size):
+            discs[n, :2] = expected[n, :2] if missed[n] else found[0][n, :2]
+        search = float(far[missed].max()), missed
+        points, labels, found, _ = look_within(frame, filters, discs, search, rules)
+        keep_apart(found, discs, missed)
     return points, labels, found
 
 
@@ -181,16 +261,18 @@ def follow_discs(
         direction = (0, 1, -1)[way]
         k = start[0] + direction
         while 0 <= k < film:
-            places, own = start[1].copy(), np.arange(discs)
+            places, own, far = start[1].copy(), np.arange(discs), np.zeros(discs)
             count = 0
             for d in range(discs):
                 place = places[count]
                 place[2] = start[1][d, 2]
                 if way == 0 or predict(circles[d], coverage[d], k, direction, place):
                     own[count] = d
+                    if way > 0:
+                        far[count] = far_reach(circles[d], coverage[d], k, direction, place[2])
                     count += 1
             if count > 0:
-                more, names, found = look(frames[k], filters, places[:count], rules)
+                more, names, found = look(frames[k], filters, places[:count], far[:count], rules)
                 points = with_room(points, size, names.size, film)
                 labels = with_room(labels, size, names.size, film)
                 points[:, size : size + names.size] = more

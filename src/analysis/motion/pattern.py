@@ -8,6 +8,7 @@ the whole shot and the two views, which see different halves, share one pattern.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,6 +46,12 @@ class Orientations:
     pattern: Floats
     matches: tuple[NDArray[np.intp], ...]
     left_out: dict[int, str]
+
+    @classmethod
+    def none(cls) -> Self:
+        """Return no orientations, of a sphere without markers."""
+        empty = np.empty((0, 3, 3))
+        return cls(np.empty(0, dtype=np.intp), empty, empty, np.empty((0, 3)), (), {})
 
 
 def orient(seen: FilmMarkers, times_s: Floats, sphere: str) -> Orientations:

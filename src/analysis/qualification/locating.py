@@ -54,7 +54,7 @@ def find_disc(frame: Frames, smallest_px: float, largest_px: float) -> Place:
     settings = EdgeSettings()
     threshold = gradient_threshold(noise_sd(frame[None]), settings.sigma_px)
     edges = find_edges(frame, settings, threshold)
-    radius = common_radius(edges.points, edges.shape, smallest_px, largest_px, 1)
+    radius = common_radius(edges.points, edges.shape, (smallest_px, largest_px), {1.0: 1})
     found = discs(vote(edges.points, radius, edges.shape), LEAST_RIM_SHARE, radius)
     if not found:
         raise ShotRefusedError(

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.errors import ShotRefusedError
+from analysis.imaging.discs import Disc, pair_apart, vote_radii
 from analysis.imaging.views import View
 from analysis.motion.turning import turn_between, turned
 from analysis.photometric.follow.confirmation import confirmed
@@ -45,10 +46,6 @@ LOOKED_AT = 4
 """Frames that are looked at before all are."""
 
 
-def _column(place: tuple[float, float, float]) -> float:
-    return place[1]
-
-
 class Follower:
     """Follows a known pair through the frames of one shot.
 
@@ -64,10 +61,11 @@ class Follower:
         self._film, self._known = film, known
         self._looks = known.looks()
         self._optics = known.camera.optics
-        self._radius = float(self._optics.scales[0] * known.spheres[0].radius_m)
+        a, b = (float(self._optics.scales[0] * sphere.radius_m) for sphere in known.spheres)
+        self._radii = vote_radii((a, b))
         self._candidates = turns()
         self._reels = film.reel(known, 0), film.reel(known, 1)
-        self._votes: dict[int, Single] = {}
+        self._votes: dict[int, tuple[Single, Single]] = {}
 
     def run(self, times_s: Floats) -> None:
         """Fill the film's poses.
@@ -85,12 +83,15 @@ class Follower:
         radii = np.array([sphere.radius_m for sphere in self._known.spheres])
         drop_unseen(self._film, self._optics, radii)
 
-    def _vote(self, frame: int) -> Single:
+    def _vote(self, frame: int) -> tuple[Single, Single]:
+        """Return the votes for discs of the size of a and of b."""
         if frame not in self._votes:
             film = self._film
-            self._votes[frame] = vote_map(
-                film.frames[frame], film.background, film.noise, self._radius
-            )
+            votes = {
+                radius: vote_map(film.frames[frame], film.background, film.noise, radius)
+                for radius in dict.fromkeys(self._radii)
+            }
+            self._votes[frame] = votes[self._radii[0]], votes[self._radii[1]]
         return self._votes[frame]
 
     def _find_start(self) -> int:
@@ -134,25 +135,32 @@ class Follower:
         """
         votes = self._vote(k)
         split = self._front_from()
-        front = peaks(votes[split:], 2, LEAST_APART * self._radius)
-        if len(front) < 2 or not all(self._well_inside(*place[:2]) for place in front):
+        apart = LEAST_APART * sum(self._radii) / 2
+        a, b = ([Disc(*place) for place in peaks(map_[split:], 2, apart)] for map_ in votes)
+        front = pair_apart(a, b, apart)
+        if front is None:
             return None
+        if self._radii[0] == self._radii[1] and front[0].column > front[1].column:
+            front = front[::-1]
         centres = np.zeros((2, 3))
-        for centre, (row, column, _) in zip(centres, sorted(front, key=_column), strict=True):
-            centre[:2] = self._known.camera.at_pixels(0, (row + split, column), 0.0)
+        for i, (centre, disc) in enumerate(zip(centres, front, strict=True)):
+            if not self._well_inside(i, disc):
+                return None
+            place = disc.row + split, disc.column
+            centre[:2] = self._known.camera.at_pixels(0, place, 0.0)
             if len(self._optics.scales) > 1:
-                above = self._above(votes, column)
+                above = self._above(i, votes[i], disc.column)
                 if above is None:
                     return None
                 centre[2] = above
-        return centres, min(share for _, _, share in front)
+        return centres, min(disc.rim_share for disc in front)
 
-    def _well_inside(self, row: float, column: float) -> bool:
-        """Tell of a place below the top view whether a disc there does not leave the frame soon."""
+    def _well_inside(self, i: int, disc: Disc) -> bool:
+        """Return whether sphere i, at a disc below the top view, stays in the frame for long."""
         rows, columns = self._film.frames.shape[1:]
-        least = LEAST_INSIDE * self._radius
+        least = LEAST_INSIDE * self._radii[i]
         last = rows - 1 - self._front_from() - least
-        return bool(row <= last and least <= column <= columns - 1 - least)
+        return bool(disc.row <= last and least <= disc.column <= columns - 1 - least)
 
     def _front_from(self) -> int:
         """Return the first row that can hold a centre of the front view."""
@@ -160,13 +168,13 @@ class Follower:
             return 0
         return int(self._optics.rows[1, 1])
 
-    def _above(self, votes: Single, column: float) -> float | None:
-        """Return Z of the disc in the top view at a column of the front view."""
+    def _above(self, i: int, votes: Single, column: float) -> float | None:
+        """Return Z of sphere i by its disc in the top view at a column of the front view."""
         y = float(self._known.camera.at_pixels(0, (0.0, column), 0.0)[1])
         _, expected, _ = disc_of(self._optics, 1, np.array([0.0, y, 0.0]), 0.0)
         low = max(int(expected) - 3, 0)
         strip = votes[: self._front_from(), low : int(expected) + 5]
-        best = peaks(strip, 1, self._radius) if strip.size else []
+        best = peaks(strip, 1, self._radii[i]) if strip.size else []
         if not best:
             return None
         return float(-self._known.camera.at_pixels(1, best[0][:2], 0.0)[0])
@@ -263,7 +271,7 @@ class Follower:
     def _attract(self, i: int, k: int) -> None:
         """Draw a predicted centre to the discs that the frame shows near it."""
         film, optics = self._film, self._optics
-        votes = self._vote(k)
+        votes = self._vote(k)[i]
         row, column, _ = disc_of(optics, 0, film.centre[i, k], self._looks[i].radius_m)
         there = peak_near(votes, (row, column), REACH_PX)
         film.centre[i, k, 0] += (there[0] - row) / optics.scales[0]

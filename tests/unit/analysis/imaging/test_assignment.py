@@ -60,7 +60,7 @@ def assert_followed(discs: FilmDiscs, truth: list[dict[tuple[str, View], Place]]
 
 def test_both_spheres_are_followed_in_both_views_through_all_frames() -> None:
     truth = [places(k, (95.0, 110.0)) for k in range(13)]
-    assert_followed(follow(film(truth), VIEWS, RADIUS)[0], truth)
+    assert_followed(follow(film(truth), VIEWS, (RADIUS, RADIUS))[0], truth)
 
 
 def test_a_sphere_that_crosses_into_the_rows_of_the_other_view_keeps_its_name() -> None:
@@ -71,7 +71,7 @@ def test_a_sphere_that_crosses_into_the_rows_of_the_other_view_keeps_its_name() 
         {key: (row - 8 if key[1] is View.TOP else row, c, r) for key, (row, c, r) in t.items()}
         for t in truth
     ]
-    assert_followed(follow(film(moved), VIEWS, RADIUS)[0], moved)
+    assert_followed(follow(film(moved), VIEWS, (RADIUS, RADIUS))[0], moved)
 
 
 def passing(k: int) -> dict[tuple[str, View], Place]:
@@ -86,13 +86,13 @@ def passing(k: int) -> dict[tuple[str, View], Place]:
 def test_a_is_the_sphere_that_comes_from_the_left_even_where_it_ends_on_the_right() -> None:
     truth = [passing(k) for k in range(13)]
     assert truth[-1]["a", View.FRONT][1] > truth[-1]["b", View.FRONT][1]
-    assert_followed(follow(film(truth), VIEWS, RADIUS)[0], truth)
+    assert_followed(follow(film(truth), VIEWS, (RADIUS, RADIUS))[0], truth)
 
 
 def test_the_seed_is_the_frame_that_shows_both_spheres_in_both_views() -> None:
     truth = [places(k, (95.0, 110.0)) for k in range(5)]
     drawings = shown(truth[:2], ("b",)) + shown(truth[2:3], ()) + shown(truth[3:], ("a",))
-    seed, pairs = seed_frame(filmed(drawings), VIEWS, RADIUS)
+    seed, pairs = seed_frame(filmed(drawings), VIEWS, (RADIUS, RADIUS))
     assert seed == 2
     for view in View:
         for disc, name in zip(pairs[view], SPHERES, strict=True):
@@ -102,7 +102,7 @@ def test_the_seed_is_the_frame_that_shows_both_spheres_in_both_views() -> None:
 def test_one_sphere_alone_is_refused_with_what_was_seen() -> None:
     truth = [places(k, (95.0, 110.0)) for k in range(4)]
     with pytest.raises(ShotRefusedError) as refusal:
-        follow(film(truth, hidden=("b",)), VIEWS, RADIUS)
+        follow(film(truth, hidden=("b",)), VIEWS, (RADIUS, RADIUS))
     assert refusal.value.step == "assignment"
     assert refusal.value.frame in range(4)
     assert "shows 2 of 4 discs of radius 14.0 px" in refusal.value.reason
@@ -113,7 +113,7 @@ def test_one_sphere_alone_is_refused_with_what_was_seen() -> None:
 def test_blank_frames_are_refused_with_no_disc_seen() -> None:
     blank = FilmEdges(np.full((3, *SHAPE), 40, dtype=np.uint8), SETTINGS, THRESHOLD)
     with pytest.raises(ShotRefusedError, match=r"assignment.* shows 0 of 4 discs .* none"):
-        follow(blank, VIEWS, RADIUS)
+        follow(blank, VIEWS, (RADIUS, RADIUS))
 
 
 def test_views_whose_columns_disagree_do_not_show_the_same_spheres() -> None:
@@ -125,4 +125,4 @@ def test_views_whose_columns_disagree_do_not_show_the_same_spheres() -> None:
     }
     apart["b", View.TOP] = (26.0, 100.0, RADIUS)
     with pytest.raises(ShotRefusedError, match="columns of the views in agreement"):
-        seed_frame(film([apart]), VIEWS, RADIUS)
+        seed_frame(film([apart]), VIEWS, (RADIUS, RADIUS))

@@ -80,7 +80,7 @@ def test_a_prediction_out_of_the_image_has_no_peak(place: tuple[float, float]) -
 def test_the_common_radius_of_two_discs_is_known_to_a_pixel(radius: float) -> None:
     places = [(row, column, radius) for row, column, _ in TWO]
     edges = edges_of(draw(places), noise=1.5)
-    found = common_radius(edges.points, edges.shape, 6.0, 40.0, 2)
+    found = common_radius(edges.points, edges.shape, (6.0, 40.0), {1.0: 2})
     assert found == pytest.approx(radius, abs=1.0)
 
 
@@ -95,5 +95,5 @@ def test_markers_do_not_outvote_two_discs_that_show_half_of_their_limbs() -> Non
     picture = draw(places, markers=spots)
     fade = np.clip((60.0 - np.arange(len(picture))) / 30.0, 0.0, 1.0)[:, None]
     edges = edges_of(BACKGROUND + (picture - BACKGROUND) * fade, noise=1.5)
-    found = common_radius(edges.points, edges.shape, 3.0, 40.0, 2)
+    found = common_radius(edges.points, edges.shape, (3.0, 40.0), {1.0: 2})
     assert found == pytest.approx(18.0, abs=1.0)

@@ -1,0 +1,76 @@
+"""Spheres without markers, alike and unlike, held against the world that rendered them."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from analysis.campaign import analyse_campaign, read_campaign
+from analysis.shot import AnalysisOptions, MeasuredShot
+from simulators.world import WorldDescription, write_campaign
+from simulators.world.description import Sphere
+
+INCH_M = 0.0254
+PLAIN = replace(Sphere(), markers=0)
+
+
+def measured(
+    folder: Path, a: Sphere, b: Sphere, pressure_kpa: float, *, state_scale: bool = True
+) -> tuple[MeasuredShot, dict[str, float]]:
+    world = WorldDescription(sphere_a=a, sphere_b=b)
+    write_campaign(
+        folder, [pressure_kpa], [4.0], 5, description=world, frames=24, state_scale=state_scale
+    )
+    options = AnalysisOptions()
+    ((_, shot, _),) = analyse_campaign(read_campaign(folder), options, workers=1)
+    assert isinstance(shot, MeasuredShot), shot
+    (truth,) = json.loads((folder / "truth.json").read_text())["shots"]
+    return shot, truth
+
+
+@pytest.mark.parametrize(
+    ("diameter_a", "diameter_b", "pressure_kpa"),
+    [
+        (INCH_M, INCH_M, 50.0),
+        (INCH_M, INCH_M / 2, 60.0),
+        (INCH_M / 2, INCH_M, 40.0),
+        # The smaller one is 13 pixels across and moves by three of its radii from frame to frame.
+        (INCH_M, INCH_M / 3, 50.0),
+    ],
+)
+def test_restitution_and_normal_velocity_need_no_markers(
+    diameter_a: float, diameter_b: float, pressure_kpa: float, tmp_path: Path
+) -> None:
+    a, b = (replace(PLAIN, diameter_m=size) for size in (diameter_a, diameter_b))
+    shot, truth = measured(tmp_path / "shot", a, b, pressure_kpa)
+    e, v_n = shot.impact.e, shot.impact.v_n
+    assert abs(e.value + truth["v_n_after"] / truth["v_n"]) < min(4 * e.sigma, 0.02)
+    assert abs(v_n.value - truth["v_n"]) < min(4 * v_n.sigma, 0.01 * abs(truth["v_n"]))
+    assert e.sigma < 0.01
+
+
+def test_what_needs_the_spin_is_open_and_said(tmp_path: Path) -> None:
+    shot, _ = measured(tmp_path / "shot", PLAIN, PLAIN, 50.0)
+    assert shot.impact.v_s is None
+    assert shot.impact.beta is None
+    assert "outlines alone, spins are open" in shot.notes[0]
+
+
+def test_the_scale_of_unlike_spheres_comes_from_both_diameters(tmp_path: Path) -> None:
+    small = replace(PLAIN, diameter_m=INCH_M / 2)
+    shot, truth = measured(tmp_path / "shot", PLAIN, small, 40.0, state_scale=False)
+    v_n = shot.impact.v_n
+    assert 0.003 < v_n.sigma / abs(v_n.value) < 0.01
+    assert abs(v_n.value - truth["v_n"]) < 3 * v_n.sigma
+
+
+def test_marked_spheres_of_unlike_size_have_their_spins(tmp_path: Path) -> None:
+    smaller = replace(Sphere(), diameter_m=INCH_M / 1.5)
+    shot, truth = measured(tmp_path / "shot", Sphere(), smaller, 50.0)
+    v_s, e = shot.impact.v_s, shot.impact.e
+    assert v_s is not None
+    assert abs(v_s.value - truth["v_s"]) < min(4 * v_s.sigma, 0.02)
+    assert abs(e.value + truth["v_n_after"] / truth["v_n"]) < 4 * e.sigma
