@@ -13,6 +13,7 @@ from simulators.ektapro.digitiser import Digitiser
 from simulators.ektapro.faults import FrameFault, FrameFaults
 from simulators.ektapro.link import Link
 from simulators.ektapro.processor import Processor
+from simulators.holders import Holders
 from simulators.options import DRAWN, Options, read_options
 from simulators.wire import protocol_sim
 from simulators.wire.alicat import PressureRegulator
@@ -24,12 +25,22 @@ from simulators.wire.pty_port import PtyPort
 from simulators.wire.trigger_box import Pulses, TriggerBox
 from simulators.wire.zaber import ZaberStage
 from simulators.world import Launch, World, WorldDescription
+from simulators.world.description import Magnet
 
 RELAY_CHANNELS = 2
 CUT_OFF_CHANNEL = 1
 REMOTE_TRIGGER_CHANNEL = 1
 REMOTE_TRIGGER = "remote-trigger"
-ROLES = ("trigger", "regulator", "slide", "cut-off", "recorder", "capture", REMOTE_TRIGGER)
+ROLES = (
+    "trigger",
+    "solenoids",
+    "regulator",
+    "slide",
+    "cut-off",
+    "recorder",
+    "capture",
+    REMOTE_TRIGGER,
+)
 STUCK, UNPLUG, PLUG_IN, NEVER_STARTS = "stuck", "unplug", "plug-in", "never-starts"
 
 # Above the numbers that the world gives its own chances.
@@ -48,7 +59,7 @@ class _SerialDevice:
 
 
 class Laboratory:
-    """Five devices on ports, a relay on USB, and the world that they act on.
+    """Six devices on ports, a relay on USB, and the world that they act on.
 
     Parameters
     ----------
@@ -76,6 +87,8 @@ class Laboratory:
         self._stage = ZaberStage(clock, options.slide_speed_mm_per_s)
         self._box = TriggerBox(clock, self._fire, contact_in_power=options.watch_contact)
         self._cut_off = LcusRelay(RELAY_CHANNELS, self._switch_power)
+        self._holders = _holders(options, clock, world)
+        self._solenoids = LcusRelay(RELAY_CHANNELS, self._holders.switch)
         self._recorder = Processor(clock, options.run_up_s)
         self._power_switched_s: float | None = None
         self._frame_faults = FrameFaults()
@@ -87,6 +100,7 @@ class Laboratory:
         self._remote_url = protocol_sim.publish(remote, self._recorder.contact)
         self._devices: dict[str, _SerialDevice] = {}
         self._connect("trigger", Lines(b"\n"), self._box.answer, self._box.stick)
+        self._connect("solenoids", LcusFrames(), self._solenoids.answer, self._solenoids.stick)
         self._connect("regulator", Lines(b"\r"), self._regulator.answer, self._regulator.stick)
         self._connect("slide", Lines(b"\n"), self._stage.answer, self._stage.stick)
         self._connect("cut-off", LcusFrames(), self._cut_off.answer, self._cut_off.stick)
@@ -140,7 +154,7 @@ class Laboratory:
         Parameters
         ----------
         device
-            `trigger`, `regulator`, `slide`, `cut-off`, `recorder` or `relay`.
+            `trigger`, `solenoids`, `regulator`, `slide`, `cut-off`, `recorder` or `relay`.
         kind
             Of every device but the recorder: `stuck`. Of those on a port: a `SerialFault`,
             `unplug`, `plug-in`. Of the recorder: a `FrameFault` or `never-starts`. Of the relay:
@@ -211,6 +225,7 @@ class Laboratory:
         """Unplug everything and stop every thread. Safe to call twice."""
         for device in self._devices.values():
             device.port.close()
+        self._holders.close()
         protocol_sim.withdraw(self._remote_url)
         self._digitiser.close()
 
@@ -246,6 +261,7 @@ class Laboratory:
         if channel == CUT_OFF_CHANNEL:
             self._power_switched_s = self._clock()
             self._box.power(on)
+            self._holders.power(on)
 
     def _power_last_switched_s(self) -> float | None:
         late_s = self._box.late_since_s if self._watch_contact else None
@@ -274,6 +290,18 @@ def open_laboratory(folder: Path, options: Mapping[str, object]) -> Laboratory:
     checked = read_options(options)
     folder.mkdir(parents=True, exist_ok=True)
     return Laboratory(folder, checked, _world(checked, folder / "truth"), time.monotonic)
+
+
+def _holders(options: Options, clock: Callable[[], float], world: World) -> Holders:
+    """Return what the board's channels hold: a sphere each, or one on a magnet; pushers nothing."""
+    holder = options.world.holder
+    channels = () if holder is None else (1,) if isinstance(holder, Magnet) else (1, 2)
+    return Holders(
+        channels,
+        holds_energised=options.holds_energised,
+        clock=clock,
+        release=world.fire,
+    )
 
 
 def _world(options: Options, truth: Path) -> World:

@@ -44,8 +44,10 @@ class Options:
     hides
         One of `HIDES`. Empty: spheres of nylon in still air. Else one effect comes on top in their
         contact: that of this name, or the one that the seed draws.
+    holds_energised
+        Whether solenoids hold with current, as the scene's trigger says.
     world
-        What the configuration describes and the tables `contact`, `tube` and `air` change
+        What the configuration describes and the tables `contact`, `tube`, `magnet` and `air` change
         (`simulators.world.scene.described`).
     """
 
@@ -55,10 +57,11 @@ class Options:
     run_up_s: float = RUN_UP_S
     watch_contact: bool = False
     hides: str = ""
+    holds_energised: bool = True
     world: WorldDescription = field(default_factory=WorldDescription)
 
 
-WORLD_TABLES = ("scene", "contact", "tube", "air")
+WORLD_TABLES = ("scene", "contact", "tube", "magnet", "air")
 """Tables that describe the world; `scene` is what the rig's own configuration says of it."""
 DRAWN = "drawn"
 HIDES = ("", DRAWN, *IN_CONTACT)
@@ -79,7 +82,8 @@ def read_options(table: Mapping[str, object]) -> Options:
     ValueError
         An unknown option, or a value of the wrong kind or outside its limits; the option is named.
     """
-    known = {each.name for each in fields(Options)} - {"world"} | {*WORLD_TABLES}
+    own = {each.name for each in fields(Options)} - {"world", "holds_energised"}
+    known = own | {*WORLD_TABLES}
     for name, value in table.items():
         if name not in known:
             raise ValueError(
@@ -103,5 +107,7 @@ def read_options(table: Mapping[str, object]) -> Options:
             raise ValueError(f"simulation.{name} is {value!r}; allowed {low} to {high}")
     plain = {name: value for name, value in table.items() if name not in WORLD_TABLES}
     tables: dict[str, Any] = {name: table.get(name, {}) for name in WORLD_TABLES}
-    world = described(tables.pop("scene"), **tables)
-    return Options(**plain, world=world)  # type: ignore[arg-type]  # each value was checked above
+    scene = tables.pop("scene")
+    holds = scene.get("energised", "hold") == "hold"
+    world = described(scene, **tables)
+    return Options(**plain, holds_energised=holds, world=world)  # type: ignore[arg-type]  # each value was checked above

@@ -7,10 +7,10 @@ import numpy as np
 from simulators.world.description import Sphere
 from simulators.world.optics import Optics
 from simulators.world.render import Camera, Poses
+from simulators.world.scene import NO_MIRROR_PX
 from simulators.world.state import Pose
 
 UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
-_OUT_OF_SIGHT = (-1.0e4, -1.0e4)
 
 
 def single_sphere_camera(diameter_m: float, diameter_px: float, *, exposure_s: float) -> Camera:
@@ -21,7 +21,7 @@ def single_sphere_camera(diameter_m: float, diameter_px: float, *, exposure_s: f
     optics = Optics(
         scale_px_per_m=diameter_px / diameter_m,
         front_origin_px=(0.0, 0.0),
-        top_origin_px=_OUT_OF_SIGHT,
+        top_origin_px=NO_MIRROR_PX,
         exposure_s=exposure_s,
     )
     sphere = Sphere(diameter_m=diameter_m, markers=0)

@@ -95,6 +95,66 @@ class Tube:
 
 
 @dataclass(frozen=True, slots=True)
+class TiltedTubes:
+    """Two tubes turned by hand, a solenoid in each (first apparatus of the thesis, section 3.2).
+
+    A solenoid holds its sphere `length_m` up the tube; let go, the sphere rolls down without
+    slipping and leaves at sqrt(2 g L sin(angle) / (1 + I / (m r^2))) along the tube.
+
+    Parameters
+    ----------
+    mouth_m, height_m
+        Where a sphere's centre leaves: distance from the middle of the field along Y, and X.
+    length_m
+        Way that a sphere rolls.
+    angle_a_deg, angle_b_deg
+        Tilt of each tube below the horizontal, as somebody has turned it.
+    release_delay_s, release_jitter_s
+        From the switched contact to the loose sphere: mean and standard deviation.
+    speed_scatter, direction_scatter_rad, position_scatter_m, spin_scatter_rad_per_s
+        As of `Tube`.
+    """
+
+    mouth_m: float = 0.078
+    height_m: float = -0.058
+    length_m: float = 0.2
+    angle_a_deg: float = 30.0
+    angle_b_deg: float = 30.0
+    release_delay_s: float = 0.006
+    release_jitter_s: float = 2.0e-4
+    speed_scatter: float = 0.004
+    direction_scatter_rad: float = 0.003
+    position_scatter_m: float = 1.0e-4
+    spin_scatter_rad_per_s: float = 2.0
+
+
+@dataclass(frozen=True, slots=True)
+class Magnet:
+    """A magnet that holds sphere a and lets it fall, on a plate or past the field (chapter 6).
+
+    Parameters
+    ----------
+    height_m
+        X of the held sphere's centre; negative is above the origin.
+    plate_m
+        X of the plate's surface.
+    release_delay_s, release_jitter_s
+        As of `TiltedTubes`.
+    position_scatter_m, drift_scatter_m_per_s, spin_scatter_rad_per_s
+        Standard deviations along Y and along Z, of the sideways speed, and of each component of
+        the spin, that a sticking magnet gives.
+    """
+
+    height_m: float = -0.06
+    plate_m: float = 0.5
+    release_delay_s: float = 0.004
+    release_jitter_s: float = 1.0e-3
+    position_scatter_m: float = 3.0e-4
+    drift_scatter_m_per_s: float = 3.0e-3
+    spin_scatter_rad_per_s: float = 0.2
+
+
+@dataclass(frozen=True, slots=True)
 class ContactLaw:
     """Damped Hertz contact with a tangential spring, a dashpot and Coulomb's limit.
 
@@ -137,11 +197,15 @@ class Environment:
 
 @dataclass(frozen=True, slots=True)
 class WorldDescription:
-    """Everything the simulated world obeys; the defaults are the thesis's nylon rig."""
+    """Everything the simulated world obeys; the defaults are the thesis's nylon rig.
+
+    `holder` is what lets spheres go where no pusher fires them; None: the tubes have pushers.
+    """
 
     sphere_a: Sphere = field(default_factory=Sphere)
     sphere_b: Sphere = field(default_factory=Sphere)
     tube: Tube = field(default_factory=Tube)
+    holder: TiltedTubes | Magnet | None = None
     contact: ContactLaw = field(default_factory=ContactLaw)
     environment: Environment = field(default_factory=Environment)
     optics: Optics = field(default_factory=Optics)

@@ -10,9 +10,10 @@ from functools import partial
 import numpy as np
 
 from simulators.world.contact import Contact, Touch, collide
-from simulators.world.description import Environment, Sphere, WorldDescription
+from simulators.world.description import Environment, Sphere, TiltedTubes, WorldDescription
 from simulators.world.flight import Flight, acceleration, fly
 from simulators.world.launch import Departure, Launch, Loaded, depart
+from simulators.world.release import Held, Release, roll
 from simulators.world.state import Motion, Pose
 
 FLIGHT_LASTS_S = 0.3
@@ -46,12 +47,14 @@ class Path:
 class Encounter:
     """The paths of both spheres and their contact, None if they missed.
 
-    Times count from the pulse on pusher a.
+    Times count from the start of the launch. `later` are the contacts after the first, of a
+    sphere that bounces on a plate.
     """
 
     path_a: Path
     path_b: Path
     contact: Contact | None
+    later: tuple[Contact, ...] = ()
 
     def poses(self, time_s: float) -> tuple[Pose | None, Pose | None]:
         """Return the poses of a and b; None for a sphere that cannot be seen."""
@@ -64,23 +67,17 @@ Law = Callable[[Touch], Contact]
 
 def simulate(
     description: WorldDescription,
-    launch: Launch,
+    launch: Launch | Release,
     rng: np.random.Generator,
     law: Law | None = None,
 ) -> Encounter:
-    """Fire both pushers, and follow the spheres until they are out of every view.
+    """Launch both spheres, and follow them until they are out of every view.
 
     Spheres meet once at most: after parting they share gravity, and drag cannot turn them back.
     Without a `law` of its own the contact is that of the description.
     """
     law = partial(collide, law=description.contact) if law is None else law
-    tube = description.tube
-    low, high = tube.height_m + launch.offset_m / 2.0, tube.height_m - launch.offset_m / 2.0
-    delay_s = launch.fire_b_s - launch.fire_a_s
-    tube_a = Loaded(tube, description.sphere_a, high, +1.0)
-    tube_b = Loaded(tube, description.sphere_b, low, -1.0)
-    a = depart(tube_a, launch.pressure_a_kpa, 0.0, rng)
-    b = depart(tube_b, launch.pressure_b_kpa, delay_s, rng)
+    a, b = _departures(description, launch, rng)
     if a is not None and b is not None:
         return _meet(description, (a, b), law)
     return Encounter(
@@ -88,6 +85,42 @@ def simulate(
         _alone(description.environment, b, description.sphere_b),
         None,
     )
+
+
+def _departures(
+    description: WorldDescription, launch: Launch | Release, rng: np.random.Generator
+) -> tuple[Departure | None, Departure | None]:
+    """Return how a and b leave their tubes, None for one that stays; times as of `Encounter`."""
+    if isinstance(launch, Release):
+        return _rolling(description, launch, rng)
+    tube = description.tube
+    low, high = tube.height_m + launch.offset_m / 2.0, tube.height_m - launch.offset_m / 2.0
+    delay_s = launch.fire_b_s - launch.fire_a_s
+    tube_a = Loaded(tube, description.sphere_a, high, +1.0)
+    tube_b = Loaded(tube, description.sphere_b, low, -1.0)
+    return (
+        depart(tube_a, launch.pressure_a_kpa, 0.0, rng),
+        depart(tube_b, launch.pressure_b_kpa, delay_s, rng),
+    )
+
+
+def _rolling(
+    description: WorldDescription, release: Release, rng: np.random.Generator
+) -> tuple[Departure | None, Departure | None]:
+    tubes = description.holder
+    if not isinstance(tubes, TiltedTubes):
+        raise TypeError(f"solenoids let go, and the world has {type(tubes).__name__}")
+    held = (
+        (Held(tubes, description.sphere_a, tubes.angle_a_deg, +1.0), release.fire_a_s),
+        (Held(tubes, description.sphere_b, tubes.angle_b_deg, -1.0), release.fire_b_s),
+    )
+    a, b = (
+        None
+        if switched is None or tube.angle_deg == 0.0
+        else roll(tube, switched - release.starts_s, description.environment, rng)
+        for tube, switched in held
+    )
+    return a, b
 
 
 def _alone(environment: Environment, leaving: Departure | None, sphere: Sphere) -> Path:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import cast
 
 import numpy as np
@@ -61,6 +61,33 @@ def acceleration(
     speed = math.sqrt(float(velocity @ velocity))
     gravity = np.array([environment.gravity_m_per_s2, 0.0, 0.0])
     return gravity - (drag / sphere.mass_kg * speed) * velocity
+
+
+def fall(
+    initial: Motion,
+    sphere: Sphere,
+    span_s: tuple[float, float],
+    plate_m: float,
+    environment: Environment,
+) -> Flight:
+    """Integrate one sphere over a span of time, and find where it comes down on a level plate.
+
+    `plate_m` is X of the plate's surface. A sphere that begins on the plate must be rising.
+    """
+    # Loaded with the first flight.
+    from scipy.optimize import brentq  # noqa: PLC0415
+
+    flight = fly([initial], [sphere], *span_s, environment)
+
+    def gap(time_s: float) -> float:
+        return plate_m - sphere.radius_m - float(flight.solution(time_s)[0])
+
+    # It is highest after v/g at the latest; from there on the gap only shrinks.
+    highest_s = span_s[0] + max(-float(initial.velocity[0]), 0.0) / environment.gravity_m_per_s2
+    if highest_s >= span_s[1] or gap(span_s[1]) > 0.0:
+        return flight
+    touch_s = float(brentq(gap, highest_s, span_s[1], xtol=1e-13, rtol=1e-13))
+    return replace(flight, touch_s=touch_s)
 
 
 def fly(

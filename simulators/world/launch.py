@@ -27,6 +27,11 @@ class Launch:
     fire_a_s: float = 0.0
     fire_b_s: float = 0.0
 
+    @property
+    def starts_s(self) -> float:
+        """Lab time from which the shot's own times count."""
+        return self.fire_a_s
+
 
 @dataclass(frozen=True, slots=True)
 class Departure:

@@ -3,15 +3,25 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import fields, replace
 from typing import Any, TypeVar
 
-from simulators.world.description import ContactLaw, Environment, Sphere, Tube, WorldDescription
+from simulators.world.description import (
+    ContactLaw,
+    Environment,
+    Magnet,
+    Sphere,
+    TiltedTubes,
+    Tube,
+    WorldDescription,
+)
 from simulators.world.optics import Optics
 
+NO_MIRROR_PX = (-1.0e4, -1.0e4)
+"""Where a camera without a mirror shows the top view: far outside its frame."""
 Table = Mapping[str, Any]
-Part = TypeVar("Part", ContactLaw, Tube, Environment)
+Part = TypeVar("Part", ContactLaw, Tube, TiltedTubes, Magnet, Environment)
 
 _CONTACT_LIMITS = {
     "youngs_modulus_pa": (1e5, 1e12),
@@ -22,9 +32,9 @@ _CONTACT_LIMITS = {
     "tangential_damping_ratio": (0.0, 1.0),
 }
 _TUBE_LIMITS = {
-    "mouth_m": (0.01, 1.0),
+    "mouth_m": (0.001, 1.0),
     "height_m": (-0.1, 0.1),
-    "piston_area_m2": (1e-7, 1e-2),
+    "piston_area_m2": (1e-9, 1e-2),
     "stroke_m": (1e-4, 0.5),
     "friction_n": (0.0, 100.0),
     "valve_delay_s": (0.0, 0.1),
@@ -32,6 +42,28 @@ _TUBE_LIMITS = {
     "speed_scatter": (0.0, 0.5),
     "direction_scatter_rad": (0.0, 0.2),
     "position_scatter_m": (0.0, 0.01),
+    "spin_scatter_rad_per_s": (0.0, 1000.0),
+}
+_TILTED_LIMITS = {
+    "mouth_m": (0.001, 1.0),
+    "height_m": (-0.5, 0.5),
+    "length_m": (1e-3, 2.0),
+    "angle_a_deg": (0.0, 90.0),
+    "angle_b_deg": (0.0, 90.0),
+    "release_delay_s": (0.0, 0.1),
+    "release_jitter_s": (0.0, 0.01),
+    "speed_scatter": (0.0, 0.5),
+    "direction_scatter_rad": (0.0, 0.2),
+    "position_scatter_m": (0.0, 0.01),
+    "spin_scatter_rad_per_s": (0.0, 1000.0),
+}
+_MAGNET_LIMITS = {
+    "height_m": (-1.0, 1.0),
+    "plate_m": (-1.0, 10.0),
+    "release_delay_s": (0.0, 0.1),
+    "release_jitter_s": (0.0, 0.01),
+    "position_scatter_m": (0.0, 0.01),
+    "drift_scatter_m_per_s": (0.0, 1.0),
     "spin_scatter_rad_per_s": (0.0, 1000.0),
 }
 _AIR_LIMITS = {"drag_coefficient": (0.0, 2.0)}
@@ -42,6 +74,7 @@ def described(
     *,
     contact: Table | None = None,
     tube: Table | None = None,
+    magnet: Table | None = None,
     air: Table | None = None,
 ) -> WorldDescription:
     """Return the world of a scene, with what only the world knows of contact, tubes and air.
@@ -49,20 +82,22 @@ def described(
     Parameters
     ----------
     scene
-        What the configuration says of the rig: `spheres` (two tables), `environment`, `optics`,
-        `exposure_us`; what is absent is the nylon rig's. Its drag coefficient is what the rig
-        believes; that of the world is in `air`.
-    contact, tube, air
-        Fields of `ContactLaw`, `Tube`, and `drag_coefficient`, where they differ from nylon's.
+        What the configuration says of the rig: `apparatus`, `spheres` (two tables), `environment`,
+        `optics`, `exposure_us`; what is absent is the nylon rig's with pushers. Its drag
+        coefficient is what the rig believes; that of the world is in `air`.
+    contact, tube, magnet, air
+        Fields of `ContactLaw`, of `Tube` (`TiltedTubes` on the release apparatus), of `Magnet` (on
+        the drop apparatus), and `drag_coefficient`, where they differ from nylon's.
 
     Raises
     ------
     ValueError
-        An unknown field, a number outside its limits, or a body that is no sphere; it is named.
+        An unknown field, a number outside its limits, a body or a table that the apparatus cannot
+        have; it is named.
     """
     nylon = WorldDescription()
-    bodies = scene.get("spheres", ({}, {}))
-    a, b = (_sphere(body) for body in bodies)
+    apparatus = scene.get("apparatus", "pusher")
+    a, b = _bodies(apparatus, scene.get("spheres", ({}, {})))
     surroundings = scene.get("environment", {})
     environment = replace(
         nylon.environment,
@@ -72,16 +107,36 @@ def described(
     return WorldDescription(
         sphere_a=a,
         sphere_b=b,
-        tube=_with(nylon.tube, "tube", tube or {}, _TUBE_LIMITS),
+        **_launcher(apparatus, tube or {}, magnet or {}),
         contact=_with(nylon.contact, "contact", contact or {}, _CONTACT_LIMITS),
         environment=_with(environment, "air", air or {}, _AIR_LIMITS),
         optics=_optics(nylon.optics, scene.get("optics", {}), scene.get("exposure_us")),
     )
 
 
+def _launcher(apparatus: str, tube: Table, magnet: Table) -> dict[str, Any]:
+    """Return `tube` or `holder` of the description, whichever the apparatus has."""
+    if apparatus == "drop":
+        if tube:
+            raise ValueError("simulation.tube is given, and the drop apparatus has a magnet")
+        return {"holder": _with(Magnet(), "magnet", magnet, _MAGNET_LIMITS)}
+    if magnet:
+        raise ValueError(f"simulation.magnet is given, and the {apparatus} apparatus has tubes")
+    if apparatus == "release":
+        return {"holder": _with(TiltedTubes(), "tube", tube, _TILTED_LIMITS)}
+    return {"tube": _with(Tube(), "tube", tube, _TUBE_LIMITS)}
+
+
+def _bodies(apparatus: str, bodies: Sequence[Table]) -> tuple[Sphere, Sphere]:
+    a, b = bodies
+    if b.get("plate") and apparatus != "drop":
+        raise ValueError(f"sphere b is a plate, and the {apparatus} apparatus fires two spheres")
+    if apparatus == "drop" and not b.get("plate"):
+        raise ValueError("sphere b is no plate, and a magnet drops one sphere on a plate")
+    return _sphere(a), Sphere() if b.get("plate") else _sphere(b)
+
+
 def _sphere(body: Table) -> Sphere:
-    if body.get("plate"):
-        raise ValueError("sphere b is a plate, and the simulated tubes fire spheres")
     known = ("diameter_m", "density_kg_per_m3", "inertia_factor")
     stated: dict[str, Any] = {name: float(body[name]) for name in known if name in body}
     return replace(Sphere(), **stated)
@@ -102,6 +157,8 @@ def _optics(nylon: Optics, optics: Table, exposure_us: float | None) -> Optics:
     }
     if optics.get("scale_px_per_m") is not None:
         stated["scale_px_per_m"] = float(optics["scale_px_per_m"])
+    if optics.get("front_view_rows") is not None and optics.get("top_view_rows") is None:
+        stated["top_origin_px"] = NO_MIRROR_PX
     if exposure_us is not None:
         stated["exposure_s"] = exposure_us * 1e-6
     return replace(nylon, **stated)

@@ -13,10 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from simulators.world.chance import marked_camera, noise_chance, shot_chance
-from simulators.world.description import WorldDescription
-from simulators.world.encounter import Encounter, Law, simulate
+from simulators.world.description import Magnet, WorldDescription
+from simulators.world.encounter import Encounter, Law
+from simulators.world.firing import fire
 from simulators.world.flight import load_integrator
 from simulators.world.launch import Launch
+from simulators.world.release import PLATE, Release
 from simulators.world.state import Pose
 from simulators.world.truth import append_line, contact_truth
 
@@ -31,17 +33,17 @@ _PATIENCE_S = 60.0
 class _Fired:
     """A shot and its outcome, which a thread of its own works out."""
 
-    launch: Launch
+    launch: Launch | Release
     encounter: Future[Encounter]
 
     def poses(self, time_s: float) -> Sequence[Pose | None]:
         """Return the poses of a and b at a lab time."""
-        start_s = self.launch.fire_a_s
-        return self.encounter.result(_PATIENCE_S).poses(time_s - start_s)
+        return self.encounter.result(_PATIENCE_S).poses(time_s - self.launch.starts_s)
 
     def shows(self, time_s: float) -> bool:
         """Return whether a sphere of this shot is in the air at a lab time."""
-        fired_s = min(self.launch.fire_a_s, self.launch.fire_b_s)
+        times = (self.launch.fire_a_s, self.launch.fire_b_s)
+        fired_s = min(time for time in times if time is not None)
         return fired_s <= time_s and any(pose is not None for pose in self.poses(time_s))
 
 
@@ -88,8 +90,8 @@ class World:
         with self._lock:
             return self._fires
 
-    def fire(self, launch: Launch) -> int:
-        """Fire both pushers and return the number of the shot, the first being 1.
+    def fire(self, launch: Launch | Release) -> int:
+        """Launch the spheres and return the number of the shot, the first being 1.
 
         Returns at once: the shot is worked out meanwhile, and a picture of it waits for that.
         """
@@ -128,7 +130,7 @@ class World:
     def _work_out(self, shot: int, fired: _Fired) -> None:
         try:
             chance = shot_chance(self._seed, shot)
-            encounter = simulate(self.description, fired.launch, chance, self._law)
+            encounter = fire(self.description, fired.launch, chance, self._law)
             with self._truth_lock:
                 append_line(self.truth_folder / "truth.jsonl", self._truth(shot, fired, encounter))
         except Exception as error:  # noqa: BLE001 - whoever asks for a picture is told
@@ -137,9 +139,15 @@ class World:
             fired.encounter.set_result(encounter)
 
     def _truth(self, shot: int, fired: _Fired, encounter: Encounter) -> dict[str, object]:
-        spheres = (self.description.sphere_a, self.description.sphere_b)
-        truth = contact_truth(encounter.contact, spheres)
-        return {"shot": shot, **asdict(fired.launch), **truth}
+        bounces = isinstance(self.description.holder, Magnet)
+        b = PLATE if bounces else self.description.sphere_b
+        spheres = (self.description.sphere_a, b)
+        truth: dict[str, object] = {"shot": shot, **asdict(fired.launch)}
+        truth |= contact_truth(encounter.contact, spheres)
+        if bounces and encounter.contact is not None:
+            every = (encounter.contact, *encounter.later)
+            truth["impacts"] = [contact_truth(each, spheres) for each in every]
+        return truth
 
 
 def _nothing(_: float) -> Sequence[Pose | None]:

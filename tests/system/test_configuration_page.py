@@ -60,7 +60,7 @@ SECTIONS: dict[str, list[Any]] = {
     "Top level": [sections.Configuration],
     "[simulation]": [Simulation],
     "[limits]": [sections.Limits],
-    "[trigger]": [sections.TriggerBox, sections.SolenoidPair],
+    "[trigger]": [sections.TriggerBox, sections.SolenoidPair, sections.Magnet],
     "[regulator]": [sections.Alicat],
     "[slide]": [sections.Zaber],
     "[cut_off]": [sections.Lcus],

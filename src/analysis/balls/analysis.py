@@ -82,12 +82,23 @@ def analyse_film(job: FilmJob) -> AnalysedFilm:
         film = PartOfFilm(film, job.cut)
     times = frame_times(film, job.rate_hz)
     exposure = job.exposure_s if job.exposure_s is not None else film.head.exposure_s
+    return analyse_held(film, times, job.ball, exposure)
+
+
+def analyse_held(film: Film, times: Floats, ball: Ball, exposure: float | None) -> AnalysedFilm:
+    """Measure a film that is open, with the time of each frame in s.
+
+    Raises
+    ------
+    ShotRefusedError
+        Nothing in it is a ball in flight.
+    """
     try:
-        measured = measure_ball(film, times, job.ball, exposure)
+        measured = measure_ball(film, times, ball, exposure)
     except ShotRefusedError as refusal:
         if refusal.step != "flight":
             raise
-        turned = _turned(film, times, job.ball, exposure)
+        turned = _turned(film, times, ball, exposure)
         if turned is None:
             raise
         return turned

@@ -1,6 +1,14 @@
 """Configuration of a rig: strict models and the loader that names every mistake."""
 
-from rigctl.config.actuators import Alicat, Lcus, SolenoidPair, TriggerBox, TriggerSection, Zaber
+from rigctl.config.actuators import (
+    Alicat,
+    Lcus,
+    Magnet,
+    SolenoidPair,
+    TriggerBox,
+    TriggerSection,
+    Zaber,
+)
 from rigctl.config.camera import (
     CameraSection,
     EktaproCamera,
@@ -38,6 +46,7 @@ __all__ = [
     "HidRelay",
     "Lcus",
     "Limits",
+    "Magnet",
     "Optics",
     "PixelFormatName",
     "RemoteTriggerSection",

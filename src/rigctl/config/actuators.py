@@ -57,7 +57,19 @@ class SolenoidPair(StrictModel):
         return self
 
 
-TriggerSection = Annotated[TriggerBox | SolenoidPair, Field(discriminator="driver")]
+class Magnet(StrictModel):
+    """One channel of an LCUS board with the magnet that holds a sphere (thesis, chapter 6).
+
+    It holds while energised: switched off it lets go, and so does a power cut.
+    """
+
+    driver: Literal["magnet"]
+    port: Port
+    channel: Channel
+    power_cut: Literal["fires"]
+
+
+TriggerSection = Annotated[TriggerBox | SolenoidPair | Magnet, Field(discriminator="driver")]
 
 
 class Alicat(StrictModel):

@@ -95,11 +95,15 @@ class AnalysisSection(StrictModel):
     )
 
 
+_FIRED_BY = {"pusher": "trigger-box", "release": "solenoid-pair", "drop": "magnet"}
+"""Driver of each apparatus's trigger."""
+
+
 class Configuration(StrictModel):
     """One rig: its devices, limits, camera, scene, store and service."""
 
     name: str = Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*$")
-    apparatus: Literal["pusher", "release"]
+    apparatus: Literal["pusher", "release", "drop"]
     simulation: Simulation | None = None
     limits: Limits
     trigger: TriggerSection
@@ -137,21 +141,30 @@ class Configuration(StrictModel):
 
     @property
     def scene(self) -> dict[str, object]:
-        """What a simulated world takes over, as JSON: spheres, environment, optics, exposure."""
-        document = self.model_dump(mode="json", include={"spheres", "environment", "optics"})
-        return document | {"exposure_us": self.camera.exposure_us}
+        """What a simulated world takes over, as JSON.
+
+        Apparatus, spheres, environment, optics, exposure, and what energised solenoids do.
+        """
+        own = {"apparatus", "spheres", "environment", "optics"}
+        document = self.model_dump(mode="json", include=own)
+        document["exposure_us"] = self.camera.exposure_us
+        if isinstance(self.trigger, SolenoidPair):
+            document["energised"] = self.trigger.energised
+        return document
 
     @model_validator(mode="after")
     def _has_its_apparatus(self) -> Self:
-        pusher = self.apparatus == "pusher"
-        if pusher != (self.regulator is not None and self.slide is not None):
+        pusher, release = self.apparatus == "pusher", self.apparatus == "release"
+        if (self.regulator is not None, self.slide is not None) != (pusher, pusher):
             word = "needs" if pusher else "has no"
             raise ValueError(f"the {self.apparatus} apparatus {word} regulator and slide")
-        if pusher == isinstance(self.trigger, SolenoidPair):
+        if self.trigger.driver != _FIRED_BY[self.apparatus]:
             raise ValueError(f"{self.trigger.driver} cannot fire the {self.apparatus} apparatus")
-        if pusher == (self.limits.angle_deg is not None):
-            word = "has no" if pusher else "needs"
+        if release != (self.limits.angle_deg is not None):
+            word = "needs" if release else "has no"
             raise ValueError(f"the {self.apparatus} apparatus {word} limits.angle_deg")
+        if self.apparatus == "drop" and not self.spheres[1].plate:
+            raise ValueError("the drop apparatus needs a plate as sphere b, what sphere a falls on")
         return self
 
     @model_validator(mode="after")

@@ -7,7 +7,7 @@ from typing import Protocol
 
 import usb.backend
 
-from rigctl.config import SIMULATED, Configuration, Lcus, SolenoidPair, TriggerSection
+from rigctl.config import SIMULATED, Configuration, Lcus, Magnet, SolenoidPair, TriggerSection
 from rigctl.config import Alicat as AlicatSection
 from rigctl.config import Zaber as ZaberSection
 from rigctl.devices import alicat, lcus
@@ -93,14 +93,16 @@ def _cut_off(section: Lcus, laboratory: Laboratory | None) -> LcusRelay:
 
 def _trigger(section: TriggerSection, laboratory: Laboratory | None) -> Trigger:
     path = resolved(section.port, laboratory)
-    if isinstance(section, SolenoidPair):
+    if isinstance(section, SolenoidPair | Magnet):
         port = SerialPort(
             path,
-            part="trigger (solenoid-pair)",
+            part=f"trigger ({section.driver})",
             baud=lcus.BAUD,
             answer_timeout_s=WRITE_TIMEOUT_S,
         )
-        return lcus.SolenoidPair(
+        if isinstance(section, Magnet):
+            return lcus.Holders(port, channel_a=section.channel, channel_b=None, energised="hold")
+        return lcus.Holders(
             port,
             channel_a=section.channel_a,
             channel_b=section.channel_b,

@@ -1,4 +1,4 @@
-"""LCUS relay boards: the cut-off, and the two solenoids of the release apparatus."""
+"""LCUS relay boards: the cut-off, the two solenoids of the release apparatus, and the magnet."""
 
 from __future__ import annotations
 
@@ -75,8 +75,8 @@ class LcusRelay:
         self._port.close()
 
 
-class SolenoidPair:
-    """A `Trigger` of two solenoids on one LCUS board (release apparatus, thesis 3.2).
+class Holders:
+    """A `Trigger` of two solenoids on one LCUS board (thesis 3.2), or of one magnet (chapter 6).
 
     Both commands of a simultaneous fire leave in one write; the second channel still switches
     4.17 ms after the first, the time of its bytes on the wire. A delayed fire is timed by the
@@ -85,6 +85,8 @@ class SolenoidPair:
 
     Parameters
     ----------
+    channel_a, channel_b
+        Of each sphere's holder; b None: there is one only.
     energised
         What an energised solenoid does with its sphere. With ``"hold"`` the safe level is
         energised, and a power cut releases both spheres; with ``"release"`` the safe level is
@@ -98,13 +100,13 @@ class SolenoidPair:
         port: SerialPort,
         *,
         channel_a: int,
-        channel_b: int,
+        channel_b: int | None,
         energised: Literal["hold", "release"],
         clock: Callable[[], float] = time.monotonic,
         wait: Callable[[float], None] = time.sleep,
     ) -> None:
         self._port, self._clock, self._wait = port, clock, wait
-        self._channels = (channel_a, channel_b)
+        self._channels = tuple(c for c in (channel_a, channel_b) if c is not None)
         self._firing_level = energised == "release"
         self._ready_for: int | None = None
         self._delay_us = 0.0
@@ -124,13 +126,21 @@ class SolenoidPair:
             self._ready_for = None
 
     def arm(self, sequence: int, delay_us: float) -> None:
-        """Hold both spheres and make ready for one fire, b `delay_us` after a.
+        """Hold the spheres and make ready for one fire, b `delay_us` after a.
 
         Raises
         ------
         SettingsError
-            The delay is neither zero nor at least the time of one command.
+            The delay is neither zero nor at least the time of one command, or there is no b.
         """
+        if delay_us != 0 and len(self._channels) == 1:
+            raise SettingsError(
+                "one sphere alone has no delay",
+                part=self.name,
+                value=f"{delay_us:g} us",
+                limit="0",
+                todo="leave the delay out",
+            )
         if 0 < abs(delay_us) < COMMAND_S * 1e6:
             raise SettingsError(
                 "the delay is shorter than a command takes on the wire",
@@ -143,7 +153,7 @@ class SolenoidPair:
         self._ready_for, self._delay_us = sequence, delay_us
 
     def fire(self, sequence: int) -> FireReceipt:
-        """Switch both solenoids to their releasing level, once.
+        """Switch every holder to its releasing level, once.
 
         Raises
         ------
@@ -169,7 +179,7 @@ class SolenoidPair:
             return FireReceipt(sequence, sent_at, self._clock(), None)
 
     def make_safe(self) -> None:
-        """Drive both channels to the level that holds the spheres."""
+        """Drive every channel to the level that holds its sphere."""
         self._ready_for = None
         self._port.send(b"".join(command(c, not self._firing_level) for c in self._channels))
 
@@ -178,11 +188,10 @@ class SolenoidPair:
         self._port.close()
 
     def _release(self, delay_us: float) -> None:
-        first, second = self._channels if delay_us >= 0 else self._channels[::-1]
         if delay_us == 0:
-            both = command(first, self._firing_level) + command(second, self._firing_level)
-            self._port.send(both)
+            self._port.send(b"".join(command(c, self._firing_level) for c in self._channels))
             return
+        first, second = self._channels if delay_us > 0 else self._channels[::-1]
         began = self._clock()
         self._port.send(command(first, self._firing_level))
         self._wait(max(0.0, began + abs(delay_us) * 1e-6 - self._clock()))

@@ -99,11 +99,13 @@ def _result(folder: Path, method: str, measure: Measure) -> Json:
         "version": version("rigctl"),
         "frame_rate_hz": setup.camera.frame_rate_hz,
     }
-    if setup.spheres[1].plate:
-        reason = "one body is a plate; two spheres are needed"
-        return {**about, "status": "refused", "step": "setup", "reason": reason}
     frames = read_pixels(folder / manifest["frames"]["file"])
     times_s = np.array(manifest["frames"]["times_s"])
+    if setup.spheres[1].plate:
+        # What measures balls is slow to load, and of no use to two spheres.
+        from rigctl.measuring.stored_ball import bounces_document  # noqa: PLC0415
+
+        return {**about, **bounces_document(folder, frames, times_s - times_s[:1], setup)}
     options = AnalysisOptions(method="photometric" if method == "photometric" else "thesis")
     shot = measure(frames, times_s - times_s[:1], setup, options)
     document = {**about, **measured_document(shot)}

@@ -7,7 +7,7 @@ import threading
 from dataclasses import replace
 from datetime import datetime
 
-from rigctl.config import Configuration, SolenoidPair
+from rigctl.config import Configuration
 from rigctl.rig.clock import Clock
 from rigctl.rig.interlocks import Interlock
 from rigctl.rig.logbook import Logbook
@@ -49,7 +49,7 @@ class Standing:
         self._repeated = RepeatedStops(clock.monotonic)
         self._noted: set[str] = set()
         trigger = configuration.trigger
-        releases = isinstance(trigger, SolenoidPair) and trigger.power_cut == "fires"
+        releases = trigger.power_cut == "fires"
         self._status = RigStatus(
             name=configuration.name,
             apparatus=configuration.apparatus,

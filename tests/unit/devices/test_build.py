@@ -18,7 +18,7 @@ from rigctl.config import SolenoidPair as SolenoidSection
 from rigctl.devices.alicat import AlicatPair
 from rigctl.devices.build import build_actuators, resolved
 from rigctl.devices.hid_relay import HidRelay
-from rigctl.devices.lcus import LcusRelay, SolenoidPair
+from rigctl.devices.lcus import Holders, LcusRelay
 from rigctl.devices.serial_line import SerialLine
 from rigctl.devices.trigger_box import TriggerBox
 from rigctl.errors import ConfigurationError, DeviceAbsentError
@@ -74,7 +74,7 @@ def test_the_release_apparatus_has_a_solenoid_pair_and_neither_regulator_nor_sli
     )  # fmt: skip
     release = changed(configuration, trigger=section, regulator=None, slide=None)
     found = build_actuators(release, bench)
-    assert isinstance(found.trigger, SolenoidPair)
+    assert isinstance(found.trigger, Holders)
     assert (found.regulator, found.slide) == (None, None)
     found.trigger.close()
     found.cut_off.close()

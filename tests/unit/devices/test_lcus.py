@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rigctl.devices.lcus import COMMAND_S, LcusRelay, SolenoidPair, command
+from rigctl.devices.lcus import COMMAND_S, Holders, LcusRelay, command
 from rigctl.devices.serial_port import SerialPort
 from rigctl.errors import (
     DeviceAbsentError,
@@ -69,9 +69,9 @@ def pair(
     port: SerialPort | FailingPort,
     energised: Literal["hold", "release"],
     time: FakeTime | None = None,
-) -> SolenoidPair:
+) -> Holders:
     time = time or FakeTime()
-    return SolenoidPair(
+    return Holders(
         port, channel_a=1, channel_b=2, energised=energised, clock=time.clock, wait=time.wait
     )
 

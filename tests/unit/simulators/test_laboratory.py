@@ -244,7 +244,7 @@ def test_a_fault_that_cannot_be_is_refused(
 
 
 def test_an_unknown_role_is_refused_with_those_there_are(laboratory: Laboratory) -> None:
-    with pytest.raises(ValueError, match=r"laser.*trigger, regulator"):
+    with pytest.raises(ValueError, match=r"laser.*trigger, solenoids, regulator"):
         laboratory.port("laser")
 
 

@@ -111,3 +111,16 @@ class Film(ABC):
         InputError
             A frame is damaged or unlike the first.
         """
+
+
+class HeldFilm(Film):
+    """Frames that are in memory already, grey, shape (frames, rows, columns)."""
+
+    def __init__(self, path: Path, frames: NDArray[np.uint8]) -> None:
+        count, height, width = frames.shape
+        super().__init__(path, FilmHead(count, height, width, 1))
+        self._frames = frames
+
+    def _read(self) -> Iterator[Picture]:
+        for frame in self._frames:
+            yield frame[..., None]

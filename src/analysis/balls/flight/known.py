@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.setup import Setup
+
 Floats = NDArray[np.float64]
 
 DRAG_COEFFICIENT, DRAG_SIGMA = 0.47, 0.05
@@ -60,6 +62,20 @@ class Ball:
     drag_sigma: float = DRAG_SIGMA
     air_density: float = AIR_DENSITY
     gravity: float = 9.80665
+
+    @classmethod
+    def of_setup(cls, setup: Setup) -> Ball:
+        """Return sphere a of a set-up in its surroundings; air that is not stated is the usual."""
+        sphere, around = setup.spheres[0], setup.environment
+        drag = around.drag_coefficient
+        return cls(
+            diameter_m=sphere.diameter_m,
+            density=sphere.density_kg_per_m3,
+            drag_coefficient=drag or DRAG_COEFFICIENT,
+            drag_sigma=around.drag_coefficient_sigma if drag else DRAG_SIGMA,
+            air_density=around.air_density_kg_per_m3,
+            gravity=around.gravity_m_per_s2,
+        )
 
     def drag_per_m(self) -> tuple[float, float]:
         """Return k of a = k v^2 in 1/m, and the standard error of its logarithm."""

@@ -15,13 +15,7 @@ from analysis.balls.analysis import AnalysedFilm, FilmJob, analyse_film
 from analysis.balls.document import Json, ball_document
 from analysis.balls.films.part import Cut
 from analysis.balls.films.reading import film_of_shot
-from analysis.balls.flight.known import (
-    AIR_DENSITY,
-    DRAG_COEFFICIENT,
-    DRAG_SIGMA,
-    UNKNOWN_DENSITY,
-    Ball,
-)
+from analysis.balls.flight.known import AIR_DENSITY, UNKNOWN_DENSITY, Ball
 from analysis.balls.lens.lens import read_lens
 from analysis.campaign import DESCRIPTION, FRAMES, SHOT_LIST
 from analysis.errors import InputError, ShotRefusedError
@@ -171,15 +165,7 @@ def _jobs(request: BallRequest) -> tuple[str, list[FilmJob]]:
 
 
 def _of_folder(folder: Path, setup: Setup, request: BallRequest) -> Iterator[FilmJob]:
-    sphere, around = setup.spheres[0], setup.environment
-    ball = Ball(
-        diameter_m=sphere.diameter_m,
-        density=sphere.density_kg_per_m3,
-        drag_coefficient=around.drag_coefficient or DRAG_COEFFICIENT,
-        drag_sigma=around.drag_coefficient_sigma if around.drag_coefficient else DRAG_SIGMA,
-        air_density=around.air_density_kg_per_m3,
-        gravity=around.gravity_m_per_s2,
-    )
+    ball = Ball.of_setup(setup)
     if request.diameter_mm is not None:
         ball = _stated_ball(request)
     rows = read_shot_list(folder / SHOT_LIST)

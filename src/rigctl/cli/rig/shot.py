@@ -132,9 +132,17 @@ def _print(document: Mapping[str, Any], *, as_json: bool) -> None:
         highlight=False,
     )
     result = document["result"] or {}
-    rows = [(name, result[name]) for name in _NAMES if isinstance(result.get(name), dict)]
-    if rows:
-        console.print(_table(rows))
+    for impact in result.get("impacts", [result]):
+        if rows := _told(impact):
+            if "impacts" in result:
+                console.print(f"impact at {impact['contact_time_s']:.4f} s", highlight=False)
+            console.print(_table(rows))
+
+
+def _told(impact: Mapping[str, Any]) -> list[tuple[str, Mapping[str, Any]]]:
+    """Return the quantities with a value; what cannot be known without spin has none."""
+    found = [(name, impact.get(name)) for name in _NAMES]
+    return [(name, own) for name, own in found if own and own.get("value") is not None]
 
 
 def rounded(value: float, sigma: float) -> tuple[str, str]:
