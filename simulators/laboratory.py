@@ -6,9 +6,12 @@ import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
+from simulators.bench import BenchWorld
 from simulators.ektapro.digitiser import Digitiser
 from simulators.ektapro.faults import FrameFault, FrameFaults
 from simulators.ektapro.link import Link
@@ -26,6 +29,7 @@ from simulators.wire.trigger_box import Pulses, TriggerBox
 from simulators.wire.zaber import ZaberStage
 from simulators.world import Launch, World, WorldDescription
 from simulators.world.description import Magnet
+from simulators.world.release import Release
 
 RELAY_CHANNELS = 2
 CUT_OFF_CHANNEL = 1
@@ -49,6 +53,20 @@ LASTING = "lasting-contact"
 """What every contact of the rig has: an answer may name it beside what is hidden."""
 
 
+class Filmed(Protocol):
+    """What the outputs act on and the recorder sees."""
+
+    @property
+    def fires(self) -> int:
+        """How often it was launched."""
+
+    def fire(self, launch: Launch | Release, /) -> int:
+        """Launch, and return the number of the shot."""
+
+    def picture(self, time_s: float, rows: int | None = None) -> NDArray[np.uint8]:
+        """Return the frame with mid-exposure at a lab time."""
+
+
 @dataclass(frozen=True, slots=True)
 class _SerialDevice:
     """What a fault needs of a device on a port."""
@@ -68,7 +86,7 @@ class Laboratory:
     options
         See `Options`.
     world
-        What the outputs fire and the recorder sees.
+        What the outputs fire and the recorder sees; None: that of the options.
     clock
         Laboratory time in seconds, shared by every device and the world.
 
@@ -79,12 +97,14 @@ class Laboratory:
     """
 
     def __init__(
-        self, folder: Path, options: Options, world: World, clock: Callable[[], float]
+        self, folder: Path, options: Options, world: Filmed | None, clock: Callable[[], float]
     ) -> None:
+        self._stage = ZaberStage(clock, options.slide_speed_mm_per_s)
+        if world is None:
+            world = _world(options, folder / "truth", self._stage.position_mm)
         self._folder, self._world, self._clock = folder, world, clock
         self._watch_contact = options.watch_contact
         self._regulator = PressureRegulator(clock, lag_s=options.pressure_lag_s)
-        self._stage = ZaberStage(clock, options.slide_speed_mm_per_s)
         self._box = TriggerBox(clock, self._fire, contact_in_power=options.watch_contact)
         self._cut_off = LcusRelay(RELAY_CHANNELS, self._switch_power)
         self._holders = _holders(options, clock, world)
@@ -289,10 +309,10 @@ def open_laboratory(folder: Path, options: Mapping[str, object]) -> Laboratory:
     """
     checked = read_options(options)
     folder.mkdir(parents=True, exist_ok=True)
-    return Laboratory(folder, checked, _world(checked, folder / "truth"), time.monotonic)
+    return Laboratory(folder, checked, None, time.monotonic)
 
 
-def _holders(options: Options, clock: Callable[[], float], world: World) -> Holders:
+def _holders(options: Options, clock: Callable[[], float], world: Filmed) -> Holders:
     """Return what the board's channels hold: a sphere each, or one on a magnet; pushers nothing."""
     holder = options.world.holder
     channels = () if holder is None else (1,) if isinstance(holder, Magnet) else (1, 2)
@@ -304,8 +324,10 @@ def _holders(options: Options, clock: Callable[[], float], world: World) -> Hold
     )
 
 
-def _world(options: Options, truth: Path) -> World:
-    """Return the nylon rig's world, with what is hidden on top, its label sealed."""
+def _world(options: Options, truth: Path, position_mm: Callable[[float], float]) -> Filmed:
+    """Return the world of the options, with what is hidden on top, its label sealed."""
+    if options.bench is not None:
+        return BenchWorld(options.bench, options.seed, position_mm)
     if not options.hides:
         return World(options.world, options.seed, truth)
     if options.world != WorldDescription(optics=options.world.optics):

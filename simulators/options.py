@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any
 
+from simulators.bench import APPARATUS, BenchScene
 from simulators.ektapro.processor import RUN_UP_S
 from simulators.wire.alicat import LAG_S
 from simulators.wire.zaber import SPEED_MM_PER_S
@@ -46,6 +47,8 @@ class Options:
         contact: that of this name, or the one that the seed draws.
     holds_energised
         Whether solenoids hold with current, as the scene's trigger says.
+    bench
+        A stage or a disk in the place of the world; None: spheres that are launched.
     world
         What the configuration describes and the tables `contact`, `tube`, `magnet` and `air` change
         (`simulators.world.scene.described`).
@@ -58,6 +61,7 @@ class Options:
     watch_contact: bool = False
     hides: str = ""
     holds_energised: bool = True
+    bench: BenchScene | None = None
     world: WorldDescription = field(default_factory=WorldDescription)
 
 
@@ -82,7 +86,7 @@ def read_options(table: Mapping[str, object]) -> Options:
     ValueError
         An unknown option, or a value of the wrong kind or outside its limits; the option is named.
     """
-    own = {each.name for each in fields(Options)} - {"world", "holds_energised"}
+    own = {each.name for each in fields(Options)} - {"world", "holds_energised", "bench"}
     known = own | {*WORLD_TABLES}
     for name, value in table.items():
         if name not in known:
@@ -108,6 +112,8 @@ def read_options(table: Mapping[str, object]) -> Options:
     plain = {name: value for name, value in table.items() if name not in WORLD_TABLES}
     tables: dict[str, Any] = {name: table.get(name, {}) for name in WORLD_TABLES}
     scene = tables.pop("scene")
+    if scene.get("apparatus") in APPARATUS:
+        return Options(**plain, bench=BenchScene.of(scene))  # type: ignore[arg-type]
     holds = scene.get("energised", "hold") == "hold"
     world = described(scene, **tables)
     return Options(**plain, holds_energised=holds, world=world)  # type: ignore[arg-type]  # each value was checked above

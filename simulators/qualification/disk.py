@@ -33,19 +33,38 @@ class TurningDisk(NamedTuple):
     turn_rad: float
 
 
+class Disk(NamedTuple):
+    """The disk before its camera: bare light, axis (row, column), angle at zero, rate in rad/s."""
+
+    bare: NDArray[np.float32]
+    centre: NDArray[np.float64]
+    start_rad: float
+    rate_rad_per_s: float
+    exposure_s: float
+
+    def take(self, time_s: float, rng: np.random.Generator) -> NDArray[np.uint8]:
+        """Return the picture (rows, columns) with mid-exposure at a time."""
+        rate = self.rate_rad_per_s
+        angle, swept = self.start_rad + rate * time_s, rate * self.exposure_s
+        return digitised(_exposed(self.bare, self.centre, angle, swept), NOISE_GREY, rng)
+
+
+def filmed_disk(
+    rng: np.random.Generator, rate_rpm: float = RATE_RPM, exposure_s: float = EXPOSURE_S
+) -> Disk:
+    """Put up the disk, its axis and its angle where chance says."""
+    start = rng.uniform(0.0, 2.0 * math.pi)
+    centre = np.array(CENTRE_PX) + rng.uniform(-0.5, 0.5, 2)
+    return Disk(_bare(centre), centre, start, rate_rpm / 60.0 * 2.0 * math.pi, exposure_s)
+
+
 def turning_disk(seed: int) -> TurningDisk:
     """Film the disk at the thesis's 997 turns a minute and 1000 frames a second."""
     rng = np.random.default_rng([seed, 2])
-    start = rng.uniform(0.0, 2.0 * math.pi)
-    rate = RATE_RPM / 60.0 * 2.0 * math.pi
-    centre = np.array(CENTRE_PX) + rng.uniform(-0.5, 0.5, 2)
-    bare = _bare(centre)
+    disk = filmed_disk(rng)
     times = np.arange(FRAMES) / FRAME_RATE_HZ
-    frames = [
-        digitised(_exposed(bare, centre, start + rate * time, rate * EXPOSURE_S), NOISE_GREY, rng)
-        for time in times.tolist()
-    ]
-    return TurningDisk(np.stack(frames), times, rate / FRAME_RATE_HZ)
+    frames = [disk.take(time, rng) for time in times.tolist()]
+    return TurningDisk(np.stack(frames), times, disk.rate_rad_per_s / FRAME_RATE_HZ)
 
 
 def _bare(centre: NDArray[np.float64]) -> NDArray[np.float32]:

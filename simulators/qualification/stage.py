@@ -38,9 +38,14 @@ def stage_run(direction: tuple[float, float], seed: int) -> StageRun:
     rng = np.random.default_rng([seed, *(round(100 * part) for part in direction)])
     camera = single_sphere_camera(DIAMETER_M, DIAMETER_PX, exposure_s=0.0)
     moved = STEP_PX * np.arange(STEPS + 1)[:, None] * np.array(direction)
-    start = np.array(_MIDDLE_PX) + rng.uniform(-0.5, 0.5, 2)
+    start = start_px(rng)
     frames = []
     for place in (start + moved) / camera.optics.scale_px_per_m:
         pose = Pose(np.array([*place, 0.0]), UPRIGHT)
         frames.append(camera.take(standing(pose), 0.0, rng))
     return StageRun(np.stack(frames), moved)
+
+
+def start_px(rng: np.random.Generator) -> NDArray[np.float64]:
+    """Return where the sphere's centre starts, (row, column): the middle, at a random fraction."""
+    return np.array(_MIDDLE_PX) + rng.uniform(-0.5, 0.5, 2)

@@ -133,7 +133,10 @@ def _bodies(apparatus: str, bodies: Sequence[Table]) -> tuple[Sphere, Sphere]:
         raise ValueError(f"sphere b is a plate, and the {apparatus} apparatus fires two spheres")
     if apparatus == "drop" and not b.get("plate"):
         raise ValueError("sphere b is no plate, and a magnet drops one sphere on a plate")
-    return _sphere(a), Sphere() if b.get("plate") else _sphere(b)
+    if apparatus == "drop":
+        # Nothing measures how a dropped sphere turns: it is plain.
+        return replace(_sphere(a), markers=0), Sphere()
+    return _sphere(a), _sphere(b)
 
 
 def _sphere(body: Table) -> Sphere:

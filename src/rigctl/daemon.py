@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Protocol, cast
 
 from rigctl.cameras.build import build_capture
 from rigctl.config import SIMULATED, Configuration, TriggerBox
 from rigctl.devices import build
 from rigctl.devices.roles import Actuators, HeartbeatWatch
-from rigctl.errors import ConfigurationError
 from rigctl.jobs import Jobs
+from rigctl.laboratory import Laboratory, open_laboratory
 from rigctl.measuring.analysing import Analyser
 from rigctl.measuring.analysis_process import Compiling
 from rigctl.model.own_effects import OwnEffects
@@ -29,13 +26,6 @@ from rigctl.sweeps.runner import SweepRunner
 
 LABORATORY_FOLDER = "laboratory"
 """Folder of the simulated laboratory, inside the store's."""
-
-
-class Laboratory(build.Laboratory, Protocol):
-    """A simulated laboratory as its factory returns it."""
-
-    def close(self) -> None:
-        """Unplug everything and stop every thread."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,7 +71,9 @@ def open_daemon(configuration: Configuration) -> Iterator[Daemon]:
     with ExitStack() as opened:
         store = own_store(configuration)
         opened.callback(store.close)
-        laboratory = _open_laboratory(configuration, store.path / LABORATORY_FOLDER)
+        laboratory = open_laboratory(
+            configuration.simulation, configuration.scene, store.path / LABORATORY_FOLDER
+        )
         if laboratory is not None:
             opened.callback(laboratory.close)
         devices = _open_devices(configuration, laboratory, opened)
@@ -146,28 +138,3 @@ def _watches(configuration: Configuration, devices: Actuators) -> tuple[Watch, .
         if real and isinstance(devices.trigger, HeartbeatWatch):
             watches.append(BoxWatch(devices.trigger))
     return tuple(watches)
-
-
-def _open_laboratory(configuration: Configuration, folder: Path) -> Laboratory | None:
-    simulation = configuration.simulation
-    if simulation is None:
-        return None
-    module, _, name = simulation.factory.partition(":")
-    try:
-        factory = getattr(importlib.import_module(module), name)
-    except (ImportError, AttributeError) as error:
-        raise ConfigurationError(
-            f"cannot be loaded: {error}",
-            part="simulation.factory",
-            value=repr(simulation.factory),
-            todo="name an installed module and a function in it",
-        ) from error
-    try:
-        # What a configuration names has no type before it runs.
-        return cast(
-            "Laboratory", factory(folder, simulation.options | {"scene": configuration.scene})
-        )
-    except ValueError as error:
-        raise ConfigurationError(
-            str(error), part="simulation", todo="correct the table [simulation]"
-        ) from error

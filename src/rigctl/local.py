@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 import getpass
+import uuid
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from rigctl.config import load
 from rigctl.daemon import Daemon, open_daemon
+from rigctl.errors import RefusedError
+from rigctl.measuring.stored_shot import read_stored_shot
 from rigctl.service.models import ShotOrder, ShotView
 from rigctl.settings import ShotSettings
 
@@ -40,6 +46,26 @@ class LocalRig:
     def shot(self, shot: str) -> Mapping[str, Any]:
         """Return one shot as the service would list it."""
         return ShotView.of(self._daemon.store.shot(shot)).model_dump(mode="json")
+
+    def filmed(self, settings: ShotSettings) -> tuple[NDArray[np.uint8], NDArray[np.float64]]:
+        """Fire one shot and return its frames and their times from the first, s, once stored.
+
+        Raises
+        ------
+        RefusedError
+            The shot came to no frames.
+        RigError
+            As `arm` and `fire`.
+        """
+        shot = self._daemon.rig.wait(self.fire(self.arm(settings), str(uuid.uuid4()), None))
+        if shot.is_without_frames:
+            raise RefusedError(
+                f"the shot ended as {shot.state}: {shot.failure}",
+                shot=shot.id,
+                todo="look at the rig before the next one",
+            )
+        frames, times_s, _ = read_stored_shot(self._daemon.store.folders.folder(shot.id))
+        return frames, times_s
 
     def result(self, shot: str) -> Mapping[str, Any]:
         """Return the measurement of one shot."""

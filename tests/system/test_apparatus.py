@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import threading
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,6 +11,10 @@ from typing import Any
 import pytest
 
 from rigctl import cli
+from rigctl.config import StoreSection, load
+from rigctl.daemon import open_daemon
+from rigctl.settings import ShotSettings
+from simulators.laboratory import Laboratory
 
 CONFIG = Path(__file__).parents[2] / "config"
 SIGMAS = 4.0
@@ -31,14 +36,20 @@ class Fired:
         return found
 
 
-def fired(name: str, folder: Path, capsys: pytest.CaptureFixture[str], *settings: str) -> Fired:
-    """Fire one shot of a configuration by the command, its store in a folder of the test."""
+def with_store(name: str, folder: Path) -> Path:
+    """Write a configuration whose store lies in a folder of the test; return its file."""
     text = (CONFIG / f"{name}.toml").read_text(encoding="utf-8")
     before, _, after = text.partition('folder = "data')
     config = folder / "rig.toml"
     rest = after.partition('"')[2]
     config.write_text(f'{before}folder = "{folder}/data"{rest}', encoding="utf-8")
-    arguments = ["shot", "--local", "--json", "--wait-s", "600", "--config", str(config)]
+    return config
+
+
+def fired(name: str, folder: Path, capsys: pytest.CaptureFixture[str], *settings: str) -> Fired:
+    """Fire one shot of a configuration by the command, its store in a folder of the test."""
+    config = str(with_store(name, folder))
+    arguments = ["shot", "--local", "--json", "--wait-s", "600", "--config", config]
     assert cli.run([*arguments, *settings]) == 0
     printed = json.loads(capsys.readouterr().out)
     truth = (folder / "data/laboratory/truth/truth.jsonl").read_text(encoding="utf-8")
@@ -102,3 +113,74 @@ def test_a_sphere_that_a_magnet_drops_on_a_plate_gives_one_impact_for_each_bounc
         since = found["contact_time_s"] - impacts[0]["contact_time_s"]
         true_since = truth["contact_time_s"] - truths[0]["contact_time_s"]
         assert since == pytest.approx(true_since, abs=1e-4)
+
+
+def test_a_power_cut_drops_both_spheres_and_none_falls_a_second_time(tmp_path: Path) -> None:
+    configuration = load(CONFIG / "simulated-release.toml")
+    store = StoreSection(folder=str(tmp_path / "data"))
+    with open_daemon(configuration.model_copy(update={"store": store})) as daemon:
+        settings = ShotSettings(
+            pressure_a_kpa=0.0,
+            pressure_b_kpa=0.0,
+            offset_mm=0.0,
+            angle_a_deg=30.0,
+            angle_b_deg=30.0,
+        )
+        armed = daemon.rig.arm(settings, "anna")
+        assert "lets the spheres go" in armed.warnings[0]
+        assert isinstance(daemon.laboratory, Laboratory)
+        assert daemon.laboratory.fires == 0
+        daemon.rig.estop("anna", "a hand in the way")
+        await_fires(daemon.laboratory, 1)
+        daemon.rig.estop("anna", "once more")
+    fires = (tmp_path / "data/laboratory/truth/fires.jsonl").read_text(encoding="utf-8")
+    (fire,) = [json.loads(line) for line in fires.splitlines()]
+    assert fire["fire_a_s"] == fire["fire_b_s"]
+
+
+def await_fires(laboratory: Laboratory, count: int) -> None:
+    """Wait until the world has seen so many launches, ten seconds at most."""
+    ended = threading.Event()
+    for _ in range(1000):
+        if laboratory.fires == count:
+            return
+        ended.wait(0.01)
+    raise AssertionError(f"{laboratory.fires} launches, {count} were awaited")
+
+
+def qualified(run: str, config: Path, capsys: pytest.CaptureFixture[str], *more: str) -> Json:
+    assert cli.run(["qualify", run, "--config", str(config), "--json", *more]) == 0
+    found: Json = json.loads(capsys.readouterr().out)
+    return found
+
+
+@pytest.mark.timeout(120)
+def test_the_disk_is_recorded_and_turns_as_its_meter_says(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    found = qualified("disk", CONFIG / "simulated-disk.toml", capsys, "--method", "thesis")
+    turns = found["methods"]["thesis"]
+    assert [turn["pairs"] for turn in turns] == [14, 13, 12, 11, 10, 9, 8]
+    assert all(abs(turn["relative_error"]) < 1e-3 for turn in turns)
+
+
+@pytest.mark.long
+@pytest.mark.timeout(300)
+def test_the_slide_moves_the_sphere_step_by_step_and_each_place_is_found(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    found = qualified("stage", CONFIG / "simulated-stage.toml", capsys, "--method", "photometric")
+    (error,) = found["errors"]
+    assert error["largest_px"] < 0.02
+
+
+@pytest.mark.long
+@pytest.mark.timeout(300)
+def test_a_magnet_drops_a_steel_sphere_again_and_again_and_gravity_is_that_of_the_place(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    config = with_store("simulated-drop", tmp_path)
+    found = qualified("drop", config, capsys, "--method", "photometric", "--drops", "2")
+    own = found["methods"]["photometric"]
+    assert len(own["values_m_per_s2"]) == 2
+    assert own["mean_m_per_s2"] == pytest.approx(9.80236, rel=2e-3)

@@ -12,6 +12,7 @@ from pydantic import TypeAdapter
 import rigctl.config as sections
 from analysis.files import FileLimits
 from analysis.setup import Environment, SphereSetup
+from rigctl.config.bench import Bench, DiskSection, StageSection
 from rigctl.config.configuration import AnalysisSection, ServiceSection, Simulation
 from rigctl.config.model import StrictModel
 from tests.system.test_documentation import DOCS
@@ -75,6 +76,9 @@ SECTIONS: dict[str, list[Any]] = {
     "[optics]": [sections.Optics],
     "[[spheres]]": [SphereSetup],
     "[environment]": [Environment],
+    "A stage or a disk": [Bench],
+    "[stage]": [StageSection],
+    "[disk]": [DiskSection],
 }
 
 

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.errors import ShotRefusedError
-from analysis.qualification.locating import Way, follow_disc, locate
+from analysis.imaging.outlines import Place
+from analysis.qualification.locating import Way, find_disc, follow_disc, locate
 
 Floats = NDArray[np.float64]
 
@@ -20,6 +21,9 @@ WAY: dict[Method, Way] = {"thesis": "quarters", "photometric": "photometric"}
 RADII_PX = (8.0, 40.0)
 LEAST_FRAMES = 5
 """A parabola takes three; the rest must show that it is one."""
+SAME_RADIUS = 0.08
+CLEAR_PX = 3.0
+"""From a sphere's rim to the picture's: blur and the edge filter reach so far."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -106,6 +110,48 @@ def measure_fall(frames: NDArray[np.uint8], times_s: Floats, method: Method) -> 
         radius_px=float(np.median(places[:, 2])),
         parabola=np.polyfit(times_s, places[:, 0], 2),
     )
+
+
+def whole_falls(frames: NDArray[np.uint8]) -> slice:
+    """Return the longest part of a film that shows the whole sphere, clear of every border.
+
+    Parameters
+    ----------
+    frames
+        Shape (frames, rows, columns).
+
+    Raises
+    ------
+    ShotRefusedError
+        Fewer than five frames in a row do.
+    """
+    found = [_whole_disc(frame) for frame in frames]
+    radii = [place[2] for place in found if place is not None]
+    usual = float(np.median(radii)) if radii else 0.0
+    whole = [place is not None and abs(place[2] / usual - 1.0) < SAME_RADIUS for place in found]
+    edges = np.flatnonzero(np.diff(np.array([False, *whole, False], dtype=np.int8)))
+    parts = [slice(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+    longest = max(parts, key=lambda part: part.stop - part.start, default=slice(0, 0))
+    count = longest.stop - longest.start
+    if count < LEAST_FRAMES:
+        raise ShotRefusedError(
+            "frames",
+            f"{count} frames in a row show a whole sphere of {2 * RADII_PX[0]:.0f} to "
+            f"{2 * RADII_PX[1]:.0f} px, {LEAST_FRAMES} are needed",
+        )
+    return longest
+
+
+def _whole_disc(frame: NDArray[np.uint8]) -> Place | None:
+    """Return the disc of a frame; None where there is none or a border cuts it."""
+    try:
+        row, column, radius = find_disc(frame, *RADII_PX)
+    except ShotRefusedError:
+        return None
+    rows, columns = frame.shape
+    reach = radius + CLEAR_PX
+    inside = reach < row < rows - reach and reach < column < columns - reach
+    return (row, column, radius) if inside else None
 
 
 def gravity(falls: Sequence[Fall], diameter_m: float, true: float) -> Gravity:

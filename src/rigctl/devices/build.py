@@ -57,7 +57,7 @@ def build_actuators(configuration: Configuration, laboratory: Laboratory | None)
             opened.callback(regulator.close)
         slide = None
         if configuration.slide is not None:
-            slide = _slide(configuration.slide, laboratory)
+            slide = build_slide(configuration.slide, laboratory)
         opened.pop_all()
     return Actuators(trigger, regulator, slide, cut_off)
 
@@ -128,7 +128,8 @@ def _regulator(section: AlicatSection, laboratory: Laboratory | None) -> AlicatP
     return AlicatPair(port, unit_a=section.unit_a, unit_b=section.unit_b)
 
 
-def _slide(section: ZaberSection, laboratory: Laboratory | None) -> ZaberSlide:
+def build_slide(section: ZaberSection, laboratory: Laboratory | None) -> ZaberSlide:
+    """Open a slide; nothing moves. Raises as `build_actuators`."""
     return ZaberSlide(
         resolved(section.port, laboratory),
         microsteps_per_mm=section.microsteps_per_mm,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import datetime
 import math
+import re
 import tomllib
 from contextlib import suppress
 from pathlib import Path
@@ -14,10 +15,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rigctl.config import default_path, load, parse
+from rigctl.config.bench import is_bench, load_bench
 from rigctl.errors import ConfigurationError
 
 ROOT = Path(__file__).parents[3]
-EXAMPLES = sorted((ROOT / "config").glob("*.toml"))
+BENCHES = [path for path in (ROOT / "config").glob("*.toml") if is_bench(path)]
+EXAMPLES = sorted({*(ROOT / "config").glob("*.toml")} - {*BENCHES})
 SIMULATED = tomllib.loads((ROOT / "config" / "simulated.toml").read_text())
 RELEASE = tomllib.loads((ROOT / "config" / "release.toml").read_text())
 
@@ -45,6 +48,36 @@ def refusal(document: dict) -> ConfigurationError:
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
 def test_each_example_is_a_valid_configuration_under_its_own_name(path: Path) -> None:
     assert load(path).name == path.stem
+
+
+@pytest.mark.parametrize("path", BENCHES, ids=lambda path: path.stem)
+def test_each_example_of_a_stage_or_a_disk_is_valid_under_its_own_name(path: Path) -> None:
+    assert load_bench(path).name == path.stem
+
+
+@pytest.mark.parametrize(
+    ("section", "found"),
+    [
+        ("apparatus", "neither slide nor stage"),
+        ("slide.port", "must begin with 'sim:'"),
+        ("stage.steps", "at most 100"),
+    ],
+)
+def test_a_stage_that_cannot_be_is_refused_with_the_field(
+    tmp_path: Path, section: str, found: str
+) -> None:
+    wrong = {"apparatus": '"disk"', "slide.port": '"/dev/ttyUSB0"', "stage.steps": "101"}
+    field = section.rpartition(".")[2]
+    lines = (ROOT / "config" / "simulated-stage.toml").read_text().splitlines()
+    part = [
+        f"{field} = {wrong[section]}" if line.startswith(f"{field} =") else line for line in lines
+    ]
+    if field == "port":
+        first = next(n for n, line in enumerate(lines) if line.startswith("port ="))
+        part = [*part[: first + 1], *lines[first + 1 :]]
+    (tmp_path / "stage.toml").write_text("\n".join(part))
+    with pytest.raises(ConfigurationError, match=re.escape(found)):
+        load_bench(tmp_path / "stage.toml")
 
 
 def test_without_a_path_the_simulated_rig_is_loaded() -> None:

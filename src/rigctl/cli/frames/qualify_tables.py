@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -101,12 +102,13 @@ def drop_document(found: Mapping[Method, Gravity]) -> Document:
 
 
 def _gravity(mean: float, deviation: float, bias: float, true: float) -> Document:
+    known = math.isfinite(deviation)
     return {
         "true_m_per_s2": true,
         "mean_m_per_s2": mean,
-        "deviation_m_per_s2": deviation,
+        "deviation_m_per_s2": deviation if known else None,
         "bias": bias,
-        "scatter": deviation / true,
+        "scatter": deviation / true if known else None,
     }
 
 
@@ -121,9 +123,9 @@ def drop_lines(found: Mapping[Method, Gravity]) -> Lines:
             name,
             str(len(own["values_m_per_s2"])),
             f"{own['mean_m_per_s2'] / INCH_M:.2f}",
-            f"{own['deviation_m_per_s2'] / INCH_M:.2f}",
+            _told(own["deviation_m_per_s2"], 1.0 / INCH_M, 2),
             f"{100 * own['bias']:+.3f}",
-            f"{100 * own['scatter']:.3f}",
+            _told(own["scatter"], 100.0, 3),
         )
         for name, own in series.items()
     ]
@@ -133,6 +135,11 @@ def drop_lines(found: Mapping[Method, Gravity]) -> Lines:
         rows,
         f"bias against {LOCAL_GRAVITY_IN_PER_S2} in/s², normal gravity at the thesis's place",
     )
+
+
+def _told(value: float | None, factor: float, places: int) -> str:
+    """Return a number as text; a single drop has no deviation."""
+    return "-" if value is None else f"{factor * value:.{places}f}"
 
 
 def disk_document(found: Mapping[Method, Sequence[Turn]]) -> Document:
