@@ -16,7 +16,7 @@ from simulators.world.description import (
     Tube,
     WorldDescription,
 )
-from simulators.world.optics import Optics
+from simulators.world.optics import Optics, picture_rows
 
 NO_MIRROR_PX = (-1.0e4, -1.0e4)
 """Where a camera without a mirror shows the top view: far outside its frame."""
@@ -83,8 +83,8 @@ def described(
     ----------
     scene
         What the configuration says of the rig: `apparatus`, `spheres` (two tables), `environment`,
-        `optics`, `exposure_us`; what is absent is the nylon rig's with pushers. Its drag
-        coefficient is what the rig believes; that of the world is in `air`.
+        `optics`, `rows` of a picture, `exposure_us`; what is absent is the nylon rig's with
+        pushers. Its drag coefficient is what the rig believes; that of the world is in `air`.
     contact, tube, magnet, air
         Fields of `ContactLaw`, of `Tube` (`TiltedTubes` on the release apparatus), of `Magnet` (on
         the drop apparatus), and `drag_coefficient`, where they differ from nylon's.
@@ -110,7 +110,7 @@ def described(
         **_launcher(apparatus, tube or {}, magnet or {}),
         contact=_with(nylon.contact, "contact", contact or {}, _CONTACT_LIMITS),
         environment=_with(environment, "air", air or {}, _AIR_LIMITS),
-        optics=_optics(nylon.optics, scene.get("optics", {}), scene.get("exposure_us")),
+        optics=_optics(nylon.optics, scene.get("optics", {}), scene),
     )
 
 
@@ -145,25 +145,31 @@ def _sphere(body: Table) -> Sphere:
     return replace(Sphere(), **stated)
 
 
-def _optics(nylon: Optics, optics: Table, exposure_us: float | None) -> Optics:
-    """Return camera and mirror as the configuration states them; what it leaves open is nylon's."""
-    names = {
-        "front_view_rows": "front_rows",
-        "top_view_rows": "top_rows",
-        "front_origin_px": "front_origin_px",
-        "top_origin_px": "top_origin_px",
-    }
+def _optics(nylon: Optics, optics: Table, scene: Table) -> Optics:
+    """Return camera and mirror as the configuration states them; what it leaves open is nylon's.
+
+    A split picture holds the middle rows of the frame, and the camera is aimed so that the origin
+    lies where the configuration says that it lies in the picture, or else in its middle.
+    """
+    rows = scene.get("rows") or nylon.rows
+    first = picture_rows(nylon, rows)[0] if rows < nylon.rows else 0
     stated: dict[str, Any] = {
         ours: tuple(optics[theirs])
-        for theirs, ours in names.items()
+        for theirs, ours in (("front_view_rows", "front_rows"), ("top_view_rows", "top_rows"))
         if optics.get(theirs) is not None
     }
+    if first:
+        stated["front_origin_px"] = ((nylon.rows - 1) / 2.0, nylon.front_origin_px[1])
+    for name in ("front_origin_px", "top_origin_px"):
+        if optics.get(name) is not None:
+            row, column = optics[name]
+            stated[name] = (row + first, column)
     if optics.get("scale_px_per_m") is not None:
         stated["scale_px_per_m"] = float(optics["scale_px_per_m"])
     if optics.get("front_view_rows") is not None and optics.get("top_view_rows") is None:
         stated["top_origin_px"] = NO_MIRROR_PX
-    if exposure_us is not None:
-        stated["exposure_s"] = exposure_us * 1e-6
+    if scene.get("exposure_us") is not None:
+        stated["exposure_s"] = scene["exposure_us"] * 1e-6
     return replace(nylon, **stated)
 
 

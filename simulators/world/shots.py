@@ -11,6 +11,7 @@ from simulators.world.chance import marked_camera, noise_chance, shot_chance
 from simulators.world.description import WorldDescription
 from simulators.world.encounter import FLIGHT_LASTS_S, Encounter, simulate
 from simulators.world.launch import Launch
+from simulators.world.optics import picture_rows
 from simulators.world.pinhole import seen_at
 from simulators.world.state import Pose
 from simulators.world.truth import FilmedTruth, contact_truth
@@ -32,11 +33,14 @@ def render_shot(
     frame_rate_hz: float = 1000.0,
     frames: int = 24,
     shot: int = 1,
+    rows: int | None = None,
 ) -> RenderedShot:
     """Fire one shot and film it, with the contact about the middle of the frames.
 
     The contact falls at a random phase between two frames. Spheres that miss are filmed about
-    the middle of the field. `shot` numbers the shots of one seed, which share their markers.
+    the middle of the field. `shot` numbers the shots of one seed, which share their markers. Fewer
+    `rows` than a full frame are those about its middle (`picture_rows`), and the truth counts from
+    the first of them.
     """
     rng = shot_chance(seed, shot)
     encounter = simulate(description, launch, rng)
@@ -45,12 +49,15 @@ def render_shot(
     times = np.arange(frames) / frame_rate_hz
     pictures = [
         # The noise is that of the shot: its times alone would repeat from shot to shot.
-        camera.take(encounter.poses, first_s + time, noise_chance(seed, shot + time))
+        camera.take(encounter.poses, first_s + time, noise_chance(seed, shot + time), rows)
         for time in times.tolist()
     ]
-    return RenderedShot(
-        np.stack(pictures), times, _truth(description, launch, encounter, shot, first_s + times)
-    )
+    truth = _truth(description, launch, encounter, shot, first_s + times)
+    first_row = picture_rows(description.optics, rows)[0]
+    for view in (truth["centres_front_px"], truth["centres_top_px"]):
+        for pair in view:
+            pair[:] = [None if at is None else (at[0] - first_row, at[1]) for at in pair]
+    return RenderedShot(np.stack(pictures), times, truth)
 
 
 def _middle(encounter: Encounter) -> float:

@@ -100,6 +100,20 @@ def test_spheres_of_two_millimetres_are_measured_through_the_lens(
 
 @pytest.mark.long
 @pytest.mark.timeout(300)
+def test_a_split_format_shows_the_collision_and_what_depth_hides_is_among_the_errors(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    settings = ("--pressure-kpa", "50", "--offset-mm", "8")
+    shot = fired("simulated-split", tmp_path, capsys, *settings)
+    assert shot.result["frame_rate_hz"] == 2000.0
+    e, beta = ratios(shot.truth)
+    assert off(shot.result["e"], e) < SIGMAS
+    assert off(shot.result["beta"], beta) < SIGMAS
+    assert shot.result["beta"]["sigma"] < 0.1
+
+
+@pytest.mark.long
+@pytest.mark.timeout(300)
 def test_a_sphere_that_a_magnet_drops_on_a_plate_gives_one_impact_for_each_bounce(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

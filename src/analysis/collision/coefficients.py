@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from analysis.collision.impact import ContactState, impact_velocities
 from analysis.collision.instant import parting_time, touching_time
+from analysis.collision.unseen_depth import depth_spread
 from analysis.motion.spin import Spin
 from analysis.motion.velocity import FlightPath
 from analysis.quantity import Quantity
@@ -136,6 +137,8 @@ def measure_impact(
     radii: tuple[float, float],
     scale_sigma: float,
     offset_sigma: float = 0.0,
+    *,
+    depth_seen: bool = True,
 ) -> Impact:
     """Combine the motions of both spheres into the impact.
 
@@ -155,6 +158,8 @@ def measure_impact(
     offset_sigma
         Standard error of the centres of b against those of a along each axis, m, before and after
         contact alike.
+    depth_seen
+        Whether Z was measured; else what it may be is among the errors (`unseen_depth`).
 
     Raises
     ------
@@ -187,6 +192,8 @@ def measure_impact(
 
     jacobian = _derivative(outcomes, centre, np.sqrt(np.diag(covariance)))
     spread = jacobian @ covariance @ jacobian.T
+    if not depth_seen:
+        spread += depth_spread(outcomes, centre, radii)
     told = np.array([s is not None for s in spins])
     return _named(outcomes(centre[None])[0], spread, common @ jacobian.T, told)
 

@@ -143,11 +143,12 @@ class Configuration(StrictModel):
     def scene(self) -> dict[str, object]:
         """What a simulated world takes over, as JSON.
 
-        Apparatus, spheres, environment, optics, exposure, and what energised solenoids do.
+        Apparatus, spheres, environment, optics, rows and exposure of a picture, and what energised
+        solenoids do.
         """
         own = {"apparatus", "spheres", "environment", "optics"}
         document = self.model_dump(mode="json", include=own)
-        document["exposure_us"] = self.camera.exposure_us
+        document |= {"exposure_us": self.camera.exposure_us, "rows": self.camera.rows}
         if isinstance(self.trigger, SolenoidPair):
             document["energised"] = self.trigger.energised
         return document

@@ -5,11 +5,14 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from simulators.laboratory import open_laboratory
 from simulators.world import Launch, World
+from simulators.world.render import Camera
 from simulators.world.scene import described
+from simulators.world.state import Pose
 
 HALF_INCH = {"diameter_m": 0.0127, "density_kg_per_m3": 2700.0, "inertia_factor": 0.4}
 MOON = {"gravity_m_per_s2": 1.62, "air_density_kg_per_m3": 0.0}
@@ -33,6 +36,24 @@ def test_a_configurations_drag_is_a_belief_and_the_worlds_is_its_own() -> None:
     scene = {"environment": {"drag_coefficient": 0.9}}
     assert described(scene).environment.drag_coefficient == 0.4
     assert described(scene, air={"drag_coefficient": 1.2}).environment.drag_coefficient == 1.2
+
+
+@pytest.mark.parametrize(("pictures", "rows"), [(1, 192), (2, 96), (3, 64), (4, 48), (6, 32)])
+def test_a_split_picture_shows_the_origin_where_the_configuration_aims_the_camera(
+    pictures: int, rows: int
+) -> None:
+    optics = {"front_view_rows": [0, rows], "front_origin_px": [rows / 2 - 3.0, 117.0]}
+    world = described({"rows": rows, "optics": optics | {"scale_px_per_m": 500.0}})
+    sphere = world.sphere_a
+    camera = Camera(world.optics, (sphere,), (np.empty((0, 3)),))
+    at_origin = Pose(np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
+    picture = camera.expose(lambda _: [at_origin], 0.0, rows)
+    assert picture.shape == (rows, 240)
+    bright = picture > 70.0
+    seen_rows, seen_columns = np.nonzero(bright)
+    assert seen_rows.mean() == pytest.approx(rows / 2 - 3.0, abs=0.3)
+    assert seen_columns.mean() == pytest.approx(117.0, abs=0.3)
+    assert bright.sum() == pytest.approx(np.pi * (0.0127 * 500.0) ** 2, rel=0.15)
 
 
 def test_spheres_on_the_moon_fall_as_on_the_moon(tmp_path: Path) -> None:

@@ -1,0 +1,95 @@
+"""A camera without a mirror: numbers of impacts with depth, measured as if there were none."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from analysis.collision.coefficients import Impact, Motion, measure_impact
+from analysis.motion.spin import Spin
+from analysis.motion.velocity import FlightPath
+
+R = 0.0127
+E, MU = 0.74, 0.08
+NOTHING = np.zeros((6, 6))
+Floats = NDArray[np.float64]
+
+
+def flat(place: Floats, velocity: Floats) -> FlightPath:
+    """Return a path as a camera without a mirror gives it: exact, but for the depth."""
+    shown = np.array([1.0, 1.0, 0.0])
+    return FlightPath(0.0, place * shown, velocity * shown, np.zeros(3), NOTHING, 1.0, np.zeros(6))
+
+
+def seen(rng: np.random.Generator, depth: float) -> tuple[Impact, float]:
+    """Return what is measured of a sliding impact of two like spheres, and its true beta.
+
+    `depth` scales how far the spheres stand off in depth, and drift in it.
+    """
+    off = depth * 0.015 * 2.0 * R * rng.standard_normal(2)
+    drift = depth * 0.005 * 2.0 * rng.standard_normal(2)
+    normal = np.array([0.5, np.sqrt(0.75), 0.0])
+    normal[2] = (off[1] - off[0]) / (2.0 * R)
+    normal /= np.linalg.norm(normal)
+    velocity = np.array([[0.1, 2.0, drift[0]], [0.1, -2.0, drift[1]]])
+    spin = rng.normal(0.0, 20.0, (2, 3)) * np.array([depth, depth, 1.0])
+    between = velocity[1] - velocity[0]
+    v_n = float(between @ normal)
+    slip = between - v_n * normal + np.cross(normal, R * (spin[0] + spin[1]))
+    v_s = float(np.linalg.norm(slip))
+    # Impulse on b over its mass: half the change of v_n along the normal, Coulomb's share across.
+    along = -0.5 * (1.0 + E) * v_n
+    push = along * normal - MU * along * slip / v_s
+    after = velocity + np.array([-push, push])
+    # Both spheres are turned alike, a by -J at R n and b by J at -R n: I = 2/5 m R^2.
+    spin_after = spin - 2.5 / R * np.cross(normal, push)
+    between_after = after[1] - after[0]
+    slip_after = between_after - float(between_after @ normal) * normal
+    slip_after += np.cross(normal, R * (spin_after[0] + spin_after[1]))
+    places = np.array([-normal * R, normal * R])
+    motions = [
+        Motion(
+            flat(places[i], velocity[i]),
+            flat(places[i], after[i]),
+            Spin(spin[i], np.zeros((3, 3)), 1.0),
+            Spin(spin_after[i], np.zeros((3, 3)), 1.0),
+        )
+        for i in (0, 1)
+    ]
+    impact = measure_impact(motions[0], motions[1], (R, R), 0.0, depth_seen=False)
+    return impact, -float(slip_after @ slip) / v_s**2
+
+
+def test_the_impact_of_this_test_obeys_its_own_law() -> None:
+    impact, beta = seen(np.random.default_rng(1), 0.0)
+    assert impact.e.value == pytest.approx(E, abs=1e-9)
+    assert impact.beta is not None
+    assert impact.beta.value == pytest.approx(beta, abs=1e-9)
+    # Sliding: beta = -1 + (7/2) mu (1 + e) |v_n| / v_s (thesis, section 7.1).
+    assert impact.v_s is not None
+    sliding = -1.0 + 3.5 * MU * (1.0 + E) * -impact.v_n.value / impact.v_s.value
+    assert beta == pytest.approx(sliding, abs=1e-9)
+
+
+def test_coefficients_lie_within_their_errors_whatever_the_unseen_depth() -> None:
+    rng = np.random.default_rng(5)
+    off_e, off_beta = [], []
+    for _ in range(150):
+        impact, beta = seen(rng, 1.0)
+        off_e.append((impact.e.value - E) / impact.e.sigma)
+        assert impact.beta is not None
+        off_beta.append((impact.beta.value - beta) / impact.beta.sigma)
+    # Draws of one size enter by their square: rms 1 within a third, hardly any beyond 4.
+    for off in (np.array(off_e), np.array(off_beta)):
+        assert 0.6 < np.sqrt((off**2).mean()) < 1.4
+        assert (np.abs(off) > 4.0).sum() <= 3
+
+
+def test_depth_that_is_seen_adds_no_error() -> None:
+    place, speed = np.array([0.0, R, 0.0]), np.array([0.0, 2.0, 0.0])
+    still = Spin(np.zeros(3), np.zeros((3, 3)), 1.0)
+    a = Motion(flat(-place, speed), flat(-place, -0.7 * speed), still, still)
+    b = Motion(flat(place, -speed), flat(place, 0.7 * speed), still, still)
+    assert measure_impact(a, b, (R, R), 0.0).e.sigma == 0.0
+    assert measure_impact(a, b, (R, R), 0.0, depth_seen=False).e.sigma > 0.0
