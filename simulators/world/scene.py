@@ -82,9 +82,10 @@ def described(
     Parameters
     ----------
     scene
-        What the configuration says of the rig: `apparatus`, `spheres` (two tables), `environment`,
-        `optics`, `rows` of a picture, `exposure_us`; what is absent is the nylon rig's with
-        pushers. Its drag coefficient is what the rig believes; that of the world is in `air`.
+        What the configuration says of the rig: `apparatus`, `spheres` (two tables), `material`,
+        `environment`, `optics`, `rows` of a picture, `exposure_us`; what is absent is the nylon
+        rig's with pushers. Its drag coefficient is what the rig believes; that of the world is in
+        `air`.
     contact, tube, magnet, air
         Fields of `ContactLaw`, of `Tube` (`TiltedTubes` on the release apparatus), of `Magnet` (on
         the drop apparatus), and `drag_coefficient`, where they differ from nylon's.
@@ -108,10 +109,17 @@ def described(
         sphere_a=a,
         sphere_b=b,
         **_launcher(apparatus, tube or {}, magnet or {}),
-        contact=_with(nylon.contact, "contact", contact or {}, _CONTACT_LIMITS),
+        contact=_with(_of_material(scene), "contact", contact or {}, _CONTACT_LIMITS),
         environment=_with(environment, "air", air or {}, _AIR_LIMITS),
         optics=_optics(nylon.optics, scene.get("optics", {}), scene),
     )
+
+
+def _of_material(scene: Table) -> ContactLaw:
+    """Return nylon's contact, elastic as the stated material."""
+    material = scene.get("material") or {}
+    names = ("youngs_modulus_pa", "poissons_ratio")
+    return replace(ContactLaw(), **{name: material[name] for name in names if name in material})
 
 
 def _launcher(apparatus: str, tube: Table, magnet: Table) -> dict[str, Any]:

@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from analysis.collision.force_law import hertz_duration, stated_modulus, yield_speed
+from analysis.collision.operator import Body
 from analysis.imaging.marker.markers import Markers
 from analysis.imaging.views import View
 from analysis.quantity import Quantity
@@ -44,7 +46,21 @@ def shot_document(shot: MeasuredShot | RefusedShot) -> Json:
         "frames_after": list(shot.used_after),
         "scale_px_per_m": {v.value: s for v, s in shot.tracking.scales_px_per_m.items()},
         "notes": list(shot.notes),
+        **expected_document(shot.bodies, impact.v_n.value),
     }
+
+
+def expected_document(bodies: tuple[Body, Body], v_n: float) -> Json:
+    """Return what the stated material makes expect of an impact at v_n, m/s; nothing without one.
+
+    Under `expected`: `contact_duration_s` by Hertz, elastic, and `yield_speed_m_per_s`, null where
+    no yield is stated.
+    """
+    modulus = stated_modulus(bodies)
+    if modulus is None or v_n == 0.0:
+        return {}
+    lasts = hertz_duration(modulus, bodies) * abs(v_n) ** -0.2
+    return {"expected": {"contact_duration_s": lasts, "yield_speed_m_per_s": yield_speed(bodies)}}
 
 
 def _told(quantity: Quantity | None) -> Json | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -48,7 +48,7 @@ class Scene:
         """Return the scene of frames that were measured with these slow errors."""
         air = setup.environment
         return cls(
-            bodies=(body_of(setup.spheres[0]), body_of(setup.spheres[1])),
+            bodies=bodies_of(setup),
             gravity=air.gravity_m_per_s2,
             air_density=air.air_density_kg_per_m3,
             drag_coefficient=air.drag_coefficient,
@@ -71,8 +71,13 @@ class Scene:
         return Drag(self.drag_coefficient * of_one, self.drag_sigma * of_one)
 
 
-def body_of(sphere: SphereSetup) -> Body:
-    """Return the body that a set-up describes."""
+def bodies_of(setup: Setup) -> tuple[Body, Body]:
+    """Return both bodies that a set-up describes, of its material."""
+    a, b = (replace(_body_of(sphere), material=setup.material) for sphere in setup.spheres)
+    return a, b
+
+
+def _body_of(sphere: SphereSetup) -> Body:
     if sphere.plate:
         return Body.plate()
     return Body.sphere(sphere.diameter_m, sphere.density_kg_per_m3, sphere.inertia_factor)

@@ -25,6 +25,8 @@ from pydantic import (
 )
 from pydantic.dataclasses import dataclass
 
+from analysis.material import StatedMaterial
+
 STRICT = ConfigDict(strict=True, extra="forbid", allow_inf_nan=False)
 
 HOLLOW_SHELL = 0.667
@@ -201,12 +203,15 @@ class Setup:
         a and b.
     measurement
         Slow errors of poses that were measured elsewhere.
+    material
+        What both bodies are made of; None: not stated.
     """
 
     camera: CameraSetup
     spheres: tuple[SphereSetup, SphereSetup]
     environment: Environment = Environment()
     measurement: SlowErrors = NO_SLOW_ERRORS
+    material: StatedMaterial | None = None
 
     @field_validator("spheres")
     @classmethod
@@ -218,7 +223,20 @@ class Setup:
             raise ValueError(f"both are named {first.name!r}; name them 'a' and 'b'")
         return first, second
 
+    @model_validator(mode="after")
+    def _has_the_density_of_its_material(self) -> Self:
+        density = None if self.material is None else self.material.density_kg_per_m3
+        for sphere in self.spheres:
+            own = sphere.density_kg_per_m3
+            if density is not None and not sphere.plate and abs(own / density - 1.0) > SAME_DENSITY:
+                raise ValueError(
+                    f"sphere {sphere.name} has {own:g} kg/m^3 and its material {density:g}"
+                )
+        return self
 
+
+SAME_DENSITY = 0.05
+"""Relative: a sphere's density, weighed, and that of its material as tables have it."""
 _SETUP = TypeAdapter(Setup)
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.collision.coefficients import Impact
+from analysis.collision.operator import Body
 from analysis.errors import ShotRefusedError
 from analysis.imaging.edge.frame import EdgeSettings
 from analysis.motion.pattern import Orientations
@@ -111,6 +112,8 @@ class MeasuredShot:
         Frames that were exposed during the contact and show neither side.
     notes
         What was left out, and why.
+    bodies
+        What collided.
     known
         What the photometric method has learned of the spheres; it serves the next shot.
     slow
@@ -126,6 +129,7 @@ class MeasuredShot:
     used_after: tuple[int, ...]
     between: tuple[int, ...]
     notes: tuple[str, ...]
+    bodies: tuple[Body, Body]
     known: Appearance | None = None
     slow: SlowErrors = NO_SLOW_ERRORS
 
@@ -185,13 +189,13 @@ def analyse_shot(
             tracking, one_body_frame=known is not None and not tracking.learned_alone
         )
         poses = ShotPoses.of_tracks(tracking.centres, tracking.orientations, elapsed_s)
-        sides = measure_two_sides(
-            poses, Scene.of(setup, slow), three_and_three=chosen.three_and_three
-        )
+        scene = Scene.of(setup, slow)
+        sides = measure_two_sides(poses, scene, three_and_three=chosen.three_and_three)
     except ShotRefusedError as refusal:
         return RefusedShot(refusal.step, refusal.reason, refusal.frame)
     return MeasuredShot(
         impact=sides.impact,
+        bodies=scene.bodies,
         centres=tracking.centres,
         orientations=tracking.orientations,
         tracking=tracking,

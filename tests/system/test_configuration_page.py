@@ -11,6 +11,7 @@ from pydantic import TypeAdapter
 
 import rigctl.config as sections
 from analysis.files import FileLimits
+from analysis.material import Material
 from analysis.setup import Environment, SphereSetup
 from rigctl.config.bench import Bench, DiskSection, StageSection
 from rigctl.config.configuration import AnalysisSection, ServiceSection, Simulation
@@ -76,6 +77,7 @@ SECTIONS: dict[str, list[Any]] = {
     "[optics]": [sections.Optics],
     "[[spheres]]": [SphereSetup],
     "[environment]": [Environment],
+    "[material]": [Material],
     "A stage or a disk": [Bench],
     "[stage]": [StageSection],
     "[disk]": [DiskSection],

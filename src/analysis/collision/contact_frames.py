@@ -9,14 +9,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.collision.force_law import hertz_duration
+from analysis.collision.force_law import hertz_duration, stated_modulus
 from analysis.collision.operator import Body
+from analysis.material import NAMED
 
 Floats = NDArray[np.float64]
 
-YOUNGS_MODULUS = 2.3e9
-"""Nylon at the soft end of the thesis's table 7.1, Pa: the longest contact."""
-POISSON_RATIO = 0.25
 MARGIN_BEFORE_S = 0.06e-3
 DURATIONS_AFTER = 1.6
 SLOWEST = 0.05
@@ -24,8 +22,11 @@ SLOWEST = 0.05
 
 
 def longest_contact(approach: Floats, bodies: tuple[Body, Body]) -> Floats:
-    """Return how long an elastic contact of soft nylon lasts, s, for approach speeds in m/s."""
-    modulus = YOUNGS_MODULUS / (2 * (1 - POISSON_RATIO**2))
+    """Return how long an elastic contact lasts, s, for approach speeds in m/s.
+
+    Of the bodies' material, where it is stated, else of soft nylon.
+    """
+    modulus = stated_modulus(bodies) or NAMED["nylon-soft"].contact_modulus
     return np.asarray(hertz_duration(modulus, bodies) * np.maximum(approach, SLOWEST) ** -0.2)
 
 

@@ -122,3 +122,30 @@ def hertz_duration(modulus: float, bodies: tuple[Body, Body]) -> float:
     stiffness = 4 / 3 * modulus * curvature**-0.5
     mass = 1 / gives(bodies)[0]
     return float(TSUJI.elastic_duration * (mass / stiffness) ** 0.4)
+
+
+def stated_modulus(bodies: tuple[Body, Body]) -> float | None:
+    """Return the contact modulus E*, Pa, of bodies whose materials are stated; else None.
+
+    1 / E* = (1 - nu_a^2) / E_a + (1 - nu_b^2) / E_b.
+    """
+    a, b = (body.material for body in bodies)
+    if a is None or b is None:
+        return None
+    return 1.0 / (1.0 / a.plane_modulus + 1.0 / b.plane_modulus)
+
+
+def yield_speed(bodies: tuple[Body, Body]) -> float | None:
+    """Return the approach speed, m/s, above which the softer material yields; None: not stated.
+
+    m* v_y^2 / 2 = 53 R*^3 Y^5 / E*^4: K. L. Johnson, Contact Mechanics (1985), section 11.5.
+    """
+    modulus = stated_modulus(bodies)
+    stresses = [body.material.yield_pa for body in bodies if body.material is not None]
+    told = [stress for stress in stresses if stress is not None]
+    if modulus is None or not told:
+        return None
+    a, b = bodies
+    radius = 1.0 / (1 / a.radius + (0.0 if b.is_plate else 1 / b.radius))
+    mass = 1 / gives(bodies)[0]
+    return float(np.sqrt(106.0 * radius**3 * min(told) ** 5 / (mass * modulus**4)))

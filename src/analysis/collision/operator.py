@@ -14,16 +14,22 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.material import Material
+
 Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
 class Body:
-    """A sphere: mass in kg, radius in m, moment of inertia in kg m^2; a plate has infinite ones."""
+    """A sphere: mass in kg, radius in m, moment of inertia in kg m^2; a plate has infinite ones.
+
+    `material` is None where none is stated.
+    """
 
     mass: float
     radius: float
     inertia: float
+    material: Material | None = None
 
     @classmethod
     def sphere(cls, diameter_m: float, density_kg_per_m3: float, inertia_factor: float) -> Body:

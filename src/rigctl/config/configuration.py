@@ -11,6 +11,7 @@ from pydantic import ConfigDict, Field, ValidationError, model_validator
 
 from analysis.exchange.faults import fault
 from analysis.files import FileLimits
+from analysis.material import StatedMaterial
 from analysis.setup import Environment, Setup, SphereSetup, setup_of
 from rigctl.config.actuators import Alicat, Lcus, SolenoidPair, TriggerSection, Zaber
 from rigctl.config.camera import CameraSection, EktaproCamera, FilesSource, SerialLine
@@ -118,6 +119,7 @@ class Configuration(StrictModel):
     optics: Optics
     spheres: tuple[SphereSetup, SphereSetup]
     environment: Environment
+    material: StatedMaterial | None = None
 
     @property
     def setup(self) -> Setup:
@@ -130,7 +132,8 @@ class Configuration(StrictModel):
             "exposure_s": None if exposure_us is None else exposure_us * 1e-6,
             **self.optics.model_dump(),
         }
-        scene = self.model_dump(mode="json", include={"spheres", "environment"})
+        own = {"spheres", "environment", "material"}
+        scene = self.model_dump(mode="json", include=own, exclude_none=True)
         return setup_of({"camera": camera, **scene})
 
     @property
@@ -143,10 +146,10 @@ class Configuration(StrictModel):
     def scene(self) -> dict[str, object]:
         """What a simulated world takes over, as JSON.
 
-        Apparatus, spheres, environment, optics, rows and exposure of a picture, and what energised
-        solenoids do.
+        Apparatus, spheres, material, environment, optics, rows and exposure of a picture, and what
+        energised solenoids do.
         """
-        own = {"apparatus", "spheres", "environment", "optics"}
+        own = {"apparatus", "spheres", "environment", "optics", "material"}
         document = self.model_dump(mode="json", include=own)
         document |= {"exposure_us": self.camera.exposure_us, "rows": self.camera.rows}
         if isinstance(self.trigger, SolenoidPair):

@@ -51,7 +51,7 @@ class Analysis:
             known = lesson(self.shown)
         nothing: Any = None
         empty, tracking = (nothing, nothing), cast("Any", SimpleNamespace(learned_alone=alone))
-        return MeasuredShot(nothing, empty, empty, tracking, TIMES, (), (), (), (), known)
+        return MeasuredShot(nothing, empty, empty, tracking, TIMES, (), (), (), (), empty, known)
 
 
 @pytest.fixture

@@ -50,7 +50,9 @@ def wrap(operator: Operator, values: Values) -> Operator:
 
 
 def _grown(body: Body, factor: float) -> Body:
-    return Body(body.mass * factor**3, body.radius * factor, body.inertia * factor**5)
+    return Body(
+        body.mass * factor**3, body.radius * factor, body.inertia * factor**5, body.material
+    )
 
 
 def _earlier(approach: Floats, relative: Floats, stated: float, true: float) -> Floats:

@@ -25,7 +25,7 @@ from analysis.model.data.tables import ContactTable, Data
 from analysis.model.data.tables_build import contacts_table, impacts_table
 from analysis.model.data.tables_noise import with_scatter_as_noise
 from analysis.model.predict.start import LEAST_FRAMES, both_seen
-from analysis.scene import body_of
+from analysis.scene import bodies_of
 from analysis.setup import CameraSetup, Setup, SlowErrors
 from analysis.shot import AnalysisOptions, MeasuredShot
 from analysis.slow_errors import typical
@@ -164,7 +164,7 @@ def stated_poses(shots: Shots, rows: Sequence[ShotRow], setup: Setup) -> PoseDat
         rotation_sigma=turn_sigma,
         slow=setup.measurement,
         own_slow={number: own_slow_errors(shots[number], setup.measurement) for number in numbers},
-        bodies=(body_of(setup.spheres[0]), body_of(setup.spheres[1])),
+        bodies=bodies_of(setup),
         gravity=setup.environment.gravity_m_per_s2,
         air_density=setup.environment.air_density_kg_per_m3,
         drag_coefficient=setup.environment.drag_coefficient,
@@ -201,7 +201,7 @@ def _of_shots(
     found = [row for row in found if row.shot not in excluded]
     if not found:
         raise InputError(path, "holds no shots that count")
-    bodies = (body_of(setup.spheres[0]), body_of(setup.spheres[1]))
+    bodies = bodies_of(setup)
     covariates = _covariates([row.shot for row in found], rows)
     return found, bodies, covariates, setup.environment.gravity_m_per_s2
 

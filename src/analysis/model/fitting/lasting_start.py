@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.collision.force_law import hertz_duration
+from analysis.collision.force_law import hertz_duration, stated_modulus
 from analysis.effects.contact.lasting_contact import TYPICAL_MODULUS
 from analysis.effects.effect import ContactLaw
 from analysis.model.fitting.lasting_scan import STEPS, Scan, Start
@@ -63,9 +63,10 @@ def _families(law: ContactLaw) -> list[ContactLaw]:
 
 
 def _scan(flights: FreeFlights, theory: Theory, law: ContactLaw) -> Scan:
-    """Begin about a contact as nylon spheres have it."""
+    """Begin about a contact as the stated material has it, or else nylon."""
     own = _own_coefficients(flights)
-    usual = hertz_duration(TYPICAL_MODULUS, flights.bodies)
+    modulus = stated_modulus(flights.bodies) or TYPICAL_MODULUS
+    usual = hertz_duration(modulus, flights.bodies)
     e, middle = own.e, np.array([np.median(own.e), own.mu, usual, *MIDDLE])
     scan = Scan(flights, theory, e - middle[0], middle, np.zeros((len(e), SIDE, SIDE)), STEPS)
     scan = replace(scan, middle=_timed(scan, law))
