@@ -8,10 +8,11 @@ from pathlib import Path
 from rigctl.cameras.capture import Capture
 from rigctl.cameras.files import CaptureFolder
 from rigctl.cameras.live import LiveCapture
-from rigctl.cameras.playback import DigitisedPlayback
+from rigctl.cameras.playback import DigitisedPlayback, VideoSource
+from rigctl.cameras.resampling import Crop, ResampledVideo
 from rigctl.cameras.tape import PictureSource, TapeCapture
 from rigctl.cameras.v4l2 import VideoDevice
-from rigctl.config import EktaproCamera, FilesSource, HidRelay, V4l2Camera
+from rigctl.config import EktaproCamera, FilesSource, HidRelay, V4l2Camera, V4l2Source
 from rigctl.config import RemoteTriggerSection as ContactSection
 from rigctl.devices import hid_relay, serial_line
 from rigctl.devices.build import WRITE_TIMEOUT_S, Laboratory, resolved
@@ -86,11 +87,20 @@ def _source(
     if isinstance(section.source, FilesSource):
         folder = Path(resolved(section.source.folder, laboratory))
         return CaptureFolder(folder, recorder=recorder, picture_rate_hz=rate)
+    return DigitisedPlayback(recorder, _grabber(section, section.source), picture_rate_hz=rate)
+
+
+def _grabber(section: EktaproCamera, source: V4l2Source) -> VideoSource:
+    """Return the grabber, its frames in the size of the recorder's pictures."""
+    rows, columns = source.frame_rows or section.rows, source.frame_columns or section.columns
     grabber = VideoDevice(
-        section.source.device,
-        rows=section.rows,
-        columns=section.columns,
-        pixel_format=section.source.pixel_format,
-        input_number=section.source.input,
+        source.device,
+        rows=rows,
+        columns=columns,
+        pixel_format=source.pixel_format,
+        input_number=source.input,
     )
-    return DigitisedPlayback(recorder, grabber, picture_rate_hz=rate)
+    if source.frame_rows is None:
+        return grabber
+    crop = Crop(*(source.crop or (0, 0, rows, columns)))
+    return ResampledVideo(grabber, crop, section.rows, section.columns)

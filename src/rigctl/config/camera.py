@@ -44,13 +44,39 @@ class FilesSource(StrictModel):
     folder: str = Field(min_length=1)
 
 
+Edge = Annotated[int, Field(ge=0, le=4096)]
+
+
 class V4l2Source(StrictModel):
-    """Frame grabber that digitises the recorder's playback."""
+    """Frame grabber that digitises the recorder's playback.
+
+    One whose frames have another size than the recorder's pictures states it, and which part of
+    them holds the picture; it is then brought to the recorder's size.
+    """
 
     driver: Literal["v4l2"]
     device: str = Field(min_length=1)
     input: int = Field(default=0, ge=0)
     pixel_format: PixelFormatName = Field(default="GREY", description="asked of the driver")
+    frame_rows: int | None = Field(default=None, ge=8, le=4096, description="of a grabber's frame")
+    frame_columns: int | None = Field(
+        default=None, ge=8, le=4096, description="of a grabber's frame"
+    )
+    crop: tuple[Edge, Edge, Edge, Edge] | None = Field(
+        default=None, description="first row and column, rows and columns; else the whole frame"
+    )
+
+    @model_validator(mode="after")
+    def _crops_within_its_frame(self) -> Self:
+        rows, columns = self.frame_rows, self.frame_columns
+        if rows is None or columns is None:
+            if (rows, columns, self.crop) != (None, None, None):
+                raise ValueError("frame_rows and frame_columns are given together, crop with them")
+            return self
+        top, left, high, wide = self.crop or (0, 0, rows, columns)
+        if high < 8 or wide < 8 or top + high > rows or left + wide > columns:
+            raise ValueError(f"crop {self.crop} does not lie in a frame of {rows} x {columns}")
+        return self
 
 
 RemoteTriggerSection = Annotated[HidRelay | SerialLine, Field(discriminator="driver")]
