@@ -220,6 +220,15 @@ def test_the_guide_to_keys_gives_each_caller_its_own(tmp_path: Path) -> None:
     assert (tmp_path / "dashboard.key").read_text().strip() not in said
 
 
+@needs_shell
+@pytest.mark.long
+@pytest.mark.timeout(300)
+def test_the_guide_to_the_apparatus_records_a_disk_and_drops_a_sphere(tmp_path: Path) -> None:
+    said = perform(DOCS / "how-to" / "apparatus-of-the-thesis.md", tmp_path)
+    assert "A frame's angle is good to 0.00" in said
+    assert "analysed: 0 and 0 kPa" in said
+
+
 @pytest.mark.parametrize("page", LESSONS, ids=lambda page: page.stem)
 def test_every_shell_block_of_a_lesson_says_whether_it_is_run(page: Path) -> None:
     found = blocks(page)
