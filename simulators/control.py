@@ -18,26 +18,28 @@ def obey(laboratory: Laboratory, line: bytes) -> dict[str, object]:
     """Carry out one request and return its answer.
 
     Requests are `{"fault": {"device": ..., "kind": ..., ...}}`, `{"clear": true}`,
-    `{"state": true}` and `{"contact": true or false}`, which closes or opens the recorder's
-    remote trigger by hand. Answers are `{"ok": true}` with the state where it was asked for, or
+    `{"state": true}`, `{"contact": true or false}`, which closes or opens the recorder's
+    remote trigger by hand, and `{"switch": true or false}`, which does so with the switch in the
+    actuators' supply. Answers are `{"ok": true}` with the state where it was asked for, or
     `{"error": "what is wrong"}`.
     """
     try:
         match json.loads(line):
             case {"fault": dict(options), **rest} if not rest:
                 laboratory.fault(**options)
-                return {"ok": True}
             case {"clear": True, **rest} if not rest:
                 laboratory.clear_faults()
-                return {"ok": True}
             case {"state": True, **rest} if not rest:
                 return {"ok": True, "state": laboratory.state()}
             case {"contact": bool(closed), **rest} if not rest:
                 laboratory.move_contact(closed)
-                return {"ok": True}
+            case {"switch": bool(closed), **rest} if not rest:
+                laboratory.move_switch(closed)
+            case _:
+                return {"error": "a request is one of fault, clear, state, contact, switch"}
     except (TypeError, ValueError) as error:
         return {"error": str(error)}
-    return {"error": "a request is one of fault, clear, state, contact"}
+    return {"ok": True}
 
 
 @contextlib.contextmanager

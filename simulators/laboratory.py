@@ -111,6 +111,7 @@ class Laboratory:
         self._solenoids = LcusRelay(RELAY_CHANNELS, self._holders.switch)
         self._recorder = Processor(clock, options.run_up_s)
         self._power_switched_s: float | None = None
+        self._switch_closed = True
         self._frame_faults = FrameFaults()
         self._digitiser = Digitiser(folder / "capture", world.picture, self._frame_faults)
         link = Link(self._recorder, self._digitiser.start)
@@ -222,6 +223,11 @@ class Laboratory:
         """Close or open the recorder's remote trigger by hand, without the relay."""
         self._recorder.contact(closed)
 
+    def move_switch(self, closed: bool) -> None:
+        """Close or open the switch that a hand reaches, in series with the cut-off."""
+        self._switch_closed = closed
+        self._power(self._cut_off.is_on(CUT_OFF_CHANNEL))
+
     def state(self) -> dict[str, object]:
         """Return how things stand in the laboratory, for people and tests.
 
@@ -280,8 +286,13 @@ class Laboratory:
     def _switch_power(self, channel: int, on: bool) -> None:
         if channel == CUT_OFF_CHANNEL:
             self._power_switched_s = self._clock()
-            self._box.power(on)
-            self._holders.power(on)
+            self._power(on)
+
+    def _power(self, cut_off_closed: bool) -> None:
+        """Give power where both the cut-off and the switch at hand are closed."""
+        powered = cut_off_closed and self._switch_closed
+        self._box.power(powered)
+        self._holders.power(powered)
 
     def _power_last_switched_s(self) -> float | None:
         late_s = self._box.late_since_s if self._watch_contact else None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ssl
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -88,6 +88,31 @@ class ServiceClient:
     def release(self, reason: str) -> dict[str, Any]:
         """Let the rig leave its latch and return its state."""
         return self._ask("POST", "/rig/release", {"reason": reason})
+
+    def commissioning(self) -> dict[str, Any]:
+        """Return the steps of the commissioning as they stand."""
+        return self._ask("GET", "/rig/commissioning")
+
+    def commissioning_record(self) -> dict[str, Any]:
+        """Return the signed record of the commissioning."""
+        return self._ask("GET", "/rig/commissioning/record")
+
+    def do_step(self, step: str) -> dict[str, Any]:
+        """Have the daemon do its part of a step; return what it saw."""
+        path = f"/rig/commissioning/{step}/act"
+        return self._ask("POST", path, timeout_s=_ARM_TIMEOUT_S)
+
+    def answer_step(
+        self, step: str, people: Sequence[str], note: str | None, *, seen: bool
+    ) -> dict[str, Any]:
+        """Say whether a step was as it must be; return how it stands."""
+        body = {"seen": seen, "people": list(people), "note": note}
+        return self._ask("POST", f"/rig/commissioning/{step}/answer", body)
+
+    def rewired(self, part: str, people: Sequence[str], note: str) -> dict[str, Any]:
+        """Ask for the steps of a part again; return all as they stand."""
+        body = {"part": part, "people": list(people), "note": note}
+        return self._ask("POST", "/rig/commissioning/rewired", body)
 
     def fire(self, token: str, key: str, campaign: str | None) -> str:
         """Fire once under this idempotency key and return the shot's id."""

@@ -7,9 +7,14 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 
 from rigctl.cameras.build import build_capture
+from rigctl.commissioning.answers import Answers
+from rigctl.commissioning.gate import Gate
+from rigctl.commissioning.step import Part
+from rigctl.commissioning.walk import Commissioning
 from rigctl.config import SIMULATED, Configuration, TriggerBox
 from rigctl.devices import build
-from rigctl.devices.roles import Actuators, HeartbeatWatch
+from rigctl.devices.roles import Actuators, FirmwareQuery, HeartbeatWatch
+from rigctl.errors import DeviceError
 from rigctl.jobs import Jobs
 from rigctl.laboratory import Laboratory, open_laboratory
 from rigctl.measuring.analysing import Analyser
@@ -35,7 +40,8 @@ class Daemon:
     `laboratory` is what stands behind a simulated rig, None on a real one; `analyse` queues a
     stored shot for analysis and returns at once, `analyse_by` by a method of choice; `compiling`
     says how far the machine code is that an analysis waits for, None where none does; `jobs` is
-    whatever else takes long; `offered` are the sweeps that wait to be resumed.
+    whatever else takes long; `commissioning` is what people must have seen of a real rig;
+    `offered` are the sweeps that wait to be resumed.
     """
 
     configuration: Configuration
@@ -48,6 +54,7 @@ class Daemon:
     compiling: Callable[[], Compiling | None]
     jobs: Jobs
     sweeps: SweepRunner
+    commissioning: Commissioning
     offered: tuple[SweepRecord, ...]
 
 
@@ -86,6 +93,8 @@ def open_daemon(configuration: Configuration) -> Iterator[Daemon]:
         opened.callback(analyser.close)
         jobs = Jobs()
         opened.callback(jobs.close)
+        answers = Answers(store)
+        gate = Gate(configuration, answers, lambda: _firmware(devices))
         rig = Rig(
             configuration,
             devices,
@@ -93,6 +102,7 @@ def open_daemon(configuration: Configuration) -> Iterator[Daemon]:
             store,
             analyse=analyser.submit,
             watches=_watches(configuration, devices),
+            permit=gate,
         )
         opened.callback(rig.close)
         recovery = rig.recover()
@@ -110,6 +120,7 @@ def open_daemon(configuration: Configuration) -> Iterator[Daemon]:
             compiling=lambda: analyser.compiling,
             jobs=jobs,
             sweeps=sweeps,
+            commissioning=Commissioning(configuration, rig, gate, answers),
             offered=offered,
         )
 
@@ -122,6 +133,17 @@ def _open_devices(
         if device is not None:
             opened.callback(device.close)
     return actuators
+
+
+def _firmware(devices: Actuators) -> dict[str, str]:
+    """Return what the devices say of their firmware; one that is silent is left out."""
+    trigger = devices.trigger
+    if not isinstance(trigger, FirmwareQuery):
+        return {}
+    try:
+        return {Part.TRIGGER: trigger.firmware()}
+    except DeviceError:
+        return {}
 
 
 def _watches(configuration: Configuration, devices: Actuators) -> tuple[Watch, ...]:

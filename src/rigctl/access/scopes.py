@@ -16,8 +16,8 @@ class Scope(StrEnum):
     """One thing that a key may do; every key may read.
 
     `read`: look at everything, and have questions about campaigns worked out. `operate`: arm,
-    fire, release. `sweep`: start, pause, resume and abort sweeps. `maintain`: exclude, include,
-    note, tag, analyse again, save fits, end jobs. `admin`: all of these.
+    fire, release, commission. `sweep`: start, pause, resume and abort sweeps. `maintain`: exclude,
+    include, note, tag, analyse again, save fits, end jobs. `admin`: all of these.
     """
 
     READ = "read"
@@ -34,6 +34,11 @@ ROUTES: dict[tuple[str, str], Scope] = {
     ("GET", "/rig"): Scope.READ,
     ("POST", "/rig/arm"): Scope.OPERATE,
     ("POST", "/rig/release"): Scope.OPERATE,
+    ("GET", "/rig/commissioning"): Scope.READ,
+    ("GET", "/rig/commissioning/record"): Scope.READ,
+    ("POST", "/rig/commissioning/rewired"): Scope.OPERATE,
+    ("POST", "/rig/commissioning/{step}/act"): Scope.OPERATE,
+    ("POST", "/rig/commissioning/{step}/answer"): Scope.OPERATE,
     ("POST", "/shots"): Scope.OPERATE,
     ("GET", "/shots"): Scope.READ,
     ("GET", "/shots/{shot}"): Scope.READ,

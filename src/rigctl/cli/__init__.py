@@ -179,6 +179,10 @@ COMMANDS: dict[str, Command | Group] = {
         "rig.demo:demo",
         "Find an effect that a simulated rig hides: fire, measure, compare; no daemon needed.",
     ),
+    "commission": Command(
+        "rig.commission:commission",
+        "Walk through what must be seen of a real rig before it fires, and sign it.",
+    ),
     "firmware": Command(
         "rig.firmware:firmware",
         "Write out the trigger box's firmware, and say how to build and flash it.",

@@ -111,6 +111,14 @@ class PowerQuery(Protocol):
 
 
 @runtime_checkable
+class FirmwareQuery(Protocol):
+    """A device that says which firmware it runs; not every one can."""
+
+    def firmware(self) -> str:
+        """Return its own words, with the version; raise a `DeviceError` if unheard."""
+
+
+@runtime_checkable
 class HeartbeatWatch(Protocol):
     """A trigger that can watch over its host, and make itself safe when the host dies or hangs."""
 

@@ -86,6 +86,10 @@ class TriggerBox:
         """Say whether the outputs have power."""
         return self.status().powered
 
+    def firmware(self) -> str:
+        """Return the box's identification: protocol version and channels."""
+        return self._identity()[0]
+
     def arm(self, sequence: int, delay_us: float) -> None:
         """Make ready for one fire under this number, b `delay_us` after a.
 
@@ -200,11 +204,14 @@ class TriggerBox:
         self._port.close()
 
     def _version(self) -> int:
+        return int(self._identity()[1])
+
+    def _identity(self) -> re.Match[str]:
         text = self._ask("ID?", kind="RIGTRIG ")
         match = _IDENTITY.fullmatch(text)
         if match is None:
             raise unexpected(text, "ID?", self.name)
-        return int(match[1])
+        return match
 
     def _expect(self, question: str, answer: str) -> None:
         text = self._ask(question, kind=answer)

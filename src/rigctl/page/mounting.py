@@ -20,6 +20,7 @@ from rigctl.page.model.pages import model_pages
 from rigctl.page.model.story.cards import drawings_route
 from rigctl.page.parts.plotting import plotting_route
 from rigctl.page.parts.readings import Readings
+from rigctl.page.rig.commissioning import commissioning_page
 from rigctl.page.rig.pages import rig_page
 from rigctl.page.session_auth import SessionAuth
 from rigctl.page.shots.film import film_route
@@ -46,7 +47,8 @@ def with_page(api: FastAPI, daemon: Daemon) -> ASGIApp:
     """
     desk = Desk(daemon, Lanes(), Feed(daemon), Readings(daemon.store), Films(daemon.store))
     ui.add_css(STYLE, shared=True)
-    for register in (rig_page, shot_pages, sweep_pages, campaign_pages, model_pages):
+    pages = (rig_page, commissioning_page, shot_pages, sweep_pages, campaign_pages, model_pages)
+    for register in pages:
         register(desk)
     shell = FastAPI(openapi_url=None, lifespan=api.router.lifespan_context)
     plotting_route(shell)

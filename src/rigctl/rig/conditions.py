@@ -10,6 +10,7 @@ from rigctl.devices.roles import PowerQuery
 from rigctl.errors import RigError, StoreError
 from rigctl.rig.interlocks import Interlock, fresh, within
 from rigctl.rig.parts import Bench
+from rigctl.rig.permit import Permit
 from rigctl.rig.stopping.estop import EmergencyStop
 from rigctl.settings import ShotSettings
 
@@ -21,7 +22,8 @@ class Conditions:
     gathered and reported together.
     """
 
-    def __init__(self, bench: Bench, stop: EmergencyStop) -> None:
+    def __init__(self, bench: Bench, stop: EmergencyStop, permit: Permit) -> None:
+        self._permit = permit
         self._limits, self._devices = bench.configuration.limits, bench.devices
         self._capture, self._store, self._clock = bench.capture, bench.store, bench.clock
         self._stop, self._frames_bytes = stop, bench.configuration.camera.frames_bytes
@@ -47,6 +49,7 @@ class Conditions:
         Ages are taken after the last reading, so a slow part makes the earlier ones stale.
         """
         found = [
+            *self.permit(settings),
             *self._pressure(settings),
             *self._offset(settings),
             self._camera(recording),
@@ -60,6 +63,11 @@ class Conditions:
             *([] if recording is None else [self._room()]),
         ]
         return fresh(found, self._clock.monotonic(), self._limits.reading_max_age_s)
+
+    def permit(self, settings: ShotSettings) -> tuple[Interlock, ...]:
+        """Read what stands before all others; empty where nothing does."""
+        found = self._permit.interlock(settings)
+        return () if found is None else (found,)
 
     def cut_off(self) -> Interlock:
         """Read the cut-off: its sign of life, and whether it was told to give power."""

@@ -21,6 +21,7 @@ from rigctl.rig.firing import ShotRun
 from rigctl.rig.interlocks import require
 from rigctl.rig.lines import reopen
 from rigctl.rig.parts import Bench
+from rigctl.rig.permit import NoPermitNeeded, Permit
 from rigctl.rig.readiness import Readiness
 from rigctl.rig.recovery import Recovery, close_running, start
 from rigctl.rig.running import ACTOR, RunningShot, in_thread, leave_unanalysed
@@ -68,6 +69,8 @@ class Rig:
         Runs a shot's work; by default in a thread of its own.
     watches
         As `EmergencyStop`.
+    permit
+        What refuses before anything else is asked or moved.
     """
 
     def __init__(
@@ -81,6 +84,7 @@ class Rig:
         analyse: Callable[[str], None] = leave_unanalysed,
         spawn: Callable[[Callable[[], None]], None] = in_thread,
         watches: Sequence[Watch] = (),
+        permit: Permit | None = None,
     ) -> None:
         self._bench = Bench(configuration, devices, capture, store, clock)
         self._configuration, self._devices, self._store = configuration, devices, store
@@ -96,7 +100,8 @@ class Rig:
             tripped=lambda why: self.estop("dead man", why),
         )
         self._clean_end = CleanEnd(store.path)
-        self._conditions = Conditions(self._bench, self._stop)
+        self._permit = permit or NoPermitNeeded()
+        self._conditions = Conditions(self._bench, self._stop, self._permit)
         self._standing = Standing(configuration, store, clock)
         self._running = RunningShot(self._standing, store, self._stop, clock)
         self._readiness = Readiness(self._standing, configuration.limits, clock)
@@ -116,7 +121,8 @@ class Rig:
         """Return where the rig stands, at once; a token whose time is over is withdrawn by it."""
         self._readiness.look_for_expired()
         status = self._standing.status()
-        return replace(status, warnings=status.warnings + self._stop.warnings)
+        warnings = status.warnings + self._permit.warnings + self._stop.warnings
+        return replace(status, warnings=warnings)
 
     def answers(self) -> bool:
         """Say within a bound whether the cut-off's thread takes orders."""
@@ -126,7 +132,8 @@ class Rig:
         """Set pressure and offset, wait until they are reached, check everything, give a token.
 
         A token given before is dead from the first moment. Lost lines are opened again. Nothing
-        moves unless the cut-off answers. The wait ends after the configured `settle_timeout_s`.
+        moves unless the permit holds and the cut-off answers. The wait ends after the configured
+        `settle_timeout_s`.
 
         Raises
         ------
@@ -146,6 +153,7 @@ class Rig:
             self._await_safe_state()
             self._readiness.begin(settings, actor)
             reopen(self._devices, self._stop)
+            require(self._conditions.permit(settings))
             if self._conditions.cut_off().holds:
                 try:
                     adjust(settings, self._bench, self._conditions, self._stop)

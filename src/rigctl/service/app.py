@@ -29,6 +29,7 @@ from rigctl.service.models import RigEvent, ShotView
 from rigctl.service.openapi import describe, openapi_route
 from rigctl.service.problems import Problem, answer, from_error, from_validation, unforeseen
 from rigctl.service.routes.campaigns import campaign_routes
+from rigctl.service.routes.commissioning import commissioning_routes
 from rigctl.service.routes.edits import campaign_edit_routes, edit_routes
 from rigctl.service.routes.effects import effect_routes
 from rigctl.service.routes.events import event_routes
@@ -90,6 +91,7 @@ def create_app(daemon: Daemon, key: str, hub: EventHub) -> FastAPI:
     app.state.keyring = Keyring(key, lambda: daemon.store.path)
     app.state.wrong_keys = WrongKeys(lambda address: _tell(daemon, address))
     app.include_router(rig_routes(daemon, lanes), prefix=PREFIX)
+    app.include_router(commissioning_routes(daemon, lanes), prefix=PREFIX)
     app.include_router(shot_routes(daemon, lanes), prefix=PREFIX)
     app.include_router(edit_routes(daemon), prefix=PREFIX)
     app.include_router(sweep_routes(daemon, lanes), prefix=PREFIX)

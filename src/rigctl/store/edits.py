@@ -25,6 +25,9 @@ from rigctl.store.shot_rows import one
 from rigctl.store.sql.database import Database
 from rigctl.store.sql.schema import edits, shot_tags, shots
 
+COMMISSIONING = "commissioning"
+"""The act of an entry that says what was seen of a real rig before it may fire."""
+
 
 def utc_now() -> datetime:
     """Return the time, UTC."""
@@ -144,6 +147,17 @@ class Edits:
         """Write down that a named key was added or revoked; raise `StoreError`."""
         with self._database.writing() as connection:
             self._note(connection, _Change(actor, act, name, None, after))
+
+    def commissioning(self, actor: str, about: str, text: str) -> None:
+        """Write down what was seen of a step of the commissioning; raise `StoreError`."""
+        with self._database.writing() as connection:
+            self._note(connection, _Change(actor, COMMISSIONING, about, None, text))
+
+    def commissionings(self) -> list[Edit]:
+        """Return all that was written down of the commissioning, oldest first."""
+        query = select(edits).where(edits.c.act == COMMISSIONING).order_by(edits.c.number)
+        with self._database.reading() as connection:
+            return [_edit(row) for row in connection.execute(query)]
 
     def entries(self, *, after: int = 0, limit: int = 100) -> list[Edit]:
         """Return up to `limit` changes with numbers above `after`, oldest first."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import shutil
 from pathlib import Path
 from typing import Annotated
@@ -10,10 +9,8 @@ from typing import Annotated
 import typer
 
 from rigctl.errors import SettingsError
-from rigctl.shipped import shipped
+from rigctl.firmware import SOURCES, source_digest, source_folder
 
-SOURCES = ("trigger_box.c", "trigger_box.h", "atmega328p.c")
-"""What the board runs; the rest builds it and tests it."""
 _ALL = (*SOURCES, "Makefile", "bench/bench.c")
 _STEPS = """\
 Trigger box for an Arduino Nano (ATmega328P, 16 MHz), protocol version 2, in {out}
@@ -29,8 +26,8 @@ source {hash}
      D2 power of the outputs: their 12 V, behind the cut-off, over 15 kohm, and 8.2 kohm to ground
      D4 contact of the watch: to a relay whose contact lies in that supply, or free
      RST: 10 uF to ground once it is flashed, or every opening of the port resets the box
-4. Name the port in the configuration, under [trigger] with driver = "trigger-box", and go through
-   the commissioning list of the guide "set up a real rig" before anything can move.
+4. Name the port in the configuration, under [trigger] with driver = "trigger-box", then
+   `rigctl commission`: nothing fires before. After flashing anew: --rewired trigger.
 """
 
 
@@ -48,7 +45,7 @@ def firmware(
     SettingsError
         A file of that name is there already and differs: it may hold somebody's changes.
     """
-    source = shipped("firmware", "firmware", todo="install the package again")
+    source = source_folder()
     for name in _ALL:
         path = out / name
         if path.exists() and path.read_bytes() != (source / name).read_bytes():
@@ -60,6 +57,5 @@ def firmware(
         path.parent.mkdir(parents=True, exist_ok=True)
         if not path.exists():
             shutil.copyfile(source / name, path)
-    digest = hashlib.sha256(b"".join((source / name).read_bytes() for name in SOURCES))
-    text = _STEPS.format(out=out, port=port, hash=digest.hexdigest())
+    text = _STEPS.format(out=out, port=port, hash=source_digest())
     typer.echo(text, nl=False)

@@ -14,6 +14,7 @@ from rigctl.page.layout import TICK_S, sheet
 from rigctl.page.parts.following import following
 from rigctl.page.parts.presence import every, kept_page
 from rigctl.page.parts.tables import Cell, Line, facts_html, minus
+from rigctl.page.rig.commissioning import PLACE
 from rigctl.page.rig.order_form import OrderForm, words
 from rigctl.page.shots.view import coefficients, film, read
 from rigctl.rig.interlocks import Interlock
@@ -125,6 +126,7 @@ def _interlocks(desk: Desk) -> None:
         ui.label("Interlocks").classes("title")
         said = ui.label().classes("note")
         table = ui.html("", sanitize=False).props("data-testid=interlocks").classes("wide names")
+        ui.link("Commissioning", PLACE).classes("aside").props("data-testid=commissioning")
 
     def show() -> None:
         status = desk.daemon.rig.status()
