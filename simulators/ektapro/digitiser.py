@@ -108,6 +108,8 @@ class Digitiser:
                 return None
             instant = transfer.first_s + number / per_s
             pixels[place] = self._picture(instant, transfer.format.rows)
+        if transfer.gamma != 1.0:
+            pixels = np.rint(255.0 * (pixels / 255.0) ** transfer.gamma).astype(np.uint8)
         return Stack(pixels, float(per_s), numbers, [n / per_s for n in numbers], [])
 
     def _write(self, name: str, stack: Stack, whole: bool) -> None:

@@ -32,7 +32,7 @@ class Link:
         self._commands: list[tuple[re.Pattern[str], Callable[..., str]]] = [
             (re.compile(pattern, re.ASCII), handler)
             for pattern, handler in (
-                (r"ID\?", lambda: "EKTAPRO-SIM 1"),
+                (r"ID\?", lambda: "EKTAPRO-SIM 2"),
                 (rf"RATE {_NUMBER} {_NUMBER}", self._rate),
                 (r"LIVE", self._live),
                 (r"RECORD", lambda: f"RECORD {processor.record()}"),
@@ -50,6 +50,8 @@ class Link:
                 (r"PICTURE\?", lambda: f"PICTURE {processor.picture()}"),
                 (rf"TRANSFER {_NUMBER} {_NUMBER} ([A-Za-z0-9_-]{{1,64}})", self._transfer),
                 (r"ERASE", self._erase),
+                (r"GAMMA ([01]\.\d\d)", self._gamma),
+                (r"GAMMA\?", lambda: f"GAMMA {processor.gamma:.2f}"),
             )
         ]
 
@@ -111,6 +113,10 @@ class Link:
         except ValueError as error:
             raise RefusedError("NAME", str(error)) from error
         return f"TRANSFER {transfer.count} {name}"
+
+    def _gamma(self, exponent: str) -> str:
+        self._processor.set_gamma(float(exponent))
+        return f"GAMMA {exponent}"
 
     def _erase(self) -> str:
         self._processor.erase()

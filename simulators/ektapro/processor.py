@@ -14,6 +14,7 @@ from simulators.ektapro.tape import RecordingFormat, Session, Tape
 RUN_UP_S = 0.2
 REPLAY_PER_S = 30
 FASTEST_JOG_PER_S = 30
+LEAST_GAMMA, MOST_GAMMA = 0.1, 1.0
 # Winding is faster than the highest recording speed (thesis appendix A).
 SEARCH_PER_S = 12_000
 
@@ -51,6 +52,7 @@ class Transfer:
     count: int
     first_s: float
     format: RecordingFormat
+    gamma: float = 1.0
 
 
 class Processor:
@@ -79,6 +81,7 @@ class Processor:
         self._playback = Playback.standing(0)
         self._contact_closed = False
         self._stuck = False
+        self._gamma = MOST_GAMMA
 
     def stick(self, on: bool) -> None:
         """Accept RECORD and never run up; let go again."""
@@ -237,7 +240,18 @@ class Processor:
             session = self._require_session()
             if count < 1 or first + count > session.count(now):
                 raise RefusedError("RANGE", f"session holds {session.count(now)} pictures")
-            return Transfer(name, first, count, session.first_s, session.format)
+            return Transfer(name, first, count, session.first_s, session.format, self._gamma)
+
+    @property
+    def gamma(self) -> float:
+        """Exponent of the grey levels that are shown and transferred."""
+        return self._gamma
+
+    def set_gamma(self, gamma: float) -> None:
+        """Choose that exponent (thesis appendix A: 0.1 to 1.0)."""
+        if not LEAST_GAMMA <= gamma <= MOST_GAMMA:
+            raise RefusedError("RANGE", f"gamma {LEAST_GAMMA} to {MOST_GAMMA}")
+        self._gamma = gamma
 
     def erase(self) -> None:
         """Rewind and lose every session."""

@@ -114,6 +114,14 @@ class ServiceClient:
         body = {"part": part, "people": list(people), "note": note}
         return self._ask("POST", "/rig/commissioning/rewired", body)
 
+    def recorder(self) -> dict[str, Any]:
+        """Return what the tape recorder does and what is on its tape."""
+        return self._ask("GET", "/rig/recorder")
+
+    def press(self, order: Mapping[str, Any]) -> dict[str, Any]:
+        """Press a key of the tape recorder; return how it stands then."""
+        return self._ask("POST", "/rig/recorder", order)
+
     def fire(self, token: str, key: str, campaign: str | None) -> str:
         """Fire once under this idempotency key and return the shot's id."""
         body = {"arm_token": token} | ({"campaign": campaign} if campaign else {})

@@ -7,6 +7,8 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 
 from rigctl.cameras.build import build_capture
+from rigctl.cameras.keypad import Keypad
+from rigctl.cameras.tape import TapeCapture
 from rigctl.commissioning.answers import Answers
 from rigctl.commissioning.gate import Gate
 from rigctl.commissioning.step import Part
@@ -40,8 +42,9 @@ class Daemon:
     `laboratory` is what stands behind a simulated rig, None on a real one; `analyse` queues a
     stored shot for analysis and returns at once, `analyse_by` by a method of choice; `compiling`
     says how far the machine code is that an analysis waits for, None where none does; `jobs` is
-    whatever else takes long; `commissioning` is what people must have seen of a real rig;
-    `offered` are the sweeps that wait to be resumed.
+    whatever else takes long; `commissioning` is what people must have seen of a real rig; `keypad`
+    that of a tape recorder, None with another camera; `offered` are the sweeps that wait to be
+    resumed.
     """
 
     configuration: Configuration
@@ -55,6 +58,7 @@ class Daemon:
     jobs: Jobs
     sweeps: SweepRunner
     commissioning: Commissioning
+    keypad: Keypad | None
     offered: tuple[SweepRecord, ...]
 
 
@@ -121,6 +125,7 @@ def open_daemon(configuration: Configuration) -> Iterator[Daemon]:
             jobs=jobs,
             sweeps=sweeps,
             commissioning=Commissioning(configuration, rig, gate, answers),
+            keypad=Keypad(capture) if isinstance(capture, TapeCapture) else None,
             offered=offered,
         )
 

@@ -114,6 +114,12 @@ class RecordingNotConfirmedError(RigError):
     code = "recording-not-confirmed"
 
 
+class TapeFullError(RecordingNotConfirmedError):
+    """The tape has no room for another shot, and nobody has agreed to erase it."""
+
+    code = "tape-full"
+
+
 class FramesError(RigError):
     """Frames are missing, damaged, or not of the expected size, depth or count."""
 

@@ -13,7 +13,16 @@ from tests.browser.test_model_page import LONG_MS, SEED, challenge
 from tests.browser.test_rig_page import FIRST_USE_MS
 
 LOOKS = ((320, "dark"), (820, "light"), (1280, "dark"), (1920, "light"))
-PLACES = ("/", "/commissioning", "/shots", "/sweeps", "/campaigns", "/model", "/campaigns/seen")
+PLACES = (
+    "/",
+    "/commissioning",
+    "/recorder",
+    "/shots",
+    "/sweeps",
+    "/campaigns",
+    "/model",
+    "/campaigns/seen",
+)
 STOPS = 25
 """So many times the tabulator is pressed on a screen."""
 OUTLINED = """() => {

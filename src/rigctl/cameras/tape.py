@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import logging
+import threading
 import time
-from collections.abc import Callable
-from contextlib import ExitStack
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
 from typing import Protocol
 
 from rigctl.cameras.capture import RecordingConfirmation
@@ -14,7 +15,13 @@ from rigctl.cameras.frames import FrameSequence
 from rigctl.config import EktaproCamera
 from rigctl.devices.ektapro import EktaproLink, RecorderMode, RecorderStatus, RecordingFormat
 from rigctl.devices.roles import Closure
-from rigctl.errors import DeviceError, FramesError, RecordingNotConfirmedError
+from rigctl.errors import (
+    DeviceError,
+    FramesError,
+    RecordingNotConfirmedError,
+    RefusedError,
+    TapeFullError,
+)
 
 _log = logging.getLogger(__name__)
 
@@ -48,8 +55,13 @@ class TapeCapture:
     `frames_after_mark` - 1, where the mark is the picture under way when the rig fired: the event
     marker on the tape less the pictures by which it came late.
 
-    A tape without room for another shot is erased when the next recording starts. The frames of
-    its sessions were collected, or their shots have failed with an error; the log names them.
+    A tape without room for another shot refuses to arm and asks the operator. It is erased when
+    somebody asks for it, or by the next recording where the operator agreed (`erases_when_full`).
+
+    Attributes
+    ----------
+    erases_when_full
+        Whether the operator has agreed; what was erased stands in the confirmation.
 
     Parameters
     ----------
@@ -79,6 +91,41 @@ class TapeCapture:
         self._contact, self._clock, self._wait = contact, clock, wait
         self._session: int | None = None
         self._late = 0
+        self._turn = threading.Lock()
+        self._shooting = False
+        self.erases_when_full = settings.when_full == "erase"
+
+    @property
+    def settings(self) -> EktaproCamera:
+        """What it is set to."""
+        return self._settings
+
+    @property
+    def source(self) -> PictureSource:
+        """Where its pictures come from."""
+        return self._source
+
+    @property
+    def needed_s(self) -> float:
+        """Recording time on the tape that a shot must find, s."""
+        after_s = self._settings.frames_after_mark / self._settings.picture_rate_hz
+        return self._settings.start_timeout_s + _RESERVE_S + after_s
+
+    @contextmanager
+    def between_shots(self) -> Iterator[EktaproLink]:
+        """Give the recorder to the keypad; no shot begins meanwhile.
+
+        Raises
+        ------
+        RefusedError
+            A shot is being recorded or fetched.
+        """
+        with self._turn:
+            if self._shooting:
+                raise RefusedError(
+                    "the recorder belongs to the shot under way", todo="wait for the shot's end"
+                )
+            yield self._recorder
 
     @property
     def name(self) -> str:
@@ -91,6 +138,8 @@ class TapeCapture:
             self._contact.check()
         self._recorder.check()
         self._source.check()
+        if not self.erases_when_full:
+            self._require_room(self._recorder.status().seconds_left)
 
     def start(self) -> RecordingConfirmation:
         """Start the tape; return once it records and its picture count rises.
@@ -99,19 +148,23 @@ class TapeCapture:
         ------
         RecordingNotConfirmedError
             The recorder did not record within `start_timeout_s`, has not the format, or no tape.
+        TapeFullError
+            The tape has no room for a shot, and nobody has agreed to erase it.
         DeviceError
             A device refused or gave no answer. The tape is stopped, as far as it can be.
         """
+        with self._turn:
+            self._shooting = True
         self._session = None
-        self.stop()
+        self._halt()
         self._set_format()
-        self._make_room()
+        erased = self._make_room()
         try:
             if self._contact is None:
                 self._recorder.record()
             else:
                 self._contact.close_contact()
-            return self._confirmed()
+            return self._confirmed(erased)
         except Exception:
             self._stop_quietly()
             raise
@@ -159,7 +212,13 @@ class TapeCapture:
         return frames
 
     def stop(self) -> None:
-        """Open the contact and stop the tape; each is tried even when the other fails."""
+        """End a shot: open the contact, stop the tape; each is tried even when the other fails."""
+        try:
+            self._halt()
+        finally:
+            self._shooting = False
+
+    def _halt(self) -> None:
         with ExitStack() as both:
             both.callback(self._recorder.stop)
             if self._contact is not None:
@@ -174,6 +233,8 @@ class TapeCapture:
                 all_three.callback(self._contact.close)
 
     def _set_format(self) -> None:
+        if self._recorder.has_gamma:
+            self._recorder.set_gamma(1.0)
         wanted = RecordingFormat(round(self._settings.picture_rate_hz), self._settings.rows)
         granted = self._recorder.set_rate(
             self._settings.frame_rate_hz, self._settings.pictures_per_frame
@@ -187,24 +248,39 @@ class TapeCapture:
                 todo="correct rate, pictures per frame and rows in the configuration",
             )
 
-    def _make_room(self) -> None:
-        after_s = self._settings.frames_after_mark / self._settings.picture_rate_hz
-        needed_s = self._settings.start_timeout_s + _RESERVE_S + after_s
-        if self._recorder.status().seconds_left >= needed_s:
-            return
-        _log.warning("%s: erasing sessions %s", self.name, list(self._recorder.sessions()))
+    def _require_room(self, left_s: float) -> None:
+        if left_s < self.needed_s:
+            raise TapeFullError(
+                "the tape has no room for another shot: erase all its sessions?",
+                part=self.name,
+                value=f"{left_s:.1f} s left",
+                limit=f"{self.needed_s:.1f} s",
+                todo="erase it with `rigctl recorder erase` or on the page Recorder, or agree to "
+                'it in advance with when_full = "erase" under [camera]',
+            )
+
+    def _make_room(self) -> str:
+        """Erase a tape without room where the operator agreed; say what was lost, or nothing."""
+        left_s = self._recorder.status().seconds_left
+        if left_s >= self.needed_s:
+            return ""
+        if not self.erases_when_full:
+            self._require_room(left_s)
+        lost = list(self._recorder.sessions())
+        _log.warning("%s: erasing sessions %s, as agreed", self.name, lost)
         self._recorder.erase()
         left_s = self._recorder.status().seconds_left
-        if left_s < needed_s:
+        if left_s < self.needed_s:
             raise RecordingNotConfirmedError(
                 "an erased tape is too short for one shot",
                 part=self.name,
                 value=f"{left_s:g} s",
-                limit=f"{needed_s:g} s",
+                limit=f"{self.needed_s:g} s",
                 todo="choose a lower rate or fewer frames after the mark",
             )
+        return f" (before it sessions {lost} were erased, as agreed)"
 
-    def _confirmed(self) -> RecordingConfirmation:
+    def _confirmed(self, erased: str) -> RecordingConfirmation:
         deadline = self._clock() + self._settings.start_timeout_s
         before: RecorderStatus | None = None
         while True:
@@ -213,10 +289,9 @@ class TapeCapture:
                 enough = now.pictures > self._settings.frames_before_mark
                 if before is not None and enough and now.pictures > before.pictures:
                     self._session = now.session
-                    evidence = f"session {now.session}: {before.pictures}, then {now.pictures}"
-                    return RecordingConfirmation(
-                        self._recorder.name, self._clock(), f"{evidence} pictures"
-                    )
+                    counts = f"{before.pictures}, then {now.pictures} pictures"
+                    evidence = f"session {now.session}: {counts}{erased}"
+                    return RecordingConfirmation(self._recorder.name, self._clock(), evidence)
                 before = before or now
             if self._clock() >= deadline:
                 raise self._not_confirmed(now)
@@ -270,6 +345,6 @@ class TapeCapture:
 
     def _stop_quietly(self) -> None:
         try:
-            self.stop()
+            self._halt()
         except DeviceError as error:
             _log.warning("%s: the tape may still run: %s", self.name, error)

@@ -183,6 +183,10 @@ COMMANDS: dict[str, Command | Group] = {
         "rig.commission:commission",
         "Walk through what must be seen of a real rig before it fires, and sign it.",
     ),
+    "recorder": Command(
+        "rig.recorder:recorder",
+        "Press a key of the tape recorder, or say how it stands and what is on the tape.",
+    ),
     "firmware": Command(
         "rig.firmware:firmware",
         "Write out the trigger box's firmware, and say how to build and flash it.",

@@ -112,6 +112,9 @@ class EktaproCamera(_Recording):
     kind: Literal["ektapro"]
     frame_rate_hz: Literal[30, 60, 125, 250, 500, 1000]
     pictures_per_frame: Literal[1, 2, 3, 4, 6]
+    when_full: Literal["ask", "erase"] = Field(
+        default="ask", description="a tape without room for a shot: refuse to arm, or erase it"
+    )
     remote_trigger: RemoteTriggerSection | None = None
     recorder: EktaproLink
     source: SourceSection

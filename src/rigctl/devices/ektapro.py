@@ -13,6 +13,9 @@ LONGEST_LINE = 1 << 18
 """Bytes of an answer; that to `SESSIONS?` has some eight for each session, and a tape holds 30000
 of a single picture."""
 
+GAMMA_SINCE = 2
+"""Version of the link from which it knows a gamma."""
+
 
 class RecorderMode(StrEnum):
     """What the recorder does."""
@@ -67,7 +70,7 @@ _PICTURE = rf"OK PICTURE ({_N})"
 _ANSWERS = {
     kind: re.compile(pattern, re.ASCII)
     for kind, pattern in {
-        "ID?": r"OK EKTAPRO-SIM 1",
+        "ID?": r"OK EKTAPRO-SIM ([12])",
         "RATE": rf"OK ({_N}) ({_N})",
         "LIVE": r"OK LIVE",
         "RECORD": rf"OK RECORD ({_N})",
@@ -86,6 +89,8 @@ _ANSWERS = {
         "PICTURE?": _PICTURE,
         "TRANSFER": rf"OK TRANSFER ({_N}) (\S+)",
         "ERASE": r"OK BOT",
+        "GAMMA": r"OK GAMMA ([01]\.\d\d)",
+        "GAMMA?": r"OK GAMMA ([01]\.\d\d)",
     }.items()
 }
 
@@ -99,6 +104,7 @@ class EktaproLink:
 
     def __init__(self, port: SerialPort) -> None:
         self._port = port
+        self._version = 1
 
     @property
     def name(self) -> str:
@@ -108,7 +114,12 @@ class EktaproLink:
     def check(self) -> None:
         """Ask who is there."""
         self._port.reopen_if_lost()
-        self._ask("ID?")
+        self._version = int(self._ask("ID?")[1])
+
+    @property
+    def has_gamma(self) -> bool:
+        """Whether the recorder, when it was last asked who it is, knew a gamma."""
+        return self._version >= GAMMA_SINCE
 
     def set_rate(self, full_frames_per_s: int, pictures_per_frame: int) -> RecordingFormat:
         """Set the rate of the recordings to come; the tape must be stopped or live."""
@@ -200,6 +211,14 @@ class EktaproLink:
     def erase(self) -> None:
         """Rewind the tape; all its sessions are lost."""
         self._ask("ERASE")
+
+    def set_gamma(self, gamma: float) -> None:
+        """Set the exponent of the grey levels that it shows and transfers, 0.1 to 1.0."""
+        self._ask("GAMMA", f"{gamma:.2f}")
+
+    def gamma(self) -> float:
+        """Return that exponent."""
+        return float(self._ask("GAMMA?")[1])
 
     def close(self) -> None:
         """Release the port. Safe to call twice."""

@@ -22,6 +22,7 @@ from rigctl.page.parts.plotting import plotting_route
 from rigctl.page.parts.readings import Readings
 from rigctl.page.rig.commissioning import commissioning_page
 from rigctl.page.rig.pages import rig_page
+from rigctl.page.rig.recorder import recorder_page
 from rigctl.page.session_auth import SessionAuth
 from rigctl.page.shots.film import film_route
 from rigctl.page.shots.films import Films
@@ -47,8 +48,8 @@ def with_page(api: FastAPI, daemon: Daemon) -> ASGIApp:
     """
     desk = Desk(daemon, Lanes(), Feed(daemon), Readings(daemon.store), Films(daemon.store))
     ui.add_css(STYLE, shared=True)
-    pages = (rig_page, commissioning_page, shot_pages, sweep_pages, campaign_pages, model_pages)
-    for register in pages:
+    rig = (rig_page, commissioning_page, recorder_page)
+    for register in (*rig, shot_pages, sweep_pages, campaign_pages, model_pages):
         register(desk)
     shell = FastAPI(openapi_url=None, lifespan=api.router.lifespan_context)
     plotting_route(shell)

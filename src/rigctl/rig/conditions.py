@@ -221,7 +221,10 @@ class Conditions:
 
     def _silent(self, name: str, source: str, error: RigError) -> Interlock:
         todo = error.todo or "check the part"
-        return self._word(name, False, error.what, limit="an answer", source=source, todo=todo)
+        value, limit = error.what, "an answer"
+        if error.value is not None and error.limit is not None:
+            value, limit = f"{error.what} ({error.value})", error.limit
+        return self._word(name, False, value, limit=limit, source=source, todo=todo)
 
     def _word(
         self, name: str, holds: bool, value: str, *, limit: str, source: str, todo: str

@@ -37,6 +37,7 @@ from rigctl.service.routes.front import front_route
 from rigctl.service.routes.health import health_routes
 from rigctl.service.routes.jobs import job_routes
 from rigctl.service.routes.model import model_routes
+from rigctl.service.routes.recorder import recorder_routes
 from rigctl.service.routes.report import report_routes
 from rigctl.service.routes.rig import rig_routes
 from rigctl.service.routes.shots import shot_routes
@@ -92,6 +93,7 @@ def create_app(daemon: Daemon, key: str, hub: EventHub) -> FastAPI:
     app.state.wrong_keys = WrongKeys(lambda address: _tell(daemon, address))
     app.include_router(rig_routes(daemon, lanes), prefix=PREFIX)
     app.include_router(commissioning_routes(daemon, lanes), prefix=PREFIX)
+    app.include_router(recorder_routes(daemon, lanes), prefix=PREFIX)
     app.include_router(shot_routes(daemon, lanes), prefix=PREFIX)
     app.include_router(edit_routes(daemon), prefix=PREFIX)
     app.include_router(sweep_routes(daemon, lanes), prefix=PREFIX)

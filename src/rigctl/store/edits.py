@@ -148,6 +148,11 @@ class Edits:
         with self._database.writing() as connection:
             self._note(connection, _Change(actor, act, name, None, after))
 
+    def tape_erased(self, actor: str, recorder: str, sessions: str) -> None:
+        """Write down that somebody had a tape erased, and what was on it; raise `StoreError`."""
+        with self._database.writing() as connection:
+            self._note(connection, _Change(actor, "tape erased", recorder, sessions, "empty"))
+
     def commissioning(self, actor: str, about: str, text: str) -> None:
         """Write down what was seen of a step of the commissioning; raise `StoreError`."""
         with self._database.writing() as connection:

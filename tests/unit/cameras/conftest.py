@@ -39,6 +39,7 @@ class FakeRecorder:
         self.left_s, self.left_after_erase_s = 30.0, 30.0
         self.refuses: set[str] = set()
         self.closed = 0
+        self.has_gamma, self.exponent = True, 1.0
         self.place_on_tape = 0
         self.on_transfer: Callable[[int, int, str], None] = lambda first, count, name: None
 
@@ -101,6 +102,10 @@ class FakeRecorder:
     def erase(self) -> None:
         self._note("erase")
         self.left_s = self.left_after_erase_s
+
+    def set_gamma(self, gamma: float) -> None:
+        self._note("gamma")
+        self.exponent = gamma
 
     def transfer(self, first: int, count: int, name: str) -> None:
         self._note("transfer")

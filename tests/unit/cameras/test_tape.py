@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from rigctl.cameras.frames import FrameSequence
+from rigctl.cameras.keypad import Keypad
 from rigctl.cameras.tape import TapeCapture
 from rigctl.config import EktaproCamera, EktaproLink, FilesSource
 from rigctl.devices.ektapro import RecordingFormat
@@ -17,6 +18,8 @@ from rigctl.errors import (
     DeviceSilentError,
     FramesError,
     RecordingNotConfirmedError,
+    RefusedError,
+    TapeFullError,
 )
 
 Recorder = Any
@@ -167,14 +170,49 @@ def test_another_format_than_configured_is_no_confirmation(bench: Bench) -> None
         bench.capture.start()
 
 
-def test_a_full_tape_is_erased_and_the_log_names_what_went(
+def test_a_full_tape_refuses_with_the_question_and_keeps_what_is_on_it(bench: Bench) -> None:
+    bench.recorder.left_s = 3.0
+    for ask in (bench.capture.check, bench.capture.start):
+        with pytest.raises(TapeFullError, match=r"erase all its sessions\?.*rigctl recorder erase"):
+            ask()
+    assert "erase" not in bench.recorder.calls
+    assert not bench.recorder.running
+
+
+def test_a_full_tape_is_erased_where_the_operator_agreed_and_the_confirmation_says_so(
     bench: Bench, caplog: pytest.LogCaptureFixture
 ) -> None:
     bench.recorder.left_s = 3.0
+    bench.capture.erases_when_full = True
+    bench.capture.check()
     with caplog.at_level(logging.WARNING):
-        bench.capture.start()
+        confirmation = bench.capture.start()
     assert "erase" in bench.recorder.calls
     assert "sessions [1]" in caplog.text
+    assert "sessions [1] were erased, as agreed" in confirmation.evidence
+
+
+def test_the_keypad_has_the_recorder_before_and_after_a_shot_and_never_during_it(
+    bench: Bench,
+) -> None:
+    keypad = Keypad(bench.capture)
+    keypad.stop()
+    bench.capture.start()
+    for key in (keypad.stop, keypad.erase, keypad.status):
+        with pytest.raises(RefusedError, match="shot under way"):
+            key()
+    bench.capture.mark()
+    bench.capture.collect()
+    with pytest.raises(RefusedError):
+        keypad.stop()
+    bench.capture.stop()
+    keypad.stop()
+
+
+def test_a_gamma_that_somebody_looked_with_is_gone_when_a_shot_starts(bench: Bench) -> None:
+    Keypad(bench.capture).gamma(0.4)
+    bench.capture.start()
+    assert bench.recorder.exponent == 1.0
 
 
 def test_a_tape_with_room_is_not_erased(bench: Bench) -> None:
@@ -184,6 +222,7 @@ def test_a_tape_with_room_is_not_erased(bench: Bench) -> None:
 
 def test_a_tape_that_is_too_short_even_when_erased_is_no_confirmation(bench: Bench) -> None:
     bench.recorder.left_s = bench.recorder.left_after_erase_s = 3.0
+    bench.capture.erases_when_full = True
     with pytest.raises(RecordingNotConfirmedError, match="too short"):
         bench.capture.start()
 

@@ -62,6 +62,9 @@ TABLE: list[tuple[Callable[[EktaproLink], object], str, str, object]] = [
     (lambda link: link.picture(), "PICTURE?", "OK PICTURE 3", 3),
     (lambda link: link.transfer(8, 60, "x1"), "TRANSFER 8 60 x1", "OK TRANSFER 60 x1", None),
     (lambda link: link.erase(), "ERASE", "OK BOT", None),
+    (lambda link: link.check(), "ID?", "OK EKTAPRO-SIM 2", None),
+    (lambda link: link.set_gamma(0.4), "GAMMA 0.40", "OK GAMMA 0.40", None),
+    (lambda link: link.gamma(), "GAMMA?", "OK GAMMA 0.40", 0.4),
 ]
 
 

@@ -65,7 +65,7 @@ def test_a_laboratory_in_its_own_process_is_reached_faulted_and_ended(
     }
     with serial.Serial(process.paths["recorder"], timeout=2.0) as port:
         port.write(b"ID?\n")
-        assert port.read_until(b"\n") == b"OK EKTAPRO-SIM 1\n"
+        assert port.read_until(b"\n") == b"OK EKTAPRO-SIM 2\n"
         fault = {"device": "recorder", "kind": "half-answer", "times": 1}
         assert process.tell({"fault": fault}) == {"ok": True}
         port.write(b"ID?\n")

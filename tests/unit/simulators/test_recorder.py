@@ -56,7 +56,7 @@ def bench(clock: Clock) -> Bench:
 @pytest.mark.parametrize(
     ("asked", "answered"),
     [
-        (["ID?"], "OK EKTAPRO-SIM 1"),
+        (["ID?"], "OK EKTAPRO-SIM 2"),
         (["STATUS?"], "OK LIVE 0 0 30.000 BOT"),
         (["RATE 30 1"], "OK 30 192"),
         (["RATE 1000 6"], "OK 6000 32"),

@@ -14,8 +14,9 @@ from rigctl.page.layout import TICK_S, sheet
 from rigctl.page.parts.following import following
 from rigctl.page.parts.presence import every, kept_page
 from rigctl.page.parts.tables import Cell, Line, facts_html, minus
-from rigctl.page.rig.commissioning import PLACE
+from rigctl.page.rig.commissioning import PLACE as WALK
 from rigctl.page.rig.order_form import OrderForm, words
+from rigctl.page.rig.recorder import PLACE as KEYPAD
 from rigctl.page.shots.view import coefficients, film, read
 from rigctl.rig.interlocks import Interlock
 from rigctl.rig.status import RigStatus
@@ -126,7 +127,10 @@ def _interlocks(desk: Desk) -> None:
         ui.label("Interlocks").classes("title")
         said = ui.label().classes("note")
         table = ui.html("", sanitize=False).props("data-testid=interlocks").classes("wide names")
-        ui.link("Commissioning", PLACE).classes("aside").props("data-testid=commissioning")
+        with ui.element("div").classes("beside"):
+            ui.link("Commissioning", WALK).classes("aside").props("data-testid=commissioning")
+            if desk.daemon.keypad is not None:
+                ui.link("Recorder", KEYPAD).classes("aside").props("data-testid=recorder")
 
     def show() -> None:
         status = desk.daemon.rig.status()

@@ -1,0 +1,29 @@
+"""The recorder's keypad on the page: a session is recorded, searched, looked at and erased."""
+
+from __future__ import annotations
+
+import re
+
+from playwright.sync_api import Page, expect
+
+
+def test_a_session_is_recorded_searched_shown_and_erased_when_asked(page: Page) -> None:
+    page.get_by_test_id("recorder").click()
+    state, tape = page.get_by_test_id("recorder-state"), page.get_by_test_id("tape")
+    expect(state).to_contain_text("LIVE")
+    page.get_by_test_id("key-record").click()
+    expect(state).to_contain_text(re.compile(r"RECORD: session 1 with [1-9]\d+ pictures"))
+    page.get_by_test_id("key-stop-tape").click()
+    expect(state).to_contain_text("STOP")
+    page.get_by_test_id("search-place").fill("12")
+    page.get_by_test_id("key-search").click()
+    expect(state).to_contain_text("on picture 12 (0.0120 s)")
+    expect(page.get_by_test_id("still").locator("img")).to_have_js_property("naturalWidth", 240)
+    page.get_by_test_id("key-step-back").click()
+    expect(state).to_contain_text("on picture 11")
+    page.get_by_test_id("jog-30").click()
+    expect(state).to_contain_text("STOP: session 1")
+    expect(state).to_contain_text("on picture 0")
+    page.get_by_test_id("key-erase").click()
+    page.get_by_test_id("erase-now").click()
+    expect(tape).to_contain_text("Tape BOT, 0 sessions")
