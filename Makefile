@@ -73,7 +73,7 @@ EXPORT := -m uv export --quiet --no-header --no-emit-project --no-annotate
 lock:
 	$(PYTHON) -m uv lock --quiet
 	$(PYTHON) $(EXPORT) > requirements-run.lock
-	$(PYTHON) $(EXPORT) --all-extras --no-extra benchmarks > requirements.lock
+	$(PYTHON) $(EXPORT) --all-extras --no-extra benchmarks --no-extra genicam > requirements.lock
 
 # Bill of materials of the packages that run a rig, in the form CycloneDX 1.5.
 bill:

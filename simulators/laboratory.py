@@ -12,6 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from simulators.bench import BenchWorld
+from simulators.chronos.camera import Camera, CameraFault
+from simulators.chronos.server import CameraServer
 from simulators.ektapro.digitiser import Digitiser
 from simulators.ektapro.faults import FrameFault, FrameFaults
 from simulators.ektapro.link import Link
@@ -35,6 +37,7 @@ RELAY_CHANNELS = 2
 CUT_OFF_CHANNEL = 1
 REMOTE_TRIGGER_CHANNEL = 1
 REMOTE_TRIGGER = "remote-trigger"
+CHRONOS = "chronos"
 ROLES = (
     "trigger",
     "solenoids",
@@ -112,6 +115,8 @@ class Laboratory:
         self._recorder = Processor(clock, options.run_up_s)
         self._power_switched_s: float | None = None
         self._switch_closed = True
+        self._chronos = Camera(clock, world.picture)
+        self._chronos_server: CameraServer | None = None
         self._frame_faults = FrameFaults()
         self._digitiser = Digitiser(folder / "capture", world.picture, self._frame_faults)
         link = Link(self._recorder, self._digitiser.start)
@@ -140,6 +145,7 @@ class Laboratory:
     def port(self, role: str) -> str:
         """Return what a host opens for a role: a device's path, or the capture folder.
 
+        `chronos` is the address of a camera's HTTP service, which begins with the first call.
         `remote-trigger` is a URL for pyserial, valid in this process: a port whose RTS line is
         the recorder's contact, as an alternative to the relay.
 
@@ -152,6 +158,10 @@ class Laboratory:
             return str(self._folder / "capture")
         if role == REMOTE_TRIGGER:
             return self._remote_url
+        if role == CHRONOS:
+            # Nobody listens on a network port unless a configuration has this camera.
+            self._chronos_server = self._chronos_server or CameraServer(self._chronos)
+            return self._chronos_server.url
         if role not in self._devices:
             raise ValueError(f"the simulated laboratory has no {role!r}; it has {', '.join(ROLES)}")
         return self._devices[role].port.path
@@ -175,11 +185,12 @@ class Laboratory:
         Parameters
         ----------
         device
-            `trigger`, `solenoids`, `regulator`, `slide`, `cut-off`, `recorder` or `relay`.
+            `trigger`, `solenoids`, `regulator`, `slide`, `cut-off`, `recorder`, `relay` or
+            `chronos`.
         kind
             Of every device but the recorder: `stuck`. Of those on a port: a `SerialFault`,
             `unplug`, `plug-in`. Of the recorder: a `FrameFault` or `never-starts`. Of the relay:
-            a `UsbFault`.
+            a `UsbFault`. Of `chronos`: a `CameraFault`, or `unplug`, which ends its service.
         times
             How many commands or transfers it strikes; None: until `clear_faults`.
         delay_s, command
@@ -192,10 +203,12 @@ class Laboratory:
         ValueError
             No such device, kind, or number.
         """
-        if device == "relay":
+        if device == CHRONOS:
+            self._fault_chronos(kind)
+        elif device == "relay":
             self._fault_relay(kind, times)
         elif device not in self._devices:
-            names = ", ".join([*self._devices, "relay"])
+            names = ", ".join([*self._devices, "relay", CHRONOS])
             raise ValueError(f"no device {device!r}; there are {names}")
         elif device == "recorder" and kind in set(FrameFault):
             self._frame_faults.set(kind, times=times, frames=frames)
@@ -216,6 +229,7 @@ class Laboratory:
             device.stick(False)
             device.port.plug_in()
         self._frame_faults.clear()
+        self._chronos.fault = None
         self._relay.stick(False)
         self._usb.clear()
 
@@ -252,6 +266,8 @@ class Laboratory:
         for device in self._devices.values():
             device.port.close()
         self._holders.close()
+        if self._chronos_server is not None:
+            self._chronos_server.close()
         protocol_sim.withdraw(self._remote_url)
         self._digitiser.close()
 
@@ -265,6 +281,13 @@ class Laboratory:
         faults = SerialFaults()
         port = PtyPort(SerialDevice(framing, answer, faults).receive, self._folder / role)
         self._devices[role] = _SerialDevice(port, faults, stick)
+
+    def _fault_chronos(self, kind: str) -> None:
+        if kind == UNPLUG:
+            if self._chronos_server is not None:
+                self._chronos_server.close()
+        else:
+            self._chronos.fault = CameraFault(kind)
 
     def _fault_relay(self, kind: str, times: int | None) -> None:
         if kind == STUCK:

@@ -6,13 +6,26 @@ from contextlib import ExitStack
 from pathlib import Path
 
 from rigctl.cameras.capture import Capture
+from rigctl.cameras.chronos import Chronos
 from rigctl.cameras.files import CaptureFolder
+from rigctl.cameras.genicam import Genicam, library
 from rigctl.cameras.live import LiveCapture
+from rigctl.cameras.memory import MemoryCapture
+from rigctl.cameras.own import own_capture
 from rigctl.cameras.playback import DigitisedPlayback, VideoSource
 from rigctl.cameras.resampling import Crop, ResampledVideo
 from rigctl.cameras.tape import PictureSource, TapeCapture
 from rigctl.cameras.v4l2 import VideoDevice
-from rigctl.config import EktaproCamera, FilesSource, HidRelay, V4l2Camera, V4l2Source
+from rigctl.config import (
+    CameraSection,
+    ChronosCamera,
+    EktaproCamera,
+    FilesSource,
+    GenicamCamera,
+    HidRelay,
+    OwnCamera,
+    V4l2Source,
+)
 from rigctl.config import RemoteTriggerSection as ContactSection
 from rigctl.devices import hid_relay, serial_line
 from rigctl.devices.build import WRITE_TIMEOUT_S, Laboratory, resolved
@@ -23,7 +36,7 @@ from rigctl.devices.serial_port import SerialPort
 RECORDER_BAUD = 115200
 
 
-def build_capture(section: EktaproCamera | V4l2Camera, laboratory: Laboratory | None) -> Capture:
+def build_capture(section: CameraSection, laboratory: Laboratory | None) -> Capture:
     """Open the camera of a configuration; nothing stays open when a part fails.
 
     Nothing records yet. A video device is opened when it is first used.
@@ -33,18 +46,29 @@ def build_capture(section: EktaproCamera | V4l2Camera, laboratory: Laboratory | 
     DeviceError
         A port is absent, busy or forbidden.
     ConfigurationError
-        A port is simulated and there is no simulated laboratory.
+        A port is simulated and there is no simulated laboratory; a library or the function of a
+        lab's own camera cannot be loaded.
     """
-    if isinstance(section, V4l2Camera):
-        camera = VideoDevice(
-            section.device,
-            rows=section.rows,
-            columns=section.columns,
-            pixel_format=section.pixel_format,
-            input_number=section.input,
-            buffers=section.buffers,
-        )
-        return LiveCapture(section, camera)
+    if isinstance(section, EktaproCamera):
+        return _tape(section, laboratory)
+    if isinstance(section, ChronosCamera):
+        return MemoryCapture(section, Chronos(section, resolved(section.url, laboratory)))
+    if isinstance(section, GenicamCamera):
+        return LiveCapture(section, Genicam(section, library()))
+    if isinstance(section, OwnCamera):
+        return own_capture(section)
+    camera = VideoDevice(
+        section.device,
+        rows=section.rows,
+        columns=section.columns,
+        pixel_format=section.pixel_format,
+        input_number=section.input,
+        buffers=section.buffers,
+    )
+    return LiveCapture(section, camera)
+
+
+def _tape(section: EktaproCamera, laboratory: Laboratory | None) -> Capture:
     with ExitStack() as opened:
         recorder = _recorder(section, laboratory)
         opened.callback(recorder.close)

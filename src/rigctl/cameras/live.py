@@ -14,7 +14,7 @@ from rigctl.cameras.checks import Expected, check_frames
 from rigctl.cameras.frames import FrameSequence
 from rigctl.cameras.playback import VideoSource
 from rigctl.cameras.v4l2 import VideoFrame
-from rigctl.config import V4l2Camera
+from rigctl.config import FreeRateCamera
 from rigctl.errors import DeviceSilentError, FramesError, RecordingNotConfirmedError, RigError
 
 _READ_S = 0.1
@@ -44,7 +44,7 @@ class LiveCapture:
 
     def __init__(
         self,
-        settings: V4l2Camera,
+        settings: FreeRateCamera,
         source: VideoSource,
         *,
         clock: Callable[[], float] = time.monotonic,

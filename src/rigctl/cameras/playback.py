@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from rigctl.errors import DeviceSilentError, FramesError
 _POLL_S = 0.02
 
 
+@runtime_checkable
 class VideoSource(Protocol):
     """A device that gives frames one after another."""
 

@@ -135,15 +135,10 @@ class EktaproCamera(_Recording):
         return float(self.frame_rate_hz * self.pictures_per_frame)
 
 
-class V4l2Camera(_Recording):
-    """Camera behind the kernel's Video4Linux2 interface, recording into memory by itself."""
+class FreeRateCamera(_Recording):
+    """A camera of today, whose rate is a plain number."""
 
-    kind: Literal["v4l2"]
-    device: str = Field(min_length=1)
-    input: int = Field(default=0, ge=0)
-    pixel_format: PixelFormatName = Field(default="GREY", description="asked of the driver")
     frame_rate_hz: float = Field(gt=0, le=100_000)
-    buffers: int = Field(default=8, ge=2, le=64)
 
     @property
     def picture_rate_hz(self) -> float:
@@ -151,4 +146,47 @@ class V4l2Camera(_Recording):
         return self.frame_rate_hz
 
 
-CameraSection = Annotated[EktaproCamera | V4l2Camera, Field(discriminator="kind")]
+class V4l2Camera(FreeRateCamera):
+    """Camera behind the kernel's Video4Linux2 interface, recording into memory by itself."""
+
+    kind: Literal["v4l2"]
+    device: str = Field(min_length=1)
+    input: int = Field(default=0, ge=0)
+    pixel_format: PixelFormatName = Field(default="GREY", description="asked of the driver")
+    buffers: int = Field(default=8, ge=2, le=64)
+
+
+class ChronosCamera(FreeRateCamera):
+    """Chronos of Krontech: records into its own memory, spoken to over HTTP."""
+
+    kind: Literal["chronos"]
+    url: str = Field(pattern="^[a-z]+:.+$", description="address of the camera")
+    storage: str = Field(
+        default="sda1", pattern="^[A-Za-z0-9]+$", description="its storage to save frames on"
+    )
+    answer_timeout_s: Seconds = Field(default=2.0, description="longest wait for an answer, s")
+
+
+class GenicamCamera(FreeRateCamera):
+    """Camera with GenICam (GigE Vision, USB3 Vision), through the library Aravis."""
+
+    kind: Literal["genicam"]
+    camera_id: str = Field(min_length=1, description="as `arv-tool-0.8` lists it")
+    pixel_format: Literal["Mono8"] = "Mono8"
+    buffers: int = Field(default=16, ge=2, le=256)
+
+
+class OwnCamera(FreeRateCamera):
+    """Camera of a lab's own: a function that returns a `VideoSource` or a `MemoryCamera`."""
+
+    kind: Literal["own"]
+    factory: str = Field(pattern=r"^[A-Za-z_][\w.]*:[A-Za-z_]\w*$", description="module:function")
+    options: dict[str, str | int | float | bool] = Field(
+        default={}, description="handed to the function"
+    )
+
+
+CameraSection = Annotated[
+    EktaproCamera | V4l2Camera | ChronosCamera | GenicamCamera | OwnCamera,
+    Field(discriminator="kind"),
+]

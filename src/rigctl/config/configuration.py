@@ -14,7 +14,14 @@ from analysis.files import FileLimits
 from analysis.material import StatedMaterial
 from analysis.setup import Environment, Setup, SphereSetup, setup_of
 from rigctl.config.actuators import Alicat, Lcus, SolenoidPair, TriggerSection, Zaber
-from rigctl.config.camera import CameraSection, EktaproCamera, FilesSource, SerialLine
+from rigctl.config.camera import (
+    CameraSection,
+    ChronosCamera,
+    EktaproCamera,
+    FilesSource,
+    SerialLine,
+    V4l2Camera,
+)
 from rigctl.config.limits import Limits
 from rigctl.config.model import SIMULATED, StrictModel
 from rigctl.config.scene import Optics
@@ -210,8 +217,11 @@ class Configuration(StrictModel):
             yield "slide.port", self.slide.port
 
     def _camera_ports(self) -> Iterator[tuple[str, str]]:
-        if not isinstance(self.camera, EktaproCamera):
+        if isinstance(self.camera, V4l2Camera):
             yield "camera.device", self.camera.device
+        if isinstance(self.camera, ChronosCamera):
+            yield "camera.url", self.camera.url
+        if not isinstance(self.camera, EktaproCamera):
             return
         yield "camera.recorder.port", self.camera.recorder.port
         if isinstance(self.camera.remote_trigger, SerialLine):
