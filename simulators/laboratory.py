@@ -49,6 +49,8 @@ ROLES = (
     REMOTE_TRIGGER,
 )
 STUCK, UNPLUG, PLUG_IN, NEVER_STARTS = "stuck", "unplug", "plug-in", "never-starts"
+OTHER_FIRMWARE = "other-firmware"
+FIRMWARE, UNKNOWN_FIRMWARE = 2, 3
 
 # Above the numbers that the world gives its own chances.
 _LABEL, _SALT = 100, 101
@@ -189,7 +191,8 @@ class Laboratory:
             `chronos`.
         kind
             Of every device but the recorder: `stuck`. Of those on a port: a `SerialFault`,
-            `unplug`, `plug-in`. Of the recorder: a `FrameFault` or `never-starts`. Of the relay:
+            `unplug`, `plug-in`. Of the trigger: `other-firmware`, a version that nobody knows. Of
+            the recorder: a `FrameFault` or `never-starts`. Of the relay:
             a `UsbFault`. Of `chronos`: a `CameraFault`, or `unplug`, which ends its service.
         times
             How many commands or transfers it strikes; None: until `clear_faults`.
@@ -212,6 +215,8 @@ class Laboratory:
             raise ValueError(f"no device {device!r}; there are {names}")
         elif device == "recorder" and kind in set(FrameFault):
             self._frame_faults.set(kind, times=times, frames=frames)
+        elif device == "trigger" and kind == OTHER_FIRMWARE:
+            self._box.flash(UNKNOWN_FIRMWARE)
         elif kind == UNPLUG:
             self._devices[device].port.unplug()
         elif kind == PLUG_IN:
@@ -229,6 +234,7 @@ class Laboratory:
             device.stick(False)
             device.port.plug_in()
         self._frame_faults.clear()
+        self._box.flash(FIRMWARE)
         self._chronos.fault = None
         self._relay.stick(False)
         self._usb.clear()

@@ -15,7 +15,8 @@ HEX_DIGITS = b"0123456789ABCDEF"
 class SerialFault(StrEnum):
     """What can go wrong on a serial line.
 
-    `deaf` loses the command: the device does not act. All others act and spoil the answer.
+    `deaf` loses the command: the device does not act. `wrong-device`: another one sits on the port;
+    nothing acts, and it answers in words of its own. All others act and spoil the answer.
     `disconnect` hangs up in place of the answer.
     """
 
@@ -27,6 +28,7 @@ class SerialFault(StrEnum):
     DUPLICATE_ANSWER = "duplicate-answer"
     WRONG_CHECKSUM = "wrong-checksum"
     DISCONNECT = "disconnect"
+    WRONG_DEVICE = "wrong-device"
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,9 +133,15 @@ class SerialDevice:
             struck = self.faults.take(command)
             if struck is None:
                 answers.append(Answer(self._answer(command)))
+            elif struck[0] is SerialFault.WRONG_DEVICE:
+                answers.append(Answer(_STRANGER))
             elif struck[0] is not SerialFault.DEAF:
                 answers.append(_spoiled(self._answer(command), *struck))
         return answers
+
+
+_STRANGER = b"ERROR\r\n"
+"""What a modem says to whatever it does not know."""
 
 
 def _spoiled(answer: bytes, kind: SerialFault, delay_s: float) -> Answer:

@@ -137,6 +137,11 @@ class TriggerBox:
                 return self._watch.set(int(watch[1]))
         return None
 
+    def flash(self, version: int) -> None:
+        """Say from now on that the firmware is of this version."""
+        with self._lock:
+            self._version = version
+
     def _plain(self, command: str) -> str:
         with self._lock:
             if command == "ID?":

@@ -222,8 +222,8 @@ class Conditions:
     def _silent(self, name: str, source: str, error: RigError) -> Interlock:
         todo = error.todo or "check the part"
         value, limit = error.what, "an answer"
-        if error.value is not None and error.limit is not None:
-            value, limit = f"{error.what} ({error.value})", error.limit
+        if error.value is not None:
+            value, limit = f"{error.what} ({error.value})", error.limit or limit
         return self._word(name, False, value, limit=limit, source=source, todo=todo)
 
     def _word(

@@ -11,14 +11,14 @@ from dataclasses import replace
 from rigctl.cameras.capture import Capture
 from rigctl.config import CameraSection, Configuration
 from rigctl.devices.roles import Actuators, PowerQuery
-from rigctl.errors import DeviceError, RefusedError, RigError
+from rigctl.errors import DeviceError, InterlockError, RefusedError, RigError
 from rigctl.rig.adjusting import adjust
 from rigctl.rig.arming import Armed
 from rigctl.rig.bounds import require_within
 from rigctl.rig.clock import SYSTEM_CLOCK, Clock
 from rigctl.rig.conditions import Conditions
 from rigctl.rig.firing import ShotRun
-from rigctl.rig.interlocks import require
+from rigctl.rig.interlocks import Interlock, require
 from rigctl.rig.lines import reopen
 from rigctl.rig.parts import Bench
 from rigctl.rig.permit import NoPermitNeeded, Permit
@@ -153,7 +153,7 @@ class Rig:
             self._await_safe_state()
             self._readiness.begin(settings, actor)
             reopen(self._devices, self._stop)
-            require(self._conditions.permit(settings))
+            self._require(self._conditions.permit(settings))
             if self._conditions.cut_off().holds:
                 try:
                     adjust(settings, self._bench, self._conditions, self._stop)
@@ -162,7 +162,7 @@ class Rig:
                     raise
             conditions = self._conditions.all(settings)
             self._standing.found(conditions)
-            require(conditions)
+            self._require(conditions)
             return self._readiness.give(settings, actor)
 
     def disarm(self, actor: str, reason: str) -> None:
@@ -325,6 +325,14 @@ class Rig:
         self._stop.close(cut=self._configuration.trigger.power_cut == "holds")
         if safe and self._standing.state not in LATCHED and not self._stop.warnings:
             self._clean_end.leave()
+
+    def _require(self, conditions: tuple[Interlock, ...]) -> None:
+        try:
+            require(conditions)
+        except InterlockError as error:
+            # No shot keeps it: nothing was ordered yet.
+            _log.warning("arming was refused: %s", error)
+            raise
 
     @contextmanager
     def _alone(self) -> Iterator[None]:
