@@ -35,7 +35,7 @@ ROLES = ("trigger", "regulator", "slide", "cut-off", "recorder", "capture")
 SIMULATED = Path(__file__).parents[2] / "config" / "simulated.toml"
 
 
-def until(condition: Callable[[], bool], wait_s: float = 20.0) -> None:
+def until(condition: Callable[[], bool], wait_s: float = 60.0) -> None:
     deadline = time.monotonic() + wait_s
     while not condition():
         assert time.monotonic() < deadline, "waited in vain"
@@ -159,6 +159,7 @@ def _configuration(folder: Path, paths: dict[str, str]) -> str:
     # What watches the daemon would stop the rig on a host that is busy with other tests.
     text = text.replace("[cut_off]", "[cut_off]\ndead_man = false #")
     text = text.replace("pulse_us = 20000", "pulse_us = 20000\nheartbeat = false")
+    text = text.replace("answer_timeout_s = 0.5", "answer_timeout_s = 5.0")
     for role in ROLES:
         text = text.replace(f'"sim:{role}"', f'"{paths[role]}"')
     return text.replace('folder = "data"', f'folder = "{folder / "data"}"')

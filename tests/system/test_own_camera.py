@@ -16,9 +16,10 @@ from rigctl.config.loading import default_path, read_toml
 from rigctl.daemon import open_daemon
 from rigctl.errors import ConfigurationError
 from rigctl.settings import ShotSettings
-from tests.system.test_documentation import DOCS
+from tests.system.test_documentation import DOCS, needs_shell, perform
 
-PAGE = (DOCS / "how-to" / "add-a-camera.md").read_text(encoding="utf-8")
+GUIDE = DOCS / "how-to" / "add-a-camera.md"
+PAGE = GUIDE.read_text(encoding="utf-8")
 SETTINGS = ShotSettings(pressure_a_kpa=40.0, pressure_b_kpa=40.0, offset_mm=6.0)
 
 
@@ -62,6 +63,15 @@ def test_an_error_of_the_camera_is_what_the_operator_reads(tmp_path: Path) -> No
         shot = daemon.rig.fire(token, "key", "body", actor="anna")
         assert (shot.outcome, shot.fired, shot.failure_code) == ("aborted", "no", "device-answer")
         assert "4096 columns, allowed 2048 columns" in shot.failure
+
+
+@needs_shell
+def test_the_guides_table_has_every_member_that_the_program_asks_for(tmp_path: Path) -> None:
+    said = perform(GUIDE, tmp_path)
+    table = PAGE.partition("A `MemoryCamera`:")[2].partition("\n\n")[2].partition("\n\n")[0]
+    for member in re.findall(r"^\| `(\w+)", table, re.MULTILINE):
+        assert member in said
+    assert "is_recording" in table
 
 
 @pytest.mark.parametrize(

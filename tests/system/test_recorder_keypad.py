@@ -26,7 +26,10 @@ PER_S = 1000
 def daemon(tmp_path: Path) -> Iterator[Daemon]:
     """A rig whose tape has room for one shot and no second."""
     configuration = load()
-    camera = configuration.camera.model_copy(update={"when_full": "ask", "start_timeout_s": 24.6})
+    # A busy host answers late, and nothing here is about that.
+    patient = configuration.camera.recorder.model_copy(update={"answer_timeout_s": 10.0})
+    changes = {"when_full": "ask", "start_timeout_s": 24.6, "recorder": patient}
+    camera = configuration.camera.model_copy(update=changes)
     store = StoreSection(folder=str(tmp_path / "data"))
     changed = configuration.model_copy(update={"camera": camera, "store": store})
     with open_daemon(changed) as opened:
@@ -57,8 +60,8 @@ def test_a_nearly_full_tape_refuses_to_arm_with_the_question_and_keeps_its_sessi
     record(keypad, 400)
     with pytest.raises(InterlockError) as refused:
         daemon.rig.arm(SETTINGS, "anna")
-    (sentence,) = refused.value.tripped
-    assert sentence.startswith("camera: the tape has no room")
+    (sentence,) = (each for each in refused.value.tripped if each.startswith("camera:"))
+    assert "the tape has no room" in sentence
     assert "erase all its sessions?" in sentence
     assert "rigctl recorder erase" in sentence
     assert keypad.status().sessions.keys() == {1}

@@ -187,11 +187,24 @@ def test_a_fault_that_cannot_be_is_refused(act: Callable[[SerialFaults], None], 
 
 
 def test_faults_leave_the_silence_of_a_device_that_never_answers() -> None:
-    for kind in set(SerialFault) - {SerialFault.DISCONNECT}:
+    for kind in set(SerialFault) - {SerialFault.DISCONNECT, SerialFault.WRONG_DEVICE}:
         faults = SerialFaults()
         device = SerialDevice(Lines(b"\n"), lambda line: b"", faults)
         faults.set(kind)
         assert b"".join(answer.data for answer in device.receive(b"PING\n")) == b""
+
+
+def test_another_device_on_the_port_answers_for_itself_and_nothing_reaches_the_model() -> None:
+    faults, reached = SerialFaults(), list[bytes]()
+
+    def answer(line: bytes) -> bytes:
+        reached.append(line)
+        return ANSWER
+
+    faults.set("wrong-device")
+    device = SerialDevice(Lines(b"\n"), answer, faults)
+    assert [each.data for each in device.receive(b"PING\n")] == [b"ERROR\r\n"]
+    assert reached == []
 
 
 def test_a_stale_name_of_a_killed_laboratory_is_replaced(tmp_path: Path) -> None:
