@@ -2,8 +2,8 @@
 
 For each camera films of other balls, lights, grounds and drops are drawn, measured as `rigctl
 analyse` does, and held against the law that they were drawn with: e's error and its pull (error
-over stated error; 1 rms is right), and how far places lie from the drawn ones, up to a shift and a
-scale, as those are not told by a picture.
+over stated error; 1 rms is right), and the same of places: as they are, and up to a shift and a
+scale, which flights do not tell. Films of `--keep` are drawn once.
 """
 
 from __future__ import annotations
@@ -29,10 +29,11 @@ NEAR_S = 0.03
 
 @dataclass(slots=True)
 class Tally:
-    """Errors of e and their pulls."""
+    """Errors of e and their pulls; pulls of places in each film, as they are and aligned."""
 
     errors: list[float] = field(default_factory=list)
     pulls: list[float] = field(default_factory=list)
+    places: list[tuple[float, float]] = field(default_factory=list)
 
     def add(self, error: float, sigma: float) -> None:
         self.errors.append(error)
@@ -45,8 +46,17 @@ class Tally:
         return (
             f"{len(errors)} bounces, e off by {np.sqrt((errors**2).mean()):.5f} rms, "
             f"{np.abs(errors).max():.5f} at most; pull {np.sqrt((pulls**2).mean()):.2f} rms, "
-            f"{np.abs(pulls).max():.1f} at most"
+            f"{np.abs(pulls).max():.1f} at most; places: {self.of_places()}"
         )
+
+    def of_places(self) -> str:
+        """Say the pulls of places: of all films together, and of the least and the most true."""
+        pulls = np.array(self.places)
+        said = []
+        for name, own in zip(("pull", "aligned"), pulls.T, strict=True):
+            together = np.sqrt((own**2).mean())
+            said.append(f"{name} {together:.2f} rms, films {own.min():.2f} to {own.max():.2f}")
+        return ", ".join(said)
 
 
 def main() -> None:
@@ -80,7 +90,8 @@ def one(folder: Path, drawn: Scene, truth: Truth, tally: Tally) -> None:
         print(f"{folder.name}: refused: {refusal}")
         return
     seconds = time.perf_counter() - begun
-    print(f"{folder.name}: {centres(found, truth)}, {seconds:.1f} s; {'; '.join(found.notes)}")
+    told = centres(found, truth, tally)
+    print(f"{folder.name}: {told}, {seconds:.1f} s; {'; '.join(found.notes)}")
     flights = found.measured.flights
     for bounce in range(0 if flights is None else flights.bounces):
         assert flights is not None
@@ -99,7 +110,7 @@ def one(folder: Path, drawn: Scene, truth: Truth, tally: Tally) -> None:
         )
 
 
-def centres(found: AnalysedFilm, truth: Truth) -> str:
+def centres(found: AnalysedFilm, truth: Truth, tally: Tally) -> str:
     """Say how far places lie from the drawn ones."""
     placed, flights = found.measured.placed, found.measured.flights
     used = np.ones(len(placed.frames), bool) if flights is None else flights.used
@@ -107,12 +118,16 @@ def centres(found: AnalysedFilm, truth: Truth) -> str:
     off = placed.places[used] - drawn[:, :2]
     design = np.stack([np.ones(len(drawn)), drawn[:, 0], drawn[:, 1]], axis=1)
     left = off - design @ np.linalg.lstsq(design, off, rcond=None)[0]
-    stated = placed.sigmas[used]
+    stated, scatter = placed.sigmas[used], found.measured.scatter[used]
+    pull, aligned = (float(np.sqrt((each**2).mean())) for each in (off / stated, left / scatter))
+    tally.places.append((pull, aligned))
     radius = found.measured.looks.radius_px / float(drawn[:, 2].mean()) - 1
+    apart, whole = np.median(scatter, axis=0), np.median(stated, axis=0)
     return (
-        f"{len(drawn)} places off by {left[:, 0].std():.3f}, {left[:, 1].std():.3f} px (stated "
-        f"{np.median(stated[:, 0]):.3f}, {np.median(stated[:, 1]):.3f}), "
-        f"radius {100 * radius:+.1f} %"
+        f"{len(drawn)} places, aligned off by {left[:, 0].std():.3f}, {left[:, 1].std():.3f} px "
+        f"(scatter {apart[0]:.3f}, {apart[1]:.3f}, pull {aligned:.2f}), all alike by "
+        f"{off[:, 0].mean():+.3f}, {off[:, 1].mean():+.3f} px (stated {whole[0]:.3f}, "
+        f"{whole[1]:.3f}, pull {pull:.2f}), radius {100 * radius:+.1f} %"
     )
 
 

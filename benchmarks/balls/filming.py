@@ -56,8 +56,22 @@ class Truth:
     seen: Floats
 
 
+KEPT = "truth.json"
+
+
+def kept_truth(folder: Path) -> Truth | None:
+    """Return the truth of a film that was drawn into this folder before; None where none was."""
+    if not (folder / KEPT).exists():
+        return None
+    told = json.loads((folder / KEPT).read_text())
+    return Truth([Bounce(*each) for each in told["bounces"]], np.array(told["seen"]))
+
+
 def film(folder: Path, scene: Scene, seed: int) -> Truth:
-    """Draw a film as a campaign's folder with one shot."""
+    """Draw a film as a campaign's folder with one shot; one that is there already is kept."""
+    kept = kept_truth(folder)
+    if kept is not None:
+        return kept
     stage, drop, camera, frames = scene
     rng = np.random.default_rng(seed)
     lead = 0.5 * camera.exposure_s
@@ -85,6 +99,8 @@ def film(folder: Path, scene: Scene, seed: int) -> Truth:
     _write(folder, pictures, drop, camera)
     # Times count from the middle of the first frame's exposure of row 0.
     told = [Bounce(b.time - lead, b.v_n, b.v_n_after) for b in bounces]
+    plain = {"bounces": [[b.time, b.v_n, b.v_n_after] for b in told], "seen": seen}
+    (folder / KEPT).write_text(json.dumps(plain, default=float))
     return Truth(told, np.array(seen))
 
 

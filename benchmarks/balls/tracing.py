@@ -84,6 +84,9 @@ WALL, OTHER, CHECK, WALL_Z, FLOOR, GRAIN = 15, 18, 21, 22, 23, 26
 """Where the numbers of a stage begin."""
 FINE = 4
 """Samples of a pixel along each side."""
+ORDER = (15, 2, 1, 12, 4, 9, 10, 7, 8, 5, 6, 11, 3, 14, 13, 0)
+"""Which part of the exposure each sample sees: a magic square, so that neither rows nor columns of
+a pixel are earlier than others."""
 
 
 @part
@@ -174,7 +177,8 @@ def trace(scene: Floats, boxes: Floats, ways: Floats, delays: Floats, light: Flo
     for i in range(rows):
         for j in range(columns):
             for n in range(FINE * FINE):
-                when = int(delays[i] + (n + _random(state)) / (FINE * FINE) * lasts)
+                share = (ORDER[n] + _random(state)) / (FINE * FINE)
+                when = int(delays[i] + share * lasts)
                 instant = ways[min(when, len(ways) - 1)]
                 ball, radius = instant[:3], instant[3]
                 up = 0.5 * (rows - 1) - (i + (n // FINE + _random(state)) / FINE - 0.5)

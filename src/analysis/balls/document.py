@@ -41,6 +41,8 @@ def ball_document(measured: MeasuredBall, notes: tuple[str, ...]) -> Json:
         "column_px": placed.places[:, 1].tolist(),
         "sigma_row_px": placed.sigmas[:, 0].tolist(),
         "sigma_column_px": placed.sigmas[:, 1].tolist(),
+        "scatter_row_px": measured.scatter[:, 0].tolist(),
+        "scatter_column_px": measured.scatter[:, 1].tolist(),
     }
     document["notes"] = list(notes)
     return document

@@ -18,6 +18,7 @@ from analysis.balls.searching import Search, search
 from analysis.balls.seen.arcs import Chain
 from analysis.balls.seen.looks import Looks
 from analysis.balls.seen.placing import Motion, Placed, Placer, Window, cut_windows
+from analysis.balls.systematics import apart_sigmas, shifts, systematic_e, whole_sigmas
 
 Floats = NDArray[np.float64]
 
@@ -40,7 +41,9 @@ class MeasuredBall:
     search
         How the ball was found, and what else moves.
     placed
-        Its places as fitted.
+        Its places as fitted, with all that is not known of them.
+    scatter
+        Standard errors of places beside one another, px, shape (N, 2): without what moves all.
     times_s
         Of all frames.
     exposure_s
@@ -50,13 +53,14 @@ class MeasuredBall:
     flights
         None: no bounce has enough frames on both sides.
     systematic_e
-        What the choice of the ball's light does to e of each bounce; shape (B,).
+        What the ball's radius and light do to e of each bounce; shape (B,).
     head
         Of the film.
     """
 
     search: Search
     placed: Placed
+    scatter: Floats
     times_s: Floats
     exposure_s: float
     exposure_found: float | None
@@ -104,9 +108,10 @@ def measure_ball(film: Film, times_s: Floats, ball: Ball, exposure_s: float | No
         windows = cut_windows(film, looks, motion, longest)
         placer.learn_blur(windows, motion)
     told = None if exposure_s is not None else placer.learn_exposure(windows, motion, period)
-    placed = placer.place(windows, motion)
-    flights, coefficients = None, []
-    for _ in range(REPEATS if len(chain.times_s) else 0):
+    bare = placed = placer.place(windows, motion)
+    flights, own, row_time = None, windows, 0.0
+    coefficients: list[Floats] = []
+    for repeat in range(REPEATS if len(chain.times_s) else 0):
         head = film.head
         view = View(head.height, head.width, period, placer.exposure_s, head.readout)
         observed, start = _observed(placed, times_s), _start(chain, found.fall)
@@ -116,18 +121,24 @@ def measure_ball(film: Film, times_s: Floats, ball: Ball, exposure_s: float | No
             break
         flights = fitted
         coefficients.append(flights.contacts[:, 3] / flights.contacts[:, 1])
+        if repeat == REPEATS - 1:
+            break
         motion = _fitted_motion(flights)
         own = _of_motion(windows, motion)
         row_time = float(flights.values[path.ROW_TIME])
         if exposure_s is None:
             told = placer.learn_exposure(own, motion, period)
         placer.learn_light(own, motion, row_time)
+        placer.learn_blur(own, motion)
         placed = placer.place(own, motion, row_time)
-    alike = [each for each in coefficients if len(each) == len(coefficients[-1])]
-    systematic = np.abs(alike[-1] - alike[max(0, len(alike) - 2)]) if alike else np.zeros(0)
+    systematic, moved = np.zeros(0), np.zeros((2, 0, 2))
+    if flights is not None:
+        moved = shifts(placer, (own, motion, row_time), looks.radius_sigma_px, bare, flights)
+        systematic = np.hypot(_last_change(coefficients), systematic_e(flights, moved[0]))
     return MeasuredBall(
         search=found,
-        placed=placed if flights is None else _placed(flights),
+        placed=placed if flights is None else _placed(flights, moved),
+        scatter=placed.sigmas if flights is None else apart_sigmas(flights, moved),
         times_s=times_s,
         exposure_s=placer.exposure_s,
         exposure_found=None if told is None else float(told[1]),
@@ -137,9 +148,15 @@ def measure_ball(film: Film, times_s: Floats, ball: Ball, exposure_s: float | No
     )
 
 
-def _placed(flights: Flights) -> Placed:
+def _placed(flights: Flights, moved: Floats) -> Placed:
     observed = flights.observed
-    return Placed(observed.frames, observed.places, observed.sigmas * flights.sigma_scale)
+    return Placed(observed.frames, observed.places, whole_sigmas(flights, moved))
+
+
+def _last_change(coefficients: Sequence[Floats]) -> Floats:
+    """Return by how much e of each bounce has changed when the ball's light was learned last."""
+    alike = [each for each in coefficients if len(each) == len(coefficients[-1])]
+    return np.asarray(np.abs(alike[-1] - alike[max(0, len(alike) - 2)]))
 
 
 def _of_motion(windows: Sequence[Window], motion: Motion) -> list[Window]:

@@ -279,6 +279,8 @@ def _described(problem: _Problem, values: Floats, chosen: _Chosen) -> Flights:
     unit = 1.0 / np.sqrt(np.maximum(np.diag(normal), LEAST_INFORMATION))
     inverse = np.linalg.pinv(normal * np.outer(unit, unit), hermitian=True)
     covariance[np.ix_(free, free)] = inverse * np.outer(unit, unit)
+    response = np.zeros((len(values), *residuals.shape))
+    response[:, used] = np.einsum("pq,naq->pna", covariance[:, free], design) / errors
     scaled = residuals[used] / observed.sigmas[used]
     freedom = max(1, 2 * int(used.sum()) - int(free.sum()))
     fall, fall_sigma = values[path.FALL], math.sqrt(covariance[path.FALL, path.FALL])
@@ -298,6 +300,7 @@ def _described(problem: _Problem, values: Floats, chosen: _Chosen) -> Flights:
         arcs=arcs,
         used=used,
         residuals=residuals,
+        response=response,
         sigma_scale=enlarge,
         chi2_per_dof=float((scaled**2).sum() / freedom),
         scale_px_per_m=natural[path.FALL] / gravity,

@@ -74,6 +74,8 @@ class Flights:
         What was fitted, which flight each place belongs to, and which places counted.
     residuals
         Place less model, px, shape (N, 2).
+    response
+        Change of the values for a change of each place, per px; shape (P, N, 2).
     sigma_scale
         By how much the scatter about the flights exceeds the stated errors, shape (N, 2).
     chi2_per_dof
@@ -96,6 +98,7 @@ class Flights:
     arcs: Ints
     used: NDArray[np.bool_]
     residuals: Floats
+    response: Floats
     sigma_scale: Floats
     chi2_per_dof: float
     scale_px_per_m: float
@@ -108,6 +111,11 @@ class Flights:
     def bounces(self) -> int:
         """Return how many bounces there are."""
         return len(self.contacts)
+
+    @property
+    def scatter(self) -> Floats:
+        """Return standard errors of places beside one another, px, shape (N, 2)."""
+        return self.observed.sigmas * self.sigma_scale
 
     def row_delay(self, places: Floats) -> Floats:
         """Return how much later than the first row each place is read, s."""

@@ -118,11 +118,11 @@ def cover(
                 share = 1.0 / steps
                 if at < FURTHEST_SIGMAS:
                     share *= 0.5 * (1.0 + math.erf(at * ROOT_HALF))
-                u, v = dr / radius, dc / radius
-                found[LIGHT, i, j] += share * _learned(table, u, v)
                 # Beyond the limb, in the blur, the light is that of the limb.
-                limb = max(1.0, away / radius)
-                _shading(u / limb, v / limb, terms)
+                limb = max(radius, away)
+                u, v = dr / limb, dc / limb
+                found[LIGHT, i, j] += share * _learned(table, u, v)
+                _shading(u, v, terms)
                 for m in range(TERMS):
                     found[m, i, j] += share * terms[m]
 
@@ -170,7 +170,8 @@ def rim(
                     continue
                 u, v = dr / away, dc / away
                 _shading(u, v, terms)
-                contrast = _learned(table, dr / radius, dc / radius) - ground[i, j]
+                limb = max(radius, away)
+                contrast = _learned(table, dr / limb, dc / limb) - ground[i, j]
                 for m in range(TERMS):
                     contrast += light[m] * terms[m]
                 density = INVERSE_ROOT_TWO_PI * math.exp(-0.5 * at * at) / (sigma * steps)
@@ -304,6 +305,8 @@ def add_light(
             if a < LEAST_TAUGHT:
                 continue
             u, v = (i - pose[0]) / (pose[RADIUS] * pose[STRETCH]), (j - pose[1]) / pose[RADIUS]
+            limb = max(1.0, math.sqrt(u * u + v * v))
+            u, v = u / limb, v / limb
             p, q = (u / MAP_REACH + 1.0) * MAP_STEPS, (v / MAP_REACH + 1.0) * MAP_STEPS
             m, n = math.floor(p), math.floor(q)
             if m < 0 or n < 0 or m >= MAP_SIDE - 1 or n >= MAP_SIDE - 1:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ import pytest
 from analysis.balls.flight.fit import fit_flights
 from analysis.balls.flight.flights import Observed, Start
 from analysis.balls.flight.known import Ball, Known, View
+from analysis.balls.systematics import systematic_e, whole_sigmas
 
 SCALE, FALL = 1000.0, 9806.65
 PLATE, RATE = 400.0, 240.0
@@ -99,3 +101,31 @@ def test_no_bounce_with_frames_on_both_sides_gives_none() -> None:
     observed = parabolas(np.random.default_rng(7))
     before = observed.of(observed.times_s < BOUNCES[0][0])
     assert fit_flights(before, start(), known()) is None
+
+
+def test_what_shifted_places_do_to_e_is_what_a_fit_of_the_shifted_places_gives() -> None:
+    observed = parabolas(np.random.default_rng(8))
+    flights = fit_flights(observed, start(), known())
+    assert flights is not None
+    # Places after the first bounce lie too low by what grows with their height.
+    shift = np.zeros_like(flights.observed.places)
+    late = flights.observed.times_s > BOUNCES[0][0]
+    shift[late, 0] = 0.0005 * (PLATE - flights.observed.places[late, 0])
+    told = systematic_e(flights, shift)
+    moved = replace(flights.observed, places=flights.observed.places + shift)
+    again = fit_flights(moved, start(), known())
+    assert again is not None
+    pairs = zip(coefficients(again), coefficients(flights), strict=True)
+    changed = [abs(new - old) for (new, _), (old, _) in pairs]
+    assert changed[0] > 1e-4
+    assert told == pytest.approx(changed, rel=0.15, abs=2e-5)
+
+
+def test_a_shift_of_all_places_leaves_e_as_it_is_and_enlarges_their_errors() -> None:
+    flights = fit_flights(parabolas(np.random.default_rng(9)), start(), known())
+    assert flights is not None
+    shift = np.full_like(flights.observed.places, 0.3)
+    assert systematic_e(flights, shift).max() < 1e-4
+    sigmas = whole_sigmas(flights, np.stack([shift, np.zeros_like(shift)]))
+    assert (sigmas > 0.3).all()
+    assert (sigmas < 0.31).all()

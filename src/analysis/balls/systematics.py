@@ -1,0 +1,93 @@
+"""What the choices of a fit do to places and to e: radius and light of the ball."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.balls.flight.flights import Flights
+from analysis.balls.seen.placing import Motion, Placed, Placer, Window
+
+Floats = NDArray[np.float64]
+
+RADIUS_STEP = 0.003
+"""Of the radius: places follow it in proportion so far."""
+MOST_BY_LIGHT = 0.03
+"""Of the radius: a smooth shading that is further off than that has lost the rim."""
+APPROACH, LEAVE = 1, 3
+"""Speeds of a contact, as `path.places` gives it, whose ratio is e."""
+
+
+def shifts(
+    placer: Placer,
+    seen: tuple[Sequence[Window], Motion, float],
+    radius_sigma_px: float,
+    bare: Placed,
+    flights: Flights,
+) -> Floats:
+    """Return by how much each place moves with the ball's radius and with its light.
+
+    A radius moves the rim's darker side less than the brighter one; a smooth shading alone takes
+    part of a limb's fading for the rim. Both move all places of a film in much the same way, which
+    no scatter about flights tells.
+
+    Parameters
+    ----------
+    seen
+        Windows, where the ball is in them, and the time from row to row.
+    radius_sigma_px
+        By how much the radius is changed.
+    bare
+        Places fitted before the film had taught the ball's light.
+
+    Returns
+    -------
+    Of each cause and observed place, px; shape (2, N, 2).
+    """
+    placed = flights.observed
+    radius = placer.radius_px
+    step = min(radius_sigma_px, RADIUS_STEP * radius)
+    placer.radius_px = radius + step
+    wide = placer.place(*seen)
+    placer.radius_px = radius
+    by_radius, by_light = (_moved(placed.frames, placed.places, each) for each in (wide, bare))
+    by_radius *= radius_sigma_px / step
+    size = np.maximum(np.hypot(*by_light.T), 1e-12)[:, None]
+    by_light *= np.minimum(1.0, MOST_BY_LIGHT * radius / size)
+    return np.stack([by_radius, by_light])
+
+
+def _moved(frames: NDArray[np.intp], places: Floats, other: Placed) -> Floats:
+    """Return another fit's places less these; those that it lacks have not moved."""
+    _, own, theirs = np.intersect1d(frames, other.frames, return_indices=True)
+    moved = np.zeros_like(places)
+    moved[own] = other.places[theirs] - places[own]
+    return moved
+
+
+def systematic_e(flights: Flights, moved: Floats) -> Floats:
+    """Return by how much shifts of places change e of each bounce; shape (B,).
+
+    Parameters
+    ----------
+    moved
+        Of each observed place, px; shape (N, 2).
+    """
+    step = np.einsum("pna,na->p", flights.response, moved)
+    contacts = flights.contact_slopes @ step
+    before, after = flights.contacts[:, APPROACH], flights.contacts[:, LEAVE]
+    change = contacts[:, LEAVE] - after / before * contacts[:, APPROACH]
+    return np.asarray(np.abs(change / before))
+
+
+def whole_sigmas(flights: Flights, moved: Floats) -> Floats:
+    """Return standard errors of places: scatter about the flights and what moves all alike."""
+    return np.asarray(np.sqrt(flights.scatter**2 + (moved**2).sum(axis=0)))
+
+
+def apart_sigmas(flights: Flights, moved: Floats) -> Floats:
+    """Return standard errors of places beside one another, without what moves all alike."""
+    own = moved[0] - np.median(moved[0], axis=0)
+    return np.asarray(np.hypot(flights.scatter, own))
