@@ -37,6 +37,8 @@ class Stage:
         Colour of the floor and depth of its grain.
     boxes
         Clutter: rectangles on the wall, (x, y, half width, half height, red, green, blue).
+    spots, turn
+        Depth of dark spots with sharp rims on the ball, and by how much it is turned, rad.
     """
 
     size: tuple[int, int]
@@ -56,12 +58,15 @@ class Stage:
     floor: Floats
     grain: float
     boxes: Floats
+    spots: float = 0.0
+    turn: float = 0.0
 
     def numbers(self) -> Floats:
         """Return all but the boxes in one array."""
         plain = [self.focal_px, *self.eye, self.look_down, *self.lamp, self.lamp_size]
         plain += [self.ambient, *self.ball, self.gloss, self.blotches, *self.wall]
         plain += [*self.wall_other, self.check, self.wall_z, *self.floor, self.grain]
+        plain += [self.spots, self.turn]
         return np.array(plain, dtype=np.float64)
 
     def seen(self, place: Floats) -> Floats:
@@ -80,7 +85,7 @@ class Stage:
 
 
 FOCAL, EYE, LOOK, LAMP, LAMP_SIZE, AMBIENT, BALL, GLOSS, BLOTCHES = 0, 1, 4, 5, 8, 9, 10, 13, 14
-WALL, OTHER, CHECK, WALL_Z, FLOOR, GRAIN = 15, 18, 21, 22, 23, 26
+WALL, OTHER, CHECK, WALL_Z, FLOOR, GRAIN, SPOTS, TURN = 15, 18, 21, 22, 23, 26, 27, 28
 """Where the numbers of a stage begin."""
 FINE = 4
 """Samples of a pixel along each side."""
@@ -131,7 +136,13 @@ def _ball_colour(scene: Floats, normal: Floats, way: Floats, lamp: Floats, colou
     half = lamp - way
     _unit(half)
     glint = max(0.0, normal[0] * half[0] + normal[1] * half[1] + normal[2] * half[2])
-    tone = 1.0 - scene[BLOTCHES] * (0.5 + 0.5 * _grain(normal[0] + 0.3, normal[1] - 0.2, 0.45))
+    # Its paint is turned about an axis that leans towards the camera.
+    c, s = math.cos(scene[TURN]), math.sin(scene[TURN])
+    x, z = c * normal[0] + s * normal[2], c * normal[2] - s * normal[0]
+    y, z = 0.9 * normal[1] + 0.436 * z, 0.9 * z - 0.436 * normal[1]
+    tone = 1.0 - scene[BLOTCHES] * (0.5 + 0.5 * _grain(x + 0.3, y - 0.2, 0.45))
+    if _grain(x + 0.5 * z, y - 0.4 * z, 0.2) > 0.25:
+        tone *= 1.0 - scene[SPOTS]
     for k in range(3):
         # Light from the floor lies on its lower half.
         low = 0.25 * scene[FLOOR + k] * (0.5 - 0.5 * normal[1])

@@ -19,13 +19,25 @@ Floats = NDArray[np.float64]
 
 SEARCH_RADIUS_PX = 12.5
 """Larger discs are sought in a smaller picture, where their radius is one to two of these."""
-SURE = -8.0
+SURE = -6.0
 """log10 of the number of false alarms of a disc that is reported."""
 DOUBTFUL = -2.0
+CHANGED = 3.0
+"""By how many powers of ten discs of a closed or opened picture must be surer: both round off."""
+CORRELATED = 2.5
+"""By how much neighbouring edge points, which share what noise the filter saw, enlarge errors."""
+RIM_PX, RIM_RADII = 0.01, 0.001
+"""What shading leaves of a centre's error, px and radii (python -m benchmarks.balls.finding)."""
 SAME_CENTRE, SAME_RADIUS = 0.25, 0.25
 """Two circles nearer than these shares of the radius are one."""
 SAME_RING = 0.15
 """A disc whose centre is nearer than this share of the larger radius belongs to the surer one."""
+NEARLY = 0.5
+"""Of the best's log10 of false alarms: a circle about it that is as sure is the rim."""
+LEAST_OUTER, MOST_OUTER = 1.04, 1.7
+"""How much larger than the border of its lit part a ball may be."""
+PRINT = 0.45
+"""A disc on a larger one, smaller than this share of it, is its gloss or a print."""
 BLOTCH = 0.4
 """Width of the ellipse that takes blotches off, in radii."""
 
@@ -57,7 +69,7 @@ def find_balls(
     radii_px: tuple[float, float],
     least: float = SURE,
     *,
-    blotched: bool | None = None,
+    blotched: bool = True,
     sigma_px: float | None = None,
 ) -> list[Disc]:
     """Find all discs of a picture, the surest first.
@@ -71,19 +83,14 @@ def find_balls(
     least
         log10 of the number of false alarms that is allowed.
     blotched
-        Whether closing and opening take blotches off discs first; None: where nothing is found
-        without.
+        Whether discs are sought too in the picture whose blotches closing and opening take off.
     sigma_px
         Width of the filter that finds edges; None: a narrow one.
     """
     sought = _Sought(radii_px, least, SIGMA_PX if sigma_px is None else sigma_px)
     values = np.ascontiguousarray(np.atleast_3d(picture), dtype=np.float32)
-    found: list[Disc] = []
-    if blotched is not True:
-        found = _of_versions(values, sought, (None,))
-    if blotched is True or (blotched is None and not found):
-        found = _of_versions(values, sought, (None, cv2.MORPH_CLOSE, cv2.MORPH_OPEN))
-    return found
+    changed = (cv2.MORPH_CLOSE, cv2.MORPH_OPEN) if blotched else ()
+    return _of_versions(values, sought, (None, *changed))
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,12 +122,12 @@ def _of_versions(values: Singles, sought: _Sought, versions: tuple[int | None, .
         edges, shape = level.gradient.edges, level.taken.shape
         for place in candidates(edges, shape, level.radii)[:, 1:]:
             disc = _judged(level, alive[index], place, tests)
-            if disc is not None and disc.log_alarms < least:
+            if disc is not None and disc.log_alarms < least - level.margin:
                 waiting.append(_Candidate(index, disc))
     accepted: list[Disc] = []
     while waiting:
         waiting.sort(key=lambda each: each.disc.log_alarms, reverse=True)
-        best = waiting.pop()
+        best = _outermost(waiting, waiting.pop())
         if radii[0] * 0.97 <= best.disc.radius <= radii[1] * 1.03:
             accepted.append(best.disc)
         rest = []
@@ -128,14 +135,59 @@ def _of_versions(values: Singles, sought: _Sought, versions: tuple[int | None, .
             _take(level, mask, best.disc)
         for other in waiting:
             again: Disc | None = other.disc
+            level = levels[other.level]
             if _touch(other.disc, best.disc):
-                level = levels[other.level]
                 again = _judged(level, alive[other.level], level.inward(other.disc), tests)
-            if again is None or again.log_alarms >= least or _one(again, best.disc):
+            if again is None or _one(again, best.disc):
+                continue
+            if again.log_alarms >= least - level.margin:
                 continue
             rest.append(_Candidate(other.level, again))
         waiting = rest
-    return [_refined(values, disc, sought.sigma_px) for disc in accepted]
+    whole = [disc for disc in accepted if not any(_on(disc, other) for other in accepted)]
+    return [_with_errors(_refined(values, disc, sought.sigma_px)) for disc in whole]
+
+
+def _with_errors(disc: Disc) -> Disc:
+    """Return a disc with errors that hold what edge points have in common."""
+    rim = RIM_PX + RIM_RADII * disc.radius
+    row, column, radius = (
+        math.hypot(CORRELATED * sigma, rim)
+        for sigma in (disc.row_sigma, disc.column_sigma, disc.radius_sigma)
+    )
+    return replace(disc, row_sigma=row, column_sigma=column, radius_sigma=radius)
+
+
+def _outermost(waiting: list[_Candidate], best: _Candidate) -> _Candidate:
+    """Return the surest circle about the best that is nearly as sure, and put the best back.
+
+    Within a sphere's rim lies the border of its lit part, which has a side of the rim in common
+    with it; a coin has an inner ring.
+    """
+    about = [
+        other
+        for other in waiting
+        if other.disc.log_alarms < NEARLY * best.disc.log_alarms and _holds(other.disc, best.disc)
+    ]
+    if not about:
+        return best
+    chosen = about[-1]
+    waiting.remove(chosen)
+    waiting.append(best)
+    return _outermost(waiting, chosen)
+
+
+def _holds(outer: Disc, inner: Disc) -> bool:
+    """Return whether a circle lies within another of much the same size, and is not the same."""
+    apart = math.hypot(outer.row - inner.row, outer.column - inner.column)
+    larger = outer.radius / inner.radius
+    return LEAST_OUTER < larger < MOST_OUTER and apart + inner.radius < 1.05 * outer.radius
+
+
+def _on(small: Disc, large: Disc) -> bool:
+    """Return whether a disc is the gloss or a print on another."""
+    apart = math.hypot(small.row - large.row, small.column - large.column)
+    return small.radius < PRINT * large.radius and apart < large.radius
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -146,6 +198,7 @@ class _Level:
     factor: float
     radii: tuple[float, float]
     taken: NDArray[np.float32]
+    margin: float
 
     def outward(self, value: float) -> float:
         """Return a coordinate of the whole picture."""
@@ -175,7 +228,9 @@ def _levels(values: Singles, sought: _Sought, versions: tuple[int | None, ...]) 
                 ellipse = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (width, width))
                 shown = np.atleast_3d(cv2.morphologyEx(small, version, ellipse))
             found = gradient(np.ascontiguousarray(shown), sought.sigma_px)
-            yield _Level(found, factor, own, np.zeros(found.field.shape[1:], np.float32))
+            margin = 0.0 if version is None else CHANGED
+            taken = np.zeros(found.field.shape[1:], np.float32)
+            yield _Level(found, factor, own, taken, margin)
         low = high
 
 

@@ -16,7 +16,7 @@ Singles = NDArray[np.float32]
 
 SIGMA_PX = 1.2
 NOISE_QUANTILE = 0.3
-LEAST_OF_NOISE = 3.5
+LEAST_OF_NOISE = 2.5
 """An edge is stronger than so many Rayleigh scales of what is no edge."""
 STRONG_QUANTILE = 0.998
 LEAST_OF_STRONG = 0.02

@@ -15,9 +15,14 @@ from analysis.compiled import compiled, part
 
 SECTORS = 64
 LEAST_SECTORS = 0.42
-ALONG = math.cos(math.radians(22.5))
-CHANCE = 0.25
-"""Of a direction within 22.5 degrees of the radius, towards it or away."""
+TOLERANCES = np.radians([22.5, 11.0, 6.0])
+"""Of a rim sample's direction against the radius: a ragged rim needs a wide one, and few samples of
+a sharp one, partly hidden, say more with a narrow one."""
+_ALONG = np.cos(TOLERANCES)
+_CHANCES = TOLERANCES / (0.5 * math.pi)
+"""Of a direction that near to the radius, towards it or away, by chance."""
+LEAST_OF_EDGES = 0.5
+"""Of an edge's least size: weaker gradients have no direction that counts."""
 SAMPLE_PX = 1.5
 PASSES = ((0.10, 29.0), (0.07, 26.0), (0.05, 23.0), (0.03, 20.0))
 """Distance from the circle in radii, and angle with the radius in degrees, from pass to pass."""
@@ -199,7 +204,8 @@ def false_alarms(
     _, rows, columns = field.shape
     row, column, radius = circle
     wanted = max(12, int(2.0 * math.pi * radius / SAMPLE_PX))
-    samples = hits = 0
+    samples = 0
+    hits = np.zeros(len(_ALONG), np.int64)
     for k in range(wanted):
         angle = 2.0 * math.pi * k / wanted
         u, v = math.sin(angle), math.cos(angle)
@@ -207,13 +213,19 @@ def false_alarms(
         if i < 0 or j < 0 or i >= rows or j >= columns:
             continue
         samples += 1
-        if field[0, i, j] < threshold:
+        if field[0, i, j] < LEAST_OF_EDGES * threshold:
             continue
-        if abs(u * field[1, i, j] + v * field[2, i, j]) >= ALONG:
-            hits += 1
+        along = abs(u * field[1, i, j] + v * field[2, i, j])
+        for m in range(len(_ALONG)):
+            if along >= _ALONG[m]:
+                hits[m] += 1
     found = np.zeros(2)
     found[0] = log_tests
     if samples >= LEAST_POINTS:
-        found[0] += log_binomial_tail(samples, hits, CHANCE)
-        found[1] = hits / wanted
+        best = 0.0
+        for m in range(len(_ALONG)):
+            best = min(best, log_binomial_tail(samples, hits[m], _CHANCES[m]))
+        # Each tolerance is a test of its own.
+        found[0] += best + math.log10(len(_ALONG))
+        found[1] = hits[0] / wanted
     return found

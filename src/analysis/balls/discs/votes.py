@@ -14,7 +14,7 @@ Floats = NDArray[np.float64]
 RADIUS_STEP = 1.05
 BLUR = 0.06
 """Width of the blur of votes in radii; narrower ones lose ragged rims."""
-LEAST_SHARE = 0.13
+LEAST_SHARE = 0.09
 """Of the rim that votes for a centre."""
 MOST_CANDIDATES = 300
 

@@ -68,3 +68,31 @@ def test_every_bead_and_every_coin_of_a_real_picture_is_found_and_nothing_else(
     for row, column in places:
         near = [d for d in found if np.hypot(d.row - row, d.column - column) < reach]
         assert len(near) == 1, (row, column)
+
+
+def test_a_sphere_hidden_to_two_fifths_is_found_where_its_rim_is_sharp() -> None:
+    picture = drawings.grey(drawings.draw([(60.3, 64.8, 24.0)]), noise=2.0)
+    picture[65:, 30:100] = 90
+    found = find_balls(picture, (8.0, 40.0))
+    assert len(found) == 1
+    assert (found[0].row, found[0].column) == pytest.approx((60.3, 64.8), abs=0.3)
+
+
+def test_gloss_on_a_sphere_is_no_sphere() -> None:
+    picture = drawings.grey(drawings.draw([(60.3, 64.8, 40.0)]), noise=2.0)
+    rows, columns = np.mgrid[: picture.shape[0], : picture.shape[1]]
+    picture[np.hypot(rows - 48, columns - 54) < 9] = 255
+    found = find_balls(picture, (6.0, 50.0))
+    assert [round(disc.radius) for disc in found] == [40]
+
+
+def test_stated_errors_of_a_centre_hold_its_distance_from_the_drawn_one() -> None:
+    rng = np.random.default_rng(5)
+    pulls = []
+    for _ in range(12):
+        row, column = rng.uniform(40, 60), rng.uniform(50, 70)
+        picture = drawings.grey(drawings.draw([(row, column, 22.0)]), noise=4.0)
+        (disc,) = find_balls(picture, (15.0, 30.0))
+        pulls += [(disc.row - row) / disc.row_sigma, (disc.column - column) / disc.column_sigma]
+    assert np.sqrt(np.mean(np.square(pulls))) < 1.5
+    assert np.abs(pulls).max() < 4
