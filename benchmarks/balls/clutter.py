@@ -186,9 +186,9 @@ def picture(kind: Kind, seed: int) -> tuple[Drawn, list[Seen]]:
     if kind.hidden:
         for ball in balls:
             _hide(light, ball, kind.hidden * rng.uniform(0.3, 1.0), rng)
-    light = cv2.GaussianBlur(np.maximum(light, 0.0), (0, 0), rng.uniform(0.4, 1.0))
-    noisy = 230 * np.asarray(light) + rng.uniform(0.5, 4.0) * rng.standard_normal(light.shape)
-    shown = np.clip(np.rint(noisy), 0, 255).astype(np.uint8)
+    blurred = cv2.GaussianBlur(np.maximum(light, 0.0), (0, 0), rng.uniform(0.4, 1.0))
+    noisy = 230 * np.asarray(blurred) + rng.uniform(0.5, 4.0) * rng.standard_normal(light.shape)
+    shown: Drawn = np.clip(np.rint(noisy), 0, 255).astype(np.uint8)
     if rng.random() < 0.5:
         quality = [cv2.IMWRITE_JPEG_QUALITY, int(rng.integers(70, 95))]
         shown = np.asarray(cv2.imdecode(cv2.imencode(".jpg", shown, quality)[1], 1), np.uint8)

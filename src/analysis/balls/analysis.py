@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.balls.carried import NotFlyingError, place_carried
 from analysis.balls.films.film import Film
 from analysis.balls.films.part import Cut, PartOfFilm
 from analysis.balls.films.reading import open_film
@@ -73,7 +74,8 @@ def analyse_film(job: FilmJob) -> AnalysedFilm:
     InputError
         The film cannot be read, or the lens is of pictures of another size.
     ShotRefusedError
-        It has no times, or nothing in it is a ball in flight.
+        It has no times, or nothing in it is a ball in flight; `NotFlyingError` has the places of a
+        ball that is seen and does not fly.
     """
     film: Film = open_film(job.path)
     if job.lens is not None:
@@ -100,6 +102,8 @@ def analyse_held(film: Film, times: Floats, ball: Ball, exposure: float | None) 
             raise
         turned = _turned(film, times, ball, exposure)
         if turned is None:
+            if isinstance(refusal, NotFlyingError):
+                refusal.placed = place_carried(film, refusal)
             raise
         return turned
     return AnalysedFilm(film, measured, remarks(measured))

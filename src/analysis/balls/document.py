@@ -6,13 +6,16 @@ import math
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from analysis.balls.flight import path
 from analysis.balls.flight.flights import Flights
 from analysis.balls.measuring import MeasuredBall, coefficient
+from analysis.balls.seen.placing import Placed
 from analysis.quantity import Quantity
 
 Json = dict[str, Any]
+Floats = NDArray[np.float64]
 
 TIME, TOWARDS, BESIDE, AWAY, BESIDE_AFTER, _ = range(6)
 """Of a contact, as `path.places` gives it."""
@@ -34,18 +37,24 @@ def ball_document(measured: MeasuredBall, notes: tuple[str, ...]) -> Json:
     document["exposure_sigma_s"] = measured.exposure_found
     if flights is not None:
         document |= _camera(flights)
-    document["positions"] = {
-        "frame": placed.frames.tolist(),
-        "t_s": [float(t) for t in measured.times_s[placed.frames]],
-        "row_px": placed.places[:, 0].tolist(),
-        "column_px": placed.places[:, 1].tolist(),
-        "sigma_row_px": placed.sigmas[:, 0].tolist(),
-        "sigma_column_px": placed.sigmas[:, 1].tolist(),
+    document["positions"] = positions(placed, measured.times_s) | {
         "scatter_row_px": measured.scatter[:, 0].tolist(),
         "scatter_column_px": measured.scatter[:, 1].tolist(),
     }
     document["notes"] = list(notes)
     return document
+
+
+def positions(placed: Placed, times_s: Floats) -> Json:
+    """Return places of a ball and their standard errors, frame by frame."""
+    return {
+        "frame": placed.frames.tolist(),
+        "t_s": [float(t) for t in times_s[placed.frames]],
+        "row_px": placed.places[:, 0].tolist(),
+        "column_px": placed.places[:, 1].tolist(),
+        "sigma_row_px": placed.sigmas[:, 0].tolist(),
+        "sigma_column_px": placed.sigmas[:, 1].tolist(),
+    }
 
 
 def _order(flights: Flights) -> range:

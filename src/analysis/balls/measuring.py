@@ -22,7 +22,9 @@ from analysis.balls.systematics import apart_sigmas, shifts, systematic_e, whole
 
 Floats = NDArray[np.float64]
 
-REPEATS = 3
+REPEATS, MOST_REPEATS = 3, 5
+"""Of learning the ball's light and fitting its flights: at least, and until e has settled."""
+SETTLED_E = 1e-3
 NEIGHBOURS = 5
 """Sightings before and after that tell a speed before any flight is fitted."""
 LEAST_SIGMA = 0.3
@@ -111,17 +113,18 @@ def measure_ball(film: Film, times_s: Floats, ball: Ball, exposure_s: float | No
     bare = placed = placer.place(windows, motion)
     flights, own, row_time = None, windows, 0.0
     coefficients: list[Floats] = []
-    for repeat in range(REPEATS if len(chain.times_s) else 0):
+    for repeat in range(MOST_REPEATS if len(chain.times_s) else 0):
         head = film.head
         view = View(head.height, head.width, period, placer.exposure_s, head.readout)
         observed, start = _observed(placed, times_s), _start(chain, found.fall)
         known = Known(ball, view, looks.radius_px, looks.radius_sigma_px)
-        fitted = fit_flights(observed, start, known)
+        fitted = fit_flights(observed, start, known, flights)
         if fitted is None:
             break
         flights = fitted
         coefficients.append(flights.contacts[:, 3] / flights.contacts[:, 1])
-        if repeat == REPEATS - 1:
+        settled = _last_change(coefficients).max() < SETTLED_E
+        if repeat == MOST_REPEATS - 1 or (settled and repeat + 1 >= REPEATS):
             break
         motion = _fitted_motion(flights)
         own = _of_motion(windows, motion)

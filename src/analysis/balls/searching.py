@@ -7,11 +7,22 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.balls.films.film import Film
+from analysis.balls.carried import NotFlyingError
+from analysis.balls.discs.finding import find_balls
+from analysis.balls.films.film import Film, Picture
 from analysis.balls.flight.known import Ball
 from analysis.balls.seen.arcs import Arc, Chain, Sightings, chains, find_arcs
 from analysis.balls.seen.background import background, sample_frames
-from analysis.balls.seen.looks import Looks, families, find_discs_that_move, looks_of, noise_of
+from analysis.balls.seen.looks import (
+    LEAST_RADIUS_PX,
+    LEAST_SHARE,
+    MOST_SHARE,
+    Looks,
+    families,
+    find_discs_that_move,
+    looks_of,
+    noise_of,
+)
 from analysis.balls.seen.sightings import Sight
 from analysis.errors import ShotRefusedError
 
@@ -73,10 +84,11 @@ def search(film: Film, times_s: Floats, ball: Ball) -> Search:
         raise ShotRefusedError(
             "ball",
             f"nothing round moves in this film: {len(samples)} of its {film.head.frames} frames "
-            "were looked at; check that the ball is in the picture and the camera stands still",
+            f"were looked at{_at_rest(ground)}; check that the ball is in the picture and the "
+            "camera stands still",
         )
     best: Search | None = None
-    moving: list[str] = []
+    refused: NotFlyingError | None = None
     for family in groups[:MOST_FAMILIES]:
         looks = looks_of(family, samples, ground, film.head)
         sight = Sight(looks, ground)
@@ -89,10 +101,24 @@ def search(film: Film, times_s: Floats, ball: Ball) -> Search:
             chain = linked[0]
             others = tuple(c for c in linked[1:] if _beside(c, chain))
             best = Search(looks, chain, fall, others, _unexplained(seen, arcs))
-        moving.append(_way(seen, looks))
-    if best is None:
-        raise ShotRefusedError("flight", f"{moving[0]}; no flight of four frames is in this film")
-    return best
+        said = f"{_way(seen, looks)}; no flight of four frames is in this film"
+        refused = refused or NotFlyingError(said, looks, seen)
+    if best is not None:
+        return best
+    raise refused or ShotRefusedError("flight", "nothing in this film falls")
+
+
+def _at_rest(ground: Picture) -> str:
+    """Say what is round and stands still: a ball that rests or only turns."""
+    side = min(ground.shape[:2])
+    radii = max(LEAST_RADIUS_PX, LEAST_SHARE * side), MOST_SHARE * side
+    still = find_balls(ground, radii)
+    if not still:
+        return ""
+    first = still[0]
+    place = f"at ({first.row:.1f}, {first.column:.1f}) px, {2 * first.radius:.1f} px across"
+    others = f" and {len(still) - 1} more" if len(still) > 1 else ""
+    return f"; what is round and rests or turns on its place: {place}{others}"
 
 
 def _falls(chain: Chain, looks: Looks, fall: Floats) -> bool:

@@ -14,6 +14,8 @@ Floats = NDArray[np.float64]
 
 RADIUS_STEP = 0.003
 """Of the radius: places follow it in proportion so far."""
+MOST_BY_RADIUS = 2.0
+"""Of the radius's change: a place whose rim is seen on one side alone moves by about 1 of it."""
 MOST_BY_LIGHT = 0.03
 """Of the radius: a smooth shading that is further off than that has lost the rim."""
 APPROACH, LEAVE = 1, 3
@@ -54,9 +56,18 @@ def shifts(
     placer.radius_px = radius
     by_radius, by_light = (_moved(placed.frames, placed.places, each) for each in (wide, bare))
     by_radius *= radius_sigma_px / step
-    size = np.maximum(np.hypot(*by_light.T), 1e-12)[:, None]
-    by_light *= np.minimum(1.0, MOST_BY_LIGHT * radius / size)
-    return np.stack([by_radius, by_light])
+    return np.stack(
+        [
+            _at_most(by_radius, MOST_BY_RADIUS * radius_sigma_px),
+            _at_most(by_light, MOST_BY_LIGHT * radius),
+        ]
+    )
+
+
+def _at_most(moved: Floats, most: float) -> Floats:
+    """Return shifts no longer than this: a fit that jumps says nothing of the others."""
+    size = np.maximum(np.hypot(*moved.T), 1e-12)[:, None]
+    return np.asarray(moved * np.minimum(1.0, most / size))
 
 
 def _moved(frames: NDArray[np.intp], places: Floats, other: Placed) -> Floats:

@@ -111,6 +111,12 @@ def test_a_ball_that_does_not_fly_is_refused_with_frames_and_place(
     assert shot["status"] == "refused"
     assert words in shot["reason"]
     assert "px" in shot["reason"]
+    # Its places stand all the same.
+    places = shot["positions"]
+    drawn = [(rows[k], 60.0 if columns is None else columns[k]) for k in places["frame"]]
+    found = np.stack([places["row_px"], places["column_px"]], axis=1)
+    assert len(drawn) > 0.7 * len(rows)
+    assert np.median(np.hypot(*(found - np.array(drawn)).T)) < 0.3
 
 
 def test_a_film_without_a_ball_is_refused(
@@ -119,6 +125,28 @@ def test_a_film_without_a_ball_is_refused(
     folder = write(tmp_path / "film", [-100.0] * 12)
     shot = answer(capsys, str(folder), "--ball-diameter-mm", "20", "--fps", "200")
     assert (shot["status"], shot["step"]) == ("refused", "ball")
+
+
+def test_a_ball_that_rests_in_all_frames_is_refused_with_its_place(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = write(tmp_path / "film", [120.25] * 12)
+    shot = answer(capsys, str(folder), "--ball-diameter-mm", "20", "--fps", "200")
+    assert (shot["status"], shot["step"]) == ("refused", "ball")
+    assert "rests or turns on its place: at (120." in shot["reason"]
+
+
+def test_a_film_that_ends_in_the_middle_of_a_bounce_gives_the_flights_before_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    rows = bouncing(180)
+    lowest = [k for k in range(1, 179) if rows[k - 1] < rows[k] > rows[k + 1]]
+    film = write(tmp_path / "film", rows[: lowest[1] + 2])
+    size = ["--ball-diameter-mm", f"{DIAMETER_MM:.3f}", "--fps", "200", "--exposure-us", "0"]
+    shot = answer(capsys, str(film), *size)
+    assert shot["status"] == "measured"
+    assert len(shot["impacts"]) == 1
+    assert shot["impacts"][0]["e"]["value"] == pytest.approx(0.8, abs=0.02)
 
 
 def test_a_film_that_stands_upside_down_is_said_and_measured(

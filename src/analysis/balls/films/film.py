@@ -6,6 +6,8 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from queue import Full, Queue
+from threading import Event, Thread
 from typing import Literal
 
 import numpy as np
@@ -79,7 +81,7 @@ class Film(ABC):
         head, held = self.head, []
         keep = True
         taken = 0
-        for picture in self._read():
+        for picture in ahead(self._read()):
             taken += picture.nbytes
             keep = keep and taken <= HELD_BYTES
             if keep:
@@ -124,3 +126,42 @@ class HeldFilm(Film):
     def _read(self) -> Iterator[Picture]:
         for frame in self._frames:
             yield frame[..., None]
+
+
+AHEAD = 4
+"""Pictures that are read while one is looked at."""
+
+
+def ahead(pictures: Iterator[Picture]) -> Iterator[Picture]:
+    """Give pictures that a thread of their own reads: decoders leave the interpreter free."""
+    waiting: Queue[Picture | BaseException | None] = Queue(AHEAD)
+    stopped = Event()
+
+    def put(what: Picture | BaseException | None) -> bool:
+        while not stopped.is_set():
+            try:
+                waiting.put(what, timeout=0.1)
+            except Full:
+                continue
+            return True
+        return False
+
+    def read() -> None:
+        try:
+            for picture in pictures:
+                if not put(picture):
+                    return
+            put(None)
+        except BaseException as error:  # noqa: BLE001  (raised again where pictures are used)
+            put(error)
+
+    reader = Thread(target=read, daemon=True)
+    reader.start()
+    try:
+        while (what := waiting.get()) is not None:
+            if isinstance(what, BaseException):
+                raise what
+            yield what
+    finally:
+        stopped.set()
+        reader.join()

@@ -24,7 +24,8 @@ from analysis.balls.flight.known import (
 _Chosen = tuple[Ints, NDArray[np.bool_], Floats]
 """Which flight each place belongs to, whether it counts, and by how much its errors are larger."""
 
-ROUNDS = 6
+ROUNDS, AGAIN = 6, 3
+"""Of fits with outliers taken out between them: from a first guess, and from a fit before."""
 SOFT = 2.0
 """Residuals beyond so many standard errors count less while the fit settles."""
 OUTLIER = 4.5
@@ -38,6 +39,8 @@ NEAR_RADII = 1.5
 """Heights over the plate at which a ball lies over its shadow."""
 LEAST_INFORMATION = 1e-20
 """Of a number that no place that counts depends on."""
+MOST_OPEN = 2.0
+"""Standard error of a logarithm with which a film says nothing."""
 CONTRADICTION = 3.5
 """Standard errors between the scales of diameter and gravity beyond which one of them is wrong."""
 
@@ -107,6 +110,13 @@ class _Problem:
         own[path.FALL], own[path.DRAG] = math.exp(values[path.FALL]), math.exp(values[path.DRAG])
         return own
 
+    def logarithmic(self, natural: Floats) -> Floats:
+        """Return the fit's numbers from those that `path` takes."""
+        values = natural.copy()
+        values[path.FALL] = math.log(natural[path.FALL])
+        values[path.DRAG] = math.log(natural[path.DRAG])
+        return values
+
     def near(self, found: Floats) -> NDArray[np.bool_]:
         """Return which places lie within a few radii of the plate."""
         return np.asarray(np.abs(found[:, 0] - self.plate_row) < NEAR_RADII * self.radius_px)
@@ -144,7 +154,9 @@ class _Problem:
         return arcs, clear
 
 
-def fit_flights(observed: Observed, start: Start, known: Known) -> Flights | None:
+def fit_flights(
+    observed: Observed, start: Start, known: Known, before: Flights | None = None
+) -> Flights | None:
     """Fit all flights and bounces of a film.
 
     Unknown: times and speeds of contacts, the plate's row and slope, the fall in px/s^2, drag,
@@ -157,6 +169,8 @@ def fit_flights(observed: Observed, start: Start, known: Known) -> Flights | Non
         Places with their stated errors; the scatter about the flights enlarges them.
     start
         Of the bounces.
+    before
+        A fit of nearly the same places, to go on from.
 
     Returns
     -------
@@ -164,10 +178,13 @@ def fit_flights(observed: Observed, start: Start, known: Known) -> Flights | Non
     """
     while len(start.times_s):
         problem = _Problem(observed, start, known)
-        fitted = _settle(problem)
+        again = before is not None and before.bounces == problem.bounces
+        if before is not None and again:
+            problem.begin = problem.logarithmic(before.values)
+        fitted = _settle(problem, again=again)
         if fitted.contradiction:
             problem.prior_sigma[path.FALL] = 10.0
-            fitted = replace(_settle(problem), contradiction=True)
+            fitted = replace(_settle(problem, again=False), contradiction=True)
         kept = _long_flights(fitted)
         if len(kept) == fitted.bounces + 1:
             return fitted
@@ -180,23 +197,26 @@ def fit_flights(observed: Observed, start: Start, known: Known) -> Flights | Non
 def _long_flights(flights: Flights) -> list[int]:
     """Return the neighbouring flights with enough frames that hold the most."""
     counts = [int((flights.used & (flights.arcs == k)).sum()) for k in range(flights.bounces + 1)]
+    # What does not come and go again is no bounce: flights on its two sides are two chains.
+    real = np.concatenate([[True], (flights.contacts[:, [1, 3]] > 0).all(axis=1)])
     best: list[int] = []
     run: list[int] = []
     for k, count in enumerate(counts):
+        run = run if real[k] else []
         run = [*run, k] if count >= LEAST_PLACES else []
         if sum(counts[j] for j in run) > sum(counts[j] for j in best):
             best = run
     return best
 
 
-def _settle(problem: _Problem) -> Flights:
+def _settle(problem: _Problem, *, again: bool) -> Flights:
     values = problem.begin.copy()
     observed = problem.observed
     enlarge = np.ones((len(observed.frames), 2))
     inlier = np.ones(len(observed.frames), dtype=bool)
     arcs, clear = problem.assign(values)
     used = clear
-    for round_ in range(ROUNDS):
+    for round_ in range(ROUNDS - AGAIN if again else 0, ROUNDS):
         arcs, clear = problem.assign(values)
         used = clear & inlier
         loose = problem.free.copy()
@@ -232,8 +252,9 @@ def _solve(
         return np.asarray(np.nan_to_num(every, nan=1e6, posinf=1e6, neginf=-1e6))
 
     loss: Literal["soft_l1", "linear"] = "soft_l1" if soft else "linear"
+    slopes: Literal["2-point", "3-point"] = "2-point" if soft else "3-point"
     solved = least_squares(
-        residuals, np.zeros(len(units)), jac="3-point", loss=loss, f_scale=SOFT, max_nfev=60
+        residuals, np.zeros(len(units)), jac=slopes, loss=loss, f_scale=SOFT, max_nfev=60
     )
     best = values.copy()
     best[loose] += solved.x * units
@@ -351,6 +372,6 @@ def _without_prior(
 ) -> tuple[float, float]:
     """Return what the film alone says where its fit held a prior too."""
     weight = 1.0 / sigma**2 - 1.0 / prior_sigma**2
-    if weight <= 1e-6 / sigma**2:
+    if weight <= max(1e-6 / sigma**2, 1.0 / MOST_OPEN**2):
         return prior, math.inf
     return (value / sigma**2 - prior / prior_sigma**2) / weight, 1.0 / math.sqrt(weight)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -24,6 +25,8 @@ MOST_SEARCHED = 16
 """Frames in which discs are sought before the ball is known."""
 SEEN_LINES = 240
 CHANGED_SIGMAS = 6.0
+LEAST_CHANGED = 20
+"""Pixels of a part of the picture that has changed."""
 ALIKE = 0.12
 """Discs whose radii differ by less than this share may be one ball's."""
 LEAST_ALARMS = -5.0
@@ -91,25 +94,41 @@ def find_discs_that_move(
     every = -(-len(samples) // MOST_SEARCHED)
     for number, picture in list(samples.items())[::every]:
         difference = picture.astype(np.float32) - ground.astype(np.float32)
-        where = np.argwhere(np.abs(difference).max(axis=2) > CHANGED_SIGMAS * noise)
-        if len(where) < 20:
+        for window in _changed(np.abs(difference).max(axis=2) > CHANGED_SIGMAS * noise, low):
+            own = difference[window]
+            largest = min(high, 0.6 * max(own.shape[:2]))
+            if largest <= low:
+                continue
+            top, left = window[0].start, window[1].start
+            for disc in find_balls(own, (low, largest), LEAST_ALARMS, blotched=False):
+                moved = replace(disc, row=disc.row + top, column=disc.column + left)
+                found.append((number, moved))
+    return found
+
+
+def _changed(changed: NDArray[np.bool_], low: float) -> list[tuple[slice, slice]]:
+    """Return windows about what has changed, parts that lie near one another together."""
+    factor = max(1, int(low))
+    rows, columns = changed.shape
+    size = (max(1, columns // factor), max(1, rows // factor))
+    small = cv2.resize(changed.astype(np.uint8) * 255, size, interpolation=cv2.INTER_AREA)
+    near = cv2.dilate((np.asarray(small) > 0).astype(np.uint8), np.ones((5, 5), np.uint8))
+    _, _, stats, _ = cv2.connectedComponentsWithStats(near)
+    found = []
+    for left, top, width, height, _ in np.asarray(stats)[1:].tolist():
+        box = (
+            slice(top * factor, (top + height) * factor),
+            slice(left * factor, (left + width) * factor),
+        )
+        if changed[box].sum() < LEAST_CHANGED:
             continue
-        margin = int(low) + 4
-        top, left = np.maximum(where.min(axis=0) - margin, 0)
-        bottom, right = where.max(axis=0) + margin + 1
-        window = difference[top:bottom, left:right]
-        for disc in find_balls(window, (low, high), LEAST_ALARMS, blotched=False):
-            moved = Disc(
-                disc.row + top,
-                disc.column + left,
-                disc.radius,
-                disc.row_sigma,
-                disc.column_sigma,
-                disc.radius_sigma,
-                disc.rim,
-                disc.log_alarms,
+        margin = factor + 4
+        found.append(
+            (
+                slice(max(0, box[0].start - margin), min(rows, box[0].stop + margin)),
+                slice(max(0, box[1].start - margin), min(columns, box[1].stop + margin)),
             )
-            found.append((number, moved))
+        )
     return found
 
 

@@ -204,11 +204,14 @@ def _gather(
     for i in range(rows):
         for j in range(columns):
             a, w = shown[0, i, j], window[WEIGHT, i, j]
+            if a <= LEAST_COVER:
+                window[RESIDUAL, i, j] = window[0, i, j] - window[GROUND, i, j]
+                continue
             off = window[0, i, j] - window[GROUND, i, j] * (1.0 - a) - shown[LIGHT, i, j]
             for k in range(TERMS):
                 off -= light[k] * shown[k, i, j]
             window[RESIDUAL, i, j] = off
-            if a <= LEAST_COVER or w <= 0.0:
+            if w <= 0.0:
                 continue
             slopes[0], slopes[1] = moving[0, i, j], moving[1, i, j]
             for k in range(TERMS):

@@ -29,6 +29,8 @@ EXPOSURES = (0.0, 0.03, 0.08, 0.15, 0.25, 0.4, 0.6, 0.8, 0.98)
 SLOW_FRAMES, FAST_FRAMES = 6, 6
 TOLD_SMEAR_PX = 1.5
 """A change of the smear by less is not told from blur."""
+TEACHING_FRAMES = 100
+"""At least so many of a film's frames teach the ball's light, where it has as many."""
 LEAST_CELL = 3.0
 """Weight of a cell of the learned light that counts."""
 FURTHEST_RADII = 0.8
@@ -256,7 +258,8 @@ class Placer:
     ) -> None:
         """Learn what the smooth shading leaves of the ball's light, from all frames together."""
         sums = np.zeros((2, MAP_SIDE, MAP_SIDE))
-        for window, fit, pose in self._fits(windows, motion, row_time_s):
+        some = windows[:: max(1, len(windows) // TEACHING_FRAMES)]
+        for window, fit, pose in self._fits(some, motion, row_time_s):
             if fit[5] <= 0 or fit[6] > FURTHEST_RADII * self.radius_px:
                 continue
             covered = np.empty((LAYERS, *window.pixels.shape[1:]))

@@ -17,6 +17,8 @@ Floats = NDArray[np.float64]
 SOUGHT_RADIUS_PX = 6.0
 LEAST_RESPONSE = 0.3
 MOST = 6
+LEAST_SHRUNK = 2.5
+"""Of a sparse picture; less would let fine patterns through."""
 CLIP = (-0.3, 1.3)
 
 
@@ -42,6 +44,8 @@ class Sight:
         self._factor = max(1.0, looks.radius_px / SOUGHT_RADIUS_PX)
         self._weights = looks.weights.astype(np.float32)
         rows, columns = ground.shape[:2]
+        # Where many pixels make one, every second row and column tells as well.
+        self._stride = max(1, int(self._factor / LEAST_SHRUNK))
         self._size = (round(columns / self._factor), round(rows / self._factor))
         self._ground = self._small(ground)
         self._radius = looks.radius_px / self._factor
@@ -50,7 +54,10 @@ class Sight:
     def _small(self, picture: Picture) -> Singles:
         small: NDArray[np.generic] = picture
         if self._factor > 1.0:
-            small = np.atleast_3d(cv2.resize(picture, self._size, interpolation=cv2.INTER_AREA))
+            share = 1.0 / self._stride
+            nearest = cv2.INTER_NEAREST
+            sparse = cv2.resize(picture, None, fx=share, fy=share, interpolation=nearest)
+            small = np.atleast_3d(cv2.resize(sparse, self._size, interpolation=cv2.INTER_AREA))
         return np.asarray(small.astype(np.float32) @ self._weights, dtype=np.float32)
 
     def find(self, picture: Picture) -> Sightings:
@@ -68,8 +75,8 @@ class Sight:
         for k, index in enumerate(order.tolist()):
             row, column = _peak(response, int(rows[index]), int(columns[index]))
             places[k] = (
-                (row + 0.5) * self._factor - 0.5,
-                (column + 0.5) * self._factor - 0.5,
+                (row + 0.5) * self._factor - 0.5 * self._stride,
+                (column + 0.5) * self._factor - 0.5 * self._stride,
                 strength[index],
             )
         return Sightings(places)

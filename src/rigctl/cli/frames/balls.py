@@ -12,7 +12,8 @@ from rich.console import Console
 from rich.table import Table
 
 from analysis.balls.analysis import AnalysedFilm, FilmJob, analyse_film
-from analysis.balls.document import Json, ball_document
+from analysis.balls.carried import NotFlyingError
+from analysis.balls.document import Json, ball_document, positions
 from analysis.balls.films.part import Cut
 from analysis.balls.films.reading import film_of_shot
 from analysis.balls.flight.known import AIR_DENSITY, UNKNOWN_DENSITY, Ball
@@ -118,6 +119,8 @@ def analyse_balls(request: BallRequest, *, as_json: bool) -> None:
             continue
         except ShotRefusedError as refusal:
             shots.append(_refused(job, refusal.step, refusal.reason, refusal.frame))
+            if isinstance(refusal, NotFlyingError) and refusal.placed is not None:
+                shots[-1]["positions"] = positions(refusal.placed, refusal.seen.times_s)
             continue
         frames += film.film.head.frames
         size = film.film.head.height, film.film.head.width
