@@ -177,11 +177,11 @@ def picture(kind: Kind, seed: int) -> tuple[Drawn, list[Seen]]:
         angle = rng.uniform(0, 2 * np.pi)
         way = kind.smear * rng.uniform(0.5, 1.0) * ball.radius
         scene = stage(rng, kind.spots, own, rng.uniform(0, 6))
-        shown, cover = traced(scene, ball, (way * np.sin(angle), way * np.cos(angle)), seed + k)
+        own_light, cover = traced(scene, ball, (way * np.sin(angle), way * np.cos(angle)), seed + k)
         if kind.strobe > 1:
-            layers += (shown - cover * flat) / kind.strobe**0.5
+            layers += (own_light - cover * flat) / kind.strobe**0.5
         else:
-            light = light * (1 - cover) + shown
+            light = light * (1 - cover) + own_light
     light += layers
     if kind.hidden:
         for ball in balls:
