@@ -236,7 +236,8 @@ def _followed(data: PoseData, world: World, more: Floats, seed: int) -> PoseData
         return data
     later = _seen_in(world, fired(drawn_settings(0, seed, more), world.nature, seed))
     order = np.full(len(more), AFTER_THE_CAMPAIGN)
-    return data.joined(replace(later, covariates={**later.covariates, "order": order}))
+    later = replace(later, covariates={**later.covariates, "order": order})
+    return PoseData.joined([data, later])
 
 
 def _seen_in(world: World, data: PoseData) -> PoseData:

@@ -11,7 +11,8 @@ from tempfile import TemporaryDirectory
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from analysis.model.data.gather import ORDER, gather_poses
+from analysis.model.data.columns import ORDER
+from analysis.model.data.gather import gather_poses
 from analysis.model.data.poses import PoseData
 from simulators.challenge.camera import OPTICS, apparent
 from simulators.challenge.campaign import FRAME_RATE_HZ, Campaign, Noise, run_campaign

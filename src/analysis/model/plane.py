@@ -11,6 +11,7 @@ from analysis.collision.operator import States, gives, surface_velocity
 from analysis.effects.contact.spring_slider import rebound
 from analysis.effects.contact.tangential_compliance import STIFFNESS_RATIO
 from analysis.model.agreement.outcome import Outcomes, outcomes
+from analysis.model.data.stream import CampaignData, whole
 from analysis.model.data.tables import Data
 from analysis.model.fitting.fit import Fit
 from analysis.model.predict.contact import AFTER, contact_outcome
@@ -64,9 +65,10 @@ class Plane:
         }
 
 
-def impact_plane(data: Data, fit: Fit) -> Plane:
+def impact_plane(campaign: CampaignData, fit: Fit) -> Plane:
     """Place every shot in the plane: the law's rebound, and how far the poses lie from it."""
-    states, before = fit.states, fit.states.before
+    data, states = whole(campaign), fit.states
+    before = states.before
     surface = surface_velocity(before, states.normal, data.bodies)
     speed = np.maximum(np.linalg.norm(surface, axis=1), LEAST_SPEED)
     relative = before.velocity_b - before.velocity_a

@@ -12,7 +12,7 @@ from analysis.model.agreement.document import agreement_document, structure_docu
 from analysis.model.agreement.launch import launch_stage
 from analysis.model.agreement.table import Agreement as Compared
 from analysis.model.agreement.table import Stage
-from analysis.model.data.tables import Data
+from analysis.model.data.stream import CampaignData
 from analysis.model.fitting.fit import Fit
 from analysis.model.structure.structure import Structure as Tested
 from rigctl.api.pictured import Pictured
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 Json = dict[str, Any]
 
 
-def agreement_of(campaign: str, data: Data, fit: Fit) -> Agreement:
+def agreement_of(campaign: str, data: CampaignData, fit: Fit) -> Agreement:
     """Compare by stage, the launch first where the settings let it be foretold."""
     launch = list[Stage]()
     with suppress(LaunchRefusedError):

@@ -7,7 +7,7 @@ from functools import cached_property
 from html import escape
 from typing import TYPE_CHECKING, Literal
 
-from analysis.model.data.gather import ORDER
+from analysis.model.data.columns import ORDER
 from analysis.model.data.poses import PoseData
 from analysis.model.data.tables import Data
 from analysis.results.campaign import Results, results

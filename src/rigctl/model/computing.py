@@ -28,6 +28,7 @@ from analysis.model.agreement.document import (
 )
 from analysis.model.agreement.launch import launch_stage
 from analysis.model.agreement.table import Stage
+from analysis.model.data.stream import whole
 from analysis.model.data.tables import Data
 from analysis.model.design.between import Telling
 from analysis.model.design.undecided import next_after
@@ -230,4 +231,4 @@ def _fitted(asked: Json, say: Say) -> _Fitted:
         require_seen(data, added, "with")
         found = judged(data, added)
     document = fit_document(asked["campaign"], asked["with"], found)
-    return _Fitted(known, found.data, found.fit, document)
+    return _Fitted(known, whole(found.data), found.fit, document)

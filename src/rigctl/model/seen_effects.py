@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from analysis.effects.effect import Effect
-from analysis.model.data.tables import ContactTable, Data
+from analysis.model.data.stream import CampaignData
+from analysis.model.data.tables import ContactTable
 from analysis.model.fitting.robust_fit import judged
 from analysis.model.rank.ranking import rank
 from rigctl.errors import AnalysisInputError
 
 
-def require_seen(data: Data, effects: Sequence[Effect], part: str) -> None:
+def require_seen(data: CampaignData, effects: Sequence[Effect], part: str) -> None:
     """Refuse an effect on which a table of contacts holds nothing: its value would be arbitrary.
 
     Parameters

@@ -6,10 +6,10 @@ from collections.abc import Iterable
 from itertools import islice
 from pathlib import Path
 
+from analysis.model.data.columns import ShotColumns
 from analysis.model.data.parts import SHOTS_AT_ONCE
-from analysis.model.streaming.columns import ShotColumns
-from analysis.model.streaming.reading import Reading, stream_poses
-from analysis.model.streaming.stream import PoseStream
+from analysis.model.data.reading import Reading, stream_poses
+from analysis.model.data.stream import PoseStream
 from analysis.setup import SlowErrors
 from analysis.slow_errors import typical
 from rigctl.errors import NotFoundError

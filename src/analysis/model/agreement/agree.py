@@ -14,7 +14,8 @@ from analysis.model.agreement.poses import fitted_row, pose_groups, predicted_ro
 from analysis.model.agreement.shapes import shape_rows
 from analysis.model.agreement.table import Agreement, Row, Stage, looked_at_together
 from analysis.model.data.poses import PoseData
-from analysis.model.data.tables import ContactTable, Data
+from analysis.model.data.stream import CampaignData, whole
+from analysis.model.data.tables import ContactTable
 from analysis.model.fitting.fit import Fit
 from analysis.model.fitting.noise import noise_scales
 from analysis.model.rank.projector import Projector, projector
@@ -30,12 +31,12 @@ Floats = NDArray[np.float64]
 Groups = dict[str, list[FrameChannel]]
 
 
-def agree(data: Data, fit: Fit, further: Sequence[Stage] = ()) -> Agreement:
+def agree(campaign: CampaignData, fit: Fit, further: Sequence[Stage] = ()) -> Agreement:
     """Hold a fit against its campaign.
 
     Parameters
     ----------
-    data
+    campaign
         Without the frames inside contact (`without_contact_frames`).
     fit
         Of these data, with whatever effects.
@@ -43,6 +44,7 @@ def agree(data: Data, fit: Fit, further: Sequence[Stage] = ()) -> Agreement:
         Stages that lie before the first frame, such as `launch_stage`; they stand first, as they
         are.
     """
+    data = whole(campaign)
     sums, jumps = projector(data, fit), contact_columns(data, fit)
     outcome = outcome_rows(outcomes(sums, jumps), sums.covariance)
     if isinstance(data, ContactTable):

@@ -54,13 +54,13 @@ def with_free_outcomes(data: PoseData, fit: Fit) -> Freed:
     chi2 = compare(data, fit.states, fit.theory)[0].chi2
     for _ in range(ROUNDS):
         change, step = _steps(here)
-        moved = replace(fit, states=here.fit.states.moved(step))
+        moved = fit.with_states(here.fit.states.moved(step))
         tried = Freed(_less(data, moved, jumps + change), moved)
         new = compare(tried.data, moved.states, moved.theory)[0].chi2
         better = new < chi2
         fall = float((chi2 - new)[better].sum())
         jumps = np.where(better[:, None, None, None], jumps + change, jumps)
-        chosen = replace(fit, states=here.fit.states.chosen(moved.states, better))
+        chosen = fit.with_states(here.fit.states.chosen(moved.states, better))
         here = Freed(_less(data, chosen, jumps), chosen)
         chi2 = np.where(better, new, chi2)
         if fall < LITTLE_FALL:

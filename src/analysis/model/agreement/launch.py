@@ -6,11 +6,11 @@ import numpy as np
 
 from analysis.launch.agreement import launch_agreement
 from analysis.model.agreement.table import Row, Stage
-from analysis.model.data.tables import Data
+from analysis.model.data.stream import CampaignData, whole
 from analysis.model.fitting.fit import Fit
 
 
-def launch_stage(data: Data, fit: Fit) -> Stage:
+def launch_stage(data: CampaignData, fit: Fit) -> Stage:
     """Return the stage of the launch; its noise is the scatter of the launches themselves.
 
     That scatter is estimated from the same shots, so that chi-squared is its degrees of freedom
@@ -22,7 +22,7 @@ def launch_stage(data: Data, fit: Fit) -> Stage:
         The settings do not let launches be fitted.
     """
     rows = []
-    for found in launch_agreement(data, fit):
+    for found in launch_agreement(whole(data), fit):
         scatter = max(found.scatter, np.finfo(float).tiny)
         rows.append(
             Row(

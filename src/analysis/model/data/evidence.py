@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from analysis.effects.clock.timing_jitter import EFFECT as JITTER
-from analysis.model.data.poses import PoseData
-from analysis.model.data.tables import ContactTable, Data
+from analysis.model.data.stream import CampaignData
+from analysis.model.data.tables import ContactTable
 from analysis.model.data.tables_noise import with_scatter_as_noise
 from analysis.model.fitting.account import AS_STATED
 from analysis.model.fitting.fit import Fit, fit_campaign
@@ -39,24 +39,21 @@ class Evidence:
         By what stated sigmas of positions and of orientations were multiplied.
     """
 
-    stated: Data
+    stated: CampaignData
     cleaned: Cleaned
     noise: tuple[float, float]
 
     @property
-    def data(self) -> Data:
+    def data(self) -> CampaignData:
         """What is left."""
         return self.cleaned.data
 
     @property
-    def whole(self) -> Data:
+    def whole(self) -> CampaignData:
         """Every shot, sigmas as they really are."""
-        if not isinstance(self.stated, PoseData):
+        if isinstance(self.stated, ContactTable):
             return self.stated
-        position, rotation = self.noise
-        return self.stated.with_sigmas(
-            position * self.stated.position_sigma, rotation * self.stated.rotation_sigma
-        )
+        return self.stated.with_noise(*self.noise)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -68,18 +65,15 @@ class Stage:
     error: PredictionError
 
 
-def weighed(stated: Data, theory: Theory | None = None) -> Evidence:
+def weighed(stated: CampaignData, theory: Theory | None = None) -> Evidence:
     """Take out what is bad and correct the sigmas, judged by a theory (None: the base model)."""
     if isinstance(stated, ContactTable) and stated.estimated:
         stated = with_scatter_as_noise(stated, theory)
     cleaned = clean(stated, theory)
-    position, rotation = corrections(noise_scales(cleaned.data, cleaned.fit))
-    if (position, rotation) != AS_STATED and isinstance(stated, PoseData):
-        scaled = stated.with_sigmas(
-            position * stated.position_sigma, rotation * stated.rotation_sigma
-        )
-        cleaned = clean(scaled, cleaned.fit.theory)
-    return Evidence(stated, cleaned, (position, rotation))
+    noise = corrections(noise_scales(cleaned.data, cleaned.fit))
+    if noise != AS_STATED and not isinstance(stated, ContactTable):
+        cleaned = clean(stated.with_noise(*noise), cleaned.fit.theory)
+    return Evidence(stated, cleaned, noise)
 
 
 def corrections(scales: tuple[NoiseScale, NoiseScale]) -> tuple[float, float]:
@@ -91,7 +85,7 @@ def corrections(scales: tuple[NoiseScale, NoiseScale]) -> tuple[float, float]:
     return position, rotation
 
 
-def stage_of(data: Data, fit: Fit) -> Stage:
+def stage_of(data: CampaignData, fit: Fit) -> Stage:
     """Return the point of the error path that a fit is."""
     names = tuple(active.effect.name for active in fit.theory.active)
     if data.jitter_s > 0:
@@ -124,15 +118,15 @@ def weighed_again(
     return again, [*(refit(stage) for stage in path[:-1]), stage_of(again.data, last)]
 
 
-def _estimated(data: Data) -> bool:
+def _estimated(data: CampaignData) -> bool:
     return isinstance(data, ContactTable) and data.estimated
 
 
-def _jittered(data: Data, jitter_s: float) -> Data:
-    return replace(data, jitter_s=jitter_s) if isinstance(data, PoseData) else data
+def _jittered(data: CampaignData, jitter_s: float) -> CampaignData:
+    return data if isinstance(data, ContactTable) else replace(data, jitter_s=jitter_s)
 
 
-def _refitter(data: Data) -> Callable[[Stage], Stage]:
+def _refitter(data: CampaignData) -> Callable[[Stage], Stage]:
     def refit(stage: Stage) -> Stage:
         own = data if JITTER.name in stage.effects else _jittered(data, 0.0)
         return stage_of(own, fit_campaign(own, stage.fit.theory))

@@ -20,21 +20,21 @@ from analysis.exchange.pose_table import PoseRow, own_slow_errors, read_poses
 from analysis.exchange.pose_writing import measured_poses
 from analysis.exchange.shot_list import ShotRow, read_shot_list
 from analysis.exchange.tabulated import Tabulated
+from analysis.model.data.columns import ShotColumns
 from analysis.model.data.poses import PoseData
 from analysis.model.data.tables import ContactTable, Data
 from analysis.model.data.tables_build import contacts_table, impacts_table
 from analysis.model.data.tables_noise import with_scatter_as_noise
 from analysis.model.predict.start import LEAST_FRAMES, both_seen
 from analysis.scene import bodies_of
-from analysis.setup import CameraSetup, Setup, SlowErrors
+from analysis.setup import Setup, SlowErrors
 from analysis.shot import AnalysisOptions, MeasuredShot
 from analysis.slow_errors import typical
 
 Floats = NDArray[np.float64]
 
 POSES, CONTACTS, IMPACTS = "poses.csv", "contacts.csv", "impacts.csv"
-ORDER = "order"
-POSITION_GUESS, ROTATION_GUESS = 2e-5, 8e-3
+GUESSES = 2e-5, 8e-3
 """m and rad, for errors that nobody stated: what images of 40 px a sphere give."""
 
 T = TypeVar("T", bound=Tabulated)
@@ -122,20 +122,24 @@ def pose_data(shots: Shots, rows: Sequence[ShotRow], setup: Setup) -> PoseData:
     Shots that a person excluded are left out and named, and those whose frames do not show both
     spheres. Errors that are not stated are guessed.
     """
-    stated = stated_poses(shots, rows, setup)
-    position_sigma, guessed = with_guesses(stated.position_sigma, POSITION_GUESS)
-    rotation_sigma, guessed_too = with_guesses(stated.rotation_sigma, ROTATION_GUESS)
+    columns = ShotColumns(rows)
+    stated = stated_poses(shots, columns, setup)
+    errors = zip(stated_medians(stated), GUESSES, strict=True)
     data = replace(
-        stated.with_sigmas(position_sigma, rotation_sigma), estimated=guessed or guessed_too
+        with_guesses(stated, *(typical_error(medians, guess) for medians, guess in errors)),
+        covariates=columns.covariates(stated.shots),
+        camera=replace(setup.camera, exposure_s=columns.exposure_s(stated.shots)),
     )
     shown = usable(data)
     return shown if len(shown.shots) > 0 else data
 
 
-def stated_poses(shots: Shots, rows: Sequence[ShotRow], setup: Setup) -> PoseData:
-    """Put poses into arrays as they were stated: an error that is not stated is NaN."""
-    excluded = {row.shot for row in rows if row.is_excluded}
-    numbers = sorted(set(shots) - excluded)
+def stated_poses(shots: Shots, columns: ShotColumns, setup: Setup) -> PoseData:
+    """Put poses into arrays as they were stated: an error that is not stated is NaN.
+
+    What all shots share of the shot list is still to come.
+    """
+    numbers = sorted(set(shots) - columns.excluded)
     frames = {s: sorted({r.frame for rows_ in shots[s].values() for r in rows_}) for s in numbers}
     longest = max(len(own) for own in frames.values())
     shape = (len(numbers), longest)
@@ -169,9 +173,9 @@ def stated_poses(shots: Shots, rows: Sequence[ShotRow], setup: Setup) -> PoseDat
         air_density=setup.environment.air_density_kg_per_m3,
         drag_coefficient=setup.environment.drag_coefficient,
         drag_sigma=setup.environment.drag_coefficient_sigma,
-        covariates=_covariates(numbers, rows),
-        camera=_camera(setup.camera, numbers, rows),
-        excluded=tuple(sorted(excluded & set(shots))),
+        covariates={},
+        camera=setup.camera,
+        excluded=tuple(sorted(columns.excluded & set(shots))),
     )
 
 
@@ -202,7 +206,8 @@ def _of_shots(
     if not found:
         raise InputError(path, "holds no shots that count")
     bodies = bodies_of(setup)
-    covariates = _covariates([row.shot for row in found], rows)
+    numbers = np.array([row.shot for row in found], dtype=np.intp)
+    covariates = ShotColumns(rows).covariates(numbers)
     return found, bodies, covariates, setup.environment.gravity_m_per_s2
 
 
@@ -220,23 +225,33 @@ def usable(data: PoseData) -> PoseData:
     return replace(data.of_shots(shown), unusable=tuple(int(n) for n in data.shots[~shown]))
 
 
-def with_guesses(sigma: Floats, guess: float) -> tuple[Floats, bool]:
-    """Put a guess for errors that are not stated (NaN), and say whether there were any.
+def stated_medians(data: PoseData) -> tuple[Floats, Floats]:
+    """Return the median stated error of positions and orientations, of the shots that state any."""
+    return _medians(data.position_sigma), _medians(data.rotation_sigma)
 
-    The median of those that are stated, else the guess given: only a start, as the scatter about
-    free flight is what counts in the end.
+
+def _medians(sigma: Floats) -> Floats:
+    stated = [own[np.isfinite(own)] for own in sigma]
+    return np.array([np.median(own) for own in stated if own.size])
+
+
+def typical_error(medians: Floats, guess: float) -> float:
+    """Return what stands for errors that nobody stated: the median of the shots' medians.
+
+    Only a start, as the scatter about free flight is what counts in the end.
     """
-    missing = np.isnan(sigma)
-    stated = sigma[np.isfinite(sigma)]
-    typical = float(np.median(stated)) if stated.size else guess
-    return np.where(missing, typical, sigma), bool(missing.any())
+    return float(np.median(medians)) if medians.size else guess
 
 
-def _camera(camera: CameraSetup, numbers: Sequence[int], rows: Sequence[ShotRow]) -> CameraSetup:
-    """Return the camera with the longest exposure of these shots."""
-    own = [row.numbers for row in rows if row.shot in numbers]
-    stated = [numbers["exposure_us"] for numbers in own if "exposure_us" in numbers]
-    return replace(camera, exposure_s=max(stated) * 1e-6 if stated else None)
+def with_guesses(data: PoseData, position: float, rotation: float) -> PoseData:
+    """Put guesses for errors that are not stated (NaN), m and rad."""
+    missing = np.isnan(data.position_sigma), np.isnan(data.rotation_sigma)
+    return replace(
+        data,
+        position_sigma=np.where(missing[0], position, data.position_sigma),
+        rotation_sigma=np.where(missing[1], rotation, data.rotation_sigma),
+        estimated=bool(missing[0].any() or missing[1].any()),
+    )
 
 
 def _matrices(quaternions: Floats) -> Floats:
@@ -248,17 +263,3 @@ def _matrices(quaternions: Floats) -> Floats:
         [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
     ]
     return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
-
-
-def _covariates(numbers: Sequence[int], rows: Sequence[ShotRow]) -> dict[str, Floats]:
-    """Return the order of firing and every numeric column that all shots have."""
-    by_number = {row.shot: row for row in rows}
-    known = [by_number[number] for number in numbers if number in by_number]
-    covariates: dict[str, Floats] = {}
-    if len(known) == len(numbers):
-        shared = set.intersection(*(set(row.numbers) for row in known))
-        covariates = {name: np.array([row.numbers[name] for row in known]) for name in shared}
-    timed = [row.time.timestamp() for row in known if row.time is not None]
-    rank = np.argsort(np.argsort(timed)) if len(timed) == len(numbers) else np.arange(len(numbers))
-    covariates[ORDER] = rank / max(len(numbers) - 1, 1) - 0.5
-    return covariates

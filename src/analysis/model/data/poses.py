@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analysis.collision.operator import Body
+from analysis.model.data.parts import Kept, cut, in_memory
 from analysis.model.fitting.systematics import Systematic, of_air, of_images
 from analysis.setup import DRAG_SIGMA, NO_SLOW_ERRORS, CameraSetup, SlowErrors
 
 Floats = NDArray[np.float64]
+Frame = tuple[int, int]
+"""Number of a shot, and the index of one of its frames."""
+ARRAYS = ("shots", "times_s", "position", "position_sigma", "rotation", "rotation_sigma")
+
+T = TypeVar("T")
 
 
 class Observations(Protocol):
@@ -111,14 +117,22 @@ class PoseData:
         rotation_sigma[frames] = np.inf
         return self.with_sigmas(position_sigma, rotation_sigma)
 
+    def without_frames(self, frames: Iterable[Frame]) -> PoseData:
+        """Return the data with some frames taken out, those of other shots passed over."""
+        rows = {int(number): s for s, number in enumerate(self.shots)}
+        mask = np.zeros(self.times_s.shape, dtype=np.bool_)
+        for number, frame in frames:
+            if number in rows:
+                mask[rows[number], frame] = True
+        return self.without(mask)
+
     def with_sigmas(self, position_sigma: Floats, rotation_sigma: Floats) -> PoseData:
         """Return the data with other standard errors."""
         return replace(self, position_sigma=position_sigma, rotation_sigma=rotation_sigma)
 
     def of_shots(self, chosen: NDArray[np.bool_]) -> PoseData:
         """Return the data of some shots, mask of shape (S,)."""
-        names = ("shots", "times_s", "position", "position_sigma", "rotation", "rotation_sigma")
-        parts = {name: getattr(self, name)[chosen] for name in names}
+        parts = {name: getattr(self, name)[chosen] for name in ARRAYS}
         covariates = {name: values[chosen] for name, values in self.covariates.items()}
         return replace(self, **parts, covariates=covariates)
 
@@ -129,29 +143,66 @@ class PoseData:
             self.rotation_sigma / weight[:, None, None],
         )
 
+    def with_noise(self, position: float, rotation: float) -> PoseData:
+        """Return the data with sigmas of positions and of orientations multiplied."""
+        return self.with_sigmas(position * self.position_sigma, rotation * self.rotation_sigma)
+
+    def parts(self) -> Iterator[PoseData]:
+        """Yield the data so many shots at a time."""
+        return cut(self)
+
+    def keep(self, kind: type[T]) -> Kept[T]:
+        """Return where to keep what has a number for each shot: in memory."""
+        return in_memory(kind)
+
+    @property
+    def count(self) -> int:
+        """Number of shots."""
+        return len(self.shots)
+
     def part(self, some: slice) -> PoseData:
         """Return the data of successive shots, without copying."""
-        names = ("shots", "times_s", "position", "position_sigma", "rotation", "rotation_sigma")
-        parts = {name: getattr(self, name)[some] for name in names}
+        parts = {name: getattr(self, name)[some] for name in ARRAYS}
         covariates = {name: values[some] for name, values in self.covariates.items()}
         return replace(self, **parts, covariates=covariates)
 
-    def joined(self, other: PoseData) -> PoseData:
-        """Return these shots followed by others of as many frames, all else as it is here.
+    def padded(self, frames: int) -> PoseData:
+        """Return the data with empty frames at the end, as many frames a shot as wanted."""
+        more = frames - self.times_s.shape[1]
+        if more <= 0:
+            return self
 
-        Of the covariates only those of both remain.
+        def longer(numbers: Floats, filling: Floats | float) -> Floats:
+            shape = (len(numbers), more, *numbers.shape[2:])
+            return np.concatenate([numbers, np.broadcast_to(filling, shape)], axis=1)
+
+        return replace(
+            self,
+            times_s=longer(self.times_s, self.times_s[:, -1:]),
+            position=longer(self.position, 0.0),
+            position_sigma=longer(self.position_sigma, np.inf),
+            rotation=longer(self.rotation, np.eye(3)),
+            rotation_sigma=longer(self.rotation_sigma, np.inf),
+        )
+
+    @classmethod
+    def joined(cls, parts: Sequence[PoseData]) -> PoseData:
+        """Return the data of shots of as many frames that follow each other in parts.
+
+        All else is as in the first; of the covariates only those of all parts remain.
         """
-        names = ("shots", "times_s", "position", "position_sigma", "rotation", "rotation_sigma")
-        arrays: dict[str, Any] = {
-            n: np.concatenate([getattr(self, n), getattr(other, n)]) for n in names
-        }
+        if len(parts) == 1:
+            return parts[0]
+        arrays: dict[str, Any] = {n: np.concatenate([getattr(p, n) for p in parts]) for n in ARRAYS}
+        common = set[str].intersection(*(set(p.covariates) for p in parts))
         covariates = {
-            name: np.concatenate([values, other.covariates[name]])
-            for name, values in self.covariates.items()
-            if name in other.covariates
+            name: np.concatenate([p.covariates[name] for p in parts])
+            for name in parts[0].covariates
+            if name in common
         }
-        own_slow = {**self.own_slow, **other.own_slow}
-        return replace(self, **arrays, covariates=covariates, own_slow=own_slow)
+        own_slow = {number: slow for p in parts for number, slow in p.own_slow.items()}
+        torn = tuple(dict.fromkeys(track for p in parts for track in p.torn))
+        return replace(parts[0], **arrays, covariates=covariates, own_slow=own_slow, torn=torn)
 
     @property
     def systematics(self) -> tuple[Systematic, ...]:

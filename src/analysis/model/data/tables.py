@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analysis.collision.operator import Body, States
+from analysis.model.data.parts import Kept, cut, in_memory
 from analysis.model.data.poses import PoseData
 from analysis.model.fitting.systematics import Systematic
 from analysis.model.predict.state import KICK_NUMBERS
 
 Floats = NDArray[np.float64]
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -159,6 +163,19 @@ class ContactTable:
     def of_shots(self, chosen: NDArray[np.bool_]) -> ContactTable:
         """Return some shots, mask of shape (S,)."""
         return self._taken(chosen)
+
+    def parts(self) -> Iterator[ContactTable]:
+        """Yield the table so many shots at a time."""
+        return cut(self)
+
+    def keep(self, kind: type[T]) -> Kept[T]:
+        """Return where to keep what has a number for each shot: in memory."""
+        return in_memory(kind)
+
+    @property
+    def count(self) -> int:
+        """Number of shots."""
+        return len(self.shots)
 
     def part(self, some: slice) -> ContactTable:
         """Return successive shots, without copying."""

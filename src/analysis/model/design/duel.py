@@ -186,7 +186,7 @@ class Truth:
 def truth(data: PoseData, drawn: Candidates, true: Fit, rival: Fit, belief: Belief) -> Truth:
     """Foretell campaign and candidates by the fit that is taken for true."""
     campaign = foreseen(data, true.states, true.theory)
-    foretold = campaign.joined(foreseen_shots(drawn, true.theory))
+    foretold = PoseData.joined([campaign, foreseen_shots(drawn, true.theory)])
     return Truth(drawn, true, rival, data, foretold, belief)
 
 

@@ -12,6 +12,7 @@ from analysis.launch.fit import fit_launch
 from analysis.launch.prediction import Limits
 from analysis.launch.settings import OFFSET, PRESSURES
 from analysis.model.data.poses import PoseData
+from analysis.model.data.stream import whole
 from analysis.model.design.between import Telling, tell_apart
 from analysis.model.design.candidates import grid
 from analysis.model.fitting.fit import fit_campaign
@@ -38,7 +39,7 @@ def next_after(
     names = [n for n in alike if not isinstance(_named(effects, n), ScatterEffect)]
     if verdict.verdict != "alias" or len(names) < 2:
         return None
-    data, theory = verdict.cleaned.data, verdict.fit.theory
+    data, theory = whole(verdict.cleaned.data), verdict.fit.theory
     if not isinstance(data, PoseData):
         return None
     for active in theory.active:

@@ -2,27 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
-from typing import TypeVar
 
 from analysis.collision.operator import WaltonLaw
 from analysis.effects.effect import ContactLaw, Effect, ScatterEffect
 from analysis.model.data.evidence import Evidence
-from analysis.model.data.tables import ContactTable, Data
-from analysis.model.fitting.fit import Fit, fit_campaign
+from analysis.model.data.stream import CampaignData
+from analysis.model.data.tables import ContactTable
+from analysis.model.fitting.fit import Fit, fit_campaign, parts_of
 from analysis.model.fitting.gauss_newton import TO_THE_END, Purpose
 from analysis.model.fitting.lasting_scan import Start
 from analysis.model.fitting.lasting_start import MOST_SHOTS, starts
 from analysis.model.fitting.normal import prior_cost
 from analysis.model.fitting.outliers import robust_weight
-from analysis.model.fitting.passes import Passes, passes_of
 from analysis.model.fitting.summary import FitSummary
 from analysis.model.predict.free_flights import spread_flights
 from analysis.model.predict.theory import LAW_PRIOR, Theory
 from analysis.model.rank.scatter import timing_jitter, with_jitter
-
-F = TypeVar("F", bound=FitSummary)
 
 ALIAS_WITHIN = (2 * 1.2816) ** 2
 """Difference of deviance below which the better of two fits is the wrong one in more than one of
@@ -31,14 +27,12 @@ NEAR, MOST_STARTS = 20.0, 4
 """Starts whose loss in the scan is this near the least are fitted, so many at most."""
 
 
-def added(data: Data, fit: Fit, effect: Effect, purpose: Purpose = TO_THE_END) -> tuple[Data, Fit]:
+def added(
+    data: CampaignData, fit: Fit, effect: Effect, purpose: Purpose = TO_THE_END
+) -> tuple[CampaignData, Fit]:
     """Fit again with one more effect; one that is noise of its own enters the data's noise."""
     if isinstance(effect, ContactLaw):
-
-        def refit(theory: Theory, start: Fit | None, until: Purpose) -> Fit:
-            return fit_campaign(data, theory, start, until)
-
-        return data, with_law(passes_of(data, fit), fit, effect, refit)
+        return data, with_law(data, fit, effect, (data, fit))
     if not isinstance(effect, ScatterEffect):
         return data, fit_campaign(data, fit.theory.with_effect(effect), fit, purpose)
     score = timing_jitter(data, fit)
@@ -57,17 +51,11 @@ def law_again(evidence: Evidence, fit: Fit, law: ContactLaw) -> Theory:
     first = fit_campaign(whole, fit.theory)
     held = whole.held_down(robust_weight(first))
     begun = fit_campaign(held, fit.theory, first)
-
-    def refit(theory: Theory, start: Fit | None, until: Purpose) -> Fit:
-        return fit_campaign(held, theory, start, until)
-
-    again = with_law(passes_of(whole, first), begun, law, refit)
+    again = with_law(held, begun, law, (whole, first))
     return again.theory if again.chi2 < begun.chi2 - ALIAS_WITHIN else fit.theory
 
 
-def with_law(
-    passes: Passes, fit: F, law: ContactLaw, refit: Callable[[Theory, F | None, Purpose], F]
-) -> F:
+def with_law(data: CampaignData, fit: Fit, law: ContactLaw, seen: tuple[CampaignData, Fit]) -> Fit:
     """Fit again with another law of contact, in its likeliest family.
 
     The law does not contain the present one, whose fit may be bent: it begins from a scan, with the
@@ -75,17 +63,16 @@ def with_law(
 
     Parameters
     ----------
-    passes, fit
-        The campaign about its present fit.
-    refit
-        From a theory, an earlier fit whose states are taken over or None, and how far it is to be
-        followed, to the fit.
+    data, fit
+        The campaign with its present fit.
+    seen
+        The same for the scan, where sigmas are other ones.
 
     Returns
     -------
     The fit; the present one where these shots tell nothing of such a law.
     """
-    flights = spread_flights(passes.parts(), fit.theory, len(passes.shots), MOST_SHOTS)
+    flights = spread_flights(parts_of(*seen), fit.theory, len(data.shots), MOST_SHOTS)
     begun = starts(flights, law, fit.theory)
     if not begun:
         return fit
@@ -94,9 +81,12 @@ def with_law(
     # States about the operator are bent by it; about another family of such laws they are not.
     inside = fit.theory.contact_law is not None
     first = _theory(fit.theory, near[0])
-    best = refit(first, fit, _better_than(fit)) if inside else refit(first, None, TO_THE_END)
+    if inside:
+        best = fit_campaign(data, first, fit, _better_than(fit))
+    else:
+        best = fit_campaign(data, first)
     for one in near[1:]:
-        other = refit(_theory(best.theory, one), best, _better_than(best))
+        other = fit_campaign(data, _theory(best.theory, one), best, _better_than(best))
         best = min(best, other, key=lambda each: each.chi2)
     return best
 

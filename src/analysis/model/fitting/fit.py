@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import TypeVar
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from analysis.collision.operator import WaltonLaw
-from analysis.model.data.parts import in_memory, parts_of
+from analysis.model.data.parts import Kept, cut, regrouped
+from analysis.model.data.stream import CampaignData, beside
 from analysis.model.data.tables import Data
 from analysis.model.data.unseen import fitted_numbers
 from analysis.model.fitting.gauss_newton import TO_THE_END, Purpose, descended, linearised, summed
@@ -20,8 +21,6 @@ from analysis.model.fitting.systematics import Systematic
 from analysis.model.predict.start import first_states
 from analysis.model.predict.state import ShotStates
 from analysis.model.predict.theory import LAW, LAW_PRIOR, Theory
-
-F = TypeVar("F", bound=FitSummary)
 
 START = WaltonLaw(*LAW_PRIOR)
 FEW = 30
@@ -36,15 +35,24 @@ class Fit(FitSummary):
 
     Attributes
     ----------
-    states
-        The shots' own numbers.
+    parts
+        The shots' own numbers, part by part.
     """
 
-    states: ShotStates
+    parts: Kept[ShotStates]
+
+    @property
+    def states(self) -> ShotStates:
+        """The shots' own numbers, all in memory."""
+        return ShotStates.joined(list(self.parts))
+
+    def with_states(self, states: ShotStates) -> Fit:
+        """Return the fit with other numbers of the shots, of a campaign in memory."""
+        return replace(self, parts=list(cut(states)))
 
 
 def fit_campaign(
-    data: Data,
+    data: CampaignData,
     theory: Theory | None = None,
     start: Fit | None = None,
     purpose: Purpose = TO_THE_END,
@@ -56,29 +64,32 @@ def fit_campaign(
     theory
         Law and effects to start from; None: the hard-sphere operator alone.
     start
-        An earlier fit of the same data whose states are taken over. Without one each shot is
+        An earlier fit of the same shots whose states are taken over. Without one each shot is
         first fitted by itself.
     purpose
         How far it is to be followed.
+
+    Raises
+    ------
+    OSError
+        The campaign lies in a file, and the temporary folder is full.
     """
     if theory is None and start is None:
         begun = starting_theories(len(data.shots), data.systematics)
         return likeliest([fit_campaign(data, one) for one in begun])
     present = Theory(START, data.systematics) if theory is None else theory
-    if start is None:
-        guessed = parts_of(data, first_states(data))
-        parts = [(part, own_states(part, states, present)) for part, states in guessed]
-    else:
-        parts = list(parts_of(data, start.states))
-    first = linearised((summed(*part, present) for part in parts), present, in_memory)
-    measured, own = data.measured.reshape(len(data.shots), -1).sum(axis=1), fitted_numbers(data)
+    states = _by_themselves(data, present) if start is None else start.parts
+    begun_at = (summed(part, own, present) for part, own in beside(data, states))
+    measured, own = _counts(data)
     freedom = np.maximum(measured - own, 1.0)
-    last, converged = descended([part for part, _ in parts], first, in_memory, freedom, purpose)
-    stands = list(last.stands)
-    chi2 = np.concatenate([stand.chi2 for stand in stands])
+    last, converged = descended(data, linearised(begun_at, present, data.keep), freedom, purpose)
+    parts = data.keep(ShotStates)
+    for stand in last.stands:
+        parts.append(stand.states)
+    chi2 = np.concatenate([stand.chi2 for stand in last.stands])
     return Fit(
         theory=last.theory,
-        states=ShotStates.joined([stand.states for stand in stands]),
+        parts=parts,
         covariance=inverse(last.matrix),
         chi2=float(chi2.sum()) + last.theory.strain,
         residuals=int(measured.sum()) + last.theory.given - len(LAW),
@@ -90,17 +101,52 @@ def fit_campaign(
     )
 
 
+def parts_of(data: CampaignData, fit: Fit) -> Iterator[tuple[Data, ShotStates]]:
+    """Go over a campaign and its fit: data and states of so many shots at a time, in order."""
+    return beside(data, fit.parts)
+
+
+def states_of_shots(data: CampaignData, fit: Fit, chosen: NDArray[np.bool_]) -> Kept[ShotStates]:
+    """Return the own numbers of some shots of a fit, mask of shape (S,), in parts of theirs."""
+
+    def left() -> Iterator[ShotStates]:
+        start = 0
+        for states in fit.parts:
+            own = slice(start, start + states.count)
+            start = own.stop
+            yield states.of_shots(chosen[own])
+
+    kept = data.keep(ShotStates)
+    for states in regrouped(left()):
+        kept.append(states)
+    return kept
+
+
+def _by_themselves(data: CampaignData, theory: Theory) -> Iterator[ShotStates]:
+    return (own_states(part, first_states(part), theory) for part in data.parts())
+
+
+def _counts(data: CampaignData) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Return the measured numbers of each shot, and how many of its own they determine, (S,)."""
+    measured, own = [], []
+    for part in data.parts():
+        measured.append(part.measured.reshape(part.count, -1).sum(axis=1))
+        own.append(fitted_numbers(part))
+    return np.concatenate(measured), np.concatenate(own)
+
+
 def starting_theories(shots: int, systematics: tuple[Systematic, ...]) -> list[Theory]:
     """Return where a fit of so many shots begins: the hard-sphere operator, of few at more laws."""
     laws = (START, *OTHER_STARTS) if shots <= FEW else (START,)
     return [Theory(law, systematics) for law in laws]
 
 
-def likeliest(fits: Sequence[F]) -> F:
+def likeliest(fits: Sequence[Fit]) -> Fit:
     """Return the fit of the least chi-squared, the prior in."""
     return min(fits, key=lambda fit: fit.chi2 + prior_cost(fit.theory))
 
 
 def normal_equations(data: Data, states: ShotStates, theory: Theory) -> NormalEquations:
-    """Linearise about states and theory and sum up by shot."""
-    return NormalEquations.joined([summed(*part, theory)[1] for part in parts_of(data, states)])
+    """Linearise about states and theory and sum up by shot, all in memory."""
+    parts = beside(data, cut(states))
+    return NormalEquations.joined([summed(part, own, theory)[1] for part, own in parts])

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.model.data.parts import Keeper, Kept
+from analysis.model.data.stream import CampaignData, beside
 from analysis.model.data.tables import Data
 from analysis.model.fitting.normal import (
     NormalEquations,
@@ -148,16 +149,14 @@ TO_THE_END = Purpose()
 
 
 def descended(
-    data: Iterable[Data], place: Place, keep: Keeper, freedom: Floats, purpose: Purpose = TO_THE_END
+    data: CampaignData, place: Place, freedom: Floats, purpose: Purpose = TO_THE_END
 ) -> tuple[Place, bool]:
     """Go down to the minimum of chi-squared.
 
     Parameters
     ----------
     data
-        The parts, read anew at each pass.
-    keep
-        Where each part's own numbers are kept from pass to pass.
+        Gone over once for each step that is tried.
     freedom
         Measured numbers of each shot less its own, shape (S,).
 
@@ -169,7 +168,7 @@ def descended(
     for _ in range(JOINT_ITERATIONS):
         if place.cost - TRUSTED * place.reach() > purpose.beat:
             return place, False
-        lower = _searched(data, place, keep)
+        lower = _searched(data, place)
         fall = place.cost - lower.cost
         if max(fall, before) < _little(lower, freedom) or fall < NO_FALL:
             return lower, True
@@ -216,37 +215,37 @@ def summed(data: Data, states: ShotStates, theory: Theory) -> Summed:
     return states, sums_of(line, theory_columns(data, states, theory, line, here))
 
 
-def _searched(data: Iterable[Data], place: Place, keep: Keeper) -> Place:
+def _searched(data: CampaignData, place: Place) -> Place:
     """Take the longest share of the joint step that lowers chi-squared; none: stay."""
     step = place.step()
     if place.promise(step) < NO_FALL:
         return place
     for share in SHARES:
         moved = place.theory.at(place.theory.vector + share * step)
-        tried = linearised(_stepped(data, place, (step, share), moved), moved, keep)
+        tried = linearised(_stepped(data, place, (step, share), moved), moved, data.keep)
         if tried.cost < place.cost:
             return tried
     if any(_at_corner(*both).any() for both in _both(place, tried)):
-        tried = linearised(_held_back(data, place, tried), moved, keep)
+        tried = linearised(_held_back(data, place, tried), moved, data.keep)
     return tried if tried.cost < place.cost else place
 
 
 def _stepped(
-    data: Iterable[Data], place: Place, stride: tuple[Floats, float], theory: Theory
+    data: CampaignData, place: Place, stride: tuple[Floats, float], theory: Theory
 ) -> Iterator[Summed]:
     step, share = stride
-    for part, stand in zip(data, place.stands, strict=True):
+    for part, stand in beside(data, place.stands):
         own = share * (stand.downhill - stand.coupled @ step)
         yield summed(part, stand.states.moved(own), theory)
 
 
-def _held_back(data: Iterable[Data], place: Place, tried: Place) -> Iterator[Summed]:
+def _held_back(data: CampaignData, place: Place, tried: Place) -> Iterator[Summed]:
     """Fit the few shots that a step makes worse by themselves, from where they stood.
 
     Where rolling turns to sliding the law has a corner, and its slopes hold on one side only. A
     single shot that lies there would hold up the step of all.
     """
-    for part, (stand, moved) in zip(data, _both(place, tried), strict=True):
+    for part, (stand, moved) in beside(data, _both(place, tried)):
         worse, states = _at_corner(stand, moved), moved.states
         if worse.any():
             own = own_states(part.of_shots(worse), stand.states.of_shots(worse), tried.theory)

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.model.data.tables import ContactTable, Data
-from analysis.model.fitting.fit import Fit
-from analysis.model.fitting.passes import Passes, passes_of
+from analysis.model.data.stream import CampaignData
+from analysis.model.data.tables import ContactTable
+from analysis.model.fitting.fit import Fit, parts_of
 from analysis.model.loops import plain
 from analysis.model.loops.blocks import whitenings
 from analysis.model.predict.comparison import Comparison, compare
@@ -34,21 +34,16 @@ class NoiseScale:
 UNTOLD = NoiseScale(1.0, np.inf)
 
 
-def noise_scales(data: Data, fit: Fit) -> tuple[NoiseScale, NoiseScale]:
+def noise_scales(data: CampaignData, fit: Fit) -> tuple[NoiseScale, NoiseScale]:
     """Return by what to multiply the stated sigmas of positions and of orientations.
 
     1 with an infinite error where nothing is left over to tell, as in a table of contacts.
     """
-    return scales_over(passes_of(data, fit))
-
-
-def scales_over(passes: Passes) -> tuple[NoiseScale, NoiseScale]:
-    """Return the same from one pass over a campaign."""
+    if isinstance(data, ContactTable):
+        return UNTOLD, UNTOLD
     squares, freedom = np.zeros((2, 2))
-    for data, states in passes.parts():
-        if isinstance(data, ContactTable):
-            return UNTOLD, UNTOLD
-        line, _ = compare(data, states, passes.fit.theory)
+    for part, states in parts_of(data, fit):
+        line, _ = compare(part, states, fit.theory)
         left, free = free_flight_misfit(line)
         squares += left
         freedom += free
@@ -97,14 +92,12 @@ def free_flight_misfit(line: Comparison) -> tuple[Floats, Floats]:
     )
 
 
-def rescaled(data: Data, fit: Fit) -> Data:
+def rescaled(data: CampaignData, fit: Fit) -> CampaignData:
     """Return the data with sigmas as large as the scatter about free flight says they are."""
     if isinstance(data, ContactTable):
         return data
     position, rotation = noise_scales(data, fit)
-    return data.with_sigmas(
-        position.value * data.position_sigma, rotation.value * data.rotation_sigma
-    )
+    return data.with_noise(position.value, rotation.value)
 
 
 def _scale(chi2: float, freedom: float) -> NoiseScale:

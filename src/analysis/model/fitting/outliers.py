@@ -11,9 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtri
 
-from analysis.model.data.poses import PoseData
-from analysis.model.data.tables import ContactTable, Data
-from analysis.model.fitting.fit import Fit, fit_campaign
+from analysis.model.data.poses import Frame, PoseData
+from analysis.model.data.stream import CampaignData, PoseStream
+from analysis.model.data.tables import ContactTable
+from analysis.model.fitting.fit import Fit, fit_campaign, states_of_shots
 from analysis.model.fitting.summary import FitSummary
 from analysis.model.predict.linear import whitened_residual
 from analysis.model.predict.prediction import predict
@@ -49,35 +50,35 @@ class Cleaned:
         (shot number, frame index) of frames that were taken out of shots that were kept.
     """
 
-    data: Data
+    data: CampaignData
     fit: Fit
     kept: NDArray[np.bool_]
-    frames: tuple[tuple[int, int], ...]
+    frames: tuple[Frame, ...]
 
 
-def clean(data: Data, theory: Theory | None = None) -> Cleaned:
+def clean(data: CampaignData, theory: Theory | None = None) -> Cleaned:
     """Fit robustly, take out wild frames, then shots that still do not fit, and fit again."""
     first = fit_campaign(data, theory)
     fit = _robust(data, first)
-    frames: list[tuple[int, int]] = []
+    frames: list[Frame] = []
     for _ in range(ROUNDS):
         if isinstance(data, ContactTable):
             break
-        wild = wild_frames(data, fit.states, fit.theory, bad_shots(fit))
-        if not wild.any():
+        wild = _wild(data, fit)
+        if not wild:
             break
-        frames += [(int(data.shots[s]), int(k)) for s, k in np.argwhere(wild)]
-        data = data.without(wild)
+        frames += wild
+        data = data.without_frames(wild)
         fit = _robust(data, fit_campaign(data, fit.theory))
-    kept = np.ones(len(data.shots), dtype=np.bool_)
+    kept, rest = np.ones(len(data.shots), dtype=np.bool_), data
     for _ in range(ROUNDS):
         bad = bad_shots(fit, int((~kept).sum()))
         if not bad.any():
             break
         kept[np.flatnonzero(kept)[bad]] = False
-        left = replace(fit, states=fit.states.of_shots(~bad))
-        fit = fit_campaign(data.of_shots(kept), fit.theory, left)
-    rest = data.of_shots(kept)
+        rest = data.of_shots(kept)
+        left = replace(fit, parts=states_of_shots(rest, fit, ~bad))
+        fit = fit_campaign(rest, fit.theory, left)
     names = {int(n) for n in rest.shots}
     # Afresh, now that the law is known: near its corner a shot may have begun on the wrong side.
     # Where nothing was taken out or held down, the first fit is the one from its start.
@@ -124,7 +125,7 @@ def _quality(fit: FitSummary) -> tuple[Floats, Floats]:
     return fit.shot_chi2 / freedom, freedom
 
 
-def _robust(data: Data, first: Fit) -> Fit:
+def _robust(data: CampaignData, first: Fit) -> Fit:
     """Fit with bad shots held down, then each shot's own numbers and quality as stated."""
     weight = robust_weight(first)
     if (weight == 1.0).all():
@@ -140,6 +141,21 @@ def robust_weight(fit: FitSummary) -> Floats:
     """
     quality, _ = _quality(fit)
     return np.asarray(np.minimum(1.0, 1.5 * np.median(quality) / quality))
+
+
+def _wild(data: PoseData | PoseStream, fit: Fit) -> list[Frame]:
+    """Return the worst frame of each bad shot, where it stands out."""
+    bad = bad_shots(fit)
+    if not bad.any():
+        return []
+    found, start = list[Frame](), 0
+    for part, states in zip(data.parts(), fit.parts, strict=True):
+        own = bad[start : start + part.count]
+        start += part.count
+        if own.any():
+            wild = wild_frames(part, states, fit.theory, own)
+            found += [(int(part.shots[s]), int(k)) for s, k in np.argwhere(wild)]
+    return found
 
 
 def wild_frames(

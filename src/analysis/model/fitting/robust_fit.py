@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from analysis.effects.effect import ContactLaw, Effect
 from analysis.model.data.evidence import Evidence, stage_of, weighed, weighed_again
 from analysis.model.data.inside import without_contact_frames
-from analysis.model.data.tables import ContactTable, Data
+from analysis.model.data.stream import CampaignData
+from analysis.model.data.tables import ContactTable
 from analysis.model.fitting.account import Account
 from analysis.model.fitting.adding import added, law_again
 from analysis.model.fitting.fit import Fit, fit_campaign
@@ -29,7 +30,7 @@ class Judged:
     """
 
     evidence: Evidence
-    data: Data
+    data: CampaignData
     fit: Fit
 
     @property
@@ -56,7 +57,7 @@ class Judged:
         return self.account.remarks()
 
 
-def judged(poses: Data, effects: Sequence[Effect] = ()) -> Judged:
+def judged(poses: CampaignData, effects: Sequence[Effect] = ()) -> Judged:
     """Fit the base model and some effects; what is bad is judged with these effects in."""
     evidence = weighed(without_contact_frames(poses))
     return judged_with(Judged(evidence, evidence.data, evidence.cleaned.fit), effects)

@@ -71,6 +71,11 @@ class Kick:
         return Kick(change, self.unknown), motion
 
     @classmethod
+    def none(cls, shots: int) -> Kick:
+        """Return that of shots whose spins are all known."""
+        return cls(np.zeros((shots, 3)), np.zeros((shots, 2), dtype=np.bool_))
+
+    @classmethod
     def joined(cls, parts: Sequence[Kick]) -> Kick:
         """Return those of shots that follow each other in parts."""
         return cls(
@@ -198,16 +203,28 @@ class ShotStates:
             kick=None if self.kick is None else self.kick.picked(chosen),
         )
 
+    @property
+    def count(self) -> int:
+        """Number of shots."""
+        return len(self.time_s)
+
+    def part(self, some: slice) -> ShotStates:
+        """Return the states of successive shots, without copying."""
+        return self.of_shots(some)
+
     @classmethod
     def joined(cls, parts: Sequence[ShotStates]) -> ShotStates:
         """Return the states of shots that follow each other in parts."""
+        if len(parts) == 1:
+            return parts[0]
         motion = ("velocity_a", "velocity_b", "spin_a", "spin_b")
-        kicks = [p.kick for p in parts if p.kick is not None]
+        kicked = any(p.kick is not None for p in parts)
+        kicks = [Kick.none(p.count) if p.kick is None else p.kick for p in parts]
         return cls(
             time_s=np.concatenate([p.time_s for p in parts]),
             point=np.concatenate([p.point for p in parts]),
             normal=np.concatenate([p.normal for p in parts]),
             before=States(*(np.concatenate([getattr(p.before, n) for p in parts]) for n in motion)),
             rotation=np.concatenate([p.rotation for p in parts]),
-            kick=None if not kicks else Kick.joined(kicks),
+            kick=Kick.joined(kicks) if kicked else None,
         )

@@ -17,6 +17,7 @@ from analysis.effects.effect import Effect
 from analysis.errors import ProposalRefusedError, counted
 from analysis.model.data.evidence import Evidence, Stage, stage_of, weighed_again
 from analysis.model.data.poses import PoseData
+from analysis.model.data.stream import whole
 from analysis.model.data.tables import ContactTable, Data
 from analysis.model.fitting.adding import ALIAS_WITHIN
 from analysis.model.fitting.fit import Fit, fit_campaign
@@ -122,7 +123,7 @@ class Proposed:
     @property
     def data(self) -> Data:
         """What was fitted."""
-        return self.evidence.data
+        return whole(self.evidence.data)
 
     @property
     def encounter(self) -> Encounter:
@@ -176,7 +177,7 @@ class _State:
 
     @property
     def data(self) -> Data:
-        return self.evidence.data
+        return whole(self.evidence.data)
 
     @property
     def level(self) -> float:
@@ -230,7 +231,7 @@ def _step(state: _State) -> _State | None:
     rivals = _rivals(state, channels, screen, forms)
     leader, leaders = _leader(state)
     if leader is not None and (not rivals or leader[0].unbiased_fall > rivals[0].worth - PREFERRED):
-        return _moved(state, leader[1], leader[0].data)
+        return _moved(state, leader[1], whole(leader[0].data))
     passing = {g for g, z in screen.groups().items() if z >= screen.threshold(state.level)}
     apart = [one for one in _apart(rivals) if one.form.group in passing]
     for found in apart[:MOST_TRIED]:

@@ -18,6 +18,7 @@ from analysis import chi_squared
 from analysis.effects.effect import Effect
 from analysis.errors import ProposalRefusedError, counted
 from analysis.model.data.poses import PoseData
+from analysis.model.data.stream import whole
 from analysis.model.data.tables import ContactTable, Data
 from analysis.model.fitting.robust_fit import judged
 from analysis.model.proposals.admissible import FEWEST_SHOTS, admitted
@@ -227,7 +228,7 @@ def _about_fit(data: Data, given: tuple[Effect, ...]) -> Channels:
             f"{FEWEST_SHOTS} are needed"
         )
     found = judged(data, given)
-    return channels_of(found.data, found.fit)
+    return channels_of(whole(found.data), found.fit)
 
 
 def _arguments(data: Data, channels: Channels) -> list[Argument]:

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from analysis.effects.effect import ScatterEffect
 from analysis.model.data.poses import PoseData
-from analysis.model.data.tables import Data
+from analysis.model.data.stream import CampaignData, PoseStream
+from analysis.model.data.tables import ContactTable
 from analysis.model.fitting.adding import ALIAS_WITHIN, added
 from analysis.model.fitting.fit import Fit, fit_campaign
 from analysis.model.fitting.gauss_newton import Purpose
@@ -58,7 +59,7 @@ class Leader:
     """
 
     candidate: Candidate
-    data: Data
+    data: CampaignData
     fit: Fit
     values: Floats
     fall: float
@@ -77,7 +78,7 @@ class Leader:
         return self.fall / max(self.fit.chi2_per_dof, 1e-12) - self.candidate.freedom
 
 
-def refitted(data: Data, fit: Fit, ranking: Ranking, level: float) -> list[Leader]:
+def refitted(data: CampaignData, fit: Fit, ranking: Ranking, level: float) -> list[Leader]:
     """Refit every candidate whose promise passes a family-wise level, and mark the carried ones.
 
     One is carried if two shots hold most of it and the others alone do not promise enough. Those
@@ -198,20 +199,22 @@ def alias_set(chosen: Leader, leaders: Sequence[Leader], ranking: Ranking) -> tu
 
 
 def _refit(
-    data: Data, fit: Fit, candidate: Candidate, bar: float, *, carried: bool
+    data: CampaignData, fit: Fit, candidate: Candidate, bar: float, *, carried: bool
 ) -> Leader | None:
     """Return a candidate refitted; None where these shots tell nothing of its law.
 
     It is left where it stands once it promises to stay above a bar.
     """
-    if isinstance(candidate.effect, ScatterEffect) and isinstance(data, PoseData):
+    if isinstance(candidate.effect, ScatterEffect) and not isinstance(data, ContactTable):
         return _with_scatter(data, fit, candidate, candidate.effect)
     effect = candidate.law or candidate.effect
     data, refit = added(data, fit, effect, Purpose(beat=bar, roughly=True))
     return None if refit is fit else _leader(candidate, data, (fit, refit), carried=carried)
 
 
-def _leader(candidate: Candidate, data: Data, fits: tuple[Fit, Fit], *, carried: bool) -> Leader:
+def _leader(
+    candidate: Candidate, data: CampaignData, fits: tuple[Fit, Fit], *, carried: bool
+) -> Leader:
     """Return what a candidate's refit has come to, from the fits before and with it."""
     (fit, refit), effect = fits, candidate.law or candidate.effect
     count = len(effect.parameters)
@@ -237,7 +240,9 @@ def _lasts(candidate: Candidate, values: Floats, sigmas: Floats) -> bool:
     return candidate.law is None or bool(values[0] > DURATION_SIGMAS * sigmas[0])
 
 
-def _with_scatter(data: PoseData, fit: Fit, candidate: Candidate, effect: ScatterEffect) -> Leader:
+def _with_scatter(
+    data: PoseData | PoseStream, fit: Fit, candidate: Candidate, effect: ScatterEffect
+) -> Leader:
     """Fit with the scatter in the noise; its fall is that of the whole likelihood."""
     size, sigma = float(candidate.amplitudes[0]), float(candidate.sigmas[0])
     jittered, refit = with_jitter(data, fit, effect, size, sigma)

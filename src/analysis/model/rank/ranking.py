@@ -15,13 +15,12 @@ from numpy.typing import NDArray
 
 from analysis.effects.clock.jitter_score import JitterScore
 from analysis.effects.effect import ContactLaw, Effect, ScatterEffect
-from analysis.model.data.tables import Data
+from analysis.model.data.stream import CampaignData
 from analysis.model.fitting.fit import Fit
-from analysis.model.fitting.passes import Passes, passes_of
 from analysis.model.predict.theory import Theory
 from analysis.model.rank.candidate import Candidate, Ranking, one_sided, weight_of
 from analysis.model.rank.scatter import JitterTrial
-from analysis.model.rank.score_test import Beside, Block, Sums, block_of, sums_over
+from analysis.model.rank.score_test import Beside, Block, Sums, block_of, candidate_sums
 
 Floats = NDArray[np.float64]
 
@@ -31,7 +30,7 @@ ONE_SIDED = 0.5
 """Share of chance campaigns in which a variance looks larger than nothing."""
 
 
-def rank(data: Data, fit: Fit, effects: Sequence[Effect], seed: int = 0) -> Ranking:
+def rank(data: CampaignData, fit: Fit, effects: Sequence[Effect], seed: int = 0) -> Ranking:
     """Score every effect that is not in the fit yet, each in all its variants.
 
     Parameters
@@ -39,17 +38,12 @@ def rank(data: Data, fit: Fit, effects: Sequence[Effect], seed: int = 0) -> Rank
     seed
         Of the simulated scores behind `p_familywise`.
     """
-    return rank_over(passes_of(data, fit), effects, seed)
-
-
-def rank_over(passes: Passes, effects: Sequence[Effect], seed: int = 0) -> Ranking:
-    """Score the same in one pass over a campaign."""
-    wanted, scatters = _free(passes.fit.theory, _suitable(passes, effects))
-    trial = JitterTrial(passes) if scatters and passes.jitter_s == 0 else None
-    scale = float(np.sqrt(max(passes.fit.chi2_per_dof, 1e-12)))
+    wanted, scatters = _free(fit.theory, _suitable(data, effects))
+    trial = JitterTrial(data) if scatters and data.jitter_s == 0 else None
+    scale = float(np.sqrt(max(fit.chi2_per_dof, 1e-12)))
     if not wanted and not scatters:
         return Ranking((), np.zeros((0, 0)), np.zeros((0, 0)), np.ones(DRAWS), scale)
-    shifts = _shifts(passes, wanted, scale, None if trial is None else trial.add)
+    shifts = _shifts((data, fit), wanted, scale, None if trial is None else trial.add)
     rng = np.random.default_rng(seed)
     smallest = smallest_by_chance(shifts.sums.matrix, shifts.blocks, shifts.weights, rng)
     chosen = [*shifts.candidates]
@@ -64,10 +58,10 @@ def rank_over(passes: Passes, effects: Sequence[Effect], seed: int = 0) -> Ranki
     return Ranking(ranked, *_likeness(shifts, order), np.sort(smallest), scale)
 
 
-def _suitable(passes: Passes, effects: Sequence[Effect]) -> list[Effect]:
+def _suitable(data: CampaignData, effects: Sequence[Effect]) -> list[Effect]:
     """Return the effects that make sense for the campaign's bodies."""
-    data, _ = next(iter(passes.parts()))
-    return [effect for effect in effects if not (effect.of_pairs and data.bodies[1].is_plate)]
+    plate = data.bodies[1].is_plate
+    return [effect for effect in effects if not (effect.of_pairs and plate)]
 
 
 def _free(theory: Theory, effects: Sequence[Effect]) -> tuple[list[Effect], list[ScatterEffect]]:
@@ -91,15 +85,16 @@ class _Shifts:
 
 
 def _shifts(
-    passes: Passes, wanted: Sequence[Effect], scale: float, beside: Beside | None
+    about: tuple[CampaignData, Fit], wanted: Sequence[Effect], scale: float, beside: Beside | None
 ) -> _Shifts:
     """Score effects in all their variants; p-values are of each by itself."""
     forms = [(k, form) for k, e in enumerate(wanted) for form in _forms(e)]
-    sums = sums_over(passes, [form for _, form in forms], beside)
+    data, fit = about
+    sums = candidate_sums(data, fit, [form for _, form in forms], beside)
     blocks = _blocks(sums, [form for _, form in forms])
     falls = np.array([float(block.falls(sums.gradient)) for block in blocks]) / scale**2
     p_values = np.array([float(b.p_values(f)) for b, f in zip(blocks, falls, strict=True)])
-    asked = {s.effect.name for s in passes.fit.theory.systematics}
+    asked = {s.effect.name for s in fit.theory.systematics}
     weights = [weight_of(e, stated=e.name in asked) for e in (wanted[k] for k, _ in forms)]
     best = [
         min((i for i, (owner, _) in enumerate(forms) if owner == k), key=lambda i: p_values[i])
@@ -114,7 +109,7 @@ def _shifts(
             block=blocks[i],
             fall=falls[i],
             p=p_values[i],
-            carriers=tuple(int(n) for n in passes.shots[list(places)]),
+            carriers=tuple(int(n) for n in data.shots[list(places)]),
             share=share,
             of=wanted[forms[i][0]],
             weight=weights[i],

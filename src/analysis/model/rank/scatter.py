@@ -10,39 +10,34 @@ from numpy.typing import NDArray
 from analysis.effects.clock.jitter_score import Directions, JitterScore, directions, score_of
 from analysis.effects.effect import ScatterEffect
 from analysis.model.data.poses import PoseData
+from analysis.model.data.stream import CampaignData, PoseStream
 from analysis.model.data.tables import ContactTable, Data
-from analysis.model.fitting.fit import Fit, fit_campaign
+from analysis.model.fitting.fit import Fit, fit_campaign, parts_of
 from analysis.model.fitting.jitter import by_frame
 from analysis.model.fitting.noise import about_free_flight
-from analysis.model.fitting.passes import Passes, passes_of
 from analysis.model.predict.comparison import KINDS, Comparison, Snapshot, by_block, compare, rates
 from analysis.quantity import Quantity
 
 Floats = NDArray[np.float64]
 
 
-def timing_jitter(data: Data, fit: Fit) -> JitterScore | None:
+def timing_jitter(data: CampaignData, fit: Fit) -> JitterScore | None:
     """Test a fit for a time error that all numbers of a frame share; None: nothing could show.
 
     Judged by the scatter about free flight: a law of contact that is wrong shifts flights as a
     whole, and would pass for jitter.
     """
-    return jitter_over(passes_of(data, fit))
-
-
-def jitter_over(passes: Passes) -> JitterScore | None:
-    """Test the same in a pass over a campaign of its own."""
-    trial = JitterTrial(passes)
-    for data, states in passes.parts():
-        trial.add(data, *compare(data, states, passes.fit.theory))
+    trial = JitterTrial(data)
+    for part, states in parts_of(data, fit):
+        trial.add(part, *compare(part, states, fit.theory))
     return trial.score()
 
 
 class JitterTrial:
     """The test for a time error, part by part, beside whatever else a pass is for."""
 
-    def __init__(self, passes: Passes) -> None:
-        self._found = passes.keep(Directions)
+    def __init__(self, data: CampaignData) -> None:
+        self._found = data.keep(Directions)
         self._freedom = 0.0
         self._framed = True
 
@@ -68,18 +63,13 @@ class JitterTrial:
 
 
 def with_jitter(
-    data: PoseData, fit: Fit, effect: ScatterEffect, size: float, sigma: float
-) -> tuple[PoseData, Fit]:
+    data: PoseData | PoseStream, fit: Fit, effect: ScatterEffect, size: float, sigma: float
+) -> tuple[PoseData | PoseStream, Fit]:
     """Fit again with a jitter of some size, s, in the noise; the fit keeps it as a parameter."""
-    found = jitter_found(effect, size, sigma)
+    parameter = effect.parameters[0]
+    found = {f"{effect.name}.{parameter.symbol}": Quantity(size, sigma, parameter.unit)}
     jittered = replace(data, jitter_s=size)
     return jittered, fit_campaign(jittered, fit.theory, replace(fit, scatter=found))
-
-
-def jitter_found(effect: ScatterEffect, size: float, sigma: float) -> dict[str, Quantity]:
-    """Return a jitter's size with its error, s, as a parameter of a fit."""
-    parameter = effect.parameters[0]
-    return {f"{effect.name}.{parameter.symbol}": Quantity(size, sigma, parameter.unit)}
 
 
 def _kernel(along: Floats, basis: Floats) -> Floats:

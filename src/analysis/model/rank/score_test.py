@@ -15,10 +15,10 @@ from scipy.special import ndtr
 
 from analysis import chi_squared
 from analysis.effects.effect import Effect
+from analysis.model.data.stream import CampaignData
 from analysis.model.data.tables import Data
-from analysis.model.fitting.fit import Fit
+from analysis.model.fitting.fit import Fit, parts_of
 from analysis.model.fitting.normal import inverse, solve_blocks, with_prior
-from analysis.model.fitting.passes import Passes, passes_of
 from analysis.model.predict.columns import all_columns
 from analysis.model.predict.comparison import Comparison, Snapshot, compare
 from analysis.model.predict.state import ShotStates
@@ -161,29 +161,26 @@ def chance_of_falls(falls: Floats, freedom: int, *, one_sided: bool) -> Floats:
     return chi_squared.chance_of_more(falls, freedom)
 
 
-def candidate_sums(data: Data, fit: Fit, effects: Sequence[Effect]) -> Sums:
-    """Sum up the columns of all parameters of the effects, in their order."""
-    return sums_over(passes_of(data, fit), effects)
-
-
-def sums_over(passes: Passes, effects: Sequence[Effect], beside: Beside | None = None) -> Sums:
-    """Sum up the same in one pass over a campaign.
+def candidate_sums(
+    data: CampaignData, fit: Fit, effects: Sequence[Effect], beside: Beside | None = None
+) -> Sums:
+    """Sum up the columns of all parameters of the effects, in their order, in one pass.
 
     Parameters
     ----------
     beside
         Called with every part of the pass, about the fit.
     """
-    theory = passes.fit.theory
+    theory = fit.theory
     fitted = len(theory.names)
     count = fitted + sum(len(effect.parameters) for effect in effects)
     matrix, raw, gradient = np.zeros((count, count)), np.zeros(count), np.zeros(count)
-    pulls = passes.keep(np.ndarray)
-    for data, states in passes.parts():
-        about = compare(data, states, theory)
-        own, own_raw, pull = _piece(data, states, theory, effects, about)
+    pulls = data.keep(np.ndarray)
+    for part, states in parts_of(data, fit):
+        about = compare(part, states, theory)
+        own, own_raw, pull = _piece(part, states, theory, effects, about)
         if beside is not None:
-            beside(data, *about)
+            beside(part, *about)
         matrix += own
         raw += own_raw
         gradient += pull.sum(axis=0)

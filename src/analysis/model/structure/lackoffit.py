@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from analysis import chi_squared
 from analysis.model.data.poses import PoseData
+from analysis.model.data.stream import CampaignData, whole
 from analysis.model.data.tables import Data
 from analysis.model.fitting.fit import Fit, fit_campaign
 from analysis.model.fitting.noise import rescaled
@@ -77,7 +78,7 @@ class Cell:
         return self.size < self.stated
 
 
-def lack_of_fit(data: Data, fit: Fit) -> tuple[Cell, ...]:
+def lack_of_fit(data: CampaignData, fit: Fit) -> tuple[Cell, ...]:
     """Test every cell; the most striking first.
 
     The noise of positions and that of orientations are taken as large as the residuals say, each
@@ -87,10 +88,10 @@ def lack_of_fit(data: Data, fit: Fit) -> tuple[Cell, ...]:
     return cells_of(data, fit, projector(data, fit))
 
 
-def noise_matched(data: Data, fit: Fit) -> tuple[Data, Fit]:
+def noise_matched(data: CampaignData, fit: Fit) -> tuple[Data, Fit]:
     """Return the data with sigmas as large as the residuals say, and their fit."""
     data = rescaled(data, fit)
-    return data, fit_campaign(data, fit.theory, fit)
+    return whole(data), fit_campaign(data, fit.theory, fit)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.model.data.stream import CampaignData
 from analysis.model.data.tables import Data
 from analysis.model.fitting.fit import Fit
 from analysis.model.rank.projector import LEAST_INFORMATION, ByShot, Solved, projector
@@ -141,9 +142,9 @@ class Structure:
         )
 
 
-def structure(data: Data, fit: Fit) -> Structure:
+def structure(campaign: CampaignData, fit: Fit) -> Structure:
     """Test every cell as `lack_of_fit` does, and keep the residuals."""
-    data, fit = noise_matched(data, fit)
+    data, fit = noise_matched(campaign, fit)
     sums = projector(data, fit)
     cells, parts = tested(data, fit, sums)
     return Structure(

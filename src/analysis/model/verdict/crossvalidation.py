@@ -12,9 +12,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.model.data.stream import CampaignData
 from analysis.model.data.tables import ContactTable, Data
-from analysis.model.fitting.fit import Fit, normal_equations
+from analysis.model.fitting.fit import Fit, parts_of
+from analysis.model.fitting.gauss_newton import summed
 from analysis.model.fitting.normal import NormalEquations, solve_blocks, with_prior
+from analysis.model.predict.state import ShotStates
+from analysis.model.predict.theory import Theory
 
 Floats = NDArray[np.float64]
 
@@ -40,8 +44,27 @@ class PredictionError:
     by_shot: Floats
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Gap:
+    """Chi-squared of all frames less that of the frames before, of S shots about a fit.
+
+    Each minimised over the shot's own numbers: its value (S,), half its slope downhill (S, P) and
+    half its curvature (S, P, P) by the shared parameters.
+    """
+
+    value: Floats
+    downhill: Floats
+    matrix: Floats
+
+    def at(self, steps: Floats) -> Floats:
+        """Return it at parameters a step away, steps of shape (S, P)."""
+        linear = (self.downhill * steps).sum(axis=1)
+        square = ((self.matrix @ steps[..., None])[..., 0] * steps).sum(axis=1)
+        return np.asarray(self.value - 2 * linear + square)
+
+
 def prediction_error(
-    data: Data, fit: Fit, seed: int = 0, folds: NDArray[np.intp] | None = None
+    data: CampaignData, fit: Fit, seed: int = 0, folds: NDArray[np.intp] | None = None
 ) -> PredictionError:
     """Predict each fifth of the shots with the parameters of the other four.
 
@@ -52,32 +75,60 @@ def prediction_error(
     folds
         Number of the fold that each shot is left out with, shape (S,); None: fifths by chance.
     """
-    known, count = _known_before(data, fit)
-    whole = normal_equations(data, fit.states, fit.theory)
-    early = normal_equations(known, fit.states, fit.theory)
-    matrix, gradient = whole.reduced_by_shot()
-    early_matrix, early_gradient = early.reduced_by_shot()
-    least, early_least = _least(whole), _least(early)
+    shots, size = len(data.shots), len(fit.theory.vector)
     if folds is None:
-        folds = np.random.default_rng(seed).permutation(len(least)) % min(FOLDS, len(least))
-    pull, held = fit.theory.held
-    squares = np.zeros(len(least))
-    for fold in np.unique(folds):
-        own, others = folds == fold, folds != fold
-        information = with_prior(matrix[others].sum(axis=0), held)
-        downhill = gradient[others].sum(axis=0) + pull
-        step = np.linalg.lstsq(information, downhill, rcond=1e-12)[0]
-        squares[own] = _moved(least, gradient, matrix, own, step)
-        squares[own] -= _moved(early_least, early_gradient, early_matrix, own, step)
+        folds = np.random.default_rng(seed).permutation(shots) % min(FOLDS, shots)
+    _, folds = np.unique(folds, return_inverse=True)
+    matrix, downhill = np.zeros((folds.max() + 1, size, size)), np.zeros((folds.max() + 1, size))
+    gaps, count, start = data.keep(_Gap), 0, 0
+    for part, states in parts_of(data, fit):
+        known, after = _known_before(part, states)
+        whole, gap = _gap(part, known, states, fit.theory)
+        np.add.at(matrix, folds[start : start + part.count], whole[0])
+        np.add.at(downhill, folds[start : start + part.count], whole[1])
+        gaps.append(gap)
+        count, start = count + after, start + part.count
+    steps = _steps_without(matrix, downhill, fit.theory)
+    squares, start = np.zeros(shots), 0
+    for gap in gaps:
+        own = slice(start, start := start + len(gap.value))
+        squares[own] = gap.at(steps[folds[own]])
     value = np.sqrt(max(float(squares.sum()), 0.0) / max(count, 1))
     return PredictionError(float(value), float(np.sqrt(0.5 / max(count, 1))), squares)
 
 
-def _known_before(data: Data, fit: Fit) -> tuple[Data, int]:
+def _steps_without(matrix: Floats, downhill: Floats, theory: Theory) -> Floats:
+    """Return the step of the parameters without each fold, from sums by fold, shape (folds, P)."""
+    pull, held = theory.held
+    return np.array(
+        [
+            np.linalg.lstsq(
+                with_prior(np.delete(matrix, fold, axis=0).sum(axis=0), held),
+                np.delete(downhill, fold, axis=0).sum(axis=0) + pull,
+                rcond=1e-12,
+            )[0]
+            for fold in range(len(matrix))
+        ]
+    )
+
+
+def _gap(
+    data: Data, known: Data, states: ShotStates, theory: Theory
+) -> tuple[tuple[Floats, Floats], _Gap]:
+    """Return what each shot of a part adds to M and g, and the gap to what was known before."""
+    whole, early = (summed(one, states, theory)[1] for one in (data, known))
+    (matrix, downhill), (early_matrix, early_downhill) = (
+        sums.reduced_by_shot() for sums in (whole, early)
+    )
+    gap = _Gap(_least(whole) - _least(early), downhill - early_downhill, matrix - early_matrix)
+    return (matrix, downhill), gap
+
+
+def _known_before(data: Data, states: ShotStates) -> tuple[Data, int]:
     """Return the data without what was measured after contact, and how much that was."""
     if isinstance(data, ContactTable):
         return data.before(), int(data.measured[:, data.after].sum())
-    after = data.times_s > fit.states.time_s[:, None]
+    after = data.times_s > states.time_s[:, None]
     return data.without(after), int((data.measured & after[:, :, None, None]).sum())
 
 
@@ -85,12 +136,3 @@ def _least(sums: NormalEquations) -> Floats:
     """Return chi-squared of each shot minimised over its own numbers, shape (S,)."""
     step = solve_blocks(sums.states, sums.state_gradient[..., None])[..., 0]
     return np.asarray(sums.chi2 - (sums.state_gradient * step).sum(axis=1))
-
-
-def _moved(
-    least: Floats, gradient: Floats, matrix: Floats, own: NDArray[np.bool_], step: Floats
-) -> Floats:
-    """Return chi-squared of some shots at parameters a step away, shape (shots,)."""
-    linear = gradient[own] @ step
-    square = np.einsum("i,sij,j->s", step, matrix[own], step)
-    return np.asarray(least[own] - 2 * linear + square)

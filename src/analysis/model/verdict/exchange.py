@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 
 from analysis.effects.effect import Effect, ScatterEffect
 from analysis.model.data.evidence import Stage, stage_of
-from analysis.model.data.tables import Data
+from analysis.model.data.stream import CampaignData
 from analysis.model.fitting.fit import Fit, fit_campaign
 from analysis.model.rank.leaders import LATER_LEVEL, Leader, alias_set, in_order, refitted
 from analysis.model.rank.ranking import rank
@@ -19,7 +19,7 @@ AliasSets = Mapping[str, tuple[str, ...]]
 
 
 def exchanged(
-    data: Data,
+    data: CampaignData,
     last: Stage,
     effects: Sequence[Effect],
     known: AliasSets,
@@ -54,16 +54,16 @@ def exchanged(
     return last, alike
 
 
-def fits_without(data: Data, fit: Fit) -> dict[str, Fit]:
+def fits_without(data: CampaignData, fit: Fit) -> dict[str, Fit]:
     """Fit again less each effect."""
     return {a.effect.name: _fit_without(data, fit, a.effect.name) for a in fit.theory.active}
 
 
-def _fit_without(data: Data, fit: Fit, name: str) -> Fit:
+def _fit_without(data: CampaignData, fit: Fit, name: str) -> Fit:
     return fit_campaign(data, fit.theory.without_effect(name), fit)
 
 
-def _better(data: Data, last: Stage, name: str, leaders: Sequence[Leader]) -> Leader | None:
+def _better(data: CampaignData, last: Stage, name: str, leaders: Sequence[Leader]) -> Leader | None:
     """Return the first leader if it is another effect and shots left out agree."""
     first = next(iter(in_order(leaders)), None)
     if first is None or first.name == name or first.carried or not first.fit.converged:

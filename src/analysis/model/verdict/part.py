@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from analysis.model.data.evidence import Stage, stage_of
-from analysis.model.data.tables import Data
+from analysis.model.data.stream import CampaignData
 from analysis.model.fitting.fit import Fit, fit_campaign
 from analysis.model.rank.candidate import believed
 
@@ -24,7 +24,7 @@ LEAST_SIGMAS = 2.0
 """A value nearer to where the effect is off is not determined by these shots."""
 
 
-def what_explains(data: Data, path: Sequence[Stage]) -> tuple[Stage, ...]:
+def what_explains(data: CampaignData, path: Sequence[Stage]) -> tuple[Stage, ...]:
     """Return a path without the effects that explain nothing, dropped one by one, worst first."""
     kept = list(path)
     while kept[-1].fit.theory.active:
@@ -40,7 +40,7 @@ def what_explains(data: Data, path: Sequence[Stage]) -> tuple[Stage, ...]:
     return tuple(kept)
 
 
-def _without(data: Data, last: Stage, name: str) -> tuple[float, Stage]:
+def _without(data: CampaignData, last: Stage, name: str) -> tuple[float, Stage]:
     """Return by how much the error rises without an effect, and the stage without it."""
     rest = stage_of(data, fit_campaign(data, last.fit.theory.without_effect(name), last.fit))
     return rest.error.value - last.error.value, rest

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from analysis.model.agreement.document import cell_document
-from analysis.model.data.tables import Data
+from analysis.model.data.stream import CampaignData
 from analysis.model.design.between import Telling
 from analysis.model.design.document import shots_document
 from analysis.model.fitting.nuisance import alarms_of
@@ -19,7 +19,7 @@ Json = dict[str, Any]
 
 
 def verdict_document(
-    campaign: str, data: Data, verdict: Verdict, following: Telling | None = None
+    campaign: str, data: CampaignData, verdict: Verdict, following: Telling | None = None
 ) -> Json:
     """Return the document of `rigctl model explain --json`."""
     kept = verdict.cleaned.kept

@@ -17,7 +17,8 @@ from analysis.effects.clock.timing_jitter import EFFECT as JITTER
 from analysis.effects.effect import Effect
 from analysis.model.data.evidence import Stage, stage_of, weighed
 from analysis.model.data.inside import without_contact_frames
-from analysis.model.data.tables import ContactTable, Data
+from analysis.model.data.stream import CampaignData
+from analysis.model.data.tables import ContactTable
 from analysis.model.fitting.fit import Fit
 from analysis.model.fitting.outliers import Cleaned
 from analysis.model.rank.candidate import Ranking, weight_of
@@ -84,7 +85,7 @@ class Verdict:
 
 
 def explain(
-    data: Data,
+    data: CampaignData,
     effects: Sequence[Effect],
     progress: Callable[[str], None] = lambda _: None,
 ) -> Verdict:
@@ -111,7 +112,9 @@ def _honest(found: Verdict, effects: Sequence[Effect]) -> Verdict:
     )
 
 
-def _concluded(data: Data, effects: Sequence[Effect], progress: Callable[[str], None]) -> Verdict:
+def _concluded(
+    data: CampaignData, effects: Sequence[Effect], progress: Callable[[str], None]
+) -> Verdict:
     """Accept effects step by step, and judge what is left."""
     progress("fitting the base model")
     stated = without_contact_frames(data)
@@ -176,7 +179,9 @@ def _word(alias_sets: AliasSets) -> str:
     return "alias" if any(len(alike) > 1 for alike in alias_sets.values()) else "effect"
 
 
-def _unmasked(path: Sequence[Stage], cells: tuple[Cell, ...], data: Data) -> tuple[Cell, ...]:
+def _unmasked(
+    path: Sequence[Stage], cells: tuple[Cell, ...], data: CampaignData
+) -> tuple[Cell, ...]:
     """Put back the alarm of an effect's own cell that explains more than all effects put in later.
 
     One cause that no catalogue has is likelier than several of it whose marks happen to add up
@@ -198,7 +203,7 @@ def _unmasked(path: Sequence[Stage], cells: tuple[Cell, ...], data: Data) -> tup
     return tuple(sorted(found.values(), key=lambda cell: (cell.p_value, -cell.chi2)))
 
 
-def _backward(data: Data, path: list[Stage]) -> tuple[list[Stage], dict[str, Fit]]:
+def _backward(data: CampaignData, path: list[Stage]) -> tuple[list[Stage], dict[str, Fit]]:
     """Drop, worst first, whatever the effects accepted after it have made superfluous.
 
     Returns

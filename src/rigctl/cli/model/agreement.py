@@ -19,10 +19,11 @@ from analysis.model.structure.lackoffit import Cell
 from analysis.model.structure.structure import structure
 from analysis.model.verdict.documents import fit_document
 from rigctl.cli.model.reading import Fitted, fitted, tell
-from rigctl.cli.options import Campaign, Config, Json, OwnEffects, Pictures, With
+from rigctl.cli.options import Campaign, Config, Json, OwnEffects, Pictures, Streamed, With
 from rigctl.cli.output import TABLE_WIDTH, print_json, progress
 from rigctl.model.headline import headline
 from rigctl.model.known_effects import available, refused
+from rigctl.temporary_room import temporary_room
 
 ALARM = 0.01
 SHOWN_CELLS = 8
@@ -34,6 +35,7 @@ def agreement(
     effects: With = None,
     folder: OwnEffects = None,
     out: Pictures = None,
+    stream: Streamed = False,
     config: Config = None,
     json: Json = False,
 ) -> None:
@@ -46,12 +48,12 @@ def agreement(
     NotFoundError
         No effect has that name.
     StoreError
-        A picture cannot be written.
+        The temporary folder is full, or a picture cannot be written.
     """
     known = available(folder)
-    found = fitted(campaign, effects or [], known, config)
+    found = fitted(campaign, effects or [], known, config, stream=stream)
     try:
-        with progress() as say:
+        with progress() as say, temporary_room():
             say("comparing")
             compared = agree(found.data, found.fit, _launch(found))
             say("testing what is left")

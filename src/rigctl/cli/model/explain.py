@@ -11,16 +11,17 @@ from rich.table import Table
 
 from analysis.effects.effect import Effect
 from analysis.effects.own.dropping import without_faulty
-from analysis.model.data.tables import Data
+from analysis.model.data.stream import CampaignData
 from analysis.model.design.between import Telling
 from analysis.model.design.undecided import next_after
 from analysis.model.verdict.report import verdict_document
 from analysis.model.verdict.selection import Verdict, explain
 from analysis.model.verdict.words import doubts, verdict_sentence
-from rigctl.cli.model.reading import opened, tell
-from rigctl.cli.options import Campaign, Config, Json, OwnEffects, Pictures
+from rigctl.cli.model.reading import opened_in_parts, tell
+from rigctl.cli.options import Campaign, Config, Json, OwnEffects, Pictures, Streamed
 from rigctl.cli.output import TABLE_WIDTH, print_json, progress, unit_word
 from rigctl.model.known_effects import available
+from rigctl.temporary_room import temporary_room
 
 
 def explaining(
@@ -28,6 +29,7 @@ def explaining(
     *,
     folder: OwnEffects = None,
     out: Pictures = None,
+    stream: Streamed = False,
     config: Config = None,
     json: Json = False,
 ) -> None:
@@ -40,11 +42,11 @@ def explaining(
     AnalysisInputError
         The campaign or the folder cannot be read.
     StoreError
-        A picture cannot be written.
+        The temporary folder is full, or a picture cannot be written.
     """
     known = available(folder)
-    title, data = opened(campaign, config)
-    with progress() as say:
+    title, data = opened_in_parts(campaign, config, stream=stream)
+    with progress() as say, temporary_room():
         found, dropped = without_faulty(known.effects, lambda left: _verdict(data, left, say))
     verdict, following = found
     faults = tell([*known.faults, *dropped])
@@ -82,7 +84,7 @@ def _print(campaign: Path, verdict: Verdict, document: dict[str, Any]) -> None:
 
 
 def _verdict(
-    data: Data, effects: Sequence[Effect], say: Callable[[str], None]
+    data: CampaignData, effects: Sequence[Effect], say: Callable[[str], None]
 ) -> tuple[Verdict, Telling | None]:
     """Come to a verdict, and choose the shots that would end its doubts."""
     verdict = explain(data, effects, say)

@@ -6,7 +6,7 @@ from rich.console import Console
 from rich.table import Table
 
 from analysis.model.verdict.documents import fit_document
-from rigctl.cli.model.reading import Fitted, FittedStream, fitted, fitted_stream, tell
+from rigctl.cli.model.reading import fitted, tell
 from rigctl.cli.options import Campaign, Config, Json, OwnEffects, Streamed, With
 from rigctl.cli.output import TABLE_WIDTH, print_json, unit_word
 from rigctl.model.headline import headline
@@ -34,8 +34,7 @@ def fit(
         The temporary folder is full.
     """
     known = available(folder)
-    read = fitted_stream if stream else fitted
-    found: Fitted | FittedStream = read(campaign, effects or [], known, config)
+    found = fitted(campaign, effects or [], known, config, stream=stream)
     faults = tell(known.faults)
     if json:
         document = fit_document(found.title, found.names, found.judged)

@@ -21,6 +21,7 @@ from analysis.launch.ranking import LaunchCandidate, LaunchRanking, rank_launch
 from analysis.launch.result import LaunchFit
 from analysis.launch.settings import read_settings, settings_of
 from analysis.model.data.inside import without_contact_frames
+from analysis.model.data.stream import whole
 from analysis.model.fitting.outliers import clean
 from analysis.model.verdict.documents import SMALLEST_P
 from analysis.quantity import Quantity
@@ -65,7 +66,7 @@ def _fitted(
     """Fit the launches to a campaign's poses, wild frames and bad shots left out."""
     title, poses = open_campaign(campaign, configuration, poses=True)
     cleaned = clean(without_contact_frames(poses))
-    data, shot_list = cleaned.data, campaign / SHOT_LIST
+    data, shot_list = whole(cleaned.data), campaign / SHOT_LIST
     try:
         known = read_settings(shot_list, data.shots) if shot_list.exists() else settings_of(data)
         return title, fit_launch(data, cleaned.fit, effects, settings=known)

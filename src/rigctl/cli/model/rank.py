@@ -10,7 +10,7 @@ from analysis.effects.own.fault import EffectFault
 from analysis.model.rank.candidate import Candidate, Ranking
 from analysis.model.verdict.documents import SHOWN_ALIAS, alike, fit_document, ranking_document
 from analysis.quantity import Quantity
-from rigctl.cli.model.reading import Fitted, FittedStream, fitted, fitted_stream, tell
+from rigctl.cli.model.reading import fitted, tell
 from rigctl.cli.options import Campaign, Config, Json, OwnEffects, Pictures, Streamed, With
 from rigctl.cli.output import TABLE_WIDTH, print_json, unit_word
 from rigctl.model.headline import headline
@@ -41,8 +41,7 @@ def ranking(
         The temporary folder is full, or a picture cannot be written.
     """
     known = available(folder)
-    read = fitted_stream if stream else fitted
-    found: Fitted | FittedStream = read(campaign, effects or [], known, config)
+    found = fitted(campaign, effects or [], known, config, stream=stream)
     try:
         ranked, dropped = without_faulty(known.effects, found.ranked)
     except EffectFault as error:

@@ -11,12 +11,12 @@ from rich.console import Console
 
 from analysis.effects.effect import Effect
 from analysis.effects.own.fault import EffectFault, Fault
+from analysis.model.data.stream import CampaignData
 from analysis.model.data.tables import ContactTable, Data
 from analysis.model.fitting.fit import Fit
 from analysis.model.fitting.robust_fit import Judged, judged
 from analysis.model.rank.candidate import Ranking
 from analysis.model.rank.ranking import rank
-from analysis.model.streaming.judged import JudgedStream, judged_stream
 from rigctl.model.campaigns import open_campaign
 from rigctl.model.known_effects import Available, refused
 from rigctl.model.seen_effects import require_seen
@@ -33,7 +33,7 @@ class Fitted:
     judged: Judged
 
     @property
-    def data(self) -> Data:
+    def data(self) -> CampaignData:
         """What was fitted."""
         return self.judged.data
 
@@ -43,28 +43,15 @@ class Fitted:
         return self.judged.fit
 
     def ranked(self, effects: Sequence[Effect]) -> Ranking:
-        """Score what else the data ask for."""
-        return rank(self.data, self.fit, effects)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class FittedStream:
-    """The same of a campaign of any length."""
-
-    title: str
-    names: tuple[str, ...]
-    judged: JudgedStream
-
-    def ranked(self, effects: Sequence[Effect]) -> Ranking:
         """Score what else the data ask for.
 
         Raises
         ------
         StoreError
-            The temporary folder is full.
+            The campaign is streamed, and the temporary folder is full.
         """
         with temporary_room():
-            return self.judged.ranked(effects)
+            return rank(self.data, self.fit, effects)
 
 
 def opened(campaign: Path, configuration: Path | None = None) -> tuple[str, Data]:
@@ -83,26 +70,56 @@ def opened(campaign: Path, configuration: Path | None = None) -> tuple[str, Data
         No campaign has that name.
     """
     title, data = open_campaign(campaign, configuration)
-    if isinstance(data, ContactTable) and data.estimated:
-        Console(stderr=True).print(
-            f"{title}: no errors are stated; the scatter about the base model is taken for them, "
-            "so that its chi-squared says nothing",
-            highlight=False,
-        )
-    elif data.estimated:
-        _say_estimated(title)
+    _say_estimated(title, data)
     return title, data
 
 
-def _say_estimated(title: str) -> None:
-    Console(stderr=True).print(
-        f"{title}: some errors are not stated; the scatter about free flight is taken for them",
-        highlight=False,
-    )
+def opened_in_parts(
+    campaign: Path, configuration: Path | None = None, *, stream: bool
+) -> tuple[str, CampaignData]:
+    """Open a campaign that is gone over part by part.
+
+    Parameters
+    ----------
+    stream
+        Whether its poses are to lie in a temporary file; else in memory, as `opened` has them.
+
+    Raises
+    ------
+    AnalysisInputError
+        It cannot be read, or is to be streamed and holds no poses.csv.
+    NotFoundError
+        No campaign has that name.
+    StoreError
+        The temporary folder is full.
+    """
+    if not stream:
+        return opened(campaign, configuration)
+    title, data = open_stream(campaign, configuration)
+    _say_estimated(title, data)
+    return title, data
+
+
+def _say_estimated(title: str, data: CampaignData) -> None:
+    if not data.estimated:
+        return
+    if isinstance(data, ContactTable):
+        said = (
+            "no errors are stated; the scatter about the base model is taken for them, so that its "
+            "chi-squared says nothing"
+        )
+    else:
+        said = "some errors are not stated; the scatter about free flight is taken for them"
+    Console(stderr=True).print(f"{title}: {said}", highlight=False)
 
 
 def fitted(
-    campaign: Path, names: Sequence[str], known: Available, configuration: Path | None = None
+    campaign: Path,
+    names: Sequence[str],
+    known: Available,
+    configuration: Path | None = None,
+    *,
+    stream: bool = False,
 ) -> Fitted:
     """Fit the base model and the named effects to a campaign, frames inside contact left out.
 
@@ -112,37 +129,15 @@ def fitted(
         The campaign cannot be read, or a named effect has a fault or cannot be seen in it.
     NotFoundError
         No effect, or no campaign, has that name.
-    """
-    added = [known.named(name, "--with") for name in names]
-    title, found = opened(campaign, configuration)
-    try:
-        require_seen(found, added, "--with")
-        return Fitted(title, tuple(names), judged(found, added))
-    except EffectFault as error:
-        raise refused(error.fault) from error
-
-
-def fitted_stream(
-    campaign: Path, names: Sequence[str], known: Available, configuration: Path | None = None
-) -> FittedStream:
-    """Fit the same to a campaign of any length, its poses in a temporary file.
-
-    Raises
-    ------
-    AnalysisInputError
-        The campaign cannot be read or holds no poses.csv, or a named effect has a fault.
-    NotFoundError
-        No effect, or no campaign, has that name.
     StoreError
-        The temporary folder is full.
+        The campaign is streamed, and the temporary folder is full.
     """
     added = [known.named(name, "--with") for name in names]
-    title, stream = open_stream(campaign, configuration)
-    if stream.estimated:
-        _say_estimated(title)
+    title, found = opened_in_parts(campaign, configuration, stream=stream)
     try:
         with temporary_room():
-            return FittedStream(title, tuple(names), judged_stream(stream, added))
+            require_seen(found, added, "--with")
+            return Fitted(title, tuple(names), judged(found, added))
     except EffectFault as error:
         raise refused(error.fault) from error
 

@@ -105,7 +105,7 @@ def test_a_fit_that_ends_a_little_before_its_minimum_shows_no_more_structure() -
     fit = fit_campaign(data)
     step = 0.3 * np.sqrt(np.diag(fit.covariance)) * np.array([1.0, -1.0, 1.0])
     theory = fit.theory.at(fit.theory.vector + step)
-    short = replace(fit, theory=theory, states=own_states(data, fit.states, theory))
+    short = replace(fit, theory=theory).with_states(own_states(data, fit.states, theory))
     found = (lackoffit.cells_of(data, one, projector(data, one)) for one in (fit, short))
     here, there = ({(cell.channel, cell.covariate): cell.chi2 for cell in each} for each in found)
     assert max(abs(here[name] - there[name]) for name in here) < 0.2

@@ -15,8 +15,6 @@ from analysis.model.data.poses import PoseData
 from analysis.model.fitting.account import AS_STATED
 from analysis.model.fitting.robust_fit import Judged, judged
 from analysis.model.rank.ranking import rank
-from analysis.model.streaming.judged import judged_stream
-from analysis.model.streaming.stream import PoseStream
 from analysis.model.verdict.selection import explain
 from benchmarks.discovery.campaigns import posed
 from simulators.challenge.campaign import Noise, run_campaign
@@ -82,15 +80,6 @@ def test_its_share_leads_the_candidates_of_the_hard_sphere_law() -> None:
     data, fit = judged(poses(SOFT)).data, judged(poses(SOFT)).fit
     leaders = [c.effect.name for c in rank(data, fit, CATALOGUE).candidates[:3]]
     assert set(leaders) & {"lasting-contact", "finite-contact"}
-
-
-def test_in_parts_it_is_fitted_to_the_same_numbers() -> None:
-    data = poses(SOFT)
-    whole = judged(data, [EFFECT]).fit.parameters()
-    parts = judged_stream(PoseStream.of([data]), [EFFECT]).fit.parameters()
-    assert parts.keys() == whole.keys()
-    for name, quantity in whole.items():
-        assert parts[name].value == pytest.approx(quantity.value, abs=0.02 * quantity.sigma), name
 
 
 def test_hard_spheres_have_no_lasting_contact() -> None:

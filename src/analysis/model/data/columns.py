@@ -1,4 +1,4 @@
-"""What shots.csv says of many shots, as columns of numbers."""
+"""What shots.csv says of the shots of a campaign, as columns of numbers."""
 
 from __future__ import annotations
 
@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.exchange.shot_list import EXPOSURE, ShotRow
-from analysis.model.data.gather import ORDER
 
 Floats = NDArray[np.float64]
+
+ORDER = "order"
 
 
 class ShotColumns:
@@ -36,7 +37,7 @@ class ShotColumns:
         count = len(self._shots)
         self._shots.append(row.shot)
         self._times.append(math.nan if row.time is None else row.time.timestamp())
-        for name in row.numbers.keys() - self._columns.keys():
+        for name in sorted(row.numbers.keys() - self._columns.keys()):
             self._columns[name] = array("d", [math.nan]) * count
         for name, column in self._columns.items():
             column.append(row.numbers.get(name, math.nan))

@@ -15,12 +15,20 @@ from analysis.errors import InputError
 from analysis.exchange.description import read_description
 from analysis.exchange.pose_table import Spheres, each_shot
 from analysis.exchange.shot_list import each_shot_row
-from analysis.model.data.gather import POSES, POSITION_GUESS, ROTATION_GUESS, stated_poses, usable
-from analysis.model.data.parts import SHOTS_AT_ONCE
+from analysis.model.data.columns import ShotColumns
+from analysis.model.data.gather import (
+    GUESSES,
+    POSES,
+    stated_medians,
+    stated_poses,
+    typical_error,
+    usable,
+    with_guesses,
+)
+from analysis.model.data.parts import SHOTS_AT_ONCE, regrouped
 from analysis.model.data.poses import PoseData
-from analysis.model.streaming.columns import ShotColumns
-from analysis.model.streaming.spool import Spool
-from analysis.model.streaming.stream import PoseStream
+from analysis.model.data.spool import Spool
+from analysis.model.data.stream import PoseStream
 from analysis.setup import Setup
 
 Floats = NDArray[np.float64]
@@ -81,16 +89,15 @@ class Reading:
         Errors that are not stated are NaN.
     numbers
         Of the shots of each part.
-    position_sigmas, rotation_sigmas
-        The median stated error of each part that states any, m and rad.
+    medians
+        Stated errors of positions and of orientations in each shot of each part, m and rad.
     excluded
         Numbers of shots that are not here because a person left them out.
     """
 
     parts: Spool[PoseData] = field(default_factory=lambda: Spool(PoseData))
     numbers: list[NDArray[np.intp]] = field(default_factory=list)
-    position_sigmas: list[float] = field(default_factory=list)
-    rotation_sigmas: list[float] = field(default_factory=list)
+    medians: tuple[list[Floats], list[Floats]] = field(default_factory=lambda: ([], []))
     excluded: set[int] = field(default_factory=set)
 
     def add(self, shots: dict[int, Spheres], columns: ShotColumns, setup: Setup) -> None:
@@ -99,48 +106,45 @@ class Reading:
         counting = {n: spheres for n, spheres in shots.items() if n not in columns.excluded}
         if not counting:
             return
-        part = stated_poses(counting, (), setup)
+        part = stated_poses(counting, columns, setup)
         self.parts.append(part)
         self.numbers.append(part.shots)
-        self.position_sigmas += _medians(part.position_sigma)
-        self.rotation_sigmas += _medians(part.rotation_sigma)
+        for kept, own in zip(self.medians, stated_medians(part), strict=True):
+            kept.append(own)
 
     def finished(self, columns: ShotColumns, setup: Setup) -> PoseStream:
         """Return the stream of all shots that show both spheres, with what they share."""
-        numbers = np.concatenate([np.zeros(0, dtype=np.intp), *self.numbers])
+        parts, numbers = self._in_order()
         covariates = columns.covariates(numbers)
         camera = replace(setup.camera, exposure_s=columns.exposure_s(numbers))
-
-        def parts() -> Iterator[PoseData]:
-            start = 0
-            for part in self.parts:
-                own = slice(start, start + len(part.shots))
-                start = own.stop
-                yield usable(
-                    replace(
-                        self._guessed(part),
-                        covariates={name: column[own] for name, column in covariates.items()},
-                        camera=camera,
-                        slow=setup.measurement,
-                    )
-                )
-
-        return replace(PoseStream.of(parts()), excluded=tuple(sorted(self.excluded)))
-
-    def _guessed(self, part: PoseData) -> PoseData:
-        """Put the median of the parts' medians for errors that are not stated."""
-        position = float(np.median(self.position_sigmas or POSITION_GUESS))
-        rotation = float(np.median(self.rotation_sigmas or ROTATION_GUESS))
-        missing = np.isnan(part.position_sigma), np.isnan(part.rotation_sigma)
-        return replace(
-            part,
-            position_sigma=np.where(missing[0], position, part.position_sigma),
-            rotation_sigma=np.where(missing[1], rotation, part.rotation_sigma),
-            estimated=bool(missing[0].any() or missing[1].any()),
+        position, rotation = (
+            typical_error(np.concatenate([np.zeros(0), *own]), guess)
+            for own, guess in zip(self.medians, GUESSES, strict=True)
         )
 
+        def shown() -> Iterator[PoseData]:
+            start = 0
+            for part in parts:
+                own = slice(start, start + part.count)
+                start = own.stop
+                shared = {name: column[own] for name, column in covariates.items()}
+                guessed = with_guesses(part, position, rotation)
+                yield usable(
+                    replace(guessed, covariates=shared, camera=camera, slow=setup.measurement)
+                )
 
-def _medians(sigma: Floats) -> list[float]:
-    """Return the median of the errors that are stated, nothing where none are."""
-    stated = sigma[np.isfinite(sigma)]
-    return [float(np.median(stated))] if stated.size else []
+        return replace(PoseStream.of(shown()), excluded=tuple(sorted(self.excluded)))
+
+    def _in_order(self) -> tuple[Iterable[PoseData], NDArray[np.intp]]:
+        """Return all parts, their shots in the order of their numbers, and these numbers."""
+        numbers = np.concatenate([np.zeros(0, dtype=np.intp), *self.numbers])
+        order = np.argsort(numbers, kind="stable")
+        if (np.diff(order) == 1).all():
+            return self.parts, numbers
+        single, longest = Spool(PoseData), 0
+        for part in self.parts:
+            longest = max(longest, part.times_s.shape[1])
+            for k in range(part.count):
+                single.append(part.part(slice(k, k + 1)))
+        shots = (single.item(int(k)).padded(longest) for k in order)
+        return regrouped(shots), numbers[order]

@@ -4,17 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.model.data.parts import Kept
-from analysis.model.data.poses import PoseData
-from analysis.model.streaming.spool import Spool
+from analysis.collision.operator import Body
+from analysis.model.data.parts import Kept, regrouped
+from analysis.model.data.poses import Frame, PoseData
+from analysis.model.data.spool import Spool
+from analysis.model.data.tables import ContactTable, Data
+from analysis.model.fitting.systematics import Systematic
 
 Floats = NDArray[np.float64]
-Frame = tuple[int, int]
-"""Number of a shot, and the index of one of its frames."""
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -23,8 +27,10 @@ class PoseStream:
 
     Attributes
     ----------
-    parts
+    stored
         Poses as they were stated; covariates are those of the whole campaign.
+    frames
+        Of the longest shot: all parts are padded to it.
     stated
         Numbers of the shots in the parts, shape (S,).
     kept
@@ -42,9 +48,12 @@ class PoseStream:
         a person.
     estimated
         Whether some errors were not stated.
+    torn
+        Shot number and sphere of each track that was cut where it leaves free flight.
     """
 
-    parts: Kept[PoseData]
+    stored: Kept[PoseData]
+    frames: int
     stated: NDArray[np.intp]
     kept: NDArray[np.bool_]
     weight: Floats
@@ -54,6 +63,7 @@ class PoseStream:
     unusable: tuple[int, ...] = ()
     excluded: tuple[int, ...] = ()
     estimated: bool = False
+    torn: tuple[tuple[int, str], ...] = ()
 
     @classmethod
     def of(cls, parts: Iterable[PoseData]) -> PoseStream:
@@ -62,17 +72,19 @@ class PoseStream:
         Covariates must be those of the whole campaign. `OSError`: the file cannot be written.
         """
         kept, numbers = Spool(PoseData), []
-        unusable, excluded, estimated = list[int](), list[int](), False
+        unusable, excluded, estimated, frames = list[int](), list[int](), False, 0
         for part in parts:
             unusable += part.unusable
             excluded += part.excluded
             estimated |= part.estimated
             if len(part.shots) > 0:
+                frames = max(frames, part.times_s.shape[1])
                 kept.append(part)
                 numbers.append(part.shots)
         stated = np.concatenate([np.zeros(0, dtype=np.intp), *numbers])
         return cls(
-            parts=kept,
+            stored=kept,
+            frames=frames,
             stated=stated,
             kept=np.ones(len(stated), dtype=np.bool_),
             weight=np.ones(len(stated)),
@@ -86,10 +98,36 @@ class PoseStream:
         """Numbers of the shots that are handed out."""
         return self.stated[self.kept]
 
-    def __iter__(self) -> Iterator[PoseData]:
-        """Hand out the parts in order, none without a shot."""
+    @property
+    def bodies(self) -> tuple[Body, Body]:
+        """Spheres a and b."""
+        return self._first.bodies
+
+    @property
+    def systematics(self) -> tuple[Systematic, ...]:
+        """Return what all shots share and is known beforehand with an error."""
+        return self._first.systematics
+
+    @property
+    def _first(self) -> PoseData:
+        return next(iter(self.stored))
+
+    def parts(self) -> Iterator[PoseData]:
+        """Hand out so many shots at a time, as the campaign in memory does."""
+        return regrouped(self._pieces())
+
+    def keep(self, kind: type[T]) -> Kept[T]:
+        """Return where to keep what has a number for each shot: in a temporary file."""
+        return Spool(kind)
+
+    def whole(self) -> PoseData:
+        """Return the campaign in memory."""
+        return PoseData.joined(list(self.parts()))
+
+    def _pieces(self) -> Iterator[PoseData]:
+        """Hand out what is left of each stored part in order."""
         start = 0
-        for part in self.parts:
+        for part in self.stored:
             own = slice(start, start + len(part.shots))
             start = own.stop
             if self.kept[own].any():
@@ -107,35 +145,46 @@ class PoseStream:
         divided[self.kept] *= weight
         return replace(self, weight=divided)
 
-    def without(self, frames: Iterable[Frame]) -> PoseStream:
+    def without_frames(self, frames: Iterable[Frame]) -> PoseStream:
         """Return the stream with some more frames taken out."""
         return replace(self, gone=(*self.gone, *frames))
 
-    def scaled(self, position: float, rotation: float) -> PoseStream:
+    def with_noise(self, position: float, rotation: float) -> PoseStream:
         """Return the stream with sigmas of positions and of orientations multiplied."""
         return replace(self, noise=(position * self.noise[0], rotation * self.noise[1]))
 
-    def spooled(self, change: Callable[[PoseData], PoseData]) -> PoseStream:
+    def changed(self, change: Callable[[PoseData], PoseData]) -> PoseStream:
         """Return the stream with all its parts changed once, and kept so."""
-        parts = Spool(PoseData)
-        for part in self.parts:
-            parts.append(change(part))
-        return replace(self, parts=parts)
+        stored, torn = Spool(PoseData), list[tuple[int, str]]()
+        for part in regrouped(part.padded(self.frames) for part in self.stored):
+            other = change(part)
+            torn += other.torn
+            stored.append(other)
+        return replace(self, stored=stored, torn=tuple(dict.fromkeys(torn)))
 
     def _changed(self, part: PoseData, own: slice) -> PoseData:
-        weight = self.weight[own]
-        position, rotation = self.noise
-        part = part.with_sigmas(
-            part.position_sigma * (position / weight)[:, None, None, None],
-            part.rotation_sigma * (rotation / weight)[:, None, None],
-        )
+        part = part.padded(self.frames)
+        if self.noise != (1.0, 1.0):
+            part = part.with_noise(*self.noise)
+        if (self.weight[own] != 1.0).any():
+            part = part.held_down(self.weight[own])
         if self.gone:
-            rows = {int(number): s for s, number in enumerate(part.shots)}
-            mask = np.zeros(part.times_s.shape, dtype=np.bool_)
-            for number, frame in self.gone:
-                if number in rows:
-                    mask[rows[number], frame] = True
-            part = part.without(mask)
+            part = part.without_frames(self.gone)
         part = replace(part, jitter_s=self.jitter_s)
         kept = self.kept[own]
         return part if kept.all() else part.of_shots(kept)
+
+
+CampaignData = PoseData | ContactTable | PoseStream
+"""What a fit goes over, so many shots at a time: in memory, or read from a file at each pass."""
+
+
+def beside(data: CampaignData, kept: Iterable[T]) -> Iterator[tuple[Data, T]]:
+    """Go over the parts of a campaign, each with what was kept of it, in order."""
+    parts: Iterator[Data] = data.parts()
+    return zip(parts, kept, strict=True)
+
+
+def whole(data: CampaignData) -> Data:
+    """Return a campaign in memory."""
+    return data.whole() if isinstance(data, PoseStream) else data

@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from analysis.model.streaming import spool as spools
-from analysis.model.streaming.spool import Spool
+from analysis.model.data import spool as spools
+from analysis.model.data.spool import Spool
 
 
 def test_what_is_kept_comes_back_in_order_as_often_as_wanted() -> None:

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from analysis.model.data.poses import PoseData
-from analysis.model.streaming.stream import PoseStream
+from analysis.model.data.stream import PoseStream
 
 
 def in_parts(data: PoseData, lengths: Sequence[int]) -> Iterator[PoseData]:
@@ -24,5 +24,5 @@ def streamed(data: PoseData, *lengths: int) -> PoseStream:
 
 
 def gathered(stream: PoseStream, name: str) -> np.ndarray:
-    """Return one array of all shots, of parts with as many frames each."""
-    return np.concatenate([getattr(part, name) for part in stream])
+    """Return one array of all shots."""
+    return np.concatenate([getattr(part, name) for part in stream.parts()])
