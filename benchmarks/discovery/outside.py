@@ -15,10 +15,10 @@ from analysis.effects.catalogue import CATALOGUE
 from analysis.effects.effect import ScatterEffect
 from analysis.model.data.inside import without_contact_frames
 from analysis.model.fitting.fit import fit_campaign
-from analysis.model.rank.projector import projector
 from analysis.model.rank.ranking import rank
 from analysis.model.structure.alarm import UNEXPLAINED_LEVEL
-from analysis.model.structure.lackoffit import SMOOTH, cells_of
+from analysis.model.structure.channels import SMOOTH
+from analysis.model.structure.lackoffit import cells_of
 from benchmarks.discovery.campaigns import SILENCE, campaign
 from benchmarks.discovery.goals import Goal, report, share, show
 from benchmarks.discovery.options import Options
@@ -92,5 +92,5 @@ def own_strength(amplitudes: Mapping[str, float], seed: int, shots: int) -> floa
     first = rank(silent, base, shifts).candidates[:IMITATORS]
     fits = [fit_campaign(silent, base.theory.with_effect(c.effect), base) for c in first]
     best = min(fits, key=lambda fit: fit.chi2)
-    cells = cells_of(silent, best, projector(silent, best))
+    cells = cells_of(silent, best)
     return float(np.sqrt(max(cell.chi2 for cell in cells) * best.chi2_per_dof))

@@ -78,7 +78,7 @@ def impact_plane(campaign: CampaignData, fit: Fit) -> Plane:
     foretold = surface_velocity(after, states.normal, data.bodies)
     along = (foretold * surface).sum(axis=1) / speed
     change, sigma, told = _surface_change(
-        data, outcomes(projector(data, fit), contact_columns(data, fit))
+        data, outcomes(projector(data, fit), contact_columns(data, states, fit.theory))
     )
     x = speed / approach
     corner = _friction(data, fit) / (1 + fit.theory.law.beta0)

@@ -25,6 +25,7 @@ from analysis.model.structure.channels import (
     contact_columns,
     flight_channels,
 )
+from analysis.model.structure.reach import reach_of
 from analysis.model.verdict.crossvalidation import prediction_error
 
 Floats = NDArray[np.float64]
@@ -45,7 +46,7 @@ def agree(campaign: CampaignData, fit: Fit, further: Sequence[Stage] = ()) -> Ag
         are.
     """
     data = whole(campaign)
-    sums, jumps = projector(data, fit), contact_columns(data, fit)
+    sums, jumps = projector(data, fit), contact_columns(data, fit.states, fit.theory)
     outcome = outcome_rows(outcomes(sums, jumps), sums.covariance)
     if isinstance(data, ContactTable):
         stages = [Stage("after contact", tuple(outcome))]
@@ -67,7 +68,8 @@ def _of_frames(data: PoseData, fit: Fit, sums: Projector, outcome: Sequence[Row]
     sigma = np.concatenate([data.position_sigma, turn_sigma], axis=-1)
     sigma = np.where(data.measured, sigma, 0.0).reshape(len(sigma), -1)
     free = with_free_outcomes(data, fit)
-    unbound, jumps = projector(free.data, free.fit), contact_columns(free.data, free.fit)
+    unbound, states, theory = projector(free.data, free.fit), free.fit.states, free.fit.theory
+    jumps, reach = contact_columns(free.data, states, theory), reach_of(free.data, free.fit)
     after = data.times_s > fit.states.time_s[:, None]
     known = (data.measured & ~after[..., None, None]).reshape(len(sigma), -1)
     before = sides(unbound, known).before
@@ -77,8 +79,8 @@ def _of_frames(data: PoseData, fit: Fit, sums: Projector, outcome: Sequence[Row]
     shapes = (
         Stage(name, tuple(shape_rows(free.data, unbound, groups, jumps=jumps, sigma=sigma)))
         for name, groups in (
-            ("flight", _flight(free.data, free.fit)),
-            ("camera", _camera(free.data, free.fit)),
+            ("flight", _flight(free.data, flight_channels(free.data, states, reach))),
+            ("camera", _camera(camera_channels(free.data, states, theory, reach))),
         )
     )
     return [
@@ -88,17 +90,17 @@ def _of_frames(data: PoseData, fit: Fit, sums: Projector, outcome: Sequence[Row]
     ]
 
 
-def _flight(data: PoseData, fit: Fit) -> Groups:
+def _flight(data: PoseData, channels: Sequence[FrameChannel]) -> Groups:
     groups: Groups = {}
-    for channel in flight_channels(data, fit):
+    for channel in channels:
         if channel.unit == "m" or np.isfinite(data.rotation_sigma).any():
             title = f"{channel.name[:-2]} against time"
             groups.setdefault(title, []).append(channel)
     return groups
 
 
-def _camera(data: PoseData, fit: Fit) -> Groups:
+def _camera(channels: Sequence[FrameChannel]) -> Groups:
     groups: Groups = {}
-    for channel in camera_channels(data, fit):
+    for channel in channels:
         groups.setdefault(f"{channel.name} against place", []).append(channel)
     return groups

@@ -73,7 +73,9 @@ def _steps(here: Freed) -> tuple[Floats, Floats]:
 
     Velocities and spins, relative and common, in rig axes, shape (S, 2, 2, 3), and (S, 24).
     """
-    sums, jumps = projector(here.data, here.fit), contact_columns(here.data, here.fit)
+    states, theory = here.fit.states, here.fit.theory
+    sums = projector(here.data, here.fit)
+    jumps = contact_columns(here.data, states, theory)
     columns = np.concatenate(list(jumps.values()), axis=2)
     by_shot = sums.project(columns)
     covariance, _ = jump_covariance(by_shot)
@@ -82,7 +84,7 @@ def _steps(here: Freed) -> tuple[Floats, Floats]:
         columns = sums.noise.whiten_frames(columns)
     taken = np.swapaxes(sums.by_state, 1, 2) @ (columns @ change)
     step = solve_blocks(sums.states, sums.own_gradient[..., None] - taken)[..., 0]
-    axes = np.stack(contact_frame(here.data, here.fit), axis=1)
+    axes = np.stack(contact_frame(here.data, states), axis=1)
     return np.einsum("skwa,sax->skwx", change.reshape(-1, 2, 2, 3), axes), step
 
 

@@ -16,7 +16,13 @@ from analysis.model.agreement.outcome import jump_covariance
 from analysis.model.agreement.table import Row, Spread, root_mean
 from analysis.model.data.poses import PoseData
 from analysis.model.fitting.normal import with_prior
-from analysis.model.rank.projector import LEAST_INFORMATION, ByShot, Projector, Solved
+from analysis.model.rank.projector import (
+    LEAST_INFORMATION,
+    ByShot,
+    ColumnSums,
+    Projector,
+    Solved,
+)
 from analysis.model.structure.channels import SMOOTH, FrameChannel
 
 Floats = NDArray[np.float64]
@@ -99,7 +105,7 @@ def shape_rows(
             gradient=by_shot.gradient[:, own],
             raw=by_shot.raw[:, own],
         )
-        solved = free.solve(chosen, np.ones((len(columns), 1)))
+        solved = ColumnSums.of(chosen).solved(free.covariance, free.left)
         moved = columns[..., first + own.start : first + own.stop]
         unit = "mm" if channels[0].unit == "m" else "mrad"
         yield _row((quantity, unit), solved, moved.reshape(-1, moved.shape[2]))

@@ -15,6 +15,7 @@ from analysis.model.data.poses import Frame, PoseData
 from analysis.model.data.spool import Spool
 from analysis.model.data.tables import ContactTable, Data
 from analysis.model.fitting.systematics import Systematic
+from analysis.setup import SlowErrors
 
 Floats = NDArray[np.float64]
 
@@ -107,6 +108,11 @@ class PoseStream:
     def systematics(self) -> tuple[Systematic, ...]:
         """Return what all shots share and is known beforehand with an error."""
         return self._first.systematics
+
+    @property
+    def slow(self) -> SlowErrors:
+        """Errors that last, of a typical shot."""
+        return self._first.slow
 
     @property
     def _first(self) -> PoseData:

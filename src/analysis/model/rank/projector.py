@@ -7,6 +7,7 @@ what is left of any column is what no fitted number can imitate.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,18 +17,18 @@ from analysis.model.fitting.fit import Fit
 from analysis.model.fitting.normal import inverse, solve_blocks, with_prior
 from analysis.model.fitting.shared_noise import SharedNoise
 from analysis.model.predict.linear import linearise
+from analysis.model.predict.state import ShotStates
+from analysis.model.predict.theory import Theory
 
 Floats = NDArray[np.float64]
 
-CARRIERS = 2
 LEAST_EIGENVALUE = 1e-3
 """Below this share a direction is only the rounding of differences."""
 LEAST_INFORMATION = 1e-6
 """A column of which less is left is what a fitted number does already."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class ByShot:
+class ByShot(NamedTuple):
     """What some columns add up to in each shot, its own numbers eliminated.
 
     own (S, C, C), against (S, C, P) with the fitted parameters, gradient (S, C); raw (S, C) is what
@@ -42,22 +43,70 @@ class ByShot:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Solved:
-    """Amplitudes of C columns times K functions, shape (K C,), and their covariance.
+    """Amplitudes of C columns, shape (C,), and their covariance.
 
     Both are zero along what cannot be seen; chi2 is the fall that they bring, freedom the number of
-    directions that are seen. `carried_share` of the fall is gone without its two loudest shots.
+    directions that are seen.
     """
 
     amplitudes: Floats
     covariance: Floats
     chi2: float
     freedom: int
-    carried_share: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Projector:
-    """A linearised fit: S shots, N whitened numbers a shot, P shared parameters.
+class ColumnSums:
+    """What C columns add up to over shots, each shot's own numbers eliminated.
+
+    own (C, C), against (C, P) with the fitted parameters, gradient (C,); raw (C,) is what the
+    squares were before anything was eliminated.
+    """
+
+    own: Floats
+    against: Floats
+    gradient: Floats
+    raw: Floats
+
+    @classmethod
+    def of(cls, channel: ByShot) -> ColumnSums:
+        """Add up over the shots."""
+        return cls(*(part.sum(axis=0) for part in channel))
+
+    def __add__(self, other: ColumnSums) -> ColumnSums:
+        """Return the sums over the shots of both."""
+        return ColumnSums(
+            self.own + other.own,
+            self.against + other.against,
+            self.gradient + other.gradient,
+            self.raw + other.raw,
+        )
+
+    def solved(self, covariance: Floats, left: Floats) -> Solved:
+        """Fit amplitudes beside all that was fitted.
+
+        Parameters
+        ----------
+        covariance, left
+            Of the fitted parameters, as `Projector` has them.
+        """
+        imitated = self.against @ covariance
+        matrix, gradient = self.own - imitated @ self.against.T, self.gradient - imitated @ left
+        shown = np.flatnonzero(np.diag(matrix) > LEAST_INFORMATION * self.raw)
+        root = np.sqrt(np.diag(self.own)[shown])
+        scaled = matrix[np.ix_(shown, shown)] / root[:, None] / root[None, :]
+        values, vectors = np.linalg.eigh(scaled)
+        seen = values > LEAST_EIGENVALUE
+        along = np.zeros((len(matrix), int(seen.sum())))
+        along[shown] = vectors[:, seen] / root[:, None]
+        spread = (along / values[seen]) @ along.T
+        amplitudes = spread @ gradient
+        return Solved(amplitudes, spread, float(gradient @ amplitudes), int(seen.sum()))
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Eliminated:
+    """Shots linearised about a fit, their own numbers eliminated: S shots, N whitened numbers each.
 
     Attributes
     ----------
@@ -72,15 +121,8 @@ class Projector:
     noise
         Noise that frames or numbers share, where the data have such.
     shared
-        Derivatives by the shared parameters less what the shot's own numbers can imitate, shape
+        Derivatives by the P shared parameters less what the shot's own numbers can imitate, shape
         (S, N, P).
-    covariance
-        Of the shared parameters, shape (P, P).
-    held
-        Of `Theory.held`, shapes (P,).
-    left
-        Downhill by the shared parameters, the prior in, shape (P,): little, for a fit ends before
-        its very minimum. A direction that they nearly imitate would show all of it.
     """
 
     residual: Floats
@@ -88,9 +130,6 @@ class Projector:
     states: Floats
     own_gradient: Floats
     shared: Floats
-    covariance: Floats
-    held: tuple[Floats, Floats]
-    left: Floats
     noise: SharedNoise | None = None
 
     def project(self, columns: Floats) -> ByShot:
@@ -110,56 +149,58 @@ class Projector:
             raw=np.diagonal(squares, axis1=1, axis2=2),
         )
 
-    def summed(self, channel: ByShot, basis: Floats) -> tuple[Floats, Floats]:
-        """Return M and g of columns times a basis (S, K) over the shots, all that is fitted out.
 
-        Shapes (K C, K C) and (K C,).
-        """
-        count = basis.shape[1] * channel.own.shape[1]
-        own = np.einsum("sk,sl,sij->kilj", basis, basis, channel.own).reshape(count, count)
-        against = np.einsum("sk,sip->kip", basis, channel.against).reshape(count, -1)
-        gradient = np.einsum("sk,si->ki", basis, channel.gradient).ravel()
-        imitated = against @ self.covariance
-        return own - imitated @ against.T, gradient - imitated @ self.left
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Projector(Eliminated):
+    """A linearised fit of all its shots.
 
-    def solve(self, channel: ByShot, basis: Floats) -> Solved:
-        """Fit amplitudes of columns times a basis (S, K) beside all that was fitted."""
-        matrix, gradient = self.summed(channel, basis)
-        before = np.einsum("sk,sii->ki", basis**2, channel.own).ravel()
-        raw = np.einsum("sk,si->ki", basis**2, channel.raw).ravel()
-        shown = np.flatnonzero(np.diag(matrix) > LEAST_INFORMATION * raw)
-        root = np.sqrt(before[shown])
-        scaled = matrix[np.ix_(shown, shown)] / root[:, None] / root[None, :]
-        values, vectors = np.linalg.eigh(scaled)
-        seen = values > LEAST_EIGENVALUE
-        along = np.zeros((len(raw), int(seen.sum())))
-        along[shown] = vectors[:, seen] / root[:, None]
-        covariance = (along / values[seen]) @ along.T
-        amplitudes = covariance @ gradient
-        chi2 = float(gradient @ amplitudes)
-        by_shot = np.einsum("sk,si->ski", basis, channel.gradient).reshape(len(basis), -1)
-        loudest = np.argsort(by_shot @ amplitudes)[-CARRIERS:]
-        rest = gradient - by_shot[loudest].sum(axis=0)
-        carried = 1.0 - float(rest @ covariance @ rest) / chi2 if chi2 > 0 else 0.0
-        return Solved(amplitudes, covariance, chi2, int(seen.sum()), carried)
+    Attributes
+    ----------
+    covariance
+        Of the shared parameters, shape (P, P).
+    held
+        Of `Theory.held`, shapes (P,).
+    left
+        Downhill by the shared parameters, the prior in, shape (P,): little, for a fit ends before
+        its very minimum. A direction that they nearly imitate would show all of it.
+    """
+
+    covariance: Floats
+    held: tuple[Floats, Floats]
+    left: Floats
 
 
 def projector(data: Data, fit: Fit) -> Projector:
     """Linearise about a fit and project."""
-    line = linearise(data, fit.states, fit.theory)
+    own, information, downhill = eliminated(data, fit.states, fit.theory)
+    centre, known = fit.theory.prior
+    return Projector(
+        **{name: getattr(own, name) for name in Eliminated.__slots__},
+        covariance=inverse(with_prior(information, known)),
+        held=fit.theory.held,
+        left=downhill + (centre - fit.theory.vector) * known,
+    )
+
+
+def eliminated(data: Data, states: ShotStates, theory: Theory) -> tuple[Eliminated, Floats, Floats]:
+    """Linearise shots about a fit, and eliminate their own numbers.
+
+    Returns
+    -------
+    The shots; what they add to the information on the shared parameters (P, P), and to what is
+    downhill by them, (P,).
+    """
+    line = linearise(data, states, theory)
     by_state = np.swapaxes(line.by_state, 1, 2)
     shared = line.by_theory - line.by_state @ solve_blocks(line.states, by_state @ line.by_theory)
-    information = np.einsum("snp,snq->pq", line.by_theory, shared)
-    centre, known = fit.theory.prior
-    left = np.einsum("snp,sn->p", shared, line.residual) + (centre - fit.theory.vector) * known
-    return Projector(
+    own = Eliminated(
         residual=line.residual,
         by_state=line.by_state,
         states=line.states,
         own_gradient=line.own_gradient,
         shared=shared,
-        covariance=inverse(with_prior(information, known)),
-        held=fit.theory.held,
-        left=left,
         noise=line.shared,
     )
+    size = shared.shape[2]
+    information = line.by_theory.reshape(-1, size).T @ shared.reshape(-1, size)
+    return own, information, line.residual.ravel() @ shared.reshape(-1, size)

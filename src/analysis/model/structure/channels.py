@@ -15,12 +15,14 @@ from numpy.typing import NDArray
 from analysis.collision.operator import surface_velocity
 from analysis.model.data.poses import PoseData
 from analysis.model.data.tables import ContactTable, Data
-from analysis.model.fitting.fit import Fit
 from analysis.model.predict.comparison import weights
 from analysis.model.predict.contact import AFTER, contact_outcome
 from analysis.model.predict.linear import left_jacobian
 from analysis.model.predict.prediction import predict
 from analysis.model.predict.sides import NUMBERS, place_of_rate
+from analysis.model.predict.state import ShotStates
+from analysis.model.predict.theory import Theory
+from analysis.model.structure.reach import TIME, Reach
 
 Floats = NDArray[np.float64]
 
@@ -31,21 +33,21 @@ PAIRS = (("relative", (-0.5, 0.5)), ("common", (1.0, 1.0)))
 SCALARS = ("relative velocity n", "relative velocity t")
 
 
-def contact_columns(data: Data, fit: Fit) -> dict[str, Floats]:
+def contact_columns(data: Data, states: ShotStates, theory: Theory) -> dict[str, Floats]:
     """Return a jump at contact of each velocity and spin, relative and common, each (S, N, 1).
 
     Of scalars the relative velocity along n and t alone.
     """
     if isinstance(data, ContactTable):
-        return _tabulated_columns(data, fit)
-    tau = np.maximum(data.times_s - fit.states.time_s[:, None], 0.0)[..., None]
+        return _tabulated_columns(data, states)
+    tau = np.maximum(data.times_s - states.time_s[:, None], 0.0)[..., None]
     weight = weights(data) * tau[:, :, None]
-    turn = weight[..., 3:, None] * _turn_by_spin(data, fit, tau)
+    turn = weight[..., 3:, None] * _turn_by_spin(data, states, theory, tau)
     shots, frames = data.times_s.shape
     columns: dict[str, Floats] = {}
     for kind, turning in (("velocity", False), ("spin", True)):
         for word, shares in PAIRS:
-            for name, axis in zip(AXES, contact_frame(data, fit), strict=True):
+            for name, axis in zip(AXES, contact_frame(data, states), strict=True):
                 moved = np.zeros((shots, frames, 2, 6))
                 for i, share in enumerate(shares):
                     own = share * axis[:, None]
@@ -57,8 +59,8 @@ def contact_columns(data: Data, fit: Fit) -> dict[str, Floats]:
     return columns
 
 
-def _tabulated_columns(table: ContactTable, fit: Fit) -> dict[str, Floats]:
-    response, frame = table.weights[..., None] * table.functional, contact_frame(table, fit)
+def _tabulated_columns(table: ContactTable, states: ShotStates) -> dict[str, Floats]:
+    response, frame = table.weights[..., None] * table.functional, contact_frame(table, states)
     pairs: tuple[tuple[str, tuple[float, float]], ...] = PAIRS
     if table.bodies[1].is_plate:
         pairs = (("relative", (-1.0, 0.0)),)
@@ -71,9 +73,6 @@ def _tabulated_columns(table: ContactTable, fit: Fit) -> dict[str, Floats]:
                     moved[:, place_of_rate(i, spin=turning, after=True)] = share * axis
                 columns[f"{word} {kind} {name}"] = response @ moved[..., None]
     return {name: columns[name] for name in SCALARS} if table.scalars else columns
-
-
-LEAST_ON_A_LINE = 3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -113,39 +112,42 @@ class FrameChannel:
         columns = self.whitened()[..., None] * self.smooth[..., None, :]
         return columns.reshape(len(self.direction), -1, self.smooth.shape[-1])
 
-    def size(self, amplitudes: Floats) -> float:
-        """Return how large a disturbance of these amplitudes (5,) is, root mean square.
+    def lines(self, reach: Reach) -> Floats:
+        """Return sums of products of 1, place and the smooth functions on each side, (2, 7, 7).
 
-        Less the straight line on each side of the contact, or along the field, that the shots' own
-        numbers take up.
+        Of all that was measured, after the contact and before, or along the field; places scaled.
         """
-        values, seen = self.smooth @ amplitudes, np.asarray((self.weights > 0).any(axis=3))
+        seen = np.asarray((self.weights > 0).any(axis=3))
         if self.place.shape[2] == 1:
             seen = np.asarray(seen.any(axis=2, keepdims=True))
-        later = (self.place > 0) & (self.covariate == "time")
-        squares = 0.0
+        later = (self.place > 0) & (self.covariate == TIME)
+        scaled = reach.of(self.covariate).places(self.place)
+        sums = []
         for side in (seen & later, seen & ~later):
-            if side.sum() > LEAST_ON_A_LINE:
-                line = np.polynomial.Polynomial.fit(self.place[side], values[side], 1)
-                squares += float(((values[side] - line(self.place[side])) ** 2).sum())
-        return float(np.sqrt(squares / max(int(seen.sum()), 1)))
+            line = np.stack([np.ones(int(side.sum())), scaled[side]], axis=1)
+            design = np.concatenate([line, self.smooth[side]], axis=1)
+            sums.append(design.T @ design)
+        return np.stack(sums)
 
 
-def frame_channels(data: Data, fit: Fit) -> tuple[FrameChannel, ...]:
+def frame_channels(
+    data: Data, states: ShotStates, theory: Theory, reach: Reach
+) -> tuple[FrameChannel, ...]:
     """Return all of flight and camera; a table of contacts has none."""
     if isinstance(data, ContactTable):
         return ()
-    return (*flight_channels(data, fit), *camera_channels(data, fit))
+    return (
+        *flight_channels(data, states, reach),
+        *camera_channels(data, states, theory, reach),
+    )
 
 
-def flight_channels(data: PoseData, fit: Fit) -> list[FrameChannel]:
+def flight_channels(data: PoseData, states: ShotStates, reach: Reach) -> list[FrameChannel]:
     """Return displacements and turns against the time from contact."""
-    tau = data.times_s - fit.states.time_s[:, None]
-    used = data.measured.any(axis=(2, 3))
-    reach = float(np.quantile(np.abs(tau[used]), 0.99))
-    scaled = np.clip(tau / max(reach, 1e-9), -1, 1)
+    tau = data.times_s - states.time_s[:, None]
+    scaled = reach.time.scaled(tau)
     smooth = np.asarray(chebyshev.chebvander(scaled, SMOOTH - 1), dtype=np.float64)
-    frame, weight = contact_frame(data, fit), weights(data)
+    frame, weight = contact_frame(data, states), weights(data)
     found = []
     for kind, unit, part in (("position", "m", slice(0, 3)), ("orientation", "rad", slice(3, 6))):
         for word, shares in PAIRS:
@@ -156,7 +158,7 @@ def flight_channels(data: PoseData, fit: Fit) -> list[FrameChannel]:
                 found.append(
                     FrameChannel(
                         name=f"{word} {kind} {name}",
-                        covariate="time",
+                        covariate=TIME,
                         unit=unit,
                         place=tau[..., None],
                         smooth=smooth[:, :, None],
@@ -167,15 +169,15 @@ def flight_channels(data: PoseData, fit: Fit) -> list[FrameChannel]:
     return found
 
 
-def camera_channels(data: PoseData, fit: Fit) -> list[FrameChannel]:
+def camera_channels(
+    data: PoseData, states: ShotStates, theory: Theory, reach: Reach
+) -> list[FrameChannel]:
     """Return displacements of X, Y, Z against the position in the field."""
-    position = predict(data, fit.states, fit.theory).position
-    used, weight = np.isfinite(data.position_sigma).any(axis=-1), weights(data)
+    position, weight = predict(data, states, theory).position, weights(data)
     found = []
     for along, covariate in enumerate("XYZ"):
         place = position[..., along]
-        low, high = np.quantile(place[used], [0.01, 0.99])
-        scaled = np.clip(2 * (place - low) / max(high - low, 1e-9) - 1, -1, 1)
+        scaled = reach.field[along].scaled(place)
         smooth = np.asarray(chebyshev.chebvander(scaled, SMOOTH - 1), dtype=np.float64)
         for axis, name in enumerate("XYZ"):
             direction = np.zeros((*data.times_s.shape, 2, 6))
@@ -201,17 +203,16 @@ def whitened(data: PoseData, moved: Floats) -> Floats:
     return np.where(np.isfinite(sigma), moved / sigma, 0.0).reshape(len(moved), -1)
 
 
-def contact_frame(data: Data, fit: Fit) -> tuple[Floats, Floats, Floats]:
+def contact_frame(data: Data, states: ShotStates) -> tuple[Floats, Floats, Floats]:
     """Return n, t, b of each shot, each of shape (S, 3)."""
-    states = fit.states
     surface = surface_velocity(states.before, states.normal, data.bodies)
     length = np.linalg.norm(surface, axis=1, keepdims=True)
     along = np.where(length > 1e-9, surface / np.maximum(length, 1e-9), states.tangents()[0])
     return states.normal, along, np.cross(states.normal, along)
 
 
-def _turn_by_spin(data: PoseData, fit: Fit, tau: Floats) -> Floats:
+def _turn_by_spin(data: PoseData, states: ShotStates, theory: Theory, tau: Floats) -> Floats:
     """Return the turn by a change of spin after contact, over the time, shape (S, F, 2, 3, 3)."""
-    after = contact_outcome(data, fit.states, fit.theory)[:, AFTER]
+    after = contact_outcome(data, states, theory)[:, AFTER]
     spins = after.reshape(-1, 1, 4, 3)[:, :, 2:]
     return left_jacobian(spins * tau[..., None, :])

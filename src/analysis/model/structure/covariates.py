@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from analysis.collision.operator import surface_velocity
 from analysis.model.data.tables import ContactTable, Data
-from analysis.model.fitting.fit import Fit
+from analysis.model.predict.state import ShotStates
 
 Floats = NDArray[np.float64]
 
@@ -47,14 +47,14 @@ def covariate_label(name: str) -> str:
     return name.replace("_", " ")
 
 
-def shot_covariates(data: Data, fit: Fit) -> dict[str, Floats]:
+def shot_covariates(data: Data, states: ShotStates) -> dict[str, Floats]:
     """Return every covariate of the shots, each of shape (S,).
 
     ln v_n, ln(v_s / v_n), spins along v_t x n and along n, where the contact was (rig axes, m), and
     what the shot list holds. A table does not say where the contact was, and scalars nothing of the
     spins.
     """
-    states, before = fit.states, fit.states.before
+    before = states.before
     relative = before.velocity_b - before.velocity_a
     approach = np.maximum(-(relative * states.normal).sum(axis=1), LEAST_SPEED)
     surface = surface_velocity(before, states.normal, data.bodies)

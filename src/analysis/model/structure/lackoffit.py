@@ -11,24 +11,21 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
 from analysis import chi_squared
-from analysis.model.data.poses import PoseData
-from analysis.model.data.stream import CampaignData, whole
-from analysis.model.data.tables import Data
+from analysis.model.data.stream import CampaignData
+from analysis.model.data.tables import ContactTable
 from analysis.model.fitting.fit import Fit, fit_campaign
 from analysis.model.fitting.noise import rescaled
-from analysis.model.rank.projector import ByShot, Projector, Solved, projector
-from analysis.model.structure.channels import FrameChannel, contact_columns, frame_channels
-from analysis.model.structure.covariates import shot_covariates
+from analysis.model.rank.projector import Solved
 from analysis.model.structure.signature import own_cells
-from analysis.setup import SlowErrors
+from analysis.model.structure.summing import Name, Summed, summed
+from analysis.setup import NO_SLOW_ERRORS, SlowErrors
 
 Floats = NDArray[np.float64]
 
-SMOOTH = 5
+LEAST_ON_A_LINE = 3
 BOTH = float(np.sqrt(2.0))
 """Spheres err each by itself: their difference by so much more."""
 OWN_PENALTY = 3.0
@@ -84,105 +81,105 @@ def lack_of_fit(data: CampaignData, fit: Fit) -> tuple[Cell, ...]:
     The noise of positions and that of orientations are taken as large as the residuals say, each
     by itself: one scale for both, where the stated ones are wrong in different ways, alarms.
     """
-    data, fit = noise_matched(data, fit)
-    return cells_of(data, fit, projector(data, fit))
+    return cells_of(*noise_matched(data, fit))
 
 
-def noise_matched(data: CampaignData, fit: Fit) -> tuple[Data, Fit]:
+def noise_matched(data: CampaignData, fit: Fit) -> tuple[CampaignData, Fit]:
     """Return the data with sigmas as large as the residuals say, and their fit."""
     data = rescaled(data, fit)
-    return whole(data), fit_campaign(data, fit.theory, fit)
+    return data, fit_campaign(data, fit.theory, fit)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Tested:
-    """What cells are made of: jumps at contact by shot, and the curves of flight and camera."""
+    """All cells, the most striking first, what they are made of, and each one's solution."""
 
-    jumps: dict[str, ByShot]
-    curves: tuple[tuple[FrameChannel, Solved], ...]
+    cells: tuple[Cell, ...]
+    sums: Summed
+    solved: Mapping[Name, Solved]
 
 
-def cells_of(data: Data, fit: Fit, sums: Projector) -> tuple[Cell, ...]:
+def cells_of(data: CampaignData, fit: Fit) -> tuple[Cell, ...]:
     """Test every cell of a fit whose sigmas are true; the most striking first."""
-    return tested(data, fit, sums)[0]
+    return tested(data, fit).cells
 
 
-def tested(data: Data, fit: Fit, sums: Projector) -> tuple[tuple[Cell, ...], Tested]:
-    """Test the same and hand out what was projected on the way."""
-    covariates = {name: _basis(values) for name, values in shot_covariates(data, fit).items()}
-    contact, whole = contact_columns(data, fit), np.ones((len(data.shots), 1))
-    frames = [(channel, channel.columns()) for channel in frame_channels(data, fit)]
-
-    def projected(sums: Projector) -> Tested:
-        return Tested(
-            {name: sums.project(columns) for name, columns in contact.items()},
-            tuple((c, sums.solve(sums.project(columns), whole)) for c, columns in frames),
-        )
-
-    def solutions(sums: Projector, parts: Tested) -> list[tuple[str, str, Solved]]:
-        found = [
-            (name, covariate, sums.solve(by_shot, basis))
-            for name, by_shot in parts.jumps.items()
-            for covariate, basis in covariates.items()
-        ]
-        return found + [(c.name, c.covariate, curve) for c, curve in parts.curves]
-
-    def falls(sums: Projector) -> list[tuple[str, str, Solved]]:
-        return solutions(sums, projected(sums))
-
-    parts = projected(sums)
-    found = solutions(sums, parts)
-    cells = _cells(fit, found, own_cells(data, fit, sums, falls))
-    if isinstance(data, PoseData):
-        cells = _sized(cells, parts.curves, data.slow)
-    return tuple(sorted(cells, key=lambda cell: (cell.p_value, -cell.chi2))), parts
+def tested(data: CampaignData, fit: Fit) -> Tested:
+    """Test the same and hand out what was found on the way."""
+    sums = summed(data, fit)
+    covariance = sums.covariance(fit.theory.prior[1])
+    solved = {name: cell.solved(covariance, sums.left) for name, cell in sums.cells.items()}
+    carried = sums.carried(solved, covariance)
+    cells = _cells(fit, solved, carried, own_cells(fit.theory, sums))
+    slow = NO_SLOW_ERRORS if isinstance(data, ContactTable) else data.slow
+    cells = [_sized(cell, sums, solved, slow) for cell in cells]
+    return Tested(tuple(sorted(cells, key=lambda c: (c.p_value, -c.chi2))), sums, solved)
 
 
-def _sized(
-    cells: Sequence[Cell], curves: Sequence[tuple[FrameChannel, Solved]], slow: SlowErrors
-) -> list[Cell]:
-    """Give cells of frames the size of their structure, beside what slow errors may leave."""
-    stated = {"m": BOTH * slow.position_m, "rad": BOTH * slow.rotation_rad}
-    sizes = {
-        (channel.name, channel.covariate): (channel.size(curve.amplitudes), stated[channel.unit])
-        for channel, curve in curves
-    }
-    return [
-        replace(cell, size=found[0], stated=found[1])
-        if (found := sizes.get((cell.channel, cell.covariate))) is not None
-        else cell
-        for cell in cells
-    ]
+def _sized(cell: Cell, sums: Summed, solved: Mapping[Name, Solved], slow: SlowErrors) -> Cell:
+    """Give a cell of frames the size of its structure, beside what slow errors may leave."""
+    name = cell.channel, cell.covariate
+    if name not in sums.lines:
+        return cell
+    lines = sums.lines[name]
+    stated = slow.position_m if lines.unit == "m" else slow.rotation_rad
+    size = crooked(lines.sums, solved[name].amplitudes)
+    return replace(cell, size=size, stated=BOTH * stated)
+
+
+def crooked(sums: Floats, amplitudes: Floats) -> float:
+    """Return how large a disturbance of amplitudes (5,) is, root mean square.
+
+    Less the straight line on each side of the contact, or along the field, that the shots' own
+    numbers take up.
+
+    Parameters
+    ----------
+    sums
+        Of `FrameChannel.lines`, shape (2, 7, 7).
+    """
+    squares = 0.0
+    for side in sums:
+        if side[0, 0] <= LEAST_ON_A_LINE:
+            continue
+        met = side[:2, 2:] @ amplitudes
+        line = np.linalg.lstsq(side[:2, :2], met, rcond=1e-12)[0]
+        squares += max(float(amplitudes @ side[2:, 2:] @ amplitudes - met @ line), 0.0)
+    return float(np.sqrt(squares / max(float(sums[:, 0, 0].sum()), 1.0)))
 
 
 def _cells(
-    fit: Fit, found: Sequence[tuple[str, str, Solved]], own: Mapping[str, NDArray[np.intp]]
+    fit: Fit,
+    solved: Mapping[Name, Solved],
+    carried: Mapping[Name, float],
+    own: Mapping[str, Sequence[Name]],
 ) -> list[Cell]:
     """Judge every cell, with all of them looked at; `own` are those of each effect of the fit."""
     scale2 = max(fit.chi2_per_dof, 1e-12)
-    p_values = np.array([_chance(solved, scale2) for *_, solved in found])
+    p_values = np.array([_chance(one, scale2) for one in solved.values()])
     looked_at = holm(p_values)
-    few = np.unique(np.concatenate([np.zeros(0, dtype=np.intp), *own.values()]))
+    theirs = {name for chosen in own.values() for name in chosen}
+    few = np.array([k for k, name in enumerate(solved) if name in theirs], dtype=np.intp)
     looked_at[few] = np.minimum(looked_at[few], OWN_PENALTY * holm(p_values[few]))
     return [
         Cell(
-            channel=channel,
-            covariate=covariate,
-            chi2=solved.chi2 / scale2,
-            freedom=solved.freedom,
+            channel=name[0],
+            covariate=name[1],
+            chi2=one.chi2 / scale2,
+            freedom=one.freedom,
             p_value=float(p_values[k]),
             p_holm=float(looked_at[k]),
-            carried_share=solved.carried_share,
-            p_rest=_chance_of_rest(solved, scale2, len(found)),
-            own_of=tuple(name for name, chosen in own.items() if k in chosen),
+            carried_share=carried[name],
+            p_rest=_chance_of_rest(one, carried[name], scale2, len(solved)),
+            own_of=tuple(effect for effect, chosen in own.items() if name in chosen),
         )
-        for k, (channel, covariate, solved) in enumerate(found)
+        for k, (name, one) in enumerate(solved.items())
     ]
 
 
-def _chance_of_rest(solved: Solved, scale2: float, cells: int) -> float:
+def _chance_of_rest(solved: Solved, carried: float, scale2: float, cells: int) -> float:
     """Return the chance of what a cell's two strongest shots do not carry, of so many cells."""
-    rest = 1.0 - solved.carried_share
+    rest = 1.0 - carried
     # Two shots carry everything where there are no more.
     return 1.0 if rest <= 0.0 else min(1.0, cells * _chance(solved, scale2 / rest))
 
@@ -201,15 +198,6 @@ def standard_deviations(cell: Cell) -> float:
 
 def _chance(solved: Solved, scale2: float) -> float:
     return float(chi_squared.chance_of_more(solved.chi2 / scale2, solved.freedom))
-
-
-def _basis(values: Floats) -> Floats:
-    """Return five Chebyshev polynomials of a covariate on its 1 to 99 per cent range, (S, 5)."""
-    low, high = np.quantile(values, [0.01, 0.99])
-    if high - low < 1e-12:
-        return np.ones((len(values), 1))
-    scaled = np.clip(2 * (values - low) / (high - low) - 1, -1, 1)
-    return np.asarray(chebyshev.chebvander(scaled, SMOOTH - 1))
 
 
 def holm(p_values: Floats) -> Floats:

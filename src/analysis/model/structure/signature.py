@@ -6,48 +6,39 @@ for something else mends these in part, and what it leaves stays there.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.model.data.tables import Data
-from analysis.model.fitting.fit import Fit
-from analysis.model.fitting.normal import inverse, solve_blocks, with_prior
-from analysis.model.predict.linear import Linearised, linearise
+from analysis.model.fitting.normal import inverse, with_prior
 from analysis.model.predict.theory import Theory
-from analysis.model.rank.projector import Projector, Solved
+from analysis.model.rank.projector import ColumnSums
+from analysis.model.structure.summing import Name, Summed
 
 Floats = NDArray[np.float64]
-Falls = Callable[[Projector], list[tuple[str, str, Solved]]]
-"""From a linearised fit to the channel, covariate and solution of every cell, always in order."""
 
 OWN_CELLS = 4
 """So many cells are an effect's own: few, so that little is paid for looking."""
 
 
-def own_cells(data: Data, fit: Fit, sums: Projector, falls: Falls) -> dict[str, NDArray[np.intp]]:
+def own_cells(theory: Theory, sums: Summed) -> Mapping[str, list[Name]]:
     """Return in which cells each effect of a fit shows most, by its name."""
-    chosen: dict[str, NDArray[np.intp]] = {}
-    if not fit.theory.active:
-        return chosen
-    line = linearise(data, fit.states, fit.theory)
-    start = fit.theory.given
-    for active in fit.theory.active:
+    chosen: dict[str, list[Name]] = {}
+    start = theory.given
+    for active in theory.active:
         stop = start + len(active.values)
-        shift = active.values - active.effect.off
-        alone = _only(line, sums, fit.theory, np.arange(start, stop), shift)
-        shown = np.array([solved.chi2 for *_, solved in falls(alone)])
-        chosen[active.effect.name] = np.argsort(shown)[::-1][:OWN_CELLS]
+        shown = _shown(theory, sums, np.arange(start, stop), active.values - active.effect.off)
+        chosen[active.effect.name] = sorted(shown, key=lambda name: -shown[name])[:OWN_CELLS]
         start = stop
     return chosen
 
 
-def _only(
-    line: Linearised, sums: Projector, theory: Theory, own: NDArray[np.intp], shift: Floats
-) -> Projector:
-    """Return a fit without an effect whose residuals are what the effect does, free of noise.
+def _shown(theory: Theory, sums: Summed, own: NDArray[np.intp], shift: Floats) -> dict[Name, float]:
+    """Return the fall that each cell would bring in a fit without an effect, free of noise.
+
+    What is left there is what the effect does, less what the other parameters can imitate.
 
     Parameters
     ----------
@@ -56,20 +47,16 @@ def _only(
     shift
         Their values, less those where the effect is off, shape (B,).
     """
-    others = np.setdiff1d(np.arange(sums.shared.shape[2]), own)
-    shared, raw = sums.shared[..., others], line.by_theory[..., others]
-    known = theory.prior[1][others]
-    covariance = inverse(with_prior(np.einsum("snp,snq->pq", raw, shared), known))
-    done = line.by_theory[..., own] @ shift
-    taken = np.swapaxes(sums.by_state, 1, 2) @ done[..., None]
-    done = done - (sums.by_state @ solve_blocks(sums.states, taken))[..., 0]
-    done = done - shared @ (covariance @ np.einsum("snp,sn->p", shared, done))
-    return replace(
-        sums,
-        residual=done,
-        own_gradient=np.zeros_like(sums.own_gradient),
-        shared=shared,
-        covariance=covariance,
-        held=(sums.held[0][others], sums.held[1][others]),
-        left=np.zeros(len(others)),
-    )
+    others = np.setdiff1d(np.arange(len(theory.vector)), own)
+    known, information = theory.prior[1][others], sums.information[np.ix_(others, others)]
+    covariance = inverse(with_prior(information, known))
+    imitated = covariance @ (sums.information[np.ix_(others, own)] @ shift)
+
+    def without(cell: ColumnSums) -> ColumnSums:
+        left = cell.against[:, others]
+        return replace(cell, against=left, gradient=cell.against[:, own] @ shift - left @ imitated)
+
+    nothing = np.zeros(len(others))
+    return {
+        name: without(cell).solved(covariance, nothing).chi2 for name, cell in sums.cells.items()
+    }

@@ -7,13 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.model.data.stream import CampaignData
+from analysis.model.data.stream import CampaignData, whole
 from analysis.model.data.tables import Data
 from analysis.model.fitting.fit import Fit
-from analysis.model.rank.projector import LEAST_INFORMATION, ByShot, Solved, projector
-from analysis.model.structure.channels import FrameChannel
-from analysis.model.structure.covariates import shot_covariates
+from analysis.model.predict.linear import linearise
+from analysis.model.rank.projector import LEAST_INFORMATION, Solved
+from analysis.model.structure.channels import FrameChannel, frame_channels
 from analysis.model.structure.lackoffit import Cell, noise_matched, tested
+from analysis.model.structure.summing import Summed
 
 Floats = NDArray[np.float64]
 
@@ -143,17 +144,18 @@ class Structure:
 
 
 def structure(campaign: CampaignData, fit: Fit) -> Structure:
-    """Test every cell as `lack_of_fit` does, and keep the residuals."""
-    data, fit = noise_matched(campaign, fit)
-    sums = projector(data, fit)
-    cells, parts = tested(data, fit, sums)
+    """Test every cell as `lack_of_fit` does, and keep the residuals, all in memory."""
+    campaign, fit = noise_matched(campaign, fit)
+    found = tested(campaign, fit)
+    data, states = whole(campaign), fit.states
+    channels = frame_channels(data, states, fit.theory, found.sums.reach)
     return Structure(
-        cells=cells,
+        cells=found.cells,
         data=data,
-        covariates=shot_covariates(data, fit),
-        jumps={name: _amplitudes(by_shot) for name, by_shot in parts.jumps.items()},
-        channels=parts.curves,
-        whitened=sums.residual,
+        covariates=found.sums.covariates,
+        jumps=_amplitudes(found.sums),
+        channels=tuple((c, found.solved[c.name, c.covariate]) for c in channels),
+        whitened=linearise(data, states, fit.theory).residual,
     )
 
 
@@ -181,10 +183,14 @@ def _grid(place: Floats) -> Floats:
     return np.linspace(low, high, GRID) if high - low > 1e-12 else np.zeros(0)
 
 
-def _amplitudes(by_shot: ByShot) -> tuple[Floats, Floats]:
-    """Return each shot's amplitude of a jump and its error, shape (S,); infinite: not measured."""
-    own, raw = by_shot.own[:, 0, 0], by_shot.raw[:, 0]
+def _amplitudes(sums: Summed) -> dict[str, tuple[Floats, Floats]]:
+    """Return each shot's amplitude of every jump and its error, (S,); infinite: not measured."""
+    parts = [part.jumps for part in sums.told]
+    own = np.concatenate([np.diagonal(part.own, axis1=1, axis2=2) for part in parts])
+    raw = np.concatenate([part.raw for part in parts])
+    gradient = np.concatenate([part.gradient for part in parts])
     told = own > LEAST_INFORMATION * raw
     safe = np.where(told, own, 1.0)
     sigma = np.where(told, 1 / np.sqrt(safe), np.inf)
-    return np.where(told, by_shot.gradient[:, 0] / safe, 0.0), sigma
+    found = np.where(told, gradient / safe, 0.0)
+    return {name: (found[:, k], sigma[:, k]) for k, name in enumerate(sums.jumps)}

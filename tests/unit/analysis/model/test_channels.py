@@ -23,7 +23,7 @@ def test_a_jump_of_spin_turns_the_spheres_as_spinning_faster_after_contact_does(
     poses = predict(data, fit.states, fit.theory)
     spins = contact_outcome(data, fit.states, fit.theory)[:, AFTER].reshape(-1, 4, 3)[:, 2:]
     tau = np.maximum(data.times_s - fit.states.time_s[:, None], 0.0)[:, :, None, None]
-    columns, frame = contact_columns(data, fit), contact_frame(data, fit)
+    columns, frame = contact_columns(data, fit.states, fit.theory), contact_frame(data, fit.states)
     for name, axis in zip(AXES, frame, strict=True):
         faster = spins + STEP * np.multiply.outer(shares, axis).swapaxes(0, 1)
         at_touch = rotation_matrix(-spins[:, None] * tau) @ poses.rotation

@@ -10,7 +10,6 @@ import pytest
 from analysis.model.data.poses import PoseData
 from analysis.model.fitting.fit import fit_campaign
 from analysis.model.fitting.own_fit import own_states
-from analysis.model.rank.projector import projector
 from analysis.model.structure import lackoffit
 from analysis.model.structure.lackoffit import Cell, lack_of_fit
 from tests.unit.analysis.model.hard_spheres import Hidden, campaign
@@ -106,6 +105,6 @@ def test_a_fit_that_ends_a_little_before_its_minimum_shows_no_more_structure() -
     step = 0.3 * np.sqrt(np.diag(fit.covariance)) * np.array([1.0, -1.0, 1.0])
     theory = fit.theory.at(fit.theory.vector + step)
     short = replace(fit, theory=theory).with_states(own_states(data, fit.states, theory))
-    found = (lackoffit.cells_of(data, one, projector(data, one)) for one in (fit, short))
+    found = (lackoffit.cells_of(data, one) for one in (fit, short))
     here, there = ({(cell.channel, cell.covariate): cell.chi2 for cell in each} for each in found)
     assert max(abs(here[name] - there[name]) for name in here) < 0.2
