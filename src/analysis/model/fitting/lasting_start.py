@@ -28,6 +28,8 @@ MIDDLE = 0.3, 0.05
 RESTITUTIONS = 0.1, 0.999
 REFINED, BEGUN = 12, 6
 """Minima that are refined with few shots, and with all."""
+FAR_BEHIND = 30.0
+"""Loss with few shots by which a minimum is behind the best, and not refined with all."""
 ALIKE = 0.02
 TOLD_SIGMAS = 3.0
 """A duration that is not so many standard errors from zero, in the mean of all shots, is none."""
@@ -47,8 +49,9 @@ def starts(flights: FreeFlights, law: ContactLaw, theory: Theory) -> list[Start]
         timed = _timed(few, form)
         scanned += [Start(form, np.array([*timed[:3], *own]), np.inf) for own in TYPICAL]
     near = _distinct(few.smoothed(scanned))
-    best = few.about(near[0]).refined(near[:REFINED])
-    return _distinct(_scan(flights, theory, law).about(best[0]).refined(_distinct(best)[:BEGUN]))
+    best = _distinct(few.about(near[0]).refined(near[:REFINED]))
+    best = [one for one in best if one.cost < best[0].cost + FAR_BEHIND][:BEGUN]
+    return _distinct(_scan(flights, theory, law).about(best[0]).refined(best))
 
 
 def _spread(flights: FreeFlights, most: int) -> FreeFlights:

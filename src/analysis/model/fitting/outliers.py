@@ -28,6 +28,8 @@ FEWEST = 6
 """Of fewer shots none is bad for lying off the others: the fastest of five may be the physics."""
 ALARM_SHARE = 0.005
 """Of a campaign without bad shots this share has one called bad."""
+LITTLE_OFF = 0.5
+"""Standard errors by which two beginnings of a fit may differ and be one."""
 WILD_FRAME, WILD_AGAINST_MEDIAN, WILD_AGAINST_NEXT = 45.0, 6.0, 2.5
 """Chi-squared of a frame's 12 numbers: at least this, and against the shot's other frames."""
 PHYSICS_SHARE = 0.15
@@ -83,7 +85,7 @@ def clean(data: CampaignData, theory: Theory | None = None) -> Cleaned:
     # Afresh, now that the law is known: near its corner a shot may have begun on the wrong side.
     # Where nothing was taken out or held down, the first fit is the one from its start.
     fits = [
-        first if fit is first and begun is theory else fit_campaign(rest, begun)
+        first if fit is first and _begun_at(theory, begun, fit) else fit_campaign(rest, begun)
         for begun in starts_afresh(fit)
     ]
     fit = min(fits, key=lambda one: one.chi2)
@@ -93,6 +95,14 @@ def clean(data: CampaignData, theory: Theory | None = None) -> Cleaned:
 def starts_afresh(fit: FitSummary) -> list[Theory | None]:
     """Return from where to fit afresh: the law as it is, and for the base model any other."""
     return [fit.theory] if fit.theory.active else [fit.theory, None]
+
+
+def _begun_at(theory: Theory | None, begun: Theory | None, fit: FitSummary) -> bool:
+    """Tell whether a fit from a theory has begun where one from another would."""
+    if theory is None or begun is None:
+        return begun is theory
+    off = (theory.vector - begun.vector) / np.sqrt(np.diag(fit.covariance))
+    return bool((np.abs(off) < LITTLE_OFF).all())
 
 
 def bad_shots(fit: FitSummary, gone: int = 0) -> NDArray[np.bool_]:

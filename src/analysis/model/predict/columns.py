@@ -20,7 +20,7 @@ from analysis.model.fitting.systematics import Systematic
 from analysis.model.loops import plain
 from analysis.model.loops.misfit import put_whitened
 from analysis.model.predict.comparison import KINDS, Comparison, Snapshot, weights
-from analysis.model.predict.contact import contact_outcome
+from analysis.model.predict.contact import outcome_of_slopes
 from analysis.model.predict.sides import flights_by_outcome
 from analysis.model.predict.state import ShotStates
 from analysis.model.predict.steps import Unmoved
@@ -166,7 +166,7 @@ def _differences(
         outcomes = []
         for k in at_contact:
             shifted, step = _shifted(theory, *wanted[k])
-            outcomes.append((contact_outcome(data, states, shifted) - here.outcome) / step)
+            outcomes.append((outcome_of_slopes(data, states, shifted) - here.about) / step)
         change = flights_by_outcome(here.outcome, np.stack(outcomes, axis=-1))
         moved[:, :, at_contact] = change
     framed = np.setdiff1d(np.arange(len(wanted)), at_contact)
@@ -174,7 +174,7 @@ def _differences(
         # A table of contacts has no frames: nothing in it hangs on how they came about.
         framed = framed[:0]
         return columns_of(line, moved, framed, line.slopes[..., :0])
-    unmoved, weight = Unmoved(data, theory, here.frames), weights(data)
+    unmoved, weight = Unmoved(theory, here.frames), weights(data)
     steps = [(acting[k], *_shifted(theory, *wanted[k])) for k in framed]
     frames = _frame_columns(unmoved, weight, [(e, t, s) for e, t, s in steps if e is not None])
     return columns_of(line, moved, framed, frames)

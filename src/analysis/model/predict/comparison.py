@@ -23,7 +23,7 @@ from analysis.model.loops import plain
 from analysis.model.loops.blocks import information
 from analysis.model.loops.misfit import misfits, slopes_of
 from analysis.model.predict.contact import differentiated_contact
-from analysis.model.predict.prediction import Flown, Poses, appear, fly, rate, shown
+from analysis.model.predict.prediction import Flown, OnWay, Poses, appear, fly, rate, shown
 from analysis.model.predict.sides import NUMBERS, Flights, flights, flights_by_state, rates_of
 from analysis.model.predict.state import ShotStates
 from analysis.model.predict.theory import Theory
@@ -102,9 +102,20 @@ class Comparison:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Snapshot:
-    """A prediction with the steps on its way, for changes of one step alone."""
+    """A prediction with the steps on its way, for changes of one step alone.
+
+    Attributes
+    ----------
+    outcome, about
+        Of the contacts, and what differences of it are taken from, shape (S, 25).
+    sides
+        The flights that it leads to.
+    frames
+        What frames show of them; tabulated contacts have none.
+    """
 
     outcome: Floats
+    about: Floats
     sides: Flights
     frames: Frames | None
 
@@ -113,8 +124,13 @@ class Snapshot:
 class Frames:
     """What frames show of a prediction; tabulated contacts have none."""
 
-    flown: Flown
+    way: OnWay
     poses: Poses
+
+    @property
+    def flown(self) -> Flown:
+        """The flights before small forces and the camera."""
+        return self.way.flown
 
 
 def compare(data: Data, states: ShotStates, theory: Theory) -> tuple[Comparison, Snapshot]:
@@ -126,9 +142,12 @@ def compare(data: Data, states: ShotStates, theory: Theory) -> tuple[Comparison,
     sides = flights(data, states, contact.outcome)
     by_state = flights_by_state(data, states, sides, contact.outcome, contact.by_state)
     if isinstance(data, ContactTable):
-        return _tabulated(data, sides, by_state), Snapshot(contact.outcome, sides, None)
+        return _tabulated(data, sides, by_state), Snapshot(
+            contact.outcome, contact.about, sides, None
+        )
     flown = fly(data, states, sides, theory)
-    poses = shown(data, flown, theory)
+    way = OnWay(data, flown, theory.flight)
+    poses = shown(way, theory)
     residual, (slopes, gram) = misfit(data, poses), _slopes(data, flown, theory)
     turning = np.repeat((np.arange(KINDS) % 2 == 1)[:, None], slopes.shape[2], axis=1)
     shared = _shared_noise(data, states, flown, slopes)
@@ -146,7 +165,8 @@ def compare(data: Data, states: ShotStates, theory: Theory) -> tuple[Comparison,
         orientations=turning,
         shared=shared,
     )
-    return line, Snapshot(contact.outcome, sides, Frames(flown, poses))
+    frames = Frames(way, poses)
+    return line, Snapshot(contact.outcome, contact.about, sides, frames)
 
 
 def _shared_noise(

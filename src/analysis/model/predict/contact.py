@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.collision.operator import Encounter, Outcome, States, gives
+from analysis.collision.operator import Encounter, Operator, Outcome, States, gives
 from analysis.model.data.poses import Observations, PoseData
 from analysis.model.predict.state import ShotStates
 from analysis.model.predict.theory import Theory
@@ -20,16 +20,27 @@ shifts of both centres, turns of both spheres."""
 
 _TILT_STEP, _SPEED_STEP, _SPIN_STEP = 1e-6, 1e-5, 1e-3
 _STEPS = np.array([_TILT_STEP] * 2 + [_SPEED_STEP] * 6 + [_SPIN_STEP] * 6)
-_FIRST_SPIN = 8
-"""Where spins begin among these."""
+_VELOCITY_A, _FIRST_SPIN = slice(2, 5), 8
+"""Where the velocity of a stands among these, and where spins begin."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Contact:
-    """Outcomes, shape (S, 25), and derivatives by tilt, velocities and spins, shape (S, 25, 14)."""
+    """Outcomes and their derivatives.
+
+    Attributes
+    ----------
+    outcome
+        Shape (S, 25).
+    by_state
+        Derivatives by tilt, velocities and spins, shape (S, 25, 14).
+    about
+        The outcome that differences are taken from: as many steps of integration on both sides.
+    """
 
     outcome: Floats
     by_state: Floats
+    about: Floats
 
 
 def _kicked(data: Observations, states: ShotStates, outcome: Floats, normal: Floats) -> Floats:
@@ -61,35 +72,65 @@ def _by_kick(data: Observations, normal: Floats, unknown: NDArray[np.bool_]) -> 
 
 def contact_outcome(data: Observations, states: ShotStates, theory: Theory) -> Floats:
     """Return the outcome of every contact, shape (S, 25)."""
-    outcome = _outcomes(data, theory, states, _motion(states), states.normal)
-    return _kicked(data, states, outcome, states.normal)
+    return _outcome(data, states, theory, theory.operator)
+
+
+def outcome_of_slopes(data: Observations, states: ShotStates, theory: Theory) -> Floats:
+    """Return the outcome of every contact for a difference from `Contact.about`, (S, 25)."""
+    return _outcome(data, states, theory, theory.operator_of_slopes)
+
+
+def _outcome(data: Observations, states: ShotStates, theory: Theory, operator: Operator) -> Floats:
+    encounter = _encounter(data, theory, states, _motion(states), states.normal)
+    return _kicked(data, states, _row(operator(encounter)), states.normal)
 
 
 def differentiated_contact(data: Observations, states: ShotStates, theory: Theory) -> Contact:
-    """Differentiate the operator by forward differences, all of them in one call of it."""
-    shots = len(states.time_s)
-    motions = np.repeat(_motion(states)[None], 15, axis=0)
-    normals = np.repeat(states.normal[None], 15, axis=0)
+    """Differentiate the operator by forward differences, all of them in one call of it.
+
+    A law that is integrated depends on the relative velocity alone: by the velocity of a it is
+    differentiated as by that of b.
+    """
+    lasts = theory.contact_law is not None
+    shots, spared = len(states.time_s), 3 if lasts else 0
+    motions = np.repeat(_motion(states)[None], 15 - spared, axis=0)
+    normals = np.repeat(states.normal[None], 15 - spared, axis=0)
     for k, tangent in enumerate(states.tangents()):
         tilted = states.normal + _TILT_STEP * tangent
         normals[1 + k] = tilted / np.linalg.norm(tilted, axis=1, keepdims=True)
-    for k in range(12):
-        motions[3 + k, :, k] += _STEPS[2 + k]
-    outcomes = _outcomes(data, theory, states, motions.reshape(-1, 12), normals.reshape(-1, 3))
-    outcomes = outcomes.reshape(15, shots, -1)
+    for k in range(spared, 12):
+        motions[3 + k - spared, :, k] += _STEPS[2 + k]
+    encounter = _encounter(data, theory, states, motions.reshape(-1, 12), normals.reshape(-1, 3))
+    outcomes = _row(theory.operator_of_slopes(encounter)).reshape(15 - spared, shots, -1)
     unkicked = outcomes[0].copy()
     for k in range(3):
         outcomes[k] = _kicked(data, states, outcomes[k], normals[k])
     # A kick is across the normal: velocities and spins change nothing of it, a tilt does.
     outcomes[3:] += outcomes[0] - unkicked
-    by_state = (outcomes[1:] - outcomes[0]) / _STEPS[:, None, None]
+    steps = np.delete(_STEPS, _VELOCITY_A) if lasts else _STEPS
+    by_state = (outcomes[1:] - outcomes[0]) / steps[:, None, None]
+    if lasts:
+        by_first = _by_common_velocity(outcomes[0]) - by_state[_VELOCITY_A]
+        by_state = np.concatenate([by_state[: _VELOCITY_A.start], by_first, by_state[2:]])
     derivative = np.moveaxis(by_state, 0, 2)
     if states.kick is not None:
         rows, unknown = states.kick.shots, states.kick.unknown
         kicks = _by_kick(data, states.normal[rows], unknown[rows])
         for k in range(3):
             derivative[rows, :, _FIRST_SPIN + 3 * states.kick.sphere + k] = kicks[..., k]
-    return Contact(outcomes[0], derivative)
+    # Without a law that is integrated both are the same.
+    about = outcomes[0]
+    return Contact(contact_outcome(data, states, theory) if lasts else about, derivative, about)
+
+
+def _by_common_velocity(outcome: Floats) -> Floats:
+    """Differentiate outcomes (S, 25) by a velocity that both bodies have, shape (3, S, 25)."""
+    change = np.zeros((3, *outcome.shape))
+    for axis in range(3):
+        change[axis, :, [axis, 3 + axis]] = 1.0
+        for shift in (SHIFT.start + axis, SHIFT.start + 3 + axis):
+            change[axis, :, shift] = outcome[:, DURATION.start]
+    return change
 
 
 def encounter_of(data: Observations, states: ShotStates, theory: Theory) -> Encounter:
@@ -97,17 +138,10 @@ def encounter_of(data: Observations, states: ShotStates, theory: Theory) -> Enco
     return _encounter(data, theory, states, _motion(states), states.normal)
 
 
-def _outcomes(
-    data: Observations, theory: Theory, states: ShotStates, motion: Floats, normal: Floats
-) -> Floats:
-    """Return outcomes for rows of motion (N, 12) and normals (N, 3); N a multiple of the shots."""
-    return _row(theory.operator(_encounter(data, theory, states, motion, normal)))
-
-
 def _encounter(
     data: Observations, theory: Theory, states: ShotStates, motion: Floats, normal: Floats
 ) -> Encounter:
-    """Return encounters of rows of motion (N, 12) and normals (N, 3).
+    """Return encounters of rows of motion (N, 12) and normals (N, 3), a multiple of the shots.
 
     Where they touch and how they are turned is that of their shot, whatever moves in the row. A
     shot whose spins are not known slips without friction; its kick is the friction's impulse.

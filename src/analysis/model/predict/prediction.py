@@ -109,7 +109,7 @@ class Flown:
 def predict(data: PoseData, states: ShotStates, theory: Theory) -> Poses:
     """Predict the pose of both spheres in every frame."""
     flown = fly(data, states, flights(data, states, contact_outcome(data, states, theory)), theory)
-    return shown(data, flown, theory)
+    return shown(OnWay(data, flown, theory.flight), theory)
 
 
 def fly(data: PoseData, states: ShotStates, sides: Flights, theory: Theory) -> Flown:
@@ -133,13 +133,14 @@ def rate(data: PoseData, flown: Flown) -> Floats:
     return velocity
 
 
-def shown(data: PoseData, flown: Flown, theory: Theory) -> Poses:
+def shown(way: OnWay, theory: Theory) -> Poses:
     """Add what small forces do on the way, and what turning and camera make of the place."""
-    position, rotation = flown.position, flown.rotation
+    data, flown, rotation = way.data, way.flown, way.flown.rotation
+    position = flown.position
     if theory.flight:
-        push, twist = perturbation(flown, OnWay(data, flown), theory.flight)
+        push, twist = way.pushed(theory.flight)
         position = position + push
-        rotation = rotation_matrix(twist) @ rotation
+        rotation = rotation if twist is None else rotation_matrix(twist) @ rotation
     position = displaced(data, flown, position, theory.body)
     return Poses(appear(data, position, theory.camera), rotation)
 
@@ -192,18 +193,66 @@ class Passage:
     twist: Floats
 
 
+Forces = Sequence[tuple[FlightEffect, Values]]
+Change = tuple[Floats, Floats | None]
+"""Displacement, m, and rotation vector, shape (S, F, 2, 3); None: a force that turns nothing."""
+
+
 class OnWay:
-    """What small forces find on the way, made once for every number of nodes that is asked for."""
+    """What small forces find and do on the way.
 
-    def __init__(self, data: PoseData, flown: Flown) -> None:
-        self._data, self._flown = data, flown
-        self._made: dict[int, list[Passage]] = {}
+    Attributes
+    ----------
+    data, flown
+        Of the flights without them.
+    """
 
-    def passages(self, nodes: int) -> list[Passage]:
+    def __init__(self, data: PoseData, flown: Flown, flight: Forces) -> None:
+        self.data, self.flown = data, flown
+        self._passages: dict[int, list[Passage]] = {}
+        # Every step of another effect starts from what these do.
+        self._own = {_key(*force): self._change(*force) for force in flight}
+
+    def pushed(self, flight: Forces) -> Change:
+        """Return what small forces add together."""
+        push, twist = np.zeros_like(self.flown.position), None
+        for force in flight:
+            own = self._own.get(_key(*force))
+            pushed, turned = self._change(*force) if own is None else own
+            push = push + pushed
+            if turned is not None:
+                twist = turned if twist is None else twist + turned
+        return push, twist
+
+    def _change(self, effect: FlightEffect, values: Values) -> Change:
+        """Return what an effect adds.
+
+        Double integrals of the acceleration along the unperturbed path, int_0^t (t - s) a(s) ds.
+        """
+        push, twist = np.zeros_like(self.flown.position), np.zeros_like(self.flown.position)
+        turns = False
+        for i in (0, 1):
+            # In arrays of their own: a sphere's part of the whole is slow to add to.
+            pushed, twisted = np.zeros((2, *push[:, :, i].shape))
+            for passage in (p for p in self._found(effect.nodes) if p.sphere == i):
+                linear, angular = effect.accelerate(passage.flying, values)
+                if np.any(linear):
+                    pushed += passage.push * linear
+                if np.any(angular):
+                    twisted += passage.twist * angular
+                    turns = True
+            push[:, :, i], twist[:, :, i] = pushed, twisted
+        return push, twist if turns else None
+
+    def _found(self, nodes: int) -> list[Passage]:
         """Return the passages of both spheres at the nodes of an integral."""
-        if nodes not in self._made:
-            self._made[nodes] = _passages(self._data, self._flown, nodes)
-        return self._made[nodes]
+        if nodes not in self._passages:
+            self._passages[nodes] = _passages(self.data, self.flown, nodes)
+        return self._passages[nodes]
+
+
+def _key(effect: FlightEffect, values: Values) -> tuple[str, bytes]:
+    return effect.name, np.asarray(values).tobytes()
 
 
 def _passages(data: PoseData, flown: Flown, nodes: int) -> list[Passage]:
@@ -229,28 +278,6 @@ def _passages(data: PoseData, flown: Flown, nodes: int) -> list[Passage]:
             twist = share * (1.0 - node) * turning[:, :, i, None] ** 2
             found.append(Passage(i, flying, share * own * back, twist))
     return found
-
-
-def perturbation(
-    flown: Flown, on_way: OnWay, effects: Sequence[tuple[FlightEffect, Values]]
-) -> tuple[Floats, Floats]:
-    """Return what small forces add: displacement and rotation vector, shape (S, F, 2, 3).
-
-    Double integrals of the acceleration along the unperturbed path, int_0^t (t - s) a(s) ds.
-    """
-    push, twist = np.zeros_like(flown.position), np.zeros_like(flown.position)
-    for i in (0, 1):
-        # In arrays of their own: a sphere's part of the whole is slow to add to.
-        pushed, twisted = np.zeros((2, *push[:, :, i].shape))
-        for effect, values in effects:
-            for passage in (p for p in on_way.passages(effect.nodes) if p.sphere == i):
-                linear, angular = effect.accelerate(passage.flying, values)
-                if np.any(linear):
-                    pushed += passage.push * linear
-                if np.any(angular):
-                    twisted += passage.twist * angular
-        push[:, :, i], twist[:, :, i] = pushed, twisted
-    return push, twist
 
 
 def _free_flight(data: PoseData, sides: Flights, stated: Timing, timing: Timing) -> Flown:
