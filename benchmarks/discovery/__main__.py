@@ -14,6 +14,7 @@ from benchmarks.discovery import (
     outside,
     pairs,
     power,
+    pulls,
     removed,
     speed,
 )
@@ -22,6 +23,7 @@ from benchmarks.discovery.options import Options
 SECTIONS = {
     "null": null.run,
     "power": power.run,
+    "pulls": pulls.run,
     "pairs": pairs.run,
     "outside": outside.run,
     "blind": blind.run,

@@ -1,4 +1,4 @@
-"""How much memory and time a campaign of any length takes: rigctl model rank --stream.
+"""How much memory and time a campaign of any length takes: rigctl model rank and explain --stream.
 
 The whole command is measured, from poses.csv to the table, in a process of its own.
 """
@@ -8,7 +8,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from itertools import pairwise
@@ -28,6 +28,7 @@ MIB = 1024.0
 """ru_maxrss is in KiB."""
 FIRST_SHOT = datetime(2026, 1, 1, 9, tzinfo=UTC)
 ASKED_MEMORY, ASKED_TIME = 1.1, 11.0
+COMMANDS = ("rank", "explain")
 COMMAND = "from rigctl.cli import main; main()"
 
 
@@ -41,12 +42,21 @@ class Used:
 
 
 def run(options: Options) -> None:
-    used = [measured(shots) for shots in (*SIZES, *([LARGE] if options.large else []))]
+    sizes = (*SIZES, *([LARGE] if options.large else []))
+    report("memory", [goal for command in COMMANDS for goal in _goals(command, sizes)], [])
+
+
+def _goals(command: str, sizes: Sequence[int]) -> list[Goal]:
+    """Measure one command at all sizes."""
+    used = [measured(command, shots) for shots in sizes]
     for one in used:
-        print(f"  {one.shots} shots: {one.memory_mib:.0f} MiB, {one.seconds:.1f} s")
+        print(
+            f"  {command}, {one.shots} shots: {one.memory_mib:.0f} MiB, {one.seconds:.1f} s",
+            flush=True,
+        )
     goals = [
         Goal(
-            f"memory of {more.shots} shots over that of {used[0].shots}",
+            f"{command}: memory of {more.shots} shots over that of {used[0].shots}",
             ASKED_MEMORY,
             more.memory_mib / used[0].memory_mib,
             0.0,
@@ -58,7 +68,7 @@ def run(options: Options) -> None:
     # With fewer shots the time that the program takes to start would flatter the ratio.
     goals += [
         Goal(
-            f"time of {more.shots} shots over that of {less.shots}",
+            f"{command}: time of {more.shots} shots over that of {less.shots}",
             ASKED_TIME,
             more.seconds / less.seconds,
             0.0,
@@ -67,15 +77,15 @@ def run(options: Options) -> None:
         )
         for less, more in pairwise(used[1:])
     ]
-    report("memory", goals, [])
+    return goals
 
 
-def measured(shots: int) -> Used:
-    """Return what fit and ranking of a campaign of so many shots take."""
+def measured(command: str, shots: int) -> Used:
+    """Return what a command takes on a campaign of so many shots."""
     with TemporaryDirectory() as made:
         folder = Path(made) / "campaign"
         write_in_parts(folder, shots)
-        arguments = ["model", "rank", str(folder), "--stream", "--json"]
+        arguments = ["model", command, str(folder), "--stream", "--json"]
         child = subprocess.Popen(
             [sys.executable, "-c", COMMAND, *arguments],
             stdout=subprocess.DEVNULL,

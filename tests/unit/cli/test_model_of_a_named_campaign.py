@@ -14,7 +14,9 @@ from rigctl.config import default_path
 
 WORDS = (
     "agreement",
+    "agreement --stream",
     "explain",
+    "explain --stream",
     "fit",
     "fit --stream",
     "launch",

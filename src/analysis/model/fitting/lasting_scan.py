@@ -18,7 +18,7 @@ Floats = NDArray[np.float64]
 FAR, KNOWN = 1e6, 1e3
 LEAST, MOST = (0.05, 1e-3), (1.2, 3.0)
 """Of e and mu."""
-STEPS, ROUGH_STEPS = 40, 20
+STEPS, ROUGH_STEPS = 40, 16
 """Integration steps of an undamped contact, in a scan and in its first, wide stages. They are fewer
 than in a fit: a scan only compares laws, and the fit gives the values."""
 SMOOTHED = 2

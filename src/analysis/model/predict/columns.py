@@ -24,7 +24,7 @@ from analysis.model.predict.contact import outcome_of_slopes
 from analysis.model.predict.sides import flights_by_outcome
 from analysis.model.predict.state import ShotStates
 from analysis.model.predict.steps import Unmoved
-from analysis.model.predict.theory import LAW, Active, Theory
+from analysis.model.predict.theory import BETA0, LAW, Active, Theory
 
 Floats = NDArray[np.float64]
 Wanted = tuple[Active | Systematic | None, int]
@@ -161,6 +161,9 @@ def _differences(
 ) -> Columns:
     acting = [None if active is None else active.effect for active, _ in wanted]
     at_contact = [k for k, e in enumerate(acting) if e is None or e.stage == "contact"]
+    if theory.contact_law is not None:
+        # Such a law has no beta0.
+        at_contact = [k for k in at_contact if wanted[k] != (None, BETA0)]
     moved = np.zeros((len(data.shots), line.by_state.shape[1], len(wanted)))
     if at_contact:
         outcomes = []
@@ -169,7 +172,9 @@ def _differences(
             outcomes.append((outcome_of_slopes(data, states, shifted) - here.about) / step)
         change = flights_by_outcome(here.outcome, np.stack(outcomes, axis=-1))
         moved[:, :, at_contact] = change
-    framed = np.setdiff1d(np.arange(len(wanted)), at_contact)
+    framed = np.array(
+        [k for k, e in enumerate(acting) if e and e.stage != "contact"], dtype=np.intp
+    )
     if not isinstance(data, PoseData) or here.frames is None:
         # A table of contacts has no frames: nothing in it hangs on how they came about.
         framed = framed[:0]

@@ -8,7 +8,7 @@ told.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -84,7 +84,7 @@ class FreeFlights:
             e,
             np.array(np.broadcast_to(mu, count)),
             np.zeros(count),
-            {name: np.resize(own, count) for name, own in self.covariates.items()},
+            _Repeated(self.covariates, count),
         )
         return encounter, wait
 
@@ -153,6 +153,22 @@ class FreeFlights:
             {name: own[rows] for name, own in self.covariates.items()},
             self.measured_s[rows],
         )
+
+
+class _Repeated(Mapping[str, Floats]):
+    """Covariates of all shots, once or several times over, repeated where an effect asks."""
+
+    def __init__(self, covariates: Mapping[str, Floats], count: int) -> None:
+        self._covariates, self._count = covariates, count
+
+    def __getitem__(self, name: str) -> Floats:
+        return np.resize(self._covariates[name], self._count)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._covariates)
+
+    def __len__(self) -> int:
+        return len(self._covariates)
 
 
 def spread_flights(

@@ -24,13 +24,14 @@ from analysis.model.fitting.systematics import Systematic
 Floats = NDArray[np.float64]
 
 LAW = ("e", "mu", "beta0")
+BETA0 = LAW.index("beta0")
 LAW_PRIOR = (0.74, 0.08, 0.6)
 """Where a fit starts: the thesis's nylon, with a beta0 that an elastic sphere could have."""
 LAW_PRIOR_SIGMA = (1.0, 0.5, 0.7)
 """beta0 has no information without a shot that sticks, mu none without spins; a prior about the
 start holds them. With any data to speak of it has no weight."""
 _LAW_STEP = 1e-6
-SLOPE_STEPS = 32
+SLOPE_STEPS = 40
 """Of integration in an undamped contact, for differences."""
 _HELD = 1e-4
 """Share of a stated error that is none."""
