@@ -133,11 +133,25 @@ def impacts_of(shots: list[tuple[int, MeasuredShot]]) -> Impacts:
     )
 
 
-def poses_of(found: dict[int, Measured], setup: Setup, factor: float) -> PoseData:
-    """Return the poses of a campaign as its exchange folder has them, at another scale."""
+def poses_of(
+    found: dict[int, Measured], setup: Setup, factor: float, slow: float = 1.0
+) -> PoseData:
+    """Return the poses of a campaign as its exchange folder has them, at another scale.
+
+    Parameters
+    ----------
+    slow
+        By what their stated slow errors are multiplied.
+    """
     shots = {number: measured_poses(shot) for number, (shot, _) in found.items()}
     data = pose_data(shots, (), typical(setup, [shot.slow for shot, _ in found.values()]))
-    return replace(data, position=factor * data.position)
+    stated = data.slow
+    lasting = replace(
+        stated,
+        position_m=slow * stated.position_m,
+        rotation_rad=slow * stated.rotation_rad,
+    )
+    return replace(data, position=factor * data.position, slow=lasting)
 
 
 def judge_report(report: Results, true: Floats) -> Pulls:
@@ -198,6 +212,9 @@ def main() -> None:
     parser.add_argument("--shots", type=int, default=12, help="of each campaign, 36 at most")
     parser.add_argument("--workers", type=int, default=1)
     parser.add_argument("--nominal", action="store_true", help="draw nothing")
+    parser.add_argument(
+        "--slow", type=float, default=1.0, help="times the stated slow errors, for the report"
+    )
     chosen = parser.parse_args()
     own, total = defaultdict[str, list[float]](list), defaultdict[str, list[float]](list)
     every_draw = draws(chosen.seeds, chosen.first)
@@ -211,7 +228,7 @@ def main() -> None:
             seen = measured(folder, chosen.workers)
         factor = 1.0 + drawn.scale * next(iter(seen.values()))[0].slow.scale
         shots = {n: (rescaled(shot, setup, factor), truth) for n, (shot, truth) in seen.items()}
-        report = results(poses_of(seen, setup, factor))
+        report = results(poses_of(seen, setup, factor, chosen.slow))
         parts = judge(shots, report, drawn)
         for every, part in zip((own, total), parts, strict=True):
             for name, pulls in part.items():
