@@ -27,6 +27,7 @@ def test_a_hidden_effect_is_moved_added_and_kept_by_a_reload(page: Page, served:
     slider = page.get_by_test_id("amount")
     slider.wait_for(timeout=LONG_MS)
     expect(page.get_by_test_id("story-compare")).to_contain_text("times the noise")
+    expect(page.get_by_test_id("guide-says")).to_contain_text("That was the whole way")
     card = page.get_by_test_id("lead")
     expect(card).to_contain_text("The mirror is not at 45°")
     assert card.locator("math").count() == 1
@@ -54,6 +55,7 @@ def test_a_hidden_effect_is_moved_added_and_kept_by_a_reload(page: Page, served:
     expect(page.get_by_test_id("story-added")).to_contain_text(
         f"to {foretold:.3f} times", timeout=LONG_MS
     )
+    expect(page.get_by_test_id("guide")).to_have_count(0)
     page.get_by_test_id("view-tables").click()
     page.get_by_test_id("error-now").wait_for(timeout=LONG_MS)
     assert abs(error_now(page) - foretold) < 0.001

@@ -9,6 +9,8 @@ from html import escape
 from nicegui import events, ui
 
 from rigctl.page.desk import Desk, actor
+from rigctl.page.guide.rail import Rail
+from rigctl.page.guide.wish import switch
 from rigctl.page.parts.asking import ask_reason
 from rigctl.page.parts.presence import come_back, every
 from rigctl.page.parts.widgets import button
@@ -33,8 +35,8 @@ DANGEROUS = frozenset({RigState.ARMED, RigState.FIRING, RigState.CAPTURING})
 
 
 @contextmanager
-def sheet(desk: Desk, title: str, place: str) -> Iterator[None]:
-    """Lay out a page: header, banner of a latched rig, and what the block adds."""
+def sheet(desk: Desk, title: str, place: str) -> Iterator[Rail]:
+    """Lay out a page: header, banner of a latched rig, the guide, and what the block adds."""
     ui.page_title(f"{title} · rigctl")
     status = desk.daemon.rig.status()
     dark = ui.dark_mode(None)
@@ -56,8 +58,11 @@ def sheet(desk: Desk, title: str, place: str) -> Iterator[None]:
             else f"{status.name}: real spheres fly, keep clear of the tubes"
         )
         contrast = ui.button(icon="contrast", on_click=lambda: _turn(dark), color=None)
-        contrast.props('flat round dense aria-label="dark or light"').classes("quiet")
+        contrast.props('flat round dense aria-label="dark or light"').classes("quiet contrast")
         contrast.tooltip("dark or light")
+        guide = ui.button(icon="help_outline", on_click=lambda: switch(shown=True), color=None)
+        guide.props('flat round dense aria-label="show the guide" data-testid=show-guide')
+        guide.classes("quiet").tooltip("what this is and what to do, step by step")
         stop = button("Stop", lambda: desk.stop("the page's button"), look="stop", testid="stop")
         stop.tooltip("Emergency stop: cuts the power of every actuator now. Key: Ctrl + .")
     ui.keyboard(on_key=lambda event: _on_key(desk, event), ignore=[], repeating=False)
@@ -78,7 +83,7 @@ def sheet(desk: Desk, title: str, place: str) -> Iterator[None]:
     every(TICK_S, show)
     with ui.element("div").classes("sheet deaf") as below:
         ui.html(escape(title), sanitize=False, tag="h1").classes("unseen")
-        yield
+        yield Rail(desk)
     for part in (header, banner, below):
         _hear_once_connected(part)
 

@@ -58,7 +58,7 @@ def forward(
         Whether an effect is accepted that two shots carry.
     """
     while len(found.path) <= MOST_ACCEPTED:
-        progress(f"refitting the leaders, {len(found.path) - 1} effects accepted")
+        progress(f"refitting the leaders{_beside(found.path[-1].effects)}")
         last, data = found.path[-1], found.evidence.data
         level = FIRST_LEVEL if len(found.path) == 1 else LATER_LEVEL
         leaders = refitted(data, last.fit, found.ranking, level)
@@ -79,6 +79,10 @@ def forward(
         ranking = rank(evidence.data, path[-1].fit, effects)
         found = Found(evidence, tuple(path), ranking, {**found.alias_sets, leader.name: alike})
     return found
+
+
+def _beside(accepted: Sequence[str]) -> str:
+    return f" beside {' and '.join(accepted)}" if accepted else ""
 
 
 def _laws_in(stage: Stage, effects: Sequence[Effect]) -> list[ContactLaw]:

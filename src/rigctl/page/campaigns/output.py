@@ -18,6 +18,7 @@ from rigctl.page.desk import Desk
 from rigctl.page.layout import TICK_S
 from rigctl.page.model.state import Question
 from rigctl.page.parts.following import following
+from rigctl.page.parts.waiting import Waiting
 from rigctl.page.parts.widgets import button
 from rigctl.service.problems import answer, from_error
 from rigctl.service.routes.report import ALONE, report_of
@@ -50,6 +51,8 @@ class Output:
         self._export = Question(self._ask_export, jobs.job)
         self._folder = str(desk.daemon.store.path / EXPORTS / campaign)
         self._show()
+        Waiting(desk, "Writing the report", lambda: self._report.running or "", "reporting")
+        Waiting(desk, "Writing the folder", lambda: self._export.running or "", "exporting")
         following(TICK_S * 3, self._follow)
 
     def _follow(self) -> None:
@@ -76,8 +79,6 @@ class Output:
             )
 
     def _button(self, text: str, asked: Question, act: Callable[[], None]) -> ui.button:
-        if asked.running is not None:
-            ui.spinner(size="sm")
         placed = button(text, act, testid=text.split(maxsplit=1)[0].lower())
         placed.set_enabled(asked.running is None)
         return placed

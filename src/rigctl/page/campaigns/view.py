@@ -21,6 +21,7 @@ from rigctl.page.parts.plots import figure
 from rigctl.page.parts.quantities import INCIDENCE, REBOUND, SPEED
 from rigctl.page.parts.readings import Impact, rows_of
 from rigctl.page.parts.remarks import Remarks
+from rigctl.page.parts.waiting import Waiting
 from rigctl.page.parts.widgets import button, plot, save_csv
 from rigctl.page.shots.table import ShotTable, latest
 from rigctl.store import CampaignRecord, ShotRecord
@@ -117,6 +118,7 @@ class CampaignView:
         with ui.element("div").classes("columns third"):
             with ui.element("div").classes("panel tall").props("data-testid=figure-7-4"):
                 self._plane()
+                Waiting(desk, "Fitting the law", lambda: self._fitted.running or "", "fitting")
             with ui.element("div").classes("panel"):
                 self._titled("Restitution over approach speed", "restitution", SPEED)
                 self._speed = plot(over_speed([], campaign, READING)).props(
@@ -194,7 +196,7 @@ class CampaignView:
             ui.label(self._fitted.failure).classes("empty")
             button("Fit again", self._refit, testid="refit")
         else:
-            ui.label("Fitting …").classes("empty")
+            ui.label("Its law comes with the fit.").classes("empty")
 
     def _aged(self, fitted: int) -> None:
         """Say so where shots were measured since the fit."""

@@ -24,16 +24,18 @@ class ProposedLaw:
         self._state, self._refresh = state, refresh
         self._asked = Question(self._ask, state.source.daemon.jobs.job)
 
+    @property
+    def running(self) -> str:
+        """The job that looks for a law; empty while none does."""
+        return self._asked.running or ""
+
     def follow(self) -> bool:
         """Fetch the answer if it came; say whether anything ended."""
         return self._asked.follow()
 
     def show(self) -> None:
         """Place the button, or the answer."""
-        if self._asked.running is not None:
-            ui.spinner(size="sm")
-            ui.label("looking for what depends on what …").classes("aside")
-        elif self._asked.answer is None:
+        if self._asked.running is None and self._asked.answer is None:
             placed = button("Propose a law", self._start, testid="propose")
             placed.tooltip("tries what depends on what, with an error rate that holds")
         if self._asked.failure:

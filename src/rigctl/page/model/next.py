@@ -11,6 +11,7 @@ from rigctl.model.next_words import sentence, sweep_of
 from rigctl.page.desk import Desk
 from rigctl.page.model.state import ModelState, Question
 from rigctl.page.parts.tables import Line, facts
+from rigctl.page.parts.waiting import Waiting
 from rigctl.page.parts.widgets import button
 from rigctl.page.sweeps.form import form_address, shot_headings
 
@@ -28,6 +29,7 @@ class NextShots:
         self._asked = Question(self._ask, desk.daemon.jobs.job)
         with ui.element("div").classes("panel").props("data-testid=next-shots"):
             self.show()
+            Waiting(desk, "Choosing shots", lambda: self._asked.running or "", "choosing")
 
     def follow(self) -> None:
         """Show the answer once it has come."""
@@ -57,8 +59,6 @@ class NextShots:
             self._select([*names, NONE], 1)
             ask = button("Choose shots", self._start, testid="choose-shots")
             ask.set_enabled(self._asked.running is None)
-            if self._asked.running is not None:
-                ui.spinner(size="sm")
             ui.label(
                 "The settings within the rig's limits at which the two foretell most differently."
             ).classes("aside")

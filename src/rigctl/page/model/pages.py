@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from datetime import UTC, datetime
 
 from nicegui import ui
 
 from rigctl.errors import RigError
-from rigctl.jobs import Job
 from rigctl.page.desk import Desk
+from rigctl.page.guide.rail import Rail
 from rigctl.page.layout import sheet
 from rigctl.page.model.challenge_panel import ChallengePanel, challenge_maker
 from rigctl.page.model.next import NextShots
@@ -22,12 +21,12 @@ from rigctl.page.model.verdict import Verdict
 from rigctl.page.parts.following import following
 from rigctl.page.parts.plotting import expect_plots
 from rigctl.page.parts.presence import kept_page
+from rigctl.page.parts.waiting import Waiting
 from rigctl.page.parts.widgets import button
 from rigctl.store import ShotState
 
 LOOK_S = 0.05
 """How often the page looks for an answer: who waits for a fit waits for half of it on average."""
-WORTH_SAYING_S = 3.0
 STORY, TABLES = VIEWS = ("story", "tables")
 LEFT_OUT = {"rejected": "left out as too far from the rest", "excluded": "excluded by a person"}
 
@@ -38,19 +37,21 @@ class ModelView:
     Effects and view stand in the address, so that a reload keeps them.
     """
 
-    def __init__(self, desk: Desk, source: Source, effects: Effects, view: str) -> None:
-        self._desk, self._view = desk, view
+    def __init__(
+        self, desk: Desk, source: Source, effects: Effects, view: str, guide: Rail
+    ) -> None:
+        self._desk, self._view, self._guide = desk, view, guide
         self._state = ModelState(source)
         self._state.take(effects)
         self._rest = False
         self._head()
-        self._verdict = Verdict(self._state, str if view == TABLES else in_plain)
+        self._verdict = Verdict(desk, self._state, str if view == TABLES else in_plain)
         self._busy()
         self._failed()
         if view == TABLES:
             self._steps: Steps | Story = Steps(desk, self._state, self._take)
         else:
-            self._steps = Story(self._state, self._take)
+            self._steps = Story(desk, self._state, self._take)
         with self._steps.last:
             self._next = NextShots(desk, self._state)
             ChallengePanel(self._state)
@@ -61,10 +62,6 @@ class ModelView:
             self._rest = False
             self._steps.rank()
             self._next.show.refresh()
-        job = self._state.waits()
-        self._working.set_visibility(job is not None)
-        if job is not None:
-            self._doing.set_text(f"{job.progress or job.state} …{_since(job)}")
         if self._state.follow():
             self._draw()
         self._verdict.follow()
@@ -76,6 +73,8 @@ class ModelView:
         self._failed.refresh()
         self._steps.show()
         self._rest = True
+        if self._state.present is not None:
+            self._guide.over()
 
     def _take(self, effects: tuple[str, ...]) -> None:
         self._state.take(effects)
@@ -115,16 +114,11 @@ class ModelView:
                         ui.label("×")
 
     def _busy(self) -> None:
-        self._working = ui.element("div").classes("busy").props("data-testid=busy role=status")
-        with self._working:
-            ui.spinner(size="sm")
-            self._doing = ui.label()
-            button("Cancel", self._cancel, look="line tab", testid="cancel-job")
+        def look() -> str:
+            job = self._state.waits()
+            return "" if job is None else job.id
 
-    async def _cancel(self) -> None:
-        job = self._state.waits()
-        if job is not None:
-            await self._desk.act(lambda: self._desk.daemon.jobs.cancel(job.id))
+        Waiting(self._desk, "Comparing model and measurement", look, testid="busy")
 
     @ui.refreshable_method
     def _failed(self) -> None:
@@ -132,14 +126,6 @@ class ModelView:
             with ui.element("div").classes("verdict bad").props("data-testid=failure"):
                 ui.label(self._state.failure)
                 button("Ask again", lambda: self._take(self._state.effects))
-
-
-def _since(job: Job) -> str:
-    """Say how long a job runs, once that is worth saying."""
-    if job.started_at is None:
-        return ""
-    seconds = (datetime.now(UTC) - job.started_at).total_seconds()
-    return f" {seconds:.0f} s" if seconds >= WORTH_SAYING_S else ""
 
 
 def _counted(found: dict[str, object]) -> str:
@@ -159,24 +145,24 @@ def model_pages(desk: Desk) -> None:
 
     @kept_page("/model")
     def choose(folder: str = "", effects: str = "", view: str = STORY) -> None:
-        with sheet(desk, "Model", "/model"):
+        with sheet(desk, "Model", "/model") as guide:
             if folder:
-                _view(lambda: Source.of_folder(desk.daemon, folder), desk, effects, view)
+                _view(lambda: Source.of_folder(desk.daemon, folder), desk, effects, view, guide)
             else:
                 _choice(desk)
 
     @kept_page("/model/{campaign}")
     def model(campaign: str, effects: str = "", view: str = STORY) -> None:
-        with sheet(desk, f"Model of {campaign}", "/model"):
+        with sheet(desk, f"Model of {campaign}", "/model") as guide:
 
             def known() -> Source:
                 desk.daemon.store.campaigns.one(campaign)
                 return Source(desk.daemon, campaign)
 
-            _view(known, desk, effects, view)
+            _view(known, desk, effects, view, guide)
 
 
-def _view(source: Callable[[], Source], desk: Desk, effects: str, view: str) -> None:
+def _view(source: Callable[[], Source], desk: Desk, effects: str, view: str, guide: Rail) -> None:
     try:
         found = source()
     except RigError as error:
@@ -187,7 +173,7 @@ def _view(source: Callable[[], Source], desk: Desk, effects: str, view: str) -> 
         return
     expect_plots()
     slider_script()
-    ModelView(desk, found, tuple(filter(None, effects.split(","))), view)
+    ModelView(desk, found, tuple(filter(None, effects.split(","))), view, guide)
 
 
 def _choice(desk: Desk) -> None:

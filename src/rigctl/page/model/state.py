@@ -12,6 +12,7 @@ from typing import Any
 from rigctl.errors import RigError
 from rigctl.jobs import ENDED, Job, JobState
 from rigctl.page.model.source import Source
+from rigctl.page.parts.waiting import cancelled_words
 
 Json = dict[str, Any]
 Effects = tuple[str, ...]
@@ -75,9 +76,9 @@ class ModelState:
         """Return the answer with one more effect; None while it is computed, or if it cannot be."""
         return self._answers.get((*self.effects, effect))
 
-    def tries(self, effect: str) -> bool:
-        """Say whether the fit with one more effect is under way."""
-        return (*self.effects, effect) in self._jobs
+    def tries(self, effect: str) -> str:
+        """Return the job that fits one more effect; empty while none does."""
+        return self._jobs.get((*self.effects, effect), "")
 
     def follow(self) -> bool:
         """Fetch what has been answered since; say whether anything has."""
@@ -104,7 +105,7 @@ class ModelState:
         elif job.state is JobState.DONE and job.result is not None:
             self._answers[stage] = _read(job.result)
         else:
-            self.failure = job.failure or f"The work was {job.state}."
+            self.failure = job.failure or cancelled_words(job)
 
     def _job(self, name: str) -> Job | None:
         try:
@@ -153,5 +154,5 @@ class Question:
         if job.state is JobState.DONE and job.result is not None:
             self.answer = json.loads(job.result)
         else:
-            self.failure = job.failure or f"The work was {job.state}."
+            self.failure = job.failure or cancelled_words(job)
         return True

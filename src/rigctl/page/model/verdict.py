@@ -11,8 +11,10 @@ from analysis.model.fitting.nuisance_words import alarm_sentence
 from analysis.model.structure.alarm import FEWEST
 from analysis.model.structure.influence import FEW
 from analysis.model.verdict.words import doubts, too_few, verdict_sentence
+from rigctl.page.desk import Desk
 from rigctl.page.model.law import ProposedLaw
 from rigctl.page.model.state import ModelState, Question
+from rigctl.page.parts.waiting import Waiting
 from rigctl.page.parts.widgets import button
 
 Json = dict[str, Any]
@@ -26,12 +28,14 @@ class Verdict:
     `worded` puts a sentence into the words of the view.
     """
 
-    def __init__(self, state: ModelState, worded: Callable[[str], str] = str) -> None:
+    def __init__(self, desk: Desk, state: ModelState, worded: Callable[[str], str] = str) -> None:
         self._state, self._worded = state, worded
         jobs = state.source.daemon.jobs
         self._asked = Question(lambda: state.source.ask("explain"), jobs.job)
         self._law = ProposedLaw(state, self.show.refresh)
         self.show()
+        Waiting(desk, "Finding what is missing", lambda: self._asked.running or "", "explaining")
+        Waiting(desk, "Looking for a law", lambda: self._law.running, "proposing")
 
     def follow(self) -> None:
         """Show the answer once it has come."""
@@ -59,11 +63,8 @@ class Verdict:
             self._found()
 
     def _offer(self) -> None:
-        if self._asked.running is not None:
-            ui.spinner(size="sm")
-            ui.label("going the whole way …").classes("aside")
-        elif self._asked.answer is None:
-            placed = button("Find it for me", self._start, testid="explain")
+        if self._asked.running is None and self._asked.answer is None:
+            placed = button("Find it by itself", self._start, testid="explain")
             placed.tooltip("adds effects, drops them again and judges, until nothing is missing")
 
     def _found(self) -> None:

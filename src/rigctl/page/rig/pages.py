@@ -10,6 +10,7 @@ from nicegui import ui
 from rigctl.config import Limits
 from rigctl.page.desk import Desk
 from rigctl.page.feed import Feed, Happening
+from rigctl.page.guide.welcome import rig_drawing, welcome
 from rigctl.page.layout import TICK_S, sheet
 from rigctl.page.parts.following import following
 from rigctl.page.parts.presence import every, kept_page
@@ -43,6 +44,7 @@ def rig_page(desk: Desk) -> None:
                     with ui.element("div").classes("panel"):
                         last.beside()
                     _events(desk.feed)
+            welcome(desk)
 
 
 class LastShot:
@@ -75,6 +77,7 @@ class LastShot:
                 "No shot has been fired yet. Choose pressure and offset, press Arm, then "
                 "Fire: film and coefficients appear here."
             ).classes("empty")
+            rig_drawing(self._desk)
             return
         if self._shot is not None and self._shot.id != self._filmed.id:
             ui.label(f"Film of shot {self._filmed.number}, until this one has frames.").classes(

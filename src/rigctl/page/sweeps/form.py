@@ -150,7 +150,10 @@ def _listed(proposed: Sweep) -> None:
         Line([*(f"{getattr(shot, name):g}" for name in LISTED), str(shot.repeat)])
         for shot in proposed.shots
     ]
-    facts(shot_headings(), lines, "proposed")
+    if lines:
+        facts(shot_headings(), lines, "proposed")
+    if proposed.grid is not None:
+        ui.label(f"{proposed.grid.size()} combinations, drawn on this page.").classes("note")
     ui.link("build a grid instead", "/sweeps").classes("note")
 
 

@@ -39,17 +39,18 @@ def lead_card(
     fits: tuple[Json, Json | None],
     cell: Json,
     add: Callable[[str], None],
-    *,
-    waits: bool,
+    wait: Callable[[], bool],
 ) -> None:
     """Place the card of an effect.
 
     Parameters
     ----------
     fits
-        Without it and with it; None while the second is computed (`waits`), or if it cannot be.
+        Without it and with it; None while the second is computed, or if it cannot be.
     cell
         Whose points are drawn.
+    wait
+        Says in the slider's place how far the second fit is, and whether it is under way.
     """
     before, after = fits
     card = card_of(effect)
@@ -70,9 +71,7 @@ def lead_card(
                     plot(line_plot(cell, drawn, (sums.x, [0.0] * len(sums.x)))).classes("over")
             if sums is not None:
                 _slider(card, effect["parameters"][0], sums)
-            elif waits:
-                ui.label("Fitting it in full; the slider comes with the answer …").classes("busy")
-            else:
+            elif not wait():
                 ui.label("These shots do not determine its size.").classes("note")
         with ui.element("div").classes("stack outcome"):
             _gauge(before)

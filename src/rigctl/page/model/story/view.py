@@ -9,6 +9,7 @@ from typing import Any
 
 from nicegui import ui
 
+from rigctl.page.desk import Desk
 from rigctl.page.model.compare import parsed
 from rigctl.page.model.effect_words import described, left_out
 from rigctl.page.model.state import Effects, ModelState
@@ -26,6 +27,7 @@ from rigctl.page.model.story.words import (
     where,
 )
 from rigctl.page.model.where import apart
+from rigctl.page.parts.waiting import Waiting
 from rigctl.page.parts.widgets import button, plot
 
 Json = dict[str, Any]
@@ -43,11 +45,11 @@ class Story:
     `last` is where more can be placed after them.
     """
 
-    def __init__(self, state: ModelState, take: Callable[[Effects], None]) -> None:
-        self._state, self._take = state, take
+    def __init__(self, desk: Desk, state: ModelState, take: Callable[[Effects], None]) -> None:
+        self._desk, self._state, self._take = desk, state, take
         self._shown: Json | None = None
         self._after: Json | None = None
-        self._effect, self._waits = "", False
+        self._effect, self._waits = "", ""
         with ui.element("div").classes("stack story"):
             self._steps()
             self.last = ui.element("div").classes("stack")
@@ -146,9 +148,8 @@ class Story:
             else f"None of {len(seen)} effects stands out any more. The best of them:"
         )
         _lede(lede, "story-missing")
-        waits = self._state.tries(self._effect)
         fits = found, self._after
-        lead_card(known[self._effect], fits, cell, self._add, waits=waits)
+        lead_card(known[self._effect], fits, cell, self._add, self._wait)
         like: list[str] = next((c["like"] for c in seen if c["effect"] == self._effect), [])
         alike = [c for c in seen if c["effect"] in like]
         others = [c for c in seen if c not in alike and c["effect"] != self._effect][:OTHERS]
@@ -159,6 +160,14 @@ class Story:
         ui.label(f"Also looked at, of {len(seen)} effects").classes("strong")
         self._cards(others, known, seen)
         left_out(found)
+
+    def _wait(self) -> bool:
+        """Place what is said while the effect is fitted; say whether it is."""
+        if not self._waits:
+            return False
+        title = "Fitting it in full, the slider comes with the answer"
+        Waiting(self._desk, title, lambda: self._waits, "trying")
+        return True
 
     def _cards(self, candidates: Sequence[Json], known: dict[str, Json], seen: list[Json]) -> None:
         most = max((c["promised_fall"] for c in seen), default=1.0) or 1.0

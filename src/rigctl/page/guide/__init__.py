@@ -1,0 +1,1 @@
+"""The way of somebody who is here for the first time, from an empty store to a verdict."""

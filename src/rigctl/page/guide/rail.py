@@ -1,0 +1,190 @@
+"""The four steps of the first visit on top of every page, with what to do now."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from nicegui import context, ui
+
+from rigctl.config import Limits
+from rigctl.page.desk import Desk
+from rigctl.page.guide.progress import (
+    COMPARE,
+    ENOUGH,
+    FIRE,
+    OVER,
+    READ,
+    STEPS,
+    SWEEP,
+    Progress,
+    progress_of,
+)
+from rigctl.page.guide.wish import keep, switch, wanted
+from rigctl.page.parts.following import following
+from rigctl.page.parts.widgets import button
+from rigctl.page.sweeps.form import form_address
+from rigctl.store import ShotState, SweepState
+from rigctl.sweeps.form import Sweep
+
+LOOK_S = 0.5
+CAMPAIGN = "first"
+SWEEPS = "/sweeps"
+SHOTS: dict[str, tuple[tuple[float, float], dict[str, object]]] = {
+    "pressure_a_kpa": ((20.0, 80.0), {"count": 5, "spacing": "root"}),
+    "offset_mm": ((0.0, 20.0), {"count": 6}),
+}
+"""Of the thirty shots: ends and number of values, from slow to fast, from head on to grazing."""
+RUNS = frozenset({SweepState.RUNNING, SweepState.PAUSED})
+
+
+class Rail:
+    """The steps, the present one marked, and one sentence with one button; nothing if not wanted.
+
+    Parameters
+    ----------
+    desk
+        What the page works with.
+    """
+
+    def __init__(self, desk: Desk) -> None:
+        self._desk, self._place = desk, context.client.request.url.path
+        self._compared, self._heard = False, -1
+        if not wanted():
+            return
+        self._now = self._stand()
+        if self._place == "/":
+            with ui.element("div").classes("claim"):
+                ui.label("Shoot two spheres at each other.")
+                ui.label("Find the law of physics that the model forgot.")
+        self._show()
+        following(LOOK_S, self._follow)
+
+    def over(self) -> None:
+        """Say that a campaign stands beside its model; from the next page on the guide is gone."""
+        if not wanted() or self._compared:
+            return
+        self._compared = True
+        self._now = self._stand()
+        self._show.refresh()
+        if self._now.step == OVER:
+            keep(shown=False)
+
+    def _stand(self) -> Progress:
+        self._heard = self._desk.feed.told
+        now = progress_of(
+            self._desk.daemon.store.campaigns.all(),
+            any_measured=any_measured(self._desk),
+            compared=self._compared,
+        )
+        # Who is at the form of a sweep has read the shot.
+        return replace(now, step=SWEEP) if now.step == READ and self._place == SWEEPS else now
+
+    def _follow(self) -> None:
+        if self._heard == self._desk.feed.told or (now := self._stand()) == self._now:
+            return
+        self._now = now
+        self._show.refresh()
+
+    @ui.refreshable_method
+    def _show(self) -> None:
+        with ui.element("section").classes("guide").props('aria-label="guide" data-testid=guide'):
+            with ui.element("ol").classes("way"):
+                for number, (name, about) in enumerate(STEPS, start=1):
+                    self._step(number, name, about)
+            with ui.element("div").classes("now"):
+                ui.label(self._sentence()).classes("said").props("data-testid=guide-says")
+                self._button()
+                hide = button(
+                    "I know the rig: hide the guide",
+                    lambda: switch(shown=False),
+                    look="line tab",
+                    testid="hide-guide",
+                )
+                hide.tooltip("It stays hidden in this browser; the ? at the top brings it back.")
+
+    def _step(self, number: int, name: str, about: str) -> None:
+        done, here = number < self._now.step, number == self._now.step
+        look = "done" if done else "here" if here else "todo"
+        with ui.element("li").classes(look) as placed:
+            if here:
+                placed.props('aria-current="step"')
+            ui.label("✓" if done else str(number)).classes("step-number").props("aria-hidden=true")
+            with ui.element("div"):
+                ui.label(name).classes("strong")
+                ui.label("done" if done else about).classes("note")
+
+    def _sentence(self) -> str:
+        now = self._now
+        if now.step == FIRE:
+            return "Good values are filled in: press Arm, then Fire. Nothing moves before you arm."
+        if now.step == READ:
+            return f"{self._met()} One shot shows how it bounced; thirty show a law."
+        if now.step == SWEEP and self._place == SWEEPS and not self._runs():
+            return (
+                "Thirty shots are chosen, slow to fast and head on to grazing. Press Start: they "
+                "are fired and measured by themselves. Pause, Abort and STOP are always there."
+            )
+        if now.step == SWEEP:
+            return f"{now.measured} shots of “{now.campaign}” are measured; {ENOUGH} are enough."
+        if now.step == COMPARE:
+            return (
+                f"{now.measured} shots are measured. Now hold them against the model: where it is "
+                "wrong, something is missing in it."
+            )
+        return "That was the whole way: fired, measured, compared. The verdict stands below."
+
+    def _met(self) -> str:
+        """Say in numbers what the shot that was measured last did."""
+        last = self._desk.daemon.rig.status().last_shot
+        result = {} if last is None else self._desk.films.result(last)
+        if result.get("status") != "measured":
+            return "Your first shot is measured."
+        met, parted = (abs(result[name]["value"]) for name in ("v_n", "v_n_after"))
+        return (
+            f"Read it: the spheres met at {met:.2f} m/s and parted at {parted:.2f} m/s, along the "
+            f"line of centres. So the bounce e is {parted / met:.3f}."
+        )
+
+    def _button(self) -> None:
+        now = self._now
+        if now.step == FIRE and self._place != "/":
+            _lead("To the rig", "/")
+        elif now.step in {READ, SWEEP} and not self._runs() and self._place != SWEEPS:
+            _lead("Let it fire 30 more", self._thirty())
+        elif now.step == COMPARE and not self._place.startswith("/model/"):
+            _lead("Compare with the model", f"/model/{now.campaign}")
+
+    def _thirty(self) -> str:
+        limits = self._desk.daemon.configuration.limits
+        sweep = thirty(self._now.campaign or CAMPAIGN, limits)
+        return SWEEPS if sweep is None else form_address(sweep)
+
+    def _runs(self) -> bool:
+        found = self._desk.daemon.store.sweeps.sweeps(limit=1)
+        return any(sweep.state in RUNS for sweep in found)
+
+
+def _lead(text: str, address: str) -> None:
+    button(text, lambda: ui.navigate.to(address), look="fill", testid="guide-next")
+
+
+def any_measured(desk: Desk) -> bool:
+    """Say whether any shot of the store is measured."""
+    return bool(desk.daemon.store.shots(limit=1, state=ShotState.ANALYSED))
+
+
+def thirty(campaign: str, limits: Limits) -> Sweep | None:
+    """Return the thirty shots that the guide has fired, within the limits of the rig.
+
+    None where the rig sets neither pressure nor offset.
+    """
+    levels: dict[str, object] = {}
+    for name, (ends, how) in SHOTS.items():
+        low, high = limits.offset_mm if name == "offset_mm" else limits.pressure_kpa
+        first, last = (min(max(end, low), high) for end in ends)
+        if first == last:
+            return None
+        levels[name] = {"first": first, "last": last, **how}
+    return Sweep.model_validate(
+        {"campaign": campaign, "grid": levels, "note": "slow to fast, head on to grazing"}
+    )

@@ -1,0 +1,47 @@
+"""The first visit: the rig drawn, a shot fired and read, thirty more offered; the guide hidden."""
+
+from __future__ import annotations
+
+import re
+from urllib.parse import urlsplit
+
+from playwright.sync_api import Page, expect
+
+from tests.browser.conftest import Served
+from tests.browser.test_rig_page import FIRST_USE_MS
+
+
+def test_a_newcomer_is_led_from_an_empty_store_to_thirty_shots(page: Page, served: Served) -> None:
+    says = page.get_by_test_id("guide-says")
+    expect(says).to_contain_text("press Arm, then Fire")
+    drawing = page.get_by_test_id("rig-drawing").locator(".wide-drawing .angle")
+    page.get_by_test_id("offset_mm").fill("12.7")
+    # Half of a diameter of 25.4 mm: the line of centres is turned by asin(1/2).
+    expect(drawing).to_have_text("12.7 mm: 30° off head-on")
+    page.get_by_test_id("offset_mm").fill("6")
+    page.get_by_test_id("arm").click()
+    page.get_by_test_id("fire").click()
+    expect(says).to_contain_text("the bounce e is 0.7", timeout=FIRST_USE_MS)
+    met, parted, e = map(float, re.findall(r"\d+\.\d+", says.inner_text()))
+    assert abs(parted / met - e) < 0.01
+    page.get_by_test_id("guide-next").click()
+    expect(page.get_by_test_id("sweep-says")).to_have_text("30 shots")
+    expect(page.get_by_test_id("campaign")).to_have_value("first")
+    expect(page.get_by_test_id("start-sweep")).to_be_enabled()
+
+
+def test_a_guide_that_is_hidden_stays_hidden_until_it_is_asked_for(
+    page: Page, served: Served
+) -> None:
+    guide = page.get_by_test_id("guide")
+    expect(guide).to_be_visible()
+    page.get_by_test_id("hide-guide").click()
+    expect(guide).to_have_count(0)
+    for place in ("/", "/sweeps"):
+        page.goto(served.url + place)
+        page.wait_for_function("window.did_handshake")
+        expect(guide).to_have_count(0)
+        expect(page.get_by_test_id("welcome")).to_have_count(0)
+    page.get_by_test_id("show-guide").click()
+    expect(guide).to_be_visible()
+    assert urlsplit(page.url).path == "/sweeps"

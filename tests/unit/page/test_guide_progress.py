@@ -1,0 +1,78 @@
+"""How far a first visit has come, from what lies in the store."""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime
+
+import pytest
+
+from rigctl.config import Limits
+from rigctl.page.guide.progress import COMPARE, FIRE, OVER, READ, SWEEP, progress_of
+from rigctl.page.guide.rail import thirty
+from rigctl.store import CampaignRecord, ShotState
+from rigctl.sweeps.plan import plan_of, require_possible
+
+AT = datetime(2026, 1, 1, tzinfo=UTC)
+
+
+def campaign(name: str, measured: int, refused: int = 0) -> CampaignRecord:
+    states = {ShotState.ANALYSED: measured, ShotState.REFUSED: refused}
+    return CampaignRecord(name, {state: count for state, count in states.items() if count}, AT, AT)
+
+
+def test_an_empty_store_asks_for_a_shot() -> None:
+    assert progress_of([], any_measured=False, compared=False).step == FIRE
+
+
+def test_a_refused_shot_alone_is_nothing_to_read() -> None:
+    assert progress_of([campaign("first", 0, 1)], any_measured=False, compared=False).step == FIRE
+
+
+@pytest.mark.parametrize(
+    ("measured", "step"), [(1, READ), (2, SWEEP), (19, SWEEP), (20, COMPARE), (120, COMPARE)]
+)
+def test_measured_shots_lead_on(measured: int, step: int) -> None:
+    found = progress_of([campaign("first", measured)], any_measured=True, compared=False)
+    assert (found.step, found.campaign, found.measured) == (step, "first", measured)
+
+
+def test_the_campaign_with_most_measured_shots_is_the_one_that_is_compared() -> None:
+    known = [campaign("small", 3, 90), campaign("large", 40), campaign("other", 5)]
+    assert progress_of(known, any_measured=True, compared=False).campaign == "large"
+
+
+def test_whoever_has_compared_is_through_wherever_the_shots_came_from() -> None:
+    assert progress_of([], any_measured=False, compared=True).step == OVER
+
+
+def test_a_shot_without_a_campaign_is_read_too() -> None:
+    assert progress_of([], any_measured=True, compared=False).step == READ
+
+
+def limits(**ranges: tuple[float, float]) -> Limits:
+    common = {"pressure_kpa": (5, 120), "offset_mm": (0, 24), "delay_us": (0, 0), **ranges}
+    return Limits.model_validate(
+        {
+            **common,
+            "pressure_tolerance_kpa": 0.5,
+            "offset_tolerance_mm": 0.02,
+            "settle_timeout_s": 20,
+            "reading_max_age_s": 2,
+            "arm_lifetime_s": 30,
+            "cool_down_s": 1,
+            "free_disk_mb": 100,
+        }
+    )
+
+
+def test_thirty_shots_are_thirty_that_the_rig_can_fire() -> None:
+    narrow = limits(pressure_kpa=(30, 60), offset_mm=(0, 12))
+    for allowed in (limits(), narrow):
+        sweep = thirty("first", allowed)
+        assert sweep is not None
+        assert sweep.count() == 30
+        require_possible(plan_of(sweep), allowed)
+
+
+def test_a_rig_without_a_slide_is_given_no_grid() -> None:
+    assert thirty("first", limits(offset_mm=(0, 0))) is None
