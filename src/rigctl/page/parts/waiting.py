@@ -69,6 +69,7 @@ class Waiting:
     async def _on_cancel(self) -> None:
         name = self._look()
         if name:
+            self._said.set_text(f"{self._title}: is being cancelled")
             await self._desk.act(lambda: self._desk.daemon.jobs.cancel(name))
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Mapping
 from contextlib import suppress
 from typing import Any
@@ -9,6 +10,7 @@ from typing import Any
 from nicegui import run, ui
 
 from rigctl.errors import RigError
+from rigctl.jobs.duration import Rate
 from rigctl.page.desk import Desk
 from rigctl.page.parts.presence import every
 from rigctl.page.parts.quantities import COEFFICIENTS, VALUE
@@ -98,13 +100,16 @@ def _compiling(desk: Desk) -> None:
             'instant-feedback aria-label="machine code that is compiled"'
         )
         count = ui.label().classes("note")
+    rate = Rate()
 
     def look() -> None:
         now = desk.daemon.compiling()
         said.set_visibility(now is not None)
         if now is not None:
             share.set_value(now.done / now.of)
-            count.set_text(f"{now.done} of about {now.of} functions")
+            left = rate.left_s(now.done / now.of, time.monotonic())
+            about = "" if left is None else f", about {left:.0f} s left"
+            count.set_text(f"{now.done} of about {now.of} functions{about}")
 
     look()
     every(COMPILING_EVERY_S, look)

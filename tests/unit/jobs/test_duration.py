@@ -1,0 +1,57 @@
+"""How long a wait lasts: from jobs that ended, from the share that is done, or not known."""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime, timedelta
+
+import pytest
+
+from rigctl.jobs import Job, JobState
+from rigctl.jobs.duration import Rate, wait_of
+
+START = datetime(2026, 1, 1, tzinfo=UTC)
+
+
+def at(seconds: float) -> datetime:
+    return START + timedelta(seconds=seconds)
+
+
+def job(kind: str = "picture", share: float | None = None, begun_s: float = 0.0) -> Job:
+    running = JobState.RUNNING
+    return Job("a" * 16, kind, "c", running, START, started_at=at(begun_s), share=share)
+
+
+def done(seconds: float, state: JobState = JobState.DONE, kind: str = "picture") -> Job:
+    return Job("b" * 16, kind, "c", state, START, started_at=START, ended_at=at(seconds))
+
+
+def test_jobs_of_the_kind_say_how_long_one_takes() -> None:
+    wait = wait_of(job(), [done(8), done(10), done(12), done(500, kind="explain")], at(4))
+    assert (wait.gone_s, wait.left_s) == (4, 6)
+    assert wait.share == pytest.approx(0.4)
+
+
+def test_a_job_that_was_cancelled_says_nothing_of_how_long_one_takes() -> None:
+    assert wait_of(job("reanalyse"), [done(1, JobState.CANCELLED)], at(4)).left_s is None
+
+
+def test_time_in_the_queue_is_gone_but_brings_the_end_no_nearer() -> None:
+    wait = wait_of(job(begun_s=5), [done(10)], at(7))
+    assert (wait.gone_s, wait.left_s) == (7, 8)
+
+
+def test_what_is_done_counts_more_than_other_jobs_from_the_half_on() -> None:
+    assert wait_of(job(share=0.75), [done(10)], at(6)).left_s == pytest.approx(2)
+    assert wait_of(job(share=0.25), [done(10)], at(6)).left_s == pytest.approx(4)
+
+
+def test_an_estimate_that_was_wrong_by_twice_is_given_up() -> None:
+    assert wait_of(job(), [done(10)], at(19.9)).left_s == 1
+    assert wait_of(job(), [done(10)], at(20.1)).left_s is None
+
+
+def test_a_pace_gives_the_time_left() -> None:
+    rate = Rate()
+    assert rate.left_s(0.2, 100.0) is None
+    assert rate.left_s(0.2, 105.0) is None
+    assert rate.left_s(0.6, 110.0) == pytest.approx(10.0)
