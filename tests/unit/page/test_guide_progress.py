@@ -8,7 +8,7 @@ import pytest
 
 from rigctl.config import Limits
 from rigctl.page.guide.progress import COMPARE, FIRE, OVER, READ, SWEEP, progress_of
-from rigctl.page.guide.rail import thirty
+from rigctl.page.sweeps.broad import broad_sweep
 from rigctl.store import CampaignRecord, ShotState
 from rigctl.sweeps.plan import plan_of, require_possible
 
@@ -68,11 +68,11 @@ def limits(**ranges: tuple[float, float]) -> Limits:
 def test_thirty_shots_are_thirty_that_the_rig_can_fire() -> None:
     narrow = limits(pressure_kpa=(30, 60), offset_mm=(0, 12))
     for allowed in (limits(), narrow):
-        sweep = thirty("first", allowed)
+        sweep = broad_sweep("first", allowed)
         assert sweep is not None
         assert sweep.count() == 30
         require_possible(plan_of(sweep), allowed)
 
 
 def test_a_rig_without_a_slide_is_given_no_grid() -> None:
-    assert thirty("first", limits(offset_mm=(0, 0))) is None
+    assert broad_sweep("first", limits(offset_mm=(0, 0))) is None

@@ -38,44 +38,44 @@ def found(
 
 
 def test_where_no_number_stands_out_all_is_well() -> None:
-    lead, rest, good = sentence(found(added="wind"))
+    lead, rest, good = sentence([found(added="wind")])
     assert (lead, good) == ("With wind nothing stands out.", True)
     assert "1.500 of the noise" in rest
 
 
 def test_a_cell_that_stands_out_says_where() -> None:
-    lead, rest, good = sentence(found(row=1e-9, cell=1e-4, effect=1e-6))
+    lead, rest, good = sentence([found(row=1e-9, cell=1e-4, effect=1e-6)])
     assert (lead, good) == ("Something is missing.", False)
     assert "most in spin n against time. drag promises most" in rest
 
 
 def test_a_quantity_that_disagrees_is_named_where_no_cell_stands_out() -> None:
-    _, rest, good = sentence(found(row=1e-9, added="wind"))
+    _, rest, good = sentence([found(row=1e-9, added="wind")])
     assert not good
     assert "most in normal velocity, and no effect that is known explains it" in rest
 
 
 def test_an_effect_already_in_the_model_is_not_offered_again() -> None:
-    said = sentence(found(effect=1e-6, added="drag"))
+    said = sentence([found(effect=1e-6, added="drag")])
     assert said[0] == "With drag nothing stands out."
 
 
 def test_of_one_shot_nothing_is_said_but_how_many_would_tell() -> None:
-    lead, rest, good = sentence(found(row=1e-9, cell=1e-9, effect=1e-3, shots=1))
+    lead, rest, good = sentence([found(row=1e-9, cell=1e-9, effect=1e-3, shots=1)])
     assert (lead, good) == ("Too few shots to tell.", None)
     assert "1 shot is too few" in rest
     assert "Fire 4 more at least, and better 12" in rest
 
 
 def test_what_two_of_a_few_shots_carry_is_no_finding() -> None:
-    lead, rest, good = sentence(found(row=1e-9, cell=1e-9, added="wind", shots=10, shared=False))
+    lead, rest, good = sentence([found(row=1e-9, cell=1e-9, added="wind", shots=10, shared=False)])
     assert (lead, good) == ("With wind nothing more is sure.", None)
     assert "may be errors of single shots" in rest
 
 
 def test_what_most_of_a_few_shots_show_is_one() -> None:
-    assert sentence(found(cell=1e-9, shots=10))[0] == "Something is missing."
+    assert sentence([found(cell=1e-9, shots=10)])[0] == "Something is missing."
 
 
 def test_of_many_shots_what_stands_out_is_said_whoever_carries_it() -> None:
-    assert sentence(found(cell=1e-9, shared=False))[0] == "Something is missing."
+    assert sentence([found(cell=1e-9, shared=False)])[0] == "Something is missing."

@@ -6,7 +6,6 @@ from dataclasses import replace
 
 from nicegui import context, ui
 
-from rigctl.config import Limits
 from rigctl.page.desk import Desk
 from rigctl.page.guide.progress import (
     COMPARE,
@@ -22,18 +21,13 @@ from rigctl.page.guide.progress import (
 from rigctl.page.guide.wish import keep, switch, wanted
 from rigctl.page.parts.following import following
 from rigctl.page.parts.widgets import button
+from rigctl.page.sweeps.broad import broad_sweep
 from rigctl.page.sweeps.form import form_address
 from rigctl.store import ShotState, SweepState
-from rigctl.sweeps.form import Sweep
 
 LOOK_S = 0.5
 CAMPAIGN = "first"
 SWEEPS = "/sweeps"
-SHOTS: dict[str, tuple[tuple[float, float], dict[str, object]]] = {
-    "pressure_a_kpa": ((20.0, 80.0), {"count": 5, "spacing": "root"}),
-    "offset_mm": ((0.0, 20.0), {"count": 6}),
-}
-"""Of the thirty shots: ends and number of values, from slow to fast, from head on to grazing."""
 RUNS = frozenset({SweepState.RUNNING, SweepState.PAUSED})
 
 
@@ -156,7 +150,7 @@ class Rail:
 
     def _thirty(self) -> str:
         limits = self._desk.daemon.configuration.limits
-        sweep = thirty(self._now.campaign or CAMPAIGN, limits)
+        sweep = broad_sweep(self._now.campaign or CAMPAIGN, limits)
         return SWEEPS if sweep is None else form_address(sweep)
 
     def _runs(self) -> bool:
@@ -171,20 +165,3 @@ def _lead(text: str, address: str) -> None:
 def any_measured(desk: Desk) -> bool:
     """Say whether any shot of the store is measured."""
     return bool(desk.daemon.store.shots(limit=1, state=ShotState.ANALYSED))
-
-
-def thirty(campaign: str, limits: Limits) -> Sweep | None:
-    """Return the thirty shots that the guide has fired, within the limits of the rig.
-
-    None where the rig sets neither pressure nor offset.
-    """
-    levels: dict[str, object] = {}
-    for name, (ends, how) in SHOTS.items():
-        low, high = limits.offset_mm if name == "offset_mm" else limits.pressure_kpa
-        first, last = (min(max(end, low), high) for end in ends)
-        if first == last:
-            return None
-        levels[name] = {"first": first, "last": last, **how}
-    return Sweep.model_validate(
-        {"campaign": campaign, "grid": levels, "note": "slow to fast, head on to grazing"}
-    )

@@ -6,26 +6,35 @@ from typing import Any
 
 from nicegui import ui
 
+from analysis.model.verdict.standing import Standing, Word
 from rigctl.jobs import Job
 from rigctl.model.next_words import sentence, sweep_of
 from rigctl.page.desk import Desk
 from rigctl.page.model.state import ModelState, Question
+from rigctl.page.model.story.cards import in_plain
 from rigctl.page.parts.tables import Line, facts
 from rigctl.page.parts.waiting import Waiting
 from rigctl.page.parts.widgets import button
+from rigctl.page.sweeps.broad import broad_sweep
 from rigctl.page.sweeps.form import form_address, shot_headings
 
 Json = dict[str, Any]
 NONE = "none"
 PROBABILITY = 0.9
+MORE_SHOTS = frozenset({Word.FEW, Word.UNSURE, Word.UNEXPLAINED})
 
 
 class NextShots:
-    """Two effects to choose, and the shots that tell them apart."""
+    """The shots that the verdict asks for, and any two effects to be told apart besides.
+
+    Where the verdict leaves two effects open, their shots are chosen without being asked: one
+    click makes a sweep of them, one more starts it.
+    """
 
     def __init__(self, desk: Desk, state: ModelState) -> None:
         self._desk, self._state = desk, state
         self._pair: list[str] = []
+        self._chosen_for: object = None
         self._asked = Question(self._ask, desk.daemon.jobs.job)
         with ui.element("div").classes("panel").props("data-testid=next-shots"):
             self.show()
@@ -38,31 +47,55 @@ class NextShots:
 
     @ui.refreshable_method
     def show(self) -> None:
-        """Place the question, and the answer if there is one."""
+        """Place what the verdict asks for, the answer if there is one, and a question beside it."""
         ui.label("Next shots").classes("title").tooltip(
             "The settings within the rig's limits at which two effects foretell most differently."
         )
-        present = self._state.present
-        if present is None:
+        present, standing = self._state.present, self._state.standing
+        if present is None or standing is None:
             ui.label("Known once the model is fitted.").classes("note")
             return
+        ui.label(in_plain(asked_for(standing))).props("data-testid=next-says")
+        if standing.word in MORE_SHOTS:
+            self._more()
         names = [
             c["effect"]
             for c in present["candidates"]
             if c["seen"] and c["effect"] not in present["with"]
         ]
-        self._pair = _likely(present, names)
+        asked = standing.tell, self._state.effects
+        if self._chosen_for != asked:
+            self._chosen_for = asked
+            self._pair = list(standing.tell or _likely(present, names))
+            self._asked.forget()
+            if standing.tell is not None:
+                self._asked.start()
+        self._answer()
+        self._of_ones_own(list(dict.fromkeys([*names, *self._pair, NONE])))
+
+    def _more(self) -> None:
+        """Offer shots all over the plane, unless another laboratory fired this campaign."""
+        source = self._state.source
+        sweep = broad_sweep(source.title, self._desk.daemon.configuration.limits)
+        if source.folder is None and sweep is not None:
+            button(
+                f"Make a sweep of {sweep.count()} shots",
+                lambda: ui.navigate.to(form_address(sweep)),
+                look="fill",
+                testid="more-shots",
+            )
+
+    def _of_ones_own(self, names: list[str]) -> None:
         with ui.element("div").classes("beside"):
             ui.label("Tell")
-            self._select([*names, NONE], 0)
+            self._select(names, 0)
             ui.label("from")
-            self._select([*names, NONE], 1)
+            self._select(names, 1)
             ask = button("Choose shots", self._start, testid="choose-shots")
             ask.set_enabled(self._asked.running is None)
             ui.label(
                 "The settings within the rig's limits at which the two foretell most differently."
             ).classes("aside")
-        self._answer()
 
     def _select(self, names: list[str], place: int) -> None:
         chosen = ui.select(names, value=self._pair[place], with_input=True)
@@ -105,7 +138,7 @@ class NextShots:
         sweep = sweep_of(answer).model_copy(update={"campaign": source.title})
         with ui.element("div").classes("beside"):
             button(
-                "Make a sweep of them",
+                f"Make a sweep of these {sweep.count()} shots",
                 lambda: ui.navigate.to(form_address(sweep)),
                 look="fill",
                 testid="into-sweep",
@@ -120,15 +153,29 @@ class NextShots:
 
     def _ask(self) -> Job:
         limits = self._desk.daemon.configuration.limits
+        # An effect that is to be told from another is not taken for granted.
+        given = [name for name in self._state.effects if name not in self._pair]
         return self._state.source.ask(
             "next",
-            self._state.effects,
+            given,
             between=list(self._pair),
             sharpen=None,
             to=None,
             probability=PROBABILITY,
             limits=[list(limits.pressure_kpa), list(limits.offset_mm)],
         )
+
+
+def asked_for(standing: Standing) -> str:
+    """Say which shots the verdict asks for; none while it leaves nothing open."""
+    if standing.tell is not None:
+        one, other = standing.tell
+        return f"These would tell {one} from {other}:"
+    if standing.word in {Word.FEW, Word.UNSURE}:
+        return "More shots are needed to say anything, at several pressures and offsets."
+    if standing.word is Word.UNEXPLAINED:
+        return "More shots, all over pressures and offsets, would show better what it goes with."
+    return "None are needed to name what is missing."
 
 
 def _likely(found: Json, names: list[str]) -> list[str]:

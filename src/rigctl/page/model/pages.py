@@ -45,7 +45,7 @@ class ModelView:
         self._state.take(effects)
         self._rest = False
         self._head()
-        self._verdict = Verdict(desk, self._state, str if view == TABLES else in_plain)
+        self._verdict = Verdict(desk, self._state, self._take, str if view == TABLES else in_plain)
         self._busy()
         self._failed()
         if view == TABLES:

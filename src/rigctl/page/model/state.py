@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Any
 
+from analysis.model.verdict.standing import Standing, standing_of
 from rigctl.errors import RigError
 from rigctl.jobs import ENDED, Job, JobState
 from rigctl.page.model.source import Source
@@ -32,12 +33,15 @@ class ModelState:
     cell
         The cell of the heat map whose residuals are shown, as channel and covariate; None: the
         most striking one.
+    concluded
+        Verdict of the whole way, once it was gone.
     """
 
     source: Source
     effects: Effects = ()
     cell: tuple[str, str] | None = None
     failure: str = ""
+    concluded: Json | None = None
     _answers: dict[Effects, Json] = field(default_factory=dict)
     _jobs: dict[Effects, str] = field(default_factory=dict)
 
@@ -53,6 +57,12 @@ class ModelState:
     def present(self) -> Json | None:
         """The answer with all present effects; None while it is computed."""
         return self._answers.get(self.effects)
+
+    @property
+    def standing(self) -> Standing | None:
+        """What the latest fit on the way to the present effects leaves open; None before one."""
+        known = self.path()
+        return standing_of(known, self.concluded) if known else None
 
     def take(self, effects: Effects) -> None:
         """Go to other effects, and ask for whatever is not known on the way there."""
@@ -138,6 +148,10 @@ class Question:
             self.running = self.ask().id
         except RigError as error:
             self.failure = error.sentence()
+
+    def forget(self) -> None:
+        """Ask no longer, and know nothing: what is under way is nobody's answer any more."""
+        self.answer, self.failure, self.running = None, "", None
 
     def follow(self) -> bool:
         """Fetch the answer if it came; say whether anything ended."""

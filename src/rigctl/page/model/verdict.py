@@ -2,34 +2,45 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from nicegui import ui
 
 from analysis.model.fitting.nuisance_words import alarm_sentence
-from analysis.model.structure.alarm import FEWEST
 from analysis.model.structure.influence import FEW
+from analysis.model.verdict.standing import (
+    SURE,
+    Word,
+    failing_rows,
+    left_cells,
+    standing_of,
+)
 from analysis.model.verdict.words import doubts, too_few, verdict_sentence
 from rigctl.page.desk import Desk
 from rigctl.page.model.law import ProposedLaw
-from rigctl.page.model.state import ModelState, Question
+from rigctl.page.model.state import Effects, ModelState, Question
 from rigctl.page.parts.waiting import Waiting
 from rigctl.page.parts.widgets import button
 
 Json = dict[str, Any]
-ALARM = 0.01
-STRONG = 0.05
 
 
 class Verdict:
     """One sentence before any table, and a button that has the whole way gone.
 
+    What the whole way ends with is taken into the model by `take`, so that there is one verdict.
     `worded` puts a sentence into the words of the view.
     """
 
-    def __init__(self, desk: Desk, state: ModelState, worded: Callable[[str], str] = str) -> None:
-        self._state, self._worded = state, worded
+    def __init__(
+        self,
+        desk: Desk,
+        state: ModelState,
+        take: Callable[[Effects], None],
+        worded: Callable[[str], str] = str,
+    ) -> None:
+        self._state, self._take, self._worded = state, take, worded
         jobs = state.source.daemon.jobs
         self._asked = Question(lambda: state.source.ask("explain"), jobs.job)
         self._law = ProposedLaw(state, self.show.refresh)
@@ -40,6 +51,12 @@ class Verdict:
     def follow(self) -> None:
         """Show the answer once it has come."""
         if self._asked.follow() | self._law.follow():
+            answer = self._asked.answer
+            if answer is not None and answer is not self._state.concluded:
+                self._state.concluded = answer
+                ends = tuple(answer["path"][-1]["with"])
+                if ends != self._state.effects:
+                    self._take(ends)
             self.show.refresh()
 
     @ui.refreshable_method
@@ -50,7 +67,7 @@ class Verdict:
         if self._state.failure:
             lead = "Model and measurement were not compared."
         if present is not None:
-            lead, rest, good = sentence(present)
+            lead, rest, good = sentence(self._state.path(), self._state.concluded)
         look = "" if good is None else (" good" if good else " bad")
         with ui.element("div").classes(f"verdict{look}").props("data-testid=verdict role=status"):
             with ui.element("div").classes("beside"):
@@ -83,58 +100,56 @@ class Verdict:
         self.show.refresh()
 
 
-def sentence(found: Json) -> tuple[str, str, bool | None]:
-    """Say what a fit leaves open: the point, what goes with it, and whether all is well.
+def sentence(path: Sequence[Json], concluded: Json | None = None) -> tuple[str, str, bool | None]:
+    """Say how the last fit of a path stands: the point, what goes with it, whether all is well.
 
-    None where these shots are too few to say.
+    None where these shots do not say. What is said is decided by `standing_of` alone.
     """
+    found, standing = path[-1], standing_of(path, concluded)
     error = f"The error on shots left out is {found['prediction_error']:.3f} of the noise"
-    if found["shots"] < FEWEST:
-        return "Too few shots to tell.", f"{error}; {too_few(found['shots'])}", None
     added = " and ".join(found["with"])
-    fails = [
-        row
-        for stage in found["stages"]
-        for row in stage["quantities"]
-        if row["p_familywise"] < ALARM
-    ]
-    left = [cell for cell in found["cells"] if cell["p_familywise"] < ALARM]
-    cells = [cell for cell in left if cell["shared"]]
-    strong = [
-        c
-        for c in found["candidates"]
-        if c["seen"] and c["p_familywise"] < STRONG and c["effect"] not in found["with"]
-    ]
-    if not (cells or strong) and (fails or left) and found["shots"] <= FEW:
-        lead = f"With {added} nothing more is sure." if added else "Nothing is sure to be missing."
-        return lead, f"{error}; {_of_single_shots(fails, left or found['cells'])}", None
-    if not (fails or left or strong):
-        lead = f"With {added} nothing stands out." if added else "Nothing stands out."
-        return lead, f"{error}: these shots show no more than their own noise.", True
-    where = f"most in {_worst(fails, cells or left or found['cells'])}"
-    lead = f"With {added} something is still missing." if added else "Something is missing."
-    if not strong:
-        return (
-            lead,
-            f"{error}; it shows {where}, and no effect that is known explains it.",
-            False,
-        )
-    best = strong[0]
-    alike = [name for name in best["like"] if name in {c["effect"] for c in strong}]
-    also = f", which these shots do not tell from {' or '.join(alike)}," if alike else ""
-    return lead, f"{error}; it shows {where}. {best['effect']}{also} promises most.", False
+    fails, cells = failing_rows(found), left_cells(found)
+    where = f"most in {_worst(fails, cells or found['cells'])}"
+    match standing.word:
+        case Word.FEW:
+            return "Too few shots to tell.", f"{error}; {too_few(found['shots'])}", None
+        case Word.UNSURE:
+            lead = (
+                f"With {added} nothing more is sure." if added else "Nothing is sure to be missing."
+            )
+            return lead, f"{error}; {_of_single_shots(where)}", None
+        case Word.FLOOR:
+            lead = f"With {added} nothing stands out." if added else "Nothing stands out."
+            return lead, f"{error}: these shots show no more than their own noise.", True
+        case Word.ALIKE:
+            one, other = standing.tell or ("", "")
+            lead = f"{one} or {other}: these shots cannot tell."
+            return lead, f"{error}, with either of them; the next shots below would tell.", None
+        case Word.MISSING:
+            best = standing.missing[0]
+            also = (
+                f", which these shots do not tell from {standing.tell[1]}," if standing.tell else ""
+            )
+            return _still(added), f"{error}; it shows {where}. {best}{also} promises most.", False
+        case Word.UNEXPLAINED:
+            rest = f"{error}; it shows {where}, and no effect that is known explains it."
+            return _still(added), rest, False
 
 
-def _of_single_shots(fails: list[Json], cells: list[Json]) -> str:
+def _still(added: str) -> str:
+    return f"With {added} something is still missing." if added else "Something is missing."
+
+
+def _of_single_shots(where: str) -> str:
     return (
-        f"what stands out most, {_worst(fails, cells)}, may be errors of single shots. More than "
-        f"{FEW} shots at several pressures and offsets would tell."
+        f"what stands out, {where}, may be errors of single shots. More than {FEW} shots at "
+        "several pressures and offsets would tell."
     )
 
 
 def _worst(fails: list[Json], cells: list[Json]) -> str:
     """Name what stands out most: a cell if one does, else the quantity that disagrees."""
     worst = max(cells, key=lambda cell: cell["deviation"])
-    if worst["p_familywise"] >= ALARM and fails:
+    if worst["p_familywise"] >= SURE and fails:
         return str(min(fails, key=lambda row: row["p_familywise"])["quantity"])
     return f"{worst['channel']} against {worst['covariate']}"

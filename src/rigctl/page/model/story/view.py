@@ -9,6 +9,7 @@ from typing import Any
 
 from nicegui import ui
 
+from analysis.model.verdict.standing import SURE
 from rigctl.page.desk import Desk
 from rigctl.page.model.compare import parsed
 from rigctl.page.model.effect_words import described, left_out
@@ -18,12 +19,12 @@ from rigctl.page.model.story.cards import card_of, in_plain
 from rigctl.page.model.story.lead import drawing, lead_card
 from rigctl.page.model.story.plots import before_after, cell_plot
 from rigctl.page.model.story.words import (
-    ALARM,
     channel,
     compared,
     covariate,
     failing,
     leading,
+    missing_words,
     where,
 )
 from rigctl.page.model.where import apart
@@ -36,7 +37,6 @@ LEAST_SPAN = 1.5
 """Errors in units of the noise up to which the scale of the bars goes at least."""
 CELLS = 6
 OTHERS = 4
-STRONG = 0.05
 
 
 class Story:
@@ -101,13 +101,13 @@ class Story:
     def _rail(self, found: Json, cell: Json) -> None:
         """Place the four steps, each with its result in some words and a link to it."""
         worst, path = failing(found)[0], self._state.path()
-        fails = cell["p_familywise"] < ALARM
-        effect = described(found).get(self._effect)
+        standing = self._state.standing
+        fails = standing is not None and standing.is_open
         first, last = path[0]["prediction_error"], path[-1]["prediction_error"]
         results = (
             ("Compare", f"worst: {worst['error']:.3g} × the noise"),
             ("Where it fails", f"with {covariate(cell['covariate'])}" if fails else "nowhere"),
-            ("What is missing", card_of(effect).title if effect and fails else "nothing known"),
+            ("What is missing", in_plain(missing_words(standing))),
             ("Add it", f"{first:.3f} → {last:.3f} × the noise" if len(path) > 1 else "not yet"),
         )
         with ui.element("nav").classes("rail").props('aria-label="steps"'):
@@ -119,7 +119,7 @@ class Story:
     def _where(self, cells: Sequence[Json]) -> None:
         points = parsed(cells[0]["points"])
         trend = points["trend"]
-        _lede(where(cells[0], points), "story-where")
+        _lede(where(cells[0], points, self._state.standing), "story-where")
         with ui.element("div").classes("columns where"):
             plot(cell_plot(cells[0], apart(points), (trend["x"], trend["mean"])))
             with ui.element("div").classes("stack"):
@@ -130,22 +130,21 @@ class Story:
                             f"{channel(c['channel'])}, {covariate(c['covariate'])}",
                             c["deviation"] / max(cells[0]["deviation"], 1e-9),
                             f"{c['deviation']:.0f} σ",
-                            c["p_familywise"] < ALARM,
+                            c["p_familywise"] < SURE,
                         )
                         for c in cells[:CELLS]
                     ]
                 )
 
     def _missing(self, found: Json, cell: Json) -> None:
-        known, seen = described(found), self._seen(found)
-        strong = [c for c in seen if c["p_familywise"] < STRONG]
+        known, seen, standing = described(found), self._seen(found), self._state.standing
         if not self._effect:
             _lede("No effect that is known would change anything in these shots.", "story-missing")
             return
         lede = (
             "Move the slider until the line lies on the dots."
-            if strong
-            else f"None of {len(seen)} effects stands out any more. The best of them:"
+            if standing is not None and standing.missing
+            else f"None of {len(seen)} effects stands out. The best of them:"
         )
         _lede(lede, "story-missing")
         fits = found, self._after
@@ -236,7 +235,7 @@ def _bars(rows: Sequence[Json]) -> None:
                 channel(row["quantity"]),
                 math.log(max(1.0, row["error"])) / most,
                 f"{row['error']:.2f} ×  {row['size']:.3g} {row['unit']}",
-                row["p_familywise"] < ALARM,
+                row["p_familywise"] < SURE,
             )
             for row in rows
         ]

@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from analysis.model.verdict.standing import SURE, Standing, Word
+
 Json = dict[str, Any]
-ALARM = 0.01
 NEARLY = 0.85
 """A cell this near to the most striking one gives way to it only where it is named before."""
 KINDS = {
@@ -85,12 +86,12 @@ def leading(cells: Sequence[Json]) -> list[Json]:
 def failing(found: Json) -> list[Json]:
     """Return all rows of agreement: those that fail first, the worst in units of the noise."""
     rows = [row for stage in found["stages"] for row in stage["quantities"]]
-    return sorted(rows, key=lambda row: (row["p_familywise"] >= ALARM, -row["error"]))
+    return sorted(rows, key=lambda row: (row["p_familywise"] >= SURE, -row["error"]))
 
 
 def compared(found: Json) -> str:
     """Say how wrong the model is at its worst."""
-    wrong = [row for row in failing(found) if row["p_familywise"] < ALARM]
+    wrong = [row for row in failing(found) if row["p_familywise"] < SURE]
     if not wrong:
         return (
             "Everything that was measured agrees with the model, as far as the noise lets one see."
@@ -102,10 +103,34 @@ def compared(found: Json) -> str:
     )
 
 
-def where(cell: Json, points: Json) -> str:
-    """Say how the error of a cell goes with its covariate, from the curve that is drawn."""
-    if cell["p_familywise"] >= ALARM:
+MISSING = {
+    Word.UNEXPLAINED: "nothing that is known",
+    Word.FEW: "too few shots",
+    Word.UNSURE: "nothing is sure",
+    Word.ALIKE: "one of two",
+    Word.FLOOR: "nothing",
+}
+
+
+def missing_words(standing: Standing | None) -> str:
+    """Say in some words what is missing; the names of effects are those of the catalogue."""
+    if standing is None:
+        return "not known yet"
+    return standing.missing[0] if standing.missing else MISSING[standing.word]
+
+
+def where(cell: Json, points: Json, standing: Standing | None) -> str:
+    """Say how the error of a cell goes with its covariate, from the curve that is drawn.
+
+    Where the model is not said to miss anything, no cell is said to show that it does.
+    """
+    if cell["p_familywise"] >= SURE:
         return "No error goes with anything that was recorded: what is left looks like noise."
+    if standing is not None and not standing.is_open:
+        return (
+            f"What is left goes most with {covariate(cell['covariate'])}, but too little, or in "
+            "too few shots, to say that something is missing."
+        )
     mean, unit = np.asarray(points["trend"]["mean"]), points["unit"]
     places = {"first": 0, "middle": len(mean) // 2, "last": len(mean) - 1}
     least, middle, most = (f"{mean[place]:+.3g}".replace("-", "−") for place in places.values())

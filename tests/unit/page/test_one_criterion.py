@@ -1,0 +1,109 @@
+"""Verdict, story and next shots of one model never contradict each other."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from analysis.model.verdict.standing import Word, standing_of
+from rigctl.page.model.next import asked_for
+from rigctl.page.model.story.words import missing_words, where
+from rigctl.page.model.verdict import sentence
+
+Json = dict[str, Any]
+NAMES = ("drag", "wind", "magnus-lift")
+POINTS = {"unit": "mm/s", "trend": {"mean": [-3.0, 0.0, 3.0]}}
+chance = st.sampled_from([1e-12, 0.004, 0.009, 0.011, 0.04, 0.06, 1.0])
+
+
+@st.composite
+def fits(draw: st.DrawFn, added: tuple[str, ...]) -> Json:
+    """Return what a fit of any campaign may say."""
+    like = st.lists(st.sampled_from(NAMES), unique=True, max_size=2)
+    return {
+        "shots": draw(st.integers(1, 40)),
+        "prediction_error": draw(st.sampled_from([0.97, 1.002, 1.02, 3.0])),
+        "with": list(added),
+        "stages": [
+            {"quantities": [{"quantity": "spin", "p_familywise": draw(chance)} for _ in range(2)]}
+        ],
+        "cells": [
+            {
+                "channel": "common spin n",
+                "covariate": "time",
+                "deviation": draw(st.floats(0.1, 50)),
+                "p_familywise": draw(chance),
+                "shared": draw(st.booleans()),
+            }
+            for _ in range(2)
+        ],
+        "candidates": [
+            {
+                "effect": name,
+                "seen": draw(st.booleans()),
+                "p_familywise": draw(chance),
+                "like": [other for other in draw(like) if other != name],
+            }
+            for name in NAMES
+        ],
+    }
+
+
+@st.composite
+def ways(draw: st.DrawFn) -> tuple[list[Json], Json | None]:
+    """Return the fits on a way to some effects, and perhaps the verdict of the whole way."""
+    added = draw(st.lists(st.sampled_from(NAMES), unique=True, max_size=2))
+    path = [draw(fits(tuple(added[:count]))) for count in range(len(added) + 1)]
+    concluded = {
+        "verdict": draw(st.sampled_from(["none", "effect", "alias", "unexplained"])),
+        "effects": draw(st.sampled_from([added, [], ["wind"]])),
+        "alias_set": draw(st.sampled_from([[], ["wind"], ["wind", "drag"]])),
+    }
+    return path, draw(st.sampled_from([None, concluded]))
+
+
+@given(ways())
+def test_what_the_verdict_calls_missing_is_missing_in_story_and_next_shots(
+    way: tuple[list[Json], Json | None],
+) -> None:
+    path, concluded = way
+    standing = standing_of(path, concluded)
+    lead, rest, good = sentence(path, concluded)
+    named = missing_words(standing)
+    told = [where(cell, POINTS, standing) for cell in path[-1]["cells"]]
+    is_missing = lead.endswith(("is missing.", "still missing."))
+    assert is_missing == (good is False)
+    assert is_missing == (named in NAMES or named == "nothing that is known")
+    if any("goes wrong" in words for words in told):
+        assert is_missing
+    if good:
+        assert named == "nothing"
+        assert asked_for(standing) == "None are needed to name what is missing."
+    if named in NAMES:
+        assert f"{named} promises most" in rest or f"{named}, which" in rest
+        assert named not in path[-1]["with"]
+
+
+@given(ways())
+def test_shots_are_chosen_exactly_where_the_verdict_leaves_two_open(
+    way: tuple[list[Json], Json | None],
+) -> None:
+    path, concluded = way
+    standing = standing_of(path, concluded)
+    lead, rest, good = sentence(path, concluded)
+    two = "these shots cannot tell" in lead or "do not tell from" in rest
+    assert two == (standing.tell is not None)
+    if standing.tell is not None:
+        assert not good
+        assert all(name in asked_for(standing) and name in lead + rest for name in standing.tell)
+
+
+def test_the_verdict_of_the_whole_way_holds_for_its_own_effects_alone() -> None:
+    row = {"quantities": [{"quantity": "spin", "p_familywise": 1e-9}]}
+    found: Json = {"shots": 40, "prediction_error": 2.0, "with": [], "stages": [row]}
+    found |= {"cells": [], "candidates": []}
+    concluded = {"verdict": "effect", "effects": ["drag"], "alias_set": ["drag"]}
+    assert standing_of([found], concluded).word is Word.UNEXPLAINED
+    assert standing_of([found, found | {"with": ["drag"]}], concluded).word is Word.FLOOR
