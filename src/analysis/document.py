@@ -12,6 +12,7 @@ from analysis.imaging.marker.markers import Markers
 from analysis.imaging.views import View
 from analysis.quantity import Quantity
 from analysis.shot import MeasuredShot, RefusedShot
+from analysis.tracking import Tracking
 
 Json = dict[str, Any]
 
@@ -67,11 +68,10 @@ def _told(quantity: Quantity | None) -> Json | None:
     return None if quantity is None else quantity.to_json()
 
 
-def overlay_document(shot: MeasuredShot) -> list[Json]:
-    """Return what to draw over each frame: outlines and markers, pixels (row, column)."""
-    tracking = shot.tracking
+def overlay_document(tracking: Tracking, count: int) -> list[Json]:
+    """Return what to draw over each of so many frames: outlines and markers, in pixels."""
     frames: list[Json] = []
-    for k in range(len(shot.times_s)):
+    for k in range(count):
         outlines = [
             {
                 "sphere": name,
@@ -88,15 +88,15 @@ def overlay_document(shot: MeasuredShot) -> list[Json]:
             marker
             for i, name in enumerate("ab")
             if (seen := tracking.markers[i].get(k)) is not None
-            for marker in _markers(name, seen, _names(shot, i, k))
+            for marker in _markers(name, seen, _names(tracking, i, k))
         ]
         frames.append({"frame": k, "outlines": outlines, "markers": markers})
     return frames
 
 
-def _names(shot: MeasuredShot, sphere: int, frame: int) -> list[int]:
+def _names(tracking: Tracking, sphere: int, frame: int) -> list[int]:
     """Return each sighting's marker in the sphere's pattern, -1 where it has none."""
-    turned = shot.orientations[sphere]
+    turned = tracking.orientations[sphere]
     index = np.flatnonzero(turned.frames == frame)
     return [] if index.size == 0 else [int(m) for m in turned.matches[int(index[0])]]
 

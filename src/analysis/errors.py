@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 
 class ShotRefusedError(Exception):
     """A shot that cannot be analysed: which step failed, in which frame, and why.
@@ -14,10 +16,18 @@ class ShotRefusedError(Exception):
         Index of the frame, counted from 0; None where the whole shot is meant.
     reason
         What was found and what was needed.
+    discs
+        Row, column and radius of the discs that were found in the frame, pixels.
     """
 
-    def __init__(self, step: str, reason: str, frame: int | None = None) -> None:
-        self.step, self.reason, self.frame = step, reason, frame
+    def __init__(
+        self,
+        step: str,
+        reason: str,
+        frame: int | None = None,
+        discs: Sequence[tuple[float, float, float]] = (),
+    ) -> None:
+        self.step, self.reason, self.frame, self.discs = step, reason, frame, tuple(discs)
         place = step if frame is None else f"{step}, frame {frame}"
         super().__init__(f"{place}: {reason}")
 

@@ -136,11 +136,21 @@ class MeasuredShot:
 
 @dataclass(frozen=True, slots=True)
 class RefusedShot:
-    """A shot that cannot be analysed: false when asked, and able to say why."""
+    """A shot that cannot be analysed: false when asked, and able to say why.
+
+    Attributes
+    ----------
+    discs
+        Row, column and radius of what was found in the frame, pixels, before spheres were followed.
+    tracking
+        Outlines and markers, where the spheres were followed and their paths are refused.
+    """
 
     step: str
     reason: str
     frame: int | None
+    discs: tuple[tuple[float, float, float], ...] = ()
+    tracking: Tracking | None = None
 
     def __bool__(self) -> bool:
         return False
@@ -175,7 +185,7 @@ def analyse_shot(
     The measured shot, or a refusal with the step that failed, the frame and the reason. Nothing
     is guessed and nothing is raised for what the frames hold.
     """
-    chosen = options or AnalysisOptions()
+    chosen, tracking = options or AnalysisOptions(), None
     try:
         check_frames(frames, times_s, setup)
         elapsed_s = times_s - times_s[0]
@@ -192,7 +202,7 @@ def analyse_shot(
         scene = Scene.of(setup, slow)
         sides = measure_two_sides(poses, scene, three_and_three=chosen.three_and_three)
     except ShotRefusedError as refusal:
-        return RefusedShot(refusal.step, refusal.reason, refusal.frame)
+        return RefusedShot(refusal.step, refusal.reason, refusal.frame, refusal.discs, tracking)
     return MeasuredShot(
         impact=sides.impact,
         bodies=scene.bodies,

@@ -13,6 +13,7 @@ from analysis.imaging.discs import Disc, discs, pair_apart, vote, vote_radii
 from analysis.imaging.edge.frame import FilmEdges, filters
 from analysis.imaging.film_discs import FilmDiscs, film_discs
 from analysis.imaging.film_following import FilmCurves, follow_discs
+from analysis.imaging.outlines import Place
 from analysis.imaging.views import View, ViewGeometry
 
 LEAST_RIM_SHARE = 0.2
@@ -45,7 +46,7 @@ def seed_frame(
     """
     radii_px = vote_radii(radii_px)
     best: tuple[float, int, dict[View, tuple[Disc, Disc]]] | None = None
-    most_seen = (-1, 0, "")
+    most_seen: tuple[int, int, list[Place]] = (-1, 0, [])
     for k in _middle_first(len(film)):
         edges = film.whole(k)
         found = {
@@ -62,8 +63,8 @@ def seed_frame(
                 alike = radii_px[0] == radii_px[1] and pair[0].column > pair[1].column
                 pairs[geometry.view] = pair[::-1] if alike else pair
         if seen > most_seen[0]:
-            shown = [f"({d.row:.0f}, {d.column:.0f})" for every in found.values() for d in every]
-            most_seen = (seen, k, ", ".join(shown))
+            shown = [(d.row, d.column, r) for r, every in found.items() for d in every]
+            most_seen = (seen, k, shown)
         if len(pairs) < len(views) or not _columns_agree(pairs, max(radii_px)):
             continue
         shares = [d.rim_share for pair in pairs.values() for d in pair]
@@ -73,14 +74,16 @@ def seed_frame(
         if alone and min(shares) >= CLEAR_RIM_SHARE:
             break
     if best is None:
-        seen, k, places = most_seen
+        seen, k, shown = most_seen
         radii = " and ".join(f"{radius:.1f}" for radius in dict.fromkeys(radii_px))
+        places = ", ".join(f"({row:.0f}, {column:.0f})" for row, column, _ in shown)
         raise ShotRefusedError(
             "assignment",
             f"no frame shows two spheres in each of {len(views)} views with the columns of the "
             f"views in agreement; the best frame shows {seen} of {2 * len(views)} discs of "
             f"radius {radii} px, at (row, column) {places or 'none'}",
             k,
+            shown,
         )
     return best[1], best[2]
 

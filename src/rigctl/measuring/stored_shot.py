@@ -41,8 +41,9 @@ def analyse_stored_shot(folder: Path, method: str) -> Json:
     Returns
     -------
     The result document (commands.md) with the shot's name, the method, the frame rate and,
-    when it was measured, the poses of both spheres and what to draw over each frame. `AGAIN` names
-    shots that are worth another analysis, now that more is known of their spheres.
+    when it was measured, the poses of both spheres. What was found in the frames is there to be
+    drawn, of a refused shot as well: `overlay` by frame, or `discs` in the refused one. `AGAIN`
+    names shots that are worth another analysis, now that more is known of their spheres.
     """
     campaign = json.loads((folder / "manifest.json").read_bytes()).get("campaign")
     learning = CampaignLearning(folder, campaign, pairs_beside(folder), read_stored_shot)
@@ -109,8 +110,11 @@ def _result(folder: Path, method: str, measure: Measure) -> Json:
     options = AnalysisOptions(method="photometric" if method == "photometric" else "thesis")
     shot = measure(frames, times_s - times_s[:1], setup, options)
     document = {**about, **measured_document(shot)}
-    if isinstance(shot, MeasuredShot):
-        document["overlay"] = overlay_document(shot)
+    if isinstance(shot, RefusedShot) and shot.discs:
+        names = ("row", "column", "radius")
+        document["discs"] = [dict(zip(names, disc, strict=True)) for disc in shot.discs]
+    if shot.tracking is not None:
+        document["overlay"] = overlay_document(shot.tracking, len(times_s))
     return document
 
 

@@ -254,7 +254,9 @@ def test_the_document_is_json_without_nan_and_agrees_with_the_shot(
 def test_the_overlay_document_has_every_frame_and_is_json(
     measured: MeasuredShot, rendered: RenderedShot
 ) -> None:
-    frames = json.loads(json.dumps(overlay_document(measured), allow_nan=False))
+    frames = json.loads(
+        json.dumps(overlay_document(measured.tracking, len(measured.times_s)), allow_nan=False)
+    )
     assert [frame["frame"] for frame in frames] == list(range(20))
     named = 0
     for k, frame in enumerate(frames):

@@ -74,10 +74,20 @@ class Verdict:
                 with ui.element("div").classes("said"):
                     ui.label(self._worded(lead)).classes("lead")
                     ui.label(self._worded(rest))
-                    for alarm in (present or {}).get("alarms", ()):
-                        ui.label(alarm_sentence(alarm)).classes("note").props("data-testid=alarm")
+                    self._alarms((present or {}).get("alarms", ()))
                 self._offer()
             self._found()
+
+    def _alarms(self, alarms: Sequence[Json]) -> None:
+        """Say which stated numbers the fit pulls away, folded up: a remark, no verdict."""
+        if not alarms:
+            return
+        count = "1 stated number" if len(alarms) == 1 else f"{len(alarms)} stated numbers"
+        with ui.element("details").classes("note").props("data-testid=alarms"):
+            summary = f"{count} of the set-up {'is' if len(alarms) == 1 else 'are'} in doubt"
+            ui.html(summary, sanitize=False, tag="summary")
+            for alarm in alarms:
+                ui.label(alarm_sentence(alarm)).props("data-testid=alarm")
 
     def _offer(self) -> None:
         if self._asked.running is None and self._asked.answer is None:

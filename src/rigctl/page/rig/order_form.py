@@ -30,14 +30,17 @@ class _Held:
 
 
 class OrderForm:
-    """Fields, and the buttons arm, fire and disarm; `show` follows the rig."""
+    """Fields, and the buttons arm, fire and disarm; `show` follows the rig.
 
-    def __init__(self, desk: Desk) -> None:
+    `filled` are the settings that the fields start with; None: those that the rig has.
+    """
+
+    def __init__(self, desk: Desk, filled: ShotSettings | None = None) -> None:
         self._desk, self._rig = desk, desk.daemon.rig
         self._held: _Held | None = None
         self._arming = False
         self._fields: dict[str, NumberField] = setting_fields(
-            desk.daemon.configuration.limits, self._rig.status().settings
+            desk.daemon.configuration.limits, filled or self._rig.status().settings
         )
         last = self._rig.status().last_shot
         self._campaign = CampaignField("first" if last is None else last.campaign or "")

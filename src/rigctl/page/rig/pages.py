@@ -6,6 +6,7 @@ from datetime import datetime
 from html import escape
 
 from nicegui import ui
+from pydantic import ValidationError
 
 from rigctl.config import Limits
 from rigctl.page.desk import Desk
@@ -21,6 +22,7 @@ from rigctl.page.rig.recorder import PLACE as KEYPAD
 from rigctl.page.shots.view import coefficients, film, read
 from rigctl.rig.interlocks import Interlock
 from rigctl.rig.status import RigStatus
+from rigctl.settings import ShotSettings
 from rigctl.store import ShotRecord
 
 SHOWN_EVENTS = 12
@@ -30,13 +32,13 @@ def rig_page(desk: Desk) -> None:
     """Register the page at `/`."""
 
     @kept_page("/")
-    def page() -> None:
+    def page(fill: str = "") -> None:
         with sheet(desk, "Rig", "/"):
             for warning in desk.daemon.rig.status().warnings:
                 ui.label(warning).classes("verdict bad")
             with ui.element("div").classes("columns rig"):
                 with ui.element("div").classes("stack"):
-                    _order(desk)
+                    _order(desk, _filled(fill))
                     _interlocks(desk)
                 with ui.element("div").classes("panel"):
                     last = LastShot(desk)
@@ -116,10 +118,18 @@ def _film_of(filmed: ShotRecord | None, shot: ShotRecord | None) -> object:
     return filmed.id, filmed.id == shot.id, state, filmed.results
 
 
-def _order(desk: Desk) -> None:
+def _filled(fill: str) -> ShotSettings | None:
+    """Return the settings that an address fills the form with; None: those of the rig."""
+    try:
+        return ShotSettings.model_validate_json(fill) if fill else None
+    except ValidationError:
+        return None
+
+
+def _order(desk: Desk, filled: ShotSettings | None) -> None:
     with ui.element("div").classes("panel"):
         ui.label("Next shot").classes("title")
-        form = OrderForm(desk)
+        form = OrderForm(desk, filled)
     form.show(desk.daemon.rig.status())
     every(TICK_S, lambda: form.show(desk.daemon.rig.status()))
 

@@ -16,6 +16,7 @@ from rigctl.page.parts.presence import every
 from rigctl.page.parts.quantities import COEFFICIENTS, VALUE
 from rigctl.page.parts.tables import Cell, facts, measured
 from rigctl.page.shots.player import Player
+from rigctl.page.shots.refused import refused_card
 from rigctl.store import ShotRecord, ShotState
 
 Json = Mapping[str, Any]
@@ -86,7 +87,7 @@ def coefficients(desk: Desk, shot: ShotRecord) -> None:
         if shot.failure:
             _told("It is held up.", shot.failure)
     elif why := refusal(shot, result):
-        _told("Not measured.", why)
+        refused_card(desk, shot, result, why)
     else:
         ui.label(f"{shot.state} …".capitalize()).classes("empty")
 
