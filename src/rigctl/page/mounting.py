@@ -18,6 +18,9 @@ from rigctl.page.desk import Desk
 from rigctl.page.feed import Feed
 from rigctl.page.model.pages import model_pages
 from rigctl.page.model.story.cards import drawings_route
+from rigctl.page.own.downloads import downloads_route
+from rigctl.page.own.dropping import dropping_route
+from rigctl.page.own.pages import own_pages
 from rigctl.page.parts.plotting import plotting_route
 from rigctl.page.parts.readings import Readings
 from rigctl.page.rig.commissioning import commissioning_page
@@ -49,13 +52,15 @@ def with_page(api: FastAPI, daemon: Daemon) -> ASGIApp:
     desk = Desk(daemon, Lanes(), Feed(daemon), Readings(daemon.store), Films(daemon.store))
     ui.add_css(STYLE, shared=True)
     rig = (rig_page, commissioning_page, recorder_page)
-    for register in (*rig, shot_pages, sweep_pages, campaign_pages, model_pages):
+    for register in (*rig, shot_pages, sweep_pages, campaign_pages, model_pages, own_pages):
         register(desk)
     shell = FastAPI(openapi_url=None, lifespan=api.router.lifespan_context)
     plotting_route(shell)
     film_route(shell, desk)
     report_route(shell, desk)
     drawings_route(shell)
+    downloads_route(shell, desk)
+    dropping_route(shell, desk)
     ui.run_with(
         shell,
         title="rigctl",

@@ -16,17 +16,17 @@ from analysis.balls.carried import NotFlyingError
 from analysis.balls.document import Json, ball_document, positions
 from analysis.balls.films.part import Cut
 from analysis.balls.films.reading import film_of_shot
-from analysis.balls.flight.known import AIR_DENSITY, UNKNOWN_DENSITY, Ball
+from analysis.balls.flight.known import Ball
 from analysis.balls.lens.lens import read_lens
 from analysis.campaign import DESCRIPTION, FRAMES, SHOT_LIST
 from analysis.errors import InputError, ShotRefusedError
 from analysis.exchange.description import read_description
-from analysis.exchange.impact_writing import MeasuredBounce, write_bounces
 from analysis.exchange.shot_list import EXPOSURE, read_shot_list
 from analysis.figures.ball_film import draw_ball_film
 from analysis.quantity import Quantity
-from analysis.setup import CameraSetup, Environment, Setup, SphereSetup
+from analysis.setup import Setup
 from rigctl.errors import AnalysisInputError, SettingsError
+from rigctl.measuring.own_film import stated_ball, write_ball_campaign
 
 METHOD = "ball"
 Films = tuple[Sequence[FilmJob], tuple[int, int]]
@@ -204,11 +204,7 @@ def _stated_ball(request: BallRequest) -> Ball:
             part="--ball-diameter-mm",
             todo="state how large the ball is, as in --ball-diameter-mm 40",
         )
-    diameter = 1e-3 * request.diameter_mm
-    density = None
-    if request.mass_g is not None:
-        density = 1e-3 * request.mass_g / (0.5235987755982988 * diameter**3)
-    return Ball(diameter, density=density, air_density=AIR_DENSITY)
+    return stated_ball(request.diameter_mm, request.mass_g)
 
 
 def _cut(request: BallRequest) -> Cut | None:
@@ -250,29 +246,7 @@ def _write(folder: Path, name: str, films: Films, shots: Sequence[Json]) -> None
             part=str(folder),
             todo="choose another folder for --out",
         )
-    bounces = [
-        MeasuredBounce(
-            shot["shot"],
-            number,
-            each["v_n"]["value"],
-            each["v_n"]["sigma"],
-            each["v_n_after"]["value"],
-            each["v_n_after"]["sigma"],
-        )
-        for shot in shots
-        for number, each in enumerate(shot.get("impacts", ()), start=1)
-    ]
-    ball = jobs[0].ball
-    density = UNKNOWN_DENSITY if ball.density is None else ball.density
-    setup = Setup(
-        camera=CameraSetup(jobs[0].rate_hz or 1.0, *size),
-        spheres=(
-            SphereSetup("a", ball.diameter_m, density),
-            SphereSetup("b", plate=True),
-        ),
-        environment=Environment(ball.gravity, ball.air_density),
-    )
-    write_bounces(folder, name, setup, bounces)
+    write_ball_campaign(folder, name, jobs[0].ball, (jobs[0].rate_hz, size), shots)
 
 
 def _draw(figure: Path, name: str, job: FilmJob, film: AnalysedFilm, *, alone: bool) -> None:

@@ -9,6 +9,7 @@ from rigctl.page.campaigns.view import CampaignView
 from rigctl.page.desk import Desk
 from rigctl.page.layout import sheet
 from rigctl.page.parts.presence import kept_page
+from rigctl.page.parts.widgets import button
 from rigctl.page.shots.table import WHY, column, explain_headings, link_cells
 from rigctl.store import CampaignRecord, ShotState
 
@@ -42,7 +43,11 @@ def campaign_pages(desk: Desk) -> None:
     @kept_page("/campaigns")
     def campaigns() -> None:
         with sheet(desk, "Campaigns", "/campaigns"), ui.element("div").classes("panel"):
-            ui.label("Campaigns").classes("title")
+            with ui.element("div").classes("title"):
+                ui.label("Campaigns")
+                ui.space()
+                bring = button("Bring your own data", lambda: ui.navigate.to("/own"), testid="own")
+                bring.tooltip("a film of a ball, or the tables of another laboratory")
             _listed(desk.daemon.store.campaigns.all())
 
     @kept_page("/campaigns/{campaign}")

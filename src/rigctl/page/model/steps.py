@@ -20,18 +20,10 @@ SAMPLING_ERRORS = 2.0
 
 
 class GrownPath:
-    """The plot of the error on shots left out; `take` goes back to earlier effects.
+    """The plot of the error on shots left out; `take` goes back to earlier effects."""
 
-    `named` says how an effect is called on its axis.
-    """
-
-    def __init__(
-        self,
-        state: ModelState,
-        take: Callable[[Effects], None],
-        named: Callable[[str], str] = str,
-    ) -> None:
-        self._state, self._named = state, named
+    def __init__(self, state: ModelState, take: Callable[[Effects], None]) -> None:
+        self._state = state
         with ui.element("div").classes("panel").props("data-testid=error-path"):
             with ui.element("div").classes("title"):
                 ui.label("4").classes("step")
@@ -61,7 +53,7 @@ class GrownPath:
 
     def _labels(self) -> list[str]:
         known = len(self._state.path())
-        return ["base model", *(f"+ {self._named(name)}" for name in self._state.effects)][:known]
+        return ["base model", *(f"+ {name}" for name in self._state.effects)][:known]
 
     def _figure(self) -> dict[str, Any]:
         path = self._state.path()

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Sequence
 from html import escape
 from typing import Any
 
@@ -14,6 +15,7 @@ from rigctl.page.model.effect_words import in_unit
 from rigctl.page.model.story.cards import Card, card_of
 from rigctl.page.model.story.plots import dots_plot, line_plot
 from rigctl.page.model.story.preview import Preview, preview
+from rigctl.page.model.story.words import channel, covariate
 from rigctl.page.model.where import apart
 from rigctl.page.parts.tables import minus, with_error
 from rigctl.page.parts.widgets import button, plot
@@ -22,6 +24,7 @@ Json = dict[str, Any]
 FURTHEST = 2.0
 """The slider reaches so many times the best amplitude, and half of it to the other side."""
 STEPS = 200
+UNITS_OF_LOGARITHMS = {"ln v_n": " m/s", "ln v_s/v_n": ""}
 
 
 def drawing(card: Card) -> None:
@@ -70,7 +73,12 @@ def lead_card(
                 if sums is not None:
                     plot(line_plot(cell, drawn, (sums.x, [0.0] * len(sums.x)))).classes("over")
             if sums is not None:
-                _slider(card, effect["parameters"][0], sums)
+                _slider(
+                    card,
+                    effect["parameters"][0],
+                    sums,
+                    said_of(cell, sums, points["unit"], points["x_label"]),
+                )
             elif not wait():
                 ui.label("These shots do not determine its size.").classes("note")
         with ui.element("div").classes("stack outcome"):
@@ -101,10 +109,41 @@ def _preview(effect: Json, before: Json, after: Json, cell: Json) -> Preview | N
     return preview(before, after, effect["effect"], points)
 
 
-def _slider(card: Card, parameter: Json, sums: Preview) -> None:
+def said_of(cell: Json, sums: Preview, unit: str, label: str) -> Json:
+    """Return the words in which the slider says what an amplitude does to what is drawn."""
+    name = cell["covariate"]
+    ends = [math.exp(x) if name.startswith("ln ") else x for x in (sums.x[0], sums.x[-1])]
+    in_unit_of = UNITS_OF_LOGARITHMS.get(name, unit_of(label))
+    return {
+        "row": channel(cell["channel"]),
+        "row_unit": unit,
+        "ends": [f"{covariate(name)} {minus(f'{end:.3g}')}{in_unit_of}" for end in ends],
+    }
+
+
+def unit_of(label: str) -> str:
+    """Return the unit after the comma of an axis label, with a space before it; else nothing."""
+    _, comma, unit = label.rpartition(", ")
+    return f" {unit}" if comma else ""
+
+
+def _believed(low: float, high: float, ends: Sequence[float], best: float) -> None:
+    """Place the scale under the slider: where its size is believed, where not, and the best one."""
+
+    def place(value: float) -> float:
+        return 100 * min(1.0, max(0.0, (value - ends[0]) / (ends[1] - ends[0])))
+
+    with ui.element("div").classes("believed").props("aria-hidden=true"):
+        inside = ui.element("i").classes("inside")
+        inside.style(f"left: {place(low):.1f}%; right: {100 - place(high):.1f}%")
+        ui.element("i").classes("at-best").style(f"left: {place(best):.1f}%")
+
+
+def _slider(card: Card, parameter: Json, sums: Preview, said: Json) -> None:
     unit = in_unit(parameter)
     ends = sorted((-0.5 * sums.best, FURTHEST * sums.best))
-    document = json.dumps({**sums.document(), "symbol": parameter["symbol"], "unit": unit})
+    about = {"symbol": parameter["symbol"], "unit": unit, **said}
+    document = json.dumps({**sums.document(), **about})
     slider = ui.element("input").classes("amount")
     slider.props(
         f"type=range min={ends[0]} max={ends[1]} step={(ends[1] - ends[0]) / STEPS} value=0 "
@@ -112,6 +151,8 @@ def _slider(card: Card, parameter: Json, sums: Preview) -> None:
     )
     slider.on("input", js_handler=f"(event) => window.slidePreview(event.target, {document})")
     low, high = parameter["plausible"]
+    _believed(low, high, ends, sums.best)
+    ui.label("Move it: the line and the error follow.").classes("effect-says")
     best = {"value": sums.best, "sigma": sums.sigma}
     with ui.element("div").classes("beside"):
         ui.label(f"{parameter['symbol']} = 0{unit}").classes("strong amplitude")

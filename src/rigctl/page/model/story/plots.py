@@ -36,6 +36,59 @@ def line_plot(cell: Json, points: Json, curve: tuple[Sequence[float], Sequence[f
     return drawn
 
 
+def staircase(labels: Sequence[str], errors: Sequence[float], tried: float | None) -> Json:
+    """Return the error on unseen shots as steps down to the floor, which is the noise itself.
+
+    Parameters
+    ----------
+    labels, errors
+        Of the model as it is, without and with each effect.
+    tried
+        The error with the effect that is looked at and not added; None: not known.
+    """
+    treads = [*errors, *([] if tried is None else [tried])]
+    high, low = max(1.0, *treads), min(1.0, *treads)
+    room = max(0.12 * (high - low), 0.01)
+    step = {"type": "scatter", "mode": "lines+text", "hoverinfo": "skip", "cliponaxis": False}
+    x = [value for k in range(len(errors)) for value in (k, k + 0.5, k + 1)]
+    y = [error for error in errors for _ in range(3)]
+    texts = ["", "", ""] * len(errors)
+    texts[1::3] = [f"<b>{error:.3f} ×</b>" for error in errors]
+    drawn = [
+        {**step, "x": x, "y": y, "text": texts, "textposition": "top center"}
+        | {"line": {"color": MEASURED, "width": 4}},
+    ]
+    names = list(labels)
+    if tried is not None:
+        count = len(errors)
+        drawn.append(
+            {**step, "x": [count, count + 0.5, count + 1], "y": [tried] * 3}
+            | {"text": ["", f"{tried:.3f} ×", ""], "textposition": "top center"}
+            | {"line": {"color": GREY, "width": 3, "dash": "dot"}}
+        )
+        names.append("looked at")
+    floor = {"type": "rect", "xref": "paper", "x0": 0, "x1": 1, "y0": low - 2 * room, "y1": 1}
+    return figure(
+        drawn,
+        250,
+        "staircase",
+        margin={"l": WIDEST_LABEL, "r": 12, "t": 18, "b": 44},
+        shapes=[{**floor, "fillcolor": FLOOR, "opacity": 0.16, "line": {"width": 0}}],
+        xaxis={
+            "tickvals": [k + 0.5 for k in range(len(names))],
+            "ticktext": names,
+            "range": [0, max(len(names), 2)],
+            "zeroline": False,
+            "showgrid": False,
+        },
+        yaxis={
+            "title": {"text": "error ÷ noise"},
+            "range": [low - room, high + 2 * room],
+            "zeroline": False,
+        },
+    )
+
+
 def before_after(cell: Json, before: Json, after: Json) -> Json:
     """Return both on the same axes: grey without the effect, blue with it."""
     both = {**before, **{key: [*before[key], *after[key]] for key in ("x", "residual")}}

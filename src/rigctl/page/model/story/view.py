@@ -14,10 +14,9 @@ from rigctl.page.desk import Desk
 from rigctl.page.model.compare import parsed
 from rigctl.page.model.effect_words import described, left_out
 from rigctl.page.model.state import Effects, ModelState
-from rigctl.page.model.steps import GrownPath
 from rigctl.page.model.story.cards import card_of, in_plain
 from rigctl.page.model.story.lead import drawing, lead_card
-from rigctl.page.model.story.plots import before_after, cell_plot
+from rigctl.page.model.story.plots import before_after, cell_plot, staircase
 from rigctl.page.model.story.words import (
     channel,
     compared,
@@ -199,7 +198,15 @@ class Story:
                 "story-added",
             )
             _changed(before, after)
-        GrownPath(self._state, self._take, in_plain)
+        labels = ["model", *(f"+ {in_plain(name)}" for name in found["with"])][: len(path)]
+        errors = [stage["prediction_error"] for stage in path]
+        tried = None if self._after is None else self._after["prediction_error"]
+        plot(staircase(labels, errors, tried)).props("data-testid=staircase")
+        ui.label("Green: the floor, the noise itself. Grey: the effect that is looked at.").classes(
+            "note"
+        )
+        undo = button("Undo", lambda: self._take(self._state.effects[:-1]), testid="undo")
+        undo.set_enabled(bool(self._state.effects))
 
     def _add(self, name: str) -> None:
         self._take((*self._state.effects, name))

@@ -1,0 +1,147 @@
+"""A film of a ball that somebody hands over: looked at, measured, and written as a campaign.
+
+The functions that end in `_job` are called in processes of their own: a file of any kind may be
+broken. Each takes one JSON object and a function that says how far it is, and returns one.
+"""
+
+from __future__ import annotations
+
+import base64
+import json
+import math
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.balls.analysis import FilmJob, analyse_film
+from analysis.balls.document import ball_document
+from analysis.balls.films.film import Picture
+from analysis.balls.films.part import Cut
+from analysis.balls.films.reading import open_film
+from analysis.balls.flight.known import AIR_DENSITY, UNKNOWN_DENSITY, Ball
+from analysis.errors import InputError, ShotRefusedError
+from analysis.exchange.impact_writing import MeasuredBounce, write_bounces
+from analysis.figures.ball_film import draw_ball_film
+from analysis.setup import CameraSetup, Environment, Setup, SphereSetup
+from rigctl.errors import AnalysisInputError
+
+Json = dict[str, Any]
+Say = Callable[[str, float | None], None]
+SHOWN = 8
+SHOWN_WIDTH = 720
+QUALITY = 80
+
+
+def stated_ball(diameter_mm: float, mass_g: float | None) -> Ball:
+    """Return a ball as a person states it; without a mass its density is unknown."""
+    diameter = 1e-3 * diameter_mm
+    density = None if mass_g is None else 1e-3 * mass_g / (math.pi / 6 * diameter**3)
+    return Ball(diameter, density=density, air_density=AIR_DENSITY)
+
+
+def write_ball_campaign(
+    folder: Path,
+    name: str,
+    ball: Ball,
+    camera: tuple[float | None, tuple[int, int]],
+    shots: Iterable[Json],
+) -> None:
+    """Write the bounces of measured films as an exchange folder, each bounce a shot.
+
+    Parameters
+    ----------
+    camera
+        Frames a second, None where nobody states them, and rows and columns of a picture.
+    shots
+        Documents of films with their numbers as `shot`; one that was refused has no bounces.
+    """
+    rate_hz, size = camera
+    bounces = [
+        MeasuredBounce(
+            shot["shot"],
+            number,
+            each["v_n"]["value"],
+            each["v_n"]["sigma"],
+            each["v_n_after"]["value"],
+            each["v_n_after"]["sigma"],
+        )
+        for shot in shots
+        for number, each in enumerate(shot.get("impacts", ()), start=1)
+    ]
+    density = UNKNOWN_DENSITY if ball.density is None else ball.density
+    setup = Setup(
+        camera=CameraSetup(rate_hz or 1.0, *size),
+        spheres=(SphereSetup("a", ball.diameter_m, density), SphereSetup("b", plate=True)),
+        environment=Environment(ball.gravity, ball.air_density),
+    )
+    write_bounces(folder, name, setup, bounces)
+
+
+def look_job(asked: Json, say: Say) -> Json:
+    """Say what a film is, and show pictures of it as JPEG; `path` is the film."""
+    say("opening the film", None)
+    try:
+        film = open_film(Path(asked["path"]))
+        head = film.head
+        frames = sorted({round(k * (head.frames - 1) / (SHOWN - 1)) for k in range(SHOWN)})
+        found = film.chosen(frames)
+    except InputError as error:
+        raise AnalysisInputError(error.reason, part=Path(error.path).name) from error
+    return {
+        "frames": head.frames,
+        "rows": head.height,
+        "columns": head.width,
+        "rate_hz": head.rate_hz,
+        "notes": list(head.notes),
+        "pictures": [{"frame": k, "jpeg": _jpeg(found[k])} for k in frames if k in found],
+    }
+
+
+def measure_job(asked: Json, say: Say) -> Json:
+    """Measure a film and write figure, result and campaign.
+
+    `path` is the film, `diameter_mm` the ball's; `mass_g`, `rate_hz` and `window` (column, row,
+    width, height) are None where nothing is stated; `figure`, `result` and `campaign` are where to
+    write, `name` is what to call it.
+    """
+    window = asked["window"]
+    ball = stated_ball(asked["diameter_mm"], asked["mass_g"])
+    job = FilmJob(
+        shot=1,
+        path=Path(asked["path"]),
+        ball=ball,
+        rate_hz=asked["rate_hz"],
+        cut=None if window is None else Cut(0, None, tuple(window)),
+    )
+    say("finding the ball and following it", 0.1)
+    try:
+        film = analyse_film(job)
+    except InputError as error:
+        raise AnalysisInputError(error.reason, part=Path(error.path).name) from error
+    except ShotRefusedError as refusal:
+        raise AnalysisInputError(refusal.reason, part=f"the {refusal.step}") from refusal
+    document = {"shot": 1, **ball_document(film.measured, film.notes)}
+    say("drawing", 0.8)
+    draw_ball_film(Path(asked["figure"]), asked["name"], film)
+    Path(asked["result"]).write_text(json.dumps(document, allow_nan=False), encoding="utf-8")
+    size = film.film.head.height, film.film.head.width
+    write_ball_campaign(
+        Path(asked["campaign"]), asked["name"], ball, (asked["rate_hz"], size), [document]
+    )
+    return document
+
+
+def _jpeg(picture: Picture) -> str:
+    """Return a picture as JPEG in base64, in 8 bits and no wider than a page shows it."""
+    grey: NDArray[Any] = picture.squeeze()
+    if grey.dtype != np.uint8:
+        grey = (grey.astype(np.float64) * (255.0 / max(float(grey.max()), 1.0))).astype(np.uint8)
+    share = SHOWN_WIDTH / grey.shape[1]
+    if share < 1:
+        grey = cv2.resize(grey, None, fx=share, fy=share, interpolation=cv2.INTER_AREA)
+    _, data = cv2.imencode(".jpg", grey, [cv2.IMWRITE_JPEG_QUALITY, QUALITY])
+    return base64.b64encode(data.tobytes()).decode("ascii")

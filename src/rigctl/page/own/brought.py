@@ -1,0 +1,160 @@
+"""Files that were dropped on the page: kept in a folder of their own inside the store's."""
+
+from __future__ import annotations
+
+import re
+import secrets
+import shutil
+import zipfile
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+from typing import IO
+
+from analysis.balls.films.reading import FILM_SUFFIXES
+from rigctl.errors import AnalysisInputError
+from rigctl.page.model.source import LOOKED_AT
+
+FOLDER = "own"
+"""Folder of what was brought, inside the store's."""
+NAME = re.compile(r"[A-Za-z0-9_. -]{1,120}")
+TOKEN = re.compile(r"[0-9a-f]{16}")
+MOST_BYTES = 2 * 1024**3
+MOST_FILES = 20_000
+ARCHIVE = ".zip"
+PICTURES = (".png", ".tif", ".tiff")
+FRAMES = "frames"
+FIGURE, RESULT, CAMPAIGN = "bounces.png", "result.json", "campaign"
+"""What measuring a film leaves beside it."""
+
+
+class _Bounded:
+    """The first bytes of a stream."""
+
+    def __init__(self, stream: IO[bytes], most: int) -> None:
+        self._stream, self._left = stream, most
+
+    def read(self, size: int = -1) -> bytes:
+        """Return the next bytes of those that are allowed."""
+        wanted = self._left if size < 0 else min(size, self._left)
+        part = self._stream.read(wanted) if wanted else b""
+        self._left -= len(part)
+        return part
+
+
+@dataclass(frozen=True, slots=True)
+class Brought:
+    """One thing that was brought, in a folder of its own.
+
+    Attributes
+    ----------
+    film
+        The film, or a folder of pictures; None for a campaign.
+    campaign
+        The exchange folder; None for a film.
+    """
+
+    folder: Path
+    film: Path | None = None
+    campaign: Path | None = None
+
+    @property
+    def token(self) -> str:
+        """Its name in addresses."""
+        return self.folder.name
+
+
+def new_place(store: Path) -> Path:
+    """Return a new folder for what is being brought."""
+    place = store / FOLDER / secrets.token_hex(8)
+    place.mkdir(parents=True)
+    return place
+
+
+def known(store: Path, token: str) -> Brought:
+    """Return what was brought under a name.
+
+    Raises
+    ------
+    AnalysisInputError
+        Nothing was, or it is neither a film nor a campaign.
+    """
+    place = store / FOLDER / token
+    if not TOKEN.fullmatch(token) or not place.is_dir():
+        raise AnalysisInputError("was not brought", part=token, todo="drop the file again")
+    return what_is_in(place)
+
+
+def safe_name(name: str) -> str:
+    """Return the last part of a name that a browser states; raise where it is no plain name."""
+    plain = PurePosixPath(name.replace("\\", "/")).name
+    if not NAME.fullmatch(plain) or plain.startswith("."):
+        raise AnalysisInputError(
+            "has a name that cannot be kept",
+            part=plain[:40],
+            todo="rename it with letters, digits, dots and hyphens",
+        )
+    return plain
+
+
+def what_is_in(place: Path) -> Brought:
+    """Return what a folder holds: an archive is unpacked, pictures beside each other are a film.
+
+    Raises
+    ------
+    AnalysisInputError
+        It is neither film nor campaign, or the archive is broken, too large or unsafe.
+    """
+    for archive in place.glob(f"*{ARCHIVE}"):
+        _unpack(archive, place / "unpacked")
+        archive.unlink()
+    described = sorted(place.glob(f"unpacked/**/{LOOKED_AT[0]}"), key=lambda path: len(path.parts))
+    if described:
+        return Brought(place, campaign=described[0].parent)
+    unpacked = place / "unpacked"
+    where = unpacked if unpacked.is_dir() else place
+    top = [path for path in sorted(where.rglob("*")) if path.is_file() and path.name != FIGURE]
+    films = [path for path in top if path.suffix.lower() in FILM_SUFFIXES]
+    pictures = [path for path in top if path.suffix.lower() in PICTURES]
+    if len(pictures) > 1:
+        frames = place / FRAMES
+        if frames not in pictures[0].parents:
+            frames.mkdir(exist_ok=True)
+            for path in pictures:
+                path.rename(frames / path.name)
+        return Brought(place, film=frames)
+    if films:
+        return Brought(place, film=films[0])
+    kinds = ", ".join(FILM_SUFFIXES)
+    raise AnalysisInputError(
+        "is neither a film nor a campaign's folder",
+        part=", ".join(path.name for path in top[:3]) or "nothing",
+        todo=f"drop a film ({kinds}), its pictures as PNG, or an exchange folder as ZIP",
+    )
+
+
+def _unpack(archive: Path, into: Path) -> None:
+    """Unpack an archive of plain files below a folder, within bounds."""
+    try:
+        with zipfile.ZipFile(archive) as packed:
+            members = [one for one in packed.infolist() if not one.is_dir()]
+            size = sum(one.file_size for one in members)
+            if len(members) > MOST_FILES or size > MOST_BYTES:
+                raise AnalysisInputError(
+                    "is too large when unpacked",
+                    part=archive.name,
+                    value=f"{len(members)} files, {size / 1e6:.0f} MB",
+                    limit=f"{MOST_FILES} files, {MOST_BYTES / 1e6:.0f} MB",
+                )
+            for one in members:
+                target = (into / one.filename).resolve()
+                if into.resolve() not in target.parents:
+                    raise AnalysisInputError(
+                        "holds a file that would lie outside of it", part=archive.name
+                    )
+                target.parent.mkdir(parents=True, exist_ok=True)
+                with packed.open(one) as source, target.open("wb") as sink:
+                    # Not more than it says: the sum of that was allowed.
+                    shutil.copyfileobj(_Bounded(source, one.file_size), sink)
+    except (zipfile.BadZipFile, OSError, NotImplementedError, RuntimeError) as error:
+        shutil.rmtree(into, ignore_errors=True)
+        raise AnalysisInputError(f"cannot be unpacked: {error}", part=archive.name) from error

@@ -1,0 +1,68 @@
+"""The way of dropped files to the daemon: a field that takes them, and the route behind it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from fastapi import FastAPI, Request
+from nicegui import run, ui
+from starlette.datastructures import UploadFile
+from starlette.responses import JSONResponse, Response
+
+from rigctl.errors import AnalysisInputError, RigError
+from rigctl.page.desk import Desk
+from rigctl.page.own.brought import MOST_BYTES, MOST_FILES, new_place, safe_name, what_is_in
+
+ADDRESS = "/own-data"
+SHOWN_AT = "/own"
+SCRIPT = Path(__file__).with_name("drop.js")
+CHUNK = 1024**2
+
+
+def drop_field() -> None:
+    """Place the field that files are dropped on, and what is said of them."""
+    ui.add_head_html(f"<script>{SCRIPT.read_text('utf-8')}</script>")
+    ui.html(
+        '<label for="drop-files" class="strong">Drop files here, or choose them</label>'
+        '<input type="file" id="drop-files" data-testid="drop" multiple '
+        'onchange="bringFiles(this, this.nextElementSibling)">'
+        '<div role="alert" data-testid="own-failed" hidden></div>',
+        sanitize=False,
+    ).classes("drop-field")
+
+
+def dropping_route(app: FastAPI, desk: Desk) -> None:
+    """Register the route, beside the pages: it answers where the files are shown, or why not."""
+
+    @app.post(ADDRESS, include_in_schema=False)
+    async def bring(request: Request) -> Response:
+        try:
+            _require_room(request)
+            place = new_place(desk.daemon.store.path)
+            async with request.form(max_files=MOST_FILES) as form:
+                for file in form.getlist("files"):
+                    if isinstance(file, UploadFile):
+                        await _kept(file, place)
+            found = await run.io_bound(what_is_in, place)
+        except RigError as error:
+            return JSONResponse({"detail": error.sentence()}, 422)
+        token = "" if found is None else found.token
+        return JSONResponse({"address": f"{SHOWN_AT}?brought={token}"})
+
+
+def _require_room(request: Request) -> None:
+    stated = request.headers.get("content-length", "")
+    if not stated.isdecimal() or int(stated) > MOST_BYTES:
+        raise AnalysisInputError(
+            "are too large",
+            part="the files",
+            value=f"{int(stated) / 1e6:.0f} MB" if stated.isdecimal() else "of unknown size",
+            limit=f"{MOST_BYTES / 1e6:.0f} MB",
+            todo="put them on the rig's computer and use rigctl analyse",
+        )
+
+
+async def _kept(file: UploadFile, place: Path) -> None:
+    with (place / safe_name(file.filename or "")).open("wb") as kept:
+        while part := await file.read(CHUNK):
+            await run.io_bound(kept.write, part)

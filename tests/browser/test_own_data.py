@@ -1,0 +1,86 @@
+"""Own data on the page: a film of a ball is dropped, looked at, measured and handed back."""
+
+from __future__ import annotations
+
+import io
+import json
+import re
+import zipfile
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from playwright.sync_api import Page, expect
+
+from tests.browser.conftest import Served
+from tests.browser.test_accessibility import faults
+from tests.browser.test_rig_page import FIRST_USE_MS
+
+BOUNCE = 0.8
+RATE_HZ, FALL_PX, TOP, PLATE, RADIUS = 100.0, 4000.0, 40.0, 320.0, 18
+BALL_MM = 88.3
+"""With 9.81 m/s² a fall of 4000 px/s² is 2.4525 mm a pixel; so the ball of 36 px has 88.3 mm."""
+
+
+def film(path: Path) -> Path:
+    """Draw a ball that falls on a plate and bounces twice with e = 0.8."""
+    rows, columns = np.mgrid[:360, :160]
+    code = cv2.VideoWriter.fourcc(*"mp4v")
+    video = cv2.VideoWriter(str(path), code, RATE_HZ, (160, 360))
+    first = (2 * (PLATE - TOP) / FALL_PX) ** 0.5
+    begun, speed, contact = 0.0, 0.0, first
+    for t in np.arange(130) / RATE_HZ:
+        while t > contact:
+            begun, speed = contact, BOUNCE * (speed if begun else FALL_PX * first)
+            contact = begun + 2 * speed / FALL_PX
+        since = t - begun
+        start = PLATE if begun else TOP
+        row = start - speed * since + 0.5 * FALL_PX * since**2
+        inside = np.hypot(rows - row, columns - 80) < RADIUS
+        grey = cv2.GaussianBlur(np.where(inside, 210, 60).astype(np.uint8), (0, 0), 1.0)
+        video.write(cv2.cvtColor(grey, cv2.COLOR_GRAY2BGR))
+    video.release()
+    return path
+
+
+@pytest.mark.long
+def test_a_film_is_dropped_measured_and_handed_back(page: Page, served: Served) -> None:
+    page.goto(f"{served.url}/campaigns")
+    page.get_by_test_id("own").click()
+    page.locator("input[type=file]").set_input_files(film(served.folder / "bounce.mp4"))
+    expect(page.get_by_test_id("own-film")).to_contain_text(
+        "130 frames of 160 × 360 pixels; 100 frames a second", timeout=FIRST_USE_MS
+    )
+    expect(page.get_by_test_id("own-measure")).to_be_disabled()
+    page.get_by_test_id("ball-diameter-mm").fill(str(BALL_MM))
+    page.get_by_test_id("own-measure").click()
+    bounces = page.get_by_test_id("own-bounces").locator("tbody tr")
+    expect(bounces).to_have_count(2, timeout=FIRST_USE_MS)
+    for said in bounces.locator("td:last-child").all_inner_texts():
+        value, digits = re.fullmatch(r"(\d\.\d+)\((\d+)\)", said).groups()  # type: ignore[union-attr]
+        sigma = int(digits) * 10.0 ** -len(value.partition(".")[2])
+        assert abs(float(value) - BOUNCE) < 4 * sigma
+    figure = page.locator(".own-figure img")
+    expect(figure).to_have_js_property("complete", value=True)
+    assert figure.evaluate("picture => picture.naturalWidth") > 0
+    links = {
+        name: page.locator(f"a[download='{name}']").get_attribute("href") or ""
+        for name in ("result.json", "campaign.zip")
+    }
+    result = page.request.get(served.url + links["result.json"])
+    assert len(json.loads(result.text())["impacts"]) == 2
+    campaign = page.request.get(served.url + links["campaign.zip"])
+    names = zipfile.ZipFile(io.BytesIO(campaign.body())).namelist()
+    assert {"campaign/campaign.toml", "campaign/impacts.csv"} <= set(names)
+    assert faults(page) == []
+
+
+def test_what_is_no_film_is_refused_in_words(page: Page, served: Served) -> None:
+    page.goto(f"{served.url}/own")
+    page.wait_for_function("window.did_handshake")
+    letter = {"name": "letter.txt", "mimeType": "text/plain", "buffer": b"dear all"}
+    page.locator("input[type=file]").set_input_files([letter])
+    failed = page.get_by_test_id("own-failed")
+    expect(failed).to_contain_text("letter.txt: is neither a film nor a campaign's folder")
+    assert faults(page) == []

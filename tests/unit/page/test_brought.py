@@ -1,0 +1,79 @@
+"""What is dropped on the page: films, pictures and campaigns are told apart, and bounded."""
+
+from __future__ import annotations
+
+import zipfile
+from pathlib import Path
+
+import pytest
+
+from rigctl.errors import AnalysisInputError
+from rigctl.page.own.brought import known, new_place, safe_name, what_is_in
+
+
+@pytest.fixture
+def place(tmp_path: Path) -> Path:
+    return new_place(tmp_path)
+
+
+def pack(place: Path, **files: str) -> None:
+    with zipfile.ZipFile(place / "brought.zip", "w") as archive:
+        for name, text in files.items():
+            archive.writestr(name, text)
+
+
+def test_a_film_is_a_film(place: Path) -> None:
+    (place / "drop.mp4").write_bytes(b"")
+    assert what_is_in(place).film == place / "drop.mp4"
+
+
+def test_pictures_beside_each_other_are_one_film(place: Path) -> None:
+    for name in ("1.png", "2.png", "3.png"):
+        (place / name).write_bytes(b"")
+    found = what_is_in(place)
+    assert found.film is not None
+    assert sorted(path.name for path in found.film.iterdir()) == ["1.png", "2.png", "3.png"]
+    assert what_is_in(place) == found
+
+
+def test_an_archive_with_a_description_is_a_campaign_however_deep_it_lies(place: Path) -> None:
+    pack(place, **{"steel/campaign.toml": "", "steel/frames/0001.tif": ""})
+    found = what_is_in(place)
+    assert found.campaign == place / "unpacked" / "steel"
+    assert known(place.parents[1], place.name) == found
+
+
+def test_no_file_of_an_archive_lies_outside_of_its_folder(place: Path) -> None:
+    pack(place, **{"../../escaped.txt": "out"})
+    with pytest.raises(AnalysisInputError, match="outside"):
+        what_is_in(place)
+    assert not (place.parent / "escaped.txt").exists()
+
+
+def test_a_broken_archive_is_said_to_be_one(place: Path) -> None:
+    (place / "torn.zip").write_bytes(b"PK\x03\x04 and nothing more")
+    with pytest.raises(AnalysisInputError, match="cannot be unpacked"):
+        what_is_in(place)
+
+
+def test_what_is_neither_is_named_with_what_would_be(place: Path) -> None:
+    (place / "letter.docx").write_bytes(b"")
+    with pytest.raises(AnalysisInputError, match=r"letter.docx: is neither.*\.mp4"):
+        what_is_in(place)
+
+
+@pytest.mark.parametrize("name", ["../up.mp4", "C:\\films\\up.mp4", "up.mp4"])
+def test_of_a_name_its_last_part_counts(name: str) -> None:
+    assert safe_name(name) == "up.mp4"
+
+
+@pytest.mark.parametrize("name", ["", ".hidden", "a\nb.mp4", "x" * 121])
+def test_a_name_that_is_no_plain_one_is_refused(name: str) -> None:
+    with pytest.raises(AnalysisInputError):
+        safe_name(name)
+
+
+@pytest.mark.parametrize("token", ["..", "0123456789abcdef", "", "../../etc"])
+def test_nothing_is_found_under_a_name_that_was_not_given(tmp_path: Path, token: str) -> None:
+    with pytest.raises(AnalysisInputError):
+        known(tmp_path, token)
