@@ -188,6 +188,17 @@ def reveal(folder: Path) -> tuple[Label, list[str], Outcome]:
     return label, given, judge(label, given)
 
 
+def label_of(folder: Path) -> Label:
+    """Return the truth of a challenge that may not be answered yet; hints are made of it alone.
+
+    Raises
+    ------
+    NotFoundError, RefusedError, AnalysisInputError
+        As `reveal`.
+    """
+    return _opened(folder / SEALED, _challenge(folder).sha256)
+
+
 def law_compared(folder: Path, label: Label) -> Json | None:
     """Return the law of an answer beside the true one; None: no law was answered.
 

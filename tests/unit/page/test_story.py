@@ -10,7 +10,7 @@ import pytest
 from rigctl.model.known_effects import ALL_EFFECTS, effect_document
 from rigctl.page.model.story.cards import HERE, card_of, in_plain
 from rigctl.page.model.story.preview import preview
-from rigctl.page.model.story.words import channel, compared, covariate, leading
+from rigctl.page.model.story.words import channel, compared, covariate, leading, where
 
 CATALOGUE = [effect_document(effect) for effect in ALL_EFFECTS]
 
@@ -107,3 +107,13 @@ def cell(name: str, deviation: float) -> dict[str, Any]:
 
 def row(quantity: str, error: float, p: float) -> dict[str, Any]:
     return {"quantity": quantity, "error": error, "p_familywise": p, "size": 80.0, "unit": "mm/s"}
+
+
+def test_a_constant_error_is_called_one_and_a_course_is_told_by_its_ends() -> None:
+    cell = {"channel": "common spin n", "covariate": "time", "p_familywise": 1e-9}
+    constant = {"unit": "mrad", "trend": {"mean": [16.0, 17.1, 14.4]}}
+    course = {"unit": "mrad", "trend": {"mean": [-16.0, 0.0, 14.4]}}
+    said = where(cell, constant, None)
+    assert "always wrong, by +15.8 mrad on average" in said
+    assert "goes wrong" not in said
+    assert "−16 mrad at its least" in where(cell, course, None)

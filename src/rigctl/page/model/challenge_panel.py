@@ -8,7 +8,7 @@ from typing import Any
 
 from nicegui import ui
 
-from rigctl import challenge
+from rigctl import challenge, game
 from rigctl.errors import RigError
 from rigctl.model.known_effects import ALL_EFFECTS
 from rigctl.page.desk import Desk
@@ -20,7 +20,6 @@ from rigctl.page.parts.widgets import button
 
 FOLDER = "challenges"
 """Folder of the challenges made here, inside the store's."""
-SHOTS = 120
 OUTCOMES = {
     "right": "Right.",
     "alias": "As good as right: these shots cannot tell your answer from the truth.",
@@ -36,24 +35,24 @@ def challenge_maker(desk: Desk) -> None:
     async def make() -> None:
         folder = store / f"challenge-{secrets.token_hex(3)}"
 
-        def work() -> bool:
+        def work() -> game.Game:
             store.mkdir(parents=True, exist_ok=True)
-            challenge.new(folder, seed=None, strength=str(strength.value), shots=SHOTS)
-            return True
+            return game.new_game(folder, level=int(level.value), shots=int(shots.value))
 
-        if await desk.act(work):
+        if await desk.act(work) is not None:
             ui.navigate.to(Source.of_folder(desk.daemon, str(folder)).address)
 
     with ui.element("div").classes("panel"):
         ui.label("Take a challenge").classes("title")
         ui.label(
-            f"{SHOTS} shots of a laboratory that hides something: one effect, two, or none. Find "
-            "it, commit to an answer, and break the seal."
+            "Shots of a laboratory that hides something. Find it, say how sure you are, commit to "
+            "an answer, and break the seal. Fewer shots and no hints give more points."
         ).classes("note")
         with ui.element("div").classes("beside"):
-            strength = ui.radio({"full": "as strong as on a rig", "quarter": "a quarter of it"})
-            strength.set_value("full")
-            strength.props("inline dense")
+            names = {k: f"Level {k}: {name}" for k, name in enumerate(game.LEVELS, start=1)}
+            level = _choice("Level", names, 1, "level")
+            counts = {n: f"{n} shots, points × {game.FEW[n]:g}" for n in game.SHOTS}
+            shots = _choice("Shots", counts, game.SHOTS[-1], "challenge-shots")
             button("Make one", make, look="fill", testid="new-challenge")
         for made in sorted(store.glob("*/campaign.toml")) if store.is_dir() else ():
             ui.link(made.parent.name, Source.of_folder(desk.daemon, str(made.parent)).address)
@@ -68,6 +67,7 @@ class ChallengePanel:
     def __init__(self, state: ModelState) -> None:
         self._state = state
         self._folder = state.source.folder
+        self._game = None if self._folder is None else game.game_of(self._folder)
         if self._folder is not None and (self._folder / challenge.PUBLIC).is_file():
             with ui.element("div").classes("panel").props("data-testid=challenge"):
                 self._show()
@@ -85,16 +85,44 @@ class ChallengePanel:
             "Something is hidden in it, or nothing. Name it: the answer is written once and never "
             "changed. Then the seal can be broken."
         ).classes("note")
+        self._hint()
         names = [*challenge.ALONE, *sorted(effect.name for effect in ALL_EFFECTS)]
         with ui.element("div").classes("beside"):
             given = ui.select(names, multiple=True, label="What is hidden?", with_input=True)
             given.props("outlined dense use-chips data-testid=answer").style(
                 "min-width: min(320px, 100%)"
             )
+            if self._game is not None:
+                sure = {value: f"{value:.0%} sure" for value in game.SURE}
+                self._sure = _choice("How sure?", sure, game.SURE[0], "sure")
             commit = button(
                 "Commit …", lambda: self._ask(list(given.value)), look="fill", testid="commit"
             )
             commit.bind_enabled_from(given, "value", bool)
+
+    def _hint(self) -> None:
+        """Offer how much is hidden, for points."""
+        if self._game is None or self._folder is None:
+            return
+        ui.label(
+            f"Level {self._game.level}: {game.LEVELS[self._game.level - 1]}. "
+            f"{self._game.shots} shots."
+        ).props("data-testid=game")
+        if self._game.hints:
+            ui.label(f"Hint: {game.hint(self._folder)}").props("data-testid=hint")
+        else:
+            button(f"A hint, for {game.HINT_COST} points", self._take_hint, testid="take-hint")
+
+    def _take_hint(self) -> None:
+        if self._game is None or self._folder is None:
+            return
+        try:
+            game.hint(self._folder)
+            self._game = game.take_hint(self._folder, self._game)
+        except RigError as error:
+            ui.notify(error.sentence(), type="negative", multi_line=True)
+            return
+        self._show.refresh()
 
     def _answered(self) -> None:
         if self._folder is None:
@@ -111,6 +139,8 @@ class ChallengePanel:
             # Nothing of it is in the page before.
             with truth:
                 _truth(label, outcome, (self._state.path() or [{}])[-1].get("parameters", {}))
+                if self._game is not None:
+                    _score(self._game, game.score(self._game, outcome))
             breaking.set_visibility(False)
 
         breaking = button("Break the seal", reveal, look="fill", testid="reveal")
@@ -129,10 +159,34 @@ class ChallengePanel:
         known = [effect.name for effect in ALL_EFFECTS]
         try:
             challenge.commit(self._folder, ",".join(names), known=known)
+            if self._game is not None:
+                self._game = game.be_sure(self._folder, self._game, float(self._sure.value))
         except RigError as error:
             ui.notify(error.sentence(), type="negative", multi_line=True)
             return
         self._show.refresh()
+
+
+def _choice(label: str, options: Mapping[Any, str], value: object, testid: str) -> ui.select:
+    placed = ui.select(dict(options), value=value, label=label)
+    placed.props(f'outlined dense options-dense data-testid={testid} aria-label="{label}"')
+    return placed.style("min-width: min(220px, 100%)")
+
+
+def _score(played: game.Game, points: game.Score) -> None:
+    """Place the points and where they come from."""
+    sure = "not said" if played.sure is None else f"{played.sure:.0%}"
+    lines = [
+        Line(["what was found", f"{points.found:+d}"]),
+        Line([f"with {played.shots} shots", f"{points.few:+d}"]),
+        Line([f"hints: {played.hints}", f"{points.hints:+d}"]),
+        Line([f"sure: {sure}", f"{points.sure:+d}"]),
+        Line(["all together", f"{points.total:+d}"]),
+    ]
+    ui.label(f"Level {played.level}, {points.total} points").classes("strong").props(
+        "data-testid=score"
+    )
+    facts(["", "points"], [Line([minus(str(cell)) for cell in line.cells]) for line in lines])
 
 
 def _truth(

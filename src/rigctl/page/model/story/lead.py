@@ -122,7 +122,7 @@ def said_of(cell: Json, sums: Preview, unit: str, label: str) -> Json:
 
 
 def unit_of(label: str) -> str:
-    """Return the unit after the comma of an axis label, with a space before it; else nothing."""
+    """Return the unit at the end of an axis label, with a space before it; empty for none."""
     _, comma, unit = label.rpartition(", ")
     return f" {unit}" if comma else ""
 

@@ -22,6 +22,7 @@ from rigctl.page.model.story.words import (
     compared,
     covariate,
     failing,
+    is_always,
     leading,
     missing_words,
     where,
@@ -105,7 +106,7 @@ class Story:
         first, last = path[0]["prediction_error"], path[-1]["prediction_error"]
         results = (
             ("Compare", f"worst: {worst['error']:.3g} × the noise"),
-            ("Where it fails", f"with {covariate(cell['covariate'])}" if fails else "nowhere"),
+            ("Where it fails", _goes_with(cell) if fails else "nowhere"),
             ("What is missing", in_plain(missing_words(standing))),
             ("Add it", f"{first:.3f} → {last:.3f} × the noise" if len(path) > 1 else "not yet"),
         )
@@ -210,6 +211,11 @@ class Story:
 
     def _add(self, name: str) -> None:
         self._take((*self._state.effects, name))
+
+
+def _goes_with(cell: Json) -> str:
+    always = is_always(parsed(cell["points"]))
+    return "always alike" if always else f"with {covariate(cell['covariate'])}"
 
 
 def _changed(before: Json, after: Json) -> None:

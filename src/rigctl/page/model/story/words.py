@@ -12,6 +12,8 @@ from analysis.model.verdict.standing import SURE, Standing, Word
 Json = dict[str, Any]
 NEARLY = 0.85
 """A cell this near to the most striking one gives way to it only where it is named before."""
+ALWAYS = 2.0
+"""A mean that is so many times as large as its course is said first: it is the finding."""
 KINDS = {
     "relative velocity": {"n": "speed along the line of centres", "t": "sliding speed"}
     | {"b": "sideways speed"},
@@ -112,6 +114,16 @@ MISSING = {
 }
 
 
+def is_always(points: Json) -> bool:
+    """Say whether the running mean of a cell is one number rather than a course."""
+    mean = np.asarray(points["trend"]["mean"])
+    return bool(abs(mean.mean()) > ALWAYS * (mean.max() - mean.min()))
+
+
+def _signed(value: float) -> str:
+    return f"{value:+.3g}".replace("-", "−")
+
+
 def missing_words(standing: Standing | None) -> str:
     """Say in some words what is missing; the names of effects are those of the catalogue."""
     if standing is None:
@@ -132,8 +144,13 @@ def where(cell: Json, points: Json, standing: Standing | None) -> str:
             "too few shots, to say that something is missing."
         )
     mean, unit = np.asarray(points["trend"]["mean"]), points["unit"]
+    if is_always(points):
+        return (
+            f"The {channel(cell['channel'])} is always wrong, by {_signed(mean.mean())} {unit} on "
+            f"average; with {covariate(cell['covariate'])} that hardly changes."
+        )
     places = {"first": 0, "middle": len(mean) // 2, "last": len(mean) - 1}
-    least, middle, most = (f"{mean[place]:+.3g}".replace("-", "−") for place in places.values())
+    least, middle, most = (_signed(mean[place]) for place in places.values())
     return (
         f"The {channel(cell['channel'])} goes wrong with {covariate(cell['covariate'])}: measured "
         f"less model is {least} {unit} at its least, {middle} in the middle, {most} at its most."

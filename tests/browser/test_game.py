@@ -1,0 +1,41 @@
+"""A challenge as a game: a level is chosen, a hint is taken, an answer scored."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+from playwright.sync_api import Page, expect
+
+from tests.browser.conftest import Served
+from tests.browser.test_model_page import LONG_MS
+
+pytestmark = pytest.mark.long
+
+
+def choose(page: Page, field: str, option: str) -> None:
+    """Choose an option of a select by the beginning of its words."""
+    page.get_by_test_id(field).click()
+    page.get_by_role("option", name=re.compile(option)).click()
+
+
+def test_a_level_is_made_played_with_a_hint_and_scored(page: Page, served: Served) -> None:
+    page.goto(f"{served.url}/model")
+    page.wait_for_function("window.did_handshake")
+    choose(page, "level", "Level 1")
+    choose(page, "challenge-shots", "24 shots")
+    page.get_by_test_id("new-challenge").click()
+    page.get_by_test_id("story-compare").wait_for(timeout=LONG_MS)
+    expect(page.get_by_test_id("game")).to_have_text("Level 1: One plain effect. 24 shots.")
+    page.get_by_test_id("take-hint").click()
+    expect(page.get_by_test_id("hint")).to_have_text("Hint: One effect is hidden.")
+    page.get_by_test_id("answer").fill("none")
+    page.get_by_role("option", name="none", exact=True).click()
+    page.keyboard.press("Escape")
+    choose(page, "sure", "90%")
+    page.get_by_test_id("commit").click()
+    page.get_by_role("button", name="Commit", exact=True).click()
+    page.get_by_test_id("reveal").click()
+    expect(page.get_by_test_id("truth")).to_contain_text("Wrong.")
+    # Nothing found, a hint for 20, and 25 (1 - 4 * 0.9²) = -56 for being sure of what is wrong.
+    expect(page.get_by_test_id("score")).to_have_text("Level 1, -76 points")

@@ -1,0 +1,75 @@
+"""Levels of the game: each hides what it says, and the score pays for honesty."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from rigctl.challenge import label_of
+from rigctl.errors import SettingsError
+from rigctl.game import Game, be_sure, game_of, hint, new_game, score, take_hint
+
+SEEDS = range(4)
+
+
+@pytest.mark.parametrize(("level", "counts"), [(1, {1}), (2, {0, 1}), (3, {2}), (4, {1})])
+def test_a_level_hides_as_many_known_effects_as_it_says(
+    tmp_path: Path, level: int, counts: set[int]
+) -> None:
+    for seed in SEEDS:
+        folder = tmp_path / f"{seed}"
+        new_game(folder, level=level, shots=3, seed=seed)
+        label = label_of(folder)
+        assert len(label.effects) in counts
+        assert "unexplained" not in label.answer
+        if level == 1:
+            assert label.like == {}
+        if level == 4:
+            assert label.like != {}
+
+
+def test_a_game_is_kept_beside_its_challenge_and_says_nothing_of_the_truth(tmp_path: Path) -> None:
+    folder = tmp_path / "made"
+    played = new_game(folder, level=1, shots=24, seed=1)
+    assert game_of(folder) == played == Game(1, 24)
+    hidden = label_of(folder).effects[0].effect
+    assert hidden not in (folder / "game.json").read_text()
+    played = be_sure(folder, take_hint(folder, played), 0.9)
+    assert game_of(folder) == played == Game(1, 24, hints=1, sure=0.9)
+
+
+def test_a_hint_says_how_much_is_hidden(tmp_path: Path) -> None:
+    for level, said in ((1, "One effect is hidden."), (3, "2 effects are hidden.")):
+        new_game(tmp_path / str(level), level=level, shots=3, seed=2)
+        assert hint(tmp_path / str(level)) == said
+
+
+def test_there_is_no_level_nought_and_no_seventh(tmp_path: Path) -> None:
+    for level in (0, 7):
+        with pytest.raises(SettingsError, match="levels are 1 to 6"):
+            new_game(tmp_path / "none", level=level, shots=3)
+
+
+def test_a_damaged_game_is_none(tmp_path: Path) -> None:
+    (tmp_path / "game.json").write_text(json.dumps({"level": 1, "cheat": True}))
+    assert game_of(tmp_path) is None
+
+
+def test_few_shots_and_no_hints_give_more() -> None:
+    assert score(Game(1, 24), "right").total == 150
+    assert score(Game(1, 120), "alias").total == 100
+    assert score(Game(1, 120, hints=2), "partly").total == 10
+    assert score(Game(1, 24), "wrong").total == 0
+
+
+@pytest.mark.parametrize("believed", [0.5, 0.7, 0.9, 0.99])
+def test_it_pays_best_to_say_how_sure_one_is(believed: float) -> None:
+    def expected(said: float) -> float:
+        right = score(Game(1, 120, sure=said), "right").sure
+        wrong = score(Game(1, 120, sure=said), "wrong").sure
+        return believed * right + (1 - believed) * wrong
+
+    assert max((0.5, 0.7, 0.9, 0.99), key=expected) == believed
+    assert score(Game(1, 120, sure=0.5), "wrong").sure == 0
