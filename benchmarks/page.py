@@ -63,6 +63,9 @@ REMEMBER = """() => {
 ANOTHER = "window.steps() > 1 && window.structure() !== window.before"
 """What the plots hold that were drawn last; a plot stays and is drawn over."""
 MOVES = 100
+WEIGHT = """() => [...performance.getEntriesByType("navigation"),
+  ...performance.getEntriesByType("resource")].reduce((sum, one) => sum + one.transferSize, 0)"""
+"""Bytes of everything that a page has loaded, packed as they travel."""
 SLIDE = """async (slider, moves) => {
   const taken = [];
   for (let move = 1; move <= moves; move++) {
@@ -175,10 +178,11 @@ def opened(browser: Browser, url: str, asked: list[str]) -> tuple[Page, float]:
 
 def first_page(browser: Browser, daemon: Served) -> list[Number]:
     asked: list[str] = []
-    times = []
+    times, weight = [], 0.0
     for _ in range(OPENINGS):
         page, took = opened(browser, daemon.url, asked)
         times.append(took)
+        weight = page.evaluate(WEIGHT)
         page.context.close()
     foreign = [
         url
@@ -189,6 +193,7 @@ def first_page(browser: Browser, daemon: Served) -> list[Number]:
     return [
         Number("first page until it can be used, median", statistics.median(times), "s", 2.0),
         Number("first page until it can be used, longest", max(times), "s"),
+        Number("first page, as it travels", weight / 1e6, "MB", 1.0),
         Number(f"requests beyond loopback, of {len(asked)}", len(foreign), "", 0),
     ]
 
@@ -264,6 +269,7 @@ def story_page(browser: Browser, daemon: Served, folder: Path) -> Iterator[Numbe
     slider = page.get_by_test_id("amount")
     slider.wait_for(timeout=1e3 * LONG_S)
     page.evaluate(AT_REST)
+    yield Number("a model's story, beside the first page", page.evaluate(WEIGHT) / 1e6, "MB", 1.0)
     taken = sorted(slider.evaluate(SLIDE, MOVES))
     yield Number("slider moved: redrawn, median", statistics.median(taken), "ms", 50.0)
     yield Number("  of 20 moves 19 are faster than", taken[-MOVES // 20], "ms")

@@ -16,7 +16,10 @@ window.slidePreview = (slider, sums) => {
     panel.querySelector(".gauge > i").style.height = `${100 * level}%`;
     panel.querySelector(".gauge-number").textContent = `${error.toFixed(3)} ×`;
     panel.querySelector(".amplitude").textContent = said;
-    const signed = (y) => `${y < 0 ? "−" : "+"}${Math.abs(Number((y * share).toPrecision(2)))}`;
+    const signed = (y) => {
+      const change = Number((y * share).toPrecision(2));
+      return change === 0 ? "0" : `${change < 0 ? "−" : "+"}${Math.abs(change)}`;
+    };
     const last = sums.curve.length - 1;
     panel.querySelector(".effect-says").textContent =
       `It changes the ${sums.row} by ${signed(sums.curve[0])} ${sums.row_unit} at ${sums.ends[0]}` +

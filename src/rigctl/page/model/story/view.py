@@ -206,8 +206,9 @@ class Story:
         ui.label("Green: the floor, the noise itself. Grey: the effect that is looked at.").classes(
             "note"
         )
-        undo = button("Undo", lambda: self._take(self._state.effects[:-1]), testid="undo")
-        undo.set_enabled(bool(self._state.effects))
+        with ui.element("div").classes("beside"):
+            undo = button("Undo", lambda: self._take(self._state.effects[:-1]), testid="undo")
+            undo.set_enabled(bool(self._state.effects))
 
     def _add(self, name: str) -> None:
         self._take((*self._state.effects, name))
