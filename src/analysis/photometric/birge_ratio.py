@@ -1,7 +1,7 @@
 """Stated errors set against the scatter of the poses about free flight.
 
-The fit knows the noise of the pixels. What shading and pattern leave is not in it; it shows as
-scatter about the flight on either side of the contact, and enlarges all errors of the shot alike.
+Errors of a fit contain the noise of the pixels alone. Residuals of shading and pattern add scatter
+about the flight on either side of the contact, by which all errors of the shot are enlarged.
 How much the air bends a flight is not known here and is left open: taken for scatter, a drag of
 0.8 made errors of centres a quarter too large (`python -m benchmarks.coefficients`).
 """

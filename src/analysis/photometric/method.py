@@ -48,7 +48,7 @@ Taught = tuple[NDArray[np.uint8], Floats, Setup]
 
 
 def compiles_first() -> bool:
-    """Tell whether the next shot waits more than a minute for its functions to be compiled."""
+    """Whether the next shot waits more than a minute for its functions to be compiled."""
     return not kept_on_disk(fit_frames)
 
 
@@ -62,7 +62,7 @@ def teach(shots: Sequence[Taught]) -> Appearance | None:
 
     Returns
     -------
-    None where no shot can be learned from; each then says why when it is measured.
+    None where no shot can be learned from; measuring each shot then gives its reason.
     """
     known: Appearance | None = None
     films: list[Film] = []
@@ -85,7 +85,7 @@ def teach(shots: Sequence[Taught]) -> Appearance | None:
 
 
 def _sharper(films: Sequence[Film], known: Appearance, *, hold_scale: bool) -> Appearance:
-    """Learn films whose smear is known once more: what is known tells what the smear changes."""
+    """Learn again with the known smear: the first appearance predicts the change by the smear."""
     for _ in range(SMEARED_ROUNDS if any(film.motion.any() for film in films) else 0):
         for film in films:
             settle_film(film, known, LAST_LIMIT)
@@ -125,7 +125,7 @@ def learned_film(
 
 
 def refuse_faint(known: Appearance) -> None:
-    """Refuse spheres whose markers came out as next to nothing: they tell no turn and no radius.
+    """Refuse spheres with markers too faint to determine orientation or radius.
 
     Raises
     ------
@@ -179,7 +179,7 @@ def _circumstances(setup: Setup) -> tuple[float | None, float]:
 
 
 def _finish(film: Film, known: Appearance) -> None:
-    """Take shadows out of a film that has settled, and what is not to be believed."""
+    """Remove shadows and unreliable poses from a film that has converged."""
     settle_without_shadows(film, known, LAST_LIMIT)
     drop_misfits(film, known, LAST_LIMIT)
     refuse_few(film)
@@ -211,7 +211,7 @@ def refuse_strangers(film: Film, known: Appearance) -> None:
 
 
 def refuse_few(film: Film) -> None:
-    """Refuse a film in which too few frames of a sphere are believed.
+    """Refuse a film with too few reliable frames of a sphere.
 
     Raises
     ------
@@ -253,7 +253,7 @@ def measure_poses(
     """
     film, unlike = None, ""
     if known is not None:
-        # Other spheres, or another place of the camera: then the shot speaks for itself.
+        # Other spheres, or another place of the camera: the shot is learned by itself.
         try:
             film = followed_film(frames, times_s, known, *_circumstances(setup))
         except ShotRefusedError as refusal:

@@ -1,4 +1,4 @@
-"""Shadows that something casts on a sphere: pixels that say nothing of its pose.
+"""Shadows cast on a sphere: pixels without information on its pose.
 
 Spheres near each other shadow each other, and so do mirrors and tubes. What lies deep in a shadow
 is an outlier and counts nothing anyway. Along the limb, though, the outer pixels, of which the

@@ -37,7 +37,7 @@ def add_shown(sight: Sight, stance: Stance, least: float, markers: tuple[Floats,
     Parameters
     ----------
     least
-        Darkness expected, over the noise, of which less tells nothing.
+        Least expected darkness over the noise that can confirm a marker.
     markers
         Of each marker the darkness that it shows as a share of what is expected, and the weight
         of that, added to, shapes (markers,).
@@ -93,12 +93,12 @@ def shown_shares(reel: Reel, frames: NDArray[np.intp], shown: Floats) -> None:
 def borne_out(
     sights: Iterable[tuple[Sight, Stance]], markers: int, *, unseen: bool = True
 ) -> NDArray[np.bool_]:
-    """Tell which markers of a sphere its frames show; a shadow's edge may have passed for one.
+    """Return which markers of a sphere its frames show; a shadow's edge may pass for one.
 
     Parameters
     ----------
     unseen
-        What to tell of those that never face a view.
+        Result for those that never face a view.
 
     Returns
     -------
@@ -112,7 +112,7 @@ def borne_out(
 
 
 def confirmed(reel: Reel, frames: NDArray[np.intp]) -> NDArray[np.bool_]:
-    """Tell of some frames of a reel whether the markers are there; true where none can be seen."""
+    """Return for frames of a reel whether the markers are there; true where none is visible."""
     shown = np.empty((len(frames), 2))
     shown_shares(reel, frames, shown)
     return np.asarray(shown[:, 0] >= LEAST_SHARE)

@@ -42,9 +42,9 @@ def _blind(change: Grey, noise: float) -> NDArray[np.intp]:
     before = np.maximum(around[:count], around[1 : count + 1])
     after = np.maximum(around[WIDEST + 1 : -1], around[2 * WIDEST :])
     passed = np.minimum(before, after) > CHANGES * noise
-    stands = passed & (change < STILL * noise)
+    frozen = passed & (change < STILL * noise)
     often = passed.sum(axis=1)
-    return np.flatnonzero((often >= LEAST_PASSED) & (stands.sum(axis=1) >= LEAST_SHARE * often))
+    return np.flatnonzero((often >= LEAST_PASSED) & (frozen.sum(axis=1) >= LEAST_SHARE * often))
 
 
 def filled(frames: Grey, noise: float) -> Grey:

@@ -30,12 +30,12 @@ ALL = slice(None)
 MOST_STEPS, STILL = 4, 1e-3
 """Steps of the last fit, and their length in radii and radians from which another follows."""
 MOST_REJECTED = 0.07
-"""Share of a pose's pixels that a limit of 6 does not believe: 0.055 of noise alone, 0.06 to 0.08
+"""Share of a pose's pixels with residuals beyond a limit of 6: 0.055 by noise alone, 0.06 to 0.08
 in even light, 0.065 to 0.3 with shadows."""
 LEFT_OF_SHADOWS = 0.33
 """Of what shadows moved a pose by, once they are taken out."""
 MISFIT = 1.7
-"""Growth of a frame's cost beyond which its pose is not believed."""
+"""Growth of a frame's cost beyond which its pose is rejected."""
 
 
 @dataclass(slots=True, eq=False)
@@ -66,10 +66,10 @@ class Film:
         What each sphere moves, m, and turns by, rad, while the shutter is open, shape (2, F, 6); 0
         where no exposure is stated.
     times_s, gravity
-        Of the frames, s, shape (F,), and m/s^2 along +X: they tell where spheres without a pose
-        are.
+        Times of the frames, s, shape (F,), and gravity along +X, m/s^2, to predict spheres without
+        a pose.
     left_out
-        Frames of each sphere that show it and hold no pose to be believed, and why.
+        Frames of each sphere that show it and hold no reliable pose, with the reason.
     """
 
     frames: NDArray[np.uint8]
@@ -282,7 +282,7 @@ def settle_film(film: Film, known: Appearance, limit: float) -> None:
 def settle_without_shadows(film: Film, known: Appearance, limit: float) -> None:
     """Take the shadows out of a film that has settled, and settle the frames that have any.
 
-    By how far shadows had moved the poses says what may be left of it (`Film.shadow_px`).
+    The shift of the poses by shadows bounds what is left of it (`Film.shadow_px`).
     """
     before, doubtful = film.centre.copy(), film.placed & (_rejected(film) > MOST_REJECTED)
     take_out_shadows(film, known, doubtful)
@@ -300,7 +300,7 @@ def _settle(film: Film, known: Appearance, limit: float, poses: NDArray[np.bool_
 
 
 def _rejected(film: Film) -> Floats:
-    """Return the share of each pose's pixels that the last fit did not believe, shape (2, F)."""
+    """Return the share of each pose's pixels that the last fit rejected, shape (2, F)."""
     looked_at = np.maximum(film.quality[..., 2], 1.0)
     return np.asarray((looked_at - film.quality[..., 1]) / looked_at)
 
@@ -327,7 +327,7 @@ def cost_of(quality: Floats, limit: float) -> Floats:
 
 
 def drop_misfits(film: Film, known: Appearance, limit: float) -> None:
-    """Take away poses that are not to be believed.
+    """Remove poses that are not reliable.
 
     Those whose image the model explains much worse than the sphere's other frames, and those
     whose markers are not there.

@@ -1,7 +1,7 @@
 """The first look at spheres that are not known: poses by edges, good enough to begin to render.
 
-Coarser than tracking by edges alone (`analysis.tracking.track_spheres`) and less particular. It
-goes on where a sphere shows a third of its limb, before a scene with edges of its own, beside
+Coarser than tracking by edges alone (`analysis.tracking.track_spheres`) and more tolerant. It works
+where a sphere shows a third of its limb, before a scene with edges of its own, beside
 highlights, and where markers are faint or a few pixels wide.
 """
 

@@ -1,4 +1,4 @@
-"""How a known sphere stands, without any hint: the turn that puts its markers on dark places."""
+"""Orientation of a known sphere without a start value: its markers on dark places of the frame."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ LEAST_FACING = 0.3
 TRIED = 30
 CLEAR_COST, DOUBTFUL_COST, CLEAR_SHARE, CLEAR_MARKERS = 2.0, 4.0, 0.85, 3
 """A trial that costs less than the first, with so many markers as dark as expected
-(`confirmation`), needs no rival; less than the second, only such as promise enough.
+(`confirmation`), is accepted at once; one below the second, if few others come near.
 
 A false turn of a sphere whose markers are known costs 2.4 at least and may show 0.86 of their
 darkness; where some are not known the true one may cost as much."""
 RIVAL_SHARE = 0.45
-"""An orientation of the grid that promises less than this share of what the best one fulfils, once
-it is fitted, is no rival. Where markers are not known and one view alone is seen, a truth may be
+"""An orientation of the grid whose predicted gain is below this share of the best one's fitted gain
+is no rival. Where markers are not known and one view alone is seen, a truth may be
 among those."""
 APART_RAD = 0.25
 CERTAIN_GAP = 25.0
@@ -57,7 +57,7 @@ class Found(NamedTuple):
 
     @property
     def certain(self) -> bool:
-        """Tell whether no other orientation fits as well: two markers alone may be exchanged."""
+        """Whether no other orientation fits as well: two markers alone may be exchanged."""
         return self.gap > CERTAIN_GAP
 
 
@@ -201,6 +201,6 @@ def _promise(dark: Floats, sight: Sight, rotations: Floats) -> Floats:
 
 
 def _near(rotation: Floats, others: Floats) -> NDArray[np.bool_]:
-    """Tell which orientations, shape (n, 3, 3), are less than APART_RAD from one."""
+    """Return which orientations, shape (n, 3, 3), are less than APART_RAD from one."""
     traces = others.reshape(len(others), 9) @ rotation.reshape(9)
     return np.asarray(traces > 1 + 2 * math.cos(APART_RAD))

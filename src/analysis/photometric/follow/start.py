@@ -104,7 +104,7 @@ FIRST_DARKNESS, FAINT = 0.6, 0.4
 """Of markers in ink; those that lack less of the light are taken as they are seen."""
 SMALLEST_ALPHA = 0.06
 LEAST_DARKNESS = 0.1
-"""With less of it markers cannot be told from smudges of the surface."""
+"""Fainter markers cannot be distinguished from smudges of the surface."""
 EDGE_BIAS_PX = 0.5
 """Strong light from one side moves an edge by up to this much."""
 BEYOND = 3

@@ -1,7 +1,7 @@
-"""How much of a sphere's discs a frame shows as what they are.
+"""Visible share of a sphere's discs in a frame.
 
 The direct image of a sphere that rises before the mirror hides the images in it. Where the two meet
-one can be taken for the other, and what is fitted there says nothing of the sphere.
+one can be taken for the other, and a fit there is meaningless.
 """
 
 from __future__ import annotations
@@ -87,7 +87,7 @@ def drop_unseen(film: Film, optics: Optics, radii_m: Floats) -> None:
 
 
 def seen_as_own(film: Film, known: Appearance, sphere: int, frame: int) -> bool:
-    """Tell whether enough of a sphere's direct image is seen as such in a frame (`drop_unseen`)."""
+    """Whether enough of a sphere's direct image is visible in a frame (`drop_unseen`)."""
     discs = film.discs(known, slice(frame, frame + 1))[0]
     inside, free = own_shares(discs, sphere, _shape(film))
     if free < LEAST_OWN <= inside:

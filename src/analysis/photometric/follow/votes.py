@@ -28,7 +28,7 @@ def cast(rows: Single, columns: Single, least: float, radius: float, votes: Sing
     Parameters
     ----------
     rows, columns
-        Gradient of what stands off the background, grey levels a pixel, shape (rows, columns).
+        Gradient of the frame less background, grey levels a pixel, shape (rows, columns).
     votes
         Added to, same shape.
     """

@@ -2,7 +2,7 @@
 
 A sphere comes into the frame before its centre does, and one that has left the front view may pass
 through the mirror's for as long again. Taken for the scene behind the spheres, its picture moves
-what stands before it there by tenths of a pixel.
+objects before it by tenths of a pixel.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 
 LEAD = 8
-"""Frames at the end of a track that tell how it goes on."""
+"""Frames at the end of a track from which it is extrapolated."""
 DOUBT_PER_S = 0.04
 """m/s by which a sphere may go on otherwise: 0.06 px a frame at a thousand frames a second."""
 MOST_DOUBT_M = 0.004

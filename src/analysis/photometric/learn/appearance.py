@@ -63,10 +63,10 @@ class Appearance:
     scale_sigma
         Relative standard error of the scale.
     camera_sigma
-        Errors of `shared.Shared.camera` by the noise alone; infinite where nothing tells them.
+        Errors of `shared.Shared.camera` by the noise alone; infinite where undetermined.
     limb_px
-        By how much the outline wants another radius than the markers do: light that no shading
-        here follows at the limb. It shifts an outline by as much. 0 where markers do not tell.
+        Radius by the outline less radius by the markers: light at the limb beyond the shading
+        model. It shifts an outline by as much. 0 where markers do not determine the radius.
     smear_px2
         Variance that motion during the exposure added to the blur of the frames that taught, as
         far as it is round (`smear.round_variance`), shape (V,).
@@ -102,7 +102,7 @@ def _smeared(known: Appearance) -> Appearance:
 
 @lru_cache(maxsize=KEPT_LOOKS)
 def _looks(known: Appearance, wider_px: float) -> tuple[Look, Look]:
-    """Draw the templates of both spheres; every pass over a film asks for them again."""
+    """Draw the templates of both spheres; cached, since every pass over a film needs them."""
     first, second = (_look(known, sphere, wider_px) for sphere in known.spheres)
     return first, second
 

@@ -1,4 +1,4 @@
-"""The pixels' say in what all frames share: marker places, size, darkness, scales, shading."""
+"""Normal equations of what all frames share: marker places, size, darkness, scales, shading."""
 
 from __future__ import annotations
 

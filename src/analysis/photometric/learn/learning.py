@@ -36,35 +36,35 @@ from analysis.photometric.render.sight import Equations
 Floats = NDArray[np.float64]
 
 MOST_FRAMES = 10
-"""Of a film: more tell little more of the spheres, and learning takes as much longer."""
+"""Frames of a film: more add little information on the spheres and take as much longer."""
 LIMITS = (60.0, 30.0, 15.0, 8.0, 6.0, 6.0)
 ORDINARY_DARKNESS = 0.6
 """Of the markers that LIMITS are for."""
 FAINT_TURNS = 6
 MARKED_FROM = 2
-"""Turns from which the markers tell the radius."""
+"""Iterations after which the markers determine the radius."""
 FINISH_LIMITS = np.array([40.0, 15.0, 6.0])
 SEARCH_ROUNDS = (1, 2, 3)
 SHARED_FROM = 1
 RELIEF_FROM = 2
 INSIDE = 0.2
-"""Of what the inside of a disc says of the shading, where a relief takes what is left there."""
+"""Weight of the inside of a disc in the shading, where a relief takes the residuals there."""
 UNLIMITED = 1e3
 TOGETHER_LIMITS = (15.0, 8.0, 6.0, 6.0)
 SEARCH_TOGETHER = (0, 1)
 EXTENDING_LIMITS = (15.0, 6.0, 6.0)
 WIDEST_PX = 3.0
 LIMB_SCALE_SIGMA, MARKER_SCALE_SIGMA = 5e-3, 1e-3
-"""What the scale is good to, relative, by the limb and by the markers.
+"""Relative accuracy of the scale, by the limb and by the markers.
 
 Light from one side passes for another radius at the limb. Markers move across the disc and are seen
-in both views at once, which tells the radius without the limb.
+in both views at once, which gives the radius without the limb.
 """
 FARTHEST_PER_M = 0.05
 """Nearness below which a camera is taken as orthographic: farther than 20 m. Shading alone looks
 like a nearness of up to 0.01, and each 0.01 tilts Z against X by 6e-4."""
 OVERSTEP = 1.5
-"""Of the radius by the markers: shading that was learned with another radius holds it back."""
+"""Factor on steps of the radius by the markers: shading learned with another radius slows them."""
 
 
 def learn(film: Film, start: Appearance, *, hold_scale: bool) -> Appearance:
@@ -83,7 +83,7 @@ def learn(film: Film, start: Appearance, *, hold_scale: bool) -> Appearance:
     few, known = film.picked(MOST_FRAMES), start
     for turn, limit in enumerate(_limits(start.spheres[0].darkness)):
         shading_limit = limit if turn else UNLIMITED
-        marked = turn >= MARKED_FROM and tells_radius(known)
+        marked = turn >= MARKED_FROM and radius_determined(known)
         inside = INSIDE if turn >= RELIEF_FROM else 1.0
         hold = hold_scale or marked
         known = with_shading([few], known, shading_limit, hold_radius=hold, inside=inside)
@@ -125,7 +125,7 @@ def learn_together(films: Sequence[Film], start: Appearance, *, hold_scale: bool
         if turn in SEARCH_TOGETHER:
             known = with_missed(few, known)
         known = without_false(few, known)
-        marked = tells_radius(known)
+        marked = radius_determined(known)
         hold = hold_scale or marked
         known = with_shading(few, known, limit, hold_radius=hold, inside=INSIDE)
         known = with_reliefs(few, known, limit)
@@ -222,13 +222,13 @@ def with_missed(films: Sequence[Film], known: Appearance) -> Appearance:
 
 
 def without_false(films: Sequence[Film], known: Appearance, *, unseen: bool = True) -> Appearance:
-    """Return the knowledge without the markers that the frames do not bear out.
+    """Return the appearance without the markers that the frames do not confirm.
 
     Parameters
     ----------
     unseen
-        Keep those that never face a view. What stands at the limb throughout a film may be no
-        marker, and other films that turn its place to the camera would be taken for strangers'.
+        Keep those that never face a view. A feature at the limb throughout a film may be no marker;
+        other films that turn its place to the camera would seem to show other spheres.
     """
     a, b = (
         replace(s, markers=s.markers[borne_out(sights, len(s.markers), unseen=unseen)])
@@ -237,15 +237,15 @@ def without_false(films: Sequence[Film], known: Appearance, *, unseen: bool = Tr
     return replace(known, spheres=(a, b))
 
 
-def tells_radius(known: Appearance) -> bool:
-    """Tell whether the markers determine the radius."""
+def radius_determined(known: Appearance) -> bool:
+    """Whether the markers determine the radius."""
     return known.camera_sigma[0] < MARKER_SCALE_SIGMA
 
 
 def with_shared(
     films: Sequence[Film], known: Appearance, limit: float, *, move_radius: bool, hold_scale: bool
 ) -> Appearance:
-    """Return the knowledge with better markers, and what they and the tracks say of the camera.
+    """Return the appearance with better markers, and camera parameters by markers and tracks.
 
     Scales of the views against each other, the camera's nearness and, if they may move, the radii
     of the discs: by a scale that is held each is drawn with the radius that it has, by one that is
@@ -275,16 +275,16 @@ def with_shared(
     changed = changed.with_shifted_mirror(float(change[-1]))
     for film in films:
         film.keep_places(camera.optics, changed.optics)
-    # What bends light at the limb, a lamp beside or gloss, has a part in what the markers say too.
+    # Light at the limb, as of a lamp beside or gloss, biases the markers' estimate too.
     limb = float(np.mean([step.limb for step in steps]))
-    told = float(np.linalg.norm([MARKER_SCALE_SIGMA, sigma[0], limb]))
+    scale_sigma = float(np.linalg.norm([MARKER_SCALE_SIGMA, sigma[0], limb]))
     radius_px = float(scales[0]) * (a.radius_m + b.radius_m) / 2
     apart_px = radius_px * float(np.sqrt(np.mean([step.limb**2 for step in steps])))
     return replace(
         known,
         spheres=(a, b),
         camera=changed,
-        scale_sigma=told if move_radius and not hold_scale else known.scale_sigma,
+        scale_sigma=scale_sigma if move_radius and not hold_scale else known.scale_sigma,
         camera_sigma=tuple(map(float, sigma)),
         limb_px=apart_px if move_radius else known.limb_px,
     )
@@ -307,7 +307,7 @@ def _changed(sphere: Sphere, step: Shared) -> Sphere:
 
 
 def _agreed(steps: list[Shared]) -> tuple[Floats, Floats]:
-    """Average what both spheres say of the camera, by their weights; return it with its errors."""
+    """Return the weighted mean of both spheres' camera parameters, with its errors."""
     weight = sum(step.camera_weight for step in steps)
     covariance = np.linalg.inv(weight)
     change = covariance @ sum(step.camera_weight @ step.camera for step in steps)

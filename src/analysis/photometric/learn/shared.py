@@ -34,8 +34,8 @@ def fold(
     own
         The lower triangle alone.
     places
-        Where each unknown stands in the whole, -1 where it does not, shape (own,); the unknowns
-        that are turned, shape (turned,).
+        Index of each unknown in the whole, -1 where it is absent, shape (own,); the unknowns that
+        are turned, shape (turned,).
     turn
         Their derivatives to unknowns of the whole, shape (turned, others), and where those stand.
     whole
@@ -69,7 +69,7 @@ def fold(
 
 @compiled
 def eliminate(whole: Equations, first: int, left: Equations) -> None:
-    """Add what the whole says of all but its first unknowns, these being free (Schur)."""
+    """Add the equations of all but the first unknowns, these as nuisance parameters (Schur)."""
     inverse, others = inverse_of(whole.normal[:first, :first]), whole.right.size - first
     gain, row = np.zeros((first, others)), np.zeros(others)
     for a in range(first):
@@ -121,7 +121,7 @@ class Shared:
     camera_weight
         Inverse of their covariance, shape (V + 2, V + 2).
     limb
-        By how much the outline wants the sphere larger than its markers do, log of the radius.
+        Log of the radius by the outline over the radius by the markers.
     """
 
     markers: Floats

@@ -43,7 +43,7 @@ class TrainingView(NamedTuple):
     limit
         Residual that counts no more, in units of the noise.
     inside
-        Share that pixels keep of what they say of the shading, where a relief takes the rest.
+        Weight of these pixels in the fit of the shading, where a relief takes the rest.
     """
 
     wider: tuple[Floats, Floats]

@@ -103,9 +103,9 @@ def _surface(mean: Floats, counts: Floats, shape: tuple[int, ...]) -> Floats:
 
 
 def first_background(frames: NDArray[np.uint8]) -> Floats:
-    """Return the median over a few frames: what stands still, before any disc is known."""
+    """Return the median over a few frames: the still background, before any disc is known."""
     few = list(frames[:: max(1, len(frames) // FEW)][:FEW])
-    # Exchanging whole frames sorts every pixel; the upper half alone tells the median.
+    # Exchanging whole frames sorts every pixel; the upper half alone gives the median.
     for last in range(len(few) - 1, len(few) // 2 - 1, -1):
         for k in range(last):
             few[k], few[k + 1] = np.minimum(few[k], few[k + 1]), np.maximum(few[k], few[k + 1])

@@ -1,8 +1,8 @@
 """The pixels of one view, rows side by side in vectors: a frame's normal equations at speed.
 
 The same model as in `residual`, one operation over many pixels at a time. A band has a fixed
-length and its lanes follow each other in one array, so that the compiler knows that they are
-apart and uses vector instructions; unsigned indices spare it the check for negative ones.
+length and its lanes follow each other in one array, so that the compiler can rule out overlap and
+uses vector instructions; unsigned indices spare it the check for negative ones.
 """
 
 from __future__ import annotations

@@ -40,7 +40,7 @@ CUT_SPACING = 0.6
 
 @part
 def faces(marker: Floats, alpha: float) -> bool:
-    """Tell whether any part of a cap about a direction (row, column, eye) is visible."""
+    """Whether any part of a cap about a direction (row, column, eye) is visible."""
     flat = math.sqrt(marker[0] * marker[0] + marker[1] * marker[1])
     return bool(-marker[2] * math.cos(alpha) < flat * math.sin(alpha))
 

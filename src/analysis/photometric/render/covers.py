@@ -17,7 +17,7 @@ from analysis.photometric.render.smear import at_instant, instants_of
 Floats = NDArray[np.float64]
 
 AROUND_PX = 4
-"""Surroundings of a disc that take part: they tell the background's offset."""
+"""Surroundings of a disc that take part: they determine the background's offset."""
 
 
 @part

@@ -45,13 +45,13 @@ MARKERS_SHARE = 3
 """Behind the frame's own: darkness and angular radius of the markers, log radius of the sphere they
 lie on.
 
-Markers at different distances from the middle, and the same ones seen in both views, tell the
+Markers at different distances from the middle, and the same ones seen in both views, give the
 radius without the limb, whose shading may pass for another radius.
 """
 VIEW_SHARE = 4 + len(HARMONICS)
 """Then of each view: log radius of the limb, blur, log of the scale at which it is placed,
-stretch of the markers' places along the rows, and the shading's coefficients: what a wrong shading
-would have the markers say is not to be learned."""
+stretch of the markers' places along the rows, and the shading's coefficients: a wrong shading must
+not bias what the markers determine."""
 SCALE, STRETCH = 2, 3
 """Of these."""
 OF_LIMB = UNKNOWNS + MARKERS_SHARE

@@ -32,8 +32,8 @@ LONGEST_STEP, LONGEST_TURN = 0.3, 0.15
 PRIOR_OFFSET, PRIOR_GAIN, PRIOR_SLOPE = 20.0, 0.3, 20.0
 """Widths that keep a view's light determined where few of its pixels are seen."""
 LEAST_SEEN = 0.35
-"""Pixels of a view against those of the view that shows most: what another sphere leaves of this
-one in the mirror lies in that one's shadow, and says little that is true."""
+"""Least pixels of a view over those of the view that shows most: a remainder beside another sphere
+in the mirror lies in that one's shadow and biases the pose."""
 WIDEST_PLACE, WIDEST_TURN = 10.0, 4.0
 """Errors, in radii and radians, that are stated where no pixel shows a direction or a turn."""
 
@@ -136,16 +136,16 @@ def add_views(sight: Sight, stance: Stance, limit: float, whole: Equations, out:
     """
     views = sight.optics.scales.shape[0]
     normal, right = np.zeros((views, UNKNOWNS, UNKNOWNS)), np.zeros((views, UNKNOWNS))
-    told = np.zeros((views, 3))
+    sums = np.zeros((views, 3))
     for view in range(views):
         own = Equations(normal[view], right[view])
-        told[view, 0], told[view, 1], told[view, 2] = accumulate(sight, stance, view, limit, own)
+        sums[view, 0], sums[view, 1], sums[view, 2] = accumulate(sight, stance, view, limit, own)
     out[0], out[1], out[2] = 0.0, 0.0, 0.0
     for view in range(views):
-        if told[view, 2] < LEAST_SEEN * told[:, 2].max():
+        if sums[view, 2] < LEAST_SEEN * sums[:, 2].max():
             continue
         for k in range(3):
-            out[k] += told[view, k]
+            out[k] += sums[view, k]
         change = into_world(sight.optics, view, stance.centre)
         own = Equations(normal[view], right[view])
         add_turned(own, change, POSE + LIGHTS * view, whole)
@@ -153,7 +153,7 @@ def add_views(sight: Sight, stance: Stance, limit: float, whole: Equations, out:
 
 @part
 def take_steps(sight: Sight, stance: Stance, limits: Floats, covariance: Floats) -> Floats:
-    """Improve a stance in place, as `fit_pose` tells."""
+    """Improve a stance in place, as `fit_pose` describes."""
     views = sight.optics.scales.shape[0]
     size = POSE + LIGHTS * views
     step, out = np.zeros(size), np.zeros(5)

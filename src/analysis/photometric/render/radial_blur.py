@@ -27,8 +27,8 @@ def pairs_near(
     rho, t
         Radii and nodes of the integral, both ascending.
     shares
-        rho / sigma^2. Made here it would be two products a pair, whose order would hang on where
-        the arrays lie in memory (decision 0017).
+        rho / sigma^2. Computed here it would be two products a pair, in an order that depends on
+        the addresses of the arrays (decision 0017).
     sigma, reach
         Of the blur, in radii; nodes nearer than so many of it are near.
 

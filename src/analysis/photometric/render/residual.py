@@ -87,7 +87,7 @@ def shade(disc: Floats, surface: Floats, u: float, v: float, look: Floats) -> bo
 
 @part
 def hidden(scene: Scene, row: int, column: int, others: Floats) -> bool:
-    """Tell whether a pixel lies in a shadow, or in or close to another disc.
+    """Whether a pixel lies in a shadow, or in or close to another disc.
 
     Parameters
     ----------
@@ -99,7 +99,7 @@ def hidden(scene: Scene, row: int, column: int, others: Floats) -> bool:
 
 @part
 def covered(row: int, column: int, others: Floats) -> bool:
-    """Tell whether a pixel lies in, or close to, one of the other discs (row, column, radius)."""
+    """Whether a pixel lies in, or close to, one of the other discs (row, column, radius)."""
     for n in range(others.shape[0]):
         d_r, d_c = row - others[n, 0], column - others[n, 1]
         reach = others[n, 2] + KEEP_OFF_PX

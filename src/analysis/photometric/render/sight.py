@@ -58,8 +58,8 @@ class Scene(NamedTuple):
     noise
         Standard deviation of a pixel, grey levels.
     shadowed
-        Pixels that lie in shadows cast on a sphere (`cast_shadows`) and say nothing of its pose,
-        same shape.
+        Pixels in shadows cast on a sphere (`cast_shadows`), which are left out of its pose, same
+        shape.
     """
 
     image: NDArray[np.uint8]
@@ -106,7 +106,7 @@ class Stance(NamedTuple):
 
 
 class Equations(NamedTuple):
-    """Normal equations that are added to; where not said otherwise the lower triangle alone."""
+    """Normal equations under summation; only the lower triangle unless stated otherwise."""
 
     normal: Floats
     right: Floats
@@ -126,7 +126,7 @@ class Reel(NamedTuple):
     covariance
         Of centre and turn, shape (F, 6, 6).
     quality
-        What a fit tells of itself, shape (F, 5).
+        Quality of each fit, shape (F, 5).
     """
 
     images: NDArray[np.uint8]

@@ -70,7 +70,7 @@ def motion_through(times_s: Floats, centres: Floats, rotations: Floats, motion: 
         for a in range(3):
             uneven[k] += (rates[k, a] - rates[k - 1, a]) ** 2
     for k in range(times_s.size if steps else 0):
-        # Of the step behind a frame says the next but one, of the step before it the last but one.
+        # The next step but one bounds the step behind a frame, the last but one that before it.
         behind = uneven[k + 1] if k < steps else np.inf
         before = uneven[k - 1] if k > 0 else np.inf
         step = k if behind < before or k == 0 else k - 1
