@@ -101,5 +101,5 @@ LAUNCH_CATALOGUE: tuple[LaunchEffect, ...] = (
     tube_spin.EFFECT,
     slide_backlash.EFFECT,
 )
-"""Effects of the launch. They act on what a shot is given, never on what the collision makes of it,
-so poses alone hold nothing on them: they are ranked by the settings (`analysis.launch`)."""
+"""Effects of the launch. They act on the start of a shot and not on its collision, so that poses
+alone hold no information on them: they are ranked by the settings (`analysis.launch`)."""

@@ -1,8 +1,7 @@
-"""What an effect is: one physical cause that the base model leaves out, in a form to fit and rank.
+"""An effect: one physical cause that the base model leaves out, in a form to fit and rank.
 
-An effect says in which stage of the way from settings to image it acts, gives a function that
-changes that stage, and describes itself in words. It is off at the stated values of its
-parameters; there the function changes nothing.
+It names the stage between settings and image in which it acts, has a function that changes that
+stage, and a description. At the `off` values of its parameters the function changes nothing.
 """
 
 from __future__ import annotations
@@ -32,7 +31,7 @@ class Parameter:
     symbol, unit, meaning
         As a table shows it.
     plausible
-        Range that is believed on this rig; outside it the effect is doubted, never hidden.
+        Plausible range on this rig; outside it an effect is marked as implausible, never hidden.
     off
         Value at which the effect changes nothing.
     step
@@ -55,7 +54,7 @@ class Parameter:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Effect:
-    """What all effects say of themselves.
+    """Description of any effect.
 
     Attributes
     ----------
@@ -68,14 +67,14 @@ class Effect:
     formula, source
         The physics and where it comes from.
     gives_away
-        What betrays it in the residuals.
+        Its signature in the residuals.
     confused_with
-        Names of effects that look alike, and how to tell them apart.
+        Names of effects with a similar signature.
     contains
         Names of effects that are this one at some value of its parameters: it takes their place.
     variants
-        The same effect with other values of what it holds fixed, which a fit cannot find from
-        where the effect is off; the likeliest of all speaks for the effect.
+        The same effect with other values of its fixed constants, which a fit cannot find from the
+        off value; the variant of the greatest likelihood represents the effect.
     of_pairs
         Whether it needs two spheres: it is not offered for a sphere on a plate.
     """
@@ -162,8 +161,8 @@ class Flying:
 class FlightEffect(Effect):
     """Adds an acceleration (m/s^2) and an angular acceleration (rad/s^2), shapes (..., 3).
 
-    `nodes` is at how many instants of a flight it is asked for: two do for what changes little on
-    the way, a force that falls off steeply needs more.
+    `nodes` is the number of instants of a flight at which it is evaluated: two suffice for a force
+    that changes little on the way, one that falls off steeply needs more.
     """
 
     stage: ClassVar[str] = "flight"

@@ -41,7 +41,7 @@ TIMES_BEYOND = 100.0
 
 @dataclass(frozen=True, slots=True)
 class JitterScore:
-    """What residuals say of a jitter.
+    """Score test of a jitter of the frame times.
 
     Attributes
     ----------
@@ -82,8 +82,8 @@ def jitter_score(
     residual
         (observed - predicted) / sigma, zero where nothing was measured, (S, F, 2, 6).
     along_track
-        Whitened rate of the prediction with time, 1/s, zero likewise, (S, F, 2, 6): velocities and
-        spins over sigma.
+        Whitened rate of the prediction with time, 1/s, zero where not measured, (S, F, 2, 6):
+        velocities and spins over sigma.
     kernel
         K = D' P D, 1/s^2, (S, F, F).
     freedom

@@ -39,7 +39,7 @@ def law_of(force: ForceLaw, values: Values, steps: int | None = None) -> Operato
     """Return the operator of a force law at a duration (s), stiffness ratio and damping.
 
     Each a number, or one for each encounter: values of shape (3,) or (3, N). It is integrated in so
-    many steps; None: in as many as measured shots tell.
+    many steps; None: as many as suffice for the errors of measured shots.
     """
     duration, ratio, damping = values
 

@@ -15,7 +15,7 @@ LEAST_SPEED = 1e-3
 
 
 def wrap(operator: Operator, values: Values) -> Operator:
-    """Let e fall with speed as viscoelastic spheres' does, in the share that the slope asks for.
+    """Let e fall with speed as for viscoelastic spheres, scaled to the slope.
 
     e = e0 [E(gamma0 (v / v0)^(1/5)) / E(gamma0)]^q with E(gamma0) = e0: q = 1 is a contact that
     loses by viscosity alone, and the slope at v0 is a.

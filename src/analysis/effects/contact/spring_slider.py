@@ -71,7 +71,7 @@ def rebound(psi: Floats, chi: float, e: Floats, pressing: Pressing = line_of_spr
 
     Beyond `psi` = 7 kappa - 1 Maw's elastic solid spheres slide throughout, with
     f = psi - 2 (1 + e) chi. Between tables the shape is interpolated, each table being moved to the
-    wanted e by s = (1 + e) / (1 + e_table) in place of v_n: the sliding line stays exact.
+    required e by s = (1 + e) / (1 + e_table) in place of v_n: the sliding line stays exact.
     """
     column = round(chi / _CHI_STEP, 9)
     low = int(np.floor(column))
@@ -167,7 +167,7 @@ def dashpot(e: float, pressing: Pressing = line_of_springs) -> float:
     """Return the damping that gives a normal restitution, 0.3 to 1."""
     if e >= 1.0:
         return 0.0
-    # Whoever only lists effects starts without it.
+    # Listing effects does not need it, and loading it is slow.
     from scipy.optimize import brentq  # noqa: PLC0415
 
     def excess(damping: float) -> float:

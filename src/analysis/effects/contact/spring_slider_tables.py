@@ -16,7 +16,7 @@ SPACING = 0.05
 """Of the tables in chi."""
 
 
-def wanted() -> list[tuple[Pressing, float, float]]:
+def required_tables() -> list[tuple[Pressing, float, float]]:
     """Return law, chi and e of every table that a solid sphere needs."""
     found = []
     for ratio, pressing in LAWS:
@@ -30,7 +30,7 @@ def main() -> None:
     """Write the tables beside this file."""
     tables = {
         table_name(pressing, chi, e): integrated(pressing, chi, e).astype(np.float32)
-        for pressing, chi, e in wanted()
+        for pressing, chi, e in required_tables()
     }
     np.savez_compressed(Path(__file__).with_name(TABLES), allow_pickle=False, **tables)
 

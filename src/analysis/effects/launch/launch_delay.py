@@ -1,4 +1,4 @@
-"""One pusher that starts later than it is told."""
+"""One pusher that starts later than its command."""
 
 from __future__ import annotations
 

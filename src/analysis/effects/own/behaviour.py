@@ -1,4 +1,4 @@
-"""How an effect behaves on a few shots: silent where it is off, seen where it is on.
+"""Checks of an effect's function on a few shots: no change where it is off, a change where on.
 
 Fit and ranking start from the first derivative where the effect is off; an effect without one
 would pass for one that these shots cannot show.
@@ -27,16 +27,16 @@ SAME_SLOPE = 0.05
 FACTOR = 2.0
 SAME_POWER, CONSTANT = 0.05, 0.01
 OTHER_VALUES = ((0.0, 2.0), (50.0, 100.0), (500.0, 1000.0))
-"""Middles and widths of columns: what acts beyond a pressure is silent at that of a temperature."""
+"""Middles and widths of columns: a threshold in pressure is not reached by a temperature."""
 
 
-def complaint(effect: Effect, *, has_own_numbers: bool) -> Complaint | None:
+def first_fault(effect: Effect, *, has_own_numbers: bool) -> Complaint | None:
     """Return the first thing that is wrong and what to do about it; None: all is well.
 
     Parameters
     ----------
     has_own_numbers
-        The function uses numbers that may carry a unit; then its own unit cannot be judged.
+        The function uses numbers that may have a unit; then its parameter's unit is not checked.
 
     Raises
     ------
@@ -54,7 +54,7 @@ def complaint(effect: Effect, *, has_own_numbers: bool) -> Complaint | None:
         found = _influence(effect, k, off, columns)
         if found is not None and _is_seen_elsewhere(effect, k, columns):
             found = None
-        if found is None and not has_own_numbers and not columns.asked and parameter.off == 0:
+        if found is None and not has_own_numbers and not columns.names_read and parameter.off == 0:
             found = _unit(effect, k)
         if found:
             return f"parameter {parameter.symbol} {found[0]}", found[1]
@@ -78,8 +78,8 @@ def _by_itself(effect: Effect) -> Complaint | None:
 
 
 def _is_seen_elsewhere(effect: Effect, k: int, columns: AnyColumn) -> bool:
-    """Whether a parameter acts at other values of the columns of a shot list that it asks for."""
-    if not columns.asked:
+    """Whether a parameter acts at other values of the columns that the function reads."""
+    if not columns.names_read:
         return False
     for middle, width in OTHER_VALUES:
         there = AnyColumn(middle=middle, width=width)

@@ -76,12 +76,12 @@ def checked(effect: Effect, path: Path, line: int) -> Effect:
         It cannot; the first reason found. What it declares is named at its definition, what it
         does at its function.
     """
-    if found := declaration.complaint(effect):
+    if found := declaration.first_fault(effect):
         raise EffectFault(Fault(path, line, str(effect.name), *found))
     watched = guarded(effect, path, line)
     for mine, tried in zip((effect, *effect.variants), (watched, *watched.variants), strict=True):
         function = function_of(mine)
-        found = behaviour.complaint(tried, has_own_numbers=has_own_numbers(function))
+        found = behaviour.first_fault(tried, has_own_numbers=has_own_numbers(function))
         if found:
             place = function_line(path, function) or line
             raise EffectFault(Fault(path, place, effect.name, *found))

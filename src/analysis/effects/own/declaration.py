@@ -1,4 +1,4 @@
-"""What an effect says of itself, held against the form that fit, ranking and tables rely on."""
+"""Checks of an effect's fields: types, units and ranges that fit, ranking and tables rely on."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from analysis.effects.own.guard import FUNCTIONS, function_of
 TEXTS = ("title", "formula", "source", "gives_away")
 
 
-def complaint(effect: Effect) -> tuple[str, str] | None:
-    """Return the first thing that is wrong and what to do about it; None: all is as it should be.
+def first_fault(effect: Effect) -> tuple[str, str] | None:
+    """Return the first fault and its remedy, None without one.
 
-    Nothing is taken for granted: a file may hold values of any type in any field.
+    A file may hold values of any type in any field.
     """
     name: object = effect.name
     if not isinstance(name, str) or not naming.well_formed(name):
@@ -92,6 +92,6 @@ def _of_variants(effect: Effect) -> tuple[str, str] | None:
             return "has a variant that is another effect", "give variants its name and stage"
         if [p.symbol for p in variant.parameters] != [p.symbol for p in effect.parameters]:
             return "has a variant with other parameters", "give variants the same parameters"
-        if found := complaint(variant):
+        if found := first_fault(variant):
             return f"variant {variant.title!r}: {found[0]}", found[1]
     return None

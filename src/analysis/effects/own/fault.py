@@ -46,7 +46,7 @@ class Fault:
 
 
 class EffectFault(Exception):  # noqa: N818 - a fault of the user's file, not an error of this program
-    """An effect failed while it was in use; `fault` says where and how."""
+    """An effect failed while it was in use; `fault` has place and reason."""
 
     def __init__(self, fault: Fault) -> None:
         self.fault = fault
@@ -59,7 +59,7 @@ class EffectFault(Exception):  # noqa: N818 - a fault of the user's file, not an
 
 
 def line_in(path: Path, traceback: TracebackType | None) -> int | None:
-    """Return the innermost line of a traceback that stands in a file; None: it was never there."""
+    """Return the innermost line of a traceback in a file, None without one."""
     line = None
     while traceback is not None:
         if traceback.tb_frame.f_code.co_filename == str(path):
@@ -68,7 +68,7 @@ def line_in(path: Path, traceback: TracebackType | None) -> int | None:
     return line
 
 
-def said(error: BaseException) -> str:
+def exception_text(error: BaseException) -> str:
     """Return an exception as one clause on one line."""
     text = " ".join(str(error).split())
     return f"{type(error).__name__}: {text}" if text else type(error).__name__

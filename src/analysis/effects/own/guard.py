@@ -1,7 +1,7 @@
 """A user's effect under watch: whatever goes wrong in it is named with its file and line.
 
-The function of the effect is wrapped. What it is given is read-only; what it raises, and what it
-returns in a wrong form, becomes an `EffectFault`.
+The function of the effect is wrapped: its arguments are read-only, and its exceptions and results
+of a wrong form become an `EffectFault`.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from analysis.effects.own.watch import Given, Watch, a_value, finite, read_only
 from analysis.setup import CameraSetup
 
 FUNCTIONS = {"contact": "wrap", "flight": "accelerate", "camera": "appear", "clock": "expose"}
-"""The function that acts, by the stage it acts in."""
+"""Name of the function of an effect, by its stage."""
 
 
 def function_of(effect: Effect) -> Callable[..., Any]:

@@ -14,7 +14,7 @@ from types import CodeType, ModuleType
 
 from analysis.effects.effect import Effect
 from analysis.effects.own.checking import checked
-from analysis.effects.own.fault import EffectFault, Fault, line_in, said
+from analysis.effects.own.fault import EffectFault, Fault, exception_text, line_in
 from analysis.errors import InputError
 from analysis.files import read_bytes
 
@@ -84,7 +84,7 @@ def _read(path: Path, taken: dict[str, str]) -> Effect:
 
 
 def _run(path: Path) -> ModuleType:
-    """Run a file as a module of its own; what it prints goes to standard error."""
+    """Run a file as a separate module; its output goes to standard error."""
     name = f"own_effect:{path}"
     try:
         content = read_bytes(path, "settings_kb")
@@ -105,7 +105,9 @@ def _run(path: Path) -> ModuleType:
         raise _fault(path, line, f"is not Python: {error.msg}", "mend the line") from error
     except (Exception, SystemExit) as error:
         line = line_in(path, error.__traceback__) or 1
-        raise _fault(path, line, f"cannot be run: {said(error)}", "mend the line") from error
+        raise _fault(
+            path, line, f"cannot be run: {exception_text(error)}", "mend the line"
+        ) from error
     return module
 
 

@@ -59,20 +59,20 @@ SI = Units()
 
 @dataclass(slots=True)
 class AnyColumn(Mapping[str, Floats]):
-    """Columns of a shot list that has whatever is asked for, 20 to 24 in its unit.
+    """Columns of a shot list that has a column of any name, 20 to 24 in its unit.
 
     Attributes
     ----------
     shots
         Those of the shots that take part.
     middle, width
-        Of what is asked for, in its unit.
-    asked
-        Names other than `order` that were asked for.
+        Of each column, in its unit.
+    names_read
+        Names other than `order` that the function read.
     """
 
     shots: slice = field(default_factory=lambda: ALL)
-    asked: set[str] = field(default_factory=set)
+    names_read: set[str] = field(default_factory=set)
     middle: float = 22.0
     width: float = 4.0
 
@@ -80,18 +80,18 @@ class AnyColumn(Mapping[str, Floats]):
         order = np.linspace(-0.5, 0.5, SHOTS)
         if name == "order":
             return order[self.shots]
-        self.asked.add(name)
+        self.names_read.add(name)
         return (self.middle + self.width * np.roll(order, 5))[self.shots]
 
     def __iter__(self) -> Iterator[str]:
-        return iter(("order", *sorted(self.asked)))
+        return iter(("order", *sorted(self.names_read)))
 
     def __len__(self) -> int:
-        return 1 + len(self.asked)
+        return 1 + len(self.names_read)
 
 
 def response(effect: Effect, values: Values, units: Units, columns: AnyColumn) -> Floats:
-    """Return what an effect makes of the shots that take part, in usual sizes, shape (S, N).
+    """Return the change by an effect in the shots that take part, in usual sizes, shape (S, N).
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""The file to fill in for an effect of one's own: it works as it stands, and is off by default."""
+"""Template file for a user's own effect: it works unchanged, and is off by default."""
 
 from __future__ import annotations
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.effects.effect import Effect, Floats, Values
-from analysis.effects.own.fault import EffectFault, Fault, line_in, said
+from analysis.effects.own.fault import EffectFault, Fault, exception_text, line_in
 
 Result = TypeVar("Result")
 Thing = TypeVar("Thing")
@@ -19,14 +19,14 @@ Thing = TypeVar("Thing")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Given:
-    """What a function is called with.
+    """Arguments of a call.
 
     Attributes
     ----------
     values
         Values of the parameters.
     sound
-        Tells whether all the rest was finite; asked only when the result is not.
+        Returns whether all other input was finite; called only when the result is not.
     """
 
     values: Values
@@ -35,7 +35,7 @@ class Given:
 
 @dataclass(frozen=True, slots=True)
 class Watch:
-    """Where an effect stands and the range it is believed in, for what is said of its faults."""
+    """File, line and effect, to name in faults of its function."""
 
     path: Path
     line: int
@@ -54,20 +54,22 @@ class Watch:
             It raised anything; or an effect within it did, and that one is named.
         """
         try:
-            # What is not finite is judged by the result, where it can be named.
+            # Values that are not finite are found in the result, where they can be named.
             with np.errstate(all="ignore"):
                 return function(*arguments)
         except EffectFault:
             raise
         except (Exception, SystemExit) as error:
             line = line_in(self.path, error.__traceback__)
-            raise self.fault(f"raised {said(error)}", "mend the function", line) from error
+            raise self.fault(
+                f"raised {exception_text(error)}", "mend the function", line
+            ) from error
 
     def array(self, name: str, found: object, shape: tuple[int, ...], given: Given) -> Floats:
-        """Return what a function gave, if it is an array of this shape and finite where it must be.
+        """Return the checked result of a function: an array of this shape, finite where required.
 
-        Beyond the plausible range a fit only tries whether it may go there; there an effect may
-        say by NaN that it may not. Nor can it be finite where what it was given is not.
+        Beyond the plausible range an effect may return NaN, which a fit takes as a bound. NaN in
+        the input may give NaN as well.
 
         Raises
         ------
@@ -81,14 +83,14 @@ class Watch:
             raise self.fault(
                 f"returned {name} of shape {found.shape}", f"return an array of shape {shape}"
             )
-        if not np.isfinite(found).all() and self._believed(given.values) and given.sound():
+        if not np.isfinite(found).all() and self._plausible(given.values) and given.sound():
             raise self.fault(
                 f"returned {name} that is not finite at {self._at(given.values)}",
                 "see to it that the function has a value in all of the plausible range",
             )
         return found.astype(np.float64, copy=False)
 
-    def _believed(self, values: Values) -> bool:
+    def _plausible(self, values: Values) -> bool:
         return all(
             p.plausible[0] <= value <= max(p.plausible[1], p.off + p.step)
             for p, value in zip(self.effect.parameters, values, strict=True)
@@ -109,7 +111,7 @@ class _Columns(dict[str, Floats]):
 
 
 def read_only(thing: Thing) -> Thing:
-    """Return what a function is given with arrays, at any depth, that cannot be written to."""
+    """Return an argument with read-only arrays at any depth."""
     if isinstance(thing, np.ndarray):
         view: NDArray[Any] = thing.view()
         view.flags.writeable = False
@@ -122,7 +124,7 @@ def read_only(thing: Thing) -> Thing:
 
 
 def finite(thing: object) -> bool:
-    """Whether every number of what a function is given, at any depth, is finite."""
+    """Whether every number of an argument, at any depth, is finite."""
     if isinstance(thing, np.ndarray):
         return thing.dtype.kind != "f" or bool(np.isfinite(thing).all())
     if is_dataclass(thing):
@@ -135,5 +137,5 @@ def _parts(thing: object) -> dict[str, Any]:
 
 
 def a_value(found: object) -> str:
-    """Return what was found in words, by its type."""
+    """Return the type of a value in words."""
     return "nothing" if found is None else f"a value of type {type(found).__name__}"

@@ -19,7 +19,7 @@ from analysis.effects.contact.spring_slider import (
     single_spring,
     table_name,
 )
-from analysis.effects.contact.spring_slider_tables import wanted as wanted_tables
+from analysis.effects.contact.spring_slider_tables import required_tables
 from analysis.effects.effect import ContactEffect
 from tests.unit.analysis.effects.encounters import (
     X,
@@ -198,4 +198,4 @@ def test_kept_tables_are_those_that_integration_gives() -> None:
 
 
 def test_every_table_that_a_solid_sphere_needs_is_kept() -> None:
-    assert set(kept_tables()) == {table_name(*wanted) for wanted in wanted_tables()}
+    assert set(kept_tables()) == {table_name(*each) for each in required_tables()}
