@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from analysis.imaging.views import View
-from analysis.motion.drift import Drift, centre_drift, memory, turn_drift
+from analysis.motion.drift import Drift, centre_drift, correlation_time, turn_drift
 from analysis.shot import MeasuredShot
 from simulators.world.optics import Optics
 
@@ -155,7 +155,7 @@ def drifts_of(
 ) -> tuple[tuple[Drift, Drift, Drift], Drift]:
     """Return the stated slow errors of centre, by axis, and of turn."""
     tracking = shot.tracking
-    lasting = memory(tracking.marker_angle, rate)
+    lasting = correlation_time(tracking.marker_angle, rate)
     place = centre_drift(tracking.filter_sigma_px, tracking.scales_px_per_m[View.FRONT], lasting)
     turn = turn_drift(tracking.filter_sigma_px, tracking.radii[View.FRONT][sphere], lasting)
     return (place, place, place), turn

@@ -1,4 +1,4 @@
-"""When a fit's scatter says that its stated errors are too small, and by how much.
+"""Birge ratio: by how much stated errors are enlarged where the scatter of a fit is larger.
 
 R. T. Birge, Phys. Rev. 40, 207 (1932). A factor max(1, chi-squared over its freedom) is above 1 in
 every second fit whose errors are stated rightly, and states those of ten numbers 8 % too large.
@@ -14,7 +14,7 @@ from analysis.chi_squared import chance_of_more
 Floats = NDArray[np.float64]
 
 CONTRADICTED = 0.01
-"""Chance of as much scatter below which stated errors are not believed."""
+"""p-value of the scatter below which stated errors are enlarged."""
 
 
 def variance_ratio(chi2: ArrayLike, freedom: ArrayLike) -> Floats:

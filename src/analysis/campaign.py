@@ -214,7 +214,7 @@ def analyse_job(
     Parameters
     ----------
     known
-        What earlier shots of the same spheres and camera have taught.
+        Sphere appearance learned from earlier shots of the same spheres and camera.
 
     Returns
     -------
@@ -231,7 +231,7 @@ def analyse_job(
 
 
 def read_job(job: ShotJob) -> tuple[NDArray[np.uint8], Floats, tuple[str, ...]]:
-    """Read the frames of a shot, their times in s, and what there is to say of them."""
+    """Read the frames of a shot, their times in s, and notes on them."""
     stack = read_stack(job.frames)
     times = stack.times_s
     if times is None:
@@ -239,8 +239,8 @@ def read_job(job: ShotJob) -> tuple[NDArray[np.uint8], Floats, tuple[str, ...]]:
     return stack.pixels, times, tuple(stack.notes)
 
 
-def teaching_jobs(jobs: Sequence[ShotJob]) -> dict[Setup, list[ShotJob]]:
-    """Return for each set-up, exposure aside, the shots that teach the photometric method."""
+def training_jobs(jobs: Sequence[ShotJob]) -> dict[Setup, list[ShotJob]]:
+    """Return the training shots of the photometric method for each set-up, exposure aside."""
     by_setup: dict[Setup, list[ShotJob]] = {}
     for job in jobs:
         own = by_setup.setdefault(without_exposure(job.setup), [])
@@ -250,12 +250,12 @@ def teaching_jobs(jobs: Sequence[ShotJob]) -> dict[Setup, list[ShotJob]]:
 
 
 def _known(jobs: Sequence[ShotJob]) -> dict[Setup, Appearance | None]:
-    """Return for each set-up, exposure aside, what its first shots teach (photometric method)."""
-    # Compiled functions are loaded only where they are wanted.
+    """Return the sphere appearance learned from the first shots of each set-up, exposure aside."""
+    # Loading compiled functions is slow; the thesis method needs none of these.
     from analysis.photometric.method import teach  # noqa: PLC0415
 
     known: dict[Setup, Appearance | None] = {}
-    for setup, own in teaching_jobs(jobs).items():
+    for setup, own in training_jobs(jobs).items():
         shots = []
         for job in own:
             with suppress(InputError, ShotRefusedError):
@@ -280,11 +280,11 @@ def analyse_campaign(
     Parameters
     ----------
     workers
-        Processes; None: one for each processor, and none of its own for one or two shots.
+        Number of processes; None: one for each processor, and no extra one for one or two shots.
     progress
         Called with the number of shots done and of all shots.
     but
-        Numbers of shots that are not analysed again; the first shots teach all the same.
+        Numbers of shots that are not analysed again; training shots among them are still read.
 
     Yields
     ------

@@ -1,11 +1,11 @@
-"""Functions compiled to machine code, typed for the rest of the program, and where they are kept.
+"""Compile functions to machine code and cache them on disk.
 
-The compiler's library takes a kept function for fresh while the file that defines it is unchanged.
-Compiled functions have those they call, and constants of other files, built in: a fresh one here is
-one whose whole room is unchanged.
+Numba reuses a cached function while the file that defines it is unchanged. A compiled function has
+the functions it calls and constants of other files built in; here it is reused only while every
+file of its folder is unchanged.
 
-Each is compiled by one process, however many wait for it. Two that compile the same function, one
-with the functions it calls just compiled and one with them as kept, may round differently.
+One process compiles a function while others wait. If two compiled it, one with freshly compiled and
+one with cached callees, their results might round differently.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ LONGEST_S, AGAIN_S = 600.0, 0.05
 
 @cache
 def sources() -> str:
-    """Return a digest of every file in a folder of this package where functions are compiled."""
+    """Return a digest of all files in the folders of this package that hold compiled functions."""
     package = Path(__file__).parent
     folders = {file.parent for file in package.rglob("*.py") if USES in file.read_bytes()}
     digest = sha256()
@@ -54,7 +54,7 @@ def alone(function: str) -> Iterator[None]:
     The functions that it calls are compiled within it, each under a lock of its own. As none calls
     itself by way of others, two processes never wait for each other.
     """
-    # Where users have no numbers, each has a folder for temporary files of his own.
+    # Where users have no numbers (Windows), each has a temporary folder of their own.
     user = os.getuid() if hasattr(os, "getuid") else "user"
     folder = Path(tempfile.gettempdir()) / f"rigctl-{user}-{sources()[:16]}"
     folder.mkdir(mode=0o700, exist_ok=True)
@@ -71,10 +71,10 @@ def _wait_for(file: int) -> None:
 
 
 class BesideSource(caching.InTreeCacheLocator):
-    """In `__pycache__`, as long as the sources are what they were."""
+    """Cache in `__pycache__`, valid while the sources are unchanged."""
 
     def get_source_stamp(self) -> str:
-        """Return what a kept function is fresh by."""
+        """Return the digest for which a cached function is valid."""
         return sources()
 
 
@@ -82,7 +82,7 @@ class OfUser(caching.UserWideCacheLocator):
     """In the user's own folder, where the package's cannot be written."""
 
     def get_source_stamp(self) -> str:
-        """Return what a kept function is fresh by."""
+        """Return the digest for which a cached function is valid."""
         return sources()
 
 
@@ -91,20 +91,20 @@ LOCATORS = ",".join(f"{__name__}.{kind.__name__}" for kind in (BesideSource, OfU
 
 SUMS = {"reassoc", "contract", "arcp", "nsz"}
 F = TypeVar("F", bound=Callable[..., object])
-Told = Callable[[int, int], None]
+CompilationListener = Callable[[int, int], None]
 
 _functions: set[str] = set()
 _compiled_here: set[str] = set()
-_told: list[Told] = []
+_listeners: list[CompilationListener] = []
 
 
-def tell_of_compiling(told: Told) -> None:
-    """Have a callback told of each function that is compiled here and was not kept on disk.
+def on_compilation(listener: CompilationListener) -> None:
+    """Call a listener after each function that this process compiles because no cache has it.
 
-    It is told how many this process has compiled, and how many it knows: nearly all of them are
-    compiled by the first shot, in some order. Where all were kept it is told of none.
+    Its arguments: number of functions compiled by this process, and number of all functions. The
+    first shot compiles nearly all of them. Not called where all are cached.
     """
-    _told.append(told)
+    _listeners.append(listener)
 
 
 def compiled(function: F) -> F:
@@ -121,7 +121,7 @@ def compiled(function: F) -> F:
         compiled for such would from then on serve others in this process too, and round otherwise
         than in a process that met them first.
     """
-    # These options are missing from the library's type hints; nobody takes an address from outside.
+    # Numba's type hints lack these options. Entry from C is off: no address is taken.
     decorate = cast("Any", numba.njit)(
         cache=True, error_model="numpy", fastmath=SUMS, no_cfunc_wrapper=True
     )
@@ -129,8 +129,8 @@ def compiled(function: F) -> F:
 
 
 def part(function: F) -> F:
-    """Compile a function that only compiled ones call: it compiles faster without a way in."""
-    # These two options are missing from the library's type hints.
+    """Compile a function that only compiled ones call; without a Python wrapper it is faster."""
+    # Numba's type hints lack these two options.
     decorate = cast("Any", numba.njit)(
         cache=True,
         error_model="numpy",
@@ -142,7 +142,7 @@ def part(function: F) -> F:
 
 
 def _kept(decorate: Callable[[F], Any], function: F, *, plain: bool = False) -> F:
-    """Decorate with our own rules of how long a function is kept and who compiles it."""
+    """Decorate with this module's rules of cache validity and of locking."""
     config = cast("Any", numba.config)
     before, config.CACHE_LOCATOR_CLASSES = config.CACHE_LOCATOR_CLASSES, LOCATORS
     try:
@@ -154,7 +154,7 @@ def _kept(decorate: Callable[[F], Any], function: F, *, plain: bool = False) -> 
     _functions.add(name)
 
     def compile_alone(signature: tuple[Any, ...]) -> object:
-        # A number that is written at a call would be a kind of its own: each, compiled once more.
+        # A literal number has a type of its own; without this each value is compiled again.
         signature = tuple(cast("Any", types).unliteral(kind) for kind in signature)
         strange = [kind for kind in arrays_of(signature) if kind.layout != "C" or not kind.mutable]
         if plain and strange:
@@ -165,14 +165,14 @@ def _kept(decorate: Callable[[F], Any], function: F, *, plain: bool = False) -> 
             try:
                 code = compile_here(signature)
             except (ImportError, AttributeError):
-                # What an earlier version kept names a type that is no more, or lies elsewhere.
+                # A cache of an earlier version names a type that was removed or moved.
                 for index in _indices(dispatcher):
                     index.unlink(missing_ok=True)
                 code = compile_here(signature)
         if sum(dispatcher.stats.cache_misses.values()) > missed:
             _compiled_here.add(name)
-            for told in _told:
-                told(len(_compiled_here), len(_functions))
+            for listener in _listeners:
+                listener(len(_compiled_here), len(_functions))
         return code
 
     dispatcher.compile = compile_alone
@@ -189,12 +189,12 @@ def arrays_of(kinds: Iterable[object]) -> Iterator[Any]:
 
 
 def kept_on_disk(function: Callable[..., object]) -> bool:
-    """Tell whether a compiled function has been compiled here before."""
+    """Whether the cache on disk holds a compiled function."""
     return any(_indices(function))
 
 
 def _indices(function: Callable[..., object]) -> Iterator[Path]:
-    """Yield the lists of what is kept of a compiled function."""
+    """Yield the index files of a compiled function in the cache."""
     dispatcher = cast("Any", function)
     name = f"{Path(dispatcher.py_func.__code__.co_filename).stem}.{dispatcher.py_func.__name__}-*"
     return Path(dispatcher.stats.cache_path).glob(f"{name}.nbi")

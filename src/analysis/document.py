@@ -34,15 +34,15 @@ def shot_document(shot: MeasuredShot | RefusedShot) -> Json:
         "status": "measured",
         "contact_time_s": impact.contact_time.value,
         "contact_time_sigma_s": impact.contact_time.sigma,
-        "contact_duration": _told(impact.duration),
+        "contact_duration": _value(impact.duration),
         "normal": [float(n) for n in impact.normal],
         "normal_sigma": [float(n) for n in impact.normal_sigma],
         "v_n": impact.v_n.to_json(),
-        "v_s": _told(impact.v_s),
+        "v_s": _value(impact.v_s),
         "v_n_after": impact.v_n_after.to_json(),
-        "v_s_after": _told(impact.v_s_after),
+        "v_s_after": _value(impact.v_s_after),
         "e": impact.e.to_json(),
-        "beta": _told(impact.beta),
+        "beta": _value(impact.beta),
         "frames_before": list(shot.used_before),
         "frames_after": list(shot.used_after),
         "scale_px_per_m": {v.value: s for v, s in shot.tracking.scales_px_per_m.items()},
@@ -64,7 +64,7 @@ def expected_document(bodies: tuple[Body, Body], v_n: float) -> Json:
     return {"expected": {"contact_duration_s": lasts, "yield_speed_m_per_s": yield_speed(bodies)}}
 
 
-def _told(quantity: Quantity | None) -> Json | None:
+def _value(quantity: Quantity | None) -> Json | None:
     return None if quantity is None else quantity.to_json()
 
 

@@ -54,12 +54,12 @@ def shortened(reason: str) -> str:
 
 
 def counted(number: int, noun: str) -> str:
-    """Return a number and what it counts, as a refusal says it: `1 frame`, `5 frames`."""
+    """Return a number with its noun, plural where needed: `1 frame`, `5 frames`."""
     return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
 
 
 class LaunchRefusedError(Exception):
-    """Settings from which no launch can be fitted or foretold: what was found, what was needed."""
+    """Settings from which no launch can be fitted or predicted: what was found and needed."""
 
 
 class ProposalRefusedError(Exception):

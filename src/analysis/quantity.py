@@ -1,4 +1,4 @@
-"""A measured number that never travels without its error."""
+"""A measured number with its standard error and unit."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Quantity:
     ----------
     common
         Part of the error that all shots of a campaign share, which a mean of many does not reduce:
-        sigma^2 = own^2 + common^2. None where it is not told apart.
+        sigma^2 = own^2 + common^2. None where the two parts are not separated.
     """
 
     value: float
@@ -34,21 +34,21 @@ class Quantity:
 
     @classmethod
     def undetermined(cls, unit: str) -> Quantity:
-        """Return a quantity of which nothing is known."""
+        """Return a quantity without a value."""
         return cls(math.nan, math.inf, unit)
 
     @property
     def determined(self) -> bool:
-        """Whether anything is known of it."""
+        """Whether it has a value."""
         return math.isfinite(self.value)
 
     @property
     def own(self) -> float | None:
-        """Return the part of the error that is this shot's own; None where it is not told apart."""
+        """Return the part of the error that is this shot's own; None where not separated."""
         return None if self.common is None else float(own_part(self.sigma, self.common))
 
     def rescaled(self, factor: float, unit: str) -> Quantity:
-        """Return the same quantity in a unit of which `factor` make one of its own."""
+        """Return the same quantity in another unit: `factor` of these are one of the present."""
         common = None if self.common is None else factor * self.common
         return Quantity(factor * self.value, factor * self.sigma, unit, common)
 
@@ -56,10 +56,10 @@ class Quantity:
         """Return the form of the exchange documents; what is not determined is null."""
         if not self.determined:
             return {"value": None, "sigma": None, "unit": self.unit}
-        told: dict[str, float | str | None] = {"value": self.value, "sigma": self.sigma}
+        document: dict[str, float | str | None] = {"value": self.value, "sigma": self.sigma}
         if self.common is not None:
-            told |= {"sigma_own": self.own, "sigma_common": self.common}
-        return {**told, "unit": self.unit}
+            document |= {"sigma_own": self.own, "sigma_common": self.common}
+        return {**document, "unit": self.unit}
 
     def concise(self) -> str:
         """Return the value with its error in brackets, 0.7384(33): in units of the last digit.

@@ -1,4 +1,4 @@
-"""What no free flights, and no contact between them, can be: refusals that say why."""
+"""Physical limits on free flights and the contact between them; refusals with the reason."""
 
 from __future__ import annotations
 

@@ -87,7 +87,7 @@ class CameraSetup:
     @field_validator("top_view_rows")
     @classmethod
     def _beside_the_front_view(cls, rows: Rows | None, info: ValidationInfo) -> Rows | None:
-        # Where the front view is at fault itself, that is said already.
+        # A fault of the front view itself has its own message.
         front = info.data.get("front_view_rows")
         if rows is not None and front is not None and rows[0] < front[1] and front[0] < rows[1]:
             raise ValueError(f"{list(rows)} overlaps front_view_rows {list(front)}")
@@ -160,7 +160,7 @@ def _named(key: str, field: str) -> Any:  # noqa: ANN401 - what a field is made 
 
 @dataclass(frozen=True, slots=True, config=STRICT)
 class SlowErrors:
-    """Errors of poses that no scatter betrays, as they last through a flight or a campaign.
+    """Errors of poses that last for a flight or a campaign, so that no scatter shows them.
 
     Attributes
     ----------
@@ -171,8 +171,8 @@ class SlowErrors:
         Relative standard error of the images' scale, by which lengths of all shots come out too
         long or too short together; 0: none is stated.
     one_body_frame
-        Whether orientations are of one body frame for each sphere in all shots, so that all share
-        what a pattern stands off its sphere.
+        Whether each sphere has one body frame in all shots, so that all shots share the offset of
+        the marker pattern from its sphere.
     memory_rad
         By how much a sphere turns while what the frames of a flight share lasts: what its markers
         are wide.
@@ -252,7 +252,7 @@ def setup_of(document: Mapping[str, Any]) -> Setup:
 
 
 def setup_document(setup: Setup) -> dict[str, Any]:
-    """Return a set-up as documents hold it; what it does not know is left out."""
+    """Return a set-up as documents hold it, without fields that are not known."""
     document: dict[str, Any] = _SETUP.dump_python(
         setup, mode="json", by_alias=True, exclude_none=True
     )

@@ -136,7 +136,7 @@ class MeasuredShot:
 
 @dataclass(frozen=True, slots=True)
 class RefusedShot:
-    """A shot that cannot be analysed: false when asked, and able to say why.
+    """A shot that cannot be analysed, with the reason; false in a condition.
 
     Attributes
     ----------
@@ -232,7 +232,7 @@ def _rendered(
     extend: bool,
 ) -> tuple[Tracking, Appearance | None]:
     """Return poses by the photometric method; of spheres without markers, places by outlines."""
-    # Compiled functions are loaded only where they are wanted.
+    # Loading compiled functions is slow; the thesis method needs none of these.
     from analysis.photometric.follow.first_tracking import track_unmarked  # noqa: PLC0415
     from analysis.photometric.method import measure_poses  # noqa: PLC0415
 
@@ -245,7 +245,7 @@ def _rendered(
 
 
 def _odd_times(times_s: Floats, setup: Setup) -> tuple[str, ...]:
-    """Say when recorded times and the stated frame rate disagree; the times are believed."""
+    """Return a note where recorded times and stated frame rate disagree; the times are used."""
     step = float(np.median(np.diff(times_s)))
     if abs(step * setup.camera.frame_rate_hz - 1.0) < RATE_TOLERANCE:
         return ()

@@ -21,8 +21,8 @@ def slow_errors(tracking: Tracking, *, one_body_frame: bool) -> SlowErrors:
 
     The photometric method learns one pattern for a campaign, so that all shots have one body frame;
     the thesis's begins anew each time. The scale is off alike in all shots by either: one is
-    learned, or the same light shifts all outlines alike. A shot whose spheres did not look as they
-    were known has body axes of its own.
+    learned, or the same light shifts all outlines alike. A shot whose spheres did not look as
+    learned has body axes of its own.
     """
     width, scale = tracking.filter_sigma_px, tracking.scales_px_per_m[View.FRONT]
     return SlowErrors(

@@ -68,7 +68,7 @@ class Tracking:
     centres, orientations
         Poses of a and b.
     notes
-        Frames that show a sphere and hold no pose of it, and why; what else there is to say.
+        Frames that show a sphere and hold no pose of it, with the reason, and other notes.
     left_out
         Those frames of a and b, with the reason.
     learned_alone
@@ -105,8 +105,8 @@ def track_spheres(
 ) -> Tracking:
     """Measure the poses of both spheres by edges, in every frame that shows them.
 
-    The outlines are found twice: once plainly, and once the radius is known and the learned
-    marker pattern says which stretches of the limb a marker cuts.
+    The outlines are found twice: first plainly, then with the known radius and without those
+    stretches of the limb that a marker of the learned pattern cuts.
 
     Raises
     ------
@@ -119,7 +119,7 @@ def track_spheres(
     radii = view_radii(discs)
     rough = Sighting.of(markers_by_edges(curves, discs, radii), radii, times_s)
     refined = refined_discs(discs, curves, rough, setup, settings)
-    # Closed edges stand where they are; where the limb is says what they are directed to.
+    # Outlines of markers keep their image positions; their directions depend on the disc.
     again = tuple(lifted_again(own, refined, i, radii) for i, own in enumerate(rough.markers))
     seen = Sighting.of((again[0], again[1]), radii, times_s)
     if matching == "proximal":
@@ -151,7 +151,7 @@ class Sighting:
 
     @classmethod
     def of(cls, markers: SeenMarkers, radii: Radii, times_s: Floats) -> Self:
-        """Return the orientations of markers; raise `ShotRefusedError` where they tell none."""
+        """Return the orientations of markers; raise `ShotRefusedError` where they give none."""
         a, b = (orient(own, times_s, name) for own, name in zip(markers, "ab", strict=True))
         return cls(markers, (a, b), radii)
 
@@ -162,7 +162,7 @@ class Sighting:
 
 
 def film_edges(frames: NDArray[np.uint8], settings: EdgeSettings) -> FilmEdges:
-    """Return the edges of a film that stand out of its noise, found when they are asked for."""
+    """Return the edges of a film above its noise; each frame's are found at their first use."""
     least = settings.least_strength or gradient_threshold(noise_sd(frames), settings.sigma_px)
     return FilmEdges(frames, settings, least)
 
@@ -170,7 +170,7 @@ def film_edges(frames: NDArray[np.uint8], settings: EdgeSettings) -> FilmEdges:
 def followed_discs(
     edges: FilmEdges, setup: Setup, least_coverage: float
 ) -> tuple[FilmDiscs, FilmCurves]:
-    """Follow the discs of whatever radius the edges or the set-up tell (`assignment.follow`)."""
+    """Follow discs of the radii that edges or set-up give (`assignment.follow`)."""
     views, radii = view_geometries(setup.camera), _start_radii(edges, setup)
     return follow(edges, views, radii, least_coverage=least_coverage)
 
@@ -223,7 +223,7 @@ def refuse_repeats(frames: NDArray[np.uint8], discs: FilmDiscs) -> None:
         With the first frame that does.
     """
     shown = np.asarray(discs.found.any(axis=(0, 1)))
-    # Noise tells nearly all apart by a few rows.
+    # Noise makes nearly all frames differ within a few rows.
     few = frames[:, ::SOME_ROWS]
     alike = (np.count_nonzero(few[1:] != few[:-1], axis=(1, 2)) == 0) & shown[1:] & shown[:-1]
     for k in np.flatnonzero(alike) + 1:

@@ -21,7 +21,7 @@ from analysis.collision.coefficients import (
 from analysis.collision.contact_frames import inside_contact
 from analysis.errors import ShotRefusedError
 from analysis.motion.cutting import cut_tears
-from analysis.motion.drift import Drift, memory
+from analysis.motion.drift import Drift, correlation_time
 from analysis.motion.poses import Centres
 from analysis.motion.rotation import rotation_vector
 from analysis.motion.spin import Spin, fit_spin, three_frame_spin
@@ -159,8 +159,8 @@ def _numbers(poses: ShotPoses, rows: Frames) -> tuple[int, ...]:
 def _tears(poses: ShotPoses, scene: Scene) -> NDArray[np.bool_]:
     """Return which spheres in which frames are mis-tracked, shape (F, 2).
 
-    A frame that is wrong for both stands between two sound ones; else it is the times or the
-    order of frames, which `check_free_flight` refuses.
+    A frame that is wrong for both lies between two sound ones; otherwise times or order of frames
+    are wrong, which `check_free_flight` refuses.
     """
     rows = (np.flatnonzero(poses.placed[:, i]) for i in (0, 1))
     a, b = (_track(poses, i, own) for i, own in enumerate(rows))
@@ -189,7 +189,7 @@ def _clock(poses: ShotPoses) -> Floats:
 def _sides(poses: ShotPoses, scene: Scene) -> tuple[tuple[Side, Side], float, Frames]:
     """Return both sides, the time of first touch, and the frames between, by their numbers.
 
-    The touch says which frames may show the contact, and without these it is told once more.
+    Frames that may show the contact follow from its time; without them the time is found again.
     """
     shown = np.flatnonzero(poses.both_shown())
     before, after = _split(poses, shown, scene)
@@ -264,8 +264,9 @@ def _drifts(
         )
         rates.append(np.linalg.norm(turns, axis=1) / np.diff(poses.times_s[rows]))
     every = np.concatenate(rates)
-    # Without two orientations there is no rate, and an error lasts as long as any does.
-    lasting = memory(scene.slow.memory_rad / 2, float(np.median(every)) if every.size else 0.0)
+    # Without two orientations there is no spin rate: the longest correlation time is taken.
+    spin = float(np.median(every)) if every.size else 0.0
+    lasting = correlation_time(scene.slow.memory_rad / 2, spin)
     return Drift(scene.slow.position_m, lasting), Drift(scene.slow.rotation_rad, lasting)
 
 
@@ -287,8 +288,8 @@ def _fitted_motion(
             )
         )
         turning = _turning(poses, side, sphere)
-        told = len(turning[0]) >= LEAST_TURNS
-        spins.append(fit_spin(*turning, turn) if told else None)
+        determined = len(turning[0]) >= LEAST_TURNS
+        spins.append(fit_spin(*turning, turn) if determined else None)
     return Motion(paths[0], paths[1], spins[0], spins[1])
 
 
@@ -303,8 +304,8 @@ def _thesis_motion(
         path = three_frame_flight(*_placed(poses, side, sphere), centre, side.nearest)
         paths.append(path.moved_to(contact))
         turning = _turning(poses, side, sphere)
-        told = len(turning[0]) == LEAST_FRAMES
-        spins.append(three_frame_spin(*turning, turn, side.nearest) if told else None)
+        determined = len(turning[0]) == LEAST_FRAMES
+        spins.append(three_frame_spin(*turning, turn, side.nearest) if determined else None)
     return Motion(paths[0], paths[1], spins[0], spins[1])
 
 

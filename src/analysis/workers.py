@@ -26,12 +26,12 @@ START = (
     "from analysis.workers import serve; serve()"
 )
 SIZE_BYTES = 8
-"""Of the number before each message that says how long it is."""
+"""Size of the number before each message that states its length."""
 END_WAIT_S = 5.0
 
 
 class WorkerDiedError(BrokenExecutor):
-    """A process ended before it had answered: by a signal, or for want of memory."""
+    """A worker process ended without a result: by a signal, or because memory ran out."""
 
 
 class Workers:
@@ -74,7 +74,7 @@ class Workers:
             worker = self._own.worker = _Worker()
             with self._lock:
                 self._started.append(worker)
-        done, answer = worker.ask((function, args, named))
+        done, answer = worker.call((function, args, named))
         if not done:
             raise answer
         result: R = answer
@@ -82,26 +82,26 @@ class Workers:
 
 
 class _Worker:
-    """One process, asked by one thread."""
+    """One worker process, used by one thread."""
 
     def __init__(self) -> None:
-        self._process = subprocess.Popen(  # noqa: S603 - no word of it comes from outside
+        self._process = subprocess.Popen(  # noqa: S603 - no outside input
             [sys.executable, "-P", "-c", START],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
         )
-        assert self._process.stdin is not None  # noqa: S101 - both were asked for
+        assert self._process.stdin is not None  # noqa: S101 - both are pipes
         assert self._process.stdout is not None  # noqa: S101
-        self._asked, self._answers = self._process.stdin, self._process.stdout
-        pickle.dump(sys.path, self._asked)
+        self._requests, self._answers = self._process.stdin, self._process.stdout
+        pickle.dump(sys.path, self._requests)
 
     @property
     def ended(self) -> bool:
         return self._process.poll() is not None
 
-    def ask(self, question: object) -> tuple[bool, Any]:
+    def call(self, request: object) -> tuple[bool, Any]:
         try:
-            _send(self._asked, pickle.dumps(question))
+            _send(self._requests, pickle.dumps(request))
             answer: tuple[bool, Any] = pickle.loads(_received(self._answers))  # noqa: S301 - ours
         except (EOFError, OSError) as error:
             self.end()
@@ -119,12 +119,12 @@ class _Worker:
         """Give back both pipes, once no thread reads or writes any more."""
         self.end()
         with suppress(OSError):
-            self._asked.close()
+            self._requests.close()
         self._answers.close()
 
 
 def serve() -> None:
-    """Answer what is asked on standard input until that is closed.
+    """Answer the requests on standard input until it is closed.
 
     What a function prints goes to standard error: standard output holds answers alone.
     """
@@ -134,17 +134,17 @@ def serve() -> None:
         os.dup2(2, 1)
         while True:
             try:
-                question = _received(sys.stdin.buffer)
+                request = _received(sys.stdin.buffer)
             except EOFError:
                 return
-            _send(answers, _answer(question))
+            _send(answers, _reply(request))
 
 
-def _answer(question: bytes) -> bytes:
+def _reply(request: bytes) -> bytes:
     try:
-        function, args, named = pickle.loads(question)  # noqa: S301 - from the process that began us
+        function, args, named = pickle.loads(request)  # noqa: S301 - from the parent
         return pickle.dumps((True, function(*args, **named)))
-    except Exception as error:  # noqa: BLE001 - whatever breaks is raised where it was asked
+    except Exception as error:  # noqa: BLE001 - raised again in the calling process
         try:
             whole = pickle.dumps((False, error))
             pickle.loads(whole)  # noqa: S301 - some exceptions are written and cannot be read

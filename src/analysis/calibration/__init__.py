@@ -1,1 +1,1 @@
-"""What the shots of a campaign say of the camera that filmed them."""
+"""Camera parameters estimated from the shots of a campaign."""

@@ -85,21 +85,21 @@ def sideways(falls: Sequence[Fall], gravity: float) -> tuple[Floats, Floats]:
 Floats = NDArray[np.float64]
 
 LEAST_SHOTS = 3
-"""From which the scatter between shots tells the errors."""
+"""From this number on, errors come from the scatter between shots."""
 ALONE = 3.0
 """By how much the pixels' noise understates the errors of fewer shots."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Calibration:
-    """What a campaign says of its camera.
+    """Camera parameters of a campaign.
 
     Attributes
     ----------
     estimates
         In the order of a table.
     used
-        Shots that had their say.
+        Shots that were used.
     refused
         The others, each with the reason.
     """
@@ -112,10 +112,10 @@ class Calibration:
 def calibrate(
     campaign: Campaign, progress: Callable[[int, int], None] | None = None
 ) -> Calibration:
-    """Estimate what the shots of a campaign tell of the camera that filmed them.
+    """Estimate the parameters of the camera that filmed a campaign.
 
-    Each shot has its say by its pixels, everything else being free (`say`); errors are those of the
-    scatter between shots where that is larger than the noise.
+    Each shot contributes the estimate from its pixels with all else as nuisance parameters
+    (`pixel_estimates`). Errors are those of the scatter between shots where that exceeds the noise.
 
     Parameters
     ----------
@@ -184,7 +184,7 @@ def _first_shots(jobs: Sequence[ShotJob], setup: Setup) -> Iterator[Taught]:
 
 
 def _with_scatter(equations: list[tuple[Equations, Equations]], known: Appearance) -> PixelEstimate:
-    """Return what all shots say, its errors not below those by leaving out one shot at a time."""
+    """Return the estimate of all shots; errors are at least those of the jackknife over shots."""
     whole = estimate(equations, known)
     if len(equations) < LEAST_SHOTS:
         return PixelEstimate(whole.change, whole.covariance * ALONE**2)

@@ -21,7 +21,7 @@ class Estimate:
     unit
         As in the effect's parameter, or px/m.
     useful
-        Error below which the shots say something: the range that is plausible for a rig.
+        Error below which the estimate is useful: the range that is plausible for a rig.
     none
         Value of a camera without this fault; None: there is no such value.
     effect
@@ -29,7 +29,7 @@ class Estimate:
     in_poses
         The measured poses take it into account; the effect then carries what is left of it.
     how
-        What in the images tells it.
+        Feature of the images that determines it.
     """
 
     name: str
@@ -43,13 +43,13 @@ class Estimate:
     how: str
 
     @property
-    def told(self) -> bool:
-        """Whether the shots say anything at all."""
+    def finite(self) -> bool:
+        """Whether the shots give any estimate."""
         return math.isfinite(self.sigma)
 
     @property
     def determined(self) -> bool:
-        """Whether the shots tell it better than it is known beforehand."""
+        """Whether its error is below `useful`."""
         return self.sigma < self.useful
 
     @property

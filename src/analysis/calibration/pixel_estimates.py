@@ -29,12 +29,12 @@ LIMIT = 12.0
 """Residual that counts no more, in units of the noise; a fault of the camera leaves large ones."""
 WIDEST_STRETCH = 0.05
 WIDEST_FAULTS = np.array([2.0, 0.1, 0.1, 0.2, 5.0])
-"""Expected sizes, wide: the shots alone shall speak."""
+"""Widths of the priors, wide so that the shots alone decide."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PixelEstimate:
-    """What some shots say of the camera, V views.
+    """Camera parameters from the pixels of some shots, V views.
 
     Attributes
     ----------
@@ -76,9 +76,9 @@ def estimate(shots: Sequence[tuple[Equations, Equations]], known: Appearance) ->
         own, at = _freed(normal, tangents_of(sphere.markers), len(known.camera.views))
         inverse = np.linalg.inv(own)
         part = np.linalg.inv(inverse[np.ix_(at, at)])
-        told = part @ (inverse @ right)[at]
+        weighted = part @ (inverse @ right)[at]
         weight = part if weight is None else weight + part
-        aim = told if aim is None else aim + told
+        aim = weighted if aim is None else aim + weighted
     covariance = np.linalg.inv(np.asarray(weight))
     return PixelEstimate(covariance @ np.asarray(aim), covariance)
 

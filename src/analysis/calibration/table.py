@@ -24,7 +24,7 @@ PLUMB_FLOOR_RAD = 0.02
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """How a fault shows in what the pixels say, as measured on rendered images of every kind.
+    """Response of the pixel estimates to a camera fault, measured on rendered images.
 
     Attributes
     ----------
@@ -50,7 +50,7 @@ ASPECT, DISTORTED = Answer(0.83, 1.5e-3), Answer(0.85, 3e-3)
 MIRRORED, ROLLED = Answer(0.62, 3e-3), Answer(0.90, 1.5e-3)
 USEFUL_SCALE, USEFUL_ASPECT, USEFUL_ANGLE_RAD = 0.01, 0.02, 0.02
 USEFUL_DISTORTION, USEFUL_NEARNESS, USEFUL_PLUMB_RAD = 0.05, 2.0, 0.035
-"""Half the plausible ranges of the effects: a larger error says nothing."""
+"""Half the plausible ranges of the effects; an estimate with a larger error is of no use."""
 
 
 def estimates_of(
@@ -135,7 +135,7 @@ def _aspect(pixels: PixelEstimate, stretches: slice) -> Estimate:
 def _fault(
     name: str, found: tuple[float, float], unit: str, useful: float, effect: str, *, how: str
 ) -> Estimate:
-    """Return the estimate of a fault that poses do not know, and that a good camera has not."""
+    """Return the estimate of a camera fault that no pose parameter covers; expected value 0."""
     value, sigma = found
     return Estimate(name, value, sigma, unit, useful, 0.0, effect, in_poses=False, how=how)
 

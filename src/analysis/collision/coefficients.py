@@ -29,7 +29,7 @@ BETA_NEEDS_SIGMAS = 3.0
 class Motion:
     """Motion of one sphere on both sides of the contact, paths at one reference time.
 
-    A spin that too few orientations tell is None.
+    A spin is None where there are too few orientations.
     """
 
     before: FlightPath
@@ -54,18 +54,18 @@ class Impact:
         Unit vector from a to b at first touch and its standard errors, rig axes, shape (3,).
     v_n, v_s, v_n_after, v_s_after
         Section 7.1; v_n negative, v_n_after positive, v_s a length, v_s_after along it. Surface
-        velocities are None where a spin is not told.
+        velocities are None where a spin is undetermined.
     e, beta
-        Restitution; beta is None where v_s is not told from zero.
+        Restitution; beta is None where v_s is compatible with zero.
     covariance
         Of v_n, v_s, v_n_after and v_s_after, (m/s)^2, shape (4, 4).
     shared
         What one standard error of each thing that all shots of a campaign share does to these four,
         m/s, shape (5, 4): of the scale, of the air's drag, and of one sphere's outlines against the
-        other's along X, Y and Z. The covariance holds the first two (`HELD`); the outlines' stands
-        in it as an error of each flight.
+        other's along X, Y and Z. The covariance holds the first two (`HELD`), and the outlines'
+        offset as an error of each flight.
     before, after
-        State just before and just after contact; a spin that is not told is not a number.
+        State just before and just after contact; an undetermined spin is not a number.
     state_sigma
         Standard errors of velocities (m/s) and spins (rad/s), before and after, shape (2, 4, 3)
         in the order velocity a, velocity b, spin a, spin b.
@@ -194,8 +194,8 @@ def measure_impact(
     spread = jacobian @ covariance @ jacobian.T
     if not depth_seen:
         spread += depth_spread(outcomes, centre, radii)
-    told = np.array([s is not None for s in spins])
-    return _named(outcomes(centre[None])[0], spread, common @ jacobian.T, told)
+    determined = np.array([s is not None for s in spins])
+    return _named(outcomes(centre[None])[0], spread, common @ jacobian.T, determined)
 
 
 def _outcomes(
@@ -253,7 +253,7 @@ def _block_diagonal(blocks: list[Floats]) -> Floats:
     return whole
 
 
-def _named(values: Floats, spread: Floats, shared: Floats, told: NDArray[np.bool_]) -> Impact:
+def _named(values: Floats, spread: Floats, shared: Floats, determined: NDArray[np.bool_]) -> Impact:
     """Name the outcomes.
 
     Parameters
@@ -262,19 +262,19 @@ def _named(values: Floats, spread: Floats, shared: Floats, told: NDArray[np.bool
         Shapes (35,) and (35, 35).
     shared
         What one standard error of each shared thing does to them, shape (5, 35).
-    told
-        Which spins are: of a and b before, of a and b after.
+    determined
+        Whether each spin is: of a and b before, of a and b after.
     """
     sigma = np.sqrt(np.clip(np.diag(spread), 0.0, None))
     common = np.sqrt((shared[:HELD] ** 2).sum(axis=0))
     state, state_sigma = (part[STATES].reshape(2, 4, 3).copy() for part in (values, sigma))
     for part in (state, state_sigma):
-        part[:, 2:][~told.reshape(2, 2)] = np.nan
+        part[:, 2:][~determined.reshape(2, 2)] = np.nan
 
     def quantity(i: int, unit: str) -> Quantity:
         return Quantity(float(values[i]), float(sigma[i]), unit, float(common[i]))
 
-    surface = bool(told.all())
+    surface = bool(determined.all())
     above_zero = surface and values[5] > BETA_NEEDS_SIGMAS * sigma[5]
     return Impact(
         contact_time=quantity(0, "s"),

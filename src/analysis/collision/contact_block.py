@@ -21,7 +21,7 @@ PLACE, VELOCITY, SPIN_A, SPIN_B, SPRING, SIZE = 0, 3, 6, 9, 12, 15
 """The state of a contact: centre of b from that of a, its velocity, both spins, and the tangential
 spring, three numbers each. The centre of mass moves on as it did."""
 STATE, HERE, RATE = 0, SIZE, 2 * SIZE
-"""Where rows begin: states, those that forces are wanted at, and their rates."""
+"""First rows of: states, states at which forces are evaluated, and their rates."""
 TURN, FIRST, UNCUT = 3 * SIZE, 3 * SIZE + 6, 3 * SIZE + 9
 """By what both spheres have turned, normals at first touch, and springs before they were cut."""
 NORMAL, SLIP, FORCE = 3 * SIZE + 12, 3 * SIZE + 15, 3 * SIZE + 18

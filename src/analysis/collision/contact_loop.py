@@ -188,7 +188,7 @@ def half_way(block: Floats) -> None:
 
 @part
 def go_on(block: Floats, pair: Floats) -> bool:
-    """Take a step with the rates in its middle; tell whether any contact goes on after it."""
+    """Take a midpoint step; return whether any contact goes on after it."""
     turns, reach = pair[TURNS] > 0.0, pair[RADIUS_A] + pair[RADIUS_B]
     for k in range(LANES):
         step, full = block[STEP * LANES + k], block[FULL_STEP * LANES + k]

@@ -2,7 +2,7 @@
 
 In units of the reduced mass, the stiffness and the approach speed x'' = -x^p - g x^q x', followed
 until the force is gone: T. Schwager and T. Poeschel, Phys. Rev. E 78, 051304 (2008). Integrated in
-the same steps as contacts are, so that a contact head on has the restitution that was asked for.
+the same steps as contacts are, so that a head-on contact has the requested restitution.
 """
 
 from __future__ import annotations

@@ -13,7 +13,7 @@ from typing import Literal
 
 import numpy as np
 
-from analysis.collision.operator import Body, Floats, gives
+from analysis.collision.operator import Body, Floats, inverse_masses
 
 History = Literal["elongation", "increment"]
 REFERENCE_SPEED = 2.0
@@ -120,7 +120,7 @@ def hertz_duration(modulus: float, bodies: tuple[Body, Body]) -> float:
     a, b = bodies
     curvature = 1 / a.radius + (0.0 if b.is_plate else 1 / b.radius)
     stiffness = 4 / 3 * modulus * curvature**-0.5
-    mass = 1 / gives(bodies)[0]
+    mass = 1 / inverse_masses(bodies)[0]
     return float(TSUJI.elastic_duration * (mass / stiffness) ** 0.4)
 
 

@@ -28,7 +28,7 @@ class ImpactVelocities:
     """The scalars of section 7.1, m/s: `v_n` negative, `v_n_after` positive, `v_s` a length.
 
     `v_s_after` is the surface velocity after contact along the direction of the incident one;
-    `v_s_across` what stands across that direction.
+    `v_s_across` its component across that direction.
     """
 
     v_n: Floats

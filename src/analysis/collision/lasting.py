@@ -1,4 +1,4 @@
-"""The collision operator of a contact that lasts: its forces integrated from touch to parting."""
+"""Collision operator of a contact of finite duration: forces integrated from touch to parting."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from analysis.collision.contact_block import SPRING
 from analysis.collision.contact_loop import collide
 from analysis.collision.damping import damping
 from analysis.collision.force_law import REFERENCE_SPEED, ForceLaw
-from analysis.collision.operator import Body, Encounter, Floats, Outcome, States, gives
+from analysis.collision.operator import Body, Encounter, Floats, Outcome, States, inverse_masses
 
 LEAST_SPEED, LEAST_E, LEAST_RATIO = 1e-3, 0.05, 1e-6
 STEPS = 80
-"""In an undamped duration: velocities after contact are then right to some 0.02 mm/s, and what 36
-filmed shots tell of kt/kn to a tenth of its error. In 40 it is 5e-5 too large, two errors."""
+"""Steps in an undamped duration: velocities after contact are then right to some 0.02 mm/s, and
+kt/kn of 36 filmed shots to a tenth of its error. With 40 steps it is 5e-5 too large, two errors."""
 
 
 @dataclass(frozen=True, slots=True)
 class Stiffness:
-    """What a contact that lasts has beside e and mu: numbers of all, or one for each encounter.
+    """Parameters of a contact of finite duration beside e and mu: common, or one per encounter.
 
     Attributes
     ----------
@@ -40,14 +40,14 @@ class Stiffness:
 def lasting(
     encounter: Encounter, law: ForceLaw, stiffness: Stiffness, steps: int = STEPS
 ) -> Outcome:
-    """Return what a contact that lasts makes of each encounter.
+    """Return the outcome of each encounter for a contact of finite duration.
 
     The relative motion is integrated about the turning line of centres; gravity and air act on both
     spheres alike meanwhile. Beside a plate the normal stays. A contact that never parts leaves not
     a number.
     """
     a, b = encounter.bodies
-    give, give_t = gives(encounter.bodies)
+    give, give_t = inverse_masses(encounter.bodies)
     before, mass = encounter.before, 1.0 / give
     k = law.normal.stiffness(mass, stiffness.duration_s)
     speed = encounter.approach.clip(min=LEAST_SPEED)
@@ -94,7 +94,7 @@ def lasting(
 
 
 def _rows(numbers: Floats) -> Floats:
-    """Return numbers as a compiled loop takes them, copied where they are not so yet."""
+    """Return numbers as contiguous arrays for a compiled loop."""
     return np.require(numbers, np.float64, ("C", "W"))
 
 

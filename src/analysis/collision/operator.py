@@ -40,12 +40,12 @@ class Body:
 
     @classmethod
     def plate(cls) -> Body:
-        """Return a flat surface at rest; as it does not spin, its lever arm is of no account: 0."""
+        """Return a flat surface at rest; its lever arm is 0, since it does not spin."""
         return cls(np.inf, 0.0, np.inf)
 
     @property
     def is_plate(self) -> bool:
-        """Whether nothing moves it."""
+        """Whether it is a plate."""
         return not np.isfinite(self.mass)
 
 
@@ -84,7 +84,7 @@ def sticking_or_sliding(encounter: Encounter) -> Floats:
     A contact that sticks changes the surface velocity v_s by -(1 + beta0) v_s; friction can change
     it by mu times the impulse along the normal at most.
     """
-    give_n, give_t = gives(encounter.bodies)
+    give_n, give_t = inverse_masses(encounter.bodies)
     impulse_n = (1 + encounter.e) * encounter.approach / give_n
     sticking = (1 + encounter.beta0) * encounter.sliding_speed / give_t
     return np.minimum(sticking, encounter.mu * np.abs(impulse_n))
@@ -105,14 +105,14 @@ class Encounter:
     e, mu, beta0
         Coefficients in each shot, shape (S,).
     covariates
-        What else is known of each shot, by name, each of shape (S,): `order` from -0.5 to 0.5, and
+        Further columns of each shot by name, each of shape (S,): `order` from -0.5 to 0.5, and
         every numeric column of the shot list.
     across
         The law across the normal: impulse against the surface velocity, kg m/s, shape (S,).
     point
-        Where they touch, rig axes, m, shape (S, 3); None where nobody knows, as in a table.
+        Contact point, rig axes, m, shape (S, 3); None where not known, as in a table of contacts.
     rotation
-        Orientations of a and b, body to rig axes, shape (S, 2, 3, 3); None likewise.
+        Orientations of a and b, body to rig axes, shape (S, 2, 3, 3); None where not known.
     """
 
     before: States
@@ -139,13 +139,13 @@ class Encounter:
 
     @cached_property
     def sliding_speed(self) -> Floats:
-        """Its amount, m/s, never quite zero so that it has a direction, shape (S,)."""
+        """Magnitude of `sliding`, m/s, kept above zero so that it has a direction, shape (S,)."""
         return _speed(self.sliding)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Outcome:
-    """What a contact leaves behind.
+    """State and displacements after a contact.
 
     Attributes
     ----------
@@ -180,27 +180,29 @@ def surface_velocity(state: States, normal: Floats, bodies: tuple[Body, Body]) -
 
 
 def walton(encounter: Encounter) -> Outcome:
-    """Return what the instantaneous hard-sphere operator makes of each encounter.
+    """Return the outcome of each encounter by the instantaneous hard-sphere operator.
 
     The impulse along the normal reverses the approach with e; the one across it changes the
     surface velocity V_s by -(1 + beta0) V_s, or by what friction can do, mu times the normal
     impulse, whichever is less: v_s' = max(-beta0 v_s, v_s - mu (1 + e) (1 + 1/K) |v_n|).
     """
-    give_n, _ = gives(encounter.bodies)
+    give_n, _ = inverse_masses(encounter.bodies)
     impulse_n = (1 + encounter.e) * encounter.approach / give_n
     impulse_t = encounter.across(encounter)
     along = encounter.sliding / encounter.sliding_speed[:, None]
-    return struck(encounter, impulse_n[:, None] * encounter.normal - impulse_t[:, None] * along)
+    return after_impulse(
+        encounter, impulse_n[:, None] * encounter.normal - impulse_t[:, None] * along
+    )
 
 
-def gives(bodies: tuple[Body, Body]) -> tuple[float, float]:
-    """Return by how much a unit impulse changes the relative velocity along and across, 1/kg."""
+def inverse_masses(bodies: tuple[Body, Body]) -> tuple[float, float]:
+    """Return the change of relative velocity by a unit impulse along and across, 1/kg."""
     a, b = bodies
     along = 1 / a.mass + 1 / b.mass
     return along, along + a.radius**2 / a.inertia + b.radius**2 / b.inertia
 
 
-def struck(encounter: Encounter, impulse: Floats) -> Outcome:
+def after_impulse(encounter: Encounter, impulse: Floats) -> Outcome:
     """Return the outcome of an impulse on b, kg m/s, shape (S, 3), and its reverse on a."""
     a, b = encounter.bodies
     before = encounter.before
@@ -216,7 +218,7 @@ def struck(encounter: Encounter, impulse: Floats) -> Outcome:
 
 
 def _speed(velocity: Floats) -> Floats:
-    """Return the amount of velocities, m/s, never quite zero, shape (S, 3) to (S,)."""
+    """Return the magnitude of velocities, m/s, kept above zero, shape (S, 3) to (S,)."""
     return np.asarray(np.sqrt(np.maximum((velocity**2).sum(axis=1), 1e-30)))
 
 

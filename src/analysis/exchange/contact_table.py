@@ -31,8 +31,8 @@ class ContactRow(Tabulated):
     sigma_v, sigma_w
         Standard errors of velocities and spins, m/s and rad/s; None: not stated.
     sigmas
-        Of each of the 24 numbers before and after, where it has one of its own; else None, and the
-        one of its kind holds.
+        Standard errors of the 24 numbers before and after, where stated one by one; else None, and
+        the error of each kind applies.
     duration_s, sigma_duration_s
         How long the contact lasts, from touch to parting, and its standard error, s; None: not
         measured.

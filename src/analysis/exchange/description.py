@@ -57,8 +57,8 @@ def read_description(path: Path) -> tuple[str, Setup]:
 
 
 def description(name: str, setup: Setup) -> str:
-    """Return campaign.toml; what the set-up does not know is left out."""
+    """Return campaign.toml, without fields that are not known."""
     document: dict[str, Any] = {"format": FORMAT, "name": name, **setup_document(setup)}
-    # The exposure of each shot stands in shots.csv.
+    # The exposure of each shot is in shots.csv.
     document["camera"].pop("exposure_s", None)
     return toml_text(document)

@@ -44,7 +44,7 @@ def fault(error: ErrorDetails) -> str:
     limits = [text.format(context[name]) for name, text in _LIMITS.items() if name in context]
     if error["type"] in {"too_short", "too_long"}:
         limits = ["2 entries"]
-    # A whole table is no value: what in it is wrong has a fault of its own.
+    # A whole table is no value: each wrong field in it has a fault of its own.
     shown = [] if isinstance(error["input"], dict) else [f"found {error['input']!r}"]
     shown += [f"allowed {limit}" for limit in limits]
     text = f"{key}: {clause} ({', '.join(shown)})" if shown else f"{key}: {clause}"

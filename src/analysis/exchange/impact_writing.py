@@ -42,8 +42,8 @@ class MeasuredBounce:
 def write_bounces(folder: Path, name: str, setup: Setup, bounces: Sequence[MeasuredBounce]) -> None:
     """Write an exchange folder: campaign.toml, shots.csv and impacts.csv.
 
-    The columns `film` and `bounce` say where each shot comes from. Speeds along the plate are left
-    empty, as spin is open.
+    The columns `film` and `bounce` name the source of each shot. Speeds along the plate are left
+    empty, since spin is not measured.
 
     Raises
     ------

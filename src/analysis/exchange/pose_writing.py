@@ -30,8 +30,8 @@ def pose_writer(path: Path) -> Iterator[WriteShot]:
 def measured_poses(shot: MeasuredShot) -> dict[str, list[PoseRow]]:
     """Return the poses of a measured shot in the form of poses.csv.
 
-    Without the frames that may have been exposed during the contact: they show no one state, and
-    who reads poses cannot know them.
+    Frames that may have been exposed during the contact are left out: they show no single state,
+    and a reader of poses cannot recognise them.
     """
     times = shot.times_s - shot.times_s[0]
     slow = shot.slow.position_m, shot.slow.rotation_rad

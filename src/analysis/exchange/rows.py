@@ -1,4 +1,4 @@
-"""Rows of a table of numbers, each of which can say where it stands and what is wrong with it."""
+"""Rows of a table of numbers with their line, for errors that name file and line."""
 
 from __future__ import annotations
 
@@ -107,7 +107,7 @@ def read_rows(path: Path, columns: Sequence[str], optional: Sequence[str] = ()) 
 
 
 def held(path: Path, rows: Iterable[Row], fields: Callable[[Row], int]) -> Iterator[Row]:
-    """Give rows that are to be held in memory; raise `InputError` where they are too many."""
+    """Yield rows that the caller keeps in memory; raise `InputError` where they are too many."""
     most, count = file_limits().table_fields, 0
     for row in rows:
         count += fields(row)

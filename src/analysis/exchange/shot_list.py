@@ -18,7 +18,7 @@ from analysis.exchange.rows import each_line, held, not_whole, whole_number
 EXPOSURE = "exposure_us"
 EXCLUDED, NOTE, TAGS = "excluded", "note", "tags"
 _WORDS = frozenset({EXCLUDED, NOTE, TAGS})
-"""Columns that the format defines as words, whatever stands in them."""
+"""Columns that hold text by definition of the format."""
 _DEFINED = re.compile(rf"pressure_\w+_kpa|offset_mm|{EXPOSURE}")
 """Columns that the format defines as numbers."""
 
@@ -36,7 +36,7 @@ class ShotRow:
     numbers
         Numeric columns by name, units in the names; an empty field is absent.
     words
-        The other columns; `excluded` says why a person left the shot out of every fit.
+        The other columns; `excluded` is the reason why a person left the shot out of every fit.
     """
 
     shot: int

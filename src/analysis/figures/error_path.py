@@ -55,7 +55,7 @@ def error_path_figure(title: str, path: Sequence[Stage]) -> Figure:
     axes.set_xlim(-0.5, max(len(path), 2) - 0.5)
     axes.set_xticks(range(len(path)), _labels(path))
     axes.tick_params(axis="x", length=0)
-    # On the left stands the base model, whose number lies above the floor.
+    # The base model is on the left, its number above the floor.
     axes.text(
         0.005,
         1.0,

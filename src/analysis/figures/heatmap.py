@@ -17,7 +17,7 @@ from analysis.model.structure.lackoffit import Cell, standard_deviations
 
 ALARM = 0.01
 BRIGHTEST = 12.0
-"""The darkest colour stands for so much at least."""
+"""Least value of the darkest colour."""
 SIZE = 0.34
 """Of a cell, inches."""
 CHANNELS = tuple(

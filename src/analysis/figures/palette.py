@@ -1,4 +1,4 @@
-"""Colours that everyone can tell apart (M. Okabe and K. Ito, Color Universal Design, 2008)."""
+"""Colours for colour-blind readers too (M. Okabe and K. Ito, Color Universal Design, 2008)."""
 
 SPHERE_A = "#56B4E9"
 SPHERE_B = "#E69F00"

@@ -1,4 +1,4 @@
-"""Scores of effects that are not in the fit, and which of them cannot be told apart."""
+"""Scores of effects that are not in the fit, and their alias sets."""
 
 from __future__ import annotations
 

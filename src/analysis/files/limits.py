@@ -1,4 +1,4 @@
-"""How much a file may ask for before it is refused: pixels, frames, bytes, depth and time."""
+"""Limits of the files that are read: pixels, frames, bytes, depth and time."""
 
 from __future__ import annotations
 
@@ -40,19 +40,19 @@ class FileLimits(BaseModel):
     )
 
 
-def let_hold(limits: FileLimits | None) -> None:
-    """Let limits hold in this process and in those that it starts; None: as they stand."""
+def set_file_limits(limits: FileLimits | None) -> None:
+    """Set the limits of this process and of those that it starts; None: no change."""
     if limits is not None:
         os.environ[VARIABLE] = limits.model_dump_json()
 
 
 def file_limits() -> FileLimits:
-    """Return the limits that hold: those of the environment, else the defaults.
+    """Return the limits in force: those of the environment, else the defaults.
 
     Raises
     ------
     InputError
-        The environment's are no limits.
+        The environment variable holds no valid limits.
     """
     return _parsed(os.environ.get(VARIABLE, "{}"))
 

@@ -34,7 +34,7 @@ def read_toml(path: Path) -> Table:
 
 
 def parse_toml(path: Path, content: bytes) -> Table:
-    """Return what TOML says; `path` is named in refusals, as in `read_toml`."""
+    """Return parsed TOML; `path` is named in refusals, as in `read_toml`."""
     return _parsed(path, "TOML", lambda: _toml(content))
 
 
@@ -50,7 +50,7 @@ def read_json(path: Path) -> object:
 
 
 def parse_json(path: Path, content: bytes) -> object:
-    """Return what JSON says; `path` is named in refusals, as in `read_json`."""
+    """Return parsed JSON; `path` is named in refusals, as in `read_json`."""
     return _parsed(path, "JSON", lambda: json.loads(content.decode("utf-8")))
 
 
@@ -91,7 +91,7 @@ def _parsed(path: Path, form: str, parse: Callable[[], Found]) -> Found:
 
 
 def _toml(content: bytes) -> Table:
-    # As Python's own reader of files has it: the parser takes lines of any system.
+    # Line ends of any system, as in Python's own text files.
     text = content.decode("utf-8-sig").replace("\r\n", "\n")
     for number, line in enumerate(text.split("\n"), start=1):
         dots = max(part.count(".") for part in _SEPARATOR.split(line))

@@ -1,4 +1,4 @@
-"""How well settings foretell launches: one row for each quantity of the muzzle."""
+"""How well settings predict_touch launches: one row for each quantity of the muzzle."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class LaunchAgreement:
     Attributes
     ----------
     quantity, unit
-        What it is, and the unit of `scatter` and `prediction_rms`.
+        Name, and unit of `scatter` and `prediction_rms`.
     count, freedom
         Numbers that enter, and their degrees of freedom.
     chi2
@@ -36,7 +36,7 @@ class LaunchAgreement:
         Standard deviation from shot to shot beyond the measurement's errors; of speeds, at their
         root mean square.
     prediction_rms
-        Root mean square of measured less foretold, each shot by the parameters of the others.
+        Root mean square of measured less predicted, each shot left out of its own fit.
     """
 
     quantity: str
@@ -52,7 +52,7 @@ class LaunchAgreement:
 def launch_agreement(
     data: Data, fit: Fit, *, settings: LaunchSettings | None = None
 ) -> tuple[LaunchAgreement, ...]:
-    """Fit the launches and say how well each quantity is foretold.
+    """Fit the launches; return scatter and prediction error of each quantity.
 
     Raises
     ------

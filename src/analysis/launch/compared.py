@@ -25,13 +25,13 @@ class Compared:
     Attributes
     ----------
     residual
-        Traced back less foretold, shape (S, 17).
+        Traced back less predicted, shape (S, 17).
     covariance
         Of the measurement, traced back, shape (S, 17, 17).
     derivative
-        Of foretold less traced back by the parameters, shape (S, 17, P).
+        Of predicted less traced back by the parameters, shape (S, 17, P).
     speed
-        Foretold speeds, m/s, shape (S, 2).
+        Predicted speeds, m/s, shape (S, 2).
     """
 
     residual: Floats
@@ -73,7 +73,7 @@ def compare(theory: LaunchTheory, settings: LaunchSettings, touches: Touches) ->
 
 
 def residual_at_mouths(theory: LaunchTheory, settings: LaunchSettings, touches: Touches) -> Floats:
-    """Return the muzzles that the touches come from less those foretold, shape (S, 17)."""
+    """Return the muzzles that the touches come from less those predicted, shape (S, 17)."""
     ground = touches.ground
     traced = traced_back(touches.rows, theory.law, ground)
     return np.asarray(traced.row - theory.launch(settings, ground).row)

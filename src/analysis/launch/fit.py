@@ -1,8 +1,8 @@
 """Fitting the launches of a campaign: from the settings to the spheres at their mouths.
 
-Generalised least squares. What a fit of the poses says of first touch is traced back to the mouths
-of the tubes, where the quantities of a launch scatter independently, and held against what the
-settings foretell. With B the derivative of the muzzle by the touch,
+Generalised least squares. The fitted state at first touch is traced back to the mouths of the
+tubes, where the quantities of a launch scatter independently, and compared with the prediction from
+the settings. With B the derivative of the muzzle by the touch,
 
     covariance of a residual = B C B' + diag(s^2)
 

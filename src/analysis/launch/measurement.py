@@ -47,7 +47,7 @@ class Touches:
 
 
 def measured_touches(data: Data, fit: Fit) -> Touches:
-    """Return what a fit of the poses says of every shot's state at first touch.
+    """Return every shot's state at first touch by a fit of the poses.
 
     The covariance is the inverse of each shot's own normal equations, A^-1, in units of the noise
     as it was found. What the errors of e, mu and beta0 add, alike in all shots, is left out: the
@@ -56,7 +56,7 @@ def measured_touches(data: Data, fit: Fit) -> Touches:
     Raises
     ------
     LaunchRefusedError
-        The data are a table of contacts, which does not say where and when the spheres met.
+        The data are a table of contacts, which lacks time and place of first touch.
     """
     if isinstance(data, ContactTable):
         raise LaunchRefusedError("a table of contacts does not say where and when spheres met")

@@ -62,8 +62,8 @@ class LaunchLaw:
 LAW_NAMES = tuple(field.name for field in fields(LaunchLaw))
 LAW_UNITS = ("m2/s2/kPa",) * 2 + ("rad",) * 4 + ("m",) * 7
 LAW_PRIOR_SIGMA = np.array([10.0] * 2 + [0.2] * 4 + [0.05] * 7)
-"""Width of a prior about the defaults, zero for the gains: far wider than what a campaign says,
-it holds what the settings do not vary."""
+"""Width of a prior about the defaults, zero for the gains: far wider than the errors of a campaign,
+it fixes parameters that the settings do not vary."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -83,7 +83,7 @@ class Charge:
     pressure_step
         Sign of the last change of each pressure, 0 before the first, shape (S, 2).
     slide_step
-        Sign of the last move of the slide, likewise, shape (S,).
+        Sign of the last move of the slide, shape (S,).
     waited_s
         Time from the charging to the pulse, zero where it is not known, shape (S,).
     radius_m

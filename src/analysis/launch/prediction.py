@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.errors import LaunchRefusedError
-from analysis.launch.foretold import Foretold
+from analysis.launch.predicted_touch import PredictedTouch
 from analysis.launch.scatter import scatter_variance
 from analysis.launch.settings import LaunchSettings
 from analysis.launch.touch import NORMAL, TOUCH_POINT, states_of, tracks_meet
@@ -54,7 +54,7 @@ class Limits:
                 )
 
 
-def check_meeting(foretold: Foretold, settings: LaunchSettings) -> None:
+def check_meeting(predicted: PredictedTouch, settings: LaunchSettings) -> None:
     """Refuse settings that bring no collision.
 
     Raises
@@ -62,13 +62,13 @@ def check_meeting(foretold: Foretold, settings: LaunchSettings) -> None:
     LaunchRefusedError
         A pressure that leaves a sphere in its tube, or tracks that pass each other.
     """
-    slow = foretold.muzzle.speed < LEAST_SPEED
+    slow = predicted.muzzle.speed < LEAST_SPEED
     if slow.any():
         k, i = (int(index) for index in np.argwhere(slow)[0])
         raise LaunchRefusedError(
             f"settings {k}: {settings.pressure_kpa[k, i]:g} kPa leave sphere {'ab'[i]} in its tube"
         )
-    past = ~tracks_meet(foretold.touch)
+    past = ~tracks_meet(predicted.touch)
     if past.any():
         k = int(past.argmax())
         raise LaunchRefusedError(
@@ -78,11 +78,11 @@ def check_meeting(foretold: Foretold, settings: LaunchSettings) -> None:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Prediction:
-    """S shots foretold.
+    """S predicted shots.
 
     Attributes
     ----------
-    foretold
+    predicted
         Muzzles, touches and derivatives.
     parameter_covariance, scatter
         Of the theory's parameters, shape (P, P), and of each kind of quantity, shape (K,).
@@ -91,7 +91,7 @@ class Prediction:
         is taken to stay as it was.
     """
 
-    foretold: Foretold
+    predicted: PredictedTouch
     parameter_covariance: Floats
     scatter: Floats
     seen_s: Floats
@@ -102,13 +102,13 @@ class Prediction:
 
         Numbers in m/s, rad, rad/s, m and s, as `muzzle.Muzzle` has them.
         """
-        back = np.linalg.inv(self.foretold.by_muzzle)
+        back = np.linalg.inv(self.predicted.by_muzzle)
         return np.asarray(back @ self._touch_covariance @ np.swapaxes(back, 1, 2))
 
     @property
     def states(self) -> ShotStates:
         """Mean states at first touch; orientations are any, and stand unturned."""
-        rows = self.foretold.touch
+        rows = self.predicted.touch
         return states_of(rows, np.full(len(rows), self.seen_s.mean()))
 
     @property
@@ -129,7 +129,7 @@ class Prediction:
     @property
     def _touch_covariance(self) -> Floats:
         """Of the numbers of the touch: H S H' + J P J', shape (S, 17, 17)."""
-        forward, slope = self.foretold.by_muzzle, self.foretold.by_theory
-        spread = scatter_variance(self.scatter, self.foretold.muzzle.speed)
+        forward, slope = self.predicted.by_muzzle, self.predicted.by_theory
+        spread = scatter_variance(self.scatter, self.predicted.muzzle.speed)
         scattered = (forward * spread[:, None]) @ np.swapaxes(forward, 1, 2)
         return np.asarray(scattered + slope @ self.parameter_covariance @ np.swapaxes(slope, 1, 2))

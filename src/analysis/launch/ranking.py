@@ -1,4 +1,4 @@
-"""Which effect of the launch the touches ask for: all candidates scored in one pass.
+"""Score tests of all effects of the launch that are not in the fit, in one pass.
 
 The score test of `model.ranking`, on launches whitened with measurement and scatter. An effect
 that is in the fit is scored by what taking it out would cost, so that friction, which is in by
@@ -31,14 +31,14 @@ LEAST_RAW = 1e-100
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LaunchCandidate:
-    """One effect's promise; fields as those of `model.ranking.Candidate`.
+    """Score test of one launch effect; fields as those of `model.rank.candidate.Candidate`.
 
     Attributes
     ----------
     effect
         The effect.
     fall
-        Fall of chi-squared that it promises, or has brought if it is in the fit.
+        Delta chi-squared: predicted by the score test, or reached if the effect is in the fit.
     amplitudes, sigmas
         Of each of its parameters, in their units, shape (parameters,).
     p_value
@@ -68,7 +68,7 @@ class LaunchCandidate:
 
     @property
     def plausible(self) -> bool:
-        """Whether every amplitude lies in its believed range, its error allowed for."""
+        """Whether every amplitude lies in its plausible range, its error allowed for."""
         return believed(self.effect, self.amplitudes, self.sigmas)
 
 
@@ -77,7 +77,7 @@ class LaunchRanking:
     """Effects of the launch: the most promising first; then those in the fit; then those unseen.
 
     `aliases` holds the largest correlation between what two of them do, shape (K, K), in the same
-    order: near 1 these settings cannot tell them apart.
+    order: near 1 these settings cannot distinguish them.
     """
 
     candidates: tuple[LaunchCandidate, ...]
@@ -87,8 +87,8 @@ class LaunchRanking:
 def rank_launch(launch: LaunchFit, effects: Sequence[LaunchEffect], seed: int = 0) -> LaunchRanking:
     """Score every effect, fitted or not.
 
-    The promised fall of chi-squared is exact for small effects. The scatter is held as the fit has
-    it; a missing effect has swollen it, so that a large fall is larger than promised.
+    The predicted delta chi-squared is exact for small effects. The scatter is that of the fit; a
+    missing effect enlarges it, so that a large delta chi-squared is larger than predicted.
 
     Parameters
     ----------
@@ -135,7 +135,7 @@ def _blocks(sums: Sums, effects: Sequence[LaunchEffect]) -> list[Block]:
 
 
 def _sums(launch: LaunchFit, effects: Sequence[LaunchEffect]) -> Sums:
-    """Sum up the columns of all effects, what else is fitted projected out of each.
+    """Sum up the columns of all effects, nuisance parameters projected out of each.
 
     Of an effect in the fit, g is that at its off value: its amplitude is then what was fitted.
     """

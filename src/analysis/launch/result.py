@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.launch.compared import Compared
-from analysis.launch.foretold import foretell
 from analysis.launch.measurement import Touches
+from analysis.launch.predicted_touch import predict_touch
 from analysis.launch.prediction import Limits, Prediction, check_meeting
 from analysis.launch.scatter import KINDS
 from analysis.launch.settings import LaunchSettings
@@ -94,6 +94,6 @@ class LaunchFit:
         """
         if limits is not None:
             limits.check(settings)
-        foretold = foretell(self.theory, settings, self.touches.ground)
-        check_meeting(foretold, settings)
-        return Prediction(foretold, self.covariance, self.scatter, self.touches.time_s)
+        predicted = predict_touch(self.theory, settings, self.touches.ground)
+        check_meeting(predicted, settings)
+        return Prediction(predicted, self.covariance, self.scatter, self.touches.time_s)

@@ -1,4 +1,4 @@
-"""What the rig was told in each shot, and what it had been told before."""
+"""Settings of each shot, and of the shots before it."""
 
 from __future__ import annotations
 

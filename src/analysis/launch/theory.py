@@ -67,7 +67,7 @@ class LaunchTheory:
 
     @property
     def prior(self) -> tuple[Floats, Floats]:
-        """Centre and width of the weak prior: an effect is believed as far as its range goes."""
+        """Centre and width of the weak prior; an effect's width is its plausible range."""
         parameters = [p for a in self.active for p in a.effect.parameters]
         centre = np.concatenate([LaunchLaw(0.0, 0.0).vector, [p.off for p in parameters]])
         width = np.array([p.plausible[1] - p.plausible[0] for p in parameters])

@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.collision.operator import States, gives, surface_velocity
+from analysis.collision.operator import States, inverse_masses, surface_velocity
 from analysis.effects.contact.spring_slider import rebound
 from analysis.effects.contact.tangential_compliance import STIFFNESS_RATIO
 from analysis.model.agreement.outcome import Outcomes, outcomes
@@ -126,12 +126,12 @@ def _places(corner: float, farthest: float) -> Floats:
 
 def _friction(data: Data, fit: Fit) -> float:
     """Return mu (1 + e) (1 + 1/K), what friction takes off v_s / |v_n| at most."""
-    along, across = gives(data.bodies)
+    along, across = inverse_masses(data.bodies)
     return fit.theory.law.mu * (1 + fit.theory.law.e) * across / along
 
 
 def _curves(data: Data, fit: Fit, x: Floats) -> tuple[Floats, Floats]:
-    along, across = gives(data.bodies)
+    along, across = inverse_masses(data.bodies)
     law = fit.theory.law
     walton = np.maximum(-law.beta0 * x, x - _friction(data, fit))
     unit = max(law.mu, 1e-6) / STIFFNESS_RATIO

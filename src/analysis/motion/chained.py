@@ -1,7 +1,7 @@
 """Orientation from frame to frame, as the thesis has it: match the markers, turn by turn.
 
-Every step adds its error to all that follow, and only the front view takes part. It stands beside
-`pattern` for comparison.
+Every step adds its error to all that follow, and only the front view takes part. Kept for
+comparison with `pattern`.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ def orient_by_steps(seen: FilmMarkers, radius_px: float, sphere: str) -> Orienta
     front = seen.where(seen.every.front)
     frames = front.frames.tolist()
     found = [front.every.where(own) for own in front.spans()]
-    # Where each stands against the disc's centre, pixels (row, column).
+    # Place of each against the disc's centre, pixels (row, column).
     points = [radius_px * markers.directions[:, :2] for markers in found]
     names = match_markers(points, REACH * radius_px)
     rotation = [np.eye(3)]

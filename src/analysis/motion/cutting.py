@@ -1,4 +1,4 @@
-"""Tracks of two spheres cut where they tear, before any law is asked."""
+"""Tracks of two spheres cut where they tear, before any law is fitted."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def refuse_jumps(
 ) -> None:
     """Refuse tracks that both leave free flight at once while the spheres are apart.
 
-    Frames are then lost, repeated or exchanged, and no time can be believed.
+    Frames are then lost, repeated or exchanged, and times are unreliable.
 
     Parameters
     ----------
@@ -141,8 +141,8 @@ def _left_out(
         tau = times_s[frames] - times_s[end]
         straight = np.where(np.isfinite(own.sigma[order]), own.position[order], 0.0)
         straight[:, 0] -= 0.5 * gravity * tau**2
-        told = torn(tau, straight, np.ascontiguousarray(own.sigma[order]))
-        found |= {int(k): REASONS[int(n)] for k, n in zip(frames, told, strict=True) if n}
+        labels = torn(tau, straight, np.ascontiguousarray(own.sigma[order]))
+        found |= {int(k): REASONS[int(n)] for k, n in zip(frames, labels, strict=True) if n}
     return found
 
 

@@ -19,50 +19,50 @@ CENTRE_DRIFT_PER_SIGMA2 = 0.035
 
 The shift of a zero of the Laplacian of Gaussian by shading or a marker grows with sigma^2. Read off
 the centre errors of eight shots of spheres with 16 markers: 0.05 px at sigma 1.2 and 0.14 px at 2
-(docs/decisions/0004-slow-errors.md says how it does on others).
+(docs/decisions/0004-slow-errors.md has other films).
 """
 TURN_PER_CENTRE_ERROR = 1.5
 """An error of the centre tilts every marker's direction; both views together tilt by this much."""
 WIDTHS = 3.0
-"""Of a marker, by which a sphere turns until others stand where it stood: what light and pattern
-leave lasts about as long. Read off the offsets and slopes of 216 flights by the photometric method
-(docs/decisions/0022-tracks-end-where-they-tear.md)."""
+"""Widths of a marker by which a sphere turns until other markers are in its place: residuals of
+light and pattern last about as long. Read off the offsets and slopes of 216 flights by the
+photometric method (docs/decisions/0022-tracks-end-where-they-tear.md)."""
 SHORTEST_S, LONGEST_S = 1e-3, 1.0
 
 
 @dataclass(frozen=True, slots=True)
 class Drift:
-    """A slow error with an exponential memory.
+    """A slow error with exponential correlation in time.
 
     Attributes
     ----------
     sigma
         Its standard deviation, in the unit of the quantity.
-    memory_s
-        Time after which it has forgotten 63 per cent of itself.
+    correlation_time_s
+        Time in which the correlation falls to 1 / e.
     """
 
     sigma: float
-    memory_s: float
+    correlation_time_s: float
 
     def covariance(self, times_s: Floats) -> Floats:
         """Return its covariance between frames, shape (frames, frames)."""
         gap = np.abs(times_s[:, None] - times_s[None, :])
-        return np.asarray(self.sigma**2 * np.exp(-gap / self.memory_s))
+        return np.asarray(self.sigma**2 * np.exp(-gap / self.correlation_time_s))
 
 
-def centre_drift(filter_sigma_px: float, scale_px_per_m: float, memory_s: float) -> Drift:
+def centre_drift(filter_sigma_px: float, scale_px_per_m: float, correlation_time_s: float) -> Drift:
     """Return the slow error of a centre coordinate, m."""
-    return Drift(CENTRE_DRIFT_PER_SIGMA2 * filter_sigma_px**2 / scale_px_per_m, memory_s)
+    return Drift(CENTRE_DRIFT_PER_SIGMA2 * filter_sigma_px**2 / scale_px_per_m, correlation_time_s)
 
 
-def turn_drift(filter_sigma_px: float, radius_px: float, memory_s: float) -> Drift:
+def turn_drift(filter_sigma_px: float, radius_px: float, correlation_time_s: float) -> Drift:
     """Return the slow error of an orientation about each axis, rad."""
     centre = CENTRE_DRIFT_PER_SIGMA2 * filter_sigma_px**2 / radius_px
-    return Drift(TURN_PER_CENTRE_ERROR * centre, memory_s)
+    return Drift(TURN_PER_CENTRE_ERROR * centre, correlation_time_s)
 
 
-def memory(marker_angle: float, spin_rad_per_s: float) -> float:
+def correlation_time(marker_angle: float, spin_rad_per_s: float) -> float:
     """Return the time in which a marker turns by WIDTHS of its own, s."""
     width = max(2 * marker_angle, 0.05)
     return float(np.clip(WIDTHS * width / max(spin_rad_per_s, 1e-6), SHORTEST_S, LONGEST_S))

@@ -57,7 +57,7 @@ class Orientations:
 def orient(seen: FilmMarkers, times_s: Floats, sphere: str) -> Orientations:
     """Learn the pattern of a sphere and its orientation in each frame.
 
-    A frame that shares fewer than three markers with those before it is left out, and said so.
+    A frame that shares fewer than three markers with those before it is left out, with a note.
 
     Parameters
     ----------

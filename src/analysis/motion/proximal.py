@@ -1,8 +1,8 @@
 """Matching markers from frame to frame by proximal uniformity (thesis, appendix B).
 
 K. Rangarajan and M. Shah, "Establishing motion correspondence", CVGIP: Image Understanding 54,
-56-73 (1991), doi:10.1016/1049-9660(91)90075-Z. Small, smooth steps are preferred; nothing says that
-the markers sit on one rigid sphere, and markers close to each other can be exchanged.
+56-73 (1991), doi:10.1016/1049-9660(91)90075-Z. Small, smooth steps are preferred. Rigidity of the
+sphere is not used, and markers close to each other can be exchanged.
 """
 
 from __future__ import annotations

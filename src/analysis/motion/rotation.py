@@ -9,7 +9,7 @@ Floats = NDArray[np.float64]
 
 
 TINY_RAD = 1e-150
-"""Stands for no turn at all, where sin(angle) / angle is 1 and not 0 / 0."""
+"""Angle in place of zero, so that sin(angle) / angle is 1 and not 0 / 0."""
 
 
 def linear_rotation(before: Floats, after: Floats) -> Floats:
@@ -33,7 +33,7 @@ def rotation_vector(rotation: Floats) -> Floats:
     angle = np.arctan2(twice_sin, twice_cos)
     small = twice_sin < 1e-9
     vector = skew * np.where(small, 0.5, angle / np.where(small, 1.0, twice_sin))[..., None]
-    # Towards half a turn the differences vanish with the sine; the sums tell the axis.
+    # Towards half a turn the differences vanish with the sine; the sums give the axis.
     beyond = twice_cos < 0.0
     if beyond.any():
         axis = _axis_by_sums(rotation[beyond], skew[beyond])
@@ -44,7 +44,7 @@ def rotation_vector(rotation: Floats) -> Floats:
 def _axis_by_sums(rotation: Floats, skew: Floats) -> Floats:
     """Return the axes of turns beyond 90 degrees, shapes (N, 3, 3) and (N, 3) to (N, 3).
 
-    From row and column of the largest diagonal element; the differences tell the sense.
+    From row and column of the largest diagonal element; the differences give the sense.
     """
     rows = np.arange(len(rotation))
     largest = np.diagonal(rotation, axis1=1, axis2=2).argmax(axis=1)

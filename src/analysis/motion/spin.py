@@ -82,7 +82,7 @@ def fit_spin(times_s: Floats, rotations: Floats, covariances: Floats, drift: Dri
 def settle_spin(
     seen: tuple[Floats, Floats, Floats], start: Floats, omega: Floats
 ) -> tuple[Floats, Floats, Floats]:
-    """Improve orientation and angular velocity in place, as `fit_spin` tells.
+    """Improve orientation and angular velocity in place, as `fit_spin` describes.
 
     Parameters
     ----------

@@ -1,6 +1,6 @@
-"""Frames in which a track is no free flight any more: a law-free look from the contact outward.
+"""Frames in which a track is no free flight any more: a test without a law of contact.
 
-Each frame is foretold by a straight line, gravity taken out, through the last good ones. One that
+Each frame is predicted by a straight line, gravity taken out, through the last good ones. One that
 lies off by more than its errors, or is far less certain than its track, is bad; where three in a
 row are, the track is torn and ends.
 """
@@ -18,10 +18,10 @@ Floats = NDArray[np.float64]
 Track = tuple[Floats, Floats, Floats]
 """Time from the contact, s, shape (n,); centres with gravity taken out and their standard errors,
 m, shape (n, 3), infinite where a coordinate was not measured."""
-Told = NDArray[np.int64]
+Labels = NDArray[np.int64]
 
 WINDOW = 25
-"""Good frames that foretell the next."""
+"""Good frames that predict the next."""
 LEAST, FIRST = 4, 6
 """Frames next to the contact that begin, all of them good; if they are not, LEAST of FIRST."""
 MOST_SIGMAS, MOST_OFF_M = 6.0, 20e-6
@@ -34,8 +34,8 @@ SOUND, OFF, UNCERTAIN, BEYOND = 0, 1, 2, 3
 
 
 @compiled
-def torn(tau: Floats, straight: Floats, sigma: Floats) -> Told:
-    """Tell of the frames of one side of a contact, from it outward, which are sound.
+def torn(tau: Floats, straight: Floats, sigma: Floats) -> Labels:
+    """Label the frames on one side of a contact, from it outward.
 
     Parameters
     ----------
@@ -48,29 +48,29 @@ def torn(tau: Floats, straight: Floats, sigma: Floats) -> Told:
     fewer than LEAST.
     """
     count, track = tau.size, (tau, straight, sigma)
-    told = np.zeros(count, dtype=np.int64)
+    labels = np.zeros(count, dtype=np.int64)
     if count < LEAST:
-        return told
+        return labels
     first = LEAST
-    if not begin(track, told, (0, first)):
+    if not begin(track, labels, (0, first)):
         first = min(FIRST, count)
-        told[:first] = SOUND
-        if not begin(track, told, (0, first)):
-            told[:] = BEYOND
-            return told
+        labels[:first] = SOUND
+        if not begin(track, labels, (0, first)):
+            labels[:] = BEYOND
+            return labels
     row = 0
     for k in range(count):
         if k >= first:
-            told[k] = judged(track, told, (0, k), k)
-        row = row + 1 if told[k] != SOUND else 0
+            labels[k] = label_frame(track, labels, (0, k), k)
+        row = row + 1 if labels[k] != SOUND else 0
         if row == IN_A_ROW:
-            told[k - IN_A_ROW + 1 :] = BEYOND
+            labels[k - IN_A_ROW + 1 :] = BEYOND
             break
-    return told
+    return labels
 
 
 @part
-def begin(track: Track, told: Told, among: tuple[int, int]) -> bool:
+def begin(track: Track, labels: Labels, among: tuple[int, int]) -> bool:
     """Mark those of the first frames that do not lie on one line.
 
     Parameters
@@ -86,23 +86,23 @@ def begin(track: Track, told: Told, among: tuple[int, int]) -> bool:
     while left >= LEAST:
         worst, which = 1.0, -1
         for k in range(among[0], among[1]):
-            if told[k] == SOUND:
-                told[k] = OFF
-                beside = beyond(track, told, among, k)
-                told[k] = SOUND
+            if labels[k] == SOUND:
+                labels[k] = OFF
+                beside = beyond(track, labels, among, k)
+                labels[k] = SOUND
                 if beside > worst:
                     worst, which = beside, k
         if which < 0:
             return True
-        told[which] = OFF
+        labels[which] = OFF
         left -= 1
     return False
 
 
 @part
-def judged(track: Track, told: Told, among: tuple[int, int], k: int) -> int:
-    """Judge a frame by the good ones nearest to it in a half-open range on one side of it."""
-    if beyond(track, told, among, k) > 1.0:
+def label_frame(track: Track, labels: Labels, among: tuple[int, int], k: int) -> int:
+    """Return the label of a frame by the nearest SOUND ones in a half-open range on one side."""
+    if beyond(track, labels, among, k) > 1.0:
         return OFF
     sigma = track[2]
     near = np.empty(WINDOW)
@@ -112,7 +112,7 @@ def judged(track: Track, told: Told, among: tuple[int, int], k: int) -> int:
         found = 0
         for n in range(among[1] - among[0]):
             m = nearest(among, k, n)
-            if told[m] == SOUND and math.isfinite(sigma[m, axis]) and found < WINDOW:
+            if labels[m] == SOUND and math.isfinite(sigma[m, axis]) and found < WINDOW:
                 near[found] = sigma[m, axis]
                 found += 1
         if found >= LEAST and sigma[k, axis] > LESS_CERTAIN * np.median(near[:found]):
@@ -127,12 +127,12 @@ def nearest(among: tuple[int, int], k: int, n: int) -> int:
 
 
 @part
-def beyond(track: Track, told: Told, among: tuple[int, int], k: int) -> float:
+def beyond(track: Track, labels: Labels, among: tuple[int, int], k: int) -> float:
     """Return how far a frame lies off the line through others, in what it may; 0 without a line.
 
     Parameters
     ----------
-    told, among
+    labels, among
         The WINDOW frames nearest to it that are SOUND in this half-open range make the line.
     """
     tau, straight, sigma = track
@@ -143,7 +143,7 @@ def beyond(track: Track, told: Told, among: tuple[int, int], k: int) -> float:
         found, weight, first, second, value, product = 0, 0.0, 0.0, 0.0, 0.0, 0.0
         for n in range(among[1] - among[0]):
             m = nearest(among, k, n)
-            if told[m] != SOUND or not math.isfinite(sigma[m, axis]) or found == WINDOW:
+            if labels[m] != SOUND or not math.isfinite(sigma[m, axis]) or found == WINDOW:
                 continue
             found += 1
             own, late = sigma[m, axis] ** -2.0, tau[m] - tau[k]

@@ -113,7 +113,7 @@ DOWN = np.array([1.0, 0.0, 0.0])
 
 @dataclass(frozen=True, slots=True)
 class Drag:
-    """Deceleration by the air over the square of the speed, 1/m: what is taken out, its error."""
+    """Deceleration by the air over the square of the speed, 1/m: corrected value and its error."""
 
     per_m: float = 0.0
     sigma_per_m: float = 0.0
@@ -188,8 +188,8 @@ def fit_flight(
 
     Gravity is known, and the drag k of the air as far as it is stated; leaving the acceleration
     free costs a factor of 3.6 in the error of the velocity for nothing, since drag changes it by
-    less than 2 mm/s in 6 ms. What the error of k does to the fit is told beside it
-    (`FlightPath.drag_shift`). A coordinate whose residuals contradict its stated errors has its
+    less than 2 mm/s in 6 ms. The shift of the fit by the error of k is
+    `FlightPath.drag_shift`. A coordinate whose residuals contradict its stated errors has its
     covariance enlarged by that much (`birge.variance_ratio`).
 
     Parameters

@@ -27,7 +27,7 @@ def speed_line(impacts: Impacts, found: Ratios, used: NDArray[np.bool_]) -> Line
     """Fit e = e_0 + slope |v_n|, errors of both and their correlation by the shared v_n.
 
     A line is the first order of whatever law holds over the speeds of a campaign; slope in s/m.
-    None where the shots do not tell one. `used`, shape (S,), says which shots count.
+    None where the shots do not determine one. `used`, shape (S,), marks the shots that count.
     """
     sigma_speed = np.sqrt(impacts.covariance[:, V_N, V_N])
     columns = (
@@ -53,10 +53,10 @@ LEAST_SIGMAS = 5.0
 
 
 def contacts_that_last(found: Judged, lines: Lines) -> Judged | None:
-    """Return the fit of contacts that last; None where the two lines, or another law, may hold.
+    """Return the fit with contacts of finite duration; None where another law may hold.
 
-    It is made only where the shots contradict the two lines, and believed where it leaves far less
-    unexplained than the operator of hard spheres does, at a duration that is measured and possible.
+    It is made only where the shots contradict the two lines, and returned where its chi-squared is
+    far below that of the hard-sphere operator, at a duration that is measured and possible.
     """
     if lines.scatter == 1.0:
         return None
@@ -103,7 +103,7 @@ class Results:
     lines
         The regression for e, mu and beta0.
     speed
-        e against approach speed; None where the shots do not tell a line.
+        e against approach speed; None where the shots do not determine a line.
     whole_fit
         The parameters of the law that was fitted to all poses, or all tabulated numbers: e, mu and
         beta0 of the hard-sphere operator; of contacts that last e, mu and theirs.

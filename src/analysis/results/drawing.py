@@ -46,7 +46,7 @@ def plane_figure(found: Results) -> Figure:
 
 
 def restitution_figure(found: Results) -> Figure:
-    """Draw e against |v_n| (figure 3.1c) with the common e, and the line where the shots tell."""
+    """Draw e against |v_n| (figure 3.1c) with the common e, and the line where it is determined."""
     figure = blank(9.6, 3.4, ConstrainedLayoutEngine())
     axes = figure.subplots()
     plain(axes, "both")

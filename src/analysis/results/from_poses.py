@@ -15,7 +15,16 @@ from numpy.typing import NDArray
 
 from analysis.errors import ShotRefusedError
 from analysis.model.data.poses import PoseData
-from analysis.results.impacts import SHARED, V_N, V_N_AFTER, V_S, V_S_AFTER, Impacts, LeftOut, told
+from analysis.results.impacts import (
+    SHARED,
+    V_N,
+    V_N_AFTER,
+    V_S,
+    V_S_AFTER,
+    Impacts,
+    LeftOut,
+    measured_impacts,
+)
 from analysis.scene import Scene
 from analysis.shot_poses import ShotPoses
 from analysis.two_sides import MOST_FLIGHT_CHI2, TwoSides, measure_two_sides
@@ -26,8 +35,8 @@ Floats = NDArray[np.float64]
 def pose_impacts(data: PoseData) -> Impacts:
     """Measure the impact of every shot from its poses alone.
 
-    Errors that nobody stated are the scatter of all shots about their free flights. Where stated
-    ones are too small throughout, a track may scatter that much more before it is called bent.
+    Errors that are not stated are taken from the scatter of all shots about their free flights.
+    Where stated ones are too small throughout, the limit for a bent track is enlarged as much.
     """
     scene = scene_of(data)
     scenes = [replace(scene, slow=data.own_slow.get(int(n), data.slow)) for n in data.shots]
@@ -46,7 +55,7 @@ def pose_impacts(data: PoseData) -> Impacts:
         )
         first, tracks = measured(data), 1.0
     most = MOST_FLIGHT_CHI2 * max(1.0, tracks)
-    # The limit changes no number: only such as are beyond it are asked again, for the reason.
+    # The limit changes no number: only shots beyond it are measured again, for the reason.
     found = [
         _measured(poses, own, most)
         if isinstance(one, TwoSides) and (one.flight_chi2 > most).any()
@@ -57,7 +66,7 @@ def pose_impacts(data: PoseData) -> Impacts:
 
 
 def scene_of(data: PoseData) -> Scene:
-    """Return what the poses of a campaign say of its bodies and surroundings."""
+    """Return bodies and surroundings of a campaign of poses."""
     return Scene(
         bodies=data.bodies,
         gravity=data.gravity,
@@ -92,7 +101,7 @@ def _measured(poses: ShotPoses, scene: Scene, most_chi2: float) -> TwoSides | Sh
 
 
 def _typical(chi2: list[Floats]) -> float:
-    """Return the median chi-squared per degree of freedom, 1 where none is told."""
+    """Return the median chi-squared per degree of freedom, 1 without any."""
     every = np.concatenate([np.empty(0), *chi2])
     every = every[np.isfinite(every)]
     return float(np.median(every)) if every.size else 1.0
@@ -113,7 +122,7 @@ def _impacts(data: PoseData, found: list[TwoSides | ShotRefusedError]) -> Impact
         if impact.v_s is not None and impact.v_s_after is not None:
             velocities[row, [V_S, V_S_AFTER]] = impact.v_s.value, impact.v_s_after.value
     measured = ~np.isin(data.shots, [one.shot for one in left_out])
-    impacts = told(
+    impacts = measured_impacts(
         data.shots[measured],
         velocities[measured],
         covariance[measured],

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from analysis.collision.operator import Body, States, surface_velocity
 from analysis.model.data.tables import ContactTable
-from analysis.results.impacts import V_S, V_S_AFTER, Impacts, told
+from analysis.results.impacts import V_S, V_S_AFTER, Impacts, measured_impacts
 
 Floats = NDArray[np.float64]
 
@@ -20,12 +20,14 @@ def table_impacts(table: ContactTable) -> Impacts:
     if table.scalars:
         numbers = np.where(table.measured, table.numbers, np.nan)
         variance = np.where(table.measured, table.sigma, 0.0) ** 2
-        return told(table.shots, numbers, variance[:, :, None] * np.eye(4), table.bodies)
+        return measured_impacts(
+            table.shots, numbers, variance[:, :, None] * np.eye(4), table.bodies
+        )
     velocities = _scalars(table, table.numbers)
     covariance = _carried(table)
     missing = ~table.measured[:, _spins(table)].all(axis=1)
     velocities[missing, V_S] = velocities[missing, V_S_AFTER] = np.nan
-    return told(table.shots, velocities, covariance, table.bodies)
+    return measured_impacts(table.shots, velocities, covariance, table.bodies)
 
 
 def _spins(table: ContactTable) -> NDArray[np.intp]:

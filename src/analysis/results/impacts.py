@@ -1,7 +1,7 @@
 """The measured impacts of a campaign: four velocities a shot, with their covariance.
 
-No law of contact enters: what follows is regression as in the thesis, section 7.1, and the fit to
-all poses stands beside it.
+No law of contact enters. Regression as in the thesis, section 7.1, uses these impacts; the fit to
+all poses is independent of it.
 """
 
 from __future__ import annotations
@@ -12,14 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.collision.coefficients import HELD
-from analysis.collision.operator import Body, gives
+from analysis.collision.operator import Body, inverse_masses
 
 Floats = NDArray[np.float64]
 
 V_N, V_S, V_N_AFTER, V_S_AFTER = range(4)
 """Where the velocities stand in a row."""
 SHARED = HELD + 3
-TOLD_SIGMAS = 3.0
+APPROACH_SIGMAS = 3.0
 """An approach that is not so many standard errors from zero is no measured impact."""
 
 
@@ -108,19 +108,19 @@ class Impacts:
 
 
 def lever_of(bodies: tuple[Body, Body]) -> float:
-    """Return 1 + 1/K: what a unit impulse gives across the normal, over what it gives along it."""
-    along, across = gives(bodies)
+    """Return 1 + 1/K: inverse effective mass across the normal over that along it."""
+    along, across = inverse_masses(bodies)
     return across / along
 
 
-def told(
+def measured_impacts(
     shots: NDArray[np.intp],
     velocities: Floats,
     covariance: Floats,
     bodies: tuple[Body, Body],
     shared: Floats | None = None,
 ) -> Impacts:
-    """Return the impacts whose normal velocities are measured; the others are left out, and named.
+    """Return the impacts whose normal velocities are measured; the others are listed as left out.
 
     Parameters
     ----------
@@ -129,7 +129,7 @@ def told(
     """
     touching = np.isfinite(velocities[:, V_N])
     sigma = np.sqrt(np.where(touching, covariance[:, V_N, V_N], 0.0))
-    approaching = touching & (-velocities[:, V_N] > TOLD_SIGMAS * sigma)
+    approaching = touching & (-velocities[:, V_N] > APPROACH_SIGMAS * sigma)
     parting = np.isfinite(velocities[:, V_N_AFTER])
     left_out = []
     for row in np.flatnonzero(~(approaching & parting)):

@@ -46,7 +46,7 @@ class Lines:
     Attributes
     ----------
     law
-        e, mu, beta0; one that these shots do not determine stands at a bound and is not `fitted`.
+        e, mu, beta0; one that these shots do not determine is at a bound and not `fitted`.
     fitted
         Names of what the shots determine.
     covariance
@@ -58,7 +58,7 @@ class Lines:
     chi2, freedom
         -2 log likelihood, and measured constraints less fitted parameters, of those.
     shared
-        What errors that all shots share add to the covariance, which no scatter betrays.
+        Part of the covariance from errors that all shots share; no scatter shows it.
     """
 
     law: WaltonLaw
@@ -72,12 +72,12 @@ class Lines:
 
     @property
     def p_value(self) -> float:
-        """Return the chance of so much scatter by the shots' own errors."""
+        """Return the p-value of the scatter, by the shots' own errors."""
         return float(chi_squared.chance_of_more(self.chi2, self.freedom))
 
     @property
     def scatter(self) -> float:
-        """Return by what errors are enlarged: the root of chi-squared per degree of freedom.
+        """Return the Birge ratio: root of chi-squared per degree of freedom, enlarging errors.
 
         1 while the shots' own errors explain the scatter (`birge.variance_ratio`).
         """
@@ -89,7 +89,7 @@ class Lines:
         return bool(np.isfinite(self.covariance).all())
 
     def parameters(self) -> dict[str, Quantity]:
-        """Return what the shots determine, their own errors enlarged by the scatter."""
+        """Return the determined parameters, the shots' own errors enlarged by the Birge ratio."""
         whole = self.scatter**2 * self.covariance + self.shared
         sigma, common = np.sqrt(np.diag(whole)), np.sqrt(np.diag(self.shared))
         return {
@@ -169,7 +169,7 @@ def _of_one_regime(impacts: Impacts, stick: Lines, slide: Lines) -> Lines:
     """Return the regime in which all shots lie.
 
     Shots at one setting lie on either line. Those that go on in their direction have slid; those
-    whose surface velocity is reversed may have done either, and then tell restitution alone.
+    whose surface velocity is reversed may have done either; they determine restitution alone.
     """
     better = stick if stick.chi2 < slide.chi2 else slide
     if abs(stick.chi2 - slide.chi2) > LEAST_GAIN and better.determined:
@@ -195,8 +195,7 @@ def _starts(impacts: Impacts, e: float) -> tuple[float, float, WaltonLaw | None]
     Every place between two shots in the order of v_s / |v_n| is tried, both lines fitted on their
     sides by sums that run along.
     """
-    told = impacts.surface
-    v = impacts.velocities[told]
+    v = impacts.velocities[impacts.surface]
     v = v[np.argsort(-v[:, V_S] / v[:, V_N])]
     n, s, after = -v[:, V_N], v[:, V_S], v[:, V_S_AFTER]
     lost = s - after
@@ -236,7 +235,7 @@ def _fitted(impacts: Impacts, start: WaltonLaw, names: tuple[str, ...]) -> Lines
     inverse = np.full_like(curvature, np.inf) if flat else np.linalg.inv(curvature)
     law = law_at(step)
     held = likelihood(impacts, law)
-    told = len(impacts.shots) + int(impacts.surface.sum())
+    values = len(impacts.shots) + int(impacts.surface.sum())
     return Lines(
         law=law,
         fitted=names,
@@ -244,6 +243,6 @@ def _fitted(impacts: Impacts, start: WaltonLaw, names: tuple[str, ...]) -> Lines
         held=held,
         used=np.ones(len(impacts.shots), dtype=np.bool_),
         chi2=float(held.chi2.sum()),
-        freedom=told - len(names),
+        freedom=values - len(names),
         shared=np.zeros_like(curvature),
     )

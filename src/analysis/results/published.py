@@ -5,4 +5,4 @@ from __future__ import annotations
 from types import MappingProxyType
 
 THESIS = MappingProxyType({"e": 0.74, "mu": 0.08, "beta0": 0.69})
-"""By the names of the fit's parameters."""
+"""Coefficients of the thesis by the names of the fit's parameters."""

@@ -25,7 +25,7 @@ class Ratio:
     Attributes
     ----------
     common
-        Part of the error that all shots share; not a number where it is not told apart.
+        Part of the error that all shots share; not a number where the parts are not separated.
     """
 
     value: Floats
@@ -47,7 +47,7 @@ class Ratios:
     e
         Normal restitution, -v_n' / v_n.
     beta
-        Rotational restitution, -v_s' / v_s; not a number where v_s is not told from zero.
+        Rotational restitution, -v_s' / v_s; not a number where v_s is compatible with zero.
     f
         Impulse across over impulse along the normal, (v_s - v_s') / ((1 + 1/K) (v_n' - v_n)): the
         coefficient of friction where the contact slides, less where it sticks.
@@ -69,9 +69,9 @@ def ratios(impacts: Impacts) -> Ratios:
     """Return the coefficients of every shot, errors to first order."""
     lever = impacts.lever
 
-    # As of a single shot: a ratio to what is not told from zero has no meaning.
+    # As in a single shot: a ratio to a value compatible with zero has no meaning.
     spread_s = np.sqrt(impacts.covariance[:, V_S, V_S])
-    told = impacts.velocities[:, V_S] > BETA_NEEDS_SIGMAS * spread_s
+    above_zero = impacts.velocities[:, V_S] > BETA_NEEDS_SIGMAS * spread_s
 
     def all_of(v: Floats) -> Floats:
         approach, sliding = -v[:, V_N], v[:, V_S]
@@ -79,7 +79,7 @@ def ratios(impacts: Impacts) -> Ratios:
         return np.stack(
             [
                 v[:, V_N_AFTER] / approach,
-                np.where(told, -v[:, V_S_AFTER] / sliding, np.nan),
+                np.where(above_zero, -v[:, V_S_AFTER] / sliding, np.nan),
                 (sliding - v[:, V_S_AFTER]) / impulse,
                 sliding / approach,
                 v[:, V_S_AFTER] / approach,
@@ -112,8 +112,8 @@ def _split(
     covariance
         Shape (S, K, K).
     slopes, common
-        Derivatives by the velocities, shape (S, K, 4), and what all shots share of the velocities'
-        covariance; None: that is not told apart.
+        Derivatives by the velocities, shape (S, K, 4), and the part of the velocities' covariance
+        that all shots share; None: not separated.
     """
     spread = np.diagonal(covariance, axis1=1, axis2=2)
     shared = np.full(spread.shape, np.nan)

@@ -65,8 +65,8 @@ def _coefficients(found: Results) -> Table:
 def _correlation(impacts: Impacts, i: int, j: int) -> Floats:
     c = impacts.covariance
     spread = np.sqrt(c[:, i, i] * c[:, j, j])
-    told = (spread > 0) & np.isfinite(impacts.velocities[:, [i, j]]).all(axis=1)
-    return np.asarray(np.where(told, c[:, i, j] / np.where(told, spread, 1.0), np.nan))
+    known = (spread > 0) & np.isfinite(impacts.velocities[:, [i, j]]).all(axis=1)
+    return np.asarray(np.where(known, c[:, i, j] / np.where(known, spread, 1.0), np.nan))
 
 
 def _parameters(found: Results) -> Table:
@@ -76,8 +76,8 @@ def _parameters(found: Results) -> Table:
     for name in (*THESIS, *of_contacts):
         row: list[object] = [name]
         for quantity in (regression.get(name), whole.get(name)):
-            told = quantity is not None and quantity.determined
-            row += [quantity.value, quantity.sigma] if quantity and told else ["", ""]
+            known = quantity is not None and quantity.determined
+            row += [quantity.value, quantity.sigma] if quantity and known else ["", ""]
         rows.append([*row, THESIS.get(name, "")])
     return rows
 
@@ -114,9 +114,9 @@ def curve_places(found: Results) -> Floats:
 
 
 def corner_of(found: Results) -> float:
-    """Return the v_s / |v_n| where the lines meet; the thesis's where these shots do not tell."""
-    told = {**THESIS, **{name: getattr(found.lines.law, name) for name in found.lines.fitted}}
-    return transition(WaltonLaw(**told), found.impacts.lever)
+    """Return v_s / |v_n| where the lines meet; undetermined parameters are the thesis's."""
+    law = {**THESIS, **{name: getattr(found.lines.law, name) for name in found.lines.fitted}}
+    return transition(WaltonLaw(**law), found.impacts.lever)
 
 
 def _restitution(found: Results) -> Table:

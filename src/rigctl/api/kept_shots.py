@@ -18,7 +18,7 @@ from hashlib import file_digest, sha256
 from pathlib import Path
 from typing import Any
 
-from analysis.campaign import ShotJob, teaching_jobs
+from analysis.campaign import ShotJob, training_jobs
 from analysis.setup import Setup, without_exposure
 from analysis.shot import Method
 
@@ -94,7 +94,7 @@ def _teaching(jobs: Sequence[ShotJob], content: dict[int, str]) -> dict[Setup, l
     """Return what each set-up's spheres are learned from: frames and exposures."""
     return {
         setup: [[content.get(job.shot), job.setup.camera.exposure_s] for job in own]
-        for setup, own in teaching_jobs(jobs).items()
+        for setup, own in training_jobs(jobs).items()
     }
 
 

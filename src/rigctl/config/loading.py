@@ -56,7 +56,7 @@ def load(path: Path | None = None) -> Configuration:
     """
     path = default_path() if path is None else path
     found = parse(read_toml(path), str(path))
-    files.let_hold(found.files)
+    files.set_file_limits(found.files)
     return found
 
 

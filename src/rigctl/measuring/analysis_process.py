@@ -146,9 +146,9 @@ def _work(connection: Connection, function: str) -> None:
     """Serve in the worker's process until the daemon's end of the pipe closes."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     # Loaded here: the daemon starts without the compiler.
-    from analysis.compiled import tell_of_compiling  # noqa: PLC0415
+    from analysis.compiled import on_compilation  # noqa: PLC0415
 
-    tell_of_compiling(lambda done, of: connection.send(Compiling(done, of)))
+    on_compilation(lambda done, of: connection.send(Compiling(done, of)))
     module, _, name = function.partition(":")
     analyse: Callable[[Path, str], Json] = getattr(importlib.import_module(module), name)
     first = True

@@ -61,8 +61,8 @@ def test_a_kept_function_is_used_until_a_part_in_another_file_changes(package: P
 
 
 TOLD = (
-    "from analysis.compiled import tell_of_compiling\n"
-    "tell_of_compiling(lambda done, of: print(done, of))\n"
+    "from analysis.compiled import on_compilation\n"
+    "on_compilation(lambda done, of: print(done, of))\n"
 )
 
 

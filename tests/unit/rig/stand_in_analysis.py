@@ -39,7 +39,7 @@ def compiles_first(folder: Path, method: str) -> dict[str, object]:
     """Compile a function that is kept nowhere, and wait to be let go on."""
     from analysis import compiled
 
-    for told in compiled._told:
+    for told in compiled._listeners:
         told(3, 60)
     while not (folder / "go-on").exists():
         time.sleep(0.01)

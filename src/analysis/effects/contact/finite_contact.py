@@ -7,11 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from analysis.collision.operator import Encounter, Floats, Operator, Outcome, gives
+from analysis.collision.operator import Encounter, Floats, Operator, Outcome, inverse_masses
 from analysis.effects.effect import ContactEffect, Parameter, Values
 
 PLANE_MODULUS = 3.0e9 / (1.0 - 0.4**2)
-"""Pa, E / (1 - nu^2) of nylon: what a = 1 stands for."""
+"""Pa, E / (1 - nu^2) of nylon: the modulus of a = 1."""
 LEAST_SPEED = 0.02
 """m/s; a slower contact is taken to last as long as at this speed."""
 Striking = Callable[[Operator, Encounter, Encounter], Outcome]
@@ -75,7 +75,7 @@ def hertz_time(encounter: Encounter) -> Floats:
     radius = 1 / (1 / a.radius + 1 / b.radius)
     stiffness = 4 / 3 * PLANE_MODULUS / 2 * np.sqrt(radius)
     speed = encounter.approach.clip(min=LEAST_SPEED)
-    deepest = (5 * speed**2 / (4 * stiffness * gives(encounter.bodies)[0])) ** 0.4
+    deepest = (5 * speed**2 / (4 * stiffness * inverse_masses(encounter.bodies)[0])) ** 0.4
     return np.asarray(2.9432 * deepest / speed)
 
 

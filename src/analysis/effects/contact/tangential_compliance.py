@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from analysis.collision.operator import Encounter, Floats, Operator, Outcome, gives
+from analysis.collision.operator import Encounter, Floats, Operator, Outcome, inverse_masses
 from analysis.effects.contact.spring_slider import Pressing, line_of_springs, rebound, single_spring
 from analysis.effects.effect import ContactEffect, Parameter, Values
 
@@ -32,7 +32,7 @@ LEAST_FRICTION, LEAST_SPEED = 1e-6, 1e-6
 
 def compliant(encounter: Encounter, stiffness_ratio: float, pressing: Pressing) -> Floats:
     """Return the impulse across the normal, kg m/s, of the springs and sliders, shape (S,)."""
-    give_n, give_t = gives(encounter.bodies)
+    give_n, give_t = inverse_masses(encounter.bodies)
     unit = encounter.mu.clip(min=LEAST_FRICTION) * encounter.approach.clip(min=LEAST_SPEED)
     unit = unit / stiffness_ratio
     speed = encounter.sliding_speed

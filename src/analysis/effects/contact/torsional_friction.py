@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from analysis.collision.operator import Encounter, Operator, Outcome, gives
+from analysis.collision.operator import Encounter, Operator, Outcome, inverse_masses
 from analysis.effects.effect import ContactEffect, Parameter, Values
 
 REFERENCE_SPEED = 2.0
@@ -22,7 +22,7 @@ def wrap(operator: Operator, values: Values) -> Operator:
         before, after, normal = encounter.before, outcome.after, encounter.normal
         approach = encounter.approach.clip(min=0.0)
         radius = values[0] * (approach / REFERENCE_SPEED) ** 0.4
-        impulse = (1 + encounter.e) * approach / gives(encounter.bodies)[0]
+        impulse = (1 + encounter.e) * approach / inverse_masses(encounter.bodies)[0]
         torsion = 3 * np.pi / 16 * encounter.mu * radius * impulse
         relative = ((before.spin_b - before.spin_a) * normal).sum(axis=1)
         stopping = np.abs(relative) / (1 / a.inertia + 1 / b.inertia)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.errors import LaunchRefusedError
-from analysis.launch.foretold import foretell
+from analysis.launch.predicted_touch import predict_touch
 from analysis.launch.prediction import LEAST_SPEED, Limits
 from analysis.launch.result import LaunchFit
 from analysis.launch.settings import OFFSET, PRESSURES, LaunchSettings
@@ -168,7 +168,7 @@ def _in_view(settings: LaunchSettings, fit: Fit, launch: LaunchFit) -> NDArray[n
 
     That is within a radius of where contacts were seen.
     """
-    foretold = foretell(launch.theory, settings, launch.touches.ground)
+    foretold = predict_touch(launch.theory, settings, launch.touches.ground)
     point = foretold.touch[:, TOUCH_POINT]
     spare = launch.touches.ground.bodies[0].radius
     low, high = fit.states.point.min(axis=0) - spare, fit.states.point.max(axis=0) + spare

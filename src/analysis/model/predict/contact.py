@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.collision.operator import Encounter, Operator, Outcome, States, gives
+from analysis.collision.operator import Encounter, Operator, Outcome, States, inverse_masses
 from analysis.model.data.poses import Observations, PoseData
 from analysis.model.predict.state import ShotStates
 from analysis.model.predict.theory import Theory
@@ -59,7 +59,7 @@ def _by_kick(data: Observations, normal: Floats, unknown: NDArray[np.bool_]) -> 
     """
     a, b = data.bodies
     across = np.eye(3) - normal[:, :, None] * normal[:, None, :]
-    impulse = across / gives(data.bodies)[0]
+    impulse = across / inverse_masses(data.bodies)[0]
     twist = np.cross(normal[:, None, :], np.swapaxes(impulse, 1, 2))
     twist = np.swapaxes(twist, 1, 2)
     known = ~unknown[:, :, None, None]

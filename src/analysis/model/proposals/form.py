@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.collision.operator import Encounter, Operator, Outcome, gives
+from analysis.collision.operator import Encounter, Operator, Outcome, inverse_masses
 from analysis.effects.effect import ContactEffect, Parameter, Values
 from analysis.model.proposals.arguments import Argument
 from analysis.model.proposals.shapes import POWER, Shape
@@ -192,7 +192,9 @@ def twisted(outcome: Outcome, encounter: Encounter, radius: Floats) -> Outcome:
     """
     a, b = encounter.bodies
     before, after, normal = encounter.before, outcome.after, encounter.normal
-    push = (1 + encounter.e) * encounter.approach.clip(min=0.0) / gives(encounter.bodies)[0]
+    push = (
+        (1 + encounter.e) * encounter.approach.clip(min=0.0) / inverse_masses(encounter.bodies)[0]
+    )
     relative = ((before.spin_b - before.spin_a) * normal).sum(axis=1)
     twist = (_TORSION * encounter.mu * radius * push * np.sign(relative))[:, None] * normal
     return replace(

@@ -92,8 +92,8 @@ def _document(name: str, result: Calibration) -> dict[str, object]:
         "estimates": [
             {
                 "name": one.name,
-                "value": one.value if one.told else None,
-                "sigma": one.sigma if one.told else None,
+                "value": one.value if one.finite else None,
+                "sigma": one.sigma if one.finite else None,
                 "unit": one.unit,
                 "determined": one.determined,
                 "found": one.found,
@@ -113,7 +113,7 @@ def _table(name: str, result: Calibration) -> Table:
     for heading in ("estimate", "value", "unit", "the shots", "effect", "in the poses"):
         table.add_column(heading, no_wrap=True)
     for one in result.estimates:
-        value = Quantity(one.value, one.sigma, one.unit).concise() if one.told else "-"
+        value = Quantity(one.value, one.sigma, one.unit).concise() if one.finite else "-"
         carried = "yes" if one.in_poses else "no"
         table.add_row(one.name, value, one.unit, _word(one), one.effect, carried)
     table.caption = "in brackets: standard error in units of the last digit"

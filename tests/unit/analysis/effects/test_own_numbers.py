@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from analysis.collision.operator import gives
+from analysis.collision.operator import inverse_masses
 from analysis.effects.contact import friction_speed, velocity_offset
 from analysis.effects.flight import drag, wind
 from analysis.effects.own.checking import has_own_numbers
@@ -50,7 +50,7 @@ def held(value: float) -> float:
 
 
 def pure(value: float) -> float:
-    return 0.5 * value**2 * math.pi * float(np.sqrt(2)) + 3 * gives.__code__.co_argcount
+    return 0.5 * value**2 * math.pi * float(np.sqrt(2)) + 3 * inverse_masses.__code__.co_argcount
 
 
 def itself(value: float) -> float:

@@ -74,7 +74,7 @@ def test_covariances_are_symmetric_and_positive() -> None:
 
 def test_the_speed_at_the_muzzle_is_as_sure_as_the_pusher_is_steady() -> None:
     foretold = fitted().predict(one_shot())
-    speed = foretold.foretold.muzzle.speed[0, 0]
+    speed = foretold.predicted.muzzle.speed[0, 0]
     sigma = np.sqrt(foretold.muzzle_covariance[0, 0, 0])
     assert sigma / speed == pytest.approx(0.008, rel=0.2)
 
@@ -118,8 +118,8 @@ def test_the_error_left_out_is_that_of_a_fit_without_the_shot() -> None:
         without = fit_touches(touches.of_shots(kept), settings.of_shots(kept))
         alone = settings.of_shots(~kept)
         row = without.predict(alone)
-        back = np.linalg.inv(row.foretold.by_muzzle)
-        error = (back @ (touches.rows[[shot]] - row.foretold.touch)[..., None])[0, :, 0]
+        back = np.linalg.inv(row.predicted.by_muzzle)
+        error = (back @ (touches.rows[[shot]] - row.predicted.touch)[..., None])[0, :, 0]
         sigma = np.sqrt(np.diag(whole.compared.variance(whole.scatter)[shot]))
         # The scatter is estimated without the shot as well: weights differ a little.
         assert promised[shot] / sigma == pytest.approx(error / sigma, abs=0.15)

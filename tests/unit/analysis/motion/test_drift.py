@@ -3,7 +3,7 @@ import math
 import numpy as np
 import pytest
 
-from analysis.motion.drift import Drift, centre_drift, memory, turn_drift
+from analysis.motion.drift import Drift, centre_drift, correlation_time, turn_drift
 
 
 def test_a_slow_error_forgets_itself_exponentially() -> None:
@@ -29,4 +29,4 @@ def test_a_slow_error_grows_with_the_square_of_the_filter_and_falls_with_the_sca
 def test_a_marker_is_remembered_until_others_stand_in_its_place(
     angle: float, spin: float, expected: float
 ) -> None:
-    assert memory(angle, spin) == pytest.approx(expected)
+    assert correlation_time(angle, spin) == pytest.approx(expected)

@@ -13,7 +13,7 @@ from analysis.model.data.gather import gather
 from analysis.model.data.tables import ContactTable
 from analysis.results.from_poses import pose_impacts
 from analysis.results.from_table import table_impacts
-from analysis.results.impacts import told
+from analysis.results.impacts import measured_impacts
 from tests.unit.analysis.model.hard_spheres import RADIUS, Hidden, campaign, collided, draw
 from tests.unit.analysis.model.tabulated import PLATE, contacts
 from tests.unit.analysis.model.tabulated import impacts as scalar_folder
@@ -107,7 +107,7 @@ def test_what_is_no_measured_impact_is_left_out_with_its_reason() -> None:
         [[-2.0, 1, 1.4, 0.2], [np.nan] * 4, [-0.01, 2, 0.01, 2], [-1, 1, np.nan, np.nan]]
     )
     covariance = np.tile(1e-4 * np.eye(4), (4, 1, 1))
-    found = told(data.shots, velocities, covariance, data.bodies)
+    found = measured_impacts(data.shots, velocities, covariance, data.bodies)
     assert list(found.shots) == [1]
     reasons = {one.shot: one.reason for one in found.left_out}
     assert "pass each other by" in reasons[2]

@@ -18,7 +18,7 @@ _MUZZLE_STEP = np.array([1e-6] * 6 + [1e-3] * 6 + [1e-7] * 5)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Foretold:
+class PredictedTouch:
     """S shots as the theory has them.
 
     Attributes
@@ -39,7 +39,7 @@ class Foretold:
     by_theory: Floats
 
 
-def foretell(theory: LaunchTheory, settings: LaunchSettings, ground: Ground) -> Foretold:
+def predict_touch(theory: LaunchTheory, settings: LaunchSettings, ground: Ground) -> PredictedTouch:
     """Foretell shots from their settings."""
     muzzle = theory.launch(settings, ground)
     here = touch(muzzle, theory.law, ground)
@@ -49,7 +49,7 @@ def foretell(theory: LaunchTheory, settings: LaunchSettings, ground: Ground) -> 
         shifted[k] += step
         columns.append((theory.at(shifted).touch(settings, ground) - here) / step)
     by_muzzle = _touch_by_muzzle(muzzle, theory.law, ground, here)
-    return Foretold(muzzle, here, by_muzzle, np.stack(columns, axis=-1))
+    return PredictedTouch(muzzle, here, by_muzzle, np.stack(columns, axis=-1))
 
 
 def _touch_by_muzzle(muzzle: Muzzle, law: LaunchLaw, ground: Ground, here: Floats) -> Floats:
