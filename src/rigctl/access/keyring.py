@@ -21,7 +21,7 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True, slots=True)
 class Holder:
-    """Who holds a key: the name that the audit knows, and what the key may do.
+    """Holder of a key: the name in the audit, and the scopes of the key.
 
     `session` is the value of the page's cookie; it is derived from the key and ends with it.
     """
@@ -32,14 +32,14 @@ class Holder:
 
 
 class Keyring:
-    """Tells holders by their keys. A key that was revoked or has expired opens nothing at once.
+    """Finds holders by their keys. A key is refused at once when it is revoked or has expired.
 
     Parameters
     ----------
     key
         Of this start of the daemon; it may do everything.
     folder
-        Of the store, where named keys lie; asked for only where another key is given.
+        Of the store, where named keys lie; called only where another key is given.
     now
         The clock, UTC.
     """
@@ -59,8 +59,8 @@ class Keyring:
         self._named: list[NamedKey] = []
 
     def holder(self, given: str) -> tuple[Holder | None, str]:
-        """Return who holds a key, or None and why it opens nothing."""
-        # Compared in constant time: how long it takes tells nothing about the key.
+        """Return the holder of a key, or None and why it is refused."""
+        # Compared in constant time, so that timing reveals nothing about the key.
         if hmac.compare_digest(given.encode(), self._key):
             return self._own, ""
         named = self._present() if given else []

@@ -1,4 +1,4 @@
-"""What a key may do: five words, and the one table that says which a route asks for."""
+"""Scopes of keys: five words, and the table of the scope that each route needs."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from enum import StrEnum
 from functools import cache
 
 PREFIX = "/api/v1"
-"""Below this path a key is asked for."""
+"""Below this path a key is required."""
 
 ESTOP_PATH = f"{PREFIX}/rig/estop"
 
@@ -81,24 +81,24 @@ ROUTES: dict[tuple[str, str], Scope] = {
     ("DELETE", "/jobs/{job}"): Scope.MAINTAIN,
     ("GET", "/events"): Scope.READ,
 }
-"""Every route below `PREFIX` but the emergency stop, which nobody is kept from."""
+"""Every route below `PREFIX` but the emergency stop, which needs no key."""
 
 
 def needed(method: str, path: str) -> Scope:
-    """Return the scope that a request asks for.
+    """Return the scope that a request needs.
 
-    A path that no route has needs `read`, to be told so; a method that the path does not know
-    needs what its others need at most.
+    An unknown path needs `read`, to be answered 404; a method that the path does not have needs
+    the highest scope of its others.
     """
     below = path.removeprefix(PREFIX)
-    asked = "GET" if method == "HEAD" else method
-    found = (s for (m, pattern), s in _patterns() if m == asked and pattern.fullmatch(below))
+    effective = "GET" if method == "HEAD" else method
+    found = (s for (m, pattern), s in _patterns() if m == effective and pattern.fullmatch(below))
     return next(found, Scope.READ)
 
 
-def allows(held: frozenset[Scope], wanted: Scope) -> bool:
-    """Say whether a key with these scopes may do this."""
-    return wanted is Scope.READ or wanted in held or Scope.ADMIN in held
+def allows(held: frozenset[Scope], required: Scope) -> bool:
+    """Whether a key with these scopes has the required one."""
+    return required is Scope.READ or required in held or Scope.ADMIN in held
 
 
 @cache

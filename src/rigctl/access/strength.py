@@ -17,7 +17,7 @@ WARNING = f"--key stands in the list of processes; take --key-file, or {VARIABLE
 
 @dataclass(frozen=True, slots=True)
 class Chosen:
-    """A key that somebody chose, and what is to be said of the way it was given."""
+    """A key chosen by the user, and a warning about the way it was given."""
 
     key: str
     warning: str | None = None

@@ -1,4 +1,4 @@
-"""Wrong keys are counted, and whoever sends many from one address waits for each answer."""
+"""Limit on wrong keys: an address that sends many waits for each answer."""
 
 from __future__ import annotations
 
@@ -19,19 +19,19 @@ class WrongKeys:
 
     Parameters
     ----------
-    tell
-        Told of an address once its answers slow down, and again after it was silent.
+    on_many
+        Called with an address once its answers slow down, and again after a pause.
     clock, sleep
         Monotonic time, s, and what waits for so long.
     """
 
     def __init__(
         self,
-        tell: Callable[[str], None],
+        on_many: Callable[[str], None],
         clock: Callable[[], float] = time.monotonic,
         sleep: Callable[[float], Awaitable[object]] = asyncio.sleep,
     ) -> None:
-        self._tell, self._clock, self._sleep = tell, clock, sleep
+        self._on_many, self._clock, self._sleep = on_many, clock, sleep
         self._times: OrderedDict[str, deque[float]] = OrderedDict()
         self.count = 0
 
@@ -54,5 +54,5 @@ class WrongKeys:
         times.append(now)
         beyond = len(times) - MANY
         if beyond == 1:
-            self._tell(address)
+            self._on_many(address)
         return min(LONGEST_S, SHORTEST_S * 2.0 ** (beyond - 1)) if beyond > 0 else 0.0

@@ -56,8 +56,8 @@ _OTHERWISE = ("bad-request", "The request cannot be answered", "correct the requ
 def create_app(daemon: Daemon, key: str, hub: EventHub) -> FastAPI:
     """Return the application that answers for a daemon to holders of `key`, or of a named one.
 
-    What the rig and the store report goes to `hub` for as long as the application runs; whoever
-    ends the server closes the hub first, so that listening clients let go.
+    Changes of rig and store go to `hub` for as long as the application runs; the code that ends the
+    server closes the hub first, so that listening clients are released.
     """
     metrics = Metrics(daemon, hub)
 
@@ -90,7 +90,7 @@ def create_app(daemon: Daemon, key: str, hub: EventHub) -> FastAPI:
     )
     lanes = Lanes()
     app.state.keyring = Keyring(key, lambda: daemon.store.path)
-    app.state.wrong_keys = WrongKeys(lambda address: _tell(daemon, address))
+    app.state.wrong_keys = WrongKeys(lambda address: _log_wrong_keys(daemon, address))
     app.include_router(rig_routes(daemon, lanes), prefix=PREFIX)
     app.include_router(commissioning_routes(daemon, lanes), prefix=PREFIX)
     app.include_router(recorder_routes(daemon, lanes), prefix=PREFIX)
@@ -115,8 +115,8 @@ def create_app(daemon: Daemon, key: str, hub: EventHub) -> FastAPI:
     return app
 
 
-def _tell(daemon: Daemon, address: str) -> None:
-    """Write down from where many wrong keys come, in a thread that nobody waits for."""
+def _log_wrong_keys(daemon: Daemon, address: str) -> None:
+    """Log the address of many wrong keys, in a thread of its own."""
     _log.warning("%d wrong keys within %g s from %s", MANY, WITHIN_S, address)
 
     def note() -> None:
@@ -171,7 +171,7 @@ def _of_framework(request: Request, error: HTTPException) -> Problem:
 
 
 def _allowed(app: FastAPI, path: str) -> list[str]:
-    """Return every method that a path knows; the framework names those of one route only."""
+    """Return all methods of a path; the framework names those of one route only."""
     methods: set[str] = set()
     for template, operations in app.openapi()["paths"].items():
         pattern = "[^/]+".join(map(re.escape, re.split(r"\{[^}]*\}", template)))

@@ -1,4 +1,4 @@
-"""Campaigns and their fits as REST shows them, and what is asked of them."""
+"""Campaigns and their fits in REST, and the bodies of requests on them."""
 
 from __future__ import annotations
 

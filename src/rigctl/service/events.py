@@ -45,14 +45,14 @@ class Subscription:
         self._ended = False
 
     async def events(self) -> AsyncIterator[ServerSentEvent]:
-        """Yield events as they come, and a last one named `end` that says why no more come."""
+        """Yield events as they come, and a last one named `end` with the reason of the end."""
         while isinstance(item := await self._waiting.get(), Event):
             yield ServerSentEvent(event=item.kind, id=str(item.number), data=item.data)
         yield ServerSentEvent(event="end", data={"reason": item.reason})
 
     def hand(self, item: Event | _End) -> None:
         """Pass an item on from any thread."""
-        # The loop is closed when the service has ended: then nobody listens any more.
+        # The loop is closed when the service has ended: then there is no listener.
         with contextlib.suppress(RuntimeError):
             self._loop.call_soon_threadsafe(self._take, item)
 
@@ -123,7 +123,7 @@ class EventHub:
             )
 
     def close(self) -> None:
-        """Tell every client that the service ends."""
+        """Send the end of the service to every client."""
         with self._lock:
             for subscription in self._subscriptions:
                 subscription.hand(_End("the service ends"))

@@ -16,8 +16,8 @@ FILE_NAME = "service.json"
 class ServiceAddress:
     """Address of a running service, as in `http://127.0.0.1:8486`, and the key that opens it.
 
-    `certificate` is the file by which its own clients know an encrypted one; None: another's word.
-    `stop_url` is the address of the emergency stop's own port; empty where none is known.
+    `certificate` is the file by which clients verify an encrypted service; None: a public CA.
+    `stop_url` is the address of the emergency stop's own port; empty without one.
     """
 
     url: str

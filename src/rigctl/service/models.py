@@ -26,7 +26,7 @@ class ShotOrder(StrictModel):
     note: Line | None = None
 
     def digest(self) -> str:
-        """Return the fingerprint by which an idempotency key with another body is told."""
+        """Return the fingerprint that detects an idempotency key with another body."""
         return hashlib.sha256(self.model_dump_json().encode()).hexdigest()
 
 

@@ -18,7 +18,7 @@ from rigctl.service.problems import Problem, documented
 
 
 def describe(app: FastAPI, limits: Limits) -> Callable[[], dict[str, Any]]:
-    """Return the function that gives the document; it is built once, when first asked for."""
+    """Return the function that gives the document; it is built at the first call."""
 
     def openapi() -> dict[str, Any]:
         if app.openapi_schema is None:
@@ -66,7 +66,7 @@ def _document(app: FastAPI, limits: Limits) -> dict[str, Any]:
         for method, operation in operations.items():
             operation["security"] = []
             if locked:
-                _ask_for(operation, ROUTES[method.upper(), path.removeprefix(PREFIX)])
+                _require_scope(operation, ROUTES[method.upper(), path.removeprefix(PREFIX)])
                 # Whatever a path takes, a parameter that it does not take is refused.
                 operation["responses"].setdefault("422", documented(422)[422])
             # What lies around all routes answers for them: foreign sites, bodies that do not come.
@@ -78,8 +78,8 @@ def _document(app: FastAPI, limits: Limits) -> dict[str, Any]:
     return document
 
 
-def _ask_for(operation: dict[str, Any], scope: Scope) -> None:
-    """Say which scope a route needs, and that a key without it is refused."""
+def _require_scope(operation: dict[str, Any], scope: Scope) -> None:
+    """Add to a route the scope that it needs, and the refusal of a key without it."""
     operation["security"] = [{"key": [str(scope)]}]
     operation["x-scope"] = str(scope)
     if scope is not Scope.READ:

@@ -38,13 +38,13 @@ _WHAT_THIS_IS = "POST here stops the rig; nothing else is answered on this port.
 
 
 class Stoppable(Protocol):
-    """What this port asks of a rig; as `rigctl.rig.machine.Rig`."""
+    """Methods of a rig that this port uses; as `rigctl.rig.machine.Rig`."""
 
     def estop(self, actor: str, reason: str) -> None:
         """Cut the power and latch."""
 
     def status(self) -> RigStatus:
-        """Return where the rig stands."""
+        """Return the status of the rig."""
 
 
 @dataclass(slots=True, eq=False)

@@ -1,4 +1,4 @@
-"""Headers that tell a browser what a page of this service may load, and who may frame it."""
+"""Security headers: what a page of this service may load, and which sites may frame it."""
 
 from __future__ import annotations
 

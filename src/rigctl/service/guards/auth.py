@@ -72,7 +72,7 @@ class KeyGuard:
 
 
 def address_of(scope: Scope) -> str:
-    """Return the address of whoever asks."""
+    """Return the address of the client."""
     client = scope.get("client")
     return str(client[0]) if client else "unknown"
 
@@ -95,16 +95,16 @@ def _unknown(given: str, why: str) -> Problem:
 
 
 def _not_allowed(holder: Holder, method: str, path: str) -> Problem | None:
-    wanted = needed(method, path)
-    if allows(holder.scopes, wanted):
+    scope = needed(method, path)
+    if allows(holder.scopes, scope):
         return None
     return Problem(
         status=403,
         code="scope-missing",
         title="The key does not allow this",
-        detail=f"{method} {path} needs the scope {wanted!s}, which the key of {holder.name} lacks",
+        detail=f"{method} {path} needs the scope {scope!s}, which the key of {holder.name} lacks",
         field="Authorization",
         value=" ".join(sorted(holder.scopes)),
-        limit=str(wanted),
-        todo=f"ask for a key with the scope {wanted!s}: rigctl keys add NAME --scope {wanted!s}",
+        limit=str(scope),
+        todo=f"ask for a key with the scope {scope!s}: rigctl keys add NAME --scope {scope!s}",
     )

@@ -16,14 +16,14 @@ def behind_proxy(app: ASGIApp, proxy: str | None) -> ASGIApp:
     if proxy is None:
         return app
     # Uvicorn has types of its own for the same interface.
-    told = cast("ASGIApp", ProxyHeadersMiddleware(cast("Any", app), trusted_hosts=proxy))
-    return _ProxyOnly(told, proxy)
+    behind = cast("ASGIApp", ProxyHeadersMiddleware(cast("Any", app), trusted_hosts=proxy))
+    return _ProxyOnly(behind, proxy)
 
 
 class _ProxyOnly:
-    """Refuses whoever comes past the proxy: that connection is not encrypted.
+    """Refuses connections that bypass the proxy: they are not encrypted.
 
-    The emergency stop is open to whoever reaches the service, here as well.
+    The emergency stop is open to every client, here as well.
     """
 
     def __init__(self, app: ASGIApp, proxy: str) -> None:

@@ -1,4 +1,4 @@
-"""Request bodies in which every key stands once."""
+"""Request bodies without duplicate keys."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def loads(text: bytes) -> object:
     Raises
     ------
     DuplicateKeysError
-        An object has a key twice: which of its values was meant, nobody can know.
+        An object has a key twice, so that its value is ambiguous.
     ValueError, RecursionError
         No JSON, not in UTF-8, or nested beyond all bounds.
     """
@@ -60,14 +60,14 @@ MOST_FAULTS = 20
 
 
 class StrictRoute(APIRoute):
-    """A route that refuses a body with a key that stands twice; JSON readers take the last."""
+    """A route that refuses a body with a duplicate key; JSON readers take the last value."""
 
     def get_route_handler(self) -> Callable[[Request], Coroutine[Any, Any, Response]]:
         """Return the handler; a route that declares no body leaves it unread."""
         handle = super().get_route_handler()
         if self.body_field is None:
             return handle
-        wanted: TypeAdapter[Any] = TypeAdapter(cast("Any", self.body_field.field_info.annotation))
+        model: TypeAdapter[Any] = TypeAdapter(cast("Any", self.body_field.field_info.annotation))
         one_at_a_time = anyio.CapacityLimiter(1)
 
         async def checked(request: Request) -> Response:
@@ -75,18 +75,18 @@ class StrictRoute(APIRoute):
             if len(body) <= LONG_BODY:
                 _require_single_keys(body)
             else:
-                await to_thread.run_sync(_require_long, wanted, body, limiter=one_at_a_time)
+                await to_thread.run_sync(_require_long, model, body, limiter=one_at_a_time)
             return await handle(request)
 
         return checked
 
 
-def _require_long(wanted: TypeAdapter[Any], body: bytes) -> None:
-    """Check a long body as the framework will, which reads it again only where it holds."""
+def _require_long(model: TypeAdapter[Any], body: bytes) -> None:
+    """Check a long body as the framework does; it reads the body again only if it is valid."""
     if (content := _require_single_keys(body)) is None:
         return
     try:
-        wanted.validate_python(content)
+        model.validate_python(content)
     except ValidationError as error:
         faults = error.errors(include_url=False, include_context=True)[:MOST_FAULTS]
         within = [{**fault, "loc": ("body", *fault["loc"])} for fault in faults]

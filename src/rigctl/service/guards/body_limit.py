@@ -22,7 +22,7 @@ SWEEPS_PATH = f"{PREFIX}/sweeps"
 
 
 class BodyLimit:
-    """Refuses a body that is too long, comes too slowly, or does not say how long it is.
+    """Refuses a body that is too long, comes too slowly, or has no stated length.
 
     The emergency stop is let through: it reads no more of its body than it can use.
     """

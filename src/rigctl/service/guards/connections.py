@@ -1,4 +1,4 @@
-"""Connections to the service: how many there may be, and how long one may be silent."""
+"""Connections to the service: limits of their number and of their idle time."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from rigctl.service.guards.progress import Progress
 _log = logging.getLogger(__name__)
 
 MOST_CONNECTIONS = 2048
-"""Connections held at once; where a further one comes, the longest silent one is ended."""
+"""Connections held at once; a further one ends the one that has been idle longest."""
 
 REQUEST_WITHIN_S = 5.0
 """A connection that has not sent the head of a request it began, or the first, is ended, s."""
@@ -37,8 +37,8 @@ def raise_descriptor_limit() -> int:
     A limit that the system does not let us raise is kept, and `room_for` then allows less.
     """
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
-    wanted = MOST_CONNECTIONS + 2 * SPARE_DESCRIPTORS
-    limit = wanted if hard == resource.RLIM_INFINITY else min(hard, wanted)
+    needed = MOST_CONNECTIONS + 2 * SPARE_DESCRIPTORS
+    limit = needed if hard == resource.RLIM_INFINITY else min(hard, needed)
     if soft != resource.RLIM_INFINITY and soft < limit:
         resource.setrlimit(resource.RLIMIT_NOFILE, (limit, hard))
         return limit
@@ -56,7 +56,7 @@ class Connections:
     Parameters
     ----------
     most
-        So many are held; a further one ends the first that has asked nothing whole, or is refused.
+        Largest number held; a further one ends the first without a whole request, or is refused.
     """
 
     def __init__(self, most: int) -> None:
@@ -72,11 +72,11 @@ class Connections:
         return make
 
     def admit(self, transport: asyncio.BaseTransport, held: GuardedHttp) -> bool:
-        """Take a connection in, or say that there is no room for it."""
+        """Take a connection in; return whether there is room for it."""
         if len(self._open) >= self._most:
             self._forget_closed()
         if len(self._open) >= self._most:
-            waiting = next((old for old, guard in self._open.items() if not guard.asked), None)
+            waiting = next((old for old, guard in self._open.items() if not guard.complete), None)
             if waiting is None:
                 _log.warning("a connection was refused: %d are open", len(self._open))
                 return False
@@ -89,7 +89,7 @@ class Connections:
         self._open.pop(transport, None)
 
     def _forget_closed(self) -> None:
-        """Forget those that became sockets of the page, whose end nobody tells us."""
+        """Forget those that became sockets of the page, whose end is not reported."""
         for transport in [old for old in self._open if old.is_closing()]:
             del self._open[transport]
 
@@ -111,7 +111,7 @@ class GuardedHttp(asyncio.Protocol):
         self._progress = Progress()
         self._timer: asyncio.TimerHandle | None = None
         self._limit_s: float | None = None
-        self.asked = False
+        self.complete = False
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         """Take the connection in, or end it at once."""
@@ -129,7 +129,7 @@ class GuardedHttp(asyncio.Protocol):
             return
         progress = self._progress
         progress.feed(data)
-        self.asked = not progress.waits_for_head
+        self.complete = not progress.waits_for_head
         if progress.head_bytes > LONGEST_HEAD:
             self._transport.abort()
             return

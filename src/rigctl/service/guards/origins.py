@@ -16,7 +16,7 @@ _OWN_SITE = frozenset({"same-origin", "none"})
 
 
 class OwnOrigins:
-    """Says whether a request comes from our own page, or from a program that is no browser.
+    """Checks that a request comes from our own page, or from a program that is no browser.
 
     A browser states in `Host` the name it was given, and in `Origin` and `Sec-Fetch-Site` whose
     page asks. Programs without a browser state neither, and are let through.

@@ -31,8 +31,8 @@ class Progress:
     def feed(self, data: bytes) -> None:
         """Take the next bytes.
 
-        What no parser reads counts as a head without end: bytes between requests, behind an error,
-        or behind an upgrade that nobody took over.
+        Bytes that no parser reads count as a head without end: between requests, behind an error,
+        or behind an upgrade without a handler.
         """
         self._ended = False
         try:

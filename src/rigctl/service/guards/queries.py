@@ -14,19 +14,19 @@ from rigctl.service.guards.auth import ESTOP_PATH, PREFIX
 
 _SEVERAL = (list, tuple)
 _ONCE = ("Idempotency-Key",)
-"""Headers of which one decides: two of them say two things."""
+"""Headers that may occur once: two of them would contradict each other."""
 
 
 async def require_known(request: Request) -> None:
     """Refuse a query parameter that the OpenAPI document does not name, and one given twice.
 
-    The emergency stop is never refused for its form, and what lies outside the interface is asked
-    by others in forms of their own.
+    The emergency stop is never refused for its form, and paths outside the interface have clients
+    with forms of their own.
 
     Raises
     ------
     RequestValidationError
-        There is one; or a header stands twice that may stand once.
+        There is one; or a header occurs twice that may occur once.
     """
     path, route = request.url.path, request.scope.get("route")
     if not path.startswith(f"{PREFIX}/") or path == ESTOP_PATH or not isinstance(route, APIRoute):

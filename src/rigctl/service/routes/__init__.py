@@ -1,1 +1,1 @@
-"""The routes of REST, by what they are about."""
+"""The routes of REST, by subject."""

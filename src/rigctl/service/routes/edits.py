@@ -43,7 +43,7 @@ def edit_routes(daemon: Daemon) -> APIRouter:
 
 
 def campaign_edit_routes(daemon: Daemon) -> APIRouter:
-    """Return the routes below `/campaigns/{campaign}` that change what is said of a campaign."""
+    """Return the routes below `/campaigns/{campaign}` that change its note and tags."""
     router = APIRouter(prefix="/campaigns/{campaign}", tags=["campaigns"], route_class=StrictRoute)
     store = daemon.store
 

@@ -1,4 +1,4 @@
-"""Effects: what the model can be asked to have in it."""
+"""Effects that the model may contain."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _OWN = (401, 404, 405, 409)
 
 
 class ParameterView(BaseModel):
-    """One number of an effect: where it is believed, and where the effect is off."""
+    """One parameter of an effect: its plausible range, and the value where the effect is off."""
 
     symbol: str
     unit: str
@@ -34,7 +34,7 @@ class ParameterView(BaseModel):
 
 
 class EffectView(BaseModel):
-    """One effect: its physics, its source, and what betrays it."""
+    """One effect: its physics, its source, and its signature."""
 
     effect: str
     title: str
@@ -53,7 +53,7 @@ class EffectView(BaseModel):
 
 
 class OwnEffectView(EffectView):
-    """One effect of the user's own, and the file that it stands in."""
+    """One effect of the user's own, and its file."""
 
     file: str
 
@@ -95,17 +95,17 @@ def effect_routes(daemon: Daemon) -> APIRouter:
     def own() -> Response:
         """Show the effects of the user's own, and what is wrong with those that are of no use.
 
-        202 with a job while nobody knows; asked again when that is done, the answer.
+        202 with a job until it is computed; the same request then returns the answer.
         """
         folder = OwnEffects.of(daemon.configuration)
-        asked = folder.asked()
-        if not asked:
+        request = folder.asked()
+        if not request:
             raise NotFoundError(
                 "no folder with effects of your own is named",
                 part=PART,
                 todo="name one in the configuration, or start rigctl serve --effects FOLDER",
             )
-        work = in_process(READING, asked)
+        work = in_process(READING, request)
         named = ("own", str(folder.folder), folder.fingerprint())
         return answered(daemon.jobs.submit("own", "", work, named))
 

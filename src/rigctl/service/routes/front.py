@@ -1,4 +1,4 @@
-"""What stands at the address that `rigctl serve` prints."""
+"""The front page at the address that `rigctl serve` prints."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from rigctl.service.guards.auth import PREFIX
 
 
 def front_route(daemon: Daemon) -> APIRouter:
-    """Return the route of `/`: which rig answers here, and how it is spoken to. Needs no key."""
+    """Return the route of `/`: name of the rig and links to its interfaces. Needs no key."""
     router = APIRouter()
     configuration = daemon.configuration
     kind = "real" if configuration.simulation is None else "simulated"

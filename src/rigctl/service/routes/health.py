@@ -45,7 +45,7 @@ def health_routes(daemon: Daemon, wrong: WrongKeys) -> APIRouter:
 
     @router.get("/ready", response_model=Ready, responses=documented(405, 503))
     def ready() -> Ready | Response:
-        """Say whether the rig takes orders; 503 names what a person must see to first."""
+        """Show whether the rig takes orders; 503 names what a person must do first."""
         status = daemon.rig.status()
         if status.state not in LATCHED:
             found = daemon.recovery

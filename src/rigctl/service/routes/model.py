@@ -1,4 +1,4 @@
-"""The model against a campaign: what takes long is a job, and asked again it is answered."""
+"""The model against a campaign: long work is a job, whose result the same request then returns."""
 
 from __future__ import annotations
 
@@ -47,9 +47,9 @@ def model_routes(daemon: Daemon) -> APIRouter:
 
     @router.get("/agreement", responses=_ANSWERED | accepts() | documented(*_QUESTION))
     def agreement(campaign: CampaignName, query: Annotated[EffectsQuery, Query()]) -> Response:
-        """Say by stage and quantity where the model and the campaign agree.
+        """Compare the model with the campaign by stage and quantity.
 
-        202 with a job while nobody knows; asked again when that is done, the answer.
+        202 with a job until it is computed; the same request then returns the answer.
         """
         return answered(_ask(daemon, "agreement", campaign, query.effects))
 
@@ -57,15 +57,15 @@ def model_routes(daemon: Daemon) -> APIRouter:
     def structure(campaign: CampaignName, query: Annotated[EffectsQuery, Query()]) -> Response:
         """Test what the model leaves over, with the residuals where most is left.
 
-        202 with a job while nobody knows; asked again when that is done, the answer.
+        202 with a job until it is computed; the same request then returns the answer.
         """
         return answered(_ask(daemon, "structure", campaign, query.effects))
 
     @router.get("/ranking", responses=_ANSWERED | accepts() | documented(*_QUESTION))
     def ranking(campaign: CampaignName, query: Annotated[EffectsQuery, Query()]) -> Response:
-        """Rank the effects of the catalogue by what they promise.
+        """Rank the effects of the catalogue by their score tests.
 
-        202 with a job while nobody knows; asked again when that is done, the answer.
+        202 with a job until it is computed; the same request then returns the answer.
         """
         return answered(_ask(daemon, "ranking", campaign, query.effects))
 
@@ -83,8 +83,8 @@ def model_routes(daemon: Daemon) -> APIRouter:
 
     @router.post("/next", status_code=202, responses=accepts() | documented(*_POST))
     def next_shots(campaign: CampaignName, order: NextOrder) -> Response:
-        """Choose the next shots: they tell two effects apart, or sharpen a parameter."""
-        # The daemon starts without the model.
+        """Choose the next shots: to distinguish two effects, or to sharpen a parameter."""
+        # The daemon starts without loading the model.
         from analysis.model.design.document import NONE  # noqa: PLC0415
 
         asked = order.asked()
@@ -108,7 +108,7 @@ def model_routes(daemon: Daemon) -> APIRouter:
 
     @router.get("/fits/{fit}", responses=documented(*_GET))
     def saved(campaign: CampaignName, fit: FitName, query: Annotated[FitQuery, Query()]) -> FitView:
-        """Show a saved fit, the latest version of its name or the one asked for."""
+        """Show a saved fit, the latest version of its name or the requested one."""
         version, document = daemon.store.fits.fit(campaign, fit, query.version)
         return FitView(name=fit, version=version, fit=document)
 

@@ -1,4 +1,4 @@
-"""The report of a campaign: a job makes it, and asked again it is a page of HTML."""
+"""The report of a campaign: a job makes it, and the same request then returns the HTML page."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def report_routes(daemon: Daemon) -> APIRouter:
     def report(campaign: CampaignName) -> Response:
         """Give the results of a campaign as one HTML file.
 
-        202 with a job while nobody made it; asked again when that is done, the page.
+        202 with a job until it is made; the same request then returns the page.
         """
         job = report_of(daemon, campaign)
         if job.state is not JobState.DONE or job.result is None:
@@ -71,7 +71,7 @@ def report_routes(daemon: Daemon) -> APIRouter:
 
 
 def _as_they_are(daemon: Daemon, campaign: str) -> str:
-    """Return a digest of all that the catalogue says of a campaign's shots."""
+    """Return a digest of a campaign's shots in the catalogue."""
     digest = hashlib.sha256()
     for shot in daemon.store.shots(campaign=campaign, limit=MOST_SHOTS):
         digest.update(repr(shot).encode())

@@ -31,7 +31,7 @@ def rig_routes(daemon: Daemon, lanes: Lanes) -> APIRouter:
 
     @router.get("", responses=documented(401, 405, 503))
     def status() -> RigView:
-        """Show state, settings and interlocks; says whether the rig is simulated."""
+        """Show state, settings and interlocks, and whether the rig is simulated."""
         return RigView.of(rig.status())
 
     @router.post("/arm", responses=documented(401, 405, 409, 411, 413, 422, 503))

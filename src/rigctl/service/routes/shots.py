@@ -63,7 +63,7 @@ def shot_routes(daemon: Daemon, lanes: Lanes) -> APIRouter:
     @router.get("", responses=documented(401, 404, 405, 422, 503))
     def shots(query: Annotated[ShotQuery, Query()]) -> ShotList:
         """List shots, oldest first, page by page."""
-        # One more than asked for tells whether a further page exists.
+        # One more than requested shows whether a further page exists.
         found = store.shots(
             campaign=query.campaign,
             state=query.state,

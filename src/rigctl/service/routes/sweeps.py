@@ -43,7 +43,7 @@ def sweep_routes(daemon: Daemon, lanes: Lanes) -> APIRouter:
     @router.get("", responses=documented(401, 404, 405, 422, 503))
     def sweeps(query: Annotated[SweepQuery, Query()]) -> SweepList:
         """List sweeps, latest first, page by page."""
-        # One more than asked for tells whether a further page exists.
+        # One more than requested shows whether a further page exists.
         found = daemon.store.sweeps.sweeps(
             state=query.state, limit=query.limit + 1, before=query.before
         )
@@ -60,7 +60,7 @@ def sweep_routes(daemon: Daemon, lanes: Lanes) -> APIRouter:
 
     @router.get("/{sweep}/steps", responses=documented(401, 404, 405, 422, 503))
     def steps(sweep: SweepName) -> SweepTable:
-        """Show what was asked for, and what became of each step."""
+        """Show the request, and the outcome of each step."""
         found = daemon.store.sweeps
         return SweepTable.of(found.sweep(sweep), found.steps(sweep))
 
