@@ -115,9 +115,9 @@ __all__ = [
 
 
 def __getattr__(name: str) -> object:
-    """Load what a public name stands for."""
+    """Load the object of a public name."""
     if name == "__version__":
-        from importlib.metadata import version  # noqa: PLC0415 - slow, and rarely wanted
+        from importlib.metadata import version  # noqa: PLC0415 - slow, and rarely needed
 
         value: object = version("rigctl")
     elif name in _PLACES:

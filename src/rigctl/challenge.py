@@ -21,7 +21,7 @@ from rigctl.config.model import StrictModel
 from rigctl.errors import AnalysisInputError, NotFoundError, RefusedError, SettingsError, StoreError
 
 MAKER = "simulators.challenge:new_challenge"
-"""Module and function that make a challenge, loaded by name: nothing here knows simulators."""
+"""Module and function that make a challenge, loaded by name: no import of the simulators."""
 
 SALT_BYTES = 16
 PUBLIC, SEALED, ANSWER = "challenge.json", "sealed.txt", "answer.json"
@@ -56,7 +56,7 @@ OF_A_LAW = ("slot", "argument", "shape")
 
 
 class HiddenEffect(StrictModel):
-    """One effect of the label: its size, in its unit, and what the number says.
+    """One effect of the label: its size, in its unit, and the meaning of the number.
 
     `law` is what depends on what, and how, in what no catalogue holds.
     """
@@ -69,7 +69,7 @@ class HiddenEffect(StrictModel):
 
 
 class Label(StrictModel):
-    """The truth: the right answer; by name, what is hard to tell from it; what may stand beside.
+    """The truth: the right answer, its aliases by name, and further effects that are accepted.
 
     `world` is what the simulated world has beside hard spheres, whatever is hidden in it.
     """
@@ -101,7 +101,7 @@ def new(
         The folder cannot be written.
     """
     module, _, name = MAKER.partition(":")
-    # What a name stands for has no type before it is loaded.
+    # An object loaded by name has no static type.
     make = cast("Maker", getattr(importlib.import_module(module), name))
     try:
         make(folder, seed=seed, strength=strength, shots=shots, from_frames=from_frames)
@@ -220,11 +220,11 @@ def law_compared(folder: Path, label: Label) -> Json | None:
 
 
 def judge(label: Label, answer: Sequence[str]) -> Outcome:
-    """Return how an answer stands to the truth.
+    """Return the outcome of an answer against the truth.
 
     Only what was hidden counts: what the world has whatever is hidden may be answered or not.
     right: the names of the truth; what the truth contains may stand beside. alias: as many names,
-    each of the truth or hard to tell from it. partly: some of them. wrong: none.
+    each of the truth or an alias of it. partly: some of them. wrong: none.
     """
     truth = set(label.answer)
     given = set(answer) - (set(label.world) - truth) or {"none"}

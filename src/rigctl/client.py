@@ -51,7 +51,7 @@ def connected(path: Path | None, key: Chosen | None) -> Iterator[ServiceClient]:
 
 
 class ServiceClient:
-    """Speaks to a running daemon; a problem document comes back as the error it was made from.
+    """REST client of a running daemon; a problem document is raised as the error it was made from.
 
     Nothing is ever sent twice: a lost answer to a fire is reported, and the shot's fate is read
     from the list of shots.
@@ -149,7 +149,7 @@ class ServiceClient:
         return self._ask("GET", f"/sweeps/{name}")
 
     def sweep_steps(self, name: str) -> dict[str, Any]:
-        """Return what was asked of a sweep (`form`) and its steps (`table`)."""
+        """Return the request of a sweep (`form`) and its steps (`table`)."""
         return self._ask("GET", f"/sweeps/{name}/steps")
 
     def order_sweep(self, name: str, wish: str) -> dict[str, Any]:

@@ -37,14 +37,13 @@ LABORATORY_FOLDER = "laboratory"
 
 @dataclass(frozen=True, slots=True)
 class Daemon:
-    """A running rig: what it is, what acts, what survives, and what the start had to clear up.
+    """A running rig with its store, jobs and sweeps, and the repairs made at its start.
 
-    `laboratory` is what stands behind a simulated rig, None on a real one; `analyse` queues a
+    `laboratory` simulates the hardware, None on a real rig; `analyse` queues a
     stored shot for analysis and returns at once, `analyse_by` by a method of choice; `compiling`
-    says how far the machine code is that an analysis waits for, None where none does; `jobs` is
-    whatever else takes long; `commissioning` is what people must have seen of a real rig; `keypad`
-    that of a tape recorder, None with another camera; `offered` are the sweeps that wait to be
-    resumed.
+    gives the progress of compiling that an analysis waits for, None where none does; `jobs` runs
+    all other long work; `commissioning` is what people must have seen of a real rig; `keypad` that
+    of a tape recorder, None with another camera; `offered` are the sweeps that wait to be resumed.
     """
 
     configuration: Configuration

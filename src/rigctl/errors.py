@@ -61,7 +61,7 @@ class RigError(Exception):
 
 
 class ConfigurationError(RigError):
-    """The configuration file says something that cannot be."""
+    """The configuration file has an invalid value."""
 
     code = "configuration"
 
@@ -73,7 +73,7 @@ class SettingsError(RigError):
 
 
 class DeviceError(RigError):
-    """A device did not do what it was told; the rig goes to FAULT."""
+    """A device did not carry out its command; the rig goes to FAULT."""
 
     code = "device"
 

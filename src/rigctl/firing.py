@@ -35,7 +35,7 @@ def fire_and_wait(
     settings: ShotSettings,
     campaign: str | None,
     wait_s: float,
-    say: Callable[[str], None],
+    progress: Callable[[str], None],
     *,
     clock: Callable[[], float] = time.monotonic,
     pause: Callable[[float], None] = time.sleep,
@@ -44,11 +44,11 @@ def fire_and_wait(
 
     The measurement is waited for at most `wait_s`; `result` is None when there is none.
     """
-    say("setting pressure and offset")
+    progress("setting pressure and offset")
     token = rig.arm(settings)
-    say("firing")
+    progress("firing")
     name = rig.fire(token, str(uuid.uuid4()), campaign)
-    say(f"shot {name}: waiting for its measurement")
+    progress(f"shot {name}: waiting for its measurement")
     return measured(rig, name, wait_s, clock=clock, pause=pause)
 
 

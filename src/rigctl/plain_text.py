@@ -19,7 +19,7 @@ _HARMFUL = (
     r"\x00-\x1f\x7f-\x9f\u00ad\u061c\u200b\u200e\u200f\u2028-\u202e\u2060-\u2069\ufeff\ufff9-\ufffb"
 )
 PLAIN = rf"^[^{_HARMFUL}]*$"
-"""Of a whole text; understood by Python, by the models and by readers of the OpenAPI document."""
+"""Pattern of a whole text, for Python, the models and the OpenAPI document."""
 _FIRST = re.compile(f"[{_HARMFUL}]")
 
 Line = Annotated[str, StringConstraints(min_length=1, max_length=LONGEST_LINE, pattern=PLAIN)]
@@ -43,7 +43,7 @@ def require_word(
     Raises
     ------
     SettingsError
-        It may not; `fault` says so.
+        It may not; `fault` has the reason.
     """
     if re.fullmatch(_WORD.format(longest - 1)[1:-1], word) is None:
         raise SettingsError(

@@ -15,7 +15,7 @@ def shipped(in_package: str, in_checkout: str, *, todo: str) -> Path:
     Raises
     ------
     ConfigurationError
-        It lies in neither; `todo` says what to do.
+        It lies in neither; `todo` has the remedy.
     """
     for path in (_PACKAGE / in_package, _PACKAGE.parents[1] / in_checkout):
         if path.exists():

@@ -1,4 +1,4 @@
-"""Signs of life for systemd: a unit of type `notify` with a watchdog; silent elsewhere.
+"""Signs of life for systemd: a unit of type `notify` with a watchdog; no effect elsewhere.
 
 The protocol is that of sd_notify(3): datagrams to the socket that `NOTIFY_SOCKET` names.
 """
@@ -15,7 +15,7 @@ READY, STOPPING, ALIVE = "READY=1", "STOPPING=1", "WATCHDOG=1"
 
 
 def notify(state: str) -> None:
-    """Tell the service manager a state; nothing happens where there is none. Never raises."""
+    """Send a state to the service manager, if there is one. Never raises."""
     address = os.environ.get("NOTIFY_SOCKET", "")
     if address[:1] not in {"/", "@"}:
         return
@@ -35,12 +35,12 @@ def watchdog_period_s() -> float | None:
 
 
 class Watchdog:
-    """Sends a sign of life as long as `alive` says so, in a thread of its own.
+    """Sends a sign of life while `alive` returns true, in a thread of its own.
 
     Parameters
     ----------
     alive
-        Asked before each sign; returns within a bound.
+        Called before each sign; returns within a bound.
     """
 
     def __init__(self, alive: Callable[[], bool]) -> None:

@@ -11,7 +11,7 @@ from rigctl.errors import StoreError
 
 @contextmanager
 def temporary_room(what: str = "poses") -> Iterator[None]:
-    """Say what to do where temporary files find no room.
+    """Raise an error with the remedy where temporary files find no room.
 
     Parameters
     ----------

@@ -147,5 +147,5 @@ def yield_speed(bodies: tuple[Body, Body]) -> float | None:
         return None
     a, b = bodies
     radius = 1.0 / (1 / a.radius + (0.0 if b.is_plate else 1 / b.radius))
-    mass = 1 / gives(bodies)[0]
+    mass = 1 / inverse_masses(bodies)[0]
     return float(np.sqrt(106.0 * radius**3 * min(told) ** 5 / (mass * modulus**4)))

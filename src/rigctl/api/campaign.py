@@ -42,7 +42,7 @@ class Campaign:
     def measure(self, *, workers: int | None = None) -> Shots:
         """Measure the shots; those that were measured before are read from disk.
 
-        Everything below does this by itself where it was not asked for.
+        All functions below measure by themselves where needed.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""A campaign with a fit: what it found, and what may be asked of it."""
+"""A campaign with a fit: its results, and what can be computed from it."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class Fit(Pictured):
         self._measured, self._chosen, self._known = measured, tuple(chosen), known
         with faults_refused():
             require_seen(measured, self._chosen, "fit")
-            self._judged: Judged = judged(measured, self._chosen)
+            self._robust: Judged = judged(measured, self._chosen)
 
     @property
     def effects(self) -> tuple[str, ...]:
@@ -58,17 +58,17 @@ class Fit(Pictured):
     @property
     def parameters(self) -> Mapping[str, Quantity]:
         """Values with standard errors and units: of the law first, then of the effects."""
-        return self._judged.fit.parameters()
+        return self._robust.fit.parameters()
 
     @property
     def chi2_per_dof(self) -> float:
         """Chi-squared per degree of freedom: 1 when nothing is missing and the errors are true."""
-        return self._judged.fit.chi2_per_dof
+        return self._robust.fit.chi2_per_dof
 
     @property
     def rejected(self) -> list[int]:
         """Numbers of the shots that were left out, unlike all others or not to be fitted."""
-        return self._judged.rejected
+        return self._robust.rejected
 
     def add(self, *effects: Given) -> Fit:
         """Return a fit with more effects: names, files of one's own, or effects themselves.
@@ -85,7 +85,7 @@ class Fit(Pictured):
 
     def rank(self) -> Ranking:
         """Score what else the data ask for, the most promising first."""
-        ranked = self._known.all_in(lambda left: rank(self._judged.data, self._judged.fit, left))
+        ranked = self._known.all_in(lambda left: rank(self._robust.data, self._robust.fit, left))
         return Ranking(self.campaign, ranked)
 
     def error_path(self) -> ErrorPath:
@@ -99,26 +99,26 @@ class Fit(Pictured):
     def agreement(self) -> Agreement:
         """Hold the fit against the campaign, by stage and quantity."""
         with faults_refused():
-            return agreement_of(self.campaign, self._judged.data, self._judged.fit)
+            return agreement_of(self.campaign, self._robust.data, self._robust.fit)
 
     def structure(self) -> Structure:
         """Test what the fit leaves over: each quantity against all that it may depend on."""
         with faults_refused():
-            return Structure(self.campaign, structure(self._judged.data, self._judged.fit))
+            return Structure(self.campaign, structure(self._robust.data, self._robust.fit))
 
     def plot(self) -> Axes:
         """Draw figure 7.4: the rebound of the surface velocity beside this fit's lines."""
         from analysis.figures.plane import plane_figure  # noqa: PLC0415 - Matplotlib is slow
 
-        plane = impact_plane(self._judged.data, self._judged.fit)
+        plane = impact_plane(self._robust.data, self._robust.fit)
         return plane_figure(f"{self.campaign}: rebound of the surface velocity", plane).axes[0]
 
     def to_dict(self) -> Json:
         """Return the document of `rigctl model fit --json`."""
-        return fit_document(self.campaign, self.effects, self._judged)
+        return fit_document(self.campaign, self.effects, self._robust)
 
     def _stages(self) -> list[Stage]:
-        data, last = self._judged.data, self._judged.fit
+        data, last = self._robust.data, self._robust.fit
         if not self._chosen:
             return [stage_of(data, last)]
         data = replace(data, jitter_s=0.0) if isinstance(data, PoseData) else data
@@ -127,10 +127,10 @@ class Fit(Pictured):
         for effect in self._chosen[:-1]:
             data, fit = added(data, fit, effect)
             stages.append(stage_of(data, fit))
-        return [*stages, stage_of(self._judged.data, last)]
+        return [*stages, stage_of(self._robust.data, last)]
 
     def _headline(self) -> str:
-        return headline(" + ".join([self.campaign, *self.effects]), self._judged)
+        return headline(" + ".join([self.campaign, *self.effects]), self._robust)
 
     def _columns(self) -> Mapping[str, list[object]]:
         quantities = self.parameters

@@ -61,8 +61,8 @@ class Frames:
         options = AnalysisOptions(method=self.method)
         wait = wait_for_compiler(self.method)
         first = "" if wait is None else f" (compiling first, about {wait}, once)"
-        with counting(f"measuring {self.name}{first}") as told:
-            done = analyse_campaign(self.campaign, options, workers, told, frozenset(there))
+        with counting(f"measuring {self.name}{first}") as count:
+            done = analyse_campaign(self.campaign, options, workers, count, frozenset(there))
             for job, shot, frames in done:
                 document = measured_document(shot)
                 if frames and job.shot in keys:

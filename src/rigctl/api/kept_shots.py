@@ -33,7 +33,7 @@ LATER_ROOMS = frozenset(
 
 
 def cache_folder() -> Path:
-    """Return the user's folder for what can be computed again, by the custom of the system."""
+    """Return the user's cache folder of this system."""
     if named := os.environ.get(VARIABLE):
         return Path(named)
     if sys.platform == "win32":
@@ -112,8 +112,8 @@ def digest_of(frames: Path) -> str | None:
 
 @cache
 def sources() -> str:
-    """Return a digest of every source file that has a part in measuring."""
-    import analysis  # noqa: PLC0415 - its folder alone is wanted
+    """Return a digest of all source files that measuring depends on."""
+    import analysis  # noqa: PLC0415 - only its folder is needed
 
     package = Path(analysis.__file__).parent
     digest = sha256()

@@ -1,4 +1,4 @@
-"""The effects that a campaign is asked about: of the catalogue, and one's own."""
+"""The candidate effects of a campaign: those of the catalogue and the user's own."""
 
 from __future__ import annotations
 

@@ -9,11 +9,11 @@ from contextlib import contextmanager
 from rich.console import Console
 from rich.progress import Progress
 
-Told = Callable[[int, int], None]
+Counter = Callable[[int, int], None]
 
 
 @contextmanager
-def counting(what: str) -> Iterator[Told]:
+def counting(what: str) -> Iterator[Counter]:
     """Yield a function to call with the number done and the total number."""
     console = Console(stderr=True)
     if console.is_jupyter:

@@ -29,7 +29,7 @@ Json = dict[str, Any]
 
 
 def proposals(campaign: str, data: Data, given: Sequence[Effect], known: KnownEffects) -> Proposals:
-    """Propose beside effects that are known to be there."""
+    """Propose laws beside effects that are given."""
     with faults_refused(), stating() as say:
         require_seen(data, given, "propose")
         found, document = known.all_in(

@@ -44,7 +44,7 @@ class Ranking(Pictured):
         return next((c.p_familywise for c in self._ranked.candidates if c.seen), 1.0)
 
     def plot(self) -> Axes:
-        """Draw the scores of the first effects, with what these shots do not tell apart."""
+        """Draw the scores of the first effects with their alias sets."""
         from analysis.figures.ranking import ranking_figure  # noqa: PLC0415 - Matplotlib is slow
 
         return ranking_figure(f"{self.campaign}: what is missing", self._ranked).axes[0]

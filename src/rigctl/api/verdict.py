@@ -28,13 +28,13 @@ Json = dict[str, Any]
 def explained(campaign: str, data: Data, known: KnownEffects) -> Verdict:
     """Go the whole way to a verdict; choose the shots that would end its doubts."""
 
-    def judge(effects: Sequence[Effect]) -> tuple[Found, Telling | None]:
+    def explained(effects: Sequence[Effect]) -> tuple[Found, Telling | None]:
         found = explain(data, effects, say)
         say("choosing shots")
         return found, next_after(found, effects)
 
     with stating() as say:
-        found, following = known.all_in(judge)
+        found, following = known.all_in(explained)
     return Verdict(campaign, found, verdict_document(campaign, data, found, following))
 
 
@@ -67,7 +67,7 @@ class Verdict(Pictured):
 
     @property
     def doubts(self) -> list[str]:
-        """What few shots leave open, and what is not believed."""
+        """Open questions of few shots, and implausible results."""
         return doubts(self.numbers)
 
     @property
@@ -81,7 +81,7 @@ class Verdict(Pictured):
         return list(self.numbers["next_shots"])
 
     def ranking(self) -> Ranking:
-        """Return what the data asked for before anything was added."""
+        """Return the ranking before any effect was added."""
         return Ranking(self.campaign, self._found.first_ranking)
 
     def error_path(self) -> ErrorPath:

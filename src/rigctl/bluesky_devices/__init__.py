@@ -1,6 +1,6 @@
 """The rig as a device of Bluesky (extra `bluesky`), and the plan that fires one shot once.
 
-Nothing here is in the way of firing: it speaks REST to the daemon, as any other caller does.
+These devices use REST, as any other client of the daemon does; firing does not depend on them.
 """
 
 from rigctl.bluesky_devices.plans import fire_once, one_shot

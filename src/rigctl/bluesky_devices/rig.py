@@ -1,4 +1,4 @@
-"""The rig as a device: set to a step it arms, triggered it fires that step once, read it tells."""
+"""The rig as a device: `set` arms for a step, `trigger` fires it once, `read` gives the results."""
 
 from __future__ import annotations
 
@@ -121,7 +121,7 @@ class WorkStatus(Status):
     def _run(self) -> None:
         try:
             self._work()
-        except Exception as error:  # noqa: BLE001 - whoever waits is told of any failure
+        except Exception as error:  # noqa: BLE001 - raised to the waiting caller
             self._failure = error
         with self._lock:
             self._ended.set()
@@ -151,7 +151,7 @@ class Rig(Readable[Any], Movable[Step], Triggerable, Stageable):
     client
         A daemon (`rigctl.client.connected`), or a rig in this process.
     name
-        Stands before the name of every reading.
+        Prefix of the name of every reading.
     campaign
         That the shots belong to.
     wait_s

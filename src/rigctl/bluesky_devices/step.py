@@ -1,4 +1,4 @@
-"""One shot as a plan asks for it, and how far it has come."""
+"""One shot as a plan orders it, and its progress."""
 
 from __future__ import annotations
 

@@ -229,7 +229,7 @@ def _velocity(found: Results, name: str, column: int) -> list[Column]:
 
 
 def _with_parts(name: str, unit: str, ratio: Ratio) -> list[Column]:
-    """Return value and error, and where they are told apart its parts: own, and what all share."""
+    """Return value and error, and the error's own and shared parts where they are separated."""
     whole = [Column(name, unit, ratio.value), Column(f"{name}_sigma", unit, ratio.sigma)]
     if np.isnan(ratio.common).all():
         return whole

@@ -2,7 +2,7 @@
 
 NeXus (M. Koennecke et al., J. Appl. Cryst. 48, 301 (2015)) names groups by class and gives every
 number its unit; `x_errors` holds the standard errors of `x`. Axes are those of the rig: X down, Y
-right, Z toward the camera. No application definition speaks of collisions, so none is claimed.
+right, Z toward the camera. No application definition covers collisions, so none is claimed.
 """
 
 from __future__ import annotations
@@ -127,7 +127,7 @@ def _bodies(group: h5py.Group, bodies: tuple[Body, Body]) -> None:
 
 
 def _settings(group: h5py.Group, source: Source) -> None:
-    """Write what else is known of each shot; the unit is what the column's name ends in."""
+    """Write the covariates of each shot; the unit is the ending of the column's name."""
     _number(group, "shot", source.data.shots, RATIO)
     for name, values in sorted(source.data.covariates.items()):
         _number(group, name, values, unit_of(name))

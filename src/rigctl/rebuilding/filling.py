@@ -1,4 +1,4 @@
-"""Writes what was found into an empty catalogue, with a ledger that tells of all of it."""
+"""Writes what was found into an empty catalogue and its ledger."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ _NOTE = re.compile(r"sweep (?P<sweep>\S+), step (?P<step>\d+)")
 def sweep_rows(document: Json, shots: Iterable[FiredShot], now: str) -> tuple[Json, Rows]:
     """Return the row of a sweep and those of its steps.
 
-    A sweep that did not end before the catalogue was lost is over: nobody resumes it unseen.
+    A sweep that had not ended when the catalogue was lost is over: it is never resumed unseen.
     """
     steps: Rows = [
         {
@@ -126,11 +126,11 @@ def _add(
     rows: Iterable[dict[str, object]],
     *added: ColumnElement[bool],
 ) -> None:
-    """Add rows and tell the ledger; `added` tells them from those that were there before."""
+    """Add rows to a table and the ledger; `added` selects them from the rows already there."""
     known = list(rows)
     names = {name for row in known for name in row}
     if known:
-        # One statement for all: a column that one row lacks says nothing.
+        # One statement for all: a column that one row lacks stays empty.
         connection.execute(insert(table), [dict.fromkeys(names) | row for row in known])
         ledger.note(connection, table, *added)
 
@@ -148,11 +148,11 @@ def _digests(found: Iterable[FiredShot]) -> Iterator[dict[str, object]]:
             yield {"shot": shot.number, "number": number, "digest": digest}
 
 
-def _free(taken: set[int], wanted: int) -> int:
+def _free(taken: set[int], count: int) -> int:
     """Return the first of so many numbers in a row that no shot has."""
     first = 1
     for number in sorted(taken):
-        if number - first >= wanted:
+        if number - first >= count:
             break
         first = number + 1
     return first
@@ -175,14 +175,14 @@ def _add_import(connection: Connection, campaign: ImportedCampaign, first: int) 
 
 def _tell(connection: Connection, found: Found, at: datetime) -> None:
     """Write into the audits that the catalogue was rebuilt, and what a person has to look at."""
-    said = f"rebuilt: {len(found.shots)} shots, {len(found.imports)} imported campaigns"
+    summary = f"rebuilt: {len(found.shots)} shots, {len(found.imports)} imported campaigns"
     change: dict[str, object] = {
         "at": at.isoformat(),
         "actor": ACTOR,
         "act": "recovered",
         "subject": "catalogue",
         "before": None,
-        "after": said,
+        "after": summary,
     }
     chain.append(connection, edits, change)
     last = found.shots[-1].row if found.shots else {}

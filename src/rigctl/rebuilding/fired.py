@@ -17,7 +17,7 @@ from rigctl.store.states import Fired, ShotState
 
 Json = dict[str, Any]
 
-NOBODY = "not known"
+UNKNOWN_ACTOR = "not known"
 """Actor of a shot whose manifest does not name one."""
 
 _STORED: Json = {"state": ShotState.STORED, "fired": Fired.YES}
@@ -83,7 +83,7 @@ def from_manifest(folders: ShotFolders, shot: str) -> FiredShot:
 
 
 def from_order(order: Json) -> FiredShot:
-    """Return a shot that has not ended: nobody knows whether it fired, and a person will look."""
+    """Return a shot that has not ended: whether it fired is unknown, and a person has to look."""
     standing = {"state": ShotState.FIRING, "outcome": None, "fired": Fired.UNKNOWN, "results": 0}
     return FiredShot({**_ordered(order), **standing}, _request(order), {})
 
@@ -100,7 +100,7 @@ def _ordered(document: Json) -> dict[str, object]:
         "settings": ShotSettings.model_validate(document["settings"]).model_dump_json(),
         "campaign": document["campaign"],
         "note": document["note"],
-        "actor": (document.get("request") or {}).get("actor") or NOBODY,
+        "actor": (document.get("request") or {}).get("actor") or UNKNOWN_ACTOR,
         "simulated": int(document["simulated"]),
         "configuration": document["configuration"]["sha256"],
         "accepted_at": document["accepted_at"],

@@ -1,4 +1,4 @@
-"""What lies in a store's folder, whatever a catalogue says."""
+"""Contents of a store's folder, read without a catalogue."""
 
 from __future__ import annotations
 
