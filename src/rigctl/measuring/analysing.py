@@ -29,11 +29,11 @@ ANALYSE = "rigctl.measuring.stored_shot:analyse_stored_shot"
 class Analyser:
     """Analyses shots one after another in each of its workers.
 
-    A result is written beside the frames before the shot's row says `analysed`, or `refused`
+    A result is written beside the frames before the shot's row becomes `analysed`, or `refused`
     where the frames cannot be measured. A worker that cannot be started, crashes or takes too long
     is replaced, and the shot is `refused` with that reason, or keeps the result that it has; the
-    next shot gets a fresh attempt. What the disk does not take is tried again for a while, as
-    `Keeper` says.
+    next shot gets a fresh attempt. A failed write is tried again for a while, as
+    `Keeper` describes.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ class Analyser:
     function
         `module:name` of a callable (folder, method) -> JSON object, imported in the worker.
     rest
-        Waits so many seconds for the event of the analyser's end, and says whether it came.
+        Waits so many seconds for the event of the analyser's end; returns whether it came.
     """
 
     def __init__(
@@ -96,26 +96,26 @@ class Analyser:
         keeper = Keeper(self._store, lambda wait_s: self._rest(self._ended, wait_s))
         while not worker.ended:
             try:
-                asked = self._waiting.get(timeout=keeper.idle_s)
+                order = self._waiting.get(timeout=keeper.idle_s)
             except Empty:
                 keeper.try_again()
                 continue
-            if asked is None:
+            if order is None:
                 return
             try:
-                self._analyse(worker, keeper, *asked)
+                self._analyse(worker, keeper, *order)
             except Exception:  # noqa: BLE001 - the shots behind this one must still be analysed
-                _log.exception("shot %s: its analysis could not be stored", asked[0])
+                _log.exception("shot %s: its analysis could not be stored", order[0])
 
     def _analyse(self, worker: AnalysisProcess, keeper: Keeper, shot: str, method: str) -> None:
         if self._store.shot(shot).is_without_frames:
             return
         if (before := keeper.begin(shot)) is None:
-            # It stands where it stood: nobody else would take it up before the next start.
+            # Its state is unchanged; without this it would wait for the next start.
             self.submit_by(shot, method)
             return
         try:
-            result = worker.ask(self._store.folders.folder(shot), method, self._timeout_s)
+            result = worker.analyse(self._store.folders.folder(shot), method, self._timeout_s)
         except Exception as error:  # noqa: BLE001 - whatever breaks is this shot's failure alone
             if not worker.ended:
                 _log.warning("shot %s: %s", shot, error, exc_info=error)

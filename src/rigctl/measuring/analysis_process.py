@@ -1,4 +1,4 @@
-"""The process in which shots are analysed, one after another: started, asked, lost and replaced."""
+"""The process in which shots are analysed, one after another; replaced when it dies."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ class AnalysisProcess:
         self.ended = False
         self.compiling: Compiling | None = None
 
-    def ask(self, folder: Path, method: str, timeout_s: float) -> Json:
+    def analyse(self, folder: Path, method: str, timeout_s: float) -> Json:
         """Have one folder analysed; raise `AnalysisFailedError` if no result comes of it.
 
         Each function that is compiled meanwhile gives the analysis its time anew.
@@ -84,10 +84,10 @@ class AnalysisProcess:
     ) -> tuple[str | None, str | None]:
         try:
             while connection.poll(timeout_s):
-                told: Compiling | tuple[str | None, str | None] = connection.recv()
-                if not isinstance(told, Compiling):
-                    return told
-                self.compiling = told
+                message: Compiling | tuple[str | None, str | None] = connection.recv()
+                if not isinstance(message, Compiling):
+                    return message
+                self.compiling = message
         finally:
             self.compiling = None
         process.kill()
@@ -96,7 +96,7 @@ class AnalysisProcess:
         )
 
     def end(self) -> None:
-        """Kill the process; whoever waits for it is told at once."""
+        """Kill the process; a waiting caller gets the error at once."""
         with self._lock:
             self.ended = True
             if self._started is not None:
@@ -160,7 +160,7 @@ def _work(connection: Connection, function: str) -> None:
         answer: tuple[str | None, str | None]
         try:
             answer = (json.dumps(analyse(Path(folder), method), allow_nan=False), None)
-        except Exception as error:  # noqa: BLE001 - whatever breaks is told, not lost
+        except Exception as error:  # noqa: BLE001 - sent to the caller
             answer = (None, f"{type(error).__name__}: {error}")
         connection.send(answer)
         if first:

@@ -80,8 +80,8 @@ class CampaignLearning:
         return analyse_shot(frames, times_s, setup, options, together)
 
     def _together(self, teachers: Sequence[str], setup: Setup) -> Appearance | None:
-        """Return what shots teach together; None where nothing comes of it."""
-        # Compiled functions are loaded only where they are wanted.
+        """Return the appearance learned from shots together; None where learning fails."""
+        # Loading compiled functions is slow.
         from analysis.photometric.method import teach  # noqa: PLC0415
 
         shots = []

@@ -8,7 +8,7 @@ from analysis.shot import Method
 
 def wait_for_compiler(method: Method) -> str | None:
     """Return how long a method is compiled before its next shot; None: it was compiled before."""
-    # Compiled functions are loaded only where they are wanted.
+    # Loading compiled functions is slow.
     if method == "photometric":
         from analysis.photometric.method import compiles_first  # noqa: PLC0415
 

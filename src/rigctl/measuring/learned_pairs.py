@@ -49,7 +49,7 @@ class LearnedPairs:
             return None
         if path in self._held and self._held[path][0] == stamp:
             return self._held[path][1]
-        # Compiled functions are loaded only where they are wanted.
+        # Loading compiled functions is slow.
         from analysis.photometric.learn.record import read_knowledge  # noqa: PLC0415
 
         try:
@@ -86,7 +86,7 @@ class LearnedPairs:
         return tuple(map(str, named))
 
     def keep_teachers(self, campaign: str | None, setup: Setup, shots: Sequence[str]) -> None:
-        """Let all processes know which shots showed the pair.
+        """Record for all processes which shots showed the pair.
 
         Raises
         ------

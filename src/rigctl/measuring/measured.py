@@ -1,4 +1,4 @@
-"""Where the measured shots of a campaign lie; the daemon asks this without the analysis."""
+"""Folders of the measured shots of a campaign; found without loading the analysis."""
 
 from __future__ import annotations
 

@@ -84,7 +84,7 @@ class _Watch:
         with self._changed:
             self._changes += 1
             if record.id == self._expected and record.state in ENDED:
-                # One that keeps an earlier result says in `failure` why there is no later one.
+                # One that keeps an earlier result has the reason in `failure`.
                 kept = record.failure is not None
                 self.ends[ShotState.REFUSED if kept else record.state] += 1
                 self._expected = None

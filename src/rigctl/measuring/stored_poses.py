@@ -1,7 +1,7 @@
 """Poses of a measured shot in its result file, one object a sphere and frame, and how they err.
 
-They have what poses.csv has. What was not measured is null: JSON knows neither NaN nor infinity. An
-error that is not stated is 0, as in the exchange folder.
+Same content as poses.csv. A value that was not measured is null: JSON has neither NaN nor infinity.
+An error that is not stated is 0, as in the exchange folder.
 """
 
 from __future__ import annotations

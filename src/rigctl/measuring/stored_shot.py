@@ -34,7 +34,7 @@ LEARNED = "learned"
 
 
 def analyse_stored_shot(folder: Path, method: str) -> Json:
-    """Analyse the frames in a shot's folder; the manifest says all that must be known.
+    """Analyse the frames in a shot's folder; the manifest has all that is needed.
 
     Times count from the shot's first frame.
 
