@@ -96,7 +96,7 @@ def campaign(folder: Path, shots: int) -> Store:
         rows.append(f"{k + 1},{rows[k % RENDERED].partition(',')[2]}")
     (home / "shots.csv").write_text("\n".join([head, *rows]) + "\n")
     store = Store(folder / "data")
-    import_campaign(store, read_contents(home, silent), "benchmark", say=silent)
+    import_campaign(store, read_contents(home, silent), "benchmark", progress=silent)
     return store
 
 

@@ -35,7 +35,7 @@ def store(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Store]:
     new(folder / "nylon", seed=5, strength="full", shots=4, from_frames=True)
     with closing(Store(folder / "data")) as opened:
         contents = read_contents(folder / "nylon", silent)
-        import_campaign(opened, contents, "anna", name="nylon", say=silent)
+        import_campaign(opened, contents, "anna", name="nylon", progress=silent)
         yield opened
 
 

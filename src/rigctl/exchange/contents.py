@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,7 +24,8 @@ from rigctl.errors import AnalysisInputError
 from rigctl.exchange.remarks import read_remarks
 from rigctl.input_errors import as_analysis_errors
 from rigctl.plain_text import require_plain
-from rigctl.store.campaign_words import Words
+from rigctl.progress import Progress
+from rigctl.store.campaign_remarks import Remarks
 
 Poses = Mapping[str, Sequence[PoseRow]]
 
@@ -58,7 +59,7 @@ class Contents:
     folder, title, setup, rows
         Where it is, the campaign's name, its set-up, and the lines of shots.csv.
     frames, poses
-        What there is of each shot, by its number.
+        By the number of the shot, where it has any.
     tabulated
         Numbers of the shots in contacts.csv or impacts.csv.
     remarks
@@ -72,10 +73,10 @@ class Contents:
     frames: Mapping[int, Frames]
     poses: Mapping[int, Poses]
     tabulated: frozenset[int]
-    remarks: Words
+    remarks: Remarks
 
 
-def read_contents(folder: Path, say: Callable[[str, float | None], None]) -> Contents:
+def read_contents(folder: Path, progress: Progress) -> Contents:
     """Read a whole exchange folder.
 
     Raises
@@ -102,7 +103,7 @@ def read_contents(folder: Path, say: Callable[[str, float | None], None]) -> Con
         if (folder / IMPACTS).exists():
             tabulated |= {row.shot for row in read_impacts(folder / IMPACTS)}
         _require_listed(folder, {row.shot for row in rows}, {*poses, *tabulated})
-        frames = _frames(folder, setup, rows, say)
+        frames = _frames(folder, setup, rows, progress)
         if not (frames or poses or tabulated):
             stages = f"{FRAMES}, {POSES}, {CONTACTS}, {IMPACTS}"
             raise InputError(folder, f"holds none of {stages}")
@@ -122,11 +123,11 @@ def _frames(
     folder: Path,
     setup: Setup,
     rows: Sequence[ShotRow],
-    say: Callable[[str, float | None], None],
+    progress: Progress,
 ) -> dict[int, Frames]:
     found, faults = {}, []
     for done, row in enumerate(rows):
-        say(f"reading shot {row.shot}", done / len(rows))
+        progress(f"reading shot {row.shot}", done / len(rows))
         path = frames_of(folder / FRAMES, row.shot)
         if not path.exists():
             continue
@@ -166,7 +167,7 @@ def _require_listed(folder: Path, listed: set[int], measured: set[int]) -> None:
 
 @contextmanager
 def _nothing_imported() -> Iterator[None]:
-    """Say of each fault that nothing was imported."""
+    """Add to each fault that nothing was imported."""
     try:
         with as_analysis_errors(todo="nothing was imported; correct the folder"):
             yield

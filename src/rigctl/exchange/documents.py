@@ -1,4 +1,4 @@
-"""What stands beside an imported shot: its manifest, and the first result where it has poses."""
+"""Documents beside an imported shot: its manifest, and the first result where it has poses."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ FORMAT = 2
 """2: the set-up is one table; manifests of format 1 are read as before."""
 METHOD = "imported"
 CONFIGURATION, SIMULATED = "configuration", "simulated"
-"""Words of shots.csv in which this program says more of its own shots."""
+"""Text columns of shots.csv that this program adds to its own shots."""
 
-_ASKED = tuple(ShotSettings.model_fields)
+_SETTINGS = tuple(ShotSettings.model_fields)
 
 
 def imported_shot(row: ShotRow, contents: Contents) -> ImportedShot:
@@ -64,7 +64,7 @@ def shot_of_row(row: ShotRow, frames: int | None, *, measured: bool) -> Imported
 
 
 def manifest(shot: str, row: ShotRow, contents: Contents, campaign: str, frames: Json) -> Json:
-    """Return the manifest of an imported shot, as far as its folder says what one needs.
+    """Return the manifest of an imported shot, as far as its folder has the values.
 
     `settings` has every numeric column of shots.csv, whatever it means.
     """
@@ -100,10 +100,10 @@ def first_result(shot: str, row: ShotRow, contents: Contents) -> Json:
 
 
 def _settings(row: ShotRow) -> ShotSettings | None:
-    """Return what a rig would have been asked for; None where that is not stated in full."""
-    asked: Mapping[str, float] = {name: row.numbers[name] for name in _ASKED if name in row.numbers}
+    """Return the settings that a rig would need; None where they are incomplete."""
+    stated: Mapping[str, float] = {n: row.numbers[n] for n in _SETTINGS if n in row.numbers}
     try:
-        return ShotSettings.model_validate(asked)
+        return ShotSettings.model_validate(stated)
     except ValidationError:
         return None
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,15 +12,15 @@ from rigctl.errors import NotFoundError, StoreError
 from rigctl.exchange.amending import amended
 from rigctl.exchange.fresh import fresh_folder
 from rigctl.exchange.remarks import REMARKS, parsed, written
+from rigctl.progress import Progress
 from rigctl.store import ShotRecord, Store, StoreReader
-from rigctl.store.campaign_words import Words
+from rigctl.store.campaign_remarks import Remarks
 from rigctl.store.durable import write_synced
 from rigctl.store.folders import sha256
 from rigctl.store.imports import LISTING
 from rigctl.store.integrity.copying import copy_synced
 
 Json = dict[str, Any]
-Say = Callable[[str, float | None], None]
 ALL = 10_000_000
 SHOT_LIST = "shots.csv"
 
@@ -36,7 +36,7 @@ class Exported:
 
 
 def export_campaign(
-    store: Store | StoreReader, campaign: str, folder: Path, *, say: Say
+    store: Store | StoreReader, campaign: str, folder: Path, *, progress: Progress
 ) -> Exported:
     """Write a campaign as an exchange folder.
 
@@ -56,7 +56,7 @@ def export_campaign(
         The disk refuses, or what is stored is not what was stored; nothing is written.
     """
     record = store.campaigns.one(campaign)
-    words = Words(record.note, record.tags)
+    remarks = Remarks(record.note, record.tags)
     shots = store.catalogue.shots(campaign=campaign, limit=ALL)
     try:
         home, digest = store.imports.of(campaign)
@@ -68,21 +68,25 @@ def export_campaign(
         from rigctl.exchange.fired import write_fired  # noqa: PLC0415
 
         with fresh_folder(folder) as partial:
-            write_fired(partial, campaign, kept, store.folders, say)
-            _remark(partial, written(words))
+            write_fired(partial, campaign, kept, store.folders, progress)
+            _remark(partial, written(remarks))
         return Exported(campaign, folder, len(kept), len(shots) - len(kept))
     with fresh_folder(folder) as partial:
         files = listing(home, digest)
-        _copy_back(home, files, partial, shots, say)
-        _remark(partial, _remarks_of(home, files, words))
+        _copy_back(home, files, partial, shots, progress)
+        _remark(partial, _remarks_of(home, files, remarks))
     return Exported(campaign, folder, len(shots), 0)
 
 
 def _copy_back(
-    home: Path, files: Mapping[str, Json], folder: Path, shots: Sequence[ShotRecord], say: Say
+    home: Path,
+    files: Mapping[str, Json],
+    folder: Path,
+    shots: Sequence[ShotRecord],
+    progress: Progress,
 ) -> None:
     for done, (name, about) in enumerate(files.items()):
-        say(f"writing {name}", done / len(files))
+        progress(f"writing {name}", done / len(files))
         if name in {SHOT_LIST, REMARKS}:
             continue
         if copy_synced(home / about["kept"], folder / name) != about["sha256"]:
@@ -92,11 +96,11 @@ def _copy_back(
     write_synced(folder / SHOT_LIST, lambda file: file.write(content))
 
 
-def _remarks_of(home: Path, files: Mapping[str, Json], words: Words) -> bytes | None:
-    """Return the remarks as they came, or what the catalogue says since; None for nothing."""
-    if REMARKS in files and parsed(content := _kept(home, files[REMARKS])) == words:
+def _remarks_of(home: Path, files: Mapping[str, Json], remarks: Remarks) -> bytes | None:
+    """Return the file of remarks as imported, or a new one if they changed; None without any."""
+    if REMARKS in files and parsed(content := _kept(home, files[REMARKS])) == remarks:
         return content
-    return written(words)
+    return written(remarks)
 
 
 def _remark(folder: Path, content: bytes | None) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -24,11 +24,11 @@ from rigctl.exchange.documents import CONFIGURATION, SIMULATED
 from rigctl.measuring.stored_poses import poses_of, slow_errors_of
 from rigctl.measuring.stored_shot import manifest_setup
 from rigctl.model.campaigns import require_one_setup
+from rigctl.progress import Progress
 from rigctl.store import ShotRecord
 from rigctl.store.folders import ShotFolders
 
 Json = dict[str, Any]
-Say = Callable[[str, float | None], None]
 NAME = "name"
 """Column in which a shot keeps the name it had in the catalogue it was fired into."""
 
@@ -42,7 +42,11 @@ class Measured:
 
 
 def write_fired(
-    folder: Path, campaign: str, shots: Sequence[ShotRecord], folders: ShotFolders, say: Say
+    folder: Path,
+    campaign: str,
+    shots: Sequence[ShotRecord],
+    folders: ShotFolders,
+    progress: Progress,
 ) -> None:
     """Write campaign.toml, shots.csv, frames and, where there are any, poses.csv.
 
@@ -64,7 +68,7 @@ def write_fired(
     setups: dict[str, Setup] = {}
     measured: dict[int, Measured] = {}
     for done, shot in enumerate(shots):
-        say(f"writing shot {shot.id}", done / len(shots))
+        progress(f"writing shot {shot.id}", done / len(shots))
         setups[shot.id] = manifest_setup(folders.manifest(shot.id))
         _write_frames(folder / FRAMES / f"{shot.number:04d}.tiff", folders.frames(shot.id))
         if (found := _measured(shot, folders)) is not None:

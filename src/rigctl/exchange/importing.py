@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from analysis.exchange.shot_list import ShotRow
 from rigctl.exchange.documents import FORMAT, first_result, imported_shot, manifest
 from rigctl.plain_text import require_word
+from rigctl.progress import Progress
 from rigctl.store import Store
 from rigctl.store.durable import sync_folder, write_synced
 from rigctl.store.folders import sha256
@@ -22,7 +23,6 @@ if TYPE_CHECKING:
     from rigctl.exchange.contents import Contents, Frames
 
 Json = dict[str, Any]
-Say = Callable[[str, float | None], None]
 
 OTHERS, FRAMES = "folder", "frames"
 
@@ -38,7 +38,7 @@ class Imported:
 
 
 def import_campaign(
-    store: Store, contents: Contents, actor: str, *, name: str | None = None, say: Say
+    store: Store, contents: Contents, actor: str, *, name: str | None = None, progress: Progress
 ) -> Imported:
     """Import an exchange folder that was read, under its own name or under another.
 
@@ -47,8 +47,8 @@ def import_campaign(
 
     Parameters
     ----------
-    say
-        Told of each step in words, and of the part done from 0 to 1.
+    progress
+        Called at each step.
 
     Raises
     ------
@@ -68,7 +68,7 @@ def import_campaign(
     with store.imports.staged(campaign) as stage:
         listing: dict[str, Json] = {}
         for done, row in enumerate(contents.rows):
-            say(f"keeping shot {row.shot}", done / len(contents.rows))
+            progress(f"keeping shot {row.shot}", done / len(contents.rows))
             _keep_shot(stage, row, contents, campaign, listing)
         _keep_others(stage, contents, listing)
         about = {"format": FORMAT, "campaign": campaign, "title": contents.title, "files": listing}
@@ -99,7 +99,7 @@ def _keep_shot(
 
 
 def _keep_frames(home: Path, frames: Frames, folder: Path, listing: dict[str, Json]) -> Json:
-    """Copy the frames of a shot beside its manifest; return what the manifest says of them."""
+    """Copy the frames of a shot beside its manifest; return their entry in the manifest."""
     for source in frames.files:
         kept = home / FRAMES / source.relative_to(folder / FRAMES)
         listing[source.relative_to(folder).as_posix()] = {

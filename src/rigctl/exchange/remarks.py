@@ -1,4 +1,4 @@
-"""remarks.toml: what people say of a campaign as a whole, its note and its tags."""
+"""remarks.toml: note and tags of a campaign as a whole."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pydantic_core import ErrorDetails
 from analysis.errors import InputError
 from analysis.files import parse_toml, read_toml, toml_text
 from rigctl.plain_text import MOST_TAGS, Line, Tag
-from rigctl.store.campaign_words import Words
+from rigctl.store.campaign_remarks import Remarks
 
 REMARKS = "remarks.toml"
 
@@ -23,37 +23,37 @@ class _Remarks(BaseModel):
     tags: list[Tag] = Field(default_factory=list, max_length=MOST_TAGS)
 
 
-def read_remarks(folder: Path) -> Words:
-    """Return what a folder says of its campaign; nothing where it has no such file.
+def read_remarks(folder: Path) -> Remarks:
+    """Return the remarks in a folder; empty where it has no such file.
 
     Raises
     ------
     InputError
-        The file is no TOML, or says what cannot be said of a campaign.
+        The file is no TOML, or its remarks are not valid.
     """
     path = folder / REMARKS
     if not path.exists():
-        return Words()
+        return Remarks()
     try:
         return _words(read_toml(path))
     except ValidationError as error:
         raise InputError(path, "; ".join(map(_fault, error.errors()))) from error
 
 
-def parsed(content: bytes) -> Words:
-    """Return what the content of the file says; raise what is wrong with it."""
+def parsed(content: bytes) -> Remarks:
+    """Return the remarks in the content of the file; raise its faults."""
     return _words(parse_toml(Path(REMARKS), content))
 
 
-def _words(table: dict[str, Any]) -> Words:
+def _words(table: dict[str, Any]) -> Remarks:
     found = _Remarks.model_validate(table)
-    return Words(found.note, tuple(sorted(set(found.tags))))
+    return Remarks(found.note, tuple(sorted(set(found.tags))))
 
 
-def written(words: Words) -> bytes | None:
-    """Return the file that says these words; None where there is nothing to say."""
-    said = {"note": words.note, "tags": list(words.tags) or None}
-    return toml_text(said).encode() if said != {"note": None, "tags": None} else None
+def written(remarks: Remarks) -> bytes | None:
+    """Return the content of the file; None without remarks."""
+    table = {"note": remarks.note, "tags": list(remarks.tags) or None}
+    return toml_text(table).encode() if table != {"note": None, "tags": None} else None
 
 
 def _fault(error: ErrorDetails) -> str:

@@ -71,7 +71,7 @@ class Register:
             self._jobs[job.id] = job
             if key is not None:
                 self._asked[key] = job.id
-        self.listeners.tell(job)
+        self.listeners.notify(job)
         return job, False
 
     def change(self, job: str, of: frozenset[JobState], **changes: Any) -> bool:  # noqa: ANN401
@@ -82,7 +82,7 @@ class Register:
                 return False
             changed = self._jobs[job] = replace(present, **changes)
             self._changed.notify_all()
-        self.listeners.tell(changed)
+        self.listeners.notify(changed)
         return True
 
     def start(self, job: str) -> bool:

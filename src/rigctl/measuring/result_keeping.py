@@ -24,8 +24,8 @@ AGAIN_S = 30.0
 class Keeper:
     """Takes shots into `analysing` and out of it, for one thread.
 
-    What fails is said at once: to the log, and to whoever listens to the store, by the shot's
-    record with the reason in `failure`. After the attempts a result is given up: a shot that was
+    A failure is reported at once to the log, and to the store's listeners by the shot's record with
+    the reason in `failure`. After the attempts a result is given up: a shot that was
     measured before stays as it was, any other is `refused`, each with the reason. If not even that
     can be written it is tried again until the daemon ends, and the next start takes the shot up
     again. Frames and earlier results stay as they are.
@@ -46,7 +46,7 @@ class Keeper:
         return AGAIN_S if self._unwritten else None
 
     def begin(self, shot: str) -> ShotRecord | None:
-        """Say on disk that a shot is being analysed.
+        """Record on disk that a shot is being analysed.
 
         Returns
         -------
@@ -68,7 +68,7 @@ class Keeper:
         return before
 
     def keep(self, before: ShotRecord, result: Json) -> None:
-        """Write a result beside the frames, then say so in the row.
+        """Write a result beside the frames, then record it in the row.
 
         Parameters
         ----------
@@ -91,7 +91,7 @@ class Keeper:
             self._end(before, ShotState.ANALYSED, change)
 
     def fail(self, before: ShotRecord, why: str, code: str) -> None:
-        """Say in the row that an analysis came to nothing; `before` as in `keep`."""
+        """Record in the row that an analysis failed; `before` as in `keep`."""
         measured = before.state is ShotState.ANALYSED
         state = ShotState.ANALYSED if measured else ShotState.REFUSED
         self._end(before, state, Change(failure=why, failure_code=code))
@@ -127,12 +127,12 @@ class Keeper:
                 _log.warning("shot %s: tried again in %g s: %s", before.id, wait_s, error)
                 why = f"what came of it is not on disk yet: {error.what}"
                 todo = f"free disk space; it is tried again in {wait_s:g} s"
-                said = RigError(why, part=error.part, todo=todo).sentence()
-                self._store.listeners.tell(
+                sentence = RigError(why, part=error.part, todo=todo).sentence()
+                self._store.listeners.notify(
                     replace(
                         before,
                         state=ShotState.ANALYSING,
-                        failure=said,
+                        failure=sentence,
                         failure_code=StoreError.code,
                     )
                 )

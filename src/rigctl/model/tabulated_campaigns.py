@@ -41,7 +41,7 @@ def tabulated(store: StoreReader, name: str) -> Data:
     with TemporaryDirectory() as place:
         folder = Path(place) / "exported"
         # What would be handed on is what is fitted: exclusions stand in its shots.csv.
-        export_campaign(store, name, folder, say=lambda _text, _share: None)
+        export_campaign(store, name, folder, progress=lambda _text, _share: None)
         return gather(folder)[1]
 
 

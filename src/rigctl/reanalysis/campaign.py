@@ -12,15 +12,15 @@ from typing import Any
 from analysis.campaign import TEACHING_SHOTS
 from rigctl.errors import NotFoundError, RigError
 from rigctl.measuring.analysis_process import AnalysisFailedError
+from rigctl.progress import Progress
 from rigctl.reanalysis.pools import Pool
 from rigctl.reanalysis.work import Broken, Found, analysed, taught
 from rigctl.store import Change, ShotRecord, ShotState, Store
 
 Json = dict[str, Any]
-Say = Callable[[str, float | None], None]
 
 FREE = frozenset({ShotState.STORED, ShotState.ANALYSED, ShotState.REFUSED})
-"""States in which nobody else is about to write a result."""
+"""States in which no other process is about to write a result."""
 
 
 Placed = tuple[int, ShotRecord]
@@ -39,7 +39,7 @@ class Outcome:
     Attributes
     ----------
     shot
-        As it stands now.
+        Its present record.
     before, after
         Its latest result before, and the one that was added, this one without its poses and what
         to draw; None: there is none.
@@ -54,7 +54,7 @@ class Outcome:
 
 
 def reanalyse_campaign(
-    store: Store, campaign: str, method: str, pool: Pool, say: Say
+    store: Store, campaign: str, method: str, pool: Pool, progress: Progress
 ) -> Iterator[Outcome]:
     """Analyse every shot with frames once more; results are added, none is replaced.
 
@@ -76,7 +76,7 @@ def reanalyse_campaign(
     AnalysisFailedError
         Later, as outcomes are taken: a process that analyses died, and with it the pool.
     StoreError
-        Likewise: the catalogue does not take that a shot was analysed.
+        The catalogue cannot record that a shot was analysed.
     """
     total = store.campaigns.one(campaign).shots
     there = enumerate(islice(store.catalogue.each(campaign), total), start=1)
@@ -88,7 +88,7 @@ def reanalyse_campaign(
             part=f"campaign {campaign}",
             todo="await the analysis that is under way",
         )
-    say("learning the spheres", 0.0)
+    progress("learning the spheres", 0.0)
     known = None
     if method == "photometric":
         teaching = [store.folders.folder(shot.id) for _, shot in first]
@@ -107,7 +107,7 @@ def reanalyse_campaign(
             ) from error
 
     tasks = _under_way(chain(first, shots), total, submit, pool)
-    return _outcomes(store, tasks, lambda shot, place: say(f"shot {shot}", place / total))
+    return _outcomes(store, tasks, lambda shot, place: progress(f"shot {shot}", place / total))
 
 
 def _under_way(shots: Iterator[Placed], total: int, submit: Submit, pool: Pool) -> Iterator[Task]:

@@ -23,7 +23,7 @@ AHEAD = 4
 
 TOGETHER = 8
 """Shots that a cluster's worker is given at a time: a task costs scheduler, network and client
-some milliseconds of a processor, however little it asks for."""
+some milliseconds of a processor, however short it is."""
 
 _ONE_THREAD = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 
@@ -62,7 +62,7 @@ class Pool:
 
 @contextmanager
 def pool(scheduler: str | None = None, workers: int | None = None) -> Iterator[Pool]:
-    """Give a pool; what it has not begun is cancelled when the block ends early.
+    """Yield a pool; tasks not yet begun are cancelled when the block ends early.
 
     Parameters
     ----------
@@ -116,7 +116,7 @@ def _cluster(address: str) -> Iterator[Pool]:
         try:
             yield Pool(executor, lambda: sum(client.nthreads().values()), TOGETHER)
         finally:
-            # The cluster's executor cancels what it is not to wait for.
+            # The cluster's executor cancels the tasks that are not awaited.
             executor.shutdown(wait=False)
 
 

@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 # The parameters' numbers in malloc.h.
 _TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3
 LARGEST_KEPT = 32 << 20
-"""Bytes of the largest array whose memory is kept: what the GNU C library arrives at by itself,
-where nobody sets it."""
+"""Bytes of the largest array whose memory is kept: the limit to which the GNU C library adapts by
+itself where none is set."""
 
 
 @cache
@@ -40,7 +40,7 @@ def keep_memory() -> None:
 Json = dict[str, Any]
 
 LONG = frozenset({"poses", "overlay"})
-"""What nearly all of a result consists of, and nobody asks for who stores it."""
+"""Bulky fields of a result that the storing process does not need."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,7 +84,7 @@ def analysed(
     folders: Sequence[Path], method: str, known: Appearance | None
 ) -> list[Found | Broken]:
     """Analyse shots one after another; one that breaks stops no other."""
-    # Loaded by the process that analyses: the others have no use for it.
+    # Loaded only by the process that analyses.
     from rigctl.measuring.stored_shot import analyse_stored_shot_with  # noqa: PLC0415
 
     keep_memory()

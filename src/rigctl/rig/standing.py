@@ -126,7 +126,7 @@ class Standing:
             latch_reason=reason if to in LATCHED else None,
         )
         self._moved.notify_all()
-        self.listeners.tell(step)
+        self.listeners.notify(step)
 
     def note_of_stop(self, text: str) -> None:
         """Journal what became of an emergency stop, without changing the state or its reason.
@@ -146,7 +146,7 @@ class Standing:
             self._noted.add(text)
             step = Transition(stopped, stopped, self._clock.wall(), AFTER_STOP, text, None)
             self._logbook.write(step)
-            self.listeners.tell(step)
+            self.listeners.notify(step)
 
     def armed_for(self, settings: ShotSettings | None, expires_at: datetime | None) -> None:
         """Show the settings last asked for and the life of their token."""

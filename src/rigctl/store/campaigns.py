@@ -9,7 +9,7 @@ from datetime import datetime
 from sqlalchemy import func, select
 
 from rigctl.errors import NotFoundError
-from rigctl.store.campaign_words import Words, no_such_campaign, words_of
+from rigctl.store.campaign_remarks import Remarks, no_such_campaign, remarks_of
 from rigctl.store.sql.database import Database
 from rigctl.store.sql.schema import shots
 from rigctl.store.states import ShotState
@@ -28,7 +28,7 @@ class CampaignRecord:
     first_at, last_at
         When its first and its last shot were accepted, UTC.
     note, tags
-        What a person said of it; tags in alphabetical order.
+        Remarks of people; tags in alphabetical order.
     """
 
     name: str
@@ -46,7 +46,7 @@ class CampaignRecord:
 
 
 class Campaigns:
-    """What the catalogue knows of campaigns; any thread may call any of the methods."""
+    """Campaigns in the catalogue; any thread may call any of the methods."""
 
     def __init__(self, database: Database) -> None:
         self._database = database
@@ -121,7 +121,7 @@ class Campaigns:
                 both = map(datetime.fromisoformat, (row.first_at, row.last_at))
                 times.setdefault(row.campaign, []).extend(both)
                 excluded[row.campaign] += row.excluded
-            words = words_of(connection, name)
+            words = remarks_of(connection, name)
         return [
             CampaignRecord(
                 campaign,
@@ -129,9 +129,9 @@ class Campaigns:
                 min(times[campaign]),
                 max(times[campaign]),
                 excluded[campaign],
-                said.note,
-                said.tags,
+                own.note,
+                own.tags,
             )
             for campaign, found in states.items()
-            for said in (words.get(campaign, Words()),)
+            for own in (words.get(campaign, Remarks()),)
         ]

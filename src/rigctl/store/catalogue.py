@@ -1,4 +1,4 @@
-"""Shots and idempotency keys: which shots there are, where each stands, which request made it."""
+"""Shots and idempotency keys: all shots, their states, and the request that made each."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from datetime import datetime
 from sqlalchemy import Connection, bindparam, func, insert, select, update
 
 from rigctl.errors import KeyReusedError, KeyRunningError, NotFoundError, StoreError
-from rigctl.store.campaign_words import no_such_campaign
+from rigctl.store.campaign_remarks import no_such_campaign
 from rigctl.store.imports import require_own
 from rigctl.store.integrity.ledger import note
 from rigctl.store.records import NewShot, Request, ShotRecord
@@ -59,8 +59,8 @@ class Catalogue:
         """Claim an idempotency key and create its shot, both or neither.
 
         `describe` is called under the write lock and only when the key is free; what it raises
-        leaves the key free, and so does what `keep` raises, which is told of the shot before the
-        claim is on disk. Returns the shot and whether it was there before.
+        leaves the key free, and so does what `keep` raises, which gets the shot before the claim
+        is on disk. Returns the shot and whether it was there before.
 
         Raises
         ------
@@ -112,7 +112,7 @@ class Catalogue:
             if known.pop("result", None) is not None:
                 _add_result(connection, present.number, change)
             if to is ShotState.ANALYSING:
-                # What an earlier analysis could not do says nothing of this one.
+                # A failure of an earlier analysis is cleared.
                 known |= {"failure": None, "failure_code": None}
             if present.manifest is not None:
                 # What was stored first is what is to be found later.
@@ -184,7 +184,7 @@ class Catalogue:
     ) -> list[ShotRecord]:
         """Return up to `limit` shots, oldest first, that come later than the shot `after`.
 
-        `excluded` tells those left out of every fit (True) from those that count (False).
+        `excluded`: only those left out of every fit (True), or only those that count (False).
         """
         query = select(shots).order_by(shots.c.number).limit(limit)
         if campaign is not None:
@@ -209,7 +209,8 @@ class Catalogue:
         """Give every shot, or every one of a campaign, oldest first; few are held at any time.
 
         Each page is one transaction: a shot accepted meanwhile is given as well. `unreadable` is
-        told the number of a shot whose row makes no sense, and why; without it that is raised.
+        called with the number of a shot whose row is invalid, and the error; without it that is
+        raised.
         """
         query = select(shots.c.number).order_by(shots.c.number).limit(_PAGE)
         if campaign is not None:
@@ -246,7 +247,7 @@ class Catalogue:
             return {row.number: row.digest for row in connection.execute(query)}
 
     def has(self, shot: str) -> bool:
-        """Say whether there is a shot of that name, whatever its row says."""
+        """Whether there is a shot of that name, even if its row is invalid."""
         query = select(shots.c.number).where(shots.c.id == shot)
         with self._database.reading() as connection:
             return connection.execute(query).first() is not None
@@ -277,7 +278,7 @@ class Catalogue:
             return next(iter(records(connection, query)), None)
 
     def in_states(self, states: frozenset[ShotState]) -> list[ShotRecord]:
-        """Return every shot that stands in one of these states, oldest first."""
+        """Return every shot in one of these states, oldest first."""
         query = select(shots).where(shots.c.state.in_(states)).order_by(shots.c.number)
         with self._database.reading() as connection:
             return records(connection, query)

@@ -11,12 +11,12 @@ from sqlalchemy import Connection, Row, delete, insert, select, update
 
 from rigctl.errors import SettingsError
 from rigctl.plain_text import require_plain
-from rigctl.store.campaign_words import (
-    Words,
+from rigctl.store.campaign_remarks import (
+    Remarks,
+    remarks_of,
     require_campaign,
     set_note,
     set_tags,
-    words_of,
 )
 from rigctl.store.integrity import chain
 from rigctl.store.integrity.ledger import note, note_removed
@@ -105,12 +105,12 @@ class Edits:
             mine = shot_tags.c.shot == present.number
             note_removed(connection, shot_tags, connection.execute(select(shot_tags).where(mine)))
             connection.execute(delete(shot_tags).where(mine))
-            wanted = sorted(set(tags))
-            if wanted:
-                rows = [{"shot": present.number, "tag": tag} for tag in wanted]
+            new = sorted(set(tags))
+            if new:
+                rows = [{"shot": present.number, "tag": tag} for tag in new]
                 connection.execute(insert(shot_tags), rows)
                 note(connection, shot_tags, mine)
-            self._note(connection, _tagged(actor, "tagged", shot, (present.tags, wanted)))
+            self._note(connection, _tagged(actor, "tagged", shot, (present.tags, new)))
             return one(connection, shot)
 
     def annotate_campaign(self, campaign: str, note: str | None, actor: str) -> None:
@@ -125,7 +125,7 @@ class Edits:
         """
         with self._database.writing() as connection:
             require_campaign(connection, campaign)
-            before = words_of(connection, campaign).get(campaign, Words()).note
+            before = remarks_of(connection, campaign).get(campaign, Remarks()).note
             set_note(connection, campaign, note)
             self._note(connection, _Change(actor, "campaign noted", campaign, before, note))
 
@@ -133,7 +133,7 @@ class Edits:
         """Give a campaign exactly these tags; raise as `annotate_campaign`."""
         with self._database.writing() as connection:
             require_campaign(connection, campaign)
-            before = words_of(connection, campaign).get(campaign, Words()).tags
+            before = remarks_of(connection, campaign).get(campaign, Remarks()).tags
             set_tags(connection, campaign, tags)
             both = (before, sorted(set(tags)))
             self._note(connection, _tagged(actor, "campaign tagged", campaign, both))

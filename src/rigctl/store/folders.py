@@ -145,7 +145,7 @@ class ShotFolders:
         )
 
     def is_whole(self, shot: str) -> bool:
-        """Say whether frames and manifest are there and the frames match their digest."""
+        """Whether frames and manifest are there and the frames match their digest."""
         try:
             self.frames(shot)
         except (NotFoundError, StoreError):
@@ -266,7 +266,7 @@ def _fill(folder: Path, frames: FrameSequence | None, manifest: Mapping[str, Any
 
 
 def _saved(folder: Path, frames: FrameSequence) -> dict[str, Any]:
-    """Write frames and return what the manifest says of them."""
+    """Write frames and return their entry in the manifest."""
 
     def save(file: BinaryIO) -> None:
         np.save(file, frames.pixels, allow_pickle=False)

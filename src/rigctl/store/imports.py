@@ -19,7 +19,7 @@ from sqlalchemy import Connection, func, insert, select
 
 from rigctl.errors import NotFoundError, RefusedError, StoreError
 from rigctl.settings import ShotSettings
-from rigctl.store.campaign_words import Words, set_note, set_tags
+from rigctl.store.campaign_remarks import Remarks, set_note, set_tags
 from rigctl.store.durable import FOLDER_MODE, make_folders, sync_folder
 from rigctl.store.edits import utc_now
 from rigctl.store.folders import sha256
@@ -119,7 +119,7 @@ class Imports:
         campaign: str,
         found: Sequence[ImportedShot],
         actor: str,
-        words: Words,
+        words: Remarks,
     ) -> None:
         """Make a campaign of what was staged, with its note and tags, all of it or nothing.
 
@@ -180,7 +180,7 @@ class Imports:
         return self._shots / f"i{number:04d}"
 
     def _claimed(self, last: int) -> Stage:
-        """Create the folder of the next number that nobody has, on disk or in the catalogue."""
+        """Create the folder of the next number that is free on disk and in the catalogue."""
         while True:
             there = (_FOLDER.fullmatch(path.name) for path in self._shots.iterdir())
             number = max([last, *(int(match[1]) for match in there if match)]) + 1

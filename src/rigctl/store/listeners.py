@@ -1,4 +1,4 @@
-"""Whoever wants to know of a change."""
+"""Callbacks on changes."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ _log = logging.getLogger(__name__)
 
 
 class Listeners(Generic[T]):
-    """Callbacks that are told of each change, in the thread that made it.
+    """Callbacks that are called with each change, in the thread that made it.
 
-    A listener must return at once and may be called from any thread. One that raises is logged
-    and harms nobody else.
+    A listener must return at once and may be called from any thread. An exception of a listener is
+    logged, and the others are still called.
     """
 
     def __init__(self) -> None:
@@ -34,7 +34,7 @@ class Listeners(Generic[T]):
 
         return remove
 
-    def tell(self, change: T) -> None:
+    def notify(self, change: T) -> None:
         """Call every listener with the change."""
         for callback in self._callbacks:
             try:

@@ -1,10 +1,10 @@
-"""What was asked for, on disk beside the shots: who, by which request, with which settings.
+"""Orders of shots on disk beside the shots: who, by which request, with which settings.
 
 ::
 
     shots/20260131/.20260131-000042.order.json    from the order to the end of the shot
 
-The manifest of a shot that has ended says the same and more. With both the catalogue can be built
+The manifest of a shot that has ended has the same and more. With both the catalogue can be built
 again, and no idempotency key is lost with it.
 """
 
@@ -51,7 +51,7 @@ class Orders:
             ) from error
 
     def has(self, shot: str) -> bool:
-        """Say whether the order of a shot is there."""
+        """Whether the order of a shot is there."""
         return self.path(shot).exists()
 
     def forget(self, shot: str) -> None:
@@ -76,7 +76,7 @@ class Orders:
 
 
 def order_document(shot: ShotRecord, request: Request | None) -> dict[str, Any]:
-    """Return what an order says of a shot, and every manifest as well."""
+    """Return the fields of a shot that its order and its manifest share."""
     return {
         "format": FORMAT,
         "shot": shot.id,
@@ -96,7 +96,7 @@ def order_document(shot: ShotRecord, request: Request | None) -> dict[str, Any]:
 
 
 def outcome_document(shot: ShotRecord) -> dict[str, Any]:
-    """Return what the manifest of a shot says of its end."""
+    """Return the fields of a manifest on the end of its shot."""
     return {
         "state": str(shot.outcome),
         "fired": str(shot.fired),

@@ -33,7 +33,7 @@ def own(folder: Path, *, shared: bool) -> int:
 
 
 def _keep_to_owner(folder: Path) -> None:
-    """Let nobody but its owner into the folder; whoever else may write it leaves it as it is."""
+    """Restrict the folder to its owner; a process of another user leaves its mode unchanged."""
     with suppress(PermissionError):
         folder.chmod(FOLDER_MODE)
 

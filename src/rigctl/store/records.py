@@ -47,7 +47,7 @@ class ShotRecord:
         `YYYYMMDD-NNNNNN` (UTC date and number); the number rises through restarts and is the
         sequence number that the trigger is given.
     state, outcome
-        Where the shot stands, and the state in which the rig left it (None: still running).
+        State of the shot, and the state in which the rig left it (None: still running).
         The outcome is the stored answer of its idempotency key and never changes.
     settings
         None: it was imported, and they are not all stated.
@@ -96,7 +96,7 @@ class ShotRecord:
 
     @property
     def is_without_frames(self) -> bool:
-        """Whether it was imported with poses or tables alone, which nobody can analyse."""
+        """Whether it was imported with poses or tables alone, without frames to analyse."""
         return self.imported_as is not None and self.frames is None
 
     @property
@@ -126,7 +126,7 @@ class Edit:
     subject
         Name of the shot, of the campaign or of the key; the address.
     before, after
-        What stood there and what stands there now; tags are joined by commas.
+        Values before and after the edit; tags are joined by commas.
     digest
         As that of a `JournalEntry`.
     """

@@ -6,7 +6,7 @@ from enum import StrEnum
 
 
 class ShotState(StrEnum):
-    """Where a shot stands.
+    """State of a shot.
 
     ::
 
@@ -37,7 +37,7 @@ class ShotState(StrEnum):
 
 
 class Fired(StrEnum):
-    """Whether the spheres flew, as far as anybody can know."""
+    """Whether the spheres flew, as far as it is known."""
 
     NO = "no"
     YES = "yes"

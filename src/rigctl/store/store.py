@@ -38,7 +38,7 @@ class Store:
     """Catalogue, audit and shot folders below one folder.
 
     One process owns it at a time: a second would take the first one's running shots for shots
-    left over from a crash. Whoever only edits, imports or copies may open it `shared`.
+    left over from a crash. A process that only edits, imports or copies may open it `shared`.
 
     Parameters
     ----------
@@ -102,14 +102,14 @@ class Store:
         """Claim a key and create its shot; as `Catalogue.accept`."""
         record, known = self.catalogue.accept(key, body_hash, describe, self.orders.keep)
         if not known:
-            self.listeners.tell(record)
+            self.listeners.notify(record)
         return record, known
 
     def move(self, shot: str, to: ShotState, change: Change | None = None) -> ShotRecord:
-        """Give a shot its next state, durably; as `Catalogue.move`. Listeners are told.
+        """Give a shot its next state, durably; as `Catalogue.move`. Notifies listeners.
 
         With `stored` the digest of its manifest goes into the catalogue, with a result that of
-        its file. A shot that ends without frames gets a manifest that says how.
+        its file. A shot that ends without frames gets a manifest with the reason.
         """
         change = change or Change()
         if to is ShotState.STORED:
@@ -119,12 +119,12 @@ class Store:
         record = self.catalogue.move(shot, to, change)
         if record.outcome is not None:
             self._settle(record)
-        return self._told(record)
+        return self._notified(record)
 
     def keep_frames(
         self, shot: ShotRecord, frames: FrameSequence, manifest: Mapping[str, Any]
     ) -> Path:
-        """Write a shot's frames and manifest, with what the catalogue knows of it.
+        """Write a shot's frames and manifest, with its row of the catalogue.
 
         Raise as `ShotFolders.write`.
         """
@@ -162,30 +162,30 @@ class Store:
         )
 
     def exclude(self, shot: str, reason: str, actor: str) -> ShotRecord:
-        """Leave a shot out of every fit; as `Edits.exclude`. Listeners are told."""
-        return self._told(self.edits.exclude(shot, reason, actor))
+        """Leave a shot out of every fit; as `Edits.exclude`. Notifies listeners."""
+        return self._notified(self.edits.exclude(shot, reason, actor))
 
     def include(self, shot: str, actor: str) -> ShotRecord:
-        """Let a shot count again; as `Edits.include`. Listeners are told."""
-        return self._told(self.edits.include(shot, actor))
+        """Let a shot count again; as `Edits.include`. Notifies listeners."""
+        return self._notified(self.edits.include(shot, actor))
 
     def annotate(self, shot: str, note: str | None, actor: str) -> ShotRecord:
-        """Give a shot another note, or none; as `Edits.annotate`. Listeners are told."""
-        return self._told(self.edits.annotate(shot, note, actor))
+        """Give a shot another note, or none; as `Edits.annotate`. Notifies listeners."""
+        return self._notified(self.edits.annotate(shot, note, actor))
 
     def tag(self, shot: str, tags: Collection[str], actor: str) -> ShotRecord:
-        """Give a shot exactly these tags; as `Edits.tag`. Listeners are told."""
-        return self._told(self.edits.tag(shot, tags, actor))
+        """Give a shot exactly these tags; as `Edits.tag`. Notifies listeners."""
+        return self._notified(self.edits.tag(shot, tags, actor))
 
     def annotate_campaign(self, campaign: str, note: str | None, actor: str) -> CampaignRecord:
-        """Give a campaign another note, or none; as `Edits`. Campaign listeners are told."""
+        """Give a campaign another note, or none; as `Edits`. Notifies campaign listeners."""
         self.edits.annotate_campaign(campaign, note, actor)
-        return self._campaign_told(campaign)
+        return self._campaign_notified(campaign)
 
     def tag_campaign(self, campaign: str, tags: Collection[str], actor: str) -> CampaignRecord:
-        """Give a campaign exactly these tags; as `Edits`. Campaign listeners are told."""
+        """Give a campaign exactly these tags; as `Edits`. Notifies campaign listeners."""
         self.edits.tag_campaign(campaign, tags, actor)
-        return self._campaign_told(campaign)
+        return self._campaign_notified(campaign)
 
     def frames(self, shot: str) -> FrameSequence:
         """Return a shot's frames; as `ShotFolders.frames`."""
@@ -242,7 +242,7 @@ class Store:
             if record.manifest is None:
                 if self.folders.digest(record.id) is None:
                     if record.outcome is ShotState.STORED:
-                        # Its frames tell of it, or nothing does.
+                        # Its frames have a manifest of their own.
                         return
                     self.folders.write(record.id, None, self._stated(record))
                 self.catalogue.stored(record.id, str(self.folders.digest(record.id)))
@@ -259,11 +259,11 @@ class Store:
             "audit": None if head is None else asdict(head),
         }
 
-    def _told(self, record: ShotRecord) -> ShotRecord:
-        self.listeners.tell(record)
+    def _notified(self, record: ShotRecord) -> ShotRecord:
+        self.listeners.notify(record)
         return record
 
-    def _campaign_told(self, campaign: str) -> CampaignRecord:
+    def _campaign_notified(self, campaign: str) -> CampaignRecord:
         record = self.campaigns.one(campaign)
-        self.campaign_listeners.tell(record)
+        self.campaign_listeners.notify(record)
         return record

@@ -18,11 +18,11 @@ class NewSweep:
     steps
         Settings of each step in the order of firing.
     form
-        JSON text of what was asked for, from which the steps were made.
+        JSON text of the request, from which the steps were made.
     rules
         JSON text of how it is run (`rigctl.sweeps.plan.Rules`).
     actor, accepted_at
-        Who asked for it, and when (UTC; it dates the sweep's name).
+        Who requested it, and when (UTC; it dates the sweep's name).
     """
 
     steps: tuple[ShotSettings, ...]
@@ -42,9 +42,9 @@ class SweepRecord:
     id, number
         `YYYYMMDD-sNNNN` (UTC date and number); the number rises through restarts.
     reason
-        Why it stands where it does, in one sentence.
+        Reason of its state, in one sentence.
     form, rules
-        JSON texts: what was asked for, and how it is run.
+        JSON texts: the request, and how it is run.
     counts
         How many of its steps stand in each state; states without a step are left out.
     ended_at

@@ -6,7 +6,7 @@ from enum import StrEnum
 
 
 class SweepState(StrEnum):
-    """Where a sweep stands.
+    """State of a sweep.
 
     ::
 
@@ -35,7 +35,7 @@ SWEEP_TRANSITIONS: dict[SweepState, frozenset[SweepState]] = {
 
 
 class StepState(StrEnum):
-    """Where one step of a sweep stands.
+    """State of one step of a sweep.
 
     ::
 
@@ -46,9 +46,9 @@ class StepState(StrEnum):
          +--|------------------+  (when the sweep is resumed)
             +--> skipped
 
-    `taken`: its idempotency key is on disk, and its shot may exist; whether it does, the table of
-    keys knows. `stored`: the frames are on disk. `lost`: the spheres flew, the frames are lost.
-    `not_fired`: certainly nothing flew. `unknown`: nobody can say. `skipped`: the sweep ended
+    `taken`: its idempotency key is on disk, and its shot may exist; the table of keys has it if it
+    does. `stored`: the frames are on disk. `lost`: the spheres flew, the frames are lost.
+    `not_fired`: certainly nothing flew. `unknown`: not decidable. `skipped`: the sweep ended
     before its turn. A step whose spheres flew, or may have, is never fired again.
     """
 

@@ -29,7 +29,7 @@ from rigctl.store.sweep_states import (
 class Sweeps:
     """Table of sweeps. Each method is one transaction; any thread may call any of them.
 
-    What was asked for lies below `root`/sweeps as well: with it a lost catalogue can be rebuilt.
+    Requests are kept below `root`/sweeps as well: with them a lost catalogue can be rebuilt.
     """
 
     def __init__(self, database: Database, root: Path) -> None:
@@ -197,7 +197,7 @@ class Sweeps:
         shot: str | None = None,
         failure: str | None = None,
     ) -> StepRecord:
-        """Say what became of a taken step.
+        """Record the outcome of a taken step.
 
         Raises
         ------

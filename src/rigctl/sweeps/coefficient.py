@@ -11,7 +11,7 @@ from rigctl.errors import NotFoundError
 from rigctl.store import ShotRecord, ShotState, Store
 
 FEWEST = 3
-"""Shots below which a mean states no standard error: their scatter says nothing yet."""
+"""Shots below which a mean has no standard error: their scatter is too uncertain."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,9 +59,9 @@ def mean_of(coefficient: str, estimates: list[Estimate]) -> Mean | None:
     """Return the mean of estimates, weighted by 1 / own^2; None without any.
 
     The error of the shots' own is (sum of the weights)^(-1/2), multiplied by Birge's ratio
-    sqrt(chi^2 / (n - 1)) where that exceeds 1, so that shots which scatter more than they state
-    are not believed (R. T. Birge, Phys. Rev. 40 (1932) 207, eq. 2). What all shots share moves
-    their mean as it moves them: no number of shots makes it smaller.
+    sqrt(chi^2 / (n - 1)) where that exceeds 1, the Birge ratio (R. T. Birge, Phys. Rev. 40 (1932)
+    207, eq. 2). An error that all shots share moves their mean as well: no number of shots makes
+    it smaller.
     """
     if not estimates:
         return None
@@ -79,12 +79,12 @@ def mean_of(coefficient: str, estimates: list[Estimate]) -> Mean | None:
 
 
 def estimate_in(result: Mapping[str, Any], coefficient: str) -> Estimate | None:
-    """Return what a shot's result says of a coefficient; None where it states no usable error."""
+    """Return a coefficient by a shot's result; None where it has no usable error."""
     quantity = result.get(coefficient)
     if not isinstance(quantity, Mapping):
         return None
     value, sigma = float(quantity["value"]), float(quantity["sigma"])
-    # Results that were stored before the parts were told apart have the whole error only.
+    # Results of versions that did not separate the parts have the whole error only.
     own, common = float(quantity.get("sigma_own", sigma)), float(quantity.get("sigma_common", 0.0))
     return Estimate(value, own, common) if math.isfinite(value) and 0.0 < own < math.inf else None
 
@@ -95,7 +95,7 @@ class Measured:
     Parameters
     ----------
     store
-        Tells of shots, and holds their results; a result is read once.
+        Lists shots and holds their results; a result is read once.
     coefficient
         Which one.
     shots

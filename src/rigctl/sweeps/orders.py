@@ -1,4 +1,4 @@
-"""What people ask of a running sweep, and waits that end when they ask."""
+"""Orders to a running sweep, and waits that end when one is given."""
 
 from __future__ import annotations
 

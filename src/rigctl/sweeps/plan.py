@@ -47,7 +47,7 @@ class Rules:
     until
         When it may end early; None: after its last step.
     adaptive
-        Whether the step that tells most about the coefficient comes next, not the first.
+        Whether the step with the most expected information comes next, not the first.
     """
 
     settle_s: float = 0.0
@@ -70,7 +70,7 @@ class Rules:
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """A sweep before it is accepted; `form` is the JSON text of what was asked for."""
+    """A sweep before it is accepted; `form` is the JSON text of the request."""
 
     steps: tuple[ShotSettings, ...]
     rules: Rules
@@ -79,7 +79,7 @@ class Plan:
 
 
 def plan_of(form: Sweep) -> Plan:
-    """Return what a sweep file or a request asks for, with its shots in the order of firing."""
+    """Return the plan of a sweep file or request, with its shots in the order of firing."""
     until = form.until
     rules = Rules(
         settle_s=form.settle_s,

@@ -45,13 +45,13 @@ SPREAD = 8
 """Distinct settings measured in the sweep's own order before anything is chosen."""
 
 WIDTH = 0.2
-"""Range over which a shot speaks for its neighbours, as a share of the sweep's own range."""
+"""Width of the kernel by which a shot informs its neighbours, as a share of the sweep's range."""
 
 PRIOR = 0.1
 """Weight of the plain mean of all shots, against 1 of a shot at the settings themselves."""
 
 
-def best(waiting: Sequence[ShotSettings], told: Sequence[tuple[ShotSettings, float]]) -> int:
+def best(waiting: Sequence[ShotSettings], analysed: Sequence[tuple[ShotSettings, float]]) -> int:
     """Return the index of the waiting settings with the highest expected information.
 
     Information is 1 / sigma^2 of the coefficient from one shot, and 0 of one that could not be
@@ -64,10 +64,10 @@ def best(waiting: Sequence[ShotSettings], told: Sequence[tuple[ShotSettings, flo
     ----------
     waiting
         Settings of the steps that wait, in the sweep's order; at least one.
-    told
+    analysed
         Settings of each shot whose analysis has ended, and its information.
     """
-    fired = _places([settings for settings, _ in told])
+    fired = _places([settings for settings, _ in analysed])
     if len(np.unique(fired, axis=0)) < SPREAD:
         return 0
     places = _places(waiting)
@@ -75,7 +75,7 @@ def best(waiting: Sequence[ShotSettings], told: Sequence[tuple[ShotSettings, flo
     ranges[ranges == 0.0] = 1.0
     apart = (places[:, None] - fired[None]) / ranges
     weights = np.exp(-0.5 * np.sum(apart**2, axis=2) / WIDTH**2)
-    information = np.array([each for _, each in told])
+    information = np.array([each for _, each in analysed])
     near = np.sum(weights, axis=1)
     expected = (weights @ information + PRIOR * np.mean(information)) / (near + PRIOR)
     # Rounding must not choose among equals.
@@ -105,7 +105,7 @@ class SweepRun:
     Attributes
     ----------
     orders
-        What people ask of it.
+        Orders of people.
     step
         The step under way, or None.
     mean
@@ -156,8 +156,8 @@ class SweepRun:
         """
         until, mean = self._rules.until, self.mean
         if until is not None and mean is not None and mean.own is not None:
-            wanted = mean.shots * ((mean.own / until.sigma) ** 2 - 1)
-            waiting = min(waiting, max(0, round(wanted)))
+            needed = mean.shots * ((mean.own / until.sigma) ** 2 - 1)
+            waiting = min(waiting, max(0, round(needed)))
         return self._pace.left_s(waiting)
 
     def _run(self) -> Ending:
@@ -216,9 +216,9 @@ class SweepRun:
         waiting = self._store.sweeps.steps(self.sweep, StepState.WAITING)
         if not waiting:
             return None
-        told = []
+        analysed = []
         for step in self._stored:
             estimate, ended = measured.of(str(step.shot))
             if ended:
-                told.append((step.settings, estimate.own**-2 if estimate else 0.0))
-        return waiting[best([step.settings for step in waiting], told)]
+                analysed.append((step.settings, estimate.own**-2 if estimate else 0.0))
+        return waiting[best([step.settings for step in waiting], analysed)]

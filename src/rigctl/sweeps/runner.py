@@ -17,14 +17,14 @@ from rigctl.sweeps.orders import Order, Orders, Wish
 from rigctl.sweeps.plan import Plan, require_possible
 from rigctl.sweeps.run import Ending, SweepRun
 from rigctl.sweeps.status import SweepStatus
-from rigctl.sweeps.verdict import end_taken
+from rigctl.sweeps.step_outcome import end_taken
 
 _log = logging.getLogger(__name__)
 
 _DEVICES_WAIT_S = 20.0
 
 PAUSE_WAIT_S = 5.0
-"""So long a resume waits for a pause that was asked for to take effect, s."""
+"""Longest wait of a resume for a requested pause to take effect, s."""
 
 
 def _in_thread(work: Callable[[], None]) -> threading.Thread:
@@ -36,9 +36,9 @@ def _in_thread(work: Callable[[], None]) -> threading.Thread:
 class SweepRunner:
     """Runs the sweeps that the store keeps; any thread may call any method.
 
-    One sweep runs at a time, in a thread of its own. Everything it must know after a crash is on
-    disk before the rig moves. `recover` comes first, after the rig's own. `listeners` are told of
-    every change with a `SweepStatus`.
+    One sweep runs at a time, in a thread of its own. Everything needed after a crash is on disk
+    before the rig moves. `recover` comes first, after the rig's own. `listeners` are called with
+    the `SweepStatus` at every change.
 
     Parameters
     ----------
@@ -143,7 +143,7 @@ class SweepRunner:
         with self._lock:
             if not self._order(sweep, Order(Wish.PAUSE, f"paused by {actor}")):
                 self._require_state(sweep, SweepState.PAUSED)
-        return self._told(sweep)
+        return self._notified(sweep)
 
     def abort(self, sweep: str, actor: str) -> SweepStatus:
         """Give a sweep up; a shot under way still ends, and the pressure is taken away.
@@ -168,7 +168,7 @@ class SweepRunner:
                     self._settle(sweep)
                     now = self._clock.wall()
                     self._store.sweeps.move(sweep, SweepState.ABORTED, reason, now)
-        return self._told(sweep)
+        return self._notified(sweep)
 
     def resume(self, sweep: str, actor: str) -> SweepStatus:
         """Let a paused sweep go on at its next step that has not fired.
@@ -198,7 +198,7 @@ class SweepRunner:
         return self.status(sweep)
 
     def status(self, sweep: str) -> SweepStatus:
-        """Return a sweep as it stands; raise `NotFoundError` if there is none of that name."""
+        """Return the status of a sweep; raise `NotFoundError` if there is none of that name."""
         with self._lock:
             record, run = self._store.sweeps.sweep(sweep), self._run
             if run is None or run.sweep != sweep:
@@ -289,17 +289,17 @@ class SweepRunner:
 
     def _tell(self, sweep: str) -> None:
         try:
-            self.listeners.tell(self.status(sweep))
+            self.listeners.notify(self.status(sweep))
         except RigError:
-            _log.exception("sweep %s: nobody could be told", sweep)
+            _log.exception("sweep %s: its listeners could not be called", sweep)
 
-    def _told(self, sweep: str) -> SweepStatus:
+    def _notified(self, sweep: str) -> SweepStatus:
         status = self.status(sweep)
-        self.listeners.tell(status)
+        self.listeners.notify(status)
         return status
 
     def _order(self, sweep: str, order: Order) -> bool:
-        """Hand an order to the sweep if it runs; say whether it does."""
+        """Hand an order to the sweep if it runs; return whether it does."""
         if self._run is None or self._run.sweep != sweep:
             return False
         self._run.orders.give(order)
@@ -329,13 +329,13 @@ class SweepRunner:
                 todo="release the rig with a reason",
             )
 
-    def _require_state(self, sweep: str, wanted: SweepState) -> None:
+    def _require_state(self, sweep: str, required: SweepState) -> None:
         state = self.status(sweep).record.state
-        if state is not wanted:
+        if state is not required:
             raise RefusedError(
                 f"the sweep is {state}",
                 part=f"sweep {sweep}",
-                limit=str(wanted),
+                limit=str(required),
                 todo="list the sweeps",
             )
 

@@ -11,18 +11,18 @@ from rigctl.sweeps.orders import Wish
 
 @dataclass(frozen=True, slots=True)
 class SweepStatus:
-    """What a sweep has done, does and is asked to do.
+    """Progress of a sweep, its present step and its orders.
 
     Attributes
     ----------
     record
         The sweep with the counts of its steps.
     asked
-        What takes effect before the next fire; None when nothing is asked.
+        Order that takes effect before the next fire; None without one.
     step
         The step under way; None between steps and while the sweep does not run.
     left_s
-        Estimated time to its end, s; None while nobody can say.
+        Estimated time to its end, s; None while unknown.
     mean
         The coefficient that ends the sweep, as known so far; None without one.
     """

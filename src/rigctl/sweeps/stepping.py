@@ -1,4 +1,4 @@
-"""One step: arm, let it settle, take the step on disk, fire once, say on disk what came of it."""
+"""One step: arm, let it settle, take the step on disk, fire once, record the outcome on disk."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from rigctl.rig.machine import Rig
 from rigctl.rig.states import LATCHED
 from rigctl.store import StepRecord, StepState, Store, SweepRecord
 from rigctl.sweeps.orders import Orders
-from rigctl.sweeps.verdict import actor_of, end_step, is_own
+from rigctl.sweeps.step_outcome import actor_of, end_step, is_own
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,7 +27,7 @@ class Stepper:
     """Fires steps of one sweep in the thread that calls it; each at most once.
 
     The key of a step is on disk before its shot is accepted, and the rig claims it in the
-    transaction that makes the shot: after a crash the table of keys says whether a shot exists.
+    transaction that makes the shot: after a crash the table of keys shows whether a shot exists.
     """
 
     def __init__(
@@ -42,7 +42,7 @@ class Stepper:
     ) -> StepEnd:
         """Fire one waiting step, unless an order comes before the fire; return when it has ended.
 
-        `taken` is told of the step once its key is on disk. What fails before that leaves the
+        `taken` is called with the step once its key is on disk. What fails before that leaves the
         step waiting; whatever fails, its reason comes back in `hold` and nothing stays armed.
         """
         try:

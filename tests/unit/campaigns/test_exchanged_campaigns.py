@@ -34,7 +34,7 @@ def other(tmp_path: Path) -> Iterator[Store]:
 
 def take(store: Store, folder: Path) -> str:
     contents = read_contents(folder, silent)
-    return import_campaign(store, contents, "anna", name="nylon", say=silent).campaign
+    return import_campaign(store, contents, "anna", name="nylon", progress=silent).campaign
 
 
 def test_an_imported_campaign_gives_the_poses_of_its_folder(store: Store, folder: Path) -> None:
@@ -53,7 +53,7 @@ def test_excluded_shots_are_left_out_and_named_in_the_catalogue_and_in_its_folde
     store.exclude("i0001-000002", "the tube was dirty", "anna")
     found = campaign_poses(store, "nylon")[1]
     assert (list(found.shots), found.excluded) == ([1, 3, 4], (2,))
-    export_campaign(store, "nylon", tmp_path / "out", say=silent)
+    export_campaign(store, "nylon", tmp_path / "out", progress=silent)
     again = gather(tmp_path / "out")[1]
     assert_same(found, again)
     assert again.excluded == (2,)
@@ -66,7 +66,7 @@ def test_a_campaign_that_was_fired_is_exported_with_its_poses_frames_and_setting
     for name in names:
         set_frames(store, name)
     store.exclude(names[1], "why", "anna")
-    done = export_campaign(store, "nylon", tmp_path / "out", say=silent)
+    done = export_campaign(store, "nylon", tmp_path / "out", progress=silent)
     assert (done.shots, done.left_out) == (4, 0)
     fired, exported = campaign_poses(store, "nylon")[1], gather_poses(tmp_path / "out")[1]
     assert exported.excluded == fired.excluded == (2,)
@@ -75,7 +75,7 @@ def test_a_campaign_that_was_fired_is_exported_with_its_poses_frames_and_setting
     assert_nearly_same(campaign_poses(other, "nylon")[1], fired)
     pixels = other.frames("i0001-000001").pixels
     np.testing.assert_array_equal(pixels, store.frames(names[0]).pixels)
-    export_campaign(other, "nylon", tmp_path / "again", say=silent)
+    export_campaign(other, "nylon", tmp_path / "again", progress=silent)
     for path in (path for path in (tmp_path / "out").rglob("*") if path.is_file()):
         same = tmp_path / "again" / path.relative_to(tmp_path / "out")
         assert same.read_bytes() == path.read_bytes(), path.name
@@ -88,7 +88,7 @@ def test_shots_of_two_setups_are_not_exported_as_one_folder(
     for name in names:
         set_frames(store, name)
     with pytest.raises(AnalysisInputError, match="differ in camera"):
-        export_campaign(store, "nylon", tmp_path / "out", say=silent)
+        export_campaign(store, "nylon", tmp_path / "out", progress=silent)
     assert not (tmp_path / "out").exists()
 
 

@@ -37,7 +37,7 @@ def silent(_text: str, _share: float | None) -> None:
 
 def question(store: Store, folder: Path, effects: tuple[str, ...] = ()) -> Json:
     """Import a folder and return what jobs are asked of it."""
-    import_campaign(store, read_contents(folder, silent), "anna", name="tables", say=silent)
+    import_campaign(store, read_contents(folder, silent), "anna", name="tables", progress=silent)
     return request("tables", measured_files(store, "tables"), effects, store)
 
 

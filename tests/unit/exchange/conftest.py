@@ -80,6 +80,6 @@ def silent(_text: str, _share: float | None) -> None:
 def take(store: Store) -> Callable[..., Imported]:
     def take_in(folder: Path, name: str | None = None, into: Store = store) -> Imported:
         contents = read_contents(folder, silent)
-        return import_campaign(into, contents, "anna", name=name, say=silent)
+        return import_campaign(into, contents, "anna", name=name, progress=silent)
 
     return take_in

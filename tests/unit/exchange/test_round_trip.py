@@ -31,7 +31,7 @@ def test_an_imported_campaign_is_exported_byte_for_byte(
     store: Store, folder: Path, take: Take, tmp_path: Path
 ) -> None:
     take(folder)
-    done = export_campaign(store, "nylon-2", tmp_path / "out", say=silent)
+    done = export_campaign(store, "nylon-2", tmp_path / "out", progress=silent)
     assert files(tmp_path / "out") == files(folder)
     assert (done.shots, done.left_out) == (3, 0)
     assert not [path for path in tmp_path.iterdir() if path.name.startswith(".")]
@@ -42,7 +42,7 @@ def test_a_store_that_is_only_read_exports_as_well(
 ) -> None:
     take(folder)
     with reading(store.path) as reader:
-        export_campaign(reader, "nylon-2", tmp_path / "out", say=silent)
+        export_campaign(reader, "nylon-2", tmp_path / "out", progress=silent)
     assert files(tmp_path / "out") == files(folder)
 
 
@@ -86,7 +86,7 @@ def test_what_people_changed_comes_out_in_columns_of_its_own(
     store.exclude("i0001-000007", "the tube, it was dirty", "anna")
     store.tag("i0001-000003", ["wet", "cold"], "anna")
     store.annotate("i0001-000003", 'he said "good"', "anna")
-    export_campaign(store, "nylon-2", tmp_path / "out", say=silent)
+    export_campaign(store, "nylon-2", tmp_path / "out", progress=silent)
     out, before = files(tmp_path / "out"), files(folder)
     assert {name for name in out if out[name] != before[name]} == {"shots.csv"}
     assert out.keys() == before.keys()
@@ -101,7 +101,7 @@ def test_what_people_changed_comes_out_in_columns_of_its_own(
     tagged, excluded, _ = other.shots()
     assert (tagged.tags, tagged.note) == (("cold", "wet"), 'he said "good"')
     assert excluded.excluded == "the tube, it was dirty"
-    export_campaign(other, "nylon-2", tmp_path / "again", say=silent)
+    export_campaign(other, "nylon-2", tmp_path / "again", progress=silent)
     assert files(tmp_path / "again") == out
 
 
@@ -111,7 +111,7 @@ def test_an_exclusion_that_was_taken_back_leaves_the_folder_as_it_came(
     take(folder)
     store.exclude("i0001-000007", "why", "anna")
     store.include("i0001-000007", "anna")
-    export_campaign(store, "nylon-2", tmp_path / "out", say=silent)
+    export_campaign(store, "nylon-2", tmp_path / "out", progress=silent)
     assert files(tmp_path / "out") == files(folder)
 
 
@@ -120,7 +120,7 @@ def test_a_campaign_keeps_its_own_name_in_its_folder_under_another_in_the_catalo
 ) -> None:
     take(folder)
     take(folder, name="theirs")
-    export_campaign(store, "theirs", tmp_path / "out", say=silent)
+    export_campaign(store, "theirs", tmp_path / "out", progress=silent)
     assert files(tmp_path / "out") == files(folder)
     assert {shot.id for shot in store.shots(campaign="theirs")} >= {"i0002-000003"}
     assert store.edits.entries()[1].subject == "theirs"
@@ -133,7 +133,7 @@ def test_frames_that_were_damaged_in_the_store_are_not_exported(
     kept = store.folders.folder("i0001-000003") / "frames" / "0003.tif"
     kept.write_bytes(kept.read_bytes()[:-1] + b"?")
     with pytest.raises(StoreError, match=r"0003\.tif.*not the file that was imported"):
-        export_campaign(store, "nylon-2", tmp_path / "out", say=silent)
+        export_campaign(store, "nylon-2", tmp_path / "out", progress=silent)
     assert not (tmp_path / "out").exists()
     with pytest.raises(StoreError, match="not those that were recorded"):
         store.frames("i0001-000003")
@@ -144,13 +144,13 @@ def test_nothing_is_written_over(store: Store, folder: Path, take: Take, tmp_pat
     (tmp_path / "out").mkdir()
     (tmp_path / "out" / "mine").write_text("keep")
     with pytest.raises(SettingsError, match="is there already"):
-        export_campaign(store, "nylon-2", tmp_path / "out", say=silent)
+        export_campaign(store, "nylon-2", tmp_path / "out", progress=silent)
     assert files(tmp_path / "out") == {"mine": b"keep"}
 
 
 def test_a_campaign_that_is_not_there_is_not_exported(store: Store, tmp_path: Path) -> None:
     with pytest.raises(NotFoundError, match="no such campaign"):
-        export_campaign(store, "nylon-2", tmp_path / "out", say=silent)
+        export_campaign(store, "nylon-2", tmp_path / "out", progress=silent)
     assert not (tmp_path / "out").exists()
 
 
@@ -174,7 +174,7 @@ def test_note_and_tags_of_a_campaign_go_into_the_folder_and_come_back(
     take(folder)
     store.annotate_campaign("nylon-2", 'he said "good" — 20 µm', "anna")
     store.tag_campaign("nylon-2", ["wet", "cold"], "anna")
-    export_campaign(store, "nylon-2", tmp_path / "out", say=silent)
+    export_campaign(store, "nylon-2", tmp_path / "out", progress=silent)
     out = files(tmp_path / "out")
     assert out.pop("remarks.toml").decode() == (
         'note = "he said \\"good\\" — 20 µm"\ntags = ["cold", "wet"]\n'
@@ -183,7 +183,7 @@ def test_note_and_tags_of_a_campaign_go_into_the_folder_and_come_back(
     take(tmp_path / "out", into=other)
     record = other.campaigns.one("nylon-2")
     assert (record.note, record.tags) == ('he said "good" — 20 µm', ("cold", "wet"))
-    export_campaign(other, "nylon-2", tmp_path / "again", say=silent)
+    export_campaign(other, "nylon-2", tmp_path / "again", progress=silent)
     assert files(tmp_path / "again") == files(tmp_path / "out")
 
 
@@ -194,11 +194,11 @@ def test_remarks_that_nobody_changed_come_out_as_they_were_written(
     take(folder)
     record = store.campaigns.one("nylon-2")
     assert (record.note, record.tags) == ("tubes cleaned each day", ("cold", "wet"))
-    export_campaign(store, "nylon-2", tmp_path / "out", say=silent)
+    export_campaign(store, "nylon-2", tmp_path / "out", progress=silent)
     assert files(tmp_path / "out") == files(folder)
     store.annotate_campaign("nylon-2", None, "anna")
-    export_campaign(store, "nylon-2", tmp_path / "changed", say=silent)
+    export_campaign(store, "nylon-2", tmp_path / "changed", progress=silent)
     assert files(tmp_path / "changed")["remarks.toml"] == b'tags = ["cold", "wet"]\n'
     store.tag_campaign("nylon-2", [], "anna")
-    export_campaign(store, "nylon-2", tmp_path / "bare", say=silent)
+    export_campaign(store, "nylon-2", tmp_path / "bare", progress=silent)
     assert "remarks.toml" not in files(tmp_path / "bare")

@@ -33,7 +33,7 @@ def events_of(lines: Iterator[str]) -> Iterator[tuple[str, Any]]:
 
 
 def step(rig: Any, after: RigState) -> None:
-    rig.listeners.tell(
+    rig.listeners.notify(
         Transition(RigState.IDLE, after, rig.status().since, "tester", "because", None)
     )
 

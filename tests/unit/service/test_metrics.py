@@ -52,7 +52,7 @@ def test_a_shot_is_counted_once_however_often_it_changes_afterwards(
 def test_the_time_from_armed_to_fired_is_observed(address: str, rig: Any) -> None:
     since = rig.status().since
     for before, after in ((RigState.CHECKED, RigState.ARMED), (RigState.ARMED, RigState.FIRING)):
-        rig.listeners.tell(Transition(before, after, since, "anna", "because", None))
+        rig.listeners.notify(Transition(before, after, since, "anna", "because", None))
     found = read(address)
     assert found["rigctl_arm_to_fire_seconds_count", ""] == 1
     assert found["rigctl_transitions_total", "firing"] == 1

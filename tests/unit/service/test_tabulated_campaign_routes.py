@@ -28,7 +28,7 @@ def silent(_text: str, _share: float | None) -> None:
 def tables(store: Store, tmp_path: Path) -> None:
     """Import twenty contacts whose law is known."""
     contents = read_contents(contacts(tmp_path / "tables", 20, 62), silent)
-    import_campaign(store, contents, "anna", name="tables", say=silent)
+    import_campaign(store, contents, "anna", name="tables", progress=silent)
 
 
 @pytest.mark.usefixtures("tables")

@@ -83,7 +83,7 @@ def test_commits_are_forced_to_disk_whatever_the_database_says(store: Store) -> 
 @on_a_server
 def test_jobs_look_for_campaigns_on_the_server(store: Store, tmp_path: Path) -> None:
     contents = read_contents(contacts(tmp_path / "tables", 20, 62), silent)
-    import_campaign(store, contents, "anna", name="tables", say=silent)
+    import_campaign(store, contents, "anna", name="tables", progress=silent)
     asked = request("tables", measured_files(store, "tables"), (), store)
     assert fit_job(asked, silent)["shots"] == 20
     place = {"store": str(store.path), "database": store.address}

@@ -164,7 +164,7 @@ def test_imported_campaigns_come_back_between_the_shots(
 ) -> None:
     fire("first")
     contents = read_contents(contacts(tmp_path / "tables", 20, 62), silent)
-    import_campaign(store, contents, "anna", name="tables", say=silent)
+    import_campaign(store, contents, "anna", name="tables", progress=silent)
     fire("second")
     before = store.shots(limit=500)
     lose(store, "deleted")

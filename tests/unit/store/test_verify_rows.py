@@ -18,7 +18,7 @@ from rigctl.cli import BAD_INPUT, REFUSED, run
 from rigctl.errors import StoreError
 from rigctl.settings import ShotSettings
 from rigctl.store import Change, Fired, NewShot, NewSweep, ShotState, Store, SweepState, reading
-from rigctl.store.campaign_words import Words
+from rigctl.store.campaign_remarks import Remarks
 from rigctl.store.imports import ImportedShot
 from rigctl.store.integrity.anchors import add_anchor, read_anchors
 from rigctl.store.integrity.ledger import begin
@@ -86,7 +86,7 @@ def full(
         (home / "result-0001.json").write_text("{}")
         (stage.path / "import.json").write_text('{"files": {}}')
         shot = ImportedShot(7, SETTINGS, NOW, ShotState.ANALYSED, None, tags=("dry",))
-        store.imports.publish(stage, "steel", [shot], "anna", Words("imported", ("dry",)))
+        store.imports.publish(stage, "steel", [shot], "anna", Remarks("imported", ("dry",)))
     return store
 
 

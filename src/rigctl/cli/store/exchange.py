@@ -38,7 +38,7 @@ def import_folder(
         # Read before a store is opened, which may be the first one here.
         contents = read_contents(folder, say)
         with closing(own_store(kept, shared=True)) as store:
-            found = import_campaign(store, contents, actor(), name=name, say=say)
+            found = import_campaign(store, contents, actor(), name=name, progress=say)
     if json:
         print_json(asdict(found))
         return
@@ -62,7 +62,7 @@ def export_folder(
         As `export_campaign`; nothing is written.
     """
     with read_store(config) as store, bar() as say:
-        found = export_campaign(store, campaign, folder, say=say)
+        found = export_campaign(store, campaign, folder, progress=say)
     if json:
         print_json({**asdict(found), "folder": str(found.folder)})
         return

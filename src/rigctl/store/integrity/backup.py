@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 from rigctl.errors import StoreError
+from rigctl.progress import Progress
 from rigctl.store.durable import FILE_MODE, FOLDER_MODE
 from rigctl.store.integrity.copying import copy_synced
 from rigctl.store.integrity.seal import read_seal
@@ -15,8 +15,6 @@ from rigctl.store.orders import Orders
 from rigctl.store.reading import StoreReader, reading
 from rigctl.store.records import ShotRecord
 from rigctl.store.sweeps import Sweeps
-
-Say = Callable[[str, float | None], None]
 
 _BESIDE = ("estop.json", "keys.json")
 """Files beside the catalogue that must outlive it: a latch stays a latch, a key opens the same."""
@@ -30,12 +28,12 @@ class Backup:
     files: int
 
 
-def back_up(store: StoreReader, target: Path, say: Say) -> Backup:
+def back_up(store: StoreReader, target: Path, progress: Progress) -> Backup:
     """Copy a store into an empty folder, and verify the copy.
 
-    The catalogue is copied first, at one moment; the folders of its shots were whole before their
-    rows said so and never change. Shots and results that come later are not in the copy. What the
-    store is known by goes with it: the key of the audit, and the named keys that it hashes. All of
+    The catalogue is copied first, at one moment; the folder of a shot is complete before its row
+    has that state, and never changes. Later shots and results are not in the copy. The store's
+    identity is copied too: the key of the audit, and the named keys that it hashes. All of
     it is for its owner alone.
 
     Raises
@@ -45,7 +43,7 @@ def back_up(store: StoreReader, target: Path, say: Say) -> Backup:
     OSError
         The disk refused.
     """
-    say("copying the catalogue", 0.0)
+    progress("copying the catalogue", 0.0)
     target.chmod(FOLDER_MODE)
     store.database.copy_to(target / "catalogue.db")
     (target / "catalogue.db").chmod(FILE_MODE)
@@ -58,10 +56,10 @@ def back_up(store: StoreReader, target: Path, say: Say) -> Backup:
         total = max(copy.catalogue.count(), 1)
         files = 0
         for done, shot in enumerate(copy.catalogue.each()):
-            say(f"copying shot {shot.id}", 0.5 * done / total)
+            progress(f"copying shot {shot.id}", 0.5 * done / total)
             files += _copy_shot(store, copy, shot)
         files += _copy_rest(store, copy)
-        found = verify_store(copy, lambda text, share: say(text, 0.5 + 0.5 * (share or 0.0)))
+        found = verify_store(copy, lambda text, share: progress(text, 0.5 + 0.5 * (share or 0.0)))
         _require_whole(found)
     return Backup(found.shots, files)
 
@@ -84,7 +82,7 @@ def _copy_order(store: StoreReader, copy: StoreReader, shot: str) -> int:
     try:
         copy_synced(Orders(store.folders).path(shot), Orders(copy.folders).path(shot))
     except FileNotFoundError:
-        # It has ended by now, and its manifest says as much.
+        # The shot has ended meanwhile; its manifest has the same content.
         return 0
     return 1
 
@@ -102,11 +100,11 @@ def _copy_rest(store: StoreReader, copy: StoreReader) -> int:
             if path.is_file() and not path.name.startswith("."):
                 copy_synced(path, target / path.relative_to(source))
                 files += 1
-    for wanted in Sweeps(copy.database, copy.folder).files():
-        path = store.folder / wanted.relative_to(copy.folder)
-        # Those of before they were kept in files have none.
+    for target_file in Sweeps(copy.database, copy.folder).files():
+        path = store.folder / target_file.relative_to(copy.folder)
+        # Sweeps of earlier versions have no files.
         if path.is_file():
-            copy_synced(path, wanted)
+            copy_synced(path, target_file)
             files += 1
     return files + len(pairs) - 1
 

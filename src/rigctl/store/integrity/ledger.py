@@ -1,6 +1,6 @@
 """The ledger: one entry for every change of a row, each closed over the one before it.
 
-An entry names table and row and holds the SHA-256 of what the row says then, none where the row is
+An entry names table and row and holds the SHA-256 of the row's content, none where the row is
 gone. The chain is keyed (`Seal`), so that a changed, added or removed row of any table of `GUARDED`
 disagrees with it. Its head is written elsewhere too: into each shot's manifest, and on request
 into a file. A cut tail is found by that.
@@ -28,11 +28,11 @@ BEGUN, RECOVERED = "begun", "recovered"
 
 _OWN = frozenset({"ledger", "probe"})
 GUARDED: dict[str, Table] = {t.name: t for t in metadata.sorted_tables if t.name not in _OWN}
-"""Tables whose rows the ledger tells of."""
+"""Tables whose rows have entries in the ledger."""
 
 _CHUNK = 1000
 
-_Told = tuple[str, str, str | None]
+_Entry = tuple[str, str, str | None]
 """Table, row, and content of the row."""
 
 
@@ -54,22 +54,22 @@ def begin(connection: Connection, seal: Seal, after: Anchor | None = None) -> No
     """
     last = after or Anchor(0, START)
     about = BEGUN if after is None else RECOVERED
-    first: _Told = (about, json.dumps([last.entry, last.digest]), None)
+    first: _Entry = (about, json.dumps([last.entry, last.digest]), None)
     _append(connection, seal, last, [first])
     for table in GUARDED.values():
         found = connection.execute(select(table)).all()
-        _append(connection, seal, _head(connection), [_told(table, row) for row in found])
+        _append(connection, seal, _head(connection), [_entry(table, row) for row in found])
 
 
 def note(connection: Connection, table: Table, *where: ColumnElement[bool]) -> None:
     """Write down how these rows stand now; part of every transaction that adds or changes them."""
     found = connection.execute(select(table).where(*where)).all()
-    _append(connection, _seal(connection), _head(connection), [_told(table, row) for row in found])
+    _append(connection, _seal(connection), _head(connection), [_entry(table, row) for row in found])
 
 
 def note_removed(connection: Connection, table: Table, rows: Iterable[Row[Any]]) -> None:
     """Write down that these rows are gone; part of every transaction that removes them."""
-    gone: list[_Told] = [(table.name, key_of(table, row), None) for row in rows]
+    gone: list[_Entry] = [(table.name, key_of(table, row), None) for row in rows]
     _append(connection, _seal(connection), _head(connection), gone)
 
 
@@ -115,13 +115,13 @@ def key_of(table: Table, row: Row[Any]) -> str:
 
 
 def content_of(row: Row[Any]) -> str:
-    """Return the SHA-256 of all that a row says; a column that says nothing does not count."""
-    said = {name: value for name, value in row._mapping.items() if value is not None}
-    text = json.dumps(said, sort_keys=True, separators=(",", ":"))
+    """Return the SHA-256 of a row's content; empty columns do not count."""
+    content = {name: value for name, value in row._mapping.items() if value is not None}
+    text = json.dumps(content, sort_keys=True, separators=(",", ":"))
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def _told(table: Table, row: Row[Any]) -> _Told:
+def _entry(table: Table, row: Row[Any]) -> _Entry:
     return table.name, key_of(table, row), content_of(row)
 
 
@@ -143,10 +143,10 @@ def _seal(connection: Connection) -> Seal:
     return seal
 
 
-def _append(connection: Connection, seal: Seal, last: Anchor, told: list[_Told]) -> None:
+def _append(connection: Connection, seal: Seal, last: Anchor, entries: list[_Entry]) -> None:
     number, previous = last.entry, last.digest
     rows: list[dict[str, object]] = []
-    for about, row, content in told:
+    for about, row, content in entries:
         number += 1
         previous = seal.digest(previous, (number, about, row, content))
         fields = {"number": number, "about": about, "row": row, "content": content}

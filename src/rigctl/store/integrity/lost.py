@@ -1,4 +1,4 @@
-"""A catalogue that is missing beside its shots: it is never begun anew in silence."""
+"""Refusals of a catalogue that is missing, or older than the shots beside it."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _TODO = "restore the catalogue from a backup, or rebuild it from the folders wit
 
 @dataclass(frozen=True, slots=True)
 class OnDisk:
-    """Shots that lie below a store's folder, whatever a catalogue says.
+    """Shots below a store's folder, found without a catalogue.
 
     Attributes
     ----------
@@ -59,7 +59,7 @@ def on_disk(root: Path) -> OnDisk:
 
 
 def require_no_shots(root: Path, catalogue: str) -> None:
-    """Refuse to begin a catalogue beside shots that an earlier one knew.
+    """Refuse to begin a catalogue beside shots of an earlier one.
 
     Raises
     ------
@@ -76,7 +76,7 @@ def require_no_shots(root: Path, catalogue: str) -> None:
 
 
 def require_latest(root: Path, catalogue: str, latest: int) -> None:
-    """Refuse a catalogue that does not know the latest shot on disk.
+    """Refuse a catalogue that lacks the latest shot on disk.
 
     Raises
     ------

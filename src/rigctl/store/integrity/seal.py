@@ -17,7 +17,7 @@ _BYTES = 32
 
 
 class Seal:
-    """Closes entries with HMAC-SHA-256: without the key nobody writes one that fits."""
+    """Closes entries with HMAC-SHA-256: a valid entry cannot be made without the key."""
 
     def __init__(self, key: bytes) -> None:
         self._key = key

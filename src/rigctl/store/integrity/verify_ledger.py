@@ -1,4 +1,4 @@
-"""Whether every row is as the ledger says, and the ledger as its key and its anchors say."""
+"""Verify every row against the ledger, and the ledger against its key and its anchors."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def verify_ledger(
     return rows, [*read.faults, *_verify_anchors(read, anchors), *_older(read, kept), *faults]
 
 
-def _read(connection: Connection, seal: Seal, wanted: set[int]) -> _Read:
+def _read(connection: Connection, seal: Seal, anchored: set[int]) -> _Read:
     read = _Read()
     for row in connection.execute(select(ledger).order_by(ledger.c.number)):
         if read.first is None:
@@ -76,7 +76,7 @@ def _read(connection: Connection, seal: Seal, wanted: set[int]) -> _Read:
             what = "was altered, or the one before it was taken away"
             read.faults.append(Fault(f"ledger, entry {row.number}", what))
         read.last = Anchor(row.number, row.digest)
-        if row.number in wanted:
+        if row.number in anchored:
             read.heads[row.number] = row.digest
         if row.about in GUARDED:
             read.latest[row.about][row.row] = row.content

@@ -1,4 +1,4 @@
-"""Whether a shot's row says what its manifest says, which nobody changes after it is written."""
+"""Compare a shot's row with its manifest, which never changes after it is written."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from rigctl.store.states import ShotState
 Json = dict[str, Any]
 
 _EDITED = frozenset({"note", "format"})
-"""What people change afterwards, and what is no word of the shot."""
+"""Fields that may be edited afterwards, or are not part of the shot."""
 
 
 def verify_row(shot: ShotRecord, request: Request | None, manifest: Json) -> list[Fault]:
@@ -52,7 +52,7 @@ def _pairs(
     outcome = outcome_document(shot)
     if frames:
         yield "lost", shot.lost, len(frames["lost"])
-        # A shot whose frames are there is told of again with each analysis.
+        # Each analysis changes the state of a shot with frames.
         outcome = {name: outcome[name] for name in ("state", "fired")}
     yield from _common("", outcome, manifest["outcome"])
     if shot.outcome is not ShotState.STORED:

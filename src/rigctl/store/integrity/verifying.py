@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from rigctl.errors import NotFoundError, RigError, StoreError
+from rigctl.progress import Progress
 from rigctl.store.folders import sha256
 from rigctl.store.imports import LISTING
 from rigctl.store.integrity.anchors import anchor_of
@@ -19,8 +20,6 @@ from rigctl.store.integrity.verify_rows import verify_row
 from rigctl.store.reading import StoreReader
 from rigctl.store.records import ShotRecord
 from rigctl.store.states import ShotState
-
-Say = Callable[[str, float | None], None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +58,7 @@ class _Found:
 
 def verify_store(
     store: StoreReader,
-    say: Say,
+    progress: Progress,
     campaign: str | None = None,
     anchors: Sequence[Anchored] = (),
 ) -> Verified:
@@ -84,7 +83,7 @@ def verify_store(
     found = _Found()
     total = store.catalogue.count(campaign)
     for shot in store.catalogue.each(campaign, unreadable=_named(found.faults)):
-        say(f"shot {shot.id}", found.shots / max(total, 1))
+        progress(f"shot {shot.id}", found.shots / max(total, 1))
         found.shots += 1
         _verify_shot(store, shot, found)
     for number, name in store.imports.numbers().items():

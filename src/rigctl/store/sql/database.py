@@ -44,7 +44,7 @@ class Database:
         Whether a catalogue of an earlier form is brought to the present one; otherwise refused.
     sealing
         Given the first transaction and the version found (0: there was none), returns the seal of
-        what is written; None: nothing is written that the ledger tells of.
+        the ledger's entries; None: no guarded row is written.
 
     Raises
     ------
@@ -134,7 +134,7 @@ class Database:
     def copy_to(self, path: Path) -> None:
         """Copy the catalogue as it is at one moment into a SQLite file that is not there.
 
-        Nobody who writes waits for it.
+        Writers do not wait for it.
 
         Raises
         ------
@@ -155,12 +155,12 @@ class Database:
             return self._server.integrity(connection)
 
     def own(self) -> bool:
-        """Keep other processes from owning the catalogue until `close`; say whether it was free.
+        """Keep other processes from owning the catalogue until `close`; return whether it was free.
 
         Raises
         ------
         StoreError
-            The catalogue cannot be asked.
+            The catalogue cannot be reached.
         """
         with self._store_errors():
             return self._server.own()

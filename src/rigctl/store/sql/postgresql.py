@@ -35,7 +35,7 @@ class Postgresql:
     Parameters
     ----------
     address
-        URL of the database; `postgresql://` stands for the driver psycopg.
+        URL of the database; `postgresql://` uses the driver psycopg.
     busy_timeout_s
         Longest wait for another program's transaction, s.
     writable
@@ -90,7 +90,7 @@ class Postgresql:
         return []
 
     def own(self) -> bool:
-        """Take the catalogue for this process until `disown`; say whether it was free."""
+        """Take the catalogue for this process until `disown`; return whether it was free."""
         connection = self.engine.execution_options(isolation_level="AUTOCOMMIT").connect()
         ask = f"SELECT pg_try_advisory_lock({_LOCK}, {_OWNER})"
         if not connection.exec_driver_sql(ask).scalar_one():
@@ -154,7 +154,7 @@ def _engine(url: URL, busy_timeout_s: float, *, writable: bool) -> Engine:
 
     @event.listens_for(engine, "connect")
     def _configure(connection: Any, _record: object) -> None:  # noqa: ANN401
-        # A commit returns when it is on disk, whatever the server's default says.
+        # A commit returns when it is on disk, whatever the server's default.
         connection.execute("SET synchronous_commit TO on")
         connection.execute(f"SET lock_timeout TO {max(1, round(busy_timeout_s * 1000))}")
         connection.commit()

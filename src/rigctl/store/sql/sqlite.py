@@ -60,7 +60,7 @@ class Sqlite:
         return [line for line in found if line != "ok"] + named
 
     def own(self) -> bool:
-        """Say that nobody else owns it: the lock beside the file has told already."""
+        """Return true: the lock beside the file has excluded other owners already."""
         return True
 
     def disown(self) -> None:

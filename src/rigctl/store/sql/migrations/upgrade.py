@@ -26,5 +26,5 @@ def upgrade(connection: Connection, version: int, to: int) -> None:
         command.stamp(config, FIRST)
     command.upgrade(config, f"{to:04d}")
     if connection.dialect.name == "sqlite":
-        # Told without loading Alembic, at every start.
+        # Readable at every start without loading Alembic.
         connection.exec_driver_sql(f"PRAGMA user_version = {to}")

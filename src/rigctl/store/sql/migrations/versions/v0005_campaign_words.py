@@ -8,7 +8,7 @@ down_revision = "0004"
 
 
 def upgrade() -> None:
-    """Make their tables; who changed them stands in the audit of edits."""
+    """Make their tables; who changed them is in the audit of edits."""
     op.create_table(
         "campaign_notes",
         sa.Column("campaign", sa.Text, primary_key=True),

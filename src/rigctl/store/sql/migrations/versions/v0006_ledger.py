@@ -1,4 +1,4 @@
-"""The ledger: every change of a row, in a chain that nobody continues without its key."""
+"""The ledger: every change of a row, in a chain that cannot be continued without its key."""
 
 import sqlalchemy as sa
 from alembic import op

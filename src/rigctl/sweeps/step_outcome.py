@@ -1,4 +1,4 @@
-"""What became of a step, by the word of its shot; the same while running and after a crash."""
+"""Outcome of a step by the record of its shot; the same while running and after a crash."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ def state_after(shot: ShotRecord) -> StepState:
 
 
 def actor_of(sweep: str, actor: str) -> str:
-    """Return the name under which a sweep fires that somebody asked for."""
+    """Return the actor of a sweep's shots, from the sweep and the person who requested it."""
     return f"{_fired_by(sweep)}{actor}"
 
 
 def is_own(shot: ShotRecord, sweep: str) -> bool:
-    """Say whether a sweep fired this shot itself; no caller goes by such a name."""
+    """Whether a sweep fired this shot itself; no caller may have such a name."""
     return shot.actor.startswith(_fired_by(sweep))
 
 
@@ -32,7 +32,7 @@ def _fired_by(sweep: str) -> str:
 
 
 def end_step(store: Store, sweep: str, step: StepRecord, now: datetime) -> StepRecord:
-    """Say on disk what became of a taken step; nothing is fired.
+    """Record the outcome of a taken step; nothing is fired.
 
     A key that made no shot proves that nothing was accepted, and so nothing was fired.
 
@@ -60,7 +60,7 @@ def end_step(store: Store, sweep: str, step: StepRecord, now: datetime) -> StepR
 
 
 def end_taken(store: Store, sweep: str, now: datetime) -> list[StepRecord]:
-    """Say what became of every step that is still taken; as `end_step`."""
+    """Record the outcome of every step that is still taken; as `end_step`."""
     return [
         end_step(store, sweep, step, now) for step in store.sweeps.steps(sweep, StepState.TAKEN)
     ]

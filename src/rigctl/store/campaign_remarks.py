@@ -1,4 +1,4 @@
-"""What people say of campaigns: one note and some tags, read and changed in one transaction."""
+"""Remarks on campaigns: one note and some tags each, read and changed in one transaction."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from rigctl.store.sql.schema import campaign_notes, campaign_tags, shots
 
 
 @dataclass(frozen=True, slots=True)
-class Words:
+class Remarks:
     """A campaign's note, None without any, and its tags in alphabetical order."""
 
     note: str | None = None
     tags: tuple[str, ...] = ()
 
 
-def words_of(connection: Connection, campaign: str | None = None) -> Mapping[str, Words]:
-    """Return what is said of one campaign, or of all; those of which nothing is are left out."""
+def remarks_of(connection: Connection, campaign: str | None = None) -> Mapping[str, Remarks]:
+    """Return the remarks on one campaign, or on all; campaigns without remarks are left out."""
     noted, tagged = select(campaign_notes), select(campaign_tags).order_by(campaign_tags.c.tag)
     if campaign is not None:
         noted = noted.where(campaign_notes.c.campaign == campaign)
@@ -30,7 +30,9 @@ def words_of(connection: Connection, campaign: str | None = None) -> Mapping[str
     tags: dict[str, list[str]] = {}
     for row in connection.execute(tagged):
         tags.setdefault(row.campaign, []).append(row.tag)
-    return {name: Words(notes.get(name), tuple(tags.get(name, ()))) for name in notes.keys() | tags}
+    return {
+        name: Remarks(notes.get(name), tuple(tags.get(name, ()))) for name in notes.keys() | tags
+    }
 
 
 def set_note(connection: Connection, campaign: str, note: str | None) -> None:
@@ -51,7 +53,7 @@ def set_tags(connection: Connection, campaign: str, tags: Collection[str]) -> No
 
 
 def _cleared(connection: Connection, table: Table, campaign: str) -> ColumnElement[bool]:
-    """Remove what a table says of a campaign; return the condition that its rows meet."""
+    """Remove the rows of a campaign from a table; return the condition that selects them."""
     mine: ColumnElement[bool] = table.c.campaign == campaign
     ledger.note_removed(connection, table, connection.execute(select(table).where(mine)))
     connection.execute(delete(table).where(mine))
