@@ -79,7 +79,7 @@ class ProposeOrder(StrictModel):
 
 
 class TellOrder(StrictModel):
-    """Choose shots that tell two effects apart; without `between`, the verdict's alias set."""
+    """Choose shots that distinguish two effects; without `between`, the verdict's alias set."""
 
     between: Pair | None = None
     probability: float = Field(default=0.9, ge=0.55, le=0.999)

@@ -31,7 +31,7 @@ class ShotOrder(StrictModel):
 
 
 class ReleaseOrder(StrictModel):
-    """Why a person says that the rig may leave its latch."""
+    """Reason of a person for releasing the latch of the rig."""
 
     reason: Line
 
@@ -43,7 +43,7 @@ class ExcludeOrder(StrictModel):
 
 
 class NoteOrder(StrictModel):
-    """What is to be said of a shot or a campaign; null takes the note away."""
+    """New note of a shot or a campaign; null removes the note."""
 
     note: Line | None
 
@@ -90,7 +90,7 @@ class InterlockView(View):
 
 
 class RigView(View):
-    """The rig at one moment. Times are UTC; whoever reads it sees whether it is simulated."""
+    """State of the rig at one moment, and whether it is simulated. Times are UTC."""
 
     name: str
     apparatus: str
@@ -146,7 +146,7 @@ class RigEvent(View):
 
 
 class ArmView(BaseModel):
-    """The token that fires once, when it expires (UTC), and what to know before firing."""
+    """The token that fires once, when it expires (UTC), and warnings before firing."""
 
     arm_token: str
     expires_at: datetime
@@ -155,7 +155,7 @@ class ArmView(BaseModel):
 
 
 class ShotAccepted(BaseModel):
-    """The stored answer of an idempotency key: the shot it made and where that stands."""
+    """The stored answer of an idempotency key: the shot it made and the state of that shot."""
 
     shot: str
     state: ShotState
@@ -164,8 +164,8 @@ class ShotAccepted(BaseModel):
 class ShotView(View):
     """One shot. Times are UTC; a field that is not known is null.
 
-    `outcome` is the state in which the rig left the shot, null while it runs; `fired` says whether
-    the spheres flew, as far as anybody can know; `lost` counts pictures the camera skipped.
+    `outcome` is the state in which the rig left the shot, null while it runs; `fired`: whether the
+    spheres flew, as far as it is known; `lost` counts pictures the camera skipped.
     """
 
     shot: str

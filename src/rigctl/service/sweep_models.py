@@ -91,7 +91,7 @@ class SweepView(View):
 
 
 class SweepTable(BaseModel):
-    """What was asked for, in the form of a sweep file, and the steps in the order of firing."""
+    """The request in the form of a sweep file, and the steps in the order of firing."""
 
     form: dict[str, Any]
     table: list[StepView]

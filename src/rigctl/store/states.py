@@ -19,7 +19,7 @@ class ShotState(StrEnum):
 
     `accepted`: the key is claimed, nothing was sent. `firing`: the intent is on disk, and the
     fire command may be on its way. `capturing`: the trigger confirmed. `aborted`: given up, and
-    the record says whether the spheres flew. `misfire`: the trigger refused, nothing flew.
+    the record shows whether the spheres flew. `misfire`: the trigger refused, nothing flew.
     `interrupted`: the daemon died around it. `refused`: the frames could not be measured.
     """
 

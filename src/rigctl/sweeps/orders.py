@@ -9,7 +9,7 @@ from enum import StrEnum
 
 
 class Wish(StrEnum):
-    """What is asked of a running sweep; it takes effect before the next fire."""
+    """Order to a running sweep; it takes effect before the next fire."""
 
     PAUSE = "pause"
     ABORT = "abort"
