@@ -33,8 +33,7 @@ def joined(parts: list[PoseData], name: str) -> np.ndarray:
 def test_stored_shots_give_the_poses_that_they_give_together(store: Store, keep: Keep) -> None:
     keep()
     _, wanted = campaign_poses(store, "nylon")
-    parts = list(stream_from("nylon", measured_files(store, "nylon")))
-    assert [len(part.shots) for part in parts] == [3, 1]
+    parts = list(stream_from("nylon", measured_files(store, "nylon")).parts())
     for name in ("shots", "times_s", "position", "position_sigma", "rotation", "rotation_sigma"):
         np.testing.assert_array_equal(joined(parts, name), getattr(wanted, name))
     for name, values in wanted.covariates.items():

@@ -27,6 +27,13 @@ def test_without_a_key_nothing_under_the_api_answers(ask: Any, method: str, path
     assert answer.json()["code"] == "unauthorized"
 
 
+def test_no_route_of_the_document_but_the_stop_answers_without_a_key(app: Any, ask: Any) -> None:
+    for path, operations in app.openapi()["paths"].items():
+        if path.startswith("/api/v1/") and path != "/api/v1/rig/estop":
+            for method in operations:
+                assert ask(method.upper(), path, key=None).status_code == 401, (method, path)
+
+
 @pytest.mark.parametrize(
     "header",
     ["", "Bearer", "Bearer ", "Bearer wrong", "Basic a-key-for-tests", "a-key-for-tests"],

@@ -44,7 +44,7 @@ def commissioning_routes(daemon: Daemon, lanes: Lanes) -> APIRouter:
         )
         return await lanes.control(lambda: view(daemon))
 
-    @router.post("/{step}/act", responses=documented(401, 404, 405, 409, 503))
+    @router.post("/{step}/act", responses=documented(401, 404, 405, 409, 422, 503))
     async def act(step: str, request: Request) -> FoundView:
         """Do what the daemon has to do for a step; it may stop, move or fire the rig."""
         who = request.state.actor

@@ -10,6 +10,7 @@ import pytest
 from numpy.typing import NDArray
 
 from analysis.model.data.gather import gather
+from analysis.model.data.poses import PoseData
 from analysis.model.data.tables import ContactTable
 from analysis.results.from_poses import pose_impacts
 from analysis.results.from_table import table_impacts
@@ -60,7 +61,8 @@ def test_a_shot_is_measured_by_itself_whatever_the_others_say() -> None:
     data, other = campaign(20, SEED, LAW), campaign(20, SEED, (0.4, 0.3, -0.2))
     chosen = np.arange(20) == 3
     found = pose_impacts(data)
-    for company in (data.of_shots(chosen), other.of_shots(~chosen).joined(data.of_shots(chosen))):
+    alone = data.of_shots(chosen)
+    for company in (alone, PoseData.joined([other.of_shots(~chosen), alone])):
         among = pose_impacts(company)
         place = list(among.shots).index(4)
         np.testing.assert_array_equal(among.velocities[place], found.velocities[3])
