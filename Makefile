@@ -31,6 +31,7 @@ types: $(READY)
 
 contracts: $(READY)
 	$(BIN)/lint-imports
+	$(BIN)/python packaging/imports.py
 
 check: lint types contracts
 

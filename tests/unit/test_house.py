@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import runpy
 from pathlib import Path
 
 import pytest
@@ -26,3 +27,27 @@ def test_every_place_of_the_map_is_there() -> None:
         rooms = rest.rstrip("}").split(",") if rest else [""]
         for room in rooms:
             assert (ROOT / "src" / f"{before}{room}").exists(), place
+
+
+def test_imported_names_that_do_not_exist_are_found_with_their_lines(
+    tmp_path: Path,
+) -> None:
+    for folder in ("src/analysis", "benchmarks", "docs"):
+        (tmp_path / folder).mkdir(parents=True)
+    (tmp_path / "src/analysis/shot.py").write_text("try:\n    HERE = 1\nfinally:\n    pass\n")
+    (tmp_path / "benchmarks/late.py").write_text(
+        "from analysis.shot import HERE, gone\n\ndef run():\n    import analysis.vanished\n"
+        'NAMED = ("analysis.shot:HERE", "analysis.shot:never", "analysis")\n'
+    )
+    (tmp_path / "docs/page.md").write_text(
+        "Run `python -m benchmarks.late` or `python -m benchmarks.early`.\n"
+        "```python\nfrom analysis import shot, film\n```\n"
+    )
+    missing = runpy.run_path(str(ROOT / "packaging/imports.py"))["missing"]
+    assert missing(tmp_path) == [
+        "benchmarks/late.py:1: analysis.shot.gone does not exist",
+        "benchmarks/late.py:4: analysis.vanished does not exist",
+        "benchmarks/late.py:5: analysis.shot.never does not exist",
+        "docs/page.md: analysis.film does not exist",
+        "docs/page.md: benchmarks.early does not exist",
+    ]
