@@ -18,6 +18,7 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from functools import cache
 from hashlib import sha256
+from importlib import import_module
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
@@ -25,7 +26,30 @@ import numba
 from numba import types
 from numba.core import caching
 
-from analysis.file_lock import try_lock
+try:
+    import fcntl
+except ImportError:
+
+    def try_lock(file: int) -> bool:
+        """Take the lock; False where another process has it. `file` is open for writing."""
+        # The library's type hints have it on Windows alone.
+        windows = import_module("msvcrt")
+        try:
+            windows.locking(file, windows.LK_NBLCK, 1)
+        except OSError:
+            return False
+        return True
+
+else:
+
+    def try_lock(file: int) -> bool:
+        """Take the lock; False where another process has it. `file` is open for writing."""
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            return False
+        return True
+
 
 USES = b"from analysis.compiled import"
 LONGEST_S, AGAIN_S = 600.0, 0.05

@@ -22,8 +22,7 @@ from analysis.results.drawing import plane_figure, residual_figure, restitution_
 from analysis.results.published import THESIS
 from analysis.results.tables import Table, tables
 from rigctl.reports.html import download, paragraph, picture, section, table
-from rigctl.reports.reproduce import reproduce
-from rigctl.reports.shots import every_shot, missing_shots
+from rigctl.reports.shots import every_shot, missing_shots, reproduce
 from rigctl.reports.source import Source
 
 INKS = {

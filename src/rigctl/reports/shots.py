@@ -1,8 +1,12 @@
-"""The shots of a report, one by one: those that count, and those that do not."""
+"""The shots of a report, one by one: those that count and those that do not; what reproduces it."""
 
 from __future__ import annotations
 
 import math
+import platform
+import shlex
+from html import escape
+from importlib.metadata import version
 
 from analysis.quantity import Quantity
 from analysis.results.campaign import Results
@@ -11,6 +15,38 @@ from analysis.results.ratios import Ratio
 from analysis.results.tables import Table
 from rigctl.reports.html import download, paragraph, section, table
 from rigctl.reports.source import Source
+
+WHERE = (
+    " Run them in the folder in which the daemon was started; if that was not with the simulated "
+    "rig, give report --config and the file whose SHA-256 stands under configuration."
+)
+LIBRARIES = ("numpy", "scipy", "matplotlib")
+
+
+def reproduce(source: Source) -> str:
+    """Return the section that says how to get the same numbers again."""
+    origin = shlex.quote(source.origin)
+    commands = (
+        f"rigctl report {origin} --out report.html --csv tables",
+        f"rigctl model fit {origin}",
+    )
+    programs = [("rigctl", version("rigctl")), ("Python", platform.python_version())]
+    programs += [(name, version(name)) for name in LIBRARIES]
+    lines = escape("\n".join(commands))
+    return section(
+        "Reproduce it",
+        f"<pre>{lines}</pre>",
+        paragraph(
+            "The first makes this file anew, byte for byte, with the same program, libraries and "
+            "measurements, and writes the table behind every figure; the second prints the fit to "
+            "all that was measured." + (WHERE if source.stored else ""),
+            "aside",
+        ),
+        table(("program", "version"), programs, "words"),
+        "<h3>Files behind the numbers</h3>",
+        table(("file", "SHA-256"), source.files, "words hash"),
+    )
+
 
 SLIDES = 0.5
 """A coefficient of friction is given for shots that more likely slid than stuck."""

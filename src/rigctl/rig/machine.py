@@ -19,7 +19,6 @@ from rigctl.rig.clock import SYSTEM_CLOCK, Clock
 from rigctl.rig.conditions import Conditions
 from rigctl.rig.firing import ShotRun
 from rigctl.rig.interlocks import Interlock, require
-from rigctl.rig.lines import reopen
 from rigctl.rig.parts import Bench
 from rigctl.rig.permit import NoPermitNeeded, Permit
 from rigctl.rig.readiness import Readiness
@@ -29,7 +28,7 @@ from rigctl.rig.standing import Standing
 from rigctl.rig.states import LATCHED, RigState, ShotState
 from rigctl.rig.status import RigStatus
 from rigctl.rig.stopping.estop import EmergencyStop
-from rigctl.rig.stopping.halting import halt, make_safe
+from rigctl.rig.stopping.halting import halt, make_safe, reopen
 from rigctl.rig.stopping.latch import CleanEnd
 from rigctl.rig.stopping.watch import Watch
 from rigctl.rig.taking import Taking

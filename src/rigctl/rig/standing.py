@@ -1,4 +1,4 @@
-"""Where the rig stands: one lock, one snapshot, and the only place where the state changes."""
+"""Where the rig stands: one lock, one snapshot, one place of change; the audit has every change."""
 
 from __future__ import annotations
 
@@ -8,18 +8,62 @@ from dataclasses import replace
 from datetime import datetime
 
 from rigctl.config import Configuration
+from rigctl.errors import StoreError
 from rigctl.rig.clock import Clock
 from rigctl.rig.interlocks import Interlock
-from rigctl.rig.logbook import Logbook
-from rigctl.rig.states import LATCHED, RigState, require_move
+from rigctl.rig.states import LATCHED, TOWARD_FIRE, RigState, require_move
 from rigctl.rig.status import RigStatus, Transition
 from rigctl.rig.stopping.repeated_stops import RepeatedStops
 from rigctl.settings import ShotSettings
+from rigctl.store.journal import Journal
 from rigctl.store.listeners import Listeners
 from rigctl.store.records import ShotRecord
 from rigctl.store.store import Store
 
 _log = logging.getLogger(__name__)
+
+
+class Logbook:
+    """The rig's side of the audit. The rig's lock guards every call.
+
+    A step toward firing is not taken unless it is on disk. A step toward safety is taken in any
+    case; what the disk refuses of it is written later, in order, before anything else.
+    """
+
+    def __init__(self, journal: Journal) -> None:
+        self._journal = journal
+        self._owed: list[Transition] = []
+
+    def write(self, transition: Transition) -> None:
+        """Append a transition.
+
+        Raises
+        ------
+        StoreError
+            The audit cannot be written and the step leads toward firing.
+        """
+        owed = [*self._owed, transition]
+        try:
+            while owed:
+                self._append(owed[0])
+                del owed[0]
+        except StoreError:
+            if transition.after in TOWARD_FIRE:
+                self._owed = owed[:-1]
+                raise
+            _log.exception("transition to %s is owed to the audit", transition.after)
+        self._owed = owed
+
+    def _append(self, transition: Transition) -> None:
+        self._journal.append(
+            at=transition.at,
+            before=transition.before,
+            after=transition.after,
+            actor=transition.actor,
+            reason=transition.reason,
+            shot=transition.shot,
+        )
+
 
 AFTER_STOP = "rig, after the stop"
 """Actor of the audit's notes on what became of a stop; they are no steps of the rig."""

@@ -17,7 +17,7 @@ from analysis.campaign import ShotJob, analyse_campaign, read_campaign
 from analysis.exchange.folder import folder_writer
 from analysis.model.data.gather import gather_poses
 from analysis.shot import AnalysisOptions, MeasuredShot
-from rigctl.api import frames, kept_shots
+from rigctl.api import frames
 
 ARRAYS = ("shots", "times_s", "position", "position_sigma", "rotation", "rotation_sigma")
 
@@ -114,11 +114,11 @@ def test_another_method_or_set_up_is_another_measurement(copied: Path) -> None:
 
 def test_a_lesson_from_other_frames_is_another_measurement(copied: Path) -> None:
     jobs = read_campaign(copied).jobs
-    before = kept_shots.shot_keys(jobs, "photometric")
+    before = frames.shot_keys(jobs, "photometric")
     first = bytearray((copied / "frames" / "0001.tiff").read_bytes())
     first[20_000] ^= 1
     (copied / "frames" / "0001.tiff").write_bytes(first)
-    after = kept_shots.shot_keys(jobs, "photometric")
+    after = frames.shot_keys(jobs, "photometric")
     assert all(before[shot] != after[shot] for shot in (1, 2, 3))
 
 
@@ -188,4 +188,4 @@ def test_every_file_that_measuring_loads_is_part_of_the_key() -> None:
     done = subprocess.run([sys.executable, "-c", ask], capture_output=True, text=True, check=True)
     rooms = {name.split(".")[1] for name in done.stdout.split()}
     assert "photometric" in rooms
-    assert not rooms & kept_shots.LATER_ROOMS
+    assert not rooms & frames.LATER_ROOMS

@@ -10,8 +10,7 @@ import pytest
 from rig_fakes import Laboratory
 
 from rigctl.errors import StoreError
-from rigctl.rig.logbook import Logbook
-from rigctl.rig.standing import AFTER_STOP
+from rigctl.rig.standing import AFTER_STOP, Logbook
 from rigctl.rig.states import TOWARD_FIRE, RigState
 from rigctl.rig.status import Transition
 

@@ -10,14 +10,14 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-import rigctl.measuring.campaign_learning
+import rigctl.measuring.stored_shot
 from analysis.campaign import THESIS_SETUP
 from analysis.photometric.learn.appearance import Appearance, Sphere
 from analysis.photometric.render.camera import camera_of
 from analysis.setup import Environment, Setup
 from analysis.shot import AnalysisOptions, MeasuredShot, RefusedShot
-from rigctl.measuring.campaign_learning import CampaignLearning
 from rigctl.measuring.learned_pairs import LearnedPairs
+from rigctl.measuring.stored_shot import CampaignLearning
 
 FRAMES, TIMES = np.zeros((6, 4, 4), np.uint8), np.linspace(0.0, 5e-3, 6)
 
@@ -57,7 +57,7 @@ class Analysis:
 @pytest.fixture
 def analysis(monkeypatch: pytest.MonkeyPatch) -> Analysis:
     double = Analysis()
-    monkeypatch.setattr(rigctl.measuring.campaign_learning, "analyse_shot", double)
+    monkeypatch.setattr(rigctl.measuring.stored_shot, "analyse_shot", double)
     return double
 
 

@@ -15,8 +15,7 @@ from rigctl.store.folders import sha256
 from rigctl.store.imports import LISTING
 from rigctl.store.integrity.anchors import anchor_of
 from rigctl.store.integrity.faults import Fault
-from rigctl.store.integrity.verify_ledger import Anchored, verify_ledger
-from rigctl.store.integrity.verify_rows import verify_row
+from rigctl.store.integrity.verify_ledger import Anchored, verify_ledger, verify_row
 from rigctl.store.reading import StoreReader
 from rigctl.store.records import ShotRecord
 from rigctl.store.states import ShotState
