@@ -90,14 +90,3 @@ def load_bench(path: Path) -> Bench:
         As `load`.
     """
     return checked(Bench, read_toml(path), str(path))
-
-
-def is_bench(path: Path) -> bool:
-    """Return whether a file describes a stage or a disk, and no rig that fires.
-
-    Raises
-    ------
-    ConfigurationError
-        It cannot be read, or is not TOML.
-    """
-    return read_toml(path).get("apparatus") in {"stage", "disk"}

@@ -66,37 +66,6 @@ class JitterScore:
     p_fall: float
 
 
-def jitter_score(
-    residual: Floats,
-    along_track: Floats,
-    kernel: Floats,
-    freedom: int,
-) -> JitterScore:
-    """Test whitened residuals of a fit for a time error that all numbers of a frame share.
-
-    Positions and orientations must be whitened with true errors relative to each other; a common
-    factor is estimated here.
-
-    Parameters
-    ----------
-    residual
-        (observed - predicted) / sigma, zero where nothing was measured, (S, F, 2, 6).
-    along_track
-        Whitened rate of the prediction with time, 1/s, zero where not measured, (S, F, 2, 6):
-        velocities and spins over sigma.
-    kernel
-        K = D' P D, 1/s^2, (S, F, F).
-    freedom
-        Degrees of freedom of the fit.
-
-    Raises
-    ------
-    ValueError
-        There are no degrees of freedom, or nothing moves.
-    """
-    return score_of([directions(residual, along_track, kernel)], freedom)
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class Directions:
     """What the likelihood sees of some shots: directions that jitter moves, and all that is left.
@@ -117,7 +86,21 @@ class Directions:
 
 
 def directions(residual: Floats, along_track: Floats, kernel: Floats) -> Directions:
-    """Return the directions of some shots, arguments as of `jitter_score`."""
+    """Return what the test sees of some shots: a time error that all numbers of a frame share.
+
+    Positions and orientations must be whitened with true errors relative to each other; a common
+    factor is estimated by `score_of`.
+
+    Parameters
+    ----------
+    residual
+        (observed - predicted) / sigma, zero where nothing was measured, (S, F, 2, 6).
+    along_track
+        Whitened rate of the prediction with time, 1/s, zero where not measured, (S, F, 2, 6):
+        velocities and spins over sigma.
+    kernel
+        K = D' P D, 1/s^2, (S, F, F).
+    """
     shots, frames = residual.shape[:2]
     rates = along_track.reshape(shots, frames, 12)
     pull = np.einsum("sfl,sfl->sf", rates, residual.reshape(shots, frames, 12))
@@ -129,10 +112,15 @@ def directions(residual: Floats, along_track: Floats, kernel: Floats) -> Directi
 def score_of(parts: Iterable[Directions], freedom: int) -> JitterScore:
     """Return the score of all shots, handed over in parts that are read several times.
 
+    Parameters
+    ----------
+    freedom
+        Degrees of freedom of the fit.
+
     Raises
     ------
     ValueError
-        As `jitter_score`.
+        There are no degrees of freedom, or nothing moves.
     """
     if freedom <= 0:
         raise ValueError(f"{freedom} degrees of freedom, 1 is needed")

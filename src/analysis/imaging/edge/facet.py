@@ -143,19 +143,6 @@ def facet_coefficients(values: NDArray[np.floating]) -> NDArray[np.float64]:
     return np.asarray(projected / (_NORM[:, None] * _NORM[None, :]))
 
 
-def facet_value(
-    coefficients: NDArray[np.float64], r: NDArray[np.float64], c: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Return value and derivatives by r and c of each facet at offsets (r, c) from its centre."""
-    one, zero = np.ones_like(r), np.zeros_like(r)
-    basis_r, slope_r = np.stack([one, r, r**2 - 2 / 3], 1), np.stack([zero, one, 2 * r], 1)
-    basis_c, slope_c = np.stack([one, c, c**2 - 2 / 3], 1), np.stack([zero, one, 2 * c], 1)
-    value = np.einsum("pi,pij,pj->p", basis_r, coefficients, basis_c)
-    by_r = np.einsum("pi,pij,pj->p", slope_r, coefficients, basis_c)
-    by_c = np.einsum("pi,pij,pj->p", basis_r, coefficients, slope_c)
-    return value, by_r, by_c
-
-
 def edge_points(
     edges: EdgeImage, least_strength: float, samples_per_pixel: int | None = None
 ) -> EdgePoints:

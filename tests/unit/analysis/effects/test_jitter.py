@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from analysis.effects.clock import timing_jitter
-from analysis.effects.clock.jitter_score import JitterScore, jitter_score
+from analysis.effects.clock.jitter_score import JitterScore, directions, score_of
 
 Floats = NDArray[np.float64]
 
@@ -49,7 +49,7 @@ def scored(seed: int, jitter_s: float, noise: float = 1.0) -> JitterScore:
     residual = project(raw.reshape(SHOTS, -1, 1)).reshape(along.shape)
     spread = spread_of(along)
     kernel = np.swapaxes(spread, 1, 2) @ project(spread)
-    return jitter_score(residual, along, kernel, SHOTS * (FRAMES * 12 - OWN))
+    return score_of([directions(residual, along, kernel)], SHOTS * (FRAMES * 12 - OWN))
 
 
 def test_the_amplitude_is_found_within_its_error() -> None:
@@ -98,7 +98,8 @@ def test_the_score_is_the_slope_of_the_likelihood_of_the_whole_covariance() -> N
     residual = (projector @ rng.normal(size=frames * 12)).reshape(along.shape)
     freedom = frames * 12 - own
     spread = spread_of(along)[0]
-    found = jitter_score(residual, along, (spread.T @ projector @ spread)[None], freedom)
+    seen_so = directions(residual, along, (spread.T @ projector @ spread)[None])
+    found = score_of([seen_so], freedom)
     reduced, seen = left.T @ spread, left.T @ residual.reshape(-1)
 
     def log_likelihood(w: float, f: float) -> float:
@@ -136,6 +137,6 @@ def test_whitening_without_jitter_or_motion_changes_nothing() -> None:
 def test_frames_in_which_nothing_moves_are_refused() -> None:
     nothing = np.zeros((1, 3, 2, 6))
     with pytest.raises(ValueError, match="nothing moves"):
-        jitter_score(nothing + 1.0, nothing, np.zeros((1, 3, 3)), 10)
+        score_of([directions(nothing + 1.0, nothing, np.zeros((1, 3, 3)))], 10)
     with pytest.raises(ValueError, match="0 degrees of freedom"):
-        jitter_score(nothing, nothing, np.zeros((1, 3, 3)), 0)
+        score_of([directions(nothing, nothing, np.zeros((1, 3, 3)))], 0)

@@ -2,6 +2,7 @@ import math
 
 import numpy as np
 import pytest
+from facets import facet_value
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
@@ -9,7 +10,7 @@ from numpy.polynomial.polynomial import polyder, polyval2d
 from scipy.special import ndtr
 
 from analysis.imaging.edge.edges import laplacian_of_gaussian
-from analysis.imaging.edge.facet import EdgePoints, edge_points, facet_coefficients, facet_value
+from analysis.imaging.edge.facet import EdgePoints, edge_points, facet_coefficients
 from analysis.imaging.edge.frame import gradient_threshold
 
 STEP = 120.0

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+from facets import facet_value
 
 from analysis.imaging.edge.edges import laplacian_of_gaussian
 from analysis.imaging.edge.facet import (
     facet_coefficients,
-    facet_value,
     neighbourhoods,
     zero_crossing_pixels,
 )
