@@ -13,11 +13,12 @@ import json
 import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any, Literal, Protocol, TypeVar, cast
+from typing import Annotated, Literal, Protocol, TypeVar, cast
 
 from pydantic import BaseModel, Field, ValidationError
 
 from rigctl.config.model import StrictModel
+from rigctl.documents import Json
 from rigctl.errors import AnalysisInputError, NotFoundError, RefusedError, SettingsError, StoreError
 
 MAKER = "simulators.challenge:new_challenge"
@@ -28,7 +29,6 @@ PUBLIC, SEALED, ANSWER = "challenge.json", "sealed.txt", "answer.json"
 ALONE = ("none", "unexplained")
 """Answers that name no effect, and stand alone."""
 
-Json = dict[str, Any]
 Model = TypeVar("Model", bound=BaseModel)
 Outcome = Literal["right", "alias", "partly", "wrong"]
 

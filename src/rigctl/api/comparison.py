@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from analysis.errors import LaunchRefusedError
 from analysis.model.agreement.agree import agree
@@ -16,11 +16,10 @@ from analysis.model.data.stream import CampaignData
 from analysis.model.fitting.fit import Fit
 from analysis.model.structure.structure import Structure as Tested
 from rigctl.api.pictured import Pictured
+from rigctl.documents import Json
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-Json = dict[str, Any]
 
 
 def agreement_of(campaign: str, data: CampaignData, fit: Fit) -> Agreement:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from analysis.effects.effect import Effect
 from analysis.model.data.evidence import Stage, stage_of
@@ -22,14 +22,13 @@ from rigctl.api.comparison import Agreement, Structure, agreement_of
 from rigctl.api.own_effects import Given, KnownEffects
 from rigctl.api.pictured import Pictured
 from rigctl.api.ranking import ErrorPath, Ranking
+from rigctl.documents import Json
 from rigctl.model.headline import headline
 from rigctl.model.known_effects import faults_refused
 from rigctl.model.seen_effects import require_seen
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-Json = dict[str, Any]
 
 
 class Fit(Pictured):

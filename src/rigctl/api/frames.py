@@ -16,7 +16,6 @@ from dataclasses import asdict, dataclass, field
 from functools import cache
 from hashlib import file_digest, sha256
 from pathlib import Path
-from typing import Any
 
 from analysis.campaign import Campaign, ShotJob, analyse_campaign, training_jobs
 from analysis.exchange.pose_table import PoseRow
@@ -28,12 +27,11 @@ from analysis.shot import AnalysisOptions, Method
 from analysis.slow_errors import typical
 from rigctl.api.measured import Measured
 from rigctl.api.progress import counting
+from rigctl.documents import Json
 from rigctl.errors import AnalysisInputError
 from rigctl.input_errors import as_analysis_errors
 from rigctl.measuring.first_analysis import wait_for_compiler
 from rigctl.measuring.stored_poses import measured_document, poses_of, slow_errors_of
-
-Json = dict[str, Any]
 
 VARIABLE = "RIGCTL_CACHE"
 """Environment variable that names another folder."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from analysis.effects.effect import Effect
 from analysis.model.data.tables import Data
@@ -16,6 +16,7 @@ from rigctl.api.own_effects import KnownEffects
 from rigctl.api.pictured import Pictured
 from rigctl.api.progress import stating
 from rigctl.api.ranking import ErrorPath
+from rigctl.documents import Json
 from rigctl.model.known_effects import faults_refused
 from rigctl.model.proposing import confirmed, proposed_laws, unwritable
 from rigctl.model.seen_effects import require_seen
@@ -24,8 +25,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from rigctl.api.campaign import Campaign
-
-Json = dict[str, Any]
 
 
 def proposals(campaign: str, data: Data, given: Sequence[Effect], known: KnownEffects) -> Proposals:

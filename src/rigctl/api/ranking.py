@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from analysis.model.data.evidence import Stage
 from analysis.model.rank.candidate import Ranking as Ranked
 from analysis.model.verdict.documents import ranking_document
 from rigctl.api.pictured import Pictured
+from rigctl.documents import Json
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-Json = dict[str, Any]
 
 
 class Ranking(Pictured):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from analysis.effects.effect import Effect
 from analysis.model.data.tables import Data
@@ -18,11 +18,10 @@ from rigctl.api.own_effects import KnownEffects
 from rigctl.api.pictured import Pictured
 from rigctl.api.progress import stating
 from rigctl.api.ranking import ErrorPath, Ranking
+from rigctl.documents import Json
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-Json = dict[str, Any]
 
 
 def explained(campaign: str, data: Data, known: KnownEffects) -> Verdict:

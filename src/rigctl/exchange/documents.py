@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from datetime import UTC, datetime
 from importlib.metadata import version
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from pydantic import ValidationError
 
 from analysis.exchange.pose_table import own_slow_errors
 from analysis.exchange.shot_list import EXCLUDED, EXPOSURE, NOTE, TAGS, ShotRow
 from analysis.setup import setup_document
+from rigctl.documents import Json
 from rigctl.exchange.amending import tags_in
 from rigctl.measuring.stored_poses import poses_document, slow_errors_document
 from rigctl.settings import ShotSettings
@@ -21,7 +22,6 @@ from rigctl.store.states import ShotState
 if TYPE_CHECKING:
     from rigctl.exchange.contents import Contents
 
-Json = dict[str, Any]
 
 FORMAT = 2
 """2: the set-up is one table; manifests of format 1 are read as before."""

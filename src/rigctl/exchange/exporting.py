@@ -6,8 +6,8 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
+from rigctl.documents import Json
 from rigctl.errors import NotFoundError, StoreError
 from rigctl.exchange.amending import amended
 from rigctl.exchange.fresh import fresh_folder
@@ -20,7 +20,6 @@ from rigctl.store.folders import sha256
 from rigctl.store.imports import LISTING
 from rigctl.store.integrity.copying import copy_synced
 
-Json = dict[str, Any]
 ALL = 10_000_000
 SHOT_LIST = "shots.csv"
 

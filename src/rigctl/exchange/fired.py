@@ -6,7 +6,6 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import tifffile
 
@@ -19,6 +18,7 @@ from analysis.exchange.shot_list import EXCLUDED, NOTE, TAGS, ShotRow
 from analysis.setup import Setup, SlowErrors
 from analysis.slow_errors import typical
 from rigctl.cameras.frames import FrameSequence
+from rigctl.documents import Json
 from rigctl.exchange.amending import tags_field
 from rigctl.exchange.documents import CONFIGURATION, SIMULATED
 from rigctl.measuring.stored_poses import poses_of, slow_errors_of
@@ -28,7 +28,6 @@ from rigctl.progress import Progress
 from rigctl.store import ShotRecord
 from rigctl.store.folders import ShotFolders
 
-Json = dict[str, Any]
 NAME = "name"
 """Column in which a shot keeps the name it had in the catalogue it was fired into."""
 

@@ -6,9 +6,10 @@ import json
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from analysis.exchange.shot_list import ShotRow
+from rigctl.documents import Json
 from rigctl.exchange.documents import FORMAT, first_result, imported_shot, manifest
 from rigctl.plain_text import require_word
 from rigctl.progress import Progress
@@ -22,7 +23,6 @@ from rigctl.store.states import ShotState
 if TYPE_CHECKING:
     from rigctl.exchange.contents import Contents, Frames
 
-Json = dict[str, Any]
 
 OTHERS, FRAMES = "folder", "frames"
 

@@ -13,7 +13,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,12 +20,12 @@ from numpy.typing import NDArray
 from analysis.results.campaign import Results
 from analysis.results.impacts import V_N, V_N_AFTER, V_S, V_S_AFTER
 from analysis.results.ratios import Ratio, velocities
+from rigctl.documents import Json
 from rigctl.errors import AnalysisInputError, StoreError
 from rigctl.exports.units import RATIO, unit_of
 from rigctl.reports.source import Source
 
 Floats = NDArray[np.float64]
-Json = dict[str, Any]
 Document = tuple[str, Json]
 
 SPACE = uuid.UUID("6f1c1d4e-5b0f-5a55-9d0c-3f6f5f0e8486")

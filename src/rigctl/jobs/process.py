@@ -18,8 +18,8 @@ from contextlib import suppress
 from multiprocessing import Pipe
 from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import Any
 
+from rigctl.documents import Json
 from rigctl.jobs.task import JobFailedError, Task, Work
 
 _log = logging.getLogger(__name__)
@@ -37,7 +37,6 @@ PASSED_ON = (
 )
 """Variables of the daemon's environment that a job has: none of them holds a secret."""
 
-Json = dict[str, Any]
 
 _hidden: set[Path] = set()
 

@@ -16,8 +16,8 @@ import traceback
 from collections.abc import Callable, Sequence
 from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import Any
 
+from rigctl.documents import Json
 from rigctl.errors import RigError
 
 _NEWNS, _NEWUSER, _NEWNET = 0x00020000, 0x10000000, 0x40000000
@@ -84,7 +84,6 @@ def _call(name: str, *arguments: object) -> None:
         raise OSError(number, os.strerror(number))
 
 
-Json = dict[str, Any]
 Say = Callable[[str, float | None], None]
 
 

@@ -13,11 +13,10 @@ from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 from pathlib import Path
-from typing import Any
 
+from rigctl.documents import Json
 from rigctl.errors import RigError
 
-Json = dict[str, Any]
 CLOSE_WAIT_S = 5.0
 AGAIN = "again"
 """Key of a result under which it names other shots to be analysed once more; it is not stored."""

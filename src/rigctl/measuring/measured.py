@@ -5,11 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
+from rigctl.documents import Json
 from rigctl.store import Store, StoreReader
-
-Json = dict[str, Any]
 
 MOST_SHOTS = 1_000_000
 """So many shots of one campaign are looked at."""

@@ -27,9 +27,9 @@ from analysis.errors import InputError, ShotRefusedError
 from analysis.exchange.impact_writing import MeasuredBounce, write_bounces
 from analysis.figures.ball_film import draw_ball_film
 from analysis.setup import CameraSetup, Environment, Setup, SphereSetup
+from rigctl.documents import Json
 from rigctl.errors import AnalysisInputError
 
-Json = dict[str, Any]
 Say = Callable[[str, float | None], None]
 SHOWN = 8
 SHOWN_WIDTH = 720

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,8 +13,7 @@ from analysis.balls.films.film import HeldFilm
 from analysis.balls.flight.known import Ball
 from analysis.errors import ShotRefusedError
 from analysis.setup import Setup
-
-Json = dict[str, Any]
+from rigctl.documents import Json
 
 
 def bounces_document(

@@ -16,8 +16,7 @@ from analysis.exchange.pose_table import PoseRow
 from analysis.exchange.pose_writing import measured_poses
 from analysis.setup import SlowErrors
 from analysis.shot import MeasuredShot, RefusedShot
-
-Json = dict[str, Any]
+from rigctl.documents import Json
 
 
 def measured_document(shot: MeasuredShot | RefusedShot) -> Json:

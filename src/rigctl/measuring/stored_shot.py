@@ -13,7 +13,7 @@ from dataclasses import replace
 from functools import lru_cache
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,7 @@ from analysis.campaign import TEACHING_SHOTS
 from analysis.document import overlay_document
 from analysis.setup import Setup, setup_of
 from analysis.shot import AnalysisOptions, MeasuredShot, RefusedShot, analyse_shot
+from rigctl.documents import Json
 from rigctl.measuring.analysis_process import AGAIN
 from rigctl.measuring.learned_pairs import LearnedPairs
 from rigctl.measuring.stored_poses import measured_document
@@ -114,7 +115,6 @@ class CampaignLearning:
             _log.warning("other processes will learn these spheres anew: %s", error)
 
 
-Json = dict[str, Any]
 Measure = Callable[[NDArray[np.uint8], Floats, Setup, AnalysisOptions], MeasuredShot | RefusedShot]
 
 LEARNED = "learned"

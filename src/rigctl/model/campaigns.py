@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
-from typing import Any
 
 from analysis.exchange.pose_table import Spheres
 from analysis.exchange.shot_list import EXCLUDED, ShotRow
@@ -16,6 +15,7 @@ from analysis.model.data.poses import PoseData
 from analysis.model.data.tables import Data
 from analysis.setup import Setup, SlowErrors
 from analysis.slow_errors import typical
+from rigctl.documents import Json
 from rigctl.errors import AnalysisInputError
 from rigctl.input_errors import as_analysis_errors
 from rigctl.measuring.measured import MeasuredFiles, measured_files
@@ -24,8 +24,6 @@ from rigctl.measuring.stored_shot import manifest_setup
 from rigctl.model.tabulated_campaigns import is_tabulated, tabulated
 from rigctl.opening import read_store
 from rigctl.store import Store, StoreReader
-
-Json = dict[str, Any]
 
 
 def open_campaign(

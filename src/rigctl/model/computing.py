@@ -13,7 +13,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from analysis.effects.effect import Effect
 from analysis.effects.own.dropping import without_faulty
@@ -40,6 +39,7 @@ from analysis.model.structure.structure import structure
 from analysis.model.verdict.documents import fit_document, ranking_document
 from analysis.model.verdict.report import verdict_document
 from analysis.model.verdict.selection import Verdict, explain
+from rigctl.documents import Json
 from rigctl.errors import AnalysisInputError
 from rigctl.input_errors import as_analysis_errors
 from rigctl.measuring.measured import MeasuredFiles
@@ -52,7 +52,6 @@ from rigctl.model.seen_effects import require_seen
 from rigctl.model.tabulated_campaigns import is_tabulated, require_poses, tabulated
 from rigctl.store import reading
 
-Json = dict[str, Any]
 Say = Callable[[str, float | None], None]
 
 

@@ -6,16 +6,14 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 from analysis.effects.catalogue import CATALOGUE, LAUNCH_CATALOGUE
 from analysis.effects.effect import Effect
 from analysis.effects.own.fault import EffectFault, Fault
 from analysis.effects.own.loading import load_effects
 from analysis.errors import InputError
+from rigctl.documents import Json
 from rigctl.errors import AnalysisInputError, NotFoundError
-
-Json = dict[str, Any]
 
 ALL_EFFECTS: tuple[Effect, ...] = (*CATALOGUE, *LAUNCH_CATALOGUE)
 """Those of the catalogue that poses can show, and those of the launch; no name stands twice."""

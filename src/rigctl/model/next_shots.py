@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from analysis.effects.effect import Effect, ScatterEffect
 from analysis.launch.fit import fit_launch
@@ -17,9 +16,8 @@ from analysis.model.design.sharpen import sharpen
 from analysis.model.design.undecided import fired_alike, next_after
 from analysis.model.fitting.robust_fit import judged
 from analysis.model.verdict.selection import explain
+from rigctl.documents import Json
 from rigctl.errors import NotFoundError, SettingsError
-
-Json = dict[str, Any]
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any
-
+from rigctl.documents import Json
 from rigctl.errors import NotFoundError
 from rigctl.sweeps.form import Sweep
-
-Json = dict[str, Any]
 
 
 def sentence(document: Json) -> str:

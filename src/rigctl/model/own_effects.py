@@ -8,13 +8,12 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Self
+from typing import Self
 
 from rigctl.config import Configuration
+from rigctl.documents import Json
 from rigctl.errors import ConfigurationError
 from rigctl.model.known_effects import available, effect_named
-
-Json = dict[str, Any]
 
 PART = "analysis.effects"
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
 
 from analysis.effects.effect import Effect
 from analysis.errors import ProposalRefusedError
@@ -15,10 +14,9 @@ from analysis.model.proposals.document import proposals_document
 from analysis.model.proposals.effect_file import seen_shots
 from analysis.model.proposals.following import next_after
 from analysis.model.proposals.propose import Proposed, propose
+from rigctl.documents import Json
 from rigctl.errors import AnalysisInputError, StoreError
 from rigctl.model.known_effects import available
-
-Json = dict[str, Any]
 
 
 def proposed_laws(

@@ -7,17 +7,15 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import BrokenExecutor, Future
 from dataclasses import dataclass
 from itertools import chain, islice
-from typing import Any
 
 from analysis.campaign import TEACHING_SHOTS
+from rigctl.documents import Json
 from rigctl.errors import NotFoundError, RigError
 from rigctl.measuring.analysis_process import AnalysisFailedError
 from rigctl.progress import Progress
 from rigctl.reanalysis.pools import Pool
 from rigctl.reanalysis.work import Broken, Found, analysed, taught
 from rigctl.store import Change, ShotRecord, ShotState, Store
-
-Json = dict[str, Any]
 
 FREE = frozenset({ShotState.STORED, ShotState.ANALYSED, ShotState.REFUSED})
 """States in which no other process is about to write a result."""

@@ -7,9 +7,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Self
 
 from analysis.setup import without_exposure
+from rigctl.documents import Json
 from rigctl.errors import RigError
 from rigctl.store.folders import result_text
 
@@ -36,8 +37,6 @@ def keep_memory() -> None:
         if hasattr(library, "mallopt"):
             library.mallopt(parameter, size)
 
-
-Json = dict[str, Any]
 
 LONG = frozenset({"poses", "overlay"})
 """Bulky fields of a result that the storing process does not need."""

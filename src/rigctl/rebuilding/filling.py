@@ -5,10 +5,10 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator
 from datetime import datetime
-from typing import Any
 
 from sqlalchemy import ColumnElement, Connection, Table, insert, update
 
+from rigctl.documents import Json
 from rigctl.rebuilding.fired import FiredShot
 from rigctl.rebuilding.found import Found
 from rigctl.rebuilding.imported import ImportedCampaign
@@ -29,7 +29,6 @@ from rigctl.store.sql.schema import (
 from rigctl.store.states import Fired, ShotState
 from rigctl.store.sweep_states import StepState, SweepState
 
-Json = dict[str, Any]
 Rows = list[dict[str, object]]
 
 REASON = "the catalogue was rebuilt; start a further sweep for the steps that were not fired"

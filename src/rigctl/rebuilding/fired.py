@@ -5,8 +5,8 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
+from rigctl.documents import Json
 from rigctl.errors import RefusedError
 from rigctl.settings import ShotSettings
 from rigctl.store.folders import ShotFolders, sha256
@@ -14,8 +14,6 @@ from rigctl.store.integrity.anchors import anchor_of
 from rigctl.store.integrity.ledger import Anchor
 from rigctl.store.records import Request
 from rigctl.store.states import Fired, ShotState
-
-Json = dict[str, Any]
 
 UNKNOWN_ACTOR = "not known"
 """Actor of a shot whose manifest does not name one."""

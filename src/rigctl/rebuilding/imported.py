@@ -6,14 +6,12 @@ import json
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
 
 from analysis.exchange.shot_list import ShotRow
+from rigctl.documents import Json
 from rigctl.exchange.documents import shot_of_row
 from rigctl.store.folders import results_in, sha256
 from rigctl.store.imports import LISTING, ImportedShot, Stage
-
-Json = dict[str, Any]
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 from analysis.results.campaign import Results, results
 from analysis.results.lines import TooFewShotsError
+from rigctl.documents import Json
 from rigctl.errors import AnalysisInputError
 from rigctl.reports.page import page
 from rigctl.reports.source import Source, stored_source
 from rigctl.store import reading
-
-Json = dict[str, Any]
 
 
 def measured_results(source: Source) -> Results:

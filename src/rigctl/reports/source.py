@@ -18,14 +18,13 @@ from analysis.model.data.tables import Data
 from analysis.results.impacts import LeftOut
 from analysis.setup import setup_document
 from rigctl.config import load
+from rigctl.documents import Json
 from rigctl.errors import AnalysisInputError
 from rigctl.input_errors import as_analysis_errors
 from rigctl.measuring.measured import MOST_SHOTS, MeasuredFiles, measured_files
 from rigctl.measuring.stored_shot import manifest_setup
 from rigctl.model.campaigns import poses_from
 from rigctl.store import ShotRecord, ShotState, Store, StoreReader, reading
-
-Json = dict[str, Any]
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,10 +17,9 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from rigctl.documents import Json
 from rigctl.errors import NotFoundError, StoreError
 from rigctl.store.durable import make_folders, sync_folder, write_synced
-
-Json = dict[str, Any]
 
 _FILE = re.compile(r"(?P<name>.+)-(?P<version>\d{4,})\.json")
 

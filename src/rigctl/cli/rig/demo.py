@@ -6,7 +6,7 @@ import shutil
 from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
-from typing import Annotated, Any, Final, Protocol, cast
+from typing import Annotated, Final, Protocol, cast
 
 import typer
 
@@ -22,6 +22,7 @@ from rigctl.cli.output import progress
 from rigctl.cli.rig.demo_report import Story, tell
 from rigctl.config import Configuration, Simulation, load
 from rigctl.daemon import Daemon, open_daemon
+from rigctl.documents import Json
 from rigctl.firing import measured
 from rigctl.local import LocalRig
 from rigctl.measuring.stored_shot import manifest_setup
@@ -45,7 +46,6 @@ WORTH = 0.95
 asks for smaller corrections may be the measurement itself."""
 
 Say = Callable[[str], None]
-Json = dict[str, Any]
 
 
 class TruthKeeper(Protocol):

@@ -14,8 +14,7 @@ from rich.table import Table
 from analysis.model.verdict.words import verdict_sentence
 from analysis.quantity import Quantity
 from rigctl.challenge import reveal, summary
-
-Json = dict[str, Any]
+from rigctl.documents import Json
 
 WIDTH = 100
 """A narrower terminal wraps the rows; cut digits would be wrong numbers."""

@@ -10,6 +10,7 @@ from fastapi import APIRouter, Query
 from starlette.responses import Response
 
 from rigctl.daemon import Daemon
+from rigctl.documents import Json
 from rigctl.jobs import Job, Task, Work, in_process
 from rigctl.measuring.measured import measured_files, request
 from rigctl.model.own_effects import OwnEffects
@@ -28,8 +29,6 @@ from rigctl.service.campaign_models import (
 )
 from rigctl.service.guards.bodies import StrictRoute
 from rigctl.service.problems import documented
-
-Json = dict[str, Any]
 
 FUNCTIONS = "rigctl.model.computing"
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 from sqlalchemy import Connection, select
 
+from rigctl.documents import Json
 from rigctl.errors import StoreError
 from rigctl.store.integrity.faults import Fault
 from rigctl.store.integrity.ledger import GUARDED, START, Anchor, before, content_of, key_of
@@ -18,8 +18,6 @@ from rigctl.store.reading import StoreReader
 from rigctl.store.records import Request, ShotRecord
 from rigctl.store.sql.schema import ledger
 from rigctl.store.states import ShotState
-
-Json = dict[str, Any]
 
 _EDITED = frozenset({"note", "format"})
 """Fields that may be edited afterwards, or are not part of the shot."""
