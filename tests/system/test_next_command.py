@@ -69,7 +69,7 @@ def test_a_goal_that_is_reached_already_needs_no_shot(folder: Path) -> None:
         (("--between", "drag", "timing-jitter"), 2, "noise"),
         (("--between", "drag", "none", "--sharpen", "e"), 2, "two questions"),
         (("--to", "0.1"), 2, "belongs to a parameter"),
-        (("--between", "drag", "none", "--with", "drag"), 2, "believed already"),
+        (("--between", "drag", "none", "--with", "drag"), 2, "of the model already"),
     ],
 )
 def test_a_question_that_cannot_be_answered_is_refused_in_one_sentence(

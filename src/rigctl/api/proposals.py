@@ -29,10 +29,10 @@ if TYPE_CHECKING:
 
 def proposals(campaign: str, data: Data, given: Sequence[Effect], known: KnownEffects) -> Proposals:
     """Propose laws beside effects that are given."""
-    with faults_refused(), stating() as say:
+    with faults_refused(), stating() as report:
         require_seen(data, given, "propose")
         found, document = known.all_in(
-            lambda effects: proposed_laws(campaign, data, given, effects, say=say)
+            lambda effects: proposed_laws(campaign, data, given, effects, report=report)
         )
     return Proposals(campaign, found, document)
 

@@ -28,11 +28,11 @@ def explained(campaign: str, data: Data, known: KnownEffects) -> Verdict:
     """Go the whole way to a verdict; choose the shots that would end its doubts."""
 
     def explained(effects: Sequence[Effect]) -> tuple[Found, Telling | None]:
-        found = explain(data, effects, say)
-        say("choosing shots")
+        found = explain(data, effects, report)
+        report("choosing shots")
         return found, next_after(found, effects)
 
-    with stating() as say:
+    with stating() as report:
         found, following = known.all_in(explained)
     return Verdict(campaign, found, verdict_document(campaign, data, found, following))
 

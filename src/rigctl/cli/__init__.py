@@ -92,13 +92,13 @@ _MODEL = Group(
     {
         "agreement": Command(
             "model.agreement:agreement",
-            "Say where the model and the campaign agree, and where they do not.",
+            "Show where the model and the campaign agree, and where they do not.",
         ),
         "fit": Command(
             "model.fit:fit", "Fit e, mu, beta0 and the effects added to all poses of a campaign."
         ),
         "rank": Command(
-            "model.rank:ranking", "Rank the effects of the catalogue by what they promise."
+            "model.rank:ranking", "Rank the effects of the catalogue by their score tests."
         ),
         "launch": Command(
             "model.launch:launch",
@@ -127,7 +127,7 @@ _EFFECT = Group(
         ),
         "show": Command(
             "model.effects:show",
-            "Say what an effect is, what gives it away, and what it is confused with.",
+            "Explain what an effect is, what gives it away, and what it is confused with.",
         ),
     },
 )
@@ -139,7 +139,7 @@ _CHALLENGE = Group(
         ),
         "commit": Command("model.challenge:commit", "Set down your answer, once and for all."),
         "reveal": Command(
-            "model.challenge:reveal", "Say what was hidden, and how your answer stands to it."
+            "model.challenge:reveal", "Reveal what was hidden, and compare your answer with it."
         ),
     },
 )
@@ -273,7 +273,7 @@ def rigctl(
     *,
     version: Annotated[
         bool,
-        typer.Option("--version", is_eager=True, callback=_show_version, help="Say which this is."),
+        typer.Option("--version", is_eager=True, callback=_show_version, help="Print the version."),
     ] = False,
 ) -> None:
     """Keep the commands a group, however many there are."""

@@ -9,11 +9,13 @@ from contextlib import contextmanager
 from typing import Any
 
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn
+from rich.progress import BarColumn, TextColumn
+from rich.progress import Progress as Bar
 from rich.table import Table
 
+from rigctl.progress import Progress
+
 Json = Mapping[str, Any]
-Say = Callable[[str, float | None], None]
 
 TABLE_WIDTH = 110
 """A narrower terminal wraps the rows; cut digits would be wrong numbers."""
@@ -31,7 +33,7 @@ def progress() -> Iterator[Callable[[str], None]]:
 
 
 @contextmanager
-def bar() -> Iterator[Say]:
+def bar() -> Iterator[Progress]:
     """Give a function that shows a step in words and the part done, from 0 to 1.
 
     It writes to standard error, and only to a terminal.
@@ -41,7 +43,7 @@ def bar() -> Iterator[Say]:
         yield lambda _text, _share: None
         return
     columns = (TextColumn("{task.description}"), BarColumn())
-    with Progress(*columns, console=console, transient=True) as shown:
+    with Bar(*columns, console=console, transient=True) as shown:
         task = shown.add_task("", total=1.0)
         yield lambda text, share: shown.update(task, description=text, completed=share or 0.0)
 

@@ -52,7 +52,7 @@ def in_process(function: str, arguments: Json, longest_s: float = LONGEST_S) -> 
     Parameters
     ----------
     function
-        `module:name` of a callable (arguments, say) -> JSON object, imported in the process.
+        `module:name` of a callable (arguments, progress) -> JSON object, imported in the process.
     arguments
         JSON object that is handed over. Where it names a `database`, the process has the network.
     longest_s
@@ -88,8 +88,8 @@ def _attend(
                 f"the process {_end_of(process)}", todo="look at the host's memory, then ask again"
             ) from error
         match _message(message):
-            case ["say", str(text), float() | int() | None as share]:
-                task.say(text, share)
+            case ["progress", str(text), float() | int() | None as share]:
+                task.progress(text, share)
             case ["enclosed", str(words)]:
                 task.enclosed(words)
             case ["done", str(result)]:

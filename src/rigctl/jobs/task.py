@@ -6,6 +6,7 @@ import threading
 from collections.abc import Callable
 
 from rigctl.errors import RigError
+from rigctl.progress import Progress
 
 
 class JobFailedError(RigError):
@@ -40,7 +41,7 @@ class Task:
 
     Parameters
     ----------
-    say
+    progress
         Takes the step under way in words and the share done from 0 to 1, or None.
     enclosed
         Takes in words what the process of the work is kept from.
@@ -48,10 +49,10 @@ class Task:
 
     def __init__(
         self,
-        say: Callable[[str, float | None], None],
+        progress: Progress,
         enclosed: Callable[[str], None] = lambda _: None,
     ) -> None:
-        self.say, self.enclosed = say, enclosed
+        self.progress, self.enclosed = progress, enclosed
         self._lock = threading.Lock()
         self._unwanted = False
         self._callbacks: list[Callable[[], None]] = []

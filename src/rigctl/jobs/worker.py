@@ -19,6 +19,7 @@ from pathlib import Path
 
 from rigctl.documents import Json
 from rigctl.errors import RigError
+from rigctl.progress import Progress
 
 _NEWNS, _NEWUSER, _NEWNET = 0x00020000, 0x10000000, 0x40000000
 _BIND, _RECURSIVE, _PRIVATE = 0x1000, 0x4000, 0x40000
@@ -84,9 +85,6 @@ def _call(name: str, *arguments: object) -> None:
         raise OSError(number, os.strerror(number))
 
 
-Say = Callable[[str, float | None], None]
-
-
 def main() -> None:
     """Enclose the process, do the work, and tell the daemon what came of it."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
@@ -104,13 +102,13 @@ def main() -> None:
 
 
 def _answer(connection: Connection, function: str, arguments: Json) -> tuple[str | None, ...]:
-    def say(text: str, share: float | None) -> None:
-        _tell(connection, "say", text, share)
+    def progress(text: str, share: float | None) -> None:
+        _tell(connection, "progress", text, share)
 
     try:
         module, _, name = function.partition(":")
-        call: Callable[[Json, Say], Json] = getattr(importlib.import_module(module), name)
-        return "done", json.dumps(call(arguments, say), allow_nan=False)
+        call: Callable[[Json, Progress], Json] = getattr(importlib.import_module(module), name)
+        return "done", json.dumps(call(arguments, progress), allow_nan=False)
     except RigError as error:
         return "failed", error.sentence(), error.code, ""
     except Exception as error:  # noqa: BLE001 - whatever breaks is told, not lost

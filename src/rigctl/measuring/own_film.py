@@ -9,7 +9,7 @@ from __future__ import annotations
 import base64
 import json
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -29,8 +29,8 @@ from analysis.figures.ball_film import draw_ball_film
 from analysis.setup import CameraSetup, Environment, Setup, SphereSetup
 from rigctl.documents import Json
 from rigctl.errors import AnalysisInputError
+from rigctl.progress import Progress
 
-Say = Callable[[str, float | None], None]
 SHOWN = 8
 SHOWN_WIDTH = 720
 QUALITY = 80
@@ -81,9 +81,9 @@ def write_ball_campaign(
     write_bounces(folder, name, setup, bounces)
 
 
-def look_job(asked: Json, say: Say) -> Json:
+def look_job(asked: Json, progress: Progress) -> Json:
     """Say what a film is, and show pictures of it as JPEG; `path` is the film."""
-    say("opening the film", None)
+    progress("opening the film", None)
     try:
         film = open_film(Path(asked["path"]))
         head = film.head
@@ -101,7 +101,7 @@ def look_job(asked: Json, say: Say) -> Json:
     }
 
 
-def measure_job(asked: Json, say: Say) -> Json:
+def measure_job(asked: Json, progress: Progress) -> Json:
     """Measure a film and write figure, result and campaign.
 
     `path` is the film, `diameter_mm` the ball's; `mass_g`, `rate_hz` and `window` (column, row,
@@ -117,7 +117,7 @@ def measure_job(asked: Json, say: Say) -> Json:
         rate_hz=asked["rate_hz"],
         cut=None if window is None else Cut(0, None, tuple(window)),
     )
-    say("finding the ball and following it", 0.1)
+    progress("finding the ball and following it", 0.1)
     try:
         film = analyse_film(job)
     except InputError as error:
@@ -125,7 +125,7 @@ def measure_job(asked: Json, say: Say) -> Json:
     except ShotRefusedError as refusal:
         raise AnalysisInputError(refusal.reason, part=f"the {refusal.step}") from refusal
     document = {"shot": 1, **ball_document(film.measured, film.notes)}
-    say("drawing", 0.8)
+    progress("drawing", 0.8)
     draw_ball_film(Path(asked["figure"]), asked["name"], film)
     Path(asked["result"]).write_text(json.dumps(document, allow_nan=False), encoding="utf-8")
     size = film.film.head.height, film.film.head.width

@@ -59,7 +59,7 @@ def reanalysis(
         try:
             for done, shot in enumerate(shots):
                 watch.expect(shot)
-                task.say(f"analysing shot {shot}", done / len(shots))
+                task.progress(f"analysing shot {shot}", done / len(shots))
                 analyse(shot)
                 watch.wait(shot, patience_s)
         finally:

@@ -10,7 +10,7 @@ under `faults`.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -50,47 +50,46 @@ from rigctl.model.own_effects import PART
 from rigctl.model.proposing import proposed_laws
 from rigctl.model.seen_effects import require_seen
 from rigctl.model.tabulated_campaigns import is_tabulated, require_poses, tabulated
+from rigctl.progress import Progress
 from rigctl.store import reading
 
-Say = Callable[[str, float | None], None]
 
-
-def fit_job(asked: Json, say: Say) -> Json:
+def fit_job(asked: Json, progress: Progress) -> Json:
     """Fit the base model and the named effects."""
-    found = _fitted(asked, say)
+    found = _fitted(asked, progress)
     return {**found.document, "faults": found.faults()}
 
 
-def ranking_job(asked: Json, say: Say) -> Json:
+def ranking_job(asked: Json, progress: Progress) -> Json:
     """Fit the base model and the named effects, and rank what else the data ask for."""
-    found = _fitted(asked, say)
-    say("ranking the effects", None)
+    found = _fitted(asked, progress)
+    progress("ranking the effects", None)
     return {**found.document, **_ranked(found)}
 
 
-def agreement_job(asked: Json, say: Say) -> Json:
+def agreement_job(asked: Json, progress: Progress) -> Json:
     """Fit the base model and the named effects, and say by stage where they agree."""
-    found = _fitted(asked, say)
-    say("comparing", None)
+    found = _fitted(asked, progress)
+    progress("comparing", None)
     return {**found.document, **_compared(found.data, found.fit), "faults": found.faults()}
 
 
-def structure_job(asked: Json, say: Say) -> Json:
+def structure_job(asked: Json, progress: Progress) -> Json:
     """Fit the base model and the named effects, and test what they leave over."""
-    found = _fitted(asked, say)
-    say("testing what is left", None)
+    found = _fitted(asked, progress)
+    progress("testing what is left", None)
     tested = structure_document(structure(found.data, found.fit))
     return {**found.document, "structure": tested, "faults": found.faults()}
 
 
-def explain_job(asked: Json, say: Say) -> Json:
+def explain_job(asked: Json, progress: Progress) -> Json:
     """Go the whole way to a verdict."""
     known = _known(asked)
-    data = _data(asked, say)
+    data = _data(asked, progress)
 
     def judge(effects: Sequence[Effect]) -> tuple[Verdict, Telling | None]:
-        verdict = explain(data, effects, lambda text: say(text, None))
-        say("choosing shots", None)
+        verdict = explain(data, effects, lambda text: progress(text, None))
+        progress("choosing shots", None)
         return verdict, next_after(verdict, effects)
 
     (verdict, following), dropped = without_faulty(known.effects, judge)
@@ -98,11 +97,11 @@ def explain_job(asked: Json, say: Say) -> Json:
     return {**document, "faults": _told(known, dropped)}
 
 
-def propose_job(asked: Json, say: Say) -> Json:
+def propose_job(asked: Json, progress: Progress) -> Json:
     """Propose the law that no catalogue holds, beside the named effects; `limits` are the rig's."""
     known = _known(asked)
     given = [known.named(name) for name in asked["with"]]
-    data = _data(asked, say)
+    data = _data(asked, progress)
     pressure, offset = asked["limits"]
     limits = Limits((pressure[0], pressure[1]), (offset[0], offset[1]))
     with faults_refused():
@@ -114,17 +113,17 @@ def propose_job(asked: Json, say: Say) -> Json:
                 data,
                 given,
                 left,
-                say=lambda text: say(text, None),
+                report=lambda text: progress(text, None),
                 limits=limits,
             ),
         )
     return {**document, "faults": _told(known, dropped)}
 
 
-def next_job(asked: Json, say: Say) -> Json:
+def next_job(asked: Json, progress: Progress) -> Json:
     """Choose next shots; `between`, `sharpen`, `to`, `probability` and `limits` stand beside."""
     known = _known(asked)
-    data = require_poses(asked["campaign"], _data(asked, say))
+    data = require_poses(asked["campaign"], _data(asked, progress))
     question = Question(
         between=None if asked["between"] is None else (asked["between"][0], asked["between"][1]),
         sharpen=asked["sharpen"],
@@ -133,7 +132,7 @@ def next_job(asked: Json, say: Say) -> Json:
         probability=asked["probability"],
     )
     question.check()
-    say("choosing shots", None)
+    progress("choosing shots", None)
     pressure, offset = asked["limits"]
     limits = Limits((pressure[0], pressure[1]), (offset[0], offset[1]))
     try:
@@ -146,17 +145,17 @@ def next_job(asked: Json, say: Say) -> Json:
     return {"campaign": asked["campaign"], **found, "faults": _told(known)}
 
 
-def picture_job(asked: Json, say: Say) -> Json:
+def picture_job(asked: Json, progress: Progress) -> Json:
     """Fit, and answer all that can be asked of one fit: agreement, structure, ranking, figure 7.4.
 
     The points of each cell are a text of JSON in the document, to be parsed when it is looked at.
     """
-    found = _fitted(asked, say)
-    say("comparing", 0.3)
+    found = _fitted(asked, progress)
+    progress("comparing", 0.3)
     compared = _compared(found.data, found.fit)
-    say("testing what is left", 0.5)
+    progress("testing what is left", 0.5)
     cells = cells_document(structure(found.data, found.fit))
-    say("ranking the effects", 0.7)
+    progress("ranking the effects", 0.7)
     ranked = _ranked(found)
     plane = impact_plane(found.data, found.fit).to_json()
     return {**found.document, **compared, "cells": cells, **ranked, "plane": plane}
@@ -202,8 +201,8 @@ def _compared(data: Data, fitted: Fit) -> Json:
     return {**agreement_document(agree(data, fitted, launch)), "launch_left_out": refused}
 
 
-def _data(asked: Json, say: Say) -> Data:
-    say("reading the poses", None)
+def _data(asked: Json, progress: Progress) -> Data:
+    progress("reading the poses", None)
     if "folder" in asked:
         return folder_poses(Path(asked["folder"]))[1]
     if "store" in asked:
@@ -221,11 +220,11 @@ def _known(asked: Json) -> Available:
     return available(Path(asked["own"]) if "own" in asked else None, PART)
 
 
-def _fitted(asked: Json, say: Say) -> _Fitted:
+def _fitted(asked: Json, progress: Progress) -> _Fitted:
     known = _known(asked)
     added = [known.named(name) for name in asked["with"]]
-    data = _data(asked, say)
-    say(f"fitting {', '.join(['the base model', *asked['with']])}", None)
+    data = _data(asked, progress)
+    progress(f"fitting {', '.join(['the base model', *asked['with']])}", None)
     with faults_refused():
         require_seen(data, added, "with")
         found = judged(data, added)

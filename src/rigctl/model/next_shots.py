@@ -59,7 +59,7 @@ class Question:
     sharpen, to
         A parameter in place of effects, and the standard error to reach, in its unit.
     names
-        Effects that are believed already.
+        Effects in the model already.
     probability
         Of naming the right one of two effects.
     """
@@ -94,7 +94,7 @@ class Question:
         twice = sorted({*(self.between or ())} & {*self.names})
         if twice:
             raise SettingsError(
-                "stands among the effects that are believed already",
+                "is among the effects of the model already",
                 part="between",
                 value=repr(twice[0]),
                 todo="leave it out of with",
@@ -115,11 +115,11 @@ def answer(data: PoseData, question: Question, known: Known, limits: Limits) -> 
     """
     if question.between is None and question.sharpen is None:
         return _undecided(data, known, limits)
-    believed = [known.named(name) for name in question.names]
+    in_model = [known.named(name) for name in question.names]
     pair = [known.either(name) for name in question.between or ()]
-    found = judged(data, believed)
+    found = judged(data, in_model)
     if not isinstance(found.data, PoseData):
-        raise TypeError("poses were judged and are poses no more")
+        raise TypeError("a robust fit of poses gave none back")
     launch = fit_launch(found.data, found.fit)
     settings = grid(limits, alike=fired_alike(data))
     if question.sharpen is not None:
@@ -128,7 +128,7 @@ def answer(data: PoseData, question: Question, known: Known, limits: Limits) -> 
             found.data, found.fit, launch, question.sharpen, settings, target=question.to
         )
         return sharpening_document(sharper)
-    told = tell_apart(
+    planned = tell_apart(
         found.data,
         found.fit,
         launch,
@@ -136,17 +136,17 @@ def answer(data: PoseData, question: Question, known: Known, limits: Limits) -> 
         settings,
         probability=question.probability,
     )
-    return telling_document(told)
+    return telling_document(planned)
 
 
 def _undecided(data: PoseData, known: Known, limits: Limits) -> Json:
-    told = next_after(explain(data, known.effects), known.effects, limits)
-    if told is None:
+    planned = next_after(explain(data, known.effects), known.effects, limits)
+    if planned is None:
         raise NotFoundError(
             "the verdict leaves no effects to tell apart",
             todo="name two with between, or a parameter with sharpen",
         )
-    return telling_document(told)
+    return telling_document(planned)
 
 
 def _require_parameter(name: str, names: Sequence[str]) -> None:

@@ -5,7 +5,7 @@ A file that breaks, hangs or ends its process then takes no more with it than th
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable
+from collections.abc import Hashable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Self
@@ -14,6 +14,7 @@ from rigctl.config import Configuration
 from rigctl.documents import Json
 from rigctl.errors import ConfigurationError
 from rigctl.model.known_effects import available, effect_named
+from rigctl.progress import Progress
 
 PART = "analysis.effects"
 
@@ -51,7 +52,7 @@ class OwnEffects:
                 effect_named(name)
 
     def asked(self) -> Json:
-        """Return what a job is told, so that its effects are those of the folder as well."""
+        """Return the arguments of a job, so that its effects are those of the folder as well."""
         return {"own": str(self.folder)} if self._files() else {}
 
     def fingerprint(self) -> Hashable:
@@ -66,9 +67,9 @@ class OwnEffects:
         return [] if self.folder is None else sorted(self.folder.glob("*.py"))
 
 
-def reading_job(asked: Json, say: Callable[[str, float | None], None]) -> Json:
+def reading_job(asked: Json, progress: Progress) -> Json:
     """Read the folder `own` and return what its effects say of themselves, and their faults."""
-    say("reading the effects", None)
+    progress("reading the effects", None)
     known = available(Path(asked["own"]), PART)
     faults = [fault.to_json() for fault in known.faults]
     return {"folder": asked["own"], "effects": known.own(), "faults": faults}

@@ -25,7 +25,7 @@ def proposed_laws(
     given: Sequence[Effect],
     catalogue: Sequence[Effect],
     *,
-    say: Callable[[str], None],
+    report: Callable[[str], None],
     limits: Limits | None = None,
 ) -> tuple[Proposed, Json]:
     """Return what is proposed, and its document with the next shots.
@@ -38,11 +38,11 @@ def proposed_laws(
         An effect of the user's own fails.
     """
     try:
-        found = propose(data, given, catalogue, say)
+        found = propose(data, given, catalogue, report)
     except ProposalRefusedError as error:
         raise AnalysisInputError(str(error), part=title) from error
     if found.accepted:
-        say("choosing shots")
+        report("choosing shots")
     return found, proposals_document(title, found, next_after(found, limits))
 
 

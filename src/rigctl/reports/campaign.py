@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
 from analysis.results.campaign import Results, results
 from analysis.results.lines import TooFewShotsError
 from rigctl.documents import Json
 from rigctl.errors import AnalysisInputError
+from rigctl.progress import Progress
 from rigctl.reports.page import page
 from rigctl.reports.source import Source, stored_source
 from rigctl.store import reading
@@ -30,7 +30,7 @@ def measured_results(source: Source) -> Results:
         ) from error
 
 
-def report_job(asked: Json, say: Callable[[str, float | None], None]) -> Json:
+def report_job(asked: Json, progress: Progress) -> Json:
     """Make the report of a campaign in the catalogue, in a process of its own.
 
     Parameters
@@ -39,10 +39,10 @@ def report_job(asked: Json, say: Callable[[str, float | None], None]) -> Json:
         `store`, the store's folder; `database`, the URL of its catalogue, null: a file in the
         folder; and `campaign`.
     """
-    say("reading the poses", 0.1)
+    progress("reading the poses", 0.1)
     with reading(Path(asked["store"]), asked["database"]) as store:
         source = stored_source(store, asked["campaign"])
-    say("fitting", 0.3)
+    progress("fitting", 0.3)
     found = measured_results(source)
-    say("drawing", 0.8)
+    progress("drawing", 0.8)
     return {"campaign": source.title, "html": page(source, found)}

@@ -15,7 +15,7 @@ Ended = Callable[[Job], Job]
 
 
 def answer(task: Task) -> str:
-    task.say("thinking", 0.5)
+    task.progress("thinking", 0.5)
     return '{"answer": 42}'
 
 

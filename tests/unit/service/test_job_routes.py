@@ -25,7 +25,7 @@ def hold(jobs: Jobs) -> Callable[[], str]:
         def work(task: Task) -> str:
             ends = threading.Event()
             task.on_cancel(ends.set)
-            task.say("half way", 0.5)
+            task.progress("half way", 0.5)
             running.set()
             ends.wait(WAIT_S)
             raise RuntimeError("cancelled")

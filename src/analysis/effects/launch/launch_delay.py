@@ -24,7 +24,7 @@ EFFECT = LaunchEffect(
         Parameter(
             symbol="t",
             unit="s",
-            meaning="time by which pusher b starts later than it is told",
+            meaning="time by which pusher b starts later than its command says",
             plausible=(-2e-3, 2e-3),
             step=1e-7,
         ),

@@ -30,7 +30,7 @@ EFFECT = LaunchEffect(
         ),
     ),
     formula="v' = v (1 + h s), s = +1 after a rise of the pressure, -1 after a fall",
-    source="diaphragm and sensor of a regulator; 0 to 3 % of the speed is believed",
+    source="diaphragm and sensor of a regulator; 0 to 3 % of the speed are plausible",
     gives_away="speeds at one pressure fall into two groups by the pressure of the shot before",
     confused_with=("pressure-friction", "pressure-leak"),
     wrap=wrap,

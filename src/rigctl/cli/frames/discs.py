@@ -37,7 +37,7 @@ def find_discs(
         typer.Option(min=0.5, max=8.0, help="Width of the edge filter in pixels."),
     ] = None,
     doubtful: Annotated[
-        bool, typer.Option("--doubtful", help="Tell discs that chance might show too.")
+        bool, typer.Option("--doubtful", help="Include discs that chance might show too.")
     ] = False,
     json: Json = False,
 ) -> None:

@@ -32,7 +32,7 @@ def precompile() -> None:
     WorkerDiedError
         A process was killed.
     """
-    with tempfile.TemporaryDirectory() as folder, Workers(2) as workers, progress() as say:
+    with tempfile.TemporaryDirectory() as folder, Workers(2) as workers, progress() as report:
         filmed, tabulated = Path(folder) / "filmed", Path(folder) / "tabulated"
         new(filmed, seed=5, strength="full", shots=FILMED, from_frames=True)
         new(tabulated, seed=5, strength="full", shots=TABULATED)
@@ -42,7 +42,7 @@ def precompile() -> None:
             workers.submit(_measure, filmed, "thesis"),
         ]
         for done, part in enumerate(parts):
-            say(f"compiling: {done} of {len(parts)} parts")
+            report(f"compiling: {done} of {len(parts)} parts")
             part.result()
 
 

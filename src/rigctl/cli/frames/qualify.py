@@ -233,8 +233,8 @@ def _show(
     document, lines, verdict = result
     if as_json:
         good_for = {"sentence": verdict.sentence, **verdict.numbers}
-        told = {"seed": seed} if source.simulated else {"of": source.name}
-        print_json({"run": run, **told, **document, "good_for": good_for})
+        origin = {"seed": seed} if source.simulated else {"of": source.name}
+        print_json({"run": run, **origin, **document, "good_for": good_for})
         return
     print_lines(lines)
     typer.echo(("" if source.simulated else f"{source.name}: ") + verdict.sentence)

@@ -18,7 +18,7 @@ from analysis.model.plane import impact_plane
 from analysis.model.structure.lackoffit import Cell
 from analysis.model.structure.structure import structure
 from analysis.model.verdict.documents import fit_document
-from rigctl.cli.model.reading import Fitted, fitted, tell
+from rigctl.cli.model.reading import Fitted, fitted, report_faults
 from rigctl.cli.options import Campaign, Config, Json, OwnEffects, Pictures, Streamed, With
 from rigctl.cli.output import TABLE_WIDTH, print_json, progress
 from rigctl.model.headline import headline
@@ -53,15 +53,15 @@ def agreement(
     known = available(folder)
     found = fitted(campaign, effects or [], known, config, stream=stream)
     try:
-        with progress() as say, temporary_room():
-            say("comparing")
+        with progress() as report, temporary_room():
+            report("comparing")
             compared = agree(found.data, found.fit, _launch(found))
-            say("testing what is left")
+            report("testing what is left")
             left = structure(found.data, found.fit)
             plane = impact_plane(found.data, found.fit)
     except EffectFault as error:
         raise refused(error.fault) from error
-    faults = tell(known.faults)
+    faults = report_faults(known.faults)
     if json:
         document = fit_document(found.title, found.names, found.judged)
         document |= agreement_document(compared)

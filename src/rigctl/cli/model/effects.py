@@ -13,7 +13,7 @@ from rich.table import Table
 from analysis.effects.catalogue import LAUNCH_CATALOGUE
 from analysis.effects.own import naming
 from analysis.effects.own.template import template
-from rigctl.cli.model.reading import tell
+from rigctl.cli.model.reading import report_faults
 from rigctl.cli.options import Json, OwnEffects
 from rigctl.cli.output import TABLE_WIDTH, print_json
 from rigctl.errors import SettingsError, StoreError
@@ -77,7 +77,7 @@ def list_effects(*, folder: OwnEffects = None, json: Json = False) -> None:
         The folder cannot be read, or holds no effect.
     """
     known = _with_launch(available(folder))
-    faults = tell(known.faults)
+    faults = report_faults(known.faults)
     if json:
         print_json(
             {"effects": [effect_document(effect) for effect in known.effects], "faults": faults}
@@ -110,7 +110,7 @@ def show(
     """
     known = _with_launch(available(folder))
     effect = known.named(name, "NAME")
-    faults = tell(known.faults)
+    faults = report_faults(known.faults)
     if json:
         print_json({**effect_document(effect), "faults": faults})
         return

@@ -17,7 +17,7 @@ from analysis.model.design.undecided import next_after
 from analysis.model.verdict.report import verdict_document
 from analysis.model.verdict.selection import Verdict, explain
 from analysis.model.verdict.words import doubts, verdict_sentence
-from rigctl.cli.model.reading import opened_in_parts, tell
+from rigctl.cli.model.reading import opened_in_parts, report_faults
 from rigctl.cli.options import Campaign, Config, Json, OwnEffects, Pictures, Streamed
 from rigctl.cli.output import TABLE_WIDTH, print_json, progress, unit_word
 from rigctl.model.known_effects import available
@@ -46,10 +46,10 @@ def explaining(
     """
     known = available(folder)
     title, data = opened_in_parts(campaign, config, stream=stream)
-    with progress() as say, temporary_room():
-        found, dropped = without_faulty(known.effects, lambda left: _verdict(data, left, say))
+    with progress() as report, temporary_room():
+        found, dropped = without_faulty(known.effects, lambda left: _verdict(data, left, report))
     verdict, following = found
-    faults = tell([*known.faults, *dropped])
+    faults = report_faults([*known.faults, *dropped])
     document = {**verdict_document(title, data, verdict, following), "faults": faults}
     if json:
         print_json(document)
@@ -84,9 +84,9 @@ def _print(campaign: Path, verdict: Verdict, document: dict[str, Any]) -> None:
 
 
 def _verdict(
-    data: CampaignData, effects: Sequence[Effect], say: Callable[[str], None]
+    data: CampaignData, effects: Sequence[Effect], report: Callable[[str], None]
 ) -> tuple[Verdict, Telling | None]:
     """Come to a verdict, and choose the shots that would end its doubts."""
-    verdict = explain(data, effects, say)
-    say("choosing shots")
+    verdict = explain(data, effects, report)
+    report("choosing shots")
     return verdict, next_after(verdict, effects)

@@ -6,7 +6,7 @@ from rich.console import Console
 from rich.table import Table
 
 from analysis.model.verdict.documents import fit_document
-from rigctl.cli.model.reading import fitted, tell
+from rigctl.cli.model.reading import fitted, report_faults
 from rigctl.cli.options import Campaign, Config, Json, OwnEffects, Streamed, With
 from rigctl.cli.output import TABLE_WIDTH, print_json, unit_word
 from rigctl.model.headline import headline
@@ -35,7 +35,7 @@ def fit(
     """
     known = available(folder)
     found = fitted(campaign, effects or [], known, config, stream=stream)
-    faults = tell(known.faults)
+    faults = report_faults(known.faults)
     if json:
         document = fit_document(found.title, found.names, found.judged)
         print_json({**document, "faults": faults})

@@ -12,7 +12,7 @@ from rich.table import Table
 from analysis.effects.own.fault import EffectFault
 from analysis.errors import LaunchRefusedError
 from analysis.launch.prediction import Limits
-from rigctl.cli.model.reading import tell
+from rigctl.cli.model.reading import report_faults
 from rigctl.cli.options import Campaign, Config, Json, OwnEffects, With
 from rigctl.cli.output import TABLE_WIDTH, print_json, progress
 from rigctl.config import load
@@ -70,14 +70,14 @@ def next_shots(
     title, found = open_campaign(campaign, config, poses=True)
     data = require_poses(title, found)
     try:
-        with progress() as say:
-            say("choosing shots")
+        with progress() as report:
+            report("choosing shots")
             document = {"campaign": title, **answer(data, question, choice, limits)}
     except EffectFault as error:
         raise refused(error.fault) from error
     except LaunchRefusedError as error:
         raise AnalysisInputError(f"no shot can be foretold: {error}", part=title) from error
-    document["faults"] = tell(known.faults)
+    document["faults"] = report_faults(known.faults)
     if out is not None:
         write_sweep(out, sweep_of(document))
     if json:

@@ -22,7 +22,7 @@ from analysis.model.proposals.words import (
     proposal_sentences,
     together_sentences,
 )
-from rigctl.cli.model.reading import opened, tell
+from rigctl.cli.model.reading import opened, report_faults
 from rigctl.cli.options import Campaign, Config, Json, OwnEffects, With
 from rigctl.cli.output import TABLE_WIDTH, print_json, progress
 from rigctl.config import load
@@ -78,13 +78,13 @@ def proposing(
     rig = load(config).limits
     limits = Limits(rig.pressure_kpa, rig.offset_mm)
     title, data = opened(campaign, config)
-    with faults_refused(), progress() as say:
+    with faults_refused(), progress() as report:
         require_seen(data, given, "--with")
         (found, document), dropped = without_faulty(
             known.effects,
-            lambda left: proposed_laws(title, data, given, left, say=say, limits=limits),
+            lambda left: proposed_laws(title, data, given, left, report=report, limits=limits),
         )
-    document["faults"] = tell([*known.faults, *dropped])
+    document["faults"] = report_faults([*known.faults, *dropped])
     document["files"], document["sweep"] = [], None
     if write is not None:
         _write(write, title, found, document)
@@ -99,8 +99,8 @@ def _confirming(
 ) -> dict[str, Any]:
     """Test the form of a file on shots that it was not chosen on."""
     title, data = opened(campaign, config)
-    with faults_refused(), progress() as say:
-        say("testing the form")
+    with faults_refused(), progress() as report:
+        report("testing the form")
         return confirmation_document(title, confirmed(title, data, given, file))
 
 
@@ -110,8 +110,8 @@ def _together(
     """Ask several campaigns for what they share, and what each has for itself."""
     read = [opened(campaign, config) for campaign in campaigns]
     titles = [title for title, _ in read]
-    with faults_refused(), progress() as say:
-        say("scoring forms in all campaigns")
+    with faults_refused(), progress() as report:
+        report("scoring forms in all campaigns")
         try:
             found = propose_together([data for _, data in read], given)
         except ProposalRefusedError as error:

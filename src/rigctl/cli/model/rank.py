@@ -10,7 +10,7 @@ from analysis.effects.own.fault import EffectFault
 from analysis.model.rank.candidate import Candidate, Ranking
 from analysis.model.verdict.documents import SHOWN_ALIAS, alike, fit_document, ranking_document
 from analysis.quantity import Quantity
-from rigctl.cli.model.reading import fitted, tell
+from rigctl.cli.model.reading import fitted, report_faults
 from rigctl.cli.options import Campaign, Config, Json, OwnEffects, Pictures, Streamed, With
 from rigctl.cli.output import TABLE_WIDTH, print_json, unit_word
 from rigctl.model.headline import headline
@@ -46,7 +46,7 @@ def ranking(
         ranked, dropped = without_faulty(known.effects, found.ranked)
     except EffectFault as error:
         raise refused(error.fault) from error
-    faults = tell([*known.faults, *dropped])
+    faults = report_faults([*known.faults, *dropped])
     if json:
         document = fit_document(found.title, found.names, found.judged)
         print_json({**document, "candidates": ranking_document(ranked), "faults": faults})
@@ -72,7 +72,7 @@ def _table(ranked: Ranking) -> Table:
         _add_candidate(table, candidate, alike(ranked, k))
     table.caption = (
         "p: chance that something in the catalogue looks as good when nothing is missing; like: "
-        f"not told from this one by these shots (correlation above {SHOWN_ALIAS:g})"
+        f"these shots do not distinguish it from this one (correlation above {SHOWN_ALIAS:g})"
     )
     return table
 

@@ -142,8 +142,8 @@ def fitted(
         raise refused(error.fault) from error
 
 
-def tell(faults: Sequence[Fault]) -> list[dict[str, Any]]:
-    """Say each fault on standard error, and return all as a document has them."""
+def report_faults(faults: Sequence[Fault]) -> list[dict[str, Any]]:
+    """Print each fault on standard error, and return all as a document has them."""
     console = Console(stderr=True, soft_wrap=True, markup=False, highlight=False)
     for fault in faults:
         console.print(f"rigctl: left out: {fault.sentence()}")

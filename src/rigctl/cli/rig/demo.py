@@ -19,7 +19,7 @@ from analysis.model.verdict.selection import Verdict, explain
 from analysis.shot import AnalysisOptions, MeasuredShot, analyse_shot
 from rigctl.challenge import commit
 from rigctl.cli.output import progress
-from rigctl.cli.rig.demo_report import Story, tell
+from rigctl.cli.rig.demo_report import Story, print_story
 from rigctl.config import Configuration, Simulation, load
 from rigctl.daemon import Daemon, open_daemon
 from rigctl.documents import Json
@@ -44,8 +44,6 @@ LONGEST_COLLECTION_S, LONGEST_ANALYSIS_S = 60.0, 120.0
 WORTH = 0.95
 """An effect belongs to the answer if it leaves less than this of the error on shots left out: what
 asks for smaller corrections may be the measurement itself."""
-
-Say = Callable[[str], None]
 
 
 class TruthKeeper(Protocol):
@@ -75,19 +73,19 @@ def demo(
     """
     folder = out / "demo"
     shutil.rmtree(folder, ignore_errors=True)
-    with open_daemon(_configuration(folder, seed)) as daemon, progress() as say:
-        records = _fire(daemon, say)
-        say("comparing with the model")
+    with open_daemon(_configuration(folder, seed)) as daemon, progress() as report:
+        records = _fire(daemon, report)
+        report("comparing with the model")
         _, data = campaign_poses(daemon.store, CAMPAIGN)
-        verdict = explain(data, CATALOGUE, say)
+        verdict = explain(data, CATALOGUE, report)
         # The factory named in the configuration decides what the laboratory is.
         truth = cast("TruthKeeper", daemon.laboratory).truth_folder
-        say("drawing")
+        report("drawing")
         figure = error_path_figure(f"{CAMPAIGN}: the error falls", verdict.path)
         pictures = [*_draw(daemon, records, out / "shot.png"), *write(figure, out, "error-path")]
     document = verdict_document(CAMPAIGN, data, verdict)
     answer = commit(truth, ",".join(answer_of(verdict)), known=[each.name for each in CATALOGUE])
-    tell(Story(records, document, answer, truth), pictures, folder)
+    print_story(Story(records, document, answer, truth), pictures, folder)
 
 
 def _configuration(folder: Path, seed: int) -> Configuration:
@@ -109,18 +107,18 @@ def _configuration(folder: Path, seed: int) -> Configuration:
     )
 
 
-def _fire(daemon: Daemon, say: Say) -> list[Json]:
+def _fire(daemon: Daemon, report: Callable[[str], None]) -> list[Json]:
     """Fire the sweep while earlier shots are measured; return the shots with their results."""
     rig, names = LocalRig(daemon, "demo"), []
     for number, (pressure, offset) in enumerate(SWEEP, start=1):
-        say(f"shot {number} of {len(SWEEP)}")
+        report(f"shot {number} of {len(SWEEP)}")
         token = rig.arm(
             ShotSettings(pressure_a_kpa=pressure, pressure_b_kpa=pressure, offset_mm=offset)
         )
         # Each shot of the demo has one key, so that none can fire twice.
         names.append(rig.fire(token, f"{CAMPAIGN}-{number}", CAMPAIGN))
         daemon.rig.wait(names[-1])
-    say("waiting for the measurements")
+    report("waiting for the measurements")
     return [measured(rig, name, LONGEST_ANALYSIS_S) for name in names]
 
 

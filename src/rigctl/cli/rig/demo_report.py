@@ -44,7 +44,7 @@ class Story:
     truth: Path
 
 
-def tell(story: Story, pictures: Sequence[Path], folder: Path) -> None:
+def print_story(story: Story, pictures: Sequence[Path], folder: Path) -> None:
     """Print the whole story; the truth comes last, and only to a verdict that was committed."""
     console = Console(width=WIDTH, highlight=False)
     console.print(_shots(story))
@@ -120,7 +120,7 @@ def _ranking(document: Json) -> Table:
             candidate["unit"],
         )
     table.caption = (
-        "effects that are not in the fit, the largest promised fall of chi-squared first"
+        "effects that are not in the fit, the largest expected drop of chi-squared first"
     )
     return table
 

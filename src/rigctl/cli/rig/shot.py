@@ -84,8 +84,8 @@ def shot(
     if campaign is not None:
         require_word(campaign, "is not a campaign's name", "campaign", todo="choose another name")
     rig = _local(config) if local else connected(config, given_key(key, key_file))
-    with rig as opened, progress() as say:
-        document = fire_and_wait(opened, settings, campaign, wait_s, say)
+    with rig as opened, progress() as report:
+        document = fire_and_wait(opened, settings, campaign, wait_s, report)
     _print(document, as_json=json)
     _require_measured(document)
 

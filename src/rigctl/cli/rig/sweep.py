@@ -246,11 +246,11 @@ def _latest(daemon: Steerable, *, live: bool = False) -> str:
 
 
 def _watch(daemon: Steerable, name: str) -> None:
-    with _bar() as tell:
+    with _bar() as show:
         try:
             while True:
                 found = daemon.sweep(name)
-                tell(found)
+                show(found)
                 if found["state"] != "running":
                     return
                 time.sleep(_POLL_S)
@@ -270,7 +270,7 @@ def _bar() -> Iterator[Callable[[Document], None]]:
     with Progress(*columns, TextColumn("{task.fields[left]}"), console=console) as progress:
         bar = progress.add_task("", total=None, left="")
 
-        def tell(found: Document) -> None:
+        def show(found: Document) -> None:
             progress.update(
                 bar,
                 description=f"sweep {found['sweep']}",
@@ -279,7 +279,7 @@ def _bar() -> Iterator[Callable[[Document], None]]:
                 left=_left(found),
             )
 
-        yield tell
+        yield show
 
 
 def _done(found: Document) -> int:

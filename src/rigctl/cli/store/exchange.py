@@ -34,11 +34,11 @@ def import_folder(
         As `import_campaign`; nothing is imported.
     """
     kept = load(config)
-    with bar() as say:
+    with bar() as report:
         # Read before a store is opened, which may be the first one here.
-        contents = read_contents(folder, say)
+        contents = read_contents(folder, report)
         with closing(own_store(kept, shared=True)) as store:
-            found = import_campaign(store, contents, actor(), name=name, progress=say)
+            found = import_campaign(store, contents, actor(), name=name, progress=report)
     if json:
         print_json(asdict(found))
         return
@@ -61,8 +61,8 @@ def export_folder(
     NotFoundError, AnalysisInputError, SettingsError, StoreError
         As `export_campaign`; nothing is written.
     """
-    with read_store(config) as store, bar() as say:
-        found = export_campaign(store, campaign, folder, progress=say)
+    with read_store(config) as store, bar() as report:
+        found = export_campaign(store, campaign, folder, progress=report)
     if json:
         print_json({**asdict(found), "folder": str(found.folder)})
         return

@@ -45,9 +45,9 @@ def verify(
         Something is not as it was stored; all of it is printed first.
     """
     kept = [] if anchor is None else [(str(anchor), each) for each in read_anchors(anchor)]
-    with read_store(config) as store, bar() as say:
+    with read_store(config) as store, bar() as report:
         head = store.database.head()
-        found = verify_store(store, say, campaign, kept)
+        found = verify_store(store, report, campaign, kept)
     if anchor is not None and head is not None and not found.faults:
         add_anchor(anchor, head)
     if json:
@@ -85,9 +85,9 @@ def backup(
     with (
         read_store(config) as store,
         fresh_folder(folder) as partial,
-        bar() as say,
+        bar() as report,
     ):
-        done = back_up(store, partial, say)
+        done = back_up(store, partial, report)
     if json:
         print_json({**asdict(done), "folder": str(folder)})
     else:

@@ -47,9 +47,9 @@ def reanalyse(
         with (
             closing(own_store(load(config), shared=True)) as store,
             pool(scheduler, workers) as workshop,
-            bar() as say,
+            bar() as report,
         ):
-            for outcome in reanalyse_campaign(store, campaign, method, workshop, say):
+            for outcome in reanalyse_campaign(store, campaign, method, workshop, report):
                 compared.add(outcome)
                 shots += 1
                 measured += _is_measured(outcome)

@@ -97,7 +97,7 @@ class Output:
 
         def work(task: Task) -> str:
             folder.parent.mkdir(parents=True, exist_ok=True)
-            written = export_campaign(store, self._campaign, folder, progress=task.say)
+            written = export_campaign(store, self._campaign, folder, progress=task.progress)
             return json.dumps({**asdict(written), "folder": str(written.folder)})
 
         return self._desk.daemon.jobs.submit("export", self._campaign, work)
