@@ -4,18 +4,16 @@ from __future__ import annotations
 
 import json
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from simulators.challenge.making import write_challenge
+from tests.invoked import rigctl
 
 pytestmark = pytest.mark.long
 
-ENDS_WITHIN_S = 100.0
 SHOTS = 40
 
 
@@ -27,19 +25,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def rigctl(*arguments: object) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-c", "from rigctl.cli import main; main()", "model", "launch"]
-    return subprocess.run(
-        [*command, *map(str, arguments)],
-        capture_output=True,
-        text=True,
-        timeout=ENDS_WITHIN_S,
-        check=False,
-    )
-
-
 def answer(*arguments: object) -> dict[str, Any]:
-    done = rigctl(*arguments, "--json")
+    done = rigctl("model", "launch", *arguments, "--json")
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout, parse_constant=pytest.fail)
 
@@ -80,7 +67,7 @@ def test_an_effect_may_be_added_and_friction_named_again(folder: Path) -> None:
 
 
 def test_a_person_reads_three_tables(folder: Path) -> None:
-    done = rigctl(folder)
+    done = rigctl("model", "launch", folder)
     assert done.returncode == 0, done.stderr
     assert f"plain: launches of {SHOTS} shots" in done.stdout
     for words in ("pushers and tubes", "foretold from the settings", "effects", "in the fit"):
@@ -88,14 +75,14 @@ def test_a_person_reads_three_tables(folder: Path) -> None:
 
 
 def test_an_effect_that_is_none_of_the_launch_ends_with_4_and_the_names(folder: Path) -> None:
-    done = rigctl(folder, "--with", "drag")
+    done = rigctl("model", "launch", folder, "--with", "drag")
     assert done.returncode == 4
     assert "slide-backlash" in done.stderr
 
 
 def test_a_campaign_without_offsets_ends_with_2_and_the_shot(folder: Path, tmp_path: Path) -> None:
     bare = copied(folder, tmp_path / "bare", {"offset_mm": "note"})
-    done = rigctl(bare)
+    done = rigctl("model", "launch", bare)
     assert done.returncode == 2
     assert "shot 1 has no offset_mm" in done.stderr
 
@@ -106,6 +93,6 @@ def test_a_pressure_of_nothing_ends_with_2_and_what_was_found(folder: Path, tmp_
     number, time, _, rest = rows[1].split(",", 3)
     rows[1] = f"{number},{time},0,{rest}"
     (campaign / "shots.csv").write_text("\n".join(rows) + "\n", encoding="utf-8")
-    done = rigctl(campaign)
+    done = rigctl("model", "launch", campaign)
     assert done.returncode == 2
     assert "a pressure of 0 kPa" in done.stderr

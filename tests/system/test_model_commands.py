@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 
 from analysis.quantity import Quantity
+from tests.invoked import rigctl
 from tests.system.test_documentation import DOCS, PYTHON, needs_shell, perform
 from tests.unit.analysis.model.exchange_folder import write_campaign
 from tests.unit.analysis.model.hard_spheres import campaign
@@ -39,20 +40,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return write_campaign(tmp_path_factory.mktemp("campaigns") / "stretched", stretched)
 
 
-def rigctl(*arguments: object) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-c", "from rigctl.cli import main; main()", "model"]
-    return subprocess.run(
-        [*command, *map(str, arguments)],
-        capture_output=True,
-        text=True,
-        timeout=ENDS_WITHIN_S,
-        check=False,
-    )
-
-
 def answer(*arguments: object) -> dict[str, Any]:
     """Return the one JSON document that a command prints."""
-    done = rigctl(*arguments, "--json")
+    done = rigctl("model", *arguments, "--json")
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout, parse_constant=pytest.fail)
 
@@ -115,7 +105,9 @@ def test_explain_gives_the_document_that_other_programs_rely_on(folder: Path) ->
 
 
 def test_without_json_a_person_reads_a_table_or_a_sentence(folder: Path) -> None:
-    fitted, ranked, explained = (rigctl(word, folder) for word in ("fit", "rank", "explain"))
+    fitted, ranked, explained = (
+        rigctl("model", word, folder) for word in ("fit", "rank", "explain")
+    )
     found = answer("fit", folder)
     e = Quantity(**found["parameters"]["e"])
     assert e.concise() in fitted.stdout
@@ -128,7 +120,7 @@ def test_without_json_a_person_reads_a_table_or_a_sentence(folder: Path) -> None
 
 @pytest.mark.parametrize("word", ["fit", "rank", "explain"])
 def test_a_folder_that_is_none_ends_with_2_and_names_the_file(word: str, tmp_path: Path) -> None:
-    done = rigctl(word, tmp_path / "nowhere", "--json")
+    done = rigctl("model", word, tmp_path / "nowhere", "--json")
     assert done.returncode == 2
     assert done.stdout == ""
     assert "campaign.toml: no such file" in " ".join(done.stderr.split())
@@ -140,7 +132,7 @@ def test_a_fault_of_poses_csv_ends_with_2_and_names_its_line(tmp_path: Path) -> 
     lines = path.read_text(encoding="utf-8").splitlines()
     lines[4] = lines[4].replace(",a,", ",c,").replace(",b,", ",c,")
     path.write_text("\n".join(lines), encoding="utf-8")
-    done = rigctl("explain", folder)
+    done = rigctl("model", "explain", folder)
     assert done.returncode == 2
     assert "poses.csv, line 5" in "".join(done.stderr.split("\n"))
 
@@ -149,7 +141,7 @@ def test_a_fault_of_poses_csv_ends_with_2_and_names_its_line(tmp_path: Path) -> 
 def test_an_effect_that_is_unknown_ends_with_4_and_names_those_there_are(
     word: str, folder: Path
 ) -> None:
-    done = rigctl(word, folder, "--with", "aether")
+    done = rigctl("model", word, folder, "--with", "aether")
     assert done.returncode == 4
     assert done.stdout == ""
     assert "'aether'" in done.stderr

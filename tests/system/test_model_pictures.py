@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 
 import cv2
 import pytest
 
+from tests.invoked import rigctl
 from tests.unit.analysis.model.exchange_folder import write_campaign
 from tests.unit.analysis.model.hard_spheres import Hidden, campaign
 
-ENDS_WITHIN_S = 100.0
 STAGES = ["before contact", "after contact", "flight", "camera"]
 PICTURES = {
     "agreement": {
@@ -34,21 +32,10 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return write_campaign(tmp_path_factory.mktemp("campaigns") / "soft", data)
 
 
-def rigctl(*arguments: object) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-W", "error", "-c", "from rigctl.cli import main; main()", "model"]
-    return subprocess.run(
-        [*command, *map(str, arguments)],
-        capture_output=True,
-        text=True,
-        timeout=ENDS_WITHIN_S,
-        check=False,
-    )
-
-
 def test_agreement_says_where_the_model_fails_and_hands_over_what_a_page_draws(
     folder: Path,
 ) -> None:
-    done = rigctl("agreement", folder, "--json")
+    done = rigctl("model", "agreement", folder, "--json")
     assert done.returncode == 0, done.stderr
     found = json.loads(done.stdout, parse_constant=pytest.fail)
     assert [stage["stage"] for stage in found["stages"]] == STAGES
@@ -68,7 +55,7 @@ def test_agreement_says_where_the_model_fails_and_hands_over_what_a_page_draws(
 
 
 def test_agreement_improves_with_the_effect_that_is_missing(folder: Path) -> None:
-    done = rigctl("agreement", folder, "--with", "restitution-viscoelastic", "--json")
+    done = rigctl("model", "agreement", folder, "--with", "restitution-viscoelastic", "--json")
     found = json.loads(done.stdout)
     assert found["with"] == ["restitution-viscoelastic"]
     p_values = [row["p_familywise"] for s in found["stages"] for row in s["quantities"]]
@@ -76,7 +63,7 @@ def test_agreement_improves_with_the_effect_that_is_missing(folder: Path) -> Non
 
 
 def test_without_json_a_person_reads_the_table(folder: Path) -> None:
-    done = rigctl("agreement", folder)
+    done = rigctl("model", "agreement", folder)
     assert done.returncode == 0, done.stderr
     for words in ("before contact", "normal velocity", "mm/s", "structure that is left"):
         assert words in done.stdout
@@ -86,7 +73,7 @@ def test_without_json_a_person_reads_the_table(folder: Path) -> None:
 def test_pictures_are_written_beside_what_is_printed(
     word: str, folder: Path, tmp_path: Path
 ) -> None:
-    done = rigctl(word, folder, "--json", "--out", tmp_path / "pictures")
+    done = rigctl("model", word, folder, "--json", "--out", tmp_path / "pictures")
     assert done.returncode == 0, done.stderr
     json.loads(done.stdout)
     written = sorted((tmp_path / "pictures").iterdir())
@@ -99,7 +86,7 @@ def test_pictures_that_cannot_be_written_end_with_3_and_name_the_place(
     folder: Path, tmp_path: Path
 ) -> None:
     (tmp_path / "taken").write_text("a file")
-    done = rigctl("rank", folder, "--json", "--out", tmp_path / "taken")
+    done = rigctl("model", "rank", folder, "--json", "--out", tmp_path / "taken")
     assert done.returncode == 3
     assert json.loads(done.stdout)["candidates"]
     assert "a picture cannot be written" in done.stderr

@@ -1,27 +1,19 @@
 """`rigctl model next` as it is called: a campaign folder in, shots out."""
 
 import json
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
 from rigctl.sweeps.form import read_sweep
 from simulators.challenge.making import write_challenge
+from tests.invoked import Invoked, rigctl
 
 pytestmark = pytest.mark.long
 
 
-def next_shots(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-c", "from rigctl.cli import main; main()", "model", "next"]
-    return subprocess.run(
-        [*command, str(folder), *arguments],
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=False,
-    )
+def next_shots(folder: Path, *arguments: str) -> Invoked:
+    return rigctl("model", "next", folder, *arguments)
 
 
 @pytest.fixture(scope="module")

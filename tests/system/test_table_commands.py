@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.system.test_model_commands import EXPLAIN, FIT, answer, rigctl
+from tests.invoked import rigctl
+from tests.system.test_model_commands import EXPLAIN, FIT, answer
 from tests.unit.analysis.model.tabulated import PLATE, contacts, impacts
 
 pytestmark = [pytest.mark.long, pytest.mark.timeout(300)]
@@ -45,7 +46,7 @@ def test_agreement_and_verdict_of_a_table_are_documents_of_the_same_form(spheres
 
 
 def test_an_effect_that_a_table_cannot_show_is_not_fitted(plate: Path) -> None:
-    done = rigctl("fit", plate, "--with", "drag")
+    done = rigctl("model", "fit", plate, "--with", "drag")
     assert (done.returncode, done.stdout) == (2, "")
     assert "cannot be seen in tabulated contacts (found 'drag')" in done.stderr
 
@@ -53,7 +54,7 @@ def test_an_effect_that_a_table_cannot_show_is_not_fitted(plate: Path) -> None:
 def test_errors_that_are_not_stated_are_spoken_of(tmp_path: Path) -> None:
     written = impacts(tmp_path, 12, 63, sigma=None)
     for word in ("fit", "explain"):
-        done = rigctl(word, written)
+        done = rigctl("model", word, written)
         assert done.returncode == 0, done.stderr
         assert "no errors are stated" in " ".join(done.stderr.split())
 
@@ -62,6 +63,6 @@ def test_a_fault_in_a_table_ends_with_2_and_is_named(tmp_path: Path) -> None:
     written = impacts(tmp_path, 3, 64)
     path = written / "impacts.csv"
     path.write_text(path.read_text(encoding="utf-8").replace("\n2,-", "\n2,"), encoding="utf-8")
-    done = rigctl("fit", written)
+    done = rigctl("model", "fit", written)
     assert done.returncode == 2
     assert "impacts.csv, line 3: v_n: " in " ".join(done.stderr.split())
