@@ -185,9 +185,10 @@ def _first_motion(chain: Chain, fall: Floats) -> Motion:
 def _fitted_motion(flights: Flights) -> Motion:
     placed = flights.observed
     times = flights.observed.times_s + flights.row_delay(flights.observed.places)
-    ahead = flights.at(times + SPEED_STEP_S, flights.arcs)[:, :2]
-    behind = flights.at(times - SPEED_STEP_S, flights.arcs)[:, :2]
-    return Motion(placed.frames, placed.places, (ahead - behind) / (2 * SPEED_STEP_S))
+    here, ahead, behind = (
+        flights.at(times + step, flights.arcs)[:, :2] for step in (0.0, SPEED_STEP_S, -SPEED_STEP_S)
+    )
+    return Motion(placed.frames, here, (ahead - behind) / (2 * SPEED_STEP_S))
 
 
 def _observed(placed: Placed, times_s: Floats) -> Observed:

@@ -31,6 +31,8 @@ Floats = NDArray[np.float64]
 MOST_FAMILIES = 4
 LEAST_FRAMES = 6
 LEAST_BALL_FRAMES = 6
+MUCH_MORE = 1.25
+"""Frames of flights of discs with a less sure rim, over those of a surer one's, that win."""
 FALL_SHARE = (0.5, 2.0)
 """Of the fall that follows from the ball's size: between these a ball flies."""
 LEAST_BEND = 1.5
@@ -97,7 +99,8 @@ def search(film: Film, times_s: Floats, ball: Ball) -> Search:
         fall = np.array([ball.gravity * 2 * looks.radius_px / ball.diameter_m, 0.0])
         arcs = find_arcs(seen, looks.radius_px, fall)
         linked = [each for each in chains(arcs, looks.radius_px, fall) if _falls(each, looks, fall)]
-        if linked and (best is None or linked[0].strength > best.chain.strength):
+        # The surest rims come first; the strengths of families are each in units of its own.
+        if linked and (best is None or _frames(linked[0]) > MUCH_MORE * _frames(best.chain)):
             chain = linked[0]
             others = tuple(c for c in linked[1:] if _beside(c, chain))
             best = Search(looks, chain, fall, others, _unexplained(seen, arcs))
@@ -106,6 +109,10 @@ def search(film: Film, times_s: Floats, ball: Ball) -> Search:
     if best is not None:
         return best
     raise refused or ShotRefusedError("flight", "nothing in this film falls")
+
+
+def _frames(chain: Chain) -> int:
+    return sum(len(arc.frames) for arc in chain.arcs)
 
 
 def _at_rest(ground: Picture) -> str:

@@ -24,7 +24,7 @@ MAP_STEPS = 24
 """Cells of the learned light from the centre to MAP_REACH radii."""
 MAP_REACH = 1.25
 MAP_SIDE = 2 * MAP_STEPS + 1
-PASSES = 8
+PASSES = 24
 SETTLED_PX = 2e-4
 UNKNOWNS = TERMS + 2
 LIGHT = TERMS

@@ -12,7 +12,15 @@ from analysis.balls.films.film import Film, FilmHead, Picture
 from analysis.balls.films.tone import light
 from analysis.balls.seen.background import background_without
 from analysis.balls.seen.looks import Looks
-from analysis.balls.seen.photometry import LAYERS, MAP_SIDE, RESIDUAL, add_light, cover, fit_place
+from analysis.balls.seen.photometry import (
+    LAYERS,
+    MAP_SIDE,
+    RESIDUAL,
+    WEIGHT,
+    add_light,
+    cover,
+    fit_place,
+)
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.intp]
@@ -33,6 +41,8 @@ TEACHING_FRAMES = 100
 """At least so many of a film's frames teach the ball's light, where it has as many."""
 LEAST_CELL = 3.0
 """Weight of a cell of the learned light that counts."""
+LEAST_MISFIT, MOST_MISFIT = 1e-12, 10.0
+"""Sum of squares that a fit leaves, and how many times its least one frame counts for at most."""
 FURTHEST_RADII = 0.8
 """A fit that has moved further from where the ball was seen is none."""
 SATURATED = 0.998
@@ -180,11 +190,11 @@ class Placer:
         """Take the blur that explains the slowest frames best."""
         chosen = self._by_speed(windows, motion)[:SLOW_FRAMES]
 
-        def misfit(blur: float) -> float:
+        def misfits(blur: float) -> Floats:
             self.blur_px = blur
-            return self._misfit(chosen, motion)
+            return self._misfits(chosen, motion)
 
-        self.blur_px = _least(misfit, BLURS)
+        self.blur_px = _least(_together(misfits, BLURS), BLURS)
 
     def learn_radius(self, windows: Sequence[Window], motion: Motion) -> bool:
         """Take a radius that explains the slowest frames much better than the rim's, if any does.
@@ -214,29 +224,37 @@ class Placer:
         -------
         Exposure and its standard error in s; None where smears are too short to tell.
         """
-        chosen = self._by_speed(windows, motion)[-FAST_FRAMES:]
+        chosen = self._by_speed(windows, motion)[-2 * FAST_FRAMES :]
         speeds = np.hypot(*motion.speeds.T)
         fastest = float(np.sort(speeds)[-FAST_FRAMES:].mean())
         if fastest * period_s < 2 * TOLD_SMEAR_PX:
             self.exposure_s = min(self.exposure_s, period_s)
             return None
 
-        def misfit(exposure: float) -> float:
+        def misfits(exposure: float) -> Floats:
             self.exposure_s = exposure
-            return self._misfit(chosen, motion)
+            return self._misfits(chosen, motion)
 
-        self.exposure_s = _least(misfit, [share * period_s for share in EXPOSURES])
-        return self.exposure_s, TOLD_SMEAR_PX / fastest / np.sqrt(len(chosen))
+        tried = [share * period_s for share in EXPOSURES]
+        self.exposure_s = _least(_together(misfits, tried), tried)
+        return self.exposure_s, TOLD_SMEAR_PX / fastest / np.sqrt(min(len(chosen), FAST_FRAMES))
 
     def _by_speed(self, windows: Sequence[Window], motion: Motion) -> list[Window]:
         sizes = np.hypot(*motion.speeds.T).tolist()
         speed = dict(zip(motion.frames.tolist(), sizes, strict=True))
         return sorted(windows, key=lambda window: speed[window.frame])
 
-    def _misfit(self, windows: Sequence[Window], motion: Motion) -> float:
-        """Return the mean square of the residuals about the ball, robust to a frame that fails."""
-        found = [fit[4] for _, fit, _ in self._fits(windows, motion, 0.0) if fit[5] > 0]
-        return float(np.median(found)) if found else np.inf
+    def _misfits(self, windows: Sequence[Window], motion: Motion) -> Floats:
+        """Return the sum of squares that each window's fit leaves; infinite where it fails.
+
+        All pixels of a window count whatever the ball covers of them: a mean over what it covers
+        is least for the widest rim and the longest smear.
+        """
+        found = np.full(len(windows), np.inf)
+        for k, (window, fit, _) in enumerate(self._fits(windows, motion, 0.0)):
+            if fit[5] > 0:
+                found[k] = float((window.pixels[WEIGHT] * window.pixels[RESIDUAL] ** 2).sum())
+        return found
 
     def place(self, windows: Sequence[Window], motion: Motion, row_time_s: float = 0.0) -> Placed:
         """Fit the ball in each window; frames in which it is not where it is expected drop out."""
@@ -283,6 +301,25 @@ class Placer:
             pose = np.array([*place, *shape, *(self.exposure_s * motion.speeds[k])])
             found.append((window, fit_place(window.pixels, pose, self.table), pose))
         return found
+
+
+def _together(
+    misfits: Callable[[float], Floats], tried: Sequence[float]
+) -> Callable[[float], float]:
+    """Return the mean of the curves of several frames, each in units of its least value.
+
+    A frame in which a shadow lies under the ball leaves much whatever is tried, and counts for
+    little.
+    """
+    known = {value: misfits(value) for value in tried}
+    least = np.maximum(np.min(list(known.values()), axis=0), LEAST_MISFIT)
+    told = np.isfinite(least)
+
+    def misfit(value: float) -> float:
+        own = known[value] if value in known else misfits(value)
+        return float(np.minimum(own / least, MOST_MISFIT)[told].mean()) if told.any() else np.inf
+
+    return misfit
 
 
 def _least(misfit: Callable[[float], float], tried: Sequence[float]) -> float:

@@ -1,0 +1,83 @@
+"""Places, blur and exposure of a ball that is drawn by counting fine pixels."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.balls.seen.photometry import MAP_SIDE, fit_place
+from analysis.balls.seen.placing import Motion, Placer, Window
+
+Floats = NDArray[np.float64]
+
+SIZE, RADIUS, FLOOR_ROW = 80, 16.0, 40
+FINE = 5
+PERIOD_S = 1.0 / 240.0
+
+
+def ball(row: float, column: float, smear: float = 0.0, shadow: float = 0.0) -> Floats:
+    """Draw a ball lit from above before a wall and over a floor as bright as its lower half.
+
+    Smeared along the rows; a shadow of that depth lies on the floor below it.
+    """
+    rows, columns = (np.mgrid[: SIZE * FINE, : SIZE * FINE] + 0.5) / FINE - 0.5
+    whole = np.zeros((SIZE, SIZE))
+    steps = 1 + int(2 * smear)
+    for k in range(steps):
+        dr, dc = rows - row - ((k + 0.5) / steps - 0.5) * smear, columns - column
+        light = ground_of(rows)
+        light = light - shadow * (np.hypot(dr - 0.9 * RADIUS, 0.5 * dc) < 0.6 * RADIUS)
+        light = np.where(np.hypot(dr, dc) < RADIUS, 0.8 - 0.5 * dr / RADIUS, light)
+        whole += light.reshape(SIZE, FINE, SIZE, FINE).mean(axis=(1, 3)) / steps
+    noise = np.random.default_rng(int(100 * row)).normal(0.0, 0.005, whole.shape)
+    return np.asarray(whole + noise)
+
+
+def ground_of(rows: Floats) -> Floats:
+    return np.asarray(np.where(rows > FLOOR_ROW, 0.45, 0.05))
+
+
+def window(frame: int, picture: Floats) -> Window:
+    rows = np.broadcast_to(np.arange(SIZE)[:, None], (SIZE, SIZE)).astype(np.float64)
+    layers = [picture, ground_of(rows), np.ones_like(picture), np.zeros_like(picture)]
+    return Window(frame, 0, 0, np.stack(layers))
+
+
+def test_a_ball_is_placed_from_a_guess_that_lies_far_off_over_a_floor_as_bright_as_it() -> None:
+    drawn = window(0, ball(48.3, 40.6))
+    start = np.array([38.0, 36.0, RADIUS, 0.5, 1.0, 0.0, 0.0])
+    found = fit_place(drawn.pixels, start, np.zeros((MAP_SIDE, MAP_SIDE)))
+    assert found[5] > 0
+    np.testing.assert_allclose(found[:2], (48.3, 40.6), atol=0.1)
+
+
+def falling(exposure_s: float, shadow: float) -> tuple[list[Window], Motion]:
+    """Draw twelve frames of a ball that comes nearer to the floor ever faster."""
+    rows = np.linspace(26.0, 52.0, 12)
+    speeds = np.zeros((12, 2))
+    speeds[:, 0] = np.linspace(1400.0, 2400.0, 12)
+    places = np.stack([rows, np.full(12, 40.2)], axis=1)
+    deep = np.where(rows > FLOOR_ROW, shadow, 0.0)
+    windows = [
+        window(k, ball(row, 40.2, exposure_s * speed, dark))
+        for k, (row, speed, dark) in enumerate(
+            zip(rows.tolist(), speeds[:, 0].tolist(), deep.tolist(), strict=True)
+        )
+    ]
+    return windows, Motion(np.arange(12), places, speeds)
+
+
+def test_a_shadow_under_the_ball_is_not_taken_for_its_smear() -> None:
+    windows, motion = falling(1.2e-3, shadow=0.3)
+    placer = Placer.new(RADIUS, 0.0)
+    placer.blur_px = 0.4
+    told = placer.learn_exposure(windows, motion, PERIOD_S)
+    assert told is not None
+    assert abs(placer.exposure_s - 1.2e-3) < 3e-4
+
+
+def test_the_rim_of_a_sharp_film_is_not_taken_for_a_wide_one() -> None:
+    windows, motion = falling(0.0, shadow=0.0)
+    placer = Placer.new(RADIUS, 0.0)
+    placer.learn_blur(windows, motion)
+    assert placer.blur_px < 0.7
