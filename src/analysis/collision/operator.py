@@ -204,17 +204,23 @@ def inverse_masses(bodies: tuple[Body, Body]) -> tuple[float, float]:
 
 def after_impulse(encounter: Encounter, impulse: Floats) -> Outcome:
     """Return the outcome of an impulse on b, kg m/s, shape (S, 3), and its reverse on a."""
-    a, b = encounter.bodies
-    before = encounter.before
-    twist = _cross(encounter.normal, impulse)
-    after = States(
-        velocity_a=before.velocity_a - impulse / a.mass,
-        velocity_b=before.velocity_b + impulse / b.mass,
-        spin_a=before.spin_a - a.radius / a.inertia * twist,
-        spin_b=before.spin_b - b.radius / b.inertia * twist,
-    )
+    after = with_impulse(encounter.before, encounter.normal, encounter.bodies, impulse)
     still = np.zeros_like(encounter.normal)
     return Outcome(after, np.zeros(len(still)), still, still, still, still)
+
+
+def with_impulse(
+    states: States, normal: Floats, bodies: tuple[Body, Body], impulse: Floats
+) -> States:
+    """Return states after an impulse on b, kg m/s, shape (S, 3), and its reverse on a."""
+    a, b = bodies
+    twist = _cross(normal, impulse)
+    return States(
+        velocity_a=states.velocity_a - impulse / a.mass,
+        velocity_b=states.velocity_b + impulse / b.mass,
+        spin_a=states.spin_a - a.radius / a.inertia * twist,
+        spin_b=states.spin_b - b.radius / b.inertia * twist,
+    )
 
 
 def _speed(velocity: Floats) -> Floats:

@@ -20,8 +20,9 @@ from analysis.model.fitting.normal import inverse, solve_blocks, with_prior
 from analysis.model.predict.contact import encounter_of
 from analysis.model.predict.linear import linearise
 from analysis.model.proposals.flight_forms import FlightForm, flight_forms
-from analysis.model.proposals.form import COEFFICIENTS, SLOTS, TORSION, ContactForm, twisted
+from analysis.model.proposals.form import COEFFICIENTS, SLOTS, ContactForm
 from analysis.model.proposals.frame_forms import FrameForm, frame_forms
+from analysis.model.proposals.impulses import IMPULSES, TORSION, changed_outcome
 from analysis.model.rank.projector import ByShot, Projector
 
 Floats = NDArray[np.float64]
@@ -116,7 +117,7 @@ class Sums:
 def channels_of(data: Data, fit: Fit) -> Channels:
     """Linearise about a fit, and project all channels."""
     framed = _in_frames(data)
-    probes = [_TORSION_PROBE, *(form.effect(f"probe-{k}") for k, form in enumerate(framed))]
+    probes = [*_PROBES, *(form.effect(f"probe-{k}") for k, form in enumerate(framed))]
     line = linearise(data, fit.states, fit.theory, probes)
     fitted = len(fit.theory.names)
     # A relative change of a coefficient is so many of its own units.
@@ -157,19 +158,28 @@ def _in_frames(data: Data) -> list[InFrames]:
     return [*flight_forms(a.radius + b.radius, a.mass), *frame_forms()]
 
 
-def _probe(operator: Operator, values: Values) -> Operator:
-    def changed(encounter: Encounter) -> Outcome:
-        return twisted(operator(encounter), encounter, np.full(len(encounter.e), values[0]))
+def _probe(slot: str, parameter: Parameter) -> Effect:
+    """Return a small change of a slot that is no coefficient."""
 
-    return changed
+    def wrap(operator: Operator, values: Values) -> Operator:
+        def changed(encounter: Encounter) -> Outcome:
+            change = np.full(len(encounter.e), values[0])
+            return changed_outcome(slot, operator(encounter), encounter, change)
+
+        return changed
+
+    return ContactEffect(
+        name=f"{slot}-probe",
+        title=slot,
+        parameters=(parameter,),
+        formula="an impulse or a torque that no coefficient sets",
+        source="K. L. Johnson, Contact Mechanics (1985), section 3.9",
+        gives_away=f"{slot} of the shots",
+        wrap=wrap,
+    )
 
 
-_TORSION_PROBE: Effect = ContactEffect(
-    name="torsion-probe",
-    title=TORSION,
-    parameters=(Parameter("c", "m", "radius of contact", (-5e-3, 5e-3), step=1e-7),),
-    formula="torque of a contact in full slip",
-    source="K. L. Johnson, Contact Mechanics (1985), section 3.9",
-    gives_away="relative spin about the normal",
-    wrap=_probe,
+_PROBES = (
+    _probe(TORSION, Parameter("c", "m", "radius of contact", (-5e-3, 5e-3), step=1e-7)),
+    *(_probe(s, Parameter("c", "1", "relative change", (-0.9, 0.9), step=1e-5)) for s in IMPULSES),
 )

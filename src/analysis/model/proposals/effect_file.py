@@ -11,8 +11,9 @@ from analysis.effects.effect import FlightEffect, Parameter
 from analysis.effects.own.guard import FUNCTIONS
 from analysis.model.proposals.channels import Form
 from analysis.model.proposals.flight_forms import FlightForm
-from analysis.model.proposals.form import TORSION, ContactForm
+from analysis.model.proposals.form import ContactForm
 from analysis.model.proposals.frame_forms import FrameForm
+from analysis.model.proposals.impulses import IMPULSE_N, IMPULSE_T, TORSION
 from analysis.model.proposals.propose import Accepted, Proposed
 from analysis.model.proposals.shapes import POWER
 from analysis.model.proposals.wording import formula
@@ -68,6 +69,37 @@ _TWISTED = """        outcome, (a, b) = operator(encounter), encounter.bodies
         spin_a = after.spin_a + twist / a.inertia
         spin_b = after.spin_b - twist / b.inertia
         return replace(outcome, after=replace(after, spin_a=spin_a, spin_b=spin_b))"""
+_PUSHED = """        outcome, (a, b) = operator(encounter), encounter.bodies
+        change = columns(encounter) @ values
+        normal, before, after = encounter.normal, encounter.before, outcome.after
+        along = 1 / a.mass + 1 / b.mass
+{impulse}
+        more = ({factor})[:, None] * impulse
+        twist = np.cross(normal, more)
+        states = replace(
+            after,
+            velocity_a=after.velocity_a - more / a.mass,
+            velocity_b=after.velocity_b + more / b.mass,
+            spin_a=after.spin_a - a.radius / a.inertia * twist,
+            spin_b=after.spin_b - b.radius / b.inertia * twist,
+        )
+        return replace(outcome, after=states)"""
+_IMPULSE = {
+    IMPULSE_N: """        gained = after.velocity_b - after.velocity_a
+        gained = gained - before.velocity_b + before.velocity_a
+        impulse = (gained * normal).sum(axis=1)[:, None] * normal / along""",
+    IMPULSE_T: """        relative = after.velocity_b - after.velocity_a
+        turning = a.radius * after.spin_a + b.radius * after.spin_b
+        slip = relative - (relative * normal).sum(axis=1)[:, None] * normal
+        slip = slip + np.cross(normal, turning)
+        across = along + a.radius**2 / a.inertia + b.radius**2 / b.inertia
+        impulse = (slip - encounter.sliding) / across""",
+}
+_DOCS = {
+    TORSION: "Brake the spin about the normal.",
+    IMPULSE_N: "Change the impulse along the normal alone.",
+    IMPULSE_T: "Change the impulse across the normal.",
+}
 _ACCELERATE = '''
 
 def accelerate(flying: Flying, values: Values) -> tuple[Floats, Floats]:
@@ -241,13 +273,23 @@ def _function(form: Form) -> str:
         return _APPEAR.format(along=form.along, by=form.by, square=square)
     if isinstance(form, FrameForm):
         return _EXPOSE.format(change=_SQUARE if form.kind == "power" else _PERIODIC)
-    factor = "np.exp(change)" if form.shape is POWER else "(1.0 + change)"
-    scaled = _SCALED.format(slot=form.slot, factor=factor)
     return _WRAP.format(
         columns=_columns(form),
-        doc="Brake the spin about the normal." if form.slot == TORSION else f"Change {form.slot}.",
-        changed=_TWISTED if form.slot == TORSION else scaled,
+        doc=_DOCS.get(form.slot, f"Change {form.slot}."),
+        changed=_changed(form),
     )
+
+
+def _changed(form: ContactForm) -> str:
+    """Return the lines that change what a contact leaves behind."""
+    power = form.shape is POWER
+    if form.slot == TORSION:
+        return _TWISTED
+    if form.slot in _IMPULSE:
+        factor = "np.exp(change) - 1.0" if power else "change"
+        return _PUSHED.format(impulse=_IMPULSE[form.slot], factor=factor)
+    factor = "np.exp(change)" if power else "(1.0 + change)"
+    return _SCALED.format(slot=form.slot, factor=factor)
 
 
 def _columns(form: ContactForm) -> str:

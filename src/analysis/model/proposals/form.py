@@ -11,16 +11,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.collision.operator import Encounter, Operator, Outcome, inverse_masses
+from analysis.collision.operator import Encounter, Operator, Outcome
 from analysis.effects.effect import ContactEffect, Parameter, Values
 from analysis.model.proposals.arguments import Argument
+from analysis.model.proposals.impulses import IMPULSES, TORSION, changed_outcome
 from analysis.model.proposals.shapes import POWER, Shape
 
 Floats = NDArray[np.float64]
 
 COEFFICIENTS = ("e", "mu", "beta0")
-TORSION = "torsion"
-SLOTS = (*COEFFICIENTS, TORSION)
+SLOTS = (*COEFFICIENTS, TORSION, *IMPULSES)
 LARGEST_CHANGE, LARGEST_POWER, LARGEST_RADIUS_M = 0.9, 4.0, 5e-3
 """Of a coefficient over the shots, of an exponent, and of a radius of contact: beyond that it is no
 change of a coefficient any more."""
@@ -28,9 +28,6 @@ OF_A_PRODUCT = ("x0", "y0")
 _WIDTHS = ("c", "w", "P")
 """Constants that are never below zero."""
 _AMPLITUDES = {1: ("a",), 2: ("a", "b"), 3: ("a_x", "a_y", "a_z")}
-_TORSION = 3 * np.pi / 16
-"""K. L. Johnson, Contact Mechanics (1985), section 3.9: the torque of full slip on a Hertzian
-contact is 3 pi mu a F / 16."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -40,7 +37,8 @@ class ContactForm:
     Attributes
     ----------
     slot
-        e, mu, beta0, or torsion: the torque about the normal as the radius of contact it needs.
+        e, mu, beta0; impulse_n or impulse_t, along the normal and across it; or torsion, the torque
+        about the normal as the radius of contact it needs.
     arguments
         One, or the two of a product.
     shape
@@ -165,7 +163,9 @@ class ContactForm:
             def changed(encounter: Encounter) -> Outcome:
                 factor = form.factor(encounter, amplitudes)
                 if form.slot == TORSION:
-                    return twisted(operator(encounter), encounter, factor)
+                    return changed_outcome(TORSION, operator(encounter), encounter, factor)
+                if form.slot in IMPULSES:
+                    return changed_outcome(form.slot, operator(encounter), encounter, factor - 1.0)
                 scaled = {form.slot: getattr(encounter, form.slot) * factor}
                 return operator(replace(encounter, **scaled))
 
@@ -180,31 +180,6 @@ class ContactForm:
             gives_away=f"{self.slot} of the shots follows {self.argument}",
             wrap=wrap,
         )
-
-
-def twisted(outcome: Outcome, encounter: Encounter, radius: Floats) -> Outcome:
-    """Return an outcome with a torque about the normal, against the relative spin there.
-
-    Parameters
-    ----------
-    radius
-        Of a contact in full slip that gives the torque, m, shape (S,).
-    """
-    a, b = encounter.bodies
-    before, after, normal = encounter.before, outcome.after, encounter.normal
-    push = (
-        (1 + encounter.e) * encounter.approach.clip(min=0.0) / inverse_masses(encounter.bodies)[0]
-    )
-    relative = ((before.spin_b - before.spin_a) * normal).sum(axis=1)
-    twist = (_TORSION * encounter.mu * radius * push * np.sign(relative))[:, None] * normal
-    return replace(
-        outcome,
-        after=replace(
-            after,
-            spin_a=after.spin_a + twist / a.inertia,
-            spin_b=after.spin_b - twist / b.inertia,
-        ),
-    )
 
 
 def _scale(symbol: str, value: float, argument: Argument) -> Parameter:

@@ -25,17 +25,14 @@ from analysis.model.fitting.robust_fit import Judged, judged
 from analysis.model.predict.contact import encounter_of
 from analysis.model.proposals.admissible import FEWEST_SHOTS, Admitted, admitted
 from analysis.model.proposals.blocks import falls_on_blocks
-from analysis.model.proposals.channels import Channels, Form, channels_of
-from analysis.model.proposals.form import ContactForm
+from analysis.model.proposals.channels import Form, channels_of
 from analysis.model.proposals.refine import (
     CARRIERS,
-    MOST_GROUPS,
     Promise,
     Refitted,
-    promised,
-    refitted,
     with_free_constants,
 )
+from analysis.model.proposals.rivals import apart, rivals_of
 from analysis.model.proposals.screen import Screen, contact_forms, screened
 from analysis.model.rank.candidate import believed
 from analysis.model.rank.leaders import FIRST_LEVEL, LATER_LEVEL, Leader, in_order
@@ -44,8 +41,6 @@ from analysis.model.rank.ranking import rank
 from analysis.model.structure.influence import most_carried
 
 MOST_STEPS, MOST_TRIED = 6, 3
-SLACK = 8.0
-"""Deviance by which finer constants and a refit may bring a group nearer to the best."""
 PREFERRED = 2.0
 """Deviance by which a form must be better than every effect of the catalogue."""
 DROP_LEVEL = 0.0005
@@ -228,13 +223,16 @@ def _step(state: _State) -> _State | None:
     taken = {(one.form.group, one.form.shape_name) for one in state.accepted}
     forms = [form for form in forms if (form.group, form.shape_name) not in taken]
     screen = screened(channels, forms, np.random.default_rng(0))
-    rivals = _rivals(state, channels, screen, forms)
+    rivals = list[Refitted]()
+    if max(screen.groups().values(), default=0.0) >= screen.threshold(state.level):
+        name = f"{NAME}-{len(state.accepted) + 1}"
+        rivals = rivals_of((state.data, state.last.fit, name), channels, screen, forms)
     leader, leaders = _leader(state)
     if leader is not None and (not rivals or leader[0].unbiased_fall > rivals[0].worth - PREFERRED):
         return _moved(state, leader[1], whole(leader[0].data))
     passing = {g for g, z in screen.groups().items() if z >= screen.threshold(state.level)}
-    apart = [one for one in _apart(rivals) if one.form.group in passing]
-    for found in apart[:MOST_TRIED]:
+    leading = [one for one in apart(rivals) if one.form.group in passing]
+    for found in leading[:MOST_TRIED]:
         accepted = _accepted(state, found, rivals, screen)
         if accepted is not None:
             following = _moved(state, accepted.after, state.data)
@@ -247,40 +245,6 @@ def _step(state: _State) -> _State | None:
             )
             return replace(following, accepted=(*state.accepted, accepted))
     return None
-
-
-def _rivals(
-    state: _State, channels: Channels, screen: Screen, forms: Sequence[Form]
-) -> list[Refitted]:
-    """Refit the groups whose scores come near the best, if it passes; the most worth first."""
-    groups = screen.groups()
-    best = next(iter(groups.values()), 0.0)
-    if best < screen.threshold(state.level):
-        return []
-    found = []
-    for group in screen.near(ALIAS_WITHIN + SLACK)[:MOST_GROUPS]:
-        promises = promised(channels, group, forms)
-        if promises:
-            least = promises[0].worth - ALIAS_WITHIN - 2.0
-            chosen = [p for p in promises if p.worth > least]
-            found += [_refit(state, promise) for promise in chosen]
-    return sorted(found, key=lambda one: -one.worth)
-
-
-def _refit(state: _State, promise: Promise) -> Refitted:
-    name = f"{NAME}-{len(state.accepted) + 1}"
-    found = refitted(state.data, state.last.fit, promise, name)
-    # An exponent and a frequency are scored at a few values only.
-    in_frames = not isinstance(promise.form, ContactForm)
-    return with_free_constants(state.data, found)[0] if in_frames else found
-
-
-def _apart(rivals: Sequence[Refitted]) -> list[Refitted]:
-    """Return the best form of each slot and argument, in order."""
-    first: dict[tuple[str, str], Refitted] = {}
-    for one in rivals:
-        first.setdefault(one.form.group, one)
-    return list(first.values())
 
 
 def _accepted(

@@ -14,6 +14,7 @@ from analysis.model.proposals.arguments import Argument
 from analysis.model.proposals.channels import Channels, Form
 from analysis.model.proposals.flight_forms import FlightForm
 from analysis.model.proposals.form import OF_A_PRODUCT, ContactForm
+from analysis.model.proposals.impulses import IMPULSES
 from analysis.model.proposals.screen import FULL_SLOTS, columns_of, shaped, shapes_of
 from analysis.model.proposals.shapes import spread_of
 
@@ -26,6 +27,8 @@ PENALTY = 2.0
 OF_SETTING = 4.0
 OF_FADING = 4.0
 """Charged to a force that fades exponentially: one without a length of its own goes first."""
+OF_IMPULSE = 4.0
+"""Charged to an impulse that changes by itself: where a coefficient does it, that is named."""
 CARRIERS = 2
 
 
@@ -59,6 +62,7 @@ class Promise:
         sought = len(free) + len(self.form.symbols) - 1
         charge = OF_SETTING if _is_setting(self.form) else 0.0
         charge += OF_FADING if _fades(self.form) else 0.0
+        charge += OF_IMPULSE if self.form.slot in IMPULSES else 0.0
         return self.fall - PENALTY * sought - charge
 
 

@@ -18,6 +18,7 @@ from scipy.special import erfc
 from analysis.model.proposals.arguments import Argument
 from analysis.model.proposals.channels import Channels, Form, Sums
 from analysis.model.proposals.form import ContactForm
+from analysis.model.proposals.impulses import IMPULSES, TORSION
 from analysis.model.proposals.shapes import (
     FOR_COLUMNS,
     FOR_PLACES,
@@ -35,7 +36,7 @@ Floats = NDArray[np.float64]
 
 DRAWS, RIDGE = 2000, 1e-7
 FULL_SLOTS = ("e", "mu")
-SPARE_SLOTS = ("beta0", "torsion")
+SPARE_SLOTS = ("beta0", TORSION, *IMPULSES)
 """Few shots tell of these: of shapes only the simplest are looked for."""
 SMALLEST_P = 1e-300
 _TAIL = 0.02

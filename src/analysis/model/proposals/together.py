@@ -25,6 +25,8 @@ from analysis.model.proposals.admissible import FEWEST_SHOTS, admitted
 from analysis.model.proposals.arguments import Argument
 from analysis.model.proposals.channels import Channels, Sums, channels_of
 from analysis.model.proposals.form import ContactForm
+from analysis.model.proposals.impulses import IMPULSES
+from analysis.model.proposals.refine import OF_IMPULSE
 from analysis.model.proposals.screen import (
     Screen,
     Spreads,
@@ -169,7 +171,8 @@ def shared_forms(own: Sequence[OwnSums], seed: int = 0) -> list[SharedForm]:
         correlation = kept.matrix / root[:, None] / root[None, :]
         chance = np.sort(largest_by_chance(correlation, np.random.default_rng(seed)))
         screen = Screen((), np.zeros(0), chance)
-        best = int(np.argmax(np.abs(scores)))
+        charge = OF_IMPULSE * np.array([labels[column][0] in IMPULSES for column in seen])
+        best = int(np.argmax(scores**2 - charge))
         if abs(scores[best]) < screen.threshold(LATER_LEVEL if found else FIRST_LEVEL):
             break
         column, p_value = int(seen[best]), screen.p_familywise(float(scores[best]))

@@ -5,11 +5,19 @@ from __future__ import annotations
 from analysis.model.proposals.arguments import Argument
 from analysis.model.proposals.channels import Form
 from analysis.model.proposals.flight_forms import FlightForm
-from analysis.model.proposals.form import TORSION, ContactForm
+from analysis.model.proposals.form import ContactForm
 from analysis.model.proposals.frame_forms import AXES, FrameForm
+from analysis.model.proposals.impulses import IMPULSE_N, IMPULSE_T, TORSION
 from analysis.model.proposals.shapes import POWER
 
-_COEFFICIENTS = {"e": "e", "mu": r"\mu", "beta0": r"\beta_0"}
+_SLOTS = {
+    "e": ("e", "e0", "e", "e_{0}"),
+    "mu": ("mu", "mu0", r"\mu", r"\mu_{0}"),
+    "beta0": ("beta0", "beta00", r"\beta_0", r"\beta_{0}"),
+    IMPULSE_N: ("J_n", "J_n0", "J_n", "J_{n,0}"),
+    IMPULSE_T: ("J_t", "J_t0", "J_t", "J_{t,0}"),
+}
+"""Of each slot its letter and what it is without the law, in text and in LaTeX."""
 _FLIGHT = {
     "central": (
         "acceleration of a = k (D / d)^p toward b",
@@ -61,8 +69,7 @@ def _written(form: Form, style: int) -> str:
             r"L_n = \tfrac{{3\pi}}{{16}}\mu J_n({})",
         )
         return torque[style].format(change)
-    name = (form.slot, _COEFFICIENTS[form.slot])[style]
-    zero = (f"{name}0" if name != "beta0" else "beta00", f"{name.rstrip('_0')}_{{0}}")[style]
+    name, zero = _SLOTS[form.slot][2 * style : 2 * style + 2]
     if form.shape is POWER:
         x, x0 = _symbol(form.arguments[0], style), form.constants[0]
         return (f"{name} = {zero} ({x} / {x0:.4g})^p", f"{name} = {zero} ({x}/{x0:.4g})^{{p}}")[

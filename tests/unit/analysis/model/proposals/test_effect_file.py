@@ -26,7 +26,7 @@ from analysis.model.proposals.effect_file import (
 from analysis.model.proposals.form import SLOTS, ContactForm
 from analysis.model.proposals.propose import Accepted
 from analysis.model.proposals.screen import shapes_of
-from analysis.model.proposals.shapes import Spread
+from analysis.model.proposals.shapes import LINEAR, Spread
 from tests.unit.analysis.model.proposals.hidden import proposed
 
 
@@ -80,6 +80,7 @@ def forms() -> list[ContactForm]:
             constants, ones = shape.grid(spread, 1)[0], (1.0,) * len(shape.codes)
             made.append(ContactForm(slot, (argument,), shape, constants, ones))
     scalars = [argument for argument in arguments if argument.is_scalar]
+    made += [ContactForm(slot, (arguments[0],), LINEAR, (2.0,), (1.0,)) for slot in SLOTS]
     made += [ContactForm("e", (a, b), None, (1.3, 2.7), (1.0,)) for a, b in pairwise(scalars)]
     return made
 
