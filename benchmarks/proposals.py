@@ -4,6 +4,7 @@ python -m benchmarks.proposals null --campaigns 400
 python -m benchmarks.proposals power --d 6 --campaigns 20
 python -m benchmarks.proposals exponent --campaigns 100
 python -m benchmarks.proposals central --campaigns 20
+python -m benchmarks.proposals launch --campaigns 400
 python -m benchmarks.proposals speed
 """
 
@@ -13,22 +14,30 @@ import argparse
 import json
 import os
 import time
-from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from analysis.effects.catalogue import CATALOGUE
 from analysis.model.data.evidence import stage_of
 from analysis.model.data.inside import without_contact_frames
+from analysis.model.data.stream import whole
 from analysis.model.fitting.fit import fit_campaign
+from analysis.model.fitting.robust_fit import judged
+from analysis.model.predict.contact import encounter_of
+from analysis.model.proposals.admissible import admitted
+from analysis.model.proposals.launch_search import propose_launch
 from analysis.model.proposals.propose import Proposed, propose
 from benchmarks.discovery.campaigns import campaign
 from benchmarks.discovery.strength import amplitude_at
 from benchmarks.discovery.treatments import TREATMENTS
 from simulators.challenge.effects import HIDDEN
 from simulators.challenge.unnamed import LAWS
+
+Floats = NDArray[np.float64]
 
 OUT = Path("out")
 SHOTS = 120
@@ -74,7 +83,9 @@ def trial(
         hidden=" ".join(amplitudes),
         seed=seed,
         treatment=treatment,
-        proposals=tuple((*a.form.group, a.form.shape_name) for a in found.accepted),
+        proposals=tuple(
+            (*a.form.group, a.form.shape_name) for a in (*found.accepted, *found.launch)
+        ),
         alike=found.accepted[0].alike if found.accepted else (),
         effects=found.effects,
         before=found.path[0].error.value,
@@ -186,6 +197,39 @@ def central(campaigns: int, d: float, of: str) -> list[Trial]:
     return tried
 
 
+def launch(campaigns: int, d: float, of: str) -> list[Trial]:
+    """Ask the launches alone: where they follow their settings, and where they follow the room."""
+    for name, per_kelvin, asked in (("nothing", 0.0, 0.01), ("temperature", 0.004, 0.9)):
+        if of not in name:
+            continue
+        hits = []
+        for k in range(campaigns if per_kelvin == 0 else max(campaigns // 10, 1)):
+            data = campaign({}, FIRST_SEED + 50_000 + k, SHOTS)
+            known = _warm_pushers(data.covariates, per_kelvin)
+            base = judged(replace(data, covariates=known), ())
+            told = whole(base.data)
+            met = encounter_of(told, base.fit.states, base.fit.theory)
+            arguments = admitted(met, scalars=False, one_frame=True).arguments
+            found = propose_launch(told, base.fit, met, arguments)
+            said = [(one.form.quantity, one.form.argument) for one in found]
+            hits.append(bool(said) if not per_kelvin else said[:1] == [("speed", "temperature_c")])
+            if hits[-1] != bool(per_kelvin):
+                print(f"  seed {FIRST_SEED + 50_000 + k}: {said}")
+        _share(
+            f"launch, {name}: {'named' if per_kelvin else 'proposals'}",
+            asked,
+            hits,
+            at_least=per_kelvin > 0,
+        )
+    return []
+
+
+def _warm_pushers(known: Mapping[str, Floats], per_kelvin: float) -> dict[str, Floats]:
+    """Return covariates whose pressures are those that would do without any gain with warmth."""
+    gain = 1.0 + per_kelvin * (known["temperature_c"] - 23.0)
+    return {k: v / gain**2 if k.startswith("pressure") else v for k, v in known.items()}
+
+
 def speed(campaigns: int, d: float, of: str) -> list[Trial]:
     """Take the processor time of 120 and of 1000 shots, functions compiled."""
     global SHOTS
@@ -220,6 +264,7 @@ SECTIONS = {
     "power": power,
     "exponent": exponent,
     "central": central,
+    "launch": launch,
     "speed": speed,
 }
 

@@ -102,6 +102,11 @@ def fit_touches(
     return replace(launch, rejected=touches.shots[~kept])
 
 
+def settled(theory: LaunchTheory, known: LaunchFit) -> LaunchFit:
+    """Fit another theory to the launches of a fit; the shots that it left out stay out."""
+    return replace(_settle(theory, known.settings, known.touches), rejected=known.rejected)
+
+
 def misfires(launch: LaunchFit, before: int = 0) -> NDArray[np.bool_]:
     """Return which shots no launch like the others would give, mask of shape (S,).
 

@@ -41,7 +41,7 @@ def proposed_laws(
         found = propose(data, given, catalogue, report)
     except ProposalRefusedError as error:
         raise AnalysisInputError(str(error), part=title) from error
-    if found.accepted:
+    if found.accepted or found.launch:
         report("choosing shots")
     return found, proposals_document(title, found, next_after(found, limits))
 

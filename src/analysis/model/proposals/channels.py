@@ -33,40 +33,23 @@ LEAST_INFORMATION = 1e-5
 """A column of which less is left is what a fitted number does already."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Channels:
-    """A campaign about a fit: what any form would change, all that is fitted projected out.
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Linearised:
+    """What some channels would change in each shot, about a fit.
 
     Attributes
     ----------
-    encounter
-        How the spheres of every shot meet.
     by_shot
-        Of the channels: first the slots of the contact, then the columns of `framed`.
-    framed
-        Forms of flight, camera and clock, one for each further channel, and which of its columns
-        that is.
+        Of the channels.
     covariance
         Of what all shots share, shape (P, P).
     left
         What a fit that ends a little before its minimum leaves downhill of it, shape (P,).
-    noise_scale
-        Root of chi-squared per degree of freedom, by which sigmas are multiplied.
     """
 
-    encounter: Encounter
     by_shot: ByShot
-    framed: tuple[tuple[InFrames, int], ...]
     covariance: Floats
     left: Floats
-    noise_scale: float
-
-    def weights(self, form: Form, number: int = 0) -> tuple[int, Floats]:
-        """Return the channel of one column of a form, and f of every shot there, shape (S,)."""
-        if isinstance(form, ContactForm):
-            return SLOTS.index(form.slot), form.columns(self.encounter)[:, number]
-        place = next(k for k, (other, n) in enumerate(self.framed) if other is form and n == number)
-        return len(SLOTS) + place, np.ones(len(self.by_shot.gradient))
 
     def summed(self, columns: Sequence[tuple[int, Floats]]) -> Sums:
         """Return M and g of columns, each a channel and its weights (S,)."""
@@ -87,6 +70,35 @@ class Channels:
                 matrix[np.ix_(rows, others)] = product
         imitated = against @ self.covariance
         return Sums(matrix - imitated @ against.T, gradient - imitated @ self.left, raw)
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Channels(Linearised):
+    """A campaign about a fit: what any form would change, all that is fitted projected out.
+
+    Its channels are first the slots of the contact, then the columns of `framed`.
+
+    Attributes
+    ----------
+    encounter
+        How the spheres of every shot meet.
+    framed
+        Forms of flight, camera and clock, one for each further channel, and which of its columns
+        that is.
+    noise_scale
+        Root of chi-squared per degree of freedom, by which sigmas are multiplied.
+    """
+
+    encounter: Encounter
+    framed: tuple[tuple[InFrames, int], ...]
+    noise_scale: float
+
+    def weights(self, form: Form, number: int = 0) -> tuple[int, Floats]:
+        """Return the channel of one column of a form, and f of every shot there, shape (S,)."""
+        if isinstance(form, ContactForm):
+            return SLOTS.index(form.slot), form.columns(self.encounter)[:, number]
+        place = next(k for k, (other, n) in enumerate(self.framed) if other is form and n == number)
+        return len(SLOTS) + place, np.ones(len(self.by_shot.gradient))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

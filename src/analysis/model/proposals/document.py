@@ -13,6 +13,7 @@ from analysis.model.fitting.adding import ALIAS_WITHIN
 from analysis.model.proposals.confirm import Confirmation
 from analysis.model.proposals.form import ContactForm
 from analysis.model.proposals.hints import hint_for
+from analysis.model.proposals.launch_search import LaunchProposal
 from analysis.model.proposals.propose import Accepted, Proposed
 from analysis.model.proposals.screen import SMALLEST_P
 from analysis.model.proposals.shapes import POWER
@@ -43,6 +44,10 @@ def proposals_document(
         "proposals": [
             _proposal(proposed, one, following if k == 0 else ())
             for k, one in enumerate(proposed.accepted)
+        ]
+        + [
+            _of_launch(one, following if not (proposed.accepted or k) else ())
+            for k, one in enumerate(proposed.launch)
         ],
         "left_out": [
             {"argument": one.argument, "reason": one.reason, "todo": one.todo}
@@ -61,7 +66,7 @@ def proposals_document(
 
 def verdict(proposed: Proposed) -> str:
     """Return `proposal`; else `effect`, where the catalogue holds what is missing, or `none`."""
-    if proposed.accepted:
+    if proposed.accepted or proposed.launch:
         return "proposal"
     return "effect" if set(proposed.effects) - set(proposed.path[0].effects) else "none"
 
@@ -84,6 +89,29 @@ def _proposal(proposed: Proposed, one: Accepted, following: Sequence[Repeated]) 
         "shapes": list(one.shapes),
         "within": ALIAS_WITHIN,
         "hint": hint_for(form.slot, form.argument, form.shape_name, rising=rises(proposed, one)),
+        "next_shots": shots_document(following),
+    }
+
+
+def _of_launch(one: LaunchProposal, following: Sequence[Repeated]) -> Json:
+    """Return a form of the launch; shots of the contact tell nothing of it, nor its effects."""
+    form, rising = one.form, next(iter(one.parameters.values())).value > 0
+    return {
+        "slot": form.slot,
+        "argument": form.argument,
+        "shape": form.shape_name,
+        "name": one.name,
+        "formula": formula(form),
+        "latex": latex(form),
+        "parameters": {name: quantity.to_json() for name, quantity in one.parameters.items()},
+        "p_familywise": one.p_familywise,
+        "error_before": one.error_before,
+        "error_after": one.error_after,
+        "alike": [{"slot": slot, "argument": argument} for slot, argument in one.alike],
+        "alike_effects": [],
+        "shapes": list(one.shapes),
+        "within": ALIAS_WITHIN,
+        "hint": hint_for(form.slot, form.argument, form.shape_name, rising=rising),
         "next_shots": shots_document(following),
     }
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.collision.operator import Encounter
 from analysis.errors import LaunchRefusedError
 from analysis.launch.fit import fit_launch
 from analysis.launch.prediction import Limits
@@ -16,6 +17,7 @@ from analysis.model.design.undecided import fired_alike, used_limits
 from analysis.model.fitting.fit import fit_campaign
 from analysis.model.proposals.channels import channels_of
 from analysis.model.proposals.form import ContactForm
+from analysis.model.proposals.launch_search import LaunchProposal
 from analysis.model.proposals.propose import Accepted, Proposed
 
 Floats = NDArray[np.float64]
@@ -38,10 +40,12 @@ def next_after(proposed: Proposed, limits: Limits | None = None) -> tuple[Repeat
         What the rig allows; None: what the campaign has used.
     """
     data = proposed.data
-    if not proposed.accepted or not isinstance(data, PoseData):
+    if not (proposed.accepted or proposed.launch) or not isinstance(data, PoseData):
         return ()
     if any(name not in data.covariates for name in (*PRESSURES, OFFSET)):
         return ()
+    if not proposed.accepted:
+        return _relaunched(data, proposed.launch[0], proposed.encounter)
     first = proposed.accepted[0]
     return _against_rival(proposed, data, first, limits) or _confirming(proposed, data, first)
 
@@ -80,6 +84,17 @@ def _confirming(proposed: Proposed, data: PoseData, first: Accepted) -> tuple[Re
     ends = _ends(np.asarray(size), own)
     needed = _count(first, size[ends], own[ends])
     each = int(np.clip(np.ceil(needed / len(ends)), 1, MOST))
+    return tuple(Repeated(_setting(data, int(shot)), each) for shot in ends)
+
+
+def _relaunched(data: PoseData, one: LaunchProposal, encounter: Encounter) -> tuple[Repeated, ...]:
+    """Return settings of the campaign at both ends of what a launch follows."""
+    values = one.form.of.of(encounter)[:, 0]
+    ends = np.argsort(values)[[*range(PLACES), *range(-PLACES, 0)]]
+    amplitude = next(iter(one.parameters.values()))
+    share = (CONFIRMING_D * amplitude.sigma / max(abs(amplitude.value), 1e-300)) ** 2
+    needed = np.clip(share * len(values), FEWEST, MOST)
+    each = int(np.ceil(needed / len(ends)))
     return tuple(Repeated(_setting(data, int(shot)), each) for shot in ends)
 
 

@@ -142,7 +142,7 @@ class ContactForm:
         own = self.constants[len(self.constants) - len(self.free) :]
         of = self.arguments if len(self.arguments) == 2 else self.arguments * len(own)
         scales = tuple(
-            _scale(symbol, value, argument)
+            scale_of(symbol, value, argument)
             for symbol, value, argument in zip(self.free, own, of, strict=True)
         )
         return self._effect(
@@ -182,7 +182,7 @@ class ContactForm:
         )
 
 
-def _scale(symbol: str, value: float, argument: Argument) -> Parameter:
+def scale_of(symbol: str, value: float, argument: Argument) -> Parameter:
     """Return a constant of an argument as a parameter."""
     above_zero = symbol in _WIDTHS or argument.positive
     return Parameter(

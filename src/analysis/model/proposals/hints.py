@@ -122,6 +122,23 @@ HINTS = (
         "B. Bhushan, Introduction to Tribology (2013)",
     ),
     Hint(
+        "launch",
+        "temperature*",
+        None,
+        (),
+        "seals and grease of a pusher, whose friction follows the temperature",
+        "ISO 6358-1 (2013) states flow at one temperature; friction of seals: B. N. J. Persson, J. "
+        "Chem. Phys. 115, 3840 (2001)",
+    ),
+    Hint(
+        "launch",
+        "pressure*",
+        None,
+        (),
+        "flow through the valve that chokes, or friction that grows with the pressure",
+        "J. D. Anderson, Modern Compressible Flow (2003), chapter 5",
+    ),
+    Hint(
         "*",
         "order",
         None,

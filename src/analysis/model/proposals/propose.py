@@ -26,6 +26,7 @@ from analysis.model.predict.contact import encounter_of
 from analysis.model.proposals.admissible import FEWEST_SHOTS, Admitted, admitted
 from analysis.model.proposals.blocks import falls_on_blocks
 from analysis.model.proposals.channels import Form, channels_of
+from analysis.model.proposals.launch_search import LaunchProposal, propose_launch
 from analysis.model.proposals.refine import (
     CARRIERS,
     Promise,
@@ -102,6 +103,8 @@ class Proposed:
         The forms, in the order in which they went in.
     effects
         Names of the catalogue's effects in the fit: those asked for, and those that went in.
+    launch
+        What the launches depend on, judged by themselves.
     """
 
     evidence: Evidence
@@ -109,6 +112,7 @@ class Proposed:
     accepted: tuple[Accepted, ...]
     effects: tuple[str, ...]
     admitted: Admitted
+    launch: tuple[LaunchProposal, ...] = ()
 
     @property
     def fit(self) -> Fit:
@@ -153,7 +157,10 @@ def propose(
         if following is None:
             break
         state = _without_idle(following)
-    return state.proposed()
+    found = state.proposed()
+    progress("asking the launches")
+    arguments = found.admitted.arguments
+    return replace(found, launch=propose_launch(found.data, found.fit, found.encounter, arguments))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

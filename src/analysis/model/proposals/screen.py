@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
+from typing import Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,6 +44,18 @@ _TAIL = 0.02
 """Chance below which a p-value is read off the normal's own tail, not off the few draws there."""
 
 
+class Grouped(Protocol):
+    """A form as scores see it: what depends on what, and its amplitudes."""
+
+    @property
+    def group(self) -> tuple[str, str]:
+        """Slot and argument."""
+
+    @property
+    def symbols(self) -> tuple[str, ...]:
+        """Of the amplitudes."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Screen:
     """Scores of K columns.
@@ -59,10 +72,10 @@ class Screen:
         Root of the fall of forms of several amplitudes, less what all but one bring by chance.
     """
 
-    columns: tuple[tuple[Form, int], ...]
+    columns: tuple[tuple[Grouped, int], ...]
     scores: Floats
     largest: Floats
-    blocks: tuple[tuple[Form, float], ...] = ()
+    blocks: tuple[tuple[Grouped, float], ...] = ()
 
     def threshold(self, level: float) -> float:
         """Return |z| above which a share `level` of campaigns with nothing missing has one."""
@@ -91,6 +104,9 @@ class Screen:
         return [group for group, z in found.items() if z**2 > best**2 - within]
 
 
+AForm = TypeVar("AForm", bound=Grouped)
+
+
 def screened(
     channels: Channels, forms: Sequence[Form], rng: np.random.Generator, sums: Sums | None = None
 ) -> Screen:
@@ -106,17 +122,27 @@ def screened(
         return Screen((), np.zeros(0), np.zeros(0))
     if sums is None:
         sums = channels.summed([channels.weights(form, number) for form, number in columns])
+    return scored(columns, sums, channels.noise_scale, rng)
+
+
+def scored(
+    columns: Sequence[tuple[Grouped, int]],
+    sums: Sums,
+    noise_scale: float,
+    rng: np.random.Generator,
+) -> Screen:
+    """Score columns whose sums are known; those that cannot be seen are left out."""
     seen = sums.seen
     kept = sums.of(seen)
     root = np.sqrt(np.diag(kept.matrix))
-    scores = kept.gradient / root / channels.noise_scale
+    scores = kept.gradient / root / noise_scale
     correlation = kept.matrix / root[:, None] / root[None, :]
     left = tuple(column for column, own in zip(columns, seen, strict=True) if own)
     largest = np.sort(largest_by_chance(correlation, rng))
-    return Screen(left, scores, largest, _blocks(left, kept, channels.noise_scale))
+    return Screen(left, scores, largest, _blocks(left, kept, noise_scale))
 
 
-def _largest(scored: Sequence[tuple[Form, float]]) -> dict[tuple[str, str], float]:
+def _largest(scored: Sequence[tuple[Grouped, float]]) -> dict[tuple[str, str], float]:
     found: dict[tuple[str, str], float] = {}
     for form, score in scored:
         found[form.group] = max(found.get(form.group, 0.0), score)
@@ -124,11 +150,11 @@ def _largest(scored: Sequence[tuple[Form, float]]) -> dict[tuple[str, str], floa
 
 
 def _blocks(
-    kept: Sequence[tuple[Form, int]], sums: Sums, noise_scale: float
-) -> tuple[tuple[Form, float], ...]:
+    kept: Sequence[tuple[Grouped, int]], sums: Sums, noise_scale: float
+) -> tuple[tuple[Grouped, float], ...]:
     """Return what forms of several amplitudes bring together."""
     places: dict[int, list[int]] = {}
-    forms: dict[int, Form] = {}
+    forms: dict[int, Grouped] = {}
     for k, (form, _) in enumerate(kept):
         if len(form.symbols) > 1:
             places.setdefault(id(form), []).append(k)
@@ -142,7 +168,7 @@ def _blocks(
     return tuple(found)
 
 
-def columns_of(forms: Sequence[Form]) -> list[tuple[Form, int]]:
+def columns_of(forms: Sequence[AForm]) -> list[tuple[AForm, int]]:
     """Return every column of every form."""
     return [(form, number) for form in forms for number in range(len(form.symbols))]
 

@@ -8,6 +8,7 @@ from analysis.model.proposals.flight_forms import FlightForm
 from analysis.model.proposals.form import ContactForm
 from analysis.model.proposals.frame_forms import AXES, FrameForm
 from analysis.model.proposals.impulses import IMPULSE_N, IMPULSE_T, TORSION
+from analysis.model.proposals.launch_forms import TRACK, LaunchForm
 from analysis.model.proposals.shapes import POWER
 
 _SLOTS = {
@@ -47,17 +48,27 @@ _SHAPES = {
 }
 
 
-def formula(form: Form) -> str:
+_QUANTITIES = {
+    "speed": ("speed", r"v"),
+    "speed_a": ("speed of a", r"v_a"),
+    "speed_b": ("speed of b", r"v_b"),
+    TRACK: ("offset of the tracks", r"x_\mathrm{tracks}"),
+}
+
+
+def formula(form: Form | LaunchForm) -> str:
     """Return a form in text."""
     return _written(form, 0)
 
 
-def latex(form: Form) -> str:
+def latex(form: Form | LaunchForm) -> str:
     """Return a form in LaTeX."""
     return _written(form, 1)
 
 
-def _written(form: Form, style: int) -> str:
+def _written(form: Form | LaunchForm, style: int) -> str:
+    if isinstance(form, LaunchForm):
+        return _of_launch(form, style)
     if isinstance(form, FlightForm):
         return _FLIGHT[form.kind][style]
     if isinstance(form, FrameForm):
@@ -76,6 +87,26 @@ def _written(form: Form, style: int) -> str:
             style
         ]
     return (f"{name} = {zero} [1 + {change}]", rf"{name} = {zero}\,[1 + {change}]")[style]
+
+
+def _of_launch(form: LaunchForm, style: int) -> str:
+    """Return what a quantity at the mouths becomes, as foretold from the settings or changed."""
+    name, x = _QUANTITIES[form.quantity][style], _symbol(form.of, style)
+    plain = (f"{name} by the settings", rf"{name}^{{(0)}}")[style]
+    if form.symbols == ("p",):
+        x0 = form.constants[0]
+        return (f"{name} = {plain} x ({x} / {x0:.4g})^p", rf"{name} = {plain}({x}/{x0:.4g})^{{p}}")[
+            style
+        ]
+    if form.shape is POWER:
+        change = "a " + _logarithm(x, form.constants[0], style)
+    else:
+        template = _SHAPES[form.shape.name, len(form.symbols)][style]
+        zero = form.constants[0] if "x0" in form.shape.fixed else 0.0
+        change = template.format(x=x, less=_less(x, zero, style))
+    if form.quantity == TRACK:
+        return f"{name} = {plain} + {change}"
+    return (f"{name} = {plain} x [1 + {change}]", rf"{name} = {plain}\,[1 + {change}]")[style]
 
 
 def _of_frames(form: FrameForm, style: int) -> str:

@@ -33,6 +33,10 @@ from rigctl.model.seen_effects import require_seen
 from rigctl.sweeps.form import Sweep, write_sweep
 
 SWEEP = "next_shots.toml"
+OF_THE_LAUNCH = (
+    "a law of the launch is written to no file, as one's own effects act from the flight on; ask "
+    "the next shots for it again"
+)
 
 
 def proposing(
@@ -89,6 +93,8 @@ def proposing(
     if write is not None:
         _write(write, title, found, document)
     lines = [*proposal_sentences(document), *(f"written: {path}" for path in document["files"])]
+    if write is not None and found.launch:
+        lines.append(OF_THE_LAUNCH)
     if document["sweep"]:
         lines.append(f"next shots, to be fired as a sweep: rigctl sweep {document['sweep']}")
     _print(document, lines, as_json=json)
