@@ -24,6 +24,13 @@ IN_CONTACT = (
 )
 """Effects that act while the spheres touch, whenever and wherever that is, on top of a contact that
 lasts."""
+LAWS_IN_CONTACT = (
+    "friction-exponential",
+    "friction-spin",
+    "restitution-bump",
+    "restitution-grain",
+)
+"""Laws that no catalogue holds and that need nothing but how the spheres meet; never drawn."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +75,7 @@ class Options:
 WORLD_TABLES = ("scene", "contact", "tube", "magnet", "air")
 """Tables that describe the world; `scene` is what the rig's own configuration says of it."""
 DRAWN = "drawn"
-HIDES = ("", DRAWN, *IN_CONTACT)
+HIDES = ("", DRAWN, *IN_CONTACT, *LAWS_IN_CONTACT)
 
 _LIMITS: Mapping[str, tuple[float, float]] = {
     "seed": (0, 2**63 - 1),

@@ -76,7 +76,7 @@ def test_unequal_masses_share_one_momentum() -> None:
     assert np.linalg.norm(equal) > 1e-4
 
 
-@pytest.mark.parametrize("name", IN_CONTACT)
+@pytest.mark.parametrize("name", [*IN_CONTACT, "friction-spin", "restitution-grain"])
 def test_every_effect_of_the_contact_changes_how_spheres_part(name: str) -> None:
     plain = contact_of(Nature(), 0.012)
     changed = contact_of(switched({name: HIDDEN[name].amplitude}), 0.012)
@@ -85,6 +85,17 @@ def test_every_effect_of_the_contact_changes_how_spheres_part(name: str) -> None
     parted = [(m.velocity, 0.0127 * m.spin) for m in plain.motions[-1]]
     otherwise = [(m.velocity, 0.0127 * m.spin) for m in changed.motions[-1]]
     assert np.abs(np.subtract(parted, otherwise)).max() > 1e-3
+
+
+@pytest.mark.parametrize("pressure_kpa", [75.0, 30.0])
+def test_a_bump_of_restitution_acts_at_its_own_speed(pressure_kpa: float) -> None:
+    struck = contact_law(switched({"restitution-bump": 0.02}))
+    launch = Launch(pressure_kpa, pressure_kpa, 0.002)
+    contact = simulate(NYLON, launch, np.random.default_rng(4), struck).contact
+    assert contact is not None
+    truth = contact_truth(contact, SPHERES)
+    bump = 0.02 * np.exp(-0.5 * ((truth["v_n"] - 5.0) / 0.6) ** 2)
+    assert -truth["v_n_after"] / truth["v_n"] == pytest.approx(0.74 * (1 + bump), abs=1e-9)
 
 
 def test_a_draw_takes_every_effect_of_the_contact_and_a_name_only_its_own() -> None:
