@@ -17,7 +17,7 @@ from analysis.exchange.rows import each_line, held, not_whole, whole_number
 
 EXPOSURE = "exposure_us"
 EXCLUDED, NOTE, TAGS = "excluded", "note", "tags"
-_WORDS = frozenset({EXCLUDED, NOTE, TAGS})
+WORDS = frozenset({EXCLUDED, NOTE, TAGS})
 """Columns that hold text by definition of the format."""
 _DEFINED = re.compile(rf"pressure_\w+_kpa|offset_mm|{EXPOSURE}")
 """Columns that the format defines as numbers."""
@@ -84,7 +84,7 @@ def each_shot_row(path: Path) -> Iterator[ShotRow]:
 def _columns(path: Path) -> tuple[list[str], set[str]]:
     """Return the names of all columns, and of the numeric ones."""
     names = _names(path)
-    numeric = {name for name in names if name not in {"shot", "time", *_WORDS}}
+    numeric = {name for name in names if name not in {"shot", "time", *WORDS}}
     for number, fields in _body(path):
         if len(fields) != len(names):
             reason = f"{counted(len(fields), 'field')} for {counted(len(names), 'column')}"

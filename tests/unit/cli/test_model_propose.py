@@ -94,6 +94,28 @@ def test_several_campaigns_are_asked_at_once(
     assert [own["campaign"] for own in first["each"]] == ["strange", "other"]
 
 
+def test_columns_of_words_with_gaps_that_never_change_or_copy_are_named_with_what_to_do(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write_challenge(tmp_path / "odd", {}, seed=1, shots=24)
+    path = tmp_path / "odd" / "shots.csv"
+    head, *rows = path.read_text().splitlines()
+    warm = head.split(",").index("temperature_c")
+    more = [
+        f"{row},{'soft' if k % 2 else 'hard'},{'' if k == 3 else k},31.5,"
+        f"{float(row.split(',')[warm]) + 273.15:.2f}"
+        for k, row in enumerate(rows)
+    ]
+    path.write_text("\n".join([f"{head},paper,humidity_pct,lamp_c,room_k", *more]) + "\n")
+    said = {one["argument"]: one for one in asked(capsys, str(tmp_path / "odd"))["left_out"]}
+    assert said["paper"]["reason"] == "holds words"
+    assert said["humidity_pct"]["reason"] == "empty in some shots"
+    assert said["lamp_c"]["reason"] == "the same in all shots, 31.5"
+    copy = said.get("room_k") or said["temperature_c"]
+    assert "one and the same as" in copy["reason"]
+    assert all(one["todo"] for one in said.values())
+
+
 def test_five_shots_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     write_challenge(tmp_path / "few", {}, seed=1, shots=5)
     assert run(["model", "propose", str(tmp_path / "few")]) == 2

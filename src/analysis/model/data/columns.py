@@ -9,7 +9,7 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.exchange.shot_list import EXPOSURE, ShotRow
+from analysis.exchange.shot_list import EXPOSURE, WORDS, ShotRow
 
 Floats = NDArray[np.float64]
 
@@ -29,6 +29,7 @@ class ShotColumns:
         self.excluded = set[int]()
         self._shots, self._times = array("q"), array("d")
         self._columns: dict[str, array[float]] = {}
+        self._worded = set[str]()
         for row in rows:
             self.add(row)
 
@@ -41,6 +42,7 @@ class ShotColumns:
             self._columns[name] = array("d", [math.nan]) * count
         for name, column in self._columns.items():
             column.append(row.numbers.get(name, math.nan))
+        self._worded |= row.words.keys() - WORDS
         if row.is_excluded:
             self.excluded.add(row.shot)
 
@@ -57,6 +59,12 @@ class ShotColumns:
         rank[order] = np.arange(len(numbers))
         covariates[ORDER] = rank / max(len(numbers) - 1, 1) - 0.5
         return covariates
+
+    def unused(self, numbers: NDArray[np.intp]) -> dict[str, str]:
+        """Return the columns that are no covariates of these shots, each with the reason."""
+        known = self.covariates(numbers).keys()
+        gaps = dict.fromkeys(self._columns.keys() - known, "empty in some shots")
+        return {**gaps, **dict.fromkeys(sorted(self._worded), "holds words")}
 
     def exposure_s(self, numbers: NDArray[np.intp]) -> float | None:
         """Return the longest exposure of these shots, s; None where none is stated."""

@@ -128,6 +128,7 @@ def pose_data(shots: Shots, rows: Sequence[ShotRow], setup: Setup) -> PoseData:
     data = replace(
         with_guesses(stated, *(typical_error(medians, guess) for medians, guess in errors)),
         covariates=columns.covariates(stated.shots),
+        unused=columns.unused(stated.shots),
         camera=replace(setup.camera, exposure_s=columns.exposure_s(stated.shots)),
     )
     shown = usable(data)

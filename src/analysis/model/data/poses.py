@@ -71,6 +71,8 @@ class PoseData:
     covariates
         What else is known of each shot, by name, each of shape (S,): `order` from -0.5 to 0.5 in
         the order of firing, and every numeric column of the shot list.
+    unused
+        Columns of the shot list that are no covariates, with the reason.
     camera
         Rates, views and origins: what a camera effect needs to know.
     estimated
@@ -107,6 +109,7 @@ class PoseData:
     slow: SlowErrors = NO_SLOW_ERRORS
     jitter_s: float = 0.0
     own_slow: Mapping[int, SlowErrors] = field(default_factory=dict)
+    unused: Mapping[str, str] = field(default_factory=dict)
     drag_coefficient: float | None = None
     drag_sigma: float = DRAG_SIGMA
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
 import numpy as np
@@ -57,6 +57,8 @@ class ContactTable:
         Whether the last of the numbers is how long the contact lasts, s.
     excluded
         Numbers of shots that are not here because a person left them out.
+    unused
+        Columns of the shot list that are no covariates, with the reason.
     """
 
     shots: NDArray[np.intp]
@@ -74,6 +76,7 @@ class ContactTable:
     estimated: bool = False
     lasts: bool = False
     excluded: tuple[int, ...] = ()
+    unused: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def jitter_s(self) -> float:

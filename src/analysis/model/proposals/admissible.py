@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analysis.collision.operator import Encounter
-from analysis.model.proposals.arguments import OF_PLACES, SPEEDS, Argument, known_arguments
+from analysis.model.proposals.arguments import (
+    OF_PLACES,
+    SPEEDS,
+    Argument,
+    is_column,
+    known_arguments,
+)
 from analysis.model.verdict.gain import ranks_of
 
 Floats = NDArray[np.float64]
@@ -20,6 +27,8 @@ FEWEST_SHOTS = 12
 LEAST_RANGE = 1e-9
 COPY, CONFOUNDED = 0.99999, 0.97
 """Correlations of ranks from which two arguments are one and the same, or nearly."""
+NUMBERS_PLEASE = "write a number into each of its fields"
+NOTHING: Mapping[str, str] = MappingProxyType({})
 LEAST_PLACES = 3
 """Different values without which an argument has no shape."""
 
@@ -51,10 +60,23 @@ class Admitted:
     confounded: tuple[Confounded, ...]
 
 
-def admitted(encounter: Encounter, *, scalars: bool, one_frame: bool) -> Admitted:
-    """Sort out the arguments of a campaign's encounters."""
+def admitted(
+    encounter: Encounter,
+    *,
+    scalars: bool,
+    one_frame: bool,
+    unused: Mapping[str, str] = NOTHING,
+) -> Admitted:
+    """Sort out the arguments of a campaign's encounters.
+
+    Parameters
+    ----------
+    unused
+        Columns of the shot list that are none, with the reason.
+    """
     offered = known_arguments(encounter, scalars=scalars, one_frame=one_frame)
-    kept, left_out = list[Argument](), list[LeftOut]()
+    kept = list[Argument]()
+    left_out = [LeftOut(name, reason, NUMBERS_PLEASE) for name, reason in unused.items()]
     for argument in offered:
         values = argument.of(encounter)
         found = _without_range(argument, values) or _copy(argument, values, kept, encounter)
@@ -69,7 +91,8 @@ def _without_range(argument: Argument, values: Floats) -> LeftOut | None:
     different = len(np.unique(values.round(12), axis=0))
     widest = float(np.ptp(values, axis=0).max())
     size = max(float(np.abs(values).max()), 1.0)
-    unit = "" if argument.unit == "1" else f" {argument.unit}"
+    # A column has its unit in its name, and differences of degrees are in K.
+    unit = "" if argument.unit == "1" or is_column(argument) else f" {argument.unit}"
     if not np.isfinite(values).all():
         return LeftOut(argument.name, "not a number in every shot", "fill in the missing fields")
     if widest < LEAST_RANGE * size:

@@ -193,6 +193,11 @@ def column_argument(name: str, values: Floats) -> Argument:
     )
 
 
+def is_column(argument: Argument) -> bool:
+    """Whether an argument is a numeric column of the shot list, or the order of firing."""
+    return argument.codes[0].startswith("encounter.covariates")
+
+
 def known_arguments(encounter: Encounter, *, scalars: bool, one_frame: bool) -> list[Argument]:
     """Return all arguments that the encounters of a campaign have.
 

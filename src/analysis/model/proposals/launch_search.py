@@ -27,7 +27,7 @@ from analysis.model.fitting.adding import ALIAS_WITHIN
 from analysis.model.fitting.fit import Fit
 from analysis.model.fitting.normal import inverse
 from analysis.model.proposals.admissible import FEWEST_SHOTS
-from analysis.model.proposals.arguments import Argument
+from analysis.model.proposals.arguments import Argument, is_column
 from analysis.model.proposals.blocks import blocks_of
 from analysis.model.proposals.channels import Linearised, Sums
 from analysis.model.proposals.launch_forms import QUANTITIES, LaunchForm, launch_forms
@@ -105,7 +105,7 @@ def propose_launch(
     kept = np.isin(data.shots, launch.shots)
     if kept.sum() < FEWEST_SHOTS:
         return ()
-    columns = [(a, a.of(encounter)[kept, 0]) for a in arguments if _is_column(a)]
+    columns = [(a, a.of(encounter)[kept, 0]) for a in arguments if is_column(a)]
     folds = blocks_of(data)[kept]
     found = list[LaunchProposal]()
     while len(found) < MOST:
@@ -117,10 +117,6 @@ def propose_launch(
             columns = [c for c in columns if c[0].name != one.form.argument]
             found.append(one)
     return tuple(found)
-
-
-def _is_column(argument: Argument) -> bool:
-    return argument.is_scalar and argument.codes[0].startswith("encounter.covariates")
 
 
 def _step(

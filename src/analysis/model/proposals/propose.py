@@ -40,6 +40,7 @@ from analysis.model.rank.leaders import FIRST_LEVEL, LATER_LEVEL, Leader, in_ord
 from analysis.model.rank.leaders import refitted as refitted_leaders
 from analysis.model.rank.ranking import rank
 from analysis.model.structure.influence import most_carried
+from analysis.model.verdict.part import LEAST_SHARE
 
 MOST_STEPS, MOST_TRIED = 6, 3
 PREFERRED = 2.0
@@ -190,6 +191,7 @@ class _State:
             encounter,
             scalars=isinstance(self.data, ContactTable) and self.data.scalars,
             one_frame=isinstance(self.data, PoseData) and self.data.slow.one_body_frame,
+            unused=self.data.unused,
         )
 
     def proposed(self) -> Proposed:
@@ -267,8 +269,9 @@ def _accepted(
         return None
     after = stage_of(data, found.fit)
     gains = np.sort(before.error.by_shot - after.error.by_shot)
+    fall = before.error.value - after.error.value
     # Without the two that gain most, the others must gain too.
-    if after.error.value >= before.error.value or gains[:-CARRIERS].sum() <= 0:
+    if fall <= _least_fall(state) or gains[:-CARRIERS].sum() <= 0:
         return None
     if not falls_on_blocks(data, before.fit, found.fit):
         return None
@@ -287,6 +290,16 @@ def _accepted(
         freed=freed,
         rival=next(iter(others), None),
     )
+
+
+def _least_fall(state: _State) -> float:
+    """Return by how much a form must lower the error: a later one by a share of what was there.
+
+    What asks for less beside a law that is found may be the measurement itself.
+    """
+    if not state.accepted:
+        return 0.0
+    return LEAST_SHARE * max(state.accepted[0].before.error.value - 1.0, 0.0)
 
 
 def _carried(promise: Promise, shots: int) -> bool:
