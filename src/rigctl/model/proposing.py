@@ -16,6 +16,7 @@ from analysis.model.proposals.following import next_after
 from analysis.model.proposals.propose import Proposed, propose
 from rigctl.documents import Json
 from rigctl.errors import AnalysisInputError, StoreError
+from rigctl.model.campaigns import open_campaign
 from rigctl.model.known_effects import available
 
 
@@ -65,6 +66,15 @@ def confirmed(title: str, data: Data, given: Sequence[Effect], file: Path) -> Co
         return confirm(data, given, effect)
     except ProposalRefusedError as error:
         raise AnalysisInputError(str(error), part=title) from error
+
+
+def read_for_together(
+    campaign: Path, names: Sequence[str], folder: Path | None, config: Path | None
+) -> tuple[Data, tuple[Effect, ...]]:
+    """Return a campaign's data and the effects of these names: what a worker does first."""
+    known = available(folder)
+    given = tuple(known.named(name, "--with") for name in names)
+    return open_campaign(campaign, config)[1], given
 
 
 def unwritable(folder: Path, error: OSError) -> StoreError:

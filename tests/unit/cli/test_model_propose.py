@@ -94,6 +94,20 @@ def test_several_campaigns_are_asked_at_once(
     assert [own["campaign"] for own in first["each"]] == ["strange", "other"]
 
 
+def test_processes_read_and_ask_their_own_campaigns_with_the_same_answer(
+    strange: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write_challenge(tmp_path / "third", {"restitution-bump": 0.008}, seed=6, shots=SHOTS)
+    words = [str(strange), "--together", str(tmp_path / "third")]
+    here, there = asked(capsys, *words), asked(capsys, *words, "--workers", "1")
+    assert there["campaigns"] == ["strange", "third"]
+    assert [(one["slot"], one["argument"]) for one in there["shared"]] == [
+        (one["slot"], one["argument"]) for one in here["shared"]
+    ]
+    first, second = here["shared"][0]["amplitude"], there["shared"][0]["amplitude"]
+    assert second == pytest.approx(first, rel=1e-6)
+
+
 def test_columns_of_words_with_gaps_that_never_change_or_copy_are_named_with_what_to_do(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

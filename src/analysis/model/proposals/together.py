@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,7 +39,8 @@ from analysis.model.proposals.shapes import Spread
 from analysis.model.rank.leaders import FIRST_LEVEL, LATER_LEVEL
 
 Floats = NDArray[np.float64]
-Mapper = Callable[[Callable[[Data], Any], Sequence[Data]], Iterable[Any]]
+T = TypeVar("T")
+Mapper = Callable[[Callable[[Any], Any], Sequence[Any]], Iterable[Any]]
 """Calls a function with every campaign: `map`, that of a pool of processes or of a cluster."""
 Label = tuple[str, str, str, tuple[float, ...]]
 """Slot, argument, shape and constants of a form."""
@@ -111,12 +112,46 @@ def propose_together(
     ProposalRefusedError
         A campaign has too few shots, or they share no argument.
     """
-    placed: list[Placed] = list(mapper(partial(place, given=tuple(given)), campaigns))
+    return propose_read(campaigns, partial(_beside, given=tuple(given)), mapper)
+
+
+def propose_read(
+    campaigns: Sequence[T],
+    read: Callable[[T], tuple[Data, tuple[Effect, ...]]],
+    mapper: Mapper = map,
+) -> list[SharedForm]:
+    """Return the same of campaigns that are read where they are worked on, so that none travels.
+
+    Parameters
+    ----------
+    read
+        From what names a campaign to its data, and the effects that are known to be in it.
+
+    Raises
+    ------
+    ProposalRefusedError
+        As `propose_together`.
+    """
+    placed: list[Placed] = list(mapper(partial(_place_read, read=read), campaigns))
     spreads = joined(placed)
     if not spreads:
         raise ProposalRefusedError("these campaigns share no argument that changes in all of them")
-    asked = partial(own_sums, given=tuple(given), spreads=spreads)
+    asked = partial(_sums_read, read=read, spreads=spreads)
     return shared_forms(list(mapper(asked, campaigns)))
+
+
+def _beside(data: Data, given: tuple[Effect, ...]) -> tuple[Data, tuple[Effect, ...]]:
+    return data, given
+
+
+def _place_read(campaign: T, read: Callable[[T], tuple[Data, tuple[Effect, ...]]]) -> Placed:
+    return place(*read(campaign))
+
+
+def _sums_read(
+    campaign: T, read: Callable[[T], tuple[Data, tuple[Effect, ...]]], spreads: Spreads
+) -> OwnSums:
+    return own_sums(*read(campaign), spreads)
 
 
 def place(data: Data, given: tuple[Effect, ...]) -> Placed:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -13,23 +14,25 @@ from analysis.effects.effect import Effect
 from analysis.effects.own.dropping import without_faulty
 from analysis.errors import ProposalRefusedError
 from analysis.launch.prediction import Limits
+from analysis.model.data.tables import Data
 from analysis.model.proposals.document import confirmation_document, together_document
 from analysis.model.proposals.effect_file import written
 from analysis.model.proposals.propose import Proposed
-from analysis.model.proposals.together import propose_together
+from analysis.model.proposals.together import propose_read, propose_together
 from analysis.model.proposals.words import (
     confirmation_sentence,
     proposal_sentences,
     together_sentences,
 )
 from rigctl.cli.model.reading import opened, report_faults
-from rigctl.cli.options import Campaign, Config, Json, OwnEffects, With
+from rigctl.cli.options import Campaign, Config, Json, OwnEffects, With, Workers
 from rigctl.cli.output import TABLE_WIDTH, print_json, progress
 from rigctl.config import load
 from rigctl.errors import AnalysisInputError
 from rigctl.model.known_effects import available, faults_refused
-from rigctl.model.proposing import confirmed, proposed_laws, unwritable
+from rigctl.model.proposing import confirmed, proposed_laws, read_for_together, unwritable
 from rigctl.model.seen_effects import require_seen
+from rigctl.reanalysis import pool
 from rigctl.sweeps.form import Sweep, write_sweep
 
 SWEEP = "next_shots.toml"
@@ -55,6 +58,11 @@ def proposing(
         list[Path] | None,
         typer.Option(help="Ask this campaign as well: what do they share? Several times."),
     ] = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(help="Work on campaigns asked together on this Dask scheduler's workers."),
+    ] = None,
+    workers: Workers = None,
     config: Config = None,
     json: Json = False,
 ) -> None:
@@ -68,6 +76,8 @@ def proposing(
         No effect, or no campaign, has that name.
     StoreError
         The folder cannot be written.
+    ConfigurationError
+        No scheduler answers there, or the extra `dask` is not installed.
     """
     known = available(folder)
     given = [known.named(name, "--with") for name in effects or []]
@@ -76,7 +86,12 @@ def proposing(
         _print(document, [confirmation_sentence(document)], as_json=json)
         return
     if together:
-        document = _together([campaign, *together], given, config)
+        campaigns = [campaign, *together]
+        if scheduler is not None or workers is not None:
+            read = partial(read_for_together, names=effects or (), folder=folder, config=config)
+            document = _on_workers(campaigns, read, scheduler, workers)
+        else:
+            document = _together(campaigns, given, config)
         _print(document, together_sentences(document), as_json=json)
         return
     rig = load(config).limits
@@ -120,6 +135,24 @@ def _together(
         report("scoring forms in all campaigns")
         try:
             found = propose_together([data for _, data in read], given)
+        except ProposalRefusedError as error:
+            raise AnalysisInputError(str(error), part=", ".join(titles)) from error
+    return together_document(titles, found)
+
+
+def _on_workers(
+    campaigns: Sequence[Path],
+    read: Callable[[Path], tuple[Data, tuple[Effect, ...]]],
+    scheduler: str | None,
+    workers: int | None,
+) -> dict[str, Any]:
+    """Ask the same where each campaign is read and worked on by whoever is free."""
+    places = [campaign.resolve() if campaign.exists() else campaign for campaign in campaigns]
+    titles = [place.name for place in places]
+    with faults_refused(), pool(scheduler, workers) as workshop, progress() as say:
+        say("scoring forms in all campaigns")
+        try:
+            found = propose_read(places, read, workshop.executor.map)
         except ProposalRefusedError as error:
             raise AnalysisInputError(str(error), part=", ".join(titles)) from error
     return together_document(titles, found)
