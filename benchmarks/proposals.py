@@ -84,7 +84,8 @@ def trial(
         seed=seed,
         treatment=treatment,
         proposals=tuple(
-            (*a.form.group, a.form.shape_name) for a in (*found.accepted, *found.launch)
+            (*form.group, form.shape_name)
+            for form in (*(a.form for a in found.accepted), *(a.form for a in found.launch))
         ),
         alike=found.accepted[0].alike if found.accepted else (),
         effects=found.effects,
