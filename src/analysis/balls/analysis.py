@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analysis.balls.carried import NotFlyingError, place_carried
+from analysis.balls.films.fields import FieldsFilm, InterlacedError
 from analysis.balls.films.film import Film
 from analysis.balls.films.part import Cut, PartOfFilm
 from analysis.balls.films.reading import open_film
@@ -78,6 +79,22 @@ def analyse_film(job: FilmJob) -> AnalysedFilm:
         ball that is seen and does not fly.
     """
     film: Film = open_film(job.path)
+    try:
+        return _analysed(film, job)
+    except InterlacedError:
+        return _analysed(FieldsFilm(film), _of_fields(job))
+
+
+def _of_fields(job: FilmJob) -> FilmJob:
+    """Return the same job for a film's fields, two of which are in each frame."""
+    cut, rate = job.cut, job.rate_hz
+    if cut is not None:
+        last = None if cut.last is None else 2 * cut.last
+        cut = replace(cut, first=2 * cut.first, last=last)
+    return replace(job, cut=cut, rate_hz=None if rate is None else 2 * rate)
+
+
+def _analysed(film: Film, job: FilmJob) -> AnalysedFilm:
     if job.lens is not None:
         film = StraightFilm(film, job.lens)
     if job.cut is not None:

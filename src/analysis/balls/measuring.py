@@ -27,6 +27,8 @@ REPEATS, MOST_REPEATS = 3, 5
 SETTLED_E = 1e-3
 NEIGHBOURS = 5
 """Sightings before and after that tell a speed before any flight is fitted."""
+MUCH_LEFT = 6.0
+"""Mean square that a fit leaves, over the film's median: something else is at the ball."""
 LEAST_SIGMA = 0.3
 """Of the median stated error: no frame counts for more."""
 LEAST_E = 3e-4
@@ -110,7 +112,7 @@ def measure_ball(film: Film, times_s: Floats, ball: Ball, exposure_s: float | No
         windows = cut_windows(film, looks, motion, longest)
         placer.learn_blur(windows, motion)
     told = None if exposure_s is not None else placer.learn_exposure(windows, motion, period)
-    bare = placed = placer.place(windows, motion)
+    bare = placed = _free(placer.place(windows, motion), chain)
     flights, own, row_time = None, windows, 0.0
     coefficients: list[Floats] = []
     for repeat in range(MOST_REPEATS if len(chain.times_s) else 0):
@@ -133,14 +135,14 @@ def measure_ball(film: Film, times_s: Floats, ball: Ball, exposure_s: float | No
             told = placer.learn_exposure(own, motion, period)
         placer.learn_light(own, motion, row_time)
         placer.learn_blur(own, motion)
-        placed = placer.place(own, motion, row_time)
+        placed = _free(placer.place(own, motion, row_time), chain)
     systematic, moved = np.zeros(0), np.zeros((2, 0, 2))
     if flights is not None:
         moved = shifts(placer, (own, motion, row_time), looks.radius_sigma_px, bare, flights)
         systematic = np.hypot(_last_change(coefficients), systematic_e(flights, moved[0]))
     return MeasuredBall(
         search=found,
-        placed=placed if flights is None else _placed(flights, moved),
+        placed=placed if flights is None else _placed(placed, flights, moved),
         scatter=placed.sigmas if flights is None else apart_sigmas(flights, moved),
         times_s=times_s,
         exposure_s=placer.exposure_s,
@@ -151,9 +153,23 @@ def measure_ball(film: Film, times_s: Floats, ball: Ball, exposure_s: float | No
     )
 
 
-def _placed(flights: Flights, moved: Floats) -> Placed:
-    observed = flights.observed
-    return Placed(observed.frames, observed.places, whole_sigmas(flights, moved))
+def _placed(placed: Placed, flights: Flights, moved: Floats) -> Placed:
+    own = placed.of(np.isin(placed.frames, flights.observed.frames))
+    return replace(own, sigmas=whole_sigmas(flights, moved))
+
+
+def _free(placed: Placed, chain: Chain) -> Placed:
+    """Return places without those at both ends of the film's flights where a hand is at the ball.
+
+    What lies over the ball, or moves beside it, leaves much of the light unexplained.
+    """
+    odd = placed.misfits > MUCH_LEFT * np.median(placed.misfits)
+    first, last = chain.arcs[0], chain.arcs[-1]
+    begins = odd & (placed.frames < first.frames[len(first.frames) // 2])
+    ends = odd & (placed.frames > last.frames[len(last.frames) // 2])
+    low = placed.frames[begins].max(initial=-1)
+    high = placed.frames[ends].min(initial=int(last.frames[-1]) + 1)
+    return placed.of((placed.frames > low) & (placed.frames < high))
 
 
 def _last_change(coefficients: Sequence[Floats]) -> Floats:

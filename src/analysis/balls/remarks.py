@@ -11,9 +11,13 @@ from analysis.balls.films.film import FilmHead
 from analysis.balls.flight.flights import LEAST_PLACES, Flights
 from analysis.balls.measuring import MeasuredBall
 from analysis.balls.seen.arcs import Arc, Chain
+from analysis.errors import counted
 
 NEAR_RADII = 1.6
-LARGE_CHI2 = 9.0
+LARGE_CHI2 = 400.0
+"""Mean square of the residuals in errors that a codec and shading do not make."""
+SHOWN = 12
+"""Frames that a sentence lists."""
 
 
 def remarks(measured: MeasuredBall) -> tuple[str, ...]:
@@ -24,18 +28,12 @@ def remarks(measured: MeasuredBall) -> tuple[str, ...]:
 def _remarks(measured: MeasuredBall) -> Iterator[str]:
     head, chain = measured.head, measured.chain
     yield from head.notes
-    yield from (_other(other) for other in measured.search.others)
+    yield from (_other(*other) for other in measured.search.others)
     yield from _edges(measured)
-    unexplained = [
-        frame
-        for frame in measured.search.unexplained
-        if not chain.arcs[0].frames[0] <= frame <= chain.arcs[-1].frames[-1]
-    ]
-    if len(unexplained) >= LEAST_PLACES:
-        yield (
-            f"in frames {min(unexplained)} to {max(unexplained)} something like the ball is seen "
-            "that does not fly freely: it rests, rolls or is held there; these frames do not count"
-        )
+    yield from _repeated(measured)
+    yield from _outside(measured)
+    if len(measured.placed.frames):
+        yield from _hands(measured)
     if measured.flights is None:
         arc = chain.arcs[0]
         yield (
@@ -46,12 +44,62 @@ def _remarks(measured: MeasuredBall) -> Iterator[str]:
     yield from _of_flights(measured.flights, head)
 
 
-def _other(other: Chain) -> str:
+def _other(other: Chain, is_round: bool) -> str:
     arc = other.arcs[0]
+    what = "another ball of the same looks flies" if is_round else "something else moves"
     return (
-        f"another ball of the same looks flies in frames {arc.frames[0]} to "
+        f"{what} in frames {arc.frames[0]} to "
         f"{other.arcs[-1].frames[-1]}, first {_at(arc, 0)}; it is left out"
     )
+
+
+def _repeated(measured: MeasuredBall) -> Iterator[str]:
+    """Say which frames of the flights show a picture twice."""
+    arcs = measured.chain.arcs
+    inside = [k for k in measured.search.repeated if arcs[0].frames[0] < k < arcs[-1].frames[-1]]
+    if inside:
+        yield (
+            f"{counted(len(inside), 'frame')} of the flights show the picture before them once "
+            f"more ({_listed(inside)}): the film was brought to another rate, or its rate varies; "
+            "they do not count, and the times of the others may be off by a part of a frame"
+        )
+
+
+def _outside(measured: MeasuredBall) -> Iterator[str]:
+    """Say where the ball is seen before its first flight or after its last."""
+    chain, seen = measured.chain, measured.search.unexplained
+    first, last = chain.arcs[0].frames[0], chain.arcs[-1].frames[-1]
+    for when, own in (("before", seen[seen[:, 0] < first]), ("after", seen[seen[:, 0] > last])):
+        if len(own) < LEAST_PLACES:
+            continue
+        start, end = np.median(own[:3, 1:], axis=0), np.median(own[-3:, 1:], axis=0)
+        down, across = abs(end[0] - start[0]), abs(end[1] - start[1])
+        does = "is held or rests"
+        if across > max(2 * down, 0.5 * measured.looks.radius_px):
+            does = "rolls or is carried"
+        yield (
+            f"{when} its flights, in frames {own[0, 0]:.0f} to {own[-1, 0]:.0f}, the ball or what "
+            f"looks like it {does}: from ({start[0]:.0f}, {start[1]:.0f}) to ({end[0]:.0f}, "
+            f"{end[1]:.0f}) px; these frames do not count"
+        )
+
+
+def _hands(measured: MeasuredBall) -> Iterator[str]:
+    """Say where the ball looks otherwise at both ends of its flights: hands let it go."""
+    chain, placed = measured.chain, measured.placed.frames
+    first, last = chain.arcs[0].frames, chain.arcs[-1].frames
+    for own in (first[first < placed[0]], last[last > placed[-1]]):
+        if len(own) >= LEAST_PLACES:
+            yield (
+                f"in frames {own[0]} to {own[-1]} the ball does not look as it does in the others: "
+                "a hand is at it, or something in front of it; they do not count"
+            )
+
+
+def _listed(frames: list[int]) -> str:
+    """Return numbers with commas, the first of many."""
+    more = f" and {len(frames) - SHOWN} more" if len(frames) > SHOWN else ""
+    return ", ".join(map(str, frames[:SHOWN])) + more
 
 
 def _at(arc: Arc, index: int) -> str:
@@ -106,6 +154,16 @@ def _of_flights(flights: Flights, head: FilmHead) -> Iterator[str]:
         yield (
             f"places scatter by {row_rms:.1f} px about free flights: check that times and frame "
             "rate are those of the film, and that nothing hides the ball"
+        )
+    elif flights.chi2_per_dof > LARGE_CHI2:
+        off = np.where(flights.used, np.hypot(*flights.residuals.T), 0.0)
+        worst = int(np.argmax(off))
+        row, column = flights.observed.places[worst]
+        yield (
+            f"places lie {flights.chi2_per_dof**0.5:.0f} times further from free flights than "
+            f"each is uncertain, furthest in frame {flights.observed.frames[worst]} at "
+            f"({row:.0f}, {column:.0f}) px: frames may be missing, or the film's rate varies and "
+            "its times do not say so; e may be further off than its error says"
         )
     left_out = [int(f) for f in flights.observed.frames[~flights.used]]
     if left_out:

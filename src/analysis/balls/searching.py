@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,10 +10,13 @@ from numpy.typing import NDArray
 
 from analysis.balls.carried import NotFlyingError
 from analysis.balls.discs.finding import find_balls
+from analysis.balls.films.fields import refuse_combed
 from analysis.balls.films.film import Film, Picture
 from analysis.balls.flight.known import Ball
-from analysis.balls.seen.arcs import Arc, Chain, Sightings, chains, find_arcs
+from analysis.balls.seen.arcs import Chain, Sightings, chains, find_arcs
 from analysis.balls.seen.background import background, sample_frames
+from analysis.balls.seen.joining import joined
+from analysis.balls.seen.letting_go import flown
 from analysis.balls.seen.looks import (
     LEAST_RADIUS_PX,
     LEAST_SHARE,
@@ -37,6 +41,8 @@ FALL_SHARE = (0.5, 2.0)
 """Of the fall that follows from the ball's size: between these a ball flies."""
 LEAST_BEND = 1.5
 """In errors of a place: how far a flight lies off its chord, where it says anything."""
+NEAR_RADII = 0.5
+"""From a flight to a disc that is the same thing."""
 SEEN_RADII, SEEN_PX = 0.03, 0.3
 """Error of a place as seen first."""
 STEADY_RADII = 0.5
@@ -54,16 +60,19 @@ class Search:
     fall
         Free fall in the picture by the ball's size, (row, column) in px/s^2.
     others
-        Flights of other balls at the same time, the strongest first.
+        Flights beside the ball's own, the strongest first, each with whether a disc is seen there.
     unexplained
-        Frames in which the ball is seen and does not fly freely.
+        Frame, row and column where the ball is seen outside its flights; shape (N, 3).
+    repeated
+        Frames that show the picture before them once more.
     """
 
     looks: Looks
     chain: Chain
     fall: Floats
-    others: tuple[Chain, ...]
-    unexplained: tuple[int, ...]
+    others: tuple[tuple[Chain, bool], ...]
+    unexplained: Floats
+    repeated: tuple[int, ...]
 
 
 def search(film: Film, times_s: Floats, ball: Ball) -> Search:
@@ -72,7 +81,8 @@ def search(film: Film, times_s: Floats, ball: Ball) -> Search:
     Raises
     ------
     ShotRefusedError
-        Too few frames, nothing round that moves, or nothing of it flies freely.
+        Too few frames, nothing round that moves, or nothing of it flies freely; `InterlacedError`
+        where two pictures are in one.
     """
     if film.head.frames < LEAST_FRAMES:
         raise ShotRefusedError(
@@ -81,6 +91,7 @@ def search(film: Film, times_s: Floats, ball: Ball) -> Search:
     samples = film.chosen(sample_frames(film))
     ground = background(list(samples.values()))
     noise = noise_of(list(samples.values()), ground)
+    refuse_combed(samples, ground, noise)
     groups = families(find_discs_that_move(samples, ground, noise))
     if not groups:
         raise ShotRefusedError(
@@ -95,15 +106,19 @@ def search(film: Film, times_s: Floats, ball: Ball) -> Search:
         looks = looks_of(family, samples, ground, film.head)
         sight = Sight(looks, ground)
         places = [sight.find(picture).places for picture in film.pictures()]
+        repeated = _repeated(places)
+        for frame in repeated:
+            places[frame] = places[frame][:0]
         seen = Sightings(times_s, places, (film.head.height, film.head.width))
         fall = np.array([ball.gravity * 2 * looks.radius_px / ball.diameter_m, 0.0])
         arcs = find_arcs(seen, looks.radius_px, fall)
+        arcs = joined(arcs, looks.radius_px, fall, seen.shape)
         linked = [each for each in chains(arcs, looks.radius_px, fall) if _falls(each, looks, fall)]
         # The surest rims come first; the strengths of families are each in units of its own.
         if linked and (best is None or _frames(linked[0]) > MUCH_MORE * _frames(best.chain)):
-            chain = linked[0]
-            others = tuple(c for c in linked[1:] if _beside(c, chain))
-            best = Search(looks, chain, fall, others, _unexplained(seen, arcs))
+            chain = flown(linked[0], looks.radius_px)
+            others = tuple((c, _round(c, looks)) for c in linked[1:] if _beside(c, chain))
+            best = Search(looks, chain, fall, others, _unexplained(seen, linked, chain), repeated)
         said = f"{_way(seen, looks)}; no flight of four frames is in this film"
         refused = refused or NotFlyingError(said, looks, seen)
     if best is not None:
@@ -159,9 +174,37 @@ def _beside(other: Chain, chain: Chain) -> bool:
     return len(own & theirs) >= LEAST_BALL_FRAMES
 
 
-def _unexplained(seen: Sightings, arcs: list[Arc]) -> tuple[int, ...]:
-    flying = {int(frame) for arc in arcs for frame in arc.frames}
-    return tuple(k for k, places in enumerate(seen.places) if len(places) and k not in flying)
+def _round(chain: Chain, looks: Looks) -> bool:
+    """Return whether a disc of the ball's radius was found where a chain goes."""
+    near = NEAR_RADII * looks.radius_px
+    return any(
+        np.hypot(disc.row - row, disc.column - column) < near
+        for arc in chain.arcs
+        for frame, (row, column) in zip(arc.frames.tolist(), arc.places, strict=True)
+        for own, disc in looks.seen
+        if own == frame
+    )
+
+
+def _repeated(places: Sequence[Floats]) -> tuple[int, ...]:
+    """Return frames in which all that is seen is where it was in the frame before, to the bit."""
+    return tuple(
+        k
+        for k in range(1, len(places))
+        if len(places[k]) and np.array_equal(places[k], places[k - 1])
+    )
+
+
+def _unexplained(seen: Sightings, linked: Sequence[Chain], chain: Chain) -> Floats:
+    """Return frame and place where the ball is seen, strongest, outside all flights that fall."""
+    flying = {int(f) for each in linked[1:] for arc in each.arcs for f in arc.frames}
+    flying |= {int(f) for arc in chain.arcs for f in arc.frames}
+    found = [
+        (k, *places[0, :2])
+        for k, places in enumerate(seen.places)
+        if len(places) and k not in flying
+    ]
+    return np.array(found, dtype=np.float64).reshape(-1, 3)
 
 
 def _way(seen: Sightings, looks: Looks) -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any
 
 import cv2
 import numpy as np
@@ -13,48 +12,18 @@ import pytest
 from analysis.model.data.gather import gather
 from analysis.model.data.tables import ContactTable
 from rigctl import cli
+from tests.unit.cli.falling_ball import (
+    DIAMETER_MM,
+    FALL,
+    RADIUS,
+    RATE,
+    answer,
+    bouncing,
+    picture,
+    write,
+)
 
 DROPS = Path(__file__).parents[4] / "shared" / "data" / "drops"
-SHAPE, RADIUS, RATE, FALL = (240, 120), 14.0, 200.0, 2800.0
-"""A ball of 28 px whose fall is 2800 px/s^2: 100 mm across."""
-DIAMETER_MM = 2 * RADIUS / FALL * 9806.65
-
-
-def picture(row: float, column: float = 60.0) -> np.ndarray[Any, np.dtype[np.uint8]]:
-    fine = 4
-    rows, columns = (np.mgrid[: SHAPE[0] * fine, : SHAPE[1] * fine] + 0.5) / fine - 0.5
-    grey = np.where(np.hypot(rows - row, columns - column) < RADIUS, 200.0, 60.0)
-    small = grey.reshape(SHAPE[0], fine, SHAPE[1], fine).mean(axis=(1, 3))
-    noise = np.random.default_rng(int(1e3 * abs(row))).normal(0.0, 1.5, SHAPE)
-    return np.clip(cv2.GaussianBlur(small, (0, 0), 0.7) + noise, 0, 255).astype(np.uint8)
-
-
-def write(folder: Path, rows: list[float], columns: list[float] | None = None) -> Path:
-    folder.mkdir()
-    for k, row in enumerate(rows):
-        column = 60.0 if columns is None else columns[k]
-        cv2.imwrite(str(folder / f"{k:04d}.png"), picture(row, column))
-    return folder
-
-
-def bouncing(count: int = 100, e: float = 0.8) -> list[float]:
-    plate, speed, begun, rows = 200.0, 0.0, 0.0, []
-    top = 40.0
-    contact = (2 * (plate - top) / FALL) ** 0.5
-    for t in np.arange(count) / RATE:
-        while t > contact:
-            speed = e * (FALL * (contact - begun) - speed if begun else FALL * contact)
-            begun, contact = contact, contact + 2 * speed / FALL
-        down = top + 0.5 * FALL * t**2 if begun == 0.0 else None
-        gone = t - begun
-        rows.append(plate - speed * gone + 0.5 * FALL * gone**2 if down is None else down)
-    return rows
-
-
-def answer(capsys: pytest.CaptureFixture[str], *arguments: str) -> dict[str, Any]:
-    assert cli.run(["analyse", *arguments, "--json"]) == 0
-    (shot,) = json.loads(capsys.readouterr().out)["shots"]
-    return dict(shot)
 
 
 @pytest.fixture

@@ -48,6 +48,12 @@ class Arc:
         """Return a time in the arc, and place and velocity then, near its end or its start."""
         return self.course_of(slice(-MEMORY, None) if end else slice(0, MEMORY), fall)
 
+    def part(self, first: int, last: int) -> Arc:
+        """Return the sightings from one up to another."""
+        share = (last - first) / len(self.frames)
+        own = slice(first, last)
+        return Arc(self.frames[own], self.times_s[own], self.places[own], share * self.strength)
+
     def course_of(self, part: slice, fall: Floats) -> tuple[float, Floats, Floats]:
         """Return the same of some of its sightings."""
         return _course(self.times_s[part], self.places[part], fall)

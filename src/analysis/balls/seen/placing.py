@@ -34,7 +34,7 @@ RADII = (0.8, 0.88, 0.94, 1.0, 1.06, 1.13, 1.22, 1.32)
 MUCH_BETTER, MUCH_LARGER = 0.7, 0.12
 EXPOSURES = (0.0, 0.03, 0.08, 0.15, 0.25, 0.4, 0.6, 0.8, 0.98)
 """In times between frames."""
-SLOW_FRAMES, FAST_FRAMES = 6, 6
+SLOW_FRAMES, MORE_SLOW, FAST_FRAMES = 6, 4, 6
 TOLD_SMEAR_PX = 1.5
 """A change of the smear by less is not told from blur."""
 TEACHING_FRAMES = 100
@@ -86,11 +86,19 @@ class Placed:
     ----------
     frames, places, sigmas
         Shapes (N,), (N, 2), (N, 2).
+    misfits
+        Mean square of what each fit leaves about the ball, shape (N,).
     """
 
     frames: Ints
     places: Floats
     sigmas: Floats
+    misfits: Floats
+
+    def of(self, chosen: NDArray[np.bool_]) -> Placed:
+        """Return some of them."""
+        parts = (self.places, self.sigmas, self.misfits)
+        return Placed(self.frames[chosen], *(each[chosen] for each in parts))
 
 
 def cut_windows(film: Film, looks: Looks, motion: Motion, exposure_s: float) -> list[Window]:
@@ -188,7 +196,11 @@ class Placer:
 
     def learn_blur(self, windows: Sequence[Window], motion: Motion) -> None:
         """Take the blur that explains the slowest frames best."""
-        chosen = self._by_speed(windows, motion)[:SLOW_FRAMES]
+        slow = self._by_speed(windows, motion)[: MORE_SLOW * SLOW_FRAMES]
+        # A hand that lets the ball go covers part of its rim in the slowest frames of all.
+        fits = self._fits(slow, motion, 0.0)
+        order = np.argsort([fit[4] if fit[5] > 0 else np.inf for _, fit, _ in fits])
+        chosen = [slow[k] for k in order[:SLOW_FRAMES]]
 
         def misfits(blur: float) -> Floats:
             self.blur_px = blur
@@ -258,17 +270,19 @@ class Placer:
 
     def place(self, windows: Sequence[Window], motion: Motion, row_time_s: float = 0.0) -> Placed:
         """Fit the ball in each window; frames in which it is not where it is expected drop out."""
-        frames, places, sigmas = [], [], []
+        frames, places, sigmas, misfits = [], [], [], []
         for window, fit, _ in self._fits(windows, motion, row_time_s):
             if fit[5] <= 0 or fit[6] > FURTHEST_RADII * self.radius_px:
                 continue
             frames.append(window.frame)
             places.append((fit[0] + window.top, fit[1] + window.left))
             sigmas.append((fit[2], fit[3]))
+            misfits.append(fit[4])
         return Placed(
             np.array(frames, dtype=np.intp),
             np.array(places).reshape(-1, 2),
             np.maximum(np.array(sigmas).reshape(-1, 2), 1e-4),
+            np.array(misfits, dtype=np.float64),
         )
 
     def learn_light(

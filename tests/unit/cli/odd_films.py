@@ -1,0 +1,100 @@
+"""Films as people take them: hands, fields, frames twice, balls that leave or roll away."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+
+from tests.unit.cli.falling_ball import FALL, RADIUS, RATE, SHAPE, Drawn, bouncing, picture
+
+PLATE = 200.0
+
+
+def interlaced(odd_first: bool) -> list[Drawn]:
+    """Draw two times into each picture, in alternate rows."""
+    fields = [picture(row, 45.0 + 0.3 * k) for k, row in enumerate(bouncing())]
+    pictures = []
+    for first, second in zip(fields[::2], fields[1::2], strict=True):
+        both = first.copy()
+        own = 0 if odd_first else 1
+        both[own::2] = second[own::2]
+        pictures.append(both)
+    return pictures
+
+
+def hand_over(shown: Drawn, row: float, column: float) -> Drawn:
+    """Draw a hand of three fingers with round tips that reaches down to a place."""
+    found = shown.copy()
+    for finger in (-1, 0, 1):
+        tip = (round(16 * (column + 11 * finger)), round(16 * (row - 4 * abs(finger))))
+        top = (round(16 * (column + 16 * finger + 8)), round(16 * (row - 90)))
+        cv2.line(found, top, tip, 135, 11, cv2.LINE_AA, 4)
+    return np.asarray(found, np.uint8)
+
+
+def released() -> tuple[list[Drawn], int]:
+    """Draw a hand that holds a ball, lets it go and stays; return the frame of release too."""
+    held = 30
+    shown = []
+    for k in range(held):
+        sway = 1.5 * np.sin(k / 4.0)
+        shown.append(hand_over(picture(40.0 + sway, 60.0), 32.0 + sway, 60.0))
+    for k, row in enumerate(bouncing()):
+        sway = 4.0 * np.sin(k / 9.0)
+        shown.append(hand_over(picture(row), 24.0 - 0.15 * k + sway, 60.0 - 0.2 * k))
+    return shown, held
+
+
+def hand_beside() -> list[Drawn]:
+    """Draw a hand that waves beside a ball that bounces."""
+    return [
+        hand_over(picture(row, 85.0), 120.0 + 25.0 * np.sin(k / 11.0), 25.0)
+        for k, row in enumerate(bouncing())
+    ]
+
+
+def leaves_on_a_side() -> tuple[list[Drawn], int]:
+    """Draw a ball that goes out of the picture on the right; return the first frame without it."""
+    columns = [40.0 + 1.4 * k for k in range(100)]
+    shown = [picture(row, column) for row, column in zip(bouncing(), columns, strict=True)]
+    return shown, next(k for k, c in enumerate(columns) if c > SHAPE[1] + RADIUS)
+
+
+def leaves_and_comes_back() -> list[Drawn]:
+    """Draw a ball that enters at the top, bounces, and is above the picture in between."""
+    speed, e, begun, last = 600.0, 0.9, 0.0, 0.0
+    rows: list[float] = []
+    contact = (np.sqrt(speed**2 + 2 * FALL * (PLATE + 20)) - speed) / FALL
+    arrives = speed + FALL * contact
+    for t in np.arange(300) / RATE:
+        while t > contact:
+            last, begun = e * arrives, contact
+            contact, arrives = contact + 2 * last / FALL, last
+        gone = t - begun
+        start = (-20.0 + speed * gone) if last == 0.0 else (PLATE - last * gone)
+        rows.append(start + 0.5 * FALL * gone**2)
+    return [picture(row) for row in rows]
+
+
+def rolls_away() -> tuple[list[Drawn], int]:
+    """Draw a ball that bounces and then rolls; return the frame in which it begins to roll."""
+    rows = bouncing(140, 0.6)
+    first = 110
+    places = [(row, 60.0) for row in rows[:first]]
+    places += [(PLATE, 60.0 + 0.6 * k) for k in range(60)]
+    return [picture(row, column) for row, column in places], first
+
+
+def frames_twice() -> tuple[list[Drawn], list[int]]:
+    """Draw a film in which every ninth picture is the one before it once more."""
+    shown = [picture(row) for row in bouncing()]
+    twice = list(range(9, 100, 9))
+    for k in twice:
+        shown[k] = shown[k - 1]
+    return shown, twice
+
+
+def frames_missing() -> tuple[list[Drawn], int]:
+    """Draw a film without four of its frames in the middle of a flight; return where they were."""
+    shown = [picture(row) for row in bouncing()]
+    return shown[:50] + shown[54:], 50

@@ -1,0 +1,108 @@
+"""`rigctl analyse` of films as people take them: each oddity is said, what holds is given."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.unit.cli import odd_films
+from tests.unit.cli.falling_ball import SIZE, Drawn, answer, save
+
+Capsys = pytest.CaptureFixture[str]
+
+
+def analysed(pictures: list[Drawn], folder: Path, capsys: Capsys, rate: int = 200) -> Any:
+    film = save(folder / "film", pictures)
+    shot = answer(capsys, str(film), *SIZE, "--fps", str(rate))
+    assert shot["status"] == "measured", shot
+    return shot
+
+
+def is_true(impact: Any, e: float) -> bool:
+    found = impact["e"]
+    return bool(abs(found["value"] - e) < 4 * found["sigma"] and found["sigma"] < 0.01)
+
+
+def said(shot: Any, words: str) -> str:
+    """Return the note with these words; fail where none has them."""
+    notes = [note for note in shot["notes"] if words in note]
+    assert len(notes) == 1, shot["notes"]
+    return str(notes[0])
+
+
+@pytest.mark.parametrize("odd_first", [False, True])
+def test_fields_of_an_interlaced_film_are_measured_each_at_its_own_time(
+    odd_first: bool, tmp_path: Path, capsys: Capsys
+) -> None:
+    shot = analysed(odd_films.interlaced(odd_first=odd_first), tmp_path, capsys, 100)
+    note = said(shot, "interlaced")
+    assert "50 pictures are 100 fields" in note
+    assert ("odd rows first" in note) is odd_first
+    assert is_true(shot["impacts"][0], 0.8)
+    # Frames count fields, 200 a second.
+    assert shot["impacts"][0]["frame"] == pytest.approx(67.6, abs=0.2)
+
+
+def test_a_hand_that_holds_the_ball_and_lets_it_go_is_left_out(
+    tmp_path: Path, capsys: Capsys
+) -> None:
+    pictures, release = odd_films.released()
+    shot = analysed(pictures, tmp_path, capsys)
+    assert is_true(shot["impacts"][0], 0.8)
+    assert min(shot["impacts"][0]["frames_before"]) >= release
+    assert "in frames 0 to" in said(shot, "held or rests")
+    assert "(40, 60)" in said(shot, "held or rests")
+
+
+def test_a_hand_that_moves_beside_the_ball_is_no_ball(tmp_path: Path, capsys: Capsys) -> None:
+    shot = analysed(odd_films.hand_beside(), tmp_path, capsys)
+    assert is_true(shot["impacts"][0], 0.8)
+    assert not any("another ball" in note for note in shot["notes"])
+
+
+def test_a_ball_that_leaves_on_a_side_has_its_flight_and_place_until_there(
+    tmp_path: Path, capsys: Capsys
+) -> None:
+    pictures, gone = odd_films.leaves_on_a_side()
+    shot = analysed(pictures, tmp_path, capsys)
+    note = said(shot, "leaves the picture at frame")
+    frame = int(note.split("frame ")[1].split()[0])
+    assert gone - 20 < frame < gone
+    assert shot["impacts"] == []
+    assert len(shot["positions"]["frame"]) > 40
+
+
+def test_a_ball_that_comes_back_from_above_the_picture_is_in_one_flight(
+    tmp_path: Path, capsys: Capsys
+) -> None:
+    shot = analysed(odd_films.leaves_and_comes_back(), tmp_path, capsys)
+    assert len(shot["impacts"]) == 2
+    assert all(is_true(impact, 0.9) for impact in shot["impacts"])
+    assert "out of the picture" in said(shot, "not seen between frames")
+
+
+def test_a_ball_that_rolls_away_after_its_bounce_is_said_with_frames_and_places(
+    tmp_path: Path, capsys: Capsys
+) -> None:
+    pictures, first = odd_films.rolls_away()
+    shot = analysed(pictures, tmp_path, capsys)
+    assert is_true(shot["impacts"][0], 0.6)
+    assert f"in frames {first} to 169" in said(shot, "rolls or is carried")
+
+
+def test_pictures_that_a_film_shows_twice_are_said_and_do_not_count(
+    tmp_path: Path, capsys: Capsys
+) -> None:
+    pictures, twice = odd_films.frames_twice()
+    shot = analysed(pictures, tmp_path, capsys)
+    assert ", ".join(map(str, twice[:-1])) in said(shot, "once more")
+    assert not set(twice) & set(shot["impacts"][0]["frames_before"])
+    assert is_true(shot["impacts"][0], 0.8)
+
+
+def test_a_film_that_lacks_frames_is_not_believed(tmp_path: Path, capsys: Capsys) -> None:
+    pictures, _ = odd_films.frames_missing()
+    shot = analysed(pictures, tmp_path, capsys)
+    assert "frames may be missing" in said(shot, "further from free flights")
