@@ -229,6 +229,21 @@ def test_the_guide_to_the_apparatus_records_a_disk_and_drops_a_sphere(tmp_path: 
     assert "analysed: 0 and 0 kPa" in said
 
 
+@pytest.mark.long
+@needs_shell
+@pytest.mark.timeout(300)
+def test_the_guide_to_tapes_numbers_pictures_of_a_playback_and_measures_the_shot(
+    tmp_path: Path,
+) -> None:
+    said = perform(DOCS / "how-to" / "digitise-a-tape.md", tmp_path)
+    truth = json.loads((tmp_path / "truth.json").read_text())["numbers"]
+    shown = sorted({number for pair in truth for number in pair})
+    note = json.loads((tmp_path / "shots" / "0001.json").read_text())
+    assert note["sequence"] == shown
+    assert f"lost: {', '.join(map(str, note['lost']))}" in said
+    assert re.search(r"^ +1 .* 0\.7\d+\(", said, re.MULTILINE)
+
+
 @pytest.mark.parametrize("page", LESSONS, ids=lambda page: page.stem)
 def test_every_shell_block_of_a_lesson_says_whether_it_is_run(page: Path) -> None:
     found = blocks(page)

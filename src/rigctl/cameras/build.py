@@ -5,6 +5,7 @@ from __future__ import annotations
 from contextlib import ExitStack
 from pathlib import Path
 
+from analysis.imaging.playback.sampling import Sampling
 from rigctl.cameras.capture import Capture
 from rigctl.cameras.chronos import Chronos
 from rigctl.cameras.files import CaptureFolder
@@ -14,6 +15,7 @@ from rigctl.cameras.memory import MemoryCapture
 from rigctl.cameras.own import own_capture
 from rigctl.cameras.playback import DigitisedPlayback, VideoSource
 from rigctl.cameras.resampling import Crop, ResampledVideo
+from rigctl.cameras.running_playback import RunningPlayback
 from rigctl.cameras.tape import PictureSource, TapeCapture
 from rigctl.cameras.v4l2 import VideoDevice
 from rigctl.config import (
@@ -111,11 +113,20 @@ def _source(
     if isinstance(section.source, FilesSource):
         folder = Path(resolved(section.source.folder, laboratory))
         return CaptureFolder(folder, recorder=recorder, picture_rate_hz=rate)
-    return DigitisedPlayback(recorder, _grabber(section, section.source), picture_rate_hz=rate)
+    grabber, crop = _grabber(section, section.source)
+    still: VideoSource = grabber
+    if section.source.frame_rows is not None:
+        still = ResampledVideo(grabber, crop, section.rows, section.columns)
+    stepping = DigitisedPlayback(recorder, still, picture_rate_hz=rate)
+    if section.source.playback == "step":
+        return stepping
+    where = (crop.top, crop.left, crop.rows, crop.columns)
+    sampling = Sampling(where, section.rows, section.columns, section.source.scan)
+    return RunningPlayback(recorder, grabber, sampling, stepping, picture_rate_hz=rate)
 
 
-def _grabber(section: EktaproCamera, source: V4l2Source) -> VideoSource:
-    """Return the grabber, its frames in the size of the recorder's pictures."""
+def _grabber(section: EktaproCamera, source: V4l2Source) -> tuple[VideoDevice, Crop]:
+    """Return the grabber, and which part of its frames holds the picture."""
     rows, columns = source.frame_rows or section.rows, source.frame_columns or section.columns
     grabber = VideoDevice(
         source.device,
@@ -124,7 +135,4 @@ def _grabber(section: EktaproCamera, source: V4l2Source) -> VideoSource:
         pixel_format=source.pixel_format,
         input_number=source.input,
     )
-    if source.frame_rows is None:
-        return grabber
-    crop = Crop(*(source.crop or (0, 0, rows, columns)))
-    return ResampledVideo(grabber, crop, section.rows, section.columns)
+    return grabber, Crop(*(source.crop or (0, 0, rows, columns)))

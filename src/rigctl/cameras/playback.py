@@ -93,8 +93,7 @@ class DigitisedPlayback:
         deadline = self._clock() + timeout_s
         self._video.start()
         try:
-            self._recorder.search(first)
-            self._await_stop(deadline, timeout_s)
+            self.wind(first, timeout_s)
             pixels = []
             for number in range(first, first + count):
                 if number > first:
@@ -110,7 +109,16 @@ class DigitisedPlayback:
         """Release the grabber. Safe to call twice."""
         self._video.close()
 
-    def _await_stop(self, deadline: float, timeout_s: float) -> None:
+    def wind(self, number: int, timeout_s: float) -> None:
+        """Wind the tape to a picture and wait until it stands there.
+
+        Raises
+        ------
+        DeviceSilentError
+            It does not within the time.
+        """
+        deadline = self._clock() + timeout_s
+        self._recorder.search(number)
         while self._recorder.status().mode is not RecorderMode.STOP:
             if self._clock() >= deadline:
                 raise self._late("the tape did not reach the picture", timeout_s)

@@ -219,6 +219,10 @@ COMMANDS: dict[str, Command | Group] = {
         "Copy the store, while a daemon fires or none does, and verify the copy.",
     ),
     "analyse": Command("frames.analyse:analyse", "Measure the collisions in frames."),
+    "playback": Command(
+        "frames.playback:playback",
+        "Give the pictures in a film of a tape's playback their recorded numbers and times.",
+    ),
     "calibrate": Command(
         "frames.calibrate:calibrate",
         "Estimate scale, aspect, mirror, roll, distortion and perspective from the shots.",

@@ -65,6 +65,12 @@ class V4l2Source(StrictModel):
     crop: tuple[Edge, Edge, Edge, Edge] | None = Field(
         default=None, description="first row and column, rows and columns; else the whole frame"
     )
+    playback: Literal["step", "run"] = Field(
+        default="step", description="step from picture to picture, or digitise while the tape plays"
+    )
+    scan: Literal["progressive", "top-first", "bottom-first"] = Field(
+        default="progressive", description="of the grabber's frames: at once, or two fields"
+    )
 
     @model_validator(mode="after")
     def _crops_within_its_frame(self) -> Self:

@@ -1,0 +1,1 @@
+"""Pictures of a tape from its digitised playback, each with its recorded number."""
