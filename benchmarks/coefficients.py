@@ -24,7 +24,7 @@ from scipy.stats import norm
 
 from analysis.campaign import read_campaign
 from analysis.effects.contact.lasting_contact import EFFECT
-from analysis.exchange.pose_writing import measured_poses
+from analysis.exchange.pose_table import measured_poses
 from analysis.model.data.gather import pose_data
 from analysis.model.data.poses import PoseData
 from analysis.results.campaign import Results, mean_restitution, results

@@ -16,12 +16,11 @@ import numpy as np
 import tifffile
 
 from analysis.campaign import THESIS_SETUP
-from analysis.exchange.contact_table import read_contacts
+from analysis.exchange.contact_table import CONTACTS, read_contacts
 from analysis.exchange.description import read_description
 from analysis.exchange.impact_table import read_impacts
 from analysis.exchange.pose_table import each_shot, read_poses
 from analysis.exchange.shot_list import read_shot_list
-from analysis.exchange.tables import CONTACTS
 from analysis.imaging.files.stack import read_stack
 from analysis.photometric.learn.appearance import Appearance, Sphere
 from analysis.photometric.learn.record import read_knowledge, write_knowledge

@@ -13,7 +13,8 @@ import pytest
 
 import rigctl.config as sections
 import rigctl.service
-from analysis.exchange.tables import CONTACTS, POSES
+from analysis.exchange.contact_table import CONTACTS
+from analysis.exchange.pose_table import POSES
 from rigctl.errors import (
     AnalysisInputError,
     CatalogueLostError,

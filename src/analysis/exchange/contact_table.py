@@ -1,18 +1,31 @@
-"""Reading contacts.csv: the states of both spheres just before and just after contact."""
+"""contacts.csv, read and written: states of both spheres just before and just after contact."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from analysis.exchange.rows import TableRow, read_rows
-from analysis.exchange.tables import CONTACT_SIGMAS, CONTACTS, DURATION
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.collision.impact import ContactState
+from analysis.exchange.rows import TableRow, WriteShot, read_rows, table_writer
 from analysis.exchange.tabulated import Tabulated, require_errors_alike, require_once
+from analysis.shot import MeasuredShot
+
+Floats = NDArray[np.float64]
 
 NORMAL = ("nx", "ny", "nz")
 SIGMAS = ("sigma_v_m_per_s", "sigma_w_rad_per_s")
+_STATE = [f"{kind}{sphere}_{axis}" for kind in "vw" for sphere in "ab" for axis in "xyz"]
+CONTACT_SIGMAS = [f"sigma_{name}{suffix}" for suffix in ("", "_after") for name in _STATE]
+"""May stand in contacts.csv: standard errors of single numbers, m/s and rad/s."""
+DURATION = ["duration_s", "sigma_duration_s"]
+"""May stand in contacts.csv: how long a contact lasts, where that was measured, s."""
+CONTACTS = ["shot", *NORMAL, *_STATE, *(f"{name}_after" for name in _STATE), *SIGMAS]
 VELOCITIES, SPINS = ("va", "vb"), ("wa", "wb")
 AXES = "xyz"
 _UNIT_TOLERANCE = 1e-3
@@ -152,3 +165,40 @@ def _without_error(contact: ContactRow, *, plate: bool) -> tuple[str, ...]:
         if moving[k] and sigma is None and not math.isnan(value)
     ]
     return tuple(dict.fromkeys(SIGMAS[k % 12 >= 6] for k in missing))
+
+
+@contextmanager
+def contact_writer(path: Path) -> Iterator[WriteShot]:
+    """Give a function that adds a shot to contacts.csv: one row for each.
+
+    Beside the sigma of each number stand the root mean squares over axes and spheres. What was not
+    measured stays empty.
+    """
+    with table_writer(path, [*CONTACTS, *CONTACT_SIGMAS]) as table:
+        yield lambda number, shot: table.writerow(_contact_fields(number, shot))
+
+
+def _contact_fields(number: int, shot: MeasuredShot) -> list[object]:
+    impact = shot.impact
+    return [
+        number,
+        *map(float, impact.normal),
+        *(_field(x) for state in (impact.before, impact.after) for x in _numbers(state)),
+        *(_field(_mean(impact.state_sigma[:, part])) for part in (slice(0, 2), slice(2, 4))),
+        *(_field(sigma) for sigma in impact.state_sigma.ravel()),
+    ]
+
+
+def _mean(sigmas: Floats) -> float:
+    """Return the root mean square of those that are known, not a number where none is."""
+    known = sigmas[np.isfinite(sigmas)]
+    return float(np.sqrt((known**2).mean())) if known.size else float("nan")
+
+
+def _field(value: float) -> object:
+    return float(value) if np.isfinite(value) else ""
+
+
+def _numbers(state: ContactState) -> list[float]:
+    parts = (state.velocity_a, state.velocity_b, state.spin_a, state.spin_b)
+    return [float(value) for part in parts for value in part]

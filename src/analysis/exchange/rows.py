@@ -1,19 +1,26 @@
-"""Rows of a table of numbers with their line, for errors that name file and line."""
+"""Tables of numbers: rows with their line, for errors that name it; and the writing of tables."""
 
 from __future__ import annotations
 
 import csv
 import math
 from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TextIO, TypeVar
+from typing import TYPE_CHECKING, TextIO, TypeVar
 
 from analysis.errors import InputError, counted
 from analysis.files import file_limits
 
-Row = TypeVar("Row")
+if TYPE_CHECKING:
+    from _csv import Writer
 
+    from analysis.shot import MeasuredShot
+
+Row = TypeVar("Row")
+WriteShot = Callable[[int, "MeasuredShot"], object]
+"""Adds a measured shot to a table under its number."""
 
 MOST_DIGITS = 15
 """Of a whole number: so many are exact in double precision."""
@@ -175,3 +182,12 @@ def _too_large(path: Path, limit: str, name: str) -> InputError:
     return InputError(
         path, f"has more than {limit}; split it, or raise files.{name} in the configuration"
     )
+
+
+@contextmanager
+def table_writer(path: Path, names: list[str]) -> Iterator[Writer]:
+    """Give a CSV file with its heading written."""
+    with path.open("w", newline="", encoding="utf-8") as file:
+        table = csv.writer(file, lineterminator="\n")
+        table.writerow(names)
+        yield table

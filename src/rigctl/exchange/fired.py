@@ -12,8 +12,7 @@ import tifffile
 from analysis.campaign import DESCRIPTION, FRAMES, POSES, SHOT_LIST
 from analysis.exchange.description import description
 from analysis.exchange.folder import write_shot_list
-from analysis.exchange.pose_table import PoseRow
-from analysis.exchange.pose_writing import write_pose_rows
+from analysis.exchange.pose_table import PoseRow, write_pose_rows
 from analysis.exchange.shot_list import EXCLUDED, NOTE, TAGS, ShotRow
 from analysis.setup import Setup, SlowErrors
 from analysis.slow_errors import typical

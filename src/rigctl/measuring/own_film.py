@@ -24,7 +24,7 @@ from analysis.balls.films.part import Cut
 from analysis.balls.films.reading import open_film
 from analysis.balls.flight.known import AIR_DENSITY, UNKNOWN_DENSITY, Ball
 from analysis.errors import InputError, ShotRefusedError
-from analysis.exchange.impact_writing import MeasuredBounce, write_bounces
+from analysis.exchange.folder import MeasuredBounce, write_bounces
 from analysis.figures.ball_film import draw_ball_film
 from analysis.setup import CameraSetup, Environment, Setup, SphereSetup
 from rigctl.documents import Json

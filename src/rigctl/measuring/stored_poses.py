@@ -12,8 +12,7 @@ from dataclasses import asdict
 from typing import Any
 
 from analysis.document import shot_document
-from analysis.exchange.pose_table import PoseRow
-from analysis.exchange.pose_writing import measured_poses
+from analysis.exchange.pose_table import PoseRow, measured_poses
 from analysis.setup import SlowErrors
 from analysis.shot import MeasuredShot, RefusedShot
 from rigctl.documents import Json

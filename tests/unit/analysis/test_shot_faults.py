@@ -7,8 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from analysis.exchange.pose_writing import pose_writer
-from analysis.exchange.tables import POSES
+from analysis.exchange.pose_table import POSES, pose_writer
 from analysis.setup import Setup
 from analysis.shot import AnalysisOptions, MeasuredShot, RefusedShot, analyse_shot
 from simulators.world import Launch, WorldDescription, render_shot

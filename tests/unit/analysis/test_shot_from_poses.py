@@ -10,8 +10,8 @@ import pytest
 
 from analysis.campaign import ShotJob
 from analysis.errors import ShotRefusedError
+from analysis.exchange.contact_table import CONTACT_SIGMAS
 from analysis.exchange.folder import folder_writer
-from analysis.exchange.tables import CONTACT_SIGMAS
 from analysis.model.data.gather import gather
 from analysis.model.data.poses import PoseData
 from analysis.results.from_poses import pose_impacts

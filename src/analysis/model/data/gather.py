@@ -16,8 +16,7 @@ from analysis.errors import InputError
 from analysis.exchange.contact_table import read_contacts
 from analysis.exchange.description import read_description
 from analysis.exchange.impact_table import read_impacts
-from analysis.exchange.pose_table import PoseRow, own_slow_errors, read_poses
-from analysis.exchange.pose_writing import measured_poses
+from analysis.exchange.pose_table import PoseRow, measured_poses, own_slow_errors, read_poses
 from analysis.exchange.shot_list import ShotRow, read_shot_list
 from analysis.exchange.tabulated import Tabulated
 from analysis.model.data.columns import ShotColumns

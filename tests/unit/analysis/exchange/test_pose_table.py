@@ -12,9 +12,14 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from analysis.errors import InputError
-from analysis.exchange.pose_table import PoseRow, own_slow_errors, read_poses
-from analysis.exchange.pose_writing import pose_writer
-from analysis.exchange.tables import POSES, POSES_SLOW
+from analysis.exchange.pose_table import (
+    POSES,
+    POSES_SLOW,
+    PoseRow,
+    own_slow_errors,
+    pose_writer,
+    read_poses,
+)
 from analysis.setup import SlowErrors
 from analysis.shot import MeasuredShot, analyse_shot
 from simulators.world import WorldDescription

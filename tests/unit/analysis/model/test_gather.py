@@ -11,8 +11,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from analysis.errors import InputError
-from analysis.exchange.pose_table import read_poses
-from analysis.exchange.pose_writing import measured_poses, pose_writer
+from analysis.exchange.pose_table import measured_poses, pose_writer, read_poses
 from analysis.model.data.gather import gather
 from analysis.model.data.poses import PoseData
 from analysis.model.fitting.robust_fit import judged
