@@ -13,16 +13,9 @@ from rigctl.cli import run
 from rigctl.config import default_path
 
 WORDS = (
-    "agreement",
-    "agreement --stream",
-    "explain",
-    "explain --stream",
-    "fit",
-    "fit --stream",
-    "launch",
-    "propose",
-    "rank",
-    "rank --stream",
+    *("agreement", "explain", "fit", "launch", "propose", "rank"),
+    # What goes over the poses in parts opens them on two ways: for a verdict, and for a fit.
+    *("explain --stream", "fit --stream"),
 )
 
 
