@@ -27,7 +27,8 @@ def picture(row: float, column: float = 60.0) -> Drawn:
     grey = np.where(np.hypot(rows - row, columns - column) < RADIUS, 200.0, 60.0)
     small = grey.reshape(SHAPE[0], fine, SHAPE[1], fine).mean(axis=(1, 3))
     noise = np.random.default_rng(int(1e3 * abs(row))).normal(0.0, 1.5, SHAPE)
-    return np.clip(cv2.GaussianBlur(small, (0, 0), 0.7) + noise, 0, 255).astype(np.uint8)
+    blurred = np.asarray(cv2.GaussianBlur(small, (0, 0), 0.7), np.float64)
+    return np.asarray(np.clip(blurred + noise, 0, 255), np.uint8)
 
 
 def write(folder: Path, rows: list[float], columns: list[float] | None = None) -> Path:

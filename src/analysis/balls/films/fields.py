@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
-from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -117,7 +116,7 @@ def field(picture: Picture, parity: int) -> Picture:
         whole[0] = picture[1]
     if (len(picture) - 1) % 2 == other:
         whole[-1] = picture[-2]
-    return cast("Picture", whole)
+    return whole
 
 
 def _times(times_s: Floats) -> Floats:

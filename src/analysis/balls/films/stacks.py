@@ -9,6 +9,7 @@ from typing import cast
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.balls.films.dng import read_dng
 from analysis.balls.films.film import Film, FilmHead, Picture
 from analysis.errors import InputError
 from analysis.files import FrameBudget
@@ -17,7 +18,8 @@ from analysis.imaging.files.png_files import numbered_files, read_picture
 from analysis.imaging.files.tiff_file import read_tiff
 
 TIFF_SUFFIXES = (".tif", ".tiff")
-PICTURE_SUFFIXES = (".png", *TIFF_SUFFIXES)
+RAW_SUFFIX = ".dng"
+PICTURE_SUFFIXES = (".png", *TIFF_SUFFIXES, RAW_SUFFIX)
 
 
 class PictureFolder(Film):
@@ -80,7 +82,10 @@ def read_one(file: Path) -> Picture:
     """Return one picture of 8 or 16 bits; raise `InputError` where it cannot be read."""
     budget = FrameBudget(file)
     try:
-        tiff = file.suffix.lower() in TIFF_SUFFIXES
+        suffix = file.suffix.lower()
+        if suffix == RAW_SUFFIX:
+            return _picture(file, read_dng(file, budget))
+        tiff = suffix in TIFF_SUFFIXES
         page = read_tiff(file, budget)[0] if tiff else read_picture(file, budget)
     except OSError as error:
         raise InputError(file, f"cannot be read: {error.strerror or error}") from error
