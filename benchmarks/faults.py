@@ -62,7 +62,7 @@ SERIAL = ("trigger", "regulator", "slide", "cut-off", "recorder")
 WRITES = (
     "rigctl.store.folders.write_synced",
     "rigctl.store.folders.write_over_synced",
-    "rigctl.store.room.os.posix_fallocate",
+    "rigctl.store.durable.os.posix_fallocate",
     "rigctl.rig.stopping.latch.write_synced",
 )
 """What the daemon writes a shot and a latch by."""

@@ -9,8 +9,7 @@ from datetime import datetime, timedelta
 from queue import SimpleQueue
 
 from rigctl.errors import JobsFullError, RigError
-from rigctl.jobs.job import Job, JobState
-from rigctl.jobs.register import LIVE, Register, utc_now
+from rigctl.jobs.job import LIVE, Job, JobState, Register, utc_now
 from rigctl.jobs.task import JobFailedError, Task, Work
 from rigctl.store import Listeners
 

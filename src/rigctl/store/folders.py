@@ -30,12 +30,12 @@ from rigctl.cameras.frames import FrameSequence
 from rigctl.errors import NotFoundError, StoreError
 from rigctl.store.durable import (
     FOLDER_MODE,
+    Room,
     make_folders,
     sync_folder,
     write_over_synced,
     write_synced,
 )
-from rigctl.store.room import Room
 
 _NAME = re.compile(r"(\d{8}|i\d{4,})-\d{6,}")
 PARTIAL = ".partial"

@@ -17,7 +17,7 @@ from rigctl.sweeps.orders import Order, Orders, Wish
 from rigctl.sweeps.plan import Plan, require_possible
 from rigctl.sweeps.run import Ending, SweepRun
 from rigctl.sweeps.status import SweepStatus
-from rigctl.sweeps.step_outcome import end_taken
+from rigctl.sweeps.stepping import end_taken
 
 _log = logging.getLogger(__name__)
 

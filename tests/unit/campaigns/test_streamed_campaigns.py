@@ -9,12 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import rigctl.model.streamed_campaigns as streamed
+import rigctl.model.campaigns as streamed
 from analysis.model.data.poses import PoseData
 from rigctl.errors import AnalysisInputError, NotFoundError, StoreError
 from rigctl.measuring.measured import MeasuredFiles, measured_files
-from rigctl.model.campaigns import campaign_poses
-from rigctl.model.streamed_campaigns import open_stream, stream_from
+from rigctl.model.campaigns import campaign_poses, open_stream, stream_from
 from rigctl.store import Store
 from rigctl.temporary_room import temporary_room
 

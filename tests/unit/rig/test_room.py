@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from rig_fakes import Laboratory, stack
 
-from rigctl.store.room import BESIDE_FRAMES
+from rigctl.store.durable import BESIDE_FRAMES
 
 
 @pytest.fixture

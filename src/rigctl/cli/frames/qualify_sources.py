@@ -9,7 +9,7 @@ from tempfile import TemporaryDirectory
 
 from rigctl.cli.frames.qualify_apparatus import apparatus, setup_of
 from rigctl.errors import ConfigurationError, SettingsError
-from rigctl.qualifying import files
+from rigctl.qualifying import runs
 from rigctl.qualifying.runs import DiskFrames, DropFrames, ShotFrames, StageFrames
 
 FALLS_OF_A_RIG = 3
@@ -100,7 +100,7 @@ def stages(
     if source.frames:
         step = source.need()
         way = (step * ("y" in direction), step * ("x" in direction))
-        yield from (files.stage_frames(path, way) for path in source.frames)
+        yield from (runs.stage_frames(path, way) for path in source.frames)
         return
     for own in simulated:
         run = apparatus().stage_run(own, seed)
@@ -116,7 +116,7 @@ def falls(source: Source, known: Falling, seed: int) -> Sequence[DropFrames]:
     if source.frames:
         diameter_m = 1e-3 * source.need()
         return [
-            files.drop_frames(path, diameter_m, known.gravity_m_per_s2, known.rate_hz)
+            runs.drop_frames(path, diameter_m, known.gravity_m_per_s2, known.rate_hz)
             for path in source.frames
         ]
     first = known.simulated * seed
@@ -146,7 +146,7 @@ def disk(source: Source, rate_hz: float | None, seed: int) -> tuple[DiskFrames, 
                 limit="1",
                 todo="measure one after another",
             )
-        return files.disk_frames(source.frames[0], source.need(), rate_hz), rate_hz
+        return runs.disk_frames(source.frames[0], source.need(), rate_hz), rate_hz
     turning = apparatus().turning_disk(seed)
     return DiskFrames(turning.frames, turning.turn_rad), None
 
@@ -154,7 +154,7 @@ def disk(source: Source, rate_hz: float | None, seed: int) -> tuple[DiskFrames, 
 def shots(source: Source, seed: int, simulated: int) -> Iterator[ShotFrames]:
     """Give shots of two spheres with their set-ups."""
     if source.frames:
-        yield from files.shot_frames(source.frames)
+        yield from runs.shot_frames(source.frames)
         return
     for number in range(simulated):
         filmed = apparatus().filmed_shot(number, seed)

@@ -17,10 +17,9 @@ from analysis.model.fitting.fit import Fit
 from analysis.model.fitting.robust_fit import Judged, judged
 from analysis.model.rank.candidate import Ranking
 from analysis.model.rank.ranking import rank
-from rigctl.model.campaigns import open_campaign
+from rigctl.model.campaigns import open_campaign, open_stream
 from rigctl.model.known_effects import Available, refused
 from rigctl.model.seen_effects import require_seen
-from rigctl.model.streamed_campaigns import open_stream
 from rigctl.temporary_room import temporary_room
 
 
