@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import threading
 from collections.abc import Callable
 from datetime import UTC, datetime
@@ -140,18 +139,19 @@ def test_a_request_that_cannot_be_described_leaves_the_key_free(
     assert store.accept("key", "body", new_shot)[1] is False
 
 
-@pytest.mark.parametrize(("before", "after"), list(itertools.product(ShotState, ShotState)))
+@pytest.mark.parametrize("before", list(ShotState))
 def test_a_shot_moves_along_the_table_and_not_otherwise(
-    store: Store, accepted: Callable[..., ShotRecord], before: ShotState, after: ShotState
+    store: Store, accepted: Callable[..., ShotRecord], before: ShotState
 ) -> None:
-    shot = accepted()
-    led_to(store, shot, before)
-    if (before, after) in ALLOWED:
-        assert store.move(shot.id, after).state is after
-    else:
-        with pytest.raises(StoreError, match=f"is {before} cannot become {after}"):
-            store.move(shot.id, after)
-        assert store.shot(shot.id).state is before
+    for after in ShotState:
+        shot = accepted(f"to {after}")
+        led_to(store, shot, before)
+        if (before, after) in ALLOWED:
+            assert store.move(shot.id, after).state is after
+        else:
+            with pytest.raises(StoreError, match=f"is {before} cannot become {after}"):
+                store.move(shot.id, after)
+            assert store.shot(shot.id).state is before
 
 
 def test_the_outcome_is_the_first_state_in_which_the_rig_is_done(
