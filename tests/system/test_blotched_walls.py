@@ -15,6 +15,8 @@ from simulators.world.lamp import Lamp
 from simulators.world.optics import Optics
 from simulators.world.truth import FilmedTruth
 
+pytestmark = pytest.mark.long
+
 WALL = Optics(texture_grey=24.0, exposure_s=5e-5, noise_grey=2.0, lamp=Lamp(limb_darkening=0.15))
 PRESSURES, OFFSETS = [60.0, 40.0, 80.0, 90.0], [3.0, 8.0, 6.0, 1.0]
 

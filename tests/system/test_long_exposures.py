@@ -16,6 +16,8 @@ from simulators.world import WorldDescription, write_campaign
 from simulators.world.optics import Optics
 from simulators.world.truth import FilmedTruth
 
+pytestmark = pytest.mark.long
+
 PRESSURES, OFFSETS = [60.0, 35.0, 80.0, 50.0, 25.0], [3.0, 8.0, 6.0, 1.0, 12.0]
 EXPOSURE_S = 0.95e-3
 STEP_S = 1e-3

@@ -15,7 +15,7 @@ LESSON = DOCS / "tutorials" / "find-the-missing-effect.md"
 ENDS_WITHIN_S = 120.0
 HIDDEN = ["restitution-obliquity", "torsional-friction"]
 
-pytestmark = [needs_shell, pytest.mark.timeout(400)]
+pytestmark = [needs_shell, pytest.mark.long, pytest.mark.timeout(400)]
 
 
 def path_of(text: str) -> list[tuple[str, str, str]]:
@@ -48,7 +48,6 @@ def test_the_lesson_finds_both_effects_by_the_error_path_that_it_shows(
         assert [float(x) for x in found] == pytest.approx([float(x) for x in claimed], abs=0.02)
 
 
-@pytest.mark.long
 def test_the_python_of_the_lesson_finds_the_same(lesson: tuple[Path, str]) -> None:
     (script,) = re.findall(r"^```python\n(.*?)^```$", LESSON.read_text(), re.MULTILINE | re.DOTALL)
     done = subprocess.run(
