@@ -19,6 +19,9 @@ from simulators.world.description import Environment, Sphere
 
 Floats = NDArray[np.float64]
 
+ACROSS = "impulse_t"
+"""Slot of a law by which the impulse across the normal changes, whether spheres stick or slide."""
+
 _SIDES = np.array([-1.0, 1.0])[:, None]
 
 
@@ -80,6 +83,8 @@ def collide(nature: Nature, settings: Settings, touch: Touch, accelerate: Accele
         passage = press_by(nature.forces, touch, held, bodies, accelerate)
         return _twisted(nature, touch, held, passage, bodies)
     ratio = grip(nature, touch, held, bodies)
+    if nature.dependence is not None:
+        ratio = ratio * nature.dependence.factor(ACROSS, settings, touch, sphere.radius_m)
     if nature.softness > 0.0:
         softness = nature.softness
         passage = press(touch, held, ratio, bodies, softness=softness, outer=accelerate)

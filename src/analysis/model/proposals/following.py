@@ -45,9 +45,11 @@ def next_after(proposed: Proposed, limits: Limits | None = None) -> tuple[Repeat
     if any(name not in data.covariates for name in (*PRESSURES, OFFSET)):
         return ()
     if not proposed.accepted:
-        return _relaunched(data, proposed.launch[0], proposed.encounter)
+        return _relaunched(data, proposed.launch[0], proposed.encounter, limits)
     first = proposed.accepted[0]
-    return _against_rival(proposed, data, first, limits) or _confirming(proposed, data, first)
+    return _against_rival(proposed, data, first, limits) or _confirming(
+        proposed, data, first, limits
+    )
 
 
 def _against_rival(
@@ -67,7 +69,9 @@ def _against_rival(
         return ()
 
 
-def _confirming(proposed: Proposed, data: PoseData, first: Accepted) -> tuple[Repeated, ...]:
+def _confirming(
+    proposed: Proposed, data: PoseData, first: Accepted, limits: Limits | None
+) -> tuple[Repeated, ...]:
     """Return settings of the campaign where the form says most, half of them where it says least.
 
     What sets the coefficient itself must be told from what changes it, so both ends are needed.
@@ -81,16 +85,26 @@ def _confirming(proposed: Proposed, data: PoseData, first: Accepted) -> tuple[Re
         form = next(f for f, _ in channels.framed if (f.group, f.kind) == (form.group, form.kind))
     channel, size = channels.weights(form)
     own = channels.by_shot.own[:, channel, channel]
-    ends = _ends(np.asarray(size), own)
+    allowed = _allowed(data, limits)
+    ends = _ends(np.asarray(size), np.where(allowed, own, 0.0))
+    ends = ends[allowed[ends]]
+    if not ends.size:
+        return ()
     needed = _count(first, size[ends], own[ends])
     each = int(np.clip(np.ceil(needed / len(ends)), 1, MOST))
     return tuple(Repeated(_setting(data, int(shot)), each) for shot in ends)
 
 
-def _relaunched(data: PoseData, one: LaunchProposal, encounter: Encounter) -> tuple[Repeated, ...]:
+def _relaunched(
+    data: PoseData, one: LaunchProposal, encounter: Encounter, limits: Limits | None
+) -> tuple[Repeated, ...]:
     """Return settings of the campaign at both ends of what a launch follows."""
     values = one.form.of.of(encounter)[:, 0]
-    ends = np.argsort(values)[[*range(PLACES), *range(-PLACES, 0)]]
+    order = np.argsort(values)
+    order = order[_allowed(data, limits)[order]]
+    ends = np.concatenate([order[:PLACES], order[PLACES:][-PLACES:]])
+    if not ends.size:
+        return ()
     amplitude = next(iter(one.parameters.values()))
     share = (CONFIRMING_D * amplitude.sigma / max(abs(amplitude.value), 1e-300)) ** 2
     needed = np.clip(share * len(values), FEWEST, MOST)
@@ -117,6 +131,17 @@ def _count(first: Accepted, size: Floats, own: Floats) -> float:
         information -= float((own * size).sum()) ** 2 / max(float(own.sum()), 1e-300)
     each = information / len(size) * float(active.values[0]) ** 2
     return float(np.clip(CONFIRMING_D**2 / max(each, 1e-12), FEWEST, MOST))
+
+
+def _allowed(data: PoseData, limits: Limits | None) -> NDArray[np.bool_]:
+    """Return which shots' settings the rig allows, shape (S,)."""
+    allowed = np.ones(len(data.shots), dtype=np.bool_)
+    if limits is None:
+        return allowed
+    ranges = {**dict.fromkeys(PRESSURES, limits.pressure_kpa), OFFSET: limits.offset_mm}
+    for name, (low, high) in ranges.items():
+        allowed &= (data.covariates[name] >= low) & (data.covariates[name] <= high)
+    return allowed
 
 
 def _setting(data: PoseData, shot: int) -> Setting:

@@ -102,8 +102,15 @@ class Verdict:
             ui.label(self._worded(said)).props("data-testid=explained")
             for doubt in doubts(self._asked.answer):
                 ui.label(doubt).classes("note")
-            if self._asked.answer["unexplained"]:
-                self._law.show()
+        if self._is_unexplained():
+            self._law.show()
+
+    def _is_unexplained(self) -> bool:
+        """Whether the whole way, or before it the fit at hand, says that nothing known explains."""
+        answer, standing = self._asked.answer, self._state.standing
+        if answer is not None:
+            return bool(answer["unexplained"])
+        return standing is not None and standing.word is Word.UNEXPLAINED
 
     def _start(self) -> None:
         self._asked.start()

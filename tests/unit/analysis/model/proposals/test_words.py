@@ -6,6 +6,7 @@ import json
 
 import pytest
 
+from analysis.launch.prediction import Limits
 from analysis.model.proposals.document import proposals_document
 from analysis.model.proposals.following import next_after
 from analysis.model.proposals.words import proposal_sentences
@@ -50,6 +51,16 @@ def test_a_formula_is_written_in_text_and_in_latex(
     first = document["proposals"][0]
     assert text in first["formula"]
     assert latex in first["latex"]
+
+
+def test_next_shots_stay_within_what_the_rig_allows() -> None:
+    _, found = proposed("restitution-bump", 0.008)
+    limits = Limits((20.0, 60.0), (2.0, 10.0))
+    settings = [one.setting for one in next_after(found, limits)]
+    assert settings
+    assert all(20.0 <= one.pressure_a_kpa <= 60.0 for one in settings)
+    assert all(2.0 <= one.offset_mm <= 10.0 for one in settings)
+    assert next_after(found, Limits((1.0, 2.0), (0.0, 1.0))) == ()
 
 
 def test_next_shots_hold_both_where_the_form_is_most_and_where_it_is_least() -> None:

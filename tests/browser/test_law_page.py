@@ -1,0 +1,64 @@
+"""A law of no catalogue on the page: proposed beside "unexplained", two clicks to a sweep."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Page, expect
+
+from tests.browser.conftest import PORT, Served
+
+pytestmark = pytest.mark.long
+
+LONG_MS = 120_000
+SEED = "15"
+"""Hides a bump of restitution at 5 m/s."""
+
+
+@pytest.fixture(scope="module")
+def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
+    """Serve a store that holds the campaign."""
+    folder = tmp_path_factory.mktemp("daemon")
+    command = str(Path(sys.executable).with_name("rigctl"))
+    for words in (
+        ["challenge", "new", "strange", "--seed", SEED, "--shots", "60"],
+        ["import", "strange", "--name", "strange"],
+    ):
+        subprocess.run(
+            [command, *words], cwd=folder, env=dict(os.environ), check=True, capture_output=True
+        )
+    running = Served.start(folder, *PORT)
+    yield running
+    running.end()
+
+
+def test_a_law_is_proposed_beside_unexplained_and_two_clicks_fire_the_shots_that_confirm_it(
+    page: Page, served: Served
+) -> None:
+    page.goto(f"{served.url}/model/strange?view=tables")
+    page.get_by_test_id("explain").click(timeout=LONG_MS)
+    expect(page.get_by_test_id("explained")).to_contain_text(
+        "something is missing that the catalogue does not hold", timeout=LONG_MS
+    )
+    page.get_by_test_id("propose").click(timeout=LONG_MS)
+    said = page.get_by_test_id("proposed")
+    expect(said).to_contain_text("e depends on speed_n", timeout=LONG_MS)
+    expect(said).to_contain_text("hint, not a finding")
+    page.get_by_test_id("law-into-sweep").click()
+    page.wait_for_url(re.compile(r"/sweeps\?form="))
+    expect(page.get_by_text("Proposed: confirms a law proposed after strange")).to_be_visible()
+    expect(page.get_by_test_id("proposed").locator("tbody tr")).not_to_have_count(0)
+    expect(page.get_by_test_id("campaign")).to_have_value("strange")
+    expect(page.get_by_test_id("state")).to_have_text("idle")
+    expect(page.get_by_test_id("start-sweep")).to_be_enabled()
+    page.get_by_test_id("start-sweep").click()
+    page.wait_for_url(re.compile(r"/sweeps/\d{8}-s\d{4}$"))
+    page.get_by_test_id("abort").click()
+    page.get_by_test_id("abort-now").click()
+    expect(page.get_by_test_id("sweep-state")).to_contain_text("aborted", timeout=LONG_MS)
