@@ -9,9 +9,10 @@ from analysis.model.data.tables import Data
 from rigctl.api.fit import Fit
 from rigctl.api.measured import Measured, Source
 from rigctl.api.own_effects import Given, KnownEffects
-from rigctl.api.proposals import Proposals, proposals
+from rigctl.api.proposals import Proposals, proposals, shared_laws
 from rigctl.api.shots import Shots
 from rigctl.api.verdict import Verdict, explained
+from rigctl.documents import Json
 
 if TYPE_CHECKING:
     from rigctl.api.comparison import Agreement
@@ -99,6 +100,21 @@ class Campaign:
         """
         chosen = [self._known.chosen(effect) for effect in effects]
         return proposals(self.name, self._data(), chosen, self._known)
+
+    def propose_together(self, *others: Campaign) -> Json:
+        """Ask this campaign and others for a law: what they share, and what each has for itself.
+
+        Returns
+        -------
+        The document of `rigctl model propose --together --json`.
+
+        Raises
+        ------
+        AnalysisInputError
+            As `measure`; a campaign has too few shots, or they share no argument.
+        """
+        campaigns = (self, *others)
+        return shared_laws([one.name for one in campaigns], [one._data() for one in campaigns])
 
     def _data(self) -> Data:
         self.measure()

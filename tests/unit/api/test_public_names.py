@@ -45,7 +45,7 @@ NAMES = {
     "open",
 }
 METHODS = {
-    "Campaign": "agreement explain fit measure name propose",
+    "Campaign": "agreement explain fit measure name propose propose_together",
     "Shots": "left_out name now plot table",
     "Fit": "add agreement campaign chi2_per_dof effects error_path parameters plot rank rejected "
     "structure table to_dict",

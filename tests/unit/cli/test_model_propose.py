@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 
+import rigctl
 from rigctl.cli import run
 from rigctl.sweeps.form import read_sweep
 from simulators.challenge import write_challenge
@@ -92,6 +93,8 @@ def test_several_campaigns_are_asked_at_once(
     first = found["shared"][0]
     assert (first["slot"], first["argument"]) == ("e", "speed_n")
     assert [own["campaign"] for own in first["each"]] == ["strange", "other"]
+    python = rigctl.open(strange).propose_together(rigctl.open(tmp_path / "other"))
+    assert python == found
 
 
 def test_processes_read_and_ask_their_own_campaigns_with_the_same_answer(
