@@ -37,6 +37,7 @@ class Acts:
             Act.STOP: self._stop,
             Act.STOP_RELEASE: self._stop_release,
             Act.REFUSED: self._refused,
+            Act.LATCHED: self._latched,
             Act.BACK: self._back,
             Act.SET: self._set,
             Act.SET_STOP: self._set_stop,
@@ -77,6 +78,16 @@ class Acts:
             return Found(any(word in said for word in step.refused_by), f"refused: {said}")
         self._rig.disarm(actor, _why(step))
         return Found(False, "the rig armed: it did not see what was done")
+
+    def _latched(self, step: Step, actor: str) -> Found:
+        status = self._rig.status()
+        why = status.latch_reason
+        if why is None:
+            return Found(False, f"the rig is {status.state} and has not stopped by itself")
+        if not any(word in why for word in step.latched_by):
+            return Found(False, f"the rig stopped for another reason: {why}")
+        self._rig.release(actor, _why(step))
+        return self._seen(f"stopped by itself: {why}; released; ")
 
     def _back(self, step: Step, actor: str) -> Found:
         self._release_latched(step, actor)

@@ -25,16 +25,18 @@ class Act(StrEnum):
     """What the daemon does for a step, when it is told to.
 
     `release`: releases a latched rig. `stop`: an emergency stop. `stop-release`: both. `refused`:
-    arms, which the rig must refuse in the step's own words. `back`: releases a latched rig, arms
-    and disarms. `set`: arms with raised settings and disarms. `set-stop`: the same, then stops.
-    `fire`: one shot with the lowest settings. `unrecorded`: one that must end without a pulse.
-    `rest`: one shot, then arms anew, which must wait for the cool-down.
+    arms, which the rig must refuse in the step's own words. `latched`: the rig must have stopped by
+    itself, for a reason that is the step's; it is then released. `back`: releases a latched rig,
+    arms and disarms. `set`: arms with raised settings and disarms. `set-stop`: the same, then
+    stops. `fire`: one shot with the lowest settings. `unrecorded`: one that must end without a
+    pulse. `rest`: one shot, then arms anew, which must wait for the cool-down.
     """
 
     RELEASE = "release"
     STOP = "stop"
     STOP_RELEASE = "stop-release"
     REFUSED = "refused"
+    LATCHED = "latched"
     BACK = "back"
     SET = "set"
     SET_STOP = "set-stop"
@@ -66,6 +68,8 @@ class Step:
         changes, the step is asked for again.
     firmware
         Whether the part's own word on its firmware counts likewise.
+    latched_by
+        Words of which the reason of the latch must hold one.
     """
 
     name: str
@@ -78,6 +82,7 @@ class Step:
     refused_by: tuple[str, ...] = ()
     sections: tuple[str, ...] = ()
     firmware: bool = False
+    latched_by: tuple[str, ...] = ()
 
 
 def lowest(

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from rigctl.commissioning.step import Act, Part, Step, lowest
-from rigctl.config import Configuration, EktaproCamera, TriggerBox
+from rigctl.config import SIMULATED, Configuration, EktaproCamera, TriggerBox
+from rigctl.rig.stopping.box_watch import MADE_SAFE
+from rigctl.rig.stopping.dead_man import CUT_BY_DEAD_MAN
 
 _LONGEST_DELAY_US = 5000.0
 
@@ -104,24 +106,35 @@ def _cut_off(rig: Configuration) -> Iterator[Step]:
 def _watches(rig: Configuration) -> Iterator[Step]:
     if _drops(rig):
         return
+    watched = rig.cut_off.port.startswith("/")
     if rig.cut_off.dead_man:
         yield Step(
             "dead-man",
             Part.CUT_OFF,
             "The dead man",
             "End the daemon with `kill -9`, start it again, read why it is latched, release it. "
-            "Then the same with `kill -STOP` and `kill -CONT`.",
+            "Then `kill -STOP` it for two seconds and `kill -CONT` it; the daemon reads why it "
+            "stopped, and releases the rig.",
             "The voltage goes within a second of each kill, and no output gave a pulse.",
+            Act.LATCHED if watched else None,
+            latched_by=(CUT_BY_DEAD_MAN, MADE_SAFE),
             sections=("cut_off", "trigger.power_cut"),
         )
     if isinstance(rig.trigger, TriggerBox) and rig.trigger.heartbeat:
+        real = not rig.trigger.port.startswith(SIMULATED)
         yield Step(
             "heartbeat",
             Part.TRIGGER,
             "The box watches its host",
-            "Pull the trigger box's USB plug for two seconds and put it back. (The rehearsal on "
-            "simulated ports has no heartbeat: answer yes.)",
-            "The rig has stopped by itself, and says that the box has made itself safe.",
+            "Pull the trigger box's USB plug for two seconds and put it back. The daemon reads why "
+            "the rig stopped, and releases it."
+            if real
+            else "Nothing: the box of simulated ports dies with the daemon and hears no heartbeat.",
+            "The rig has stopped by itself, and says that the box has made itself safe."
+            if real
+            else "That this is a rehearsal: answer yes.",
+            Act.LATCHED if real else None,
+            latched_by=(MADE_SAFE,),
             sections=("trigger",),
             firmware=True,
         )

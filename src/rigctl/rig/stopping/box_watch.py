@@ -13,6 +13,9 @@ from rigctl.rig.stopping.dead_man import BEAT_S, SILENT_S
 
 _log = logging.getLogger(__name__)
 
+MADE_SAFE = "the trigger box has made itself safe"
+"""How the reason of a stop begins that the box has called for."""
+
 
 class BoxWatch:
     """Has a trigger box watch over this process, and sends it heartbeats.
@@ -101,6 +104,6 @@ class BoxWatch:
             if why is not None:
                 # Before anybody is told, or a release that follows would find it watching.
                 ended.set()
-                tripped(f"the trigger box has made itself safe: {why}")
+                tripped(f"{MADE_SAFE}: {why}")
                 return
             heard_s = self._monotonic()

@@ -38,6 +38,9 @@ START_WITHIN_S = 20.0
 CUT_WITHIN_S = 30.0
 """So long the process goes on trying to cut where the port cannot be opened, s."""
 
+CUT_BY_DEAD_MAN = "the dead man cut the power"
+"""How the reason of a stop begins that the process has called for."""
+
 _AGAIN_S = 0.02
 _BEAT, _END, _READY = b".", b"e", b"r"
 
@@ -135,7 +138,7 @@ class DeadMan:
         hears = cast("IO[bytes]", process.stdin)
         while not self._ended.wait(BEAT_S):
             if process.poll() is not None:
-                tripped("the dead man cut the power, or was ended by somebody else")
+                tripped(f"{CUT_BY_DEAD_MAN}, or was ended by somebody else")
                 return
             if alive():
                 with contextlib.suppress(OSError):
