@@ -55,6 +55,15 @@ def test_each_format_shows_the_same_grey_bars(video: Stories) -> None:
             assert levels == pytest.approx(reference, abs=1.5), name
 
 
+def test_frames_of_640_x_480_and_720_x_576_become_pictures_of_the_recorder(video: Stories) -> None:
+    assert [found["whole"] for found in video["cropped"]] == [[480, 640], [576, 720], [576, 720]]
+    for found in video["cropped"]:
+        assert found["picture"] == [192, 240]
+        assert found["range"] > 50, "the test picture has bars"
+        # Each pixel is the mean of the four or nine that it covers, rounded.
+        assert found["off"] <= 0.51, found["name"]
+
+
 @pytest.mark.parametrize(
     ("story", "error"),
     [

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
+from rigctl.cameras.resampling import Crop, ResampledVideo
 from rigctl.cameras.v4l2 import VideoDevice
 from rigctl.errors import DeviceAnswerError, RigError
 
@@ -101,6 +102,35 @@ def formats() -> None:
             tell("format", name=name, shape=pixels.shape, bars=[float(bar) for bar in bars])
 
 
+def cropped() -> None:
+    """Frames of a grabber's sizes, cut and brought to a picture of the recorder."""
+    control("-d0", "-c", "loop_video=0")
+    for number, size, name, crop in (
+        (WEBCAM, (480, 640), "YUYV", Crop(48, 80, 384, 480)),
+        (HDMI, (576, 720), "GREY", Crop(0, 0, 576, 720)),
+        (HDMI, (576, 720), "UYVY", Crop(96, 120, 384, 480)),
+    ):
+        control("-d0", "-i", str(number))
+        control("-d0", "-c", "osd_text_mode=2,test_pattern=0")
+        with closing(camera(*size, name, number)) as device:
+            device.start()
+            whole = device.read(READ_S).pixels
+        with closing(ResampledVideo(camera(*size, name, number), crop, ROWS, COLUMNS)) as video:
+            video.start()
+            picture = video.read(READ_S).pixels
+        part = whole[crop.top : crop.top + crop.rows, crop.left : crop.left + crop.columns]
+        times = crop.rows // ROWS
+        means = part.reshape(ROWS, times, COLUMNS, times).mean(axis=(1, 3))
+        tell(
+            "cropped",
+            name=name,
+            whole=whole.shape,
+            picture=picture.shape,
+            range=int(np.ptp(picture)),
+            off=float(np.abs(picture - means).max()),
+        )
+
+
 def refused(story: str, act: Callable[[], object]) -> None:
     try:
         act()
@@ -142,6 +172,7 @@ def refusals() -> None:
 try:
     loop_back()
     formats()
+    cropped()
     refusals()
 except DeviceAnswerError as error:
     # vivid counts frames by the clock: halted for long, it gives one number twice.
