@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import reduce
 
 import cv2
 import numpy as np
@@ -93,9 +94,10 @@ def find_discs_that_move(
     found: list[tuple[int, Disc]] = []
     every = -(-len(samples) // MOST_SEARCHED)
     for number, picture in list(samples.items())[::every]:
-        difference = picture.astype(np.float32) - ground.astype(np.float32)
-        for window in _changed(np.abs(difference).max(axis=2) > CHANGED_SIGMAS * noise, low):
-            own = difference[window]
+        apart = np.atleast_3d(cv2.absdiff(picture, ground))
+        most = reduce(np.maximum, (apart[..., k] for k in range(apart.shape[2])))
+        for window in _changed(np.asarray(most) > CHANGED_SIGMAS * noise, low):
+            own = picture[window].astype(np.float32) - ground[window].astype(np.float32)
             largest = min(high, 0.6 * max(own.shape[:2]))
             if largest <= low:
                 continue
