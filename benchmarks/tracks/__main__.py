@@ -3,8 +3,10 @@
 Each seed is a campaign of shots over 25 to 85 kPa and 0 to 18 mm, filmed until the spheres have
 left the views, with the scale unstated. Prints for each sphere and axis the rms and the largest
 pull of single frames, the share of them beyond 5 stated errors, the pulls of offset and slope of
-whole flights, and the frames that are off by more than 0.1 mm. A pull is an error over its stated
-one; 1 rms is right.
+whole flights, the frames that are off by more than 0.1 mm, and the pulls of the impacts: of
+velocities and spins by axis, of e, v_n and v_s. A pull is an error over its stated one; 1 rms is
+right. With --folders campaigns of frames with a truth.json are judged as they lie; where they have
+perspective, places do not lie where a plain projection has them, and the impacts count alone.
 """
 
 from __future__ import annotations
@@ -12,6 +14,8 @@ from __future__ import annotations
 import argparse
 import json
 import tempfile
+from collections import defaultdict
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -20,8 +24,10 @@ import numpy as np
 from analysis.campaign import analyse_campaign, read_campaign
 from analysis.shot import AnalysisOptions, MeasuredShot
 from benchmarks.tracks.flights import Flight, common_scale, flights
+from benchmarks.tracks.impacts import impact_pulls
 from benchmarks.tracks.pulls import BEYOND, pulls, rms
 from simulators.world import WorldDescription, write_campaign
+from simulators.world.optics import Optics
 
 FRAMES = 112
 STEPS = 6
@@ -82,26 +88,52 @@ def show(every: list[Flight]) -> None:
     print(f"  frames off by more than {1e3 * TORN_M:g} mm: {len(torn)}, in shots {shots}")
 
 
+def show_impacts(pulls_: dict[str, list[float]]) -> None:
+    """Print the pulls of impacts."""
+    for name, own in pulls_.items():
+        values = np.array(own)
+        print(f"  {name:12s}{len(own):6d}{rms(values):7.2f}, worst {np.abs(values).max():.1f}")
+
+
+def judged(folder: Path, workers: int) -> tuple[dict[int, Measured], Optics]:
+    """Measure a folder; its truths say how long contacts lasted, and its views where they are."""
+    camera = read_campaign(folder).jobs[0].setup.camera
+    optics = WorldDescription().optics
+    if camera.front_origin_px is not None and camera.top_origin_px is not None:
+        optics = replace(
+            optics, front_origin_px=camera.front_origin_px, top_origin_px=camera.top_origin_px
+        )
+    found = measured(folder, workers)
+    return {n: (s, {"contact_duration_s": 0.0, **truth}) for n, (s, truth) in found.items()}, optics
+
+
 def main() -> None:
     """Measure, judge and print."""
     parser = argparse.ArgumentParser(prog="benchmarks.tracks", description=__doc__)
     parser.add_argument("--seeds", type=int, nargs="+", default=[11, 12])
     parser.add_argument("--shots", type=int, default=36, help="of each campaign, 36 at most")
     parser.add_argument("--workers", type=int, default=2)
+    parser.add_argument("--folders", type=Path, nargs="+", help="judge these frames")
     parser.add_argument("--keep", type=Path, help="keep the frames here, and use those there")
     chosen = parser.parse_args()
-    optics, every = WorldDescription().optics, list[Flight]()
+    every, impacts = list[Flight](), defaultdict[str, list[float]](list)
     with tempfile.TemporaryDirectory() as scratch:
-        for seed in chosen.seeds:
-            folder = (chosen.keep or Path(scratch)) / str(seed)
-            rendered(folder, seed, chosen.shots)
-            print(f"seed {seed}")
-            found = measured(folder, chosen.workers)
+        home = chosen.keep or Path(scratch)
+        for folder in chosen.folders or [home / str(seed) for seed in chosen.seeds]:
+            if not chosen.folders:
+                rendered(folder, int(folder.name), chosen.shots)
+            print(folder.name)
+            found, optics = judged(folder, chosen.workers)
             shots = list(found.values())
             every.extend(flights(list(found), shots, optics))
-            off, stated = common_scale(shots, optics), shots[0][0].tracking.scale_sigma
-            print(f"  {len(shots)} shots, lengths off by {off:+.2e}, stated {stated:.2e}")
+            first, off = shots[0][0], common_scale(shots, optics)
+            for name, own in impact_pulls(shots, off).items():
+                impacts[name] += own
+            slow_um = 1e6 * first.slow.position_m
+            print(f"  {len(shots)} shots, lengths off by {off:+.2e}, stated {first.slow.scale:.2e}")
+            print(f"  slow error {slow_um:.2f} um, {1e3 * first.slow.rotation_rad:.3f} mrad")
     show(every)
+    show_impacts(impacts)
 
 
 if __name__ == "__main__":

@@ -167,6 +167,9 @@ class SlowErrors:
     position_m, rotation_rad
         Size of what the frames of one flight share, of a coordinate and about each axis; 0: none
         is stated.
+    shared_m
+        Size of what all flights of a sphere share in a campaign, of a coordinate, where it is more
+        than `position_m`: no scatter of flights shows it.
     scale
         Relative standard error of the images' scale, by which lengths of all shots come out too
         long or too short together; 0: none is stated.
@@ -180,6 +183,7 @@ class SlowErrors:
 
     position_m: Annotated[float, Field(ge=0), _named("slow_position_m", "position_m")] = 0.0
     rotation_rad: Annotated[float, Field(ge=0), _named("slow_rotation_rad", "rotation_rad")] = 0.0
+    shared_m: Annotated[float, Field(ge=0), _named("slow_shared_m", "shared_m")] = 0.0
     scale: Annotated[float, Field(ge=0), _named("scale_sigma", "scale")] = 0.0
     one_body_frame: bool = True
     memory_rad: Annotated[float, Field(gt=0), _named("slow_memory_rad", "memory_rad")] = MEMORY_RAD
@@ -187,7 +191,18 @@ class SlowErrors:
     @property
     def stated(self) -> bool:
         """Whether any is larger than zero."""
-        return self.position_m > 0 or self.rotation_rad > 0 or self.scale > 0
+        return self.common_m > 0 or self.rotation_rad > 0 or self.scale > 0
+
+    @property
+    def common_m(self) -> float:
+        """Size of what all flights of a sphere share, of a coordinate, m."""
+        return max(self.position_m, self.shared_m)
+
+    @property
+    def common_rad(self) -> float:
+        """The same of orientations, rad: larger than of one flight by as much."""
+        enlarged = self.common_m / self.position_m if self.position_m > 0 else 1.0
+        return enlarged * self.rotation_rad
 
 
 NO_SLOW_ERRORS = SlowErrors()

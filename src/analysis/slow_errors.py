@@ -28,6 +28,7 @@ def slow_errors(tracking: Tracking, *, one_body_frame: bool) -> SlowErrors:
     return SlowErrors(
         position_m=centre_drift(width, scale, 1.0).sigma,
         rotation_rad=turn_drift(width, min(tracking.radii[View.FRONT]), 1.0).sigma,
+        shared_m=tracking.shared_px / scale,
         scale=tracking.scale_sigma,
         one_body_frame=one_body_frame,
         memory_rad=max(2 * tracking.marker_angle, NARROWEST_RAD),
@@ -44,6 +45,7 @@ def typical(setup: Setup, errors: Sequence[SlowErrors]) -> Setup:
     slow = SlowErrors(
         position_m=float(np.median([each.position_m for each in errors])),
         rotation_rad=float(np.median([each.rotation_rad for each in errors])),
+        shared_m=float(np.median([each.shared_m for each in errors])),
         scale=float(np.median([each.scale for each in errors])),
         one_body_frame=all(each.one_body_frame for each in errors),
         memory_rad=float(np.median([each.memory_rad for each in errors])),

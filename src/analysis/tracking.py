@@ -59,6 +59,9 @@ class Tracking:
         Angular radius of the markers, radians; 0 where none is seen.
     filter_sigma_px
         Width of the edge filter; of a method without one, the width that has its slow error.
+    shared_px
+        Slow error of an outline's place that all shots of a campaign share, where it is more than
+        that of the filter's width.
     radii
         Radius of a and b in each view, pixels, as filtered.
     scales_px_per_m
@@ -88,6 +91,7 @@ class Tracking:
     notes: tuple[str, ...] = ()
     left_out: tuple[Mapping[int, str], Mapping[int, str]] = field(default_factory=lambda: ({}, {}))
     learned_alone: bool = False
+    shared_px: float = 0.0
 
 
 MOST_SCALE_CONFLICT = 0.02

@@ -128,7 +128,8 @@ def measure_two_sides(
         impact = measure_impact(
             *(motions[0], motions[1], scene.radii),
             scale_sigma=scene.slow.scale,
-            offset_sigma=float(np.sqrt(2.0)) * scene.slow.position_m,
+            offset_sigma=float(np.sqrt(2.0)) * scene.slow.common_m,
+            held_sigma=float(np.sqrt(2.0)) * scene.slow.position_m,
             # A camera without a mirror leaves Z at zero in every frame.
             depth_seen=bool(left.position[left.placed][:, 2].any()),
         )

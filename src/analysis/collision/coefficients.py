@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -63,7 +64,7 @@ class Impact:
         What one standard error of each thing that all shots of a campaign share does to these four,
         m/s, shape (5, 4): of the scale, of the air's drag, and of one sphere's outlines against the
         other's along X, Y and Z. The covariance holds the first two (`HELD`), and the outlines'
-        offset as an error of each flight.
+        offset as an error of each shot.
     before, after
         State just before and just after contact; an undetermined spin is not a number.
     state_sigma
@@ -136,8 +137,9 @@ def measure_impact(
     b: Motion,
     radii: tuple[float, float],
     scale_sigma: float,
-    offset_sigma: float = 0.0,
     *,
+    offset_sigma: float = 0.0,
+    held_sigma: float = math.inf,
     depth_seen: bool = True,
 ) -> Impact:
     """Combine the motions of both spheres into the impact.
@@ -158,6 +160,8 @@ def measure_impact(
     offset_sigma
         Standard error of the centres of b against those of a along each axis, m, before and after
         contact alike.
+    held_sigma
+        How much of it the errors of each flight hold already.
     depth_seen
         Whether Z was measured; else what it may be is among the errors (`unseen_depth`).
 
@@ -184,7 +188,9 @@ def measure_impact(
     common[1, :24] = np.concatenate([p.drag_shift for p in parts])
     for axis in range(3):
         common[HELD + axis, [6 + axis, 18 + axis]] = offset_sigma
-    covariance = own + common[:HELD].T @ common[:HELD]
+    unheld = np.sqrt(max(1.0 - (held_sigma / offset_sigma) ** 2, 0.0)) if offset_sigma else 0.0
+    beside = np.concatenate([common[:HELD], unheld * common[HELD:]])
+    covariance = own + beside.T @ beside
     accelerations = np.array([p.acceleration for p in parts])
 
     def outcomes(states: Floats) -> Floats:

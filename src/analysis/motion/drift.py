@@ -23,10 +23,6 @@ the centre errors of eight shots of spheres with 16 markers: 0.05 px at sigma 1.
 """
 TURN_PER_CENTRE_ERROR = 1.5
 """An error of the centre tilts every marker's direction; both views together tilt by this much."""
-WIDTHS = 3.0
-"""Widths of a marker by which a sphere turns until other markers are in its place: residuals of
-light and pattern last about as long. Read off the offsets and slopes of 216 flights by the
-photometric method (docs/decisions/0022-tracks-end-where-they-tear.md)."""
 SHORTEST_S, LONGEST_S = 1e-3, 1.0
 
 
@@ -63,6 +59,10 @@ def turn_drift(filter_sigma_px: float, radius_px: float, correlation_time_s: flo
 
 
 def correlation_time(marker_angle: float, spin_rad_per_s: float) -> float:
-    """Return the time in which a marker turns by WIDTHS of its own, s."""
+    """Return the time in which a marker turns by its own width, s.
+
+    Errors of poses of rendered flights last about as long, whatever the renderer
+    (docs/decisions/0035-slow-errors-by-campaign.md).
+    """
     width = max(2 * marker_angle, 0.05)
-    return float(np.clip(WIDTHS * width / max(spin_rad_per_s, 1e-6), SHORTEST_S, LONGEST_S))
+    return float(np.clip(width / max(spin_rad_per_s, 1e-6), SHORTEST_S, LONGEST_S))

@@ -28,6 +28,7 @@ from analysis.photometric.learn.learning import extended, learn, learn_together,
 from analysis.photometric.render.background import first_background
 from analysis.photometric.render.pose import fit_frames
 from analysis.photometric.result import tracking_of
+from analysis.photometric.slow_size import sized
 from analysis.setup import Setup
 from analysis.tracking import Tracking
 
@@ -81,6 +82,11 @@ def teach(shots: Sequence[Taught]) -> Appearance | None:
         hold = shots[0][2].camera.scale_px_per_m is not None
         known = learn_together(films, known, hold_scale=hold)
         known = _sharper(films, known, hold_scale=hold)
+    if known is not None:
+        for film in films:
+            settle_film(film, known, LAST_LIMIT)
+            drop_misfits(film, known, LAST_LIMIT)
+        known = sized(films, known)
     return known
 
 
@@ -260,6 +266,7 @@ def measure_poses(
             unlike = refusal.reason
     if film is None or known is None:
         film, known = learned_film(frames, times_s, setup)
+        known = sized([film], known)
     elif extend and (more := extended(film, known)) is not known:
         known = more
         settle_film(film, known, LAST_LIMIT)

@@ -82,9 +82,9 @@ LEAST_FACING = 0.4
 MOST_PLACE, MOST_TURN_RAD = 0.2, 0.1
 """Errors, in radii and radians, beyond which a coordinate or a turn counts as not measured."""
 CONSTANT_Z_SIGMA_M = 1e-6
-SLOW_ERROR_PX = 0.002
-"""What shading and pattern leave while the same markers are seen, about this much; in light that
-the shading does not follow at the limb, `Appearance.limb_px` on top."""
+SHARED_PX = 0.002
+"""What light and learned look leave in all flights of a campaign alike, about this much; in light
+that the shading does not follow at the limb, `Appearance.limb_px` on top."""
 ORDINARY_LIMB_PX = 0.025
 """In even light outline and markers differ by up to this much and no track shows it: shadows are
 beyond it now and then, gloss is by ten times."""
@@ -97,18 +97,21 @@ def tracking_of(film: Film, known: Appearance, times_s: Floats, gravity: float) 
     (`birge_ratio.birge_ratios`); the filter width given is that of an equal slow error.
     """
     _cut_tears(film, known, times_s, gravity)
-    markers = [_markers(film, known, i) for i in (0, 1)]
-    raw = _centres(film, known, 0), _centres(film, known, 1)
-    standing = _orientations(film, known, 0, markers[0]), _orientations(film, known, 1, markers[1])
+    markers = [markers_of(film, known, i) for i in (0, 1)]
+    raw = centres_of(film, known, 0), centres_of(film, known, 1)
+    standing = (
+        orientations_of(film, known, 0, markers[0]),
+        orientations_of(film, known, 1, markers[1]),
+    )
     place, turn = birge_ratios(raw, standing, times_s, gravity)
     enlarged = np.sqrt(np.repeat([place, turn], 3))
     film.covariance *= np.outer(enlarged, enlarged)
     spheres = [_tracks(film, known, i) for i in (0, 1)]
-    centres = [_centres(film, known, i) for i in (0, 1)]
-    turned = [_orientations(film, known, i, markers[i]) for i in (0, 1)]
+    centres = [centres_of(film, known, i) for i in (0, 1)]
+    turned = [orientations_of(film, known, i, markers[i]) for i in (0, 1)]
     optics = known.camera.optics
     beyond = max(known.limb_px**2 - ORDINARY_LIMB_PX**2, 0.0)
-    slow_px = np.sqrt(SLOW_ERROR_PX**2 + beyond + film.shadow_px**2)
+    slow_px = np.sqrt(known.slow_px**2 + beyond + film.shadow_px**2)
     radii = {
         view: (
             float(optics.scales[v] * known.spheres[0].radius_m),
@@ -121,6 +124,7 @@ def tracking_of(film: Film, known: Appearance, times_s: Floats, gravity: float) 
         markers=(markers[0][0], markers[1][0]),
         marker_angle=(known.spheres[0].alpha + known.spheres[1].alpha) / 2,
         filter_sigma_px=float(np.sqrt(slow_px / CENTRE_DRIFT_PER_SIGMA2)),
+        shared_px=float(np.sqrt(SHARED_PX**2 + beyond)),
         radii=radii,
         scales_px_per_m={
             v: float(s) for v, s in zip(known.camera.views, optics.scales, strict=True)
@@ -135,7 +139,7 @@ def tracking_of(film: Film, known: Appearance, times_s: Floats, gravity: float) 
 
 def _cut_tears(film: Film, known: Appearance, times_s: Floats, gravity: float) -> None:
     """Take away the poses that belong to no free flight on either side of the contact."""
-    centres = _centres(film, known, 0), _centres(film, known, 1)
+    centres = centres_of(film, known, 0), centres_of(film, known, 1)
     touch_m = sum(sphere.radius_m for sphere in known.spheres)
     off = cut_tears(centres, times_s, gravity, touch_m)
     refuse_jumps(centres, off, touch_m)
@@ -160,7 +164,7 @@ def _tracks(film: Film, known: Appearance, sphere: int) -> dict[View, Track]:
     return tracks
 
 
-def _markers(film: Film, known: Appearance, sphere: int) -> tuple[FilmMarkers, Names]:
+def markers_of(film: Film, known: Appearance, sphere: int) -> tuple[FilmMarkers, Names]:
     """Return the markers that face a view, and the index of each in the pattern."""
     frames = np.flatnonzero(film.placed[sphere])
     rows, names, ends = facing_markers(
@@ -175,7 +179,8 @@ def _markers(film: Film, known: Appearance, sphere: int) -> tuple[FilmMarkers, N
     return FilmMarkers(frames, ends, every), names[:, 0]
 
 
-def _centres(film: Film, known: Appearance, sphere: int) -> Centres:
+def centres_of(film: Film, known: Appearance, sphere: int) -> Centres:
+    """Return the places of a sphere; one whose error is too large counts as not measured."""
     frames = np.flatnonzero(film.placed[sphere])
     position = film.centre[sphere, frames].copy()
     sigma = np.sqrt(np.einsum("nii->ni", film.covariance[sphere, frames])[:, :3])
@@ -185,9 +190,10 @@ def _centres(film: Film, known: Appearance, sphere: int) -> Centres:
     return Centres(frames, np.where(unseen, np.nan, position), np.where(unseen, np.inf, sigma))
 
 
-def _orientations(
+def orientations_of(
     film: Film, known: Appearance, sphere: int, seen: tuple[FilmMarkers, Names]
 ) -> Orientations:
+    """Return the orientations of a sphere, with its markers as `markers_of` gives them."""
     (markers, names), placed = seen, np.flatnonzero(film.placed[sphere])
     covariance = film.covariance[sphere, placed][:, 3:, 3:]
     widest = np.sqrt(np.linalg.eigvalsh(covariance)[:, -1])

@@ -26,7 +26,12 @@ def lesson(darkness: float) -> Appearance:
     camera = camera_of(THESIS_SETUP.camera, np.array([1574.8, 1574.8]))
     sphere = Sphere(0.0127, np.eye(3), 0.16, darkness, np.zeros((2, 16)), np.zeros((2, 5, 5)))
     numbers: dict[str, Any] = {"sigma_px": np.full(2, 0.85), "scale_sigma": 7e-4}
-    numbers |= {"camera_sigma": (0.0, 0.0), "limb_px": 0.0, "smear_px2": np.zeros(2)}
+    numbers |= {
+        "camera_sigma": (0.0, 0.0),
+        "limb_px": 0.0,
+        "slow_px": 0.0,
+        "smear_px2": np.zeros(2),
+    }
     own = {name: numbers[name] for name in Appearance.__slots__ if name in numbers}
     return Appearance(camera=camera, spheres=(sphere, sphere), **own)
 

@@ -18,8 +18,10 @@ from analysis.model.predict.state import ShotStates
 
 Floats = NDArray[np.float64]
 
-RATE_FACTOR = 2.0
-"""A rate is wrong by twice the slow error over the time the flight is seen: it wanders once."""
+RATE_FACTOR = 1.5
+"""A rate is wrong by this many slow errors over the time the flight is seen: what a straight line
+through an exponentially correlated error reaches at most, 1.52, where the flight lasts three
+correlation times; 1.2 to 1.5 for one to ten."""
 _SMALL = 1e-12
 
 

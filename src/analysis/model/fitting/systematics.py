@@ -42,14 +42,14 @@ class Systematic:
 def of_images(slow: SlowErrors) -> tuple[Systematic, ...]:
     """Return what measuring leaves in poses, by the size of their slow errors.
 
-    As far as the frames of one flight share an error, those of all flights share it too, for the
-    light and the learned look stay the same: of the outlines of both spheres against each other,
-    and of a learned pattern of markers against its sphere. A pattern that is learned anew in each
-    shot (no common body frame) has no error that they share. The scale is learned once.
+    Light and learned look stay the same, and so do their errors: of the outlines of both spheres
+    against each other, and of a learned pattern of markers against its sphere. A pattern that is
+    learned anew in each shot (no common body frame) has no error that they share. The scale is
+    learned once.
     """
     stated = (
-        (OUTLINE_OFFSET, float(np.sqrt(2.0)) * slow.position_m),
-        (MASS_OFFSET, slow.position_m if slow.one_body_frame else 0.0),
+        (OUTLINE_OFFSET, float(np.sqrt(2.0)) * slow.common_m),
+        (MASS_OFFSET, slow.common_m if slow.one_body_frame else 0.0),
         (IMAGE_SCALE, slow.scale),
     )
     return tuple(_off(effect, sigma) for effect, sigma in stated if sigma > 0.0)

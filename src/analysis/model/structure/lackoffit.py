@@ -122,7 +122,7 @@ def _sized(cell: Cell, sums: Summed, solved: Mapping[Name, Solved], slow: SlowEr
     if name not in sums.lines:
         return cell
     lines = sums.lines[name]
-    stated = slow.position_m if lines.unit == "m" else slow.rotation_rad
+    stated = slow.common_m if lines.unit == "m" else slow.common_rad
     size = crooked(lines.sums, solved[name].amplitudes)
     return replace(cell, size=size, stated=BOTH * stated)
 

@@ -16,6 +16,9 @@ from analysis.photometric.render.surface import draw
 Floats = NDArray[np.float64]
 
 KEPT_LOOKS = 8
+PRIOR_SLOW_PX = 0.0016
+"""Of outlines in one flight, before any scatter is known: renderers that share nothing leave 0.001
+and 0.003 (docs/decisions/0035-slow-errors-by-campaign.md)."""
 NARROWEST_PX = 0.35
 """Standard deviation of a blur at least: a pixel's own is 0.29."""
 
@@ -67,6 +70,8 @@ class Appearance:
     limb_px
         Radius by the outline less radius by the markers: light at the limb beyond the shading
         model. It shifts an outline by as much. 0 where markers do not determine the radius.
+    slow_px
+        Slow error of an outline's place in one flight (`slow_size.slow_size_px`).
     smear_px2
         Variance that motion during the exposure added to the blur of the frames that taught, as
         far as it is round (`smear.round_variance`), shape (V,).
@@ -78,6 +83,7 @@ class Appearance:
     scale_sigma: float
     camera_sigma: tuple[float, ...]
     limb_px: float
+    slow_px: float
     smear_px2: Floats
 
     def smeared(self) -> Appearance:

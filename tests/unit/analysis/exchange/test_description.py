@@ -213,6 +213,7 @@ setups = st.builds(
         SlowErrors,
         position_m=st.floats(0, 1),
         rotation_rad=st.floats(0, 1),
+        shared_m=st.floats(0, 1),
         scale=st.floats(0, 1),
         one_body_frame=st.booleans(),
         memory_rad=positive,
