@@ -3,7 +3,8 @@
 Each seed is a campaign of shots over 25 to 85 kPa and 0 to 18 mm, filmed until the spheres have
 left the views, with the scale unstated. Prints for each sphere and axis the rms and the largest
 pull of single frames, the share of them beyond 5 stated errors, the pulls of offset and slope of
-whole flights, the frames that are off by more than 0.1 mm, and the pulls of the impacts: of
+whole flights with the slow error that the true errors have most likely, the frames that are off by
+more than 0.1 mm, and the pulls of the impacts: of
 velocities and spins by axis, of e, v_n and v_s. A pull is an error over its stated one; 1 rms is
 right. With --folders campaigns of frames with a truth.json are judged as they lie; where they have
 perspective, places do not lie where a plain projection has them, and the impacts count alone.
@@ -25,7 +26,7 @@ from analysis.campaign import analyse_campaign, read_campaign
 from analysis.shot import AnalysisOptions, MeasuredShot
 from benchmarks.tracks.flights import Flight, common_scale, flights
 from benchmarks.tracks.impacts import impact_pulls
-from benchmarks.tracks.pulls import BEYOND, pulls, rms
+from benchmarks.tracks.pulls import BEYOND, pulls, rms, slow_size
 from simulators.world import WorldDescription, write_campaign
 from simulators.world.optics import Optics
 
@@ -64,6 +65,7 @@ def show(every: list[Flight]) -> None:
     print(
         f"  {'':16s}{'frames':>8s}{'rms':>7s}{'largest':>9s}{'beyond 5':>10s}{'scatter':>9s}"
         f"{'offset':>8s}{'slope':>7s}{'offset, um, mrad':>18s}{'slope, mm/s, rad/s':>20s}"
+        f"{'slow':>9s}"
     )
     for what, unit, per in (("place", 1e6, 1e3), ("turn", 1e3, 1.0)):
         for sphere in (0, 1):
@@ -77,6 +79,7 @@ def show(every: list[Flight]) -> None:
                     f"{rms(p['scatter']):9.2f}{rms(p['offset']):8.2f}{rms(p['slope']):7.2f}"
                     f"{unit * p['raw_offset'].mean():+9.2f} ({unit * rms(p['raw_offset']):5.2f})"
                     f"{per * rms(p['raw_slope']):14.3f}"
+                    f"{unit * slow_size(own, what, axis):15.2f}"
                 )
     torn = [
         (flight.shot, flight.sphere, int(k))

@@ -58,6 +58,35 @@ def pulls(flights: Sequence[Flight], what: str, axis: int) -> dict[str, Floats]:
     return {name: np.array(values) for name, values in found.items()}
 
 
+def slow_size(flights: Sequence[Flight], what: str, axis: int) -> float:
+    """Return the slow error that the true errors of flights have most likely, m or rad.
+
+    With its stated correlation time, and without the mean over all flights, which the campaign has
+    in common.
+    """
+    parts = []
+    for flight in flights:
+        placed = what == "place"
+        times = flight.times_s if placed else flight.turn_times_s
+        errors = (flight.place_errors if placed else flight.turns)[:, axis]
+        sigmas = (flight.place_sigmas if placed else flight.turn_sigmas)[:, axis]
+        seen = np.isfinite(sigmas) & np.isfinite(errors)
+        lasting_s = (flight.place_drift[axis] if placed else flight.turn_drift).correlation_time_s
+        parts.append((times[seen], errors[seen], sigmas[seen], lasting_s))
+    weights = np.concatenate([sigmas**-2.0 for _, _, sigmas, _ in parts])
+    mean = float(np.average(np.concatenate([own for _, own, _, _ in parts]), weights=weights))
+    stated = flights[0].place_drift[axis] if what == "place" else flights[0].turn_drift
+    sizes = stated.sigma * np.geomspace(0.1, 10.0, 41)
+    likely = np.zeros(len(sizes))
+    for times, errors, sigmas, lasting_s in parts:
+        white = Drift(1.0, lasting_s).covariance(times) / np.outer(sigmas, sigmas)
+        gains, turn = np.linalg.eigh(white)
+        squares = (turn.T @ ((errors - mean) / sigmas)) ** 2
+        variance = 1.0 + np.multiply.outer(sizes**2, np.maximum(gains, 0.0))
+        likely -= 0.5 * (np.log(variance) + squares / variance).sum(axis=1)
+    return float(sizes[likely.argmax()])
+
+
 def rms(values: Floats) -> float:
     """Return the root mean square."""
     return float(np.sqrt(np.mean(values**2))) if values.size else float("nan")

@@ -185,7 +185,7 @@ def _places(
         straight.ravel()[flat],
         design[flat],
         sigma.ravel()[flat],
-        np.kron(unit.covariance(times), np.eye(3))[np.ix_(flat, flat)],
+        _each_axis(unit.covariance(times))[np.ix_(flat, flat)],
     )
 
 
@@ -205,13 +205,13 @@ def _turns(own: Orientations, side: Side, times_s: Floats, unit: Drift) -> tuple
         left.ravel(),
         _each_axis(np.stack([np.ones_like(tau), tau], axis=1)),
         np.sqrt(np.einsum("nii->ni", covariance)).ravel(),
-        np.kron(unit.covariance(times), np.eye(3)),
+        _each_axis(unit.covariance(times)),
     )
 
 
 def _each_axis(columns: Floats) -> Floats:
-    """Return columns (n, k) for three axes, shape (3 n, 3 k)."""
-    return np.kron(columns, np.eye(3))
+    """Return a matrix (n, k) for three axes, shape (3 n, 3 k)."""
+    return np.asarray(np.kron(columns, np.eye(3)), dtype=np.float64)
 
 
 def _independent(

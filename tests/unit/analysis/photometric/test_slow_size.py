@@ -32,7 +32,7 @@ def wandering(rng: np.random.Generator, times_s: Floats, size: float) -> Floats:
 
 def film(seed: int, slow_px: float, frames: int = 60, drag_per_m: float = 0.0) -> Evidence:
     """Return what a film of two spheres that part in its middle says."""
-    rng, times = np.random.default_rng(seed), np.arange(frames) * 1e-3
+    rng, times = np.random.default_rng(seed), 1e-3 * np.arange(frames, dtype=np.float64)
     tau, half = times - times[frames // 2], frames // 2
     sides = ((0, half), (half, frames))
     centres, turns = [], []
