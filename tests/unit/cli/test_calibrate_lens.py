@@ -11,7 +11,7 @@ import pytest
 
 from rigctl import cli
 from tests.unit.analysis.balls.boards import TrueLens, chessboard, filmed
-from tests.unit.cli.test_analyse_balls import DIAMETER_MM, RADIUS, SHAPE, answer, bouncing, picture
+from tests.unit.cli.falling_ball import DIAMETER_MM, RADIUS, SHAPE, answer, bouncing, picture
 
 LENS = TrueLens(SHAPE[0], SHAPE[1], 200.0, (118.0, 57.0), -0.3, 0.0)
 
