@@ -19,10 +19,10 @@ from analysis.model.fitting.fit import Fit
 from analysis.model.fitting.normal import inverse, solve_blocks, with_prior
 from analysis.model.predict.contact import encounter_of
 from analysis.model.predict.linear import linearise
-from analysis.model.proposals.flight_forms import FlightForm, flight_forms
-from analysis.model.proposals.form import COEFFICIENTS, SLOTS, ContactForm
-from analysis.model.proposals.frame_forms import FrameForm, frame_forms
-from analysis.model.proposals.impulses import IMPULSES, TORSION, changed_outcome
+from analysis.model.proposals.forms.flight import FlightForm, flight_forms
+from analysis.model.proposals.forms.form import COEFFICIENTS, SLOTS, ContactForm
+from analysis.model.proposals.forms.frame import FrameForm, frame_forms
+from analysis.model.proposals.forms.impulses import IMPULSES, TORSION, changed_outcome
 from analysis.model.rank.projector import ByShot, Projector
 
 Floats = NDArray[np.float64]

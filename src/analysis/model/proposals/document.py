@@ -11,12 +11,12 @@ from analysis.model.design.between import Repeated
 from analysis.model.design.document import shots_document
 from analysis.model.fitting.adding import ALIAS_WITHIN
 from analysis.model.proposals.confirm import Confirmation
-from analysis.model.proposals.form import ContactForm
+from analysis.model.proposals.forms.form import ContactForm
+from analysis.model.proposals.forms.shapes import POWER
 from analysis.model.proposals.hints import hint_for
 from analysis.model.proposals.launch_search import LaunchProposal
 from analysis.model.proposals.propose import Accepted, Proposed
 from analysis.model.proposals.screen import SMALLEST_P
-from analysis.model.proposals.shapes import POWER
 from analysis.model.proposals.together import SharedForm
 from analysis.model.proposals.wording import formula, latex
 

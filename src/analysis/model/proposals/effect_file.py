@@ -10,12 +10,12 @@ from textwrap import fill
 from analysis.effects.effect import FlightEffect, Parameter
 from analysis.effects.own.guard import FUNCTIONS
 from analysis.model.proposals.channels import Form
-from analysis.model.proposals.flight_forms import FlightForm
-from analysis.model.proposals.form import ContactForm
-from analysis.model.proposals.frame_forms import FrameForm
-from analysis.model.proposals.impulses import IMPULSE_N, IMPULSE_T, TORSION
+from analysis.model.proposals.forms.flight import FlightForm
+from analysis.model.proposals.forms.form import ContactForm
+from analysis.model.proposals.forms.frame import FrameForm
+from analysis.model.proposals.forms.impulses import IMPULSE_N, IMPULSE_T, TORSION
+from analysis.model.proposals.forms.shapes import POWER
 from analysis.model.proposals.propose import Accepted, Proposed
-from analysis.model.proposals.shapes import POWER
 from analysis.model.proposals.wording import formula
 
 CAMPAIGN, SHOTS = "PROPOSED_FROM", "SHOTS_SEEN"

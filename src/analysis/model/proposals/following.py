@@ -16,7 +16,7 @@ from analysis.model.design.candidates import Setting, grid
 from analysis.model.design.undecided import fired_alike, used_limits
 from analysis.model.fitting.fit import fit_campaign
 from analysis.model.proposals.channels import channels_of
-from analysis.model.proposals.form import ContactForm
+from analysis.model.proposals.forms.form import ContactForm
 from analysis.model.proposals.launch_search import LaunchProposal
 from analysis.model.proposals.propose import Accepted, Proposed
 

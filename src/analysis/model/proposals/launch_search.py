@@ -30,7 +30,7 @@ from analysis.model.proposals.admissible import FEWEST_SHOTS
 from analysis.model.proposals.arguments import Argument, is_column
 from analysis.model.proposals.blocks import blocks_of
 from analysis.model.proposals.channels import Linearised, Sums
-from analysis.model.proposals.launch_forms import QUANTITIES, LaunchForm, launch_forms
+from analysis.model.proposals.forms.launch import QUANTITIES, LaunchForm, launch_forms
 from analysis.model.proposals.screen import Screen, columns_of, scored
 from analysis.model.rank.projector import ByShot
 from analysis.quantity import Quantity

@@ -12,11 +12,11 @@ from analysis.model.data.tables import Data
 from analysis.model.fitting.fit import Fit, fit_campaign
 from analysis.model.proposals.arguments import Argument
 from analysis.model.proposals.channels import Channels, Form
-from analysis.model.proposals.flight_forms import FlightForm
-from analysis.model.proposals.form import OF_A_PRODUCT, ContactForm
-from analysis.model.proposals.impulses import IMPULSES
+from analysis.model.proposals.forms.flight import FlightForm
+from analysis.model.proposals.forms.form import OF_A_PRODUCT, ContactForm
+from analysis.model.proposals.forms.impulses import IMPULSES
+from analysis.model.proposals.forms.shapes import spread_of
 from analysis.model.proposals.screen import FULL_SLOTS, columns_of, shaped, shapes_of
-from analysis.model.proposals.shapes import spread_of
 
 Floats = NDArray[np.float64]
 

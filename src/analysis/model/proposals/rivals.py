@@ -8,8 +8,8 @@ from analysis.model.data.tables import Data
 from analysis.model.fitting.adding import ALIAS_WITHIN
 from analysis.model.fitting.fit import Fit
 from analysis.model.proposals.channels import Channels, Form
-from analysis.model.proposals.form import ContactForm
-from analysis.model.proposals.impulses import IMPULSES
+from analysis.model.proposals.forms.form import ContactForm
+from analysis.model.proposals.forms.impulses import IMPULSES
 from analysis.model.proposals.refine import (
     MOST_GROUPS,
     Promise,

@@ -18,9 +18,9 @@ from scipy.special import erfc
 
 from analysis.model.proposals.arguments import Argument
 from analysis.model.proposals.channels import Channels, Form, Sums
-from analysis.model.proposals.form import ContactForm
-from analysis.model.proposals.impulses import IMPULSES, TORSION
-from analysis.model.proposals.shapes import (
+from analysis.model.proposals.forms.form import ContactForm
+from analysis.model.proposals.forms.impulses import IMPULSES, TORSION
+from analysis.model.proposals.forms.shapes import (
     FOR_COLUMNS,
     FOR_PLACES,
     FOR_SIGNED,

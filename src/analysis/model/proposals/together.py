@@ -24,8 +24,9 @@ from analysis.model.fitting.robust_fit import judged
 from analysis.model.proposals.admissible import FEWEST_SHOTS, admitted
 from analysis.model.proposals.arguments import Argument
 from analysis.model.proposals.channels import Channels, Sums, channels_of
-from analysis.model.proposals.form import ContactForm
-from analysis.model.proposals.impulses import IMPULSES
+from analysis.model.proposals.forms.form import ContactForm
+from analysis.model.proposals.forms.impulses import IMPULSES
+from analysis.model.proposals.forms.shapes import Spread
 from analysis.model.proposals.refine import OF_IMPULSE
 from analysis.model.proposals.screen import (
     Screen,
@@ -35,7 +36,6 @@ from analysis.model.proposals.screen import (
     largest_by_chance,
     spreads_of,
 )
-from analysis.model.proposals.shapes import Spread
 from analysis.model.rank.leaders import FIRST_LEVEL, LATER_LEVEL
 
 Floats = NDArray[np.float64]

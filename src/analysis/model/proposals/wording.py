@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from analysis.model.proposals.arguments import Argument
 from analysis.model.proposals.channels import Form
-from analysis.model.proposals.flight_forms import FlightForm
-from analysis.model.proposals.form import ContactForm
-from analysis.model.proposals.frame_forms import AXES, FrameForm
-from analysis.model.proposals.impulses import IMPULSE_N, IMPULSE_T, TORSION
-from analysis.model.proposals.launch_forms import TRACK, LaunchForm
-from analysis.model.proposals.shapes import POWER
+from analysis.model.proposals.forms.flight import FlightForm
+from analysis.model.proposals.forms.form import ContactForm
+from analysis.model.proposals.forms.frame import AXES, FrameForm
+from analysis.model.proposals.forms.impulses import IMPULSE_N, IMPULSE_T, TORSION
+from analysis.model.proposals.forms.launch import TRACK, LaunchForm
+from analysis.model.proposals.forms.shapes import POWER
 
 _SLOTS = {
     "e": ("e", "e0", "e", "e_{0}"),

@@ -23,10 +23,10 @@ from analysis.model.proposals.effect_file import (
     text_of,
     written,
 )
-from analysis.model.proposals.form import SLOTS, ContactForm
+from analysis.model.proposals.forms.form import SLOTS, ContactForm
+from analysis.model.proposals.forms.shapes import LINEAR, Spread
 from analysis.model.proposals.propose import Accepted
 from analysis.model.proposals.screen import shapes_of
-from analysis.model.proposals.shapes import LINEAR, Spread
 from tests.unit.analysis.model.proposals.hidden import proposed
 
 

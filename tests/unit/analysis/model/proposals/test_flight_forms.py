@@ -11,7 +11,7 @@ from analysis.effects.effect import FlightEffect
 from analysis.model.data.poses import PoseData
 from analysis.model.fitting.fit import Fit, fit_campaign
 from analysis.model.predict.prediction import predict
-from analysis.model.proposals.flight_forms import FlightForm, flight_forms
+from analysis.model.proposals.forms.flight import FlightForm, flight_forms
 from tests.unit.analysis.model.hard_spheres import RADIUS, campaign
 
 Floats = NDArray[np.float64]

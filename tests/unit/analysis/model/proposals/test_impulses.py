@@ -11,7 +11,7 @@ import pytest
 from analysis.collision.operator import walton
 from analysis.effects.catalogue import CATALOGUE
 from analysis.model.data.gather import gather_poses
-from analysis.model.proposals.impulses import IMPULSES, changed_outcome
+from analysis.model.proposals.forms.impulses import IMPULSES, changed_outcome
 from analysis.model.proposals.propose import propose
 from simulators.challenge.campaign import run_campaign
 from simulators.challenge.folder import write_folder

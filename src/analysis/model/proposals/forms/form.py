@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from analysis.collision.operator import Encounter, Operator, Outcome
 from analysis.effects.effect import ContactEffect, Parameter, Values
 from analysis.model.proposals.arguments import Argument
-from analysis.model.proposals.impulses import IMPULSES, TORSION, changed_outcome
-from analysis.model.proposals.shapes import POWER, Shape
+from analysis.model.proposals.forms.impulses import IMPULSES, TORSION, changed_outcome
+from analysis.model.proposals.forms.shapes import POWER, Shape
 
 Floats = NDArray[np.float64]
 

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from analysis.effects.effect import LaunchEffect, Parameter, Values
 from analysis.launch.muzzle import OFFSET, SIZE, Charge, Launcher, Muzzle
 from analysis.model.proposals.arguments import Argument
-from analysis.model.proposals.form import LARGEST_CHANGE, scale_of
-from analysis.model.proposals.shapes import FOR_COLUMNS, POWER, Shape, spread_of
+from analysis.model.proposals.forms.form import LARGEST_CHANGE, scale_of
+from analysis.model.proposals.forms.shapes import FOR_COLUMNS, POWER, Shape, spread_of
 
 Floats = NDArray[np.float64]
 

@@ -1,0 +1,1 @@
+"""Forms of a law: what depends on what, and in which shape."""
