@@ -113,7 +113,7 @@ def measure_ball(film: Film, times_s: Floats, ball: Ball, exposure_s: float | No
         placer.learn_blur(windows, motion)
     told = None if exposure_s is not None else placer.learn_exposure(windows, motion, period)
     bare = placed = _free(placer.place(windows, motion), chain)
-    flights, own, row_time = None, windows, 0.0
+    flights, told_by, own, row_time = None, placed, windows, 0.0
     coefficients: list[Floats] = []
     for repeat in range(MOST_REPEATS if len(chain.times_s) else 0):
         head = film.head
@@ -123,7 +123,7 @@ def measure_ball(film: Film, times_s: Floats, ball: Ball, exposure_s: float | No
         fitted = fit_flights(observed, start, known, flights)
         if fitted is None:
             break
-        flights = fitted
+        flights, told_by = fitted, placed
         coefficients.append(flights.contacts[:, 3] / flights.contacts[:, 1])
         settled = _last_change(coefficients).max() < SETTLED_E
         if repeat == MOST_REPEATS - 1 or (settled and repeat + 1 >= REPEATS):
@@ -142,7 +142,7 @@ def measure_ball(film: Film, times_s: Floats, ball: Ball, exposure_s: float | No
         systematic = np.hypot(_last_change(coefficients), systematic_e(flights, moved[0]))
     return MeasuredBall(
         search=found,
-        placed=placed if flights is None else _placed(placed, flights, moved),
+        placed=placed if flights is None else _placed(told_by, flights, moved),
         scatter=placed.sigmas if flights is None else apart_sigmas(flights, moved),
         times_s=times_s,
         exposure_s=placer.exposure_s,

@@ -13,7 +13,7 @@ from analysis.balls.discs.finding import find_balls
 from analysis.balls.films.fields import refuse_combed
 from analysis.balls.films.film import Film, Picture
 from analysis.balls.flight.known import Ball
-from analysis.balls.seen.arcs import Chain, Sightings, chains, find_arcs
+from analysis.balls.seen.arcs import Arc, Chain, Sightings, chains, find_arcs
 from analysis.balls.seen.background import background, sample_frames
 from analysis.balls.seen.joining import joined
 from analysis.balls.seen.letting_go import flown
@@ -114,9 +114,11 @@ def search(film: Film, times_s: Floats, ball: Ball) -> Search:
         arcs = find_arcs(seen, looks.radius_px, fall)
         arcs = joined(arcs, looks.radius_px, fall, seen.shape)
         linked = [each for each in chains(arcs, looks.radius_px, fall) if _falls(each, looks, fall)]
+        chain = None
+        if linked:
+            chain = flown(_until_rest(linked[0], looks, fall), looks.radius_px)
         # The surest rims come first; the strengths of families are each in units of its own.
-        if linked and (best is None or _frames(linked[0]) > MUCH_MORE * _frames(best.chain)):
-            chain = flown(linked[0], looks.radius_px)
+        if chain and (best is None or _frames(chain) > MUCH_MORE * _frames(best.chain)):
             others = tuple((c, _round(c, looks)) for c in linked[1:] if _beside(c, chain))
             best = Search(looks, chain, fall, others, _unexplained(seen, linked, chain), repeated)
         said = f"{_way(seen, looks)}; no flight of four frames is in this film"
@@ -148,9 +150,18 @@ def _falls(chain: Chain, looks: Looks, fall: Floats) -> bool:
 
     Anything that moves slowly goes through a few frames of some fall: a ball that rolls, or a hand.
     """
+    told = _bend(chain.arcs, looks, fall)
+    if told is None:
+        return False
+    (share, sigma), (low, high) = told, FALL_SHARE
+    return bool(low - 2 * sigma < share < high + 2 * sigma)
+
+
+def _bend(arcs: Sequence[Arc], looks: Looks, fall: Floats) -> tuple[float, float] | None:
+    """Return the bend of flights as a share of the fall, and its error; None: all too short."""
     error = SEEN_RADII * looks.radius_px + SEEN_PX
     weight = bend = 0.0
-    for arc in chain.arcs:
+    for arc in arcs:
         lasts = float(arc.times_s[-1] - arc.times_s[0])
         if fall[0] * lasts**2 / 8 < LEAST_BEND * error:
             continue
@@ -161,10 +172,20 @@ def _falls(chain: Chain, looks: Looks, fall: Floats) -> bool:
         weight += float(curve @ curve)
         bend += float(curve @ arc.places[:, 0])
     if weight == 0.0:
-        return False
-    share, sigma = bend / weight / fall[0], error / np.sqrt(weight) / fall[0]
-    low, high = FALL_SHARE
-    return bool(low - 2 * sigma < share < high + 2 * sigma)
+        return None
+    return bend / weight / float(fall[0]), error / float(np.sqrt(weight) * fall[0])
+
+
+def _until_rest(chain: Chain, looks: Looks, fall: Floats) -> Chain:
+    """Return a chain up to the flight that does not bend as a fall does: the ball rests or rolls.
+
+    Places of a ball at rest go through pieces of short falls, and those meet in bounces.
+    """
+    for k, arc in enumerate(chain.arcs):
+        told = _bend([arc], looks, fall)
+        if k > 0 and (told is None or told[0] < FALL_SHARE[0]):
+            return Chain(chain.arcs[:k], chain.times_s[: k - 1], chain.places[: k - 1])
+    return chain
 
 
 def _beside(other: Chain, chain: Chain) -> bool:

@@ -331,7 +331,8 @@ def _together(
 
     def misfit(value: float) -> float:
         own = known[value] if value in known else misfits(value)
-        return float(np.minimum(own / least, MOST_MISFIT)[told].mean()) if told.any() else np.inf
+        shares = np.minimum(own[told] / least[told], MOST_MISFIT)
+        return float(shares.mean()) if told.any() else np.inf
 
     return misfit
 
