@@ -27,6 +27,8 @@ _log = logging.getLogger(__name__)
 
 _POLL_S = 0.005
 _LONGEST_POLL_S = 0.1
+_USUAL_DELAY_S = 0.01
+"""An answer within this time leaves the shot inside the frames about the mark as configured."""
 _RESERVE_S = 5.0
 """Tape kept for what passes between the confirmed recording and the fire."""
 
@@ -53,7 +55,9 @@ class TapeCapture:
 
     The picture numbers of a shot are `mark` - `frames_before_mark` to `mark` +
     `frames_after_mark` - 1, where the mark is the picture under way when the rig fired: the event
-    marker on the tape less the pictures by which it came late.
+    marker on the tape less the pictures by which it came late. Where trigger or recorder answered
+    late, fire and marker lie anywhere within these delays: so many pictures more are brought, as
+    far back as the tape goes.
 
     A tape without room for another shot refuses to arm and asks the operator. It is erased when
     somebody asks for it, or by the next recording where the operator agreed (`erases_when_full`).
@@ -91,6 +95,7 @@ class TapeCapture:
         self._contact, self._clock, self._wait = contact, clock, wait
         self._session: int | None = None
         self._late = 0
+        self._more_before = self._more_after = 0
         self._turn = threading.Lock()
         self._shooting = False
         self.erases_when_full = settings.when_full == "erase"
@@ -175,11 +180,16 @@ class TapeCapture:
         A marker without an answer is logged, not raised: the shot has been fired, and `collect`
         asks the recorder for its markers.
         """
-        self._late = round(late_s * self._settings.picture_rate_hz)
+        sent_at = self._clock()
         try:
             self._recorder.mark()
         except DeviceError as error:
             _log.warning("%s: the marker is in doubt: %s", self.name, error)
+        rate = self._settings.picture_rate_hz
+        answer_s = self._clock() - sent_at
+        self._late = round(late_s * rate)
+        self._more_before = max(0, round((answer_s - _USUAL_DELAY_S) * rate))
+        self._more_after = max(0, round((late_s - _USUAL_DELAY_S) * rate))
 
     def collect(self) -> FrameSequence:
         """Wait for the pictures after the mark, stop the tape, and bring those about the mark.
@@ -323,8 +333,10 @@ class TapeCapture:
                 limit=f"{self._settings.frames_before_mark} pictures",
                 todo="ask for fewer frames before the mark",
             )
+        before = min(self._more_before, first)
         count = self._settings.frames_before_mark + self._settings.frames_after_mark
-        return Expected(first, count, self._settings.rows, self._settings.columns)
+        more = before + self._more_after
+        return Expected(first - before, count + more, self._settings.rows, self._settings.columns)
 
     def _recorded(self, expected: Expected, deadline: float) -> int:
         while True:

@@ -35,7 +35,7 @@ class FakeRecorder:
         self.session, self.started_at, self.stopped_at = 0, 0.0, 0.0
         self.running = False
         self.marked: list[int] = []
-        self.mark_is_answered, self.ends_after = True, 10**9
+        self.mark_is_answered, self.mark_takes_s, self.ends_after = True, 0.0, 10**9
         self.left_s, self.left_after_erase_s = 30.0, 30.0
         self.refuses: set[str] = set()
         self.closed = 0
@@ -87,6 +87,7 @@ class FakeRecorder:
 
     def mark(self) -> int:
         self._note("mark")
+        self.time.now += self.mark_takes_s
         self.marked.append(self.pictures())
         if not self.mark_is_answered:
             raise DeviceSilentError("no answer to MARK", part=self.name)

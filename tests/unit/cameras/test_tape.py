@@ -132,12 +132,39 @@ def test_frames_before_the_mark_are_recorded_before_the_start_is_confirmed(
     assert bench.capture.collect().sequence.tolist() == list(range(mark - 100, mark + 60))
 
 
-def test_a_marker_that_came_late_is_counted_back_to_the_fire(bench: Bench) -> None:
+def test_a_shot_whose_fire_lies_anywhere_before_a_late_marker_is_brought_whole(
+    bench: Bench,
+) -> None:
     bench.capture.start()
     bench.time.now += 0.5
     bench.capture.mark(late_s=0.040)
-    fired = bench.recorder.marked[0] - 40
-    assert bench.capture.collect().sequence.tolist() == list(range(fired, fired + 60))
+    earliest, latest = bench.recorder.marked[0] - 40, bench.recorder.marked[0] - 10
+    assert bench.capture.collect().sequence.tolist() == list(range(earliest, latest + 60))
+
+
+@pytest.mark.parametrize("on_the_way_ms", [0, 4, 40, 300])
+def test_a_marker_that_reached_the_recorder_late_leaves_the_fire_in_the_window(
+    bench: Bench, on_the_way_ms: int
+) -> None:
+    bench.capture.start()
+    bench.time.now += 0.5
+    fired = bench.recorder.pictures()
+    bench.recorder.mark_takes_s = on_the_way_ms / 1000
+    bench.capture.mark()
+    pictures = bench.capture.collect().sequence
+    assert pictures[0] <= fired + 10
+    assert pictures[-1] >= fired + 58
+
+
+def test_a_window_made_longer_by_a_slow_link_begins_no_earlier_than_the_tape(
+    recorder: Recorder, time: Clock
+) -> None:
+    bench = Bench(recorder, time, before=100)
+    bench.capture.start()
+    recorder.mark_takes_s = 0.4
+    since_start = recorder.pictures()
+    bench.capture.mark(late_s=(since_start - 85) / 1000)
+    assert bench.capture.collect().sequence[0] == 0
 
 
 def test_without_a_contact_the_link_starts_the_tape(recorder: Recorder, time: Clock) -> None:
