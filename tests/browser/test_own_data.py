@@ -66,14 +66,59 @@ def test_a_film_is_dropped_measured_and_handed_back(page: Page, served: Served) 
     assert figure.evaluate("picture => picture.naturalWidth") > 0
     links = {
         name: page.locator(f"a[download='{name}']").get_attribute("href") or ""
-        for name in ("result.json", "campaign.zip")
+        for name in ("result-1.json", "campaign.zip")
     }
-    result = page.request.get(served.url + links["result.json"])
+    result = page.request.get(served.url + links["result-1.json"])
     assert len(json.loads(result.text())["impacts"]) == 2
     campaign = page.request.get(served.url + links["campaign.zip"])
     names = zipfile.ZipFile(io.BytesIO(campaign.body())).namelist()
     assert {"campaign/campaign.toml", "campaign/impacts.csv"} <= set(names)
     assert faults(page) == []
+
+
+def table(path: Path) -> Path:
+    """Write 40 impacts whose e falls with the speed, heights in cm, with a row that is none."""
+    rng = np.random.default_rng(5)
+    lines = ["drop height (cm);rebound height (cm);weekday"]
+    for fall in np.linspace(4.0, 160.0, 40):
+        e = 0.85 - 0.06 * np.log(fall / 4.0) + rng.normal(0, 0.002)
+        lines.append(f"{fall:.2f};{fall * e**2:.3f};Mon")
+    lines[17] = "20;30;Tue"
+    path.write_text("\n".join(lines).replace(".", ","), encoding="utf-8")
+    return path
+
+
+def test_a_table_is_told_what_its_columns_are_and_compared_with_the_model(
+    page: Page, served: Served
+) -> None:
+    page.goto(f"{served.url}/own")
+    page.wait_for_function("window.did_handshake")
+    page.locator("input[type=file]").set_input_files(table(served.folder / "heights.csv"))
+    expect(page.get_by_test_id("own-table")).to_contain_text("heights.csv: 40 rows")
+    expect(page.get_by_test_id("own-rows")).to_have_text("39 of 40 rows are impacts.")
+    expect(page.get_by_text("Line 18 is left out: it parts faster")).to_be_visible()
+    assert faults(page) == []
+    choose(page, "means-1", "not used")
+    expect(page.get_by_test_id("own-open")).to_contain_text("how fast it was after the impact")
+    choose(page, "means-1", "height of the rebound")
+    choose(page, "unit-1", "cm")
+    expect(page.get_by_test_id("own-rows")).to_have_text("39 of 40 rows are impacts.")
+    campaign = page.locator("a[download='campaign.zip']").get_attribute("href") or ""
+    packed = page.request.get(served.url + campaign)
+    assert "campaign/impacts.csv" in zipfile.ZipFile(io.BytesIO(packed.body())).namelist()
+    page.get_by_test_id("own-compare").click()
+    expect(page.get_by_test_id("story-compare")).to_contain_text(
+        "taken from the scatter", timeout=FIRST_USE_MS
+    )
+    expect(page.get_by_test_id("story-where")).to_contain_text("with approach speed")
+    page.get_by_test_id("amount").wait_for(timeout=FIRST_USE_MS)
+    assert faults(page) == []
+
+
+def choose(page: Page, box: str, words: str) -> None:
+    """Choose an entry of a select box."""
+    page.get_by_test_id(box).click()
+    page.get_by_role("option", name=words, exact=True).click()
 
 
 def test_what_is_no_film_is_refused_in_words(page: Page, served: Served) -> None:
@@ -82,5 +127,5 @@ def test_what_is_no_film_is_refused_in_words(page: Page, served: Served) -> None
     letter = {"name": "letter.txt", "mimeType": "text/plain", "buffer": b"dear all"}
     page.locator("input[type=file]").set_input_files([letter])
     failed = page.get_by_test_id("own-failed")
-    expect(failed).to_contain_text("letter.txt: is neither a film nor a campaign's folder")
+    expect(failed).to_contain_text("letter.txt: is neither film, table nor campaign")
     assert faults(page) == []

@@ -36,6 +36,17 @@ def test_a_hidden_effect_is_moved_added_and_kept_by_a_reload(page: Page, served:
 
     without = preview_error(page)
     before = len(sent)
+    frame, said = page.get_by_test_id("ghost-frame"), page.get_by_test_id("ghost-says")
+    expect(said).to_contain_text("ms after contact: the model is")
+    largest = gap_mm(said.inner_text())
+    frame.focus()
+    page.keyboard.press("Home")
+    expect(said).to_contain_text("ms before contact: the model is")
+    assert gap_mm(said.inner_text()) < 0.5 * largest
+    outlines = page.get_by_test_id("ghost").locator("circle")
+    assert outlines.count() == 8
+    page.get_by_test_id("ghost").get_by_label("model").uncheck()
+    assert outlines.count() == 4
     half = slider.evaluate(MOVED, 0.5)
     whole = slider.evaluate(MOVED, 1.0)
     assert without > preview_error(page)
@@ -59,6 +70,11 @@ def test_a_hidden_effect_is_moved_added_and_kept_by_a_reload(page: Page, served:
     page.get_by_test_id("view-tables").click()
     page.get_by_test_id("error-now").wait_for(timeout=LONG_MS)
     assert abs(error_now(page) - foretold) < 0.001
+
+
+def gap_mm(said: str) -> float:
+    """Return by how much the model is said to be off in a frame."""
+    return float(said.removesuffix(" mm off.").rpartition(" ")[2])
 
 
 def asked(sent: list[str]) -> list[str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import math
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -11,7 +12,7 @@ from pathlib import Path
 from analysis.campaign import DESCRIPTION, SHOT_LIST, ShotJob
 from analysis.exchange.contact_table import contact_writer
 from analysis.exchange.description import description
-from analysis.exchange.impact_table import QUANTITIES, SIGMAS
+from analysis.exchange.impact_table import QUANTITIES, SIGMAS, ImpactRow
 from analysis.exchange.pose_table import pose_writer
 from analysis.exchange.rows import WriteShot
 from analysis.exchange.shot_list import ShotRow
@@ -124,16 +125,39 @@ def write_bounces(folder: Path, name: str, setup: Setup, bounces: Sequence[Measu
     OSError
         The folder cannot be written.
     """
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / DESCRIPTION).write_text(description(name, setup), encoding="utf-8")
     rows = [
         ShotRow(number, None, {"film": float(each.film), "bounce": float(each.bounce)}, {})
         for number, each in enumerate(bounces, start=1)
     ]
+    unknown = math.nan
+    impacts = [
+        ImpactRow(
+            number,
+            (each.v_n, unknown, each.v_n_after, unknown),
+            (each.sigma_v_n, None, each.sigma_v_n_after, None),
+        )
+        for number, each in enumerate(bounces, start=1)
+    ]
+    write_impacts(folder, description(name, setup), rows, impacts)
+
+
+def write_impacts(
+    folder: Path, described: str, rows: Sequence[ShotRow], impacts: Sequence[ImpactRow]
+) -> None:
+    """Write an exchange folder: campaign.toml as it is `described`, shots.csv and impacts.csv.
+
+    Raises
+    ------
+    OSError
+        The folder cannot be written.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / DESCRIPTION).write_text(described, encoding="utf-8")
     write_shot_list(folder / SHOT_LIST, rows)
     with (folder / IMPACTS).open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(["shot", *QUANTITIES, *SIGMAS])
-        for number, each in enumerate(bounces, start=1):
-            speeds = [each.v_n, "", each.v_n_after, ""]
-            writer.writerow([number, *speeds, each.sigma_v_n, "", each.sigma_v_n_after, ""])
+        for each in impacts:
+            speeds = ["" if math.isnan(speed) else speed for speed in each.speeds]
+            sigmas = ["" if sigma is None else sigma for sigma in each.sigmas]
+            writer.writerow([each.shot, *speeds, *sigmas])

@@ -13,7 +13,8 @@ from matplotlib.patches import Rectangle
 from analysis.figures.sheet import STRUCTURE, Block, blocks_sheet
 from analysis.model.structure.channels import AXES
 from analysis.model.structure.covariates import LABELS, covariate_label
-from analysis.model.structure.lackoffit import Cell, standard_deviations
+from analysis.model.structure.findings import ALWAYS
+from analysis.model.structure.lackoffit import Cell
 
 ALARM = 0.01
 BRIGHTEST = 12.0
@@ -37,16 +38,17 @@ def heatmap_figure(title: str, cells: Sequence[Cell]) -> Figure:
         "camera": [c for c in cells if _camera(c)],
     }
     note = (
-        "Standard deviations by which smooth functions of a covariate lower χ² beyond chance; "
-        "framed: less than 1 % chance with all cells\nlooked at. n: along the normal; t: along the "
-        "incident surface velocity; b: across both; common: mean of a and b; relative: b less a."
+        "always: mean of the row, in its standard errors; else standard deviations by which smooth "
+        "functions of a covariate lower χ²\nbeyond chance, that mean taken out; framed: less than "
+        "1 % chance with all cells looked at.\nn: along the normal; t: along the incident surface "
+        "velocity; b: across both; common: mean of a and b; relative: b less a."
     )
     blocks = [
-        Block(name, _names(own, "channel"), tuple(map(_short, _names(own, "covariate"))))
+        Block(name, _names(own, "channel"), tuple(map(_short, _columns(own))))
         for name, own in parts.items()
     ]
     figure, axes, bar = blocks_sheet(title, note, blocks, cell=SIZE)
-    brightest = max(BRIGHTEST, *(standard_deviations(cell) for cell in cells))
+    brightest = max(BRIGHTEST, *(max(c.course_deviation, c.mean_deviation) for c in cells))
     for own, part in zip(parts.values(), axes, strict=True):
         image = _block(part, own, brightest)
     legend = figure.colorbar(image, cax=bar)
@@ -68,22 +70,42 @@ def _names(cells: Sequence[Cell], kind: str) -> tuple[str, ...]:
 
 
 def _block(axes: Axes, cells: Sequence[Cell], brightest: float) -> AxesImage:
-    rows, columns = _names(cells, "channel"), _names(cells, "covariate")
+    rows, columns = _names(cells, "channel"), _columns(cells)
     values = np.zeros((len(rows), len(columns)))
     for cell in cells:
-        row, column = rows.index(cell.channel), columns.index(cell.covariate)
-        values[row, column] = value = standard_deviations(cell)
-        colour = "white" if value > 0.6 * brightest else "#222222"
-        axes.text(column, row, f"{value:.0f}", ha="center", va="center", color=colour, size=8)
-        if cell.p_holm < ALARM:
-            corner = (column - 0.45, row - 0.45)
-            axes.add_patch(Rectangle(corner, 0.9, 0.9, fill=False, color="black", linewidth=1.3))
+        row = rows.index(cell.channel)
+        shown = [(cell.covariate, cell.course_deviation, cell.course_p_holm)]
+        if cell.mean_freedom:
+            shown.append((ALWAYS, cell.mean_deviation, cell.mean_p_holm))
+        for covariate, value, chance in shown:
+            column = columns.index(covariate)
+            if not values[row, column]:
+                _number(axes, (column, row), value, bright=value > 0.6 * brightest)
+                if chance < ALARM:
+                    _frame(axes, (column, row))
+            values[row, column] = value
     axes.vlines(np.arange(1, len(columns)) - 0.5, -0.5, len(rows) - 0.5, color="white", linewidth=2)
     axes.hlines(np.arange(1, len(rows)) - 0.5, -0.5, len(columns) - 0.5, color="white", linewidth=2)
     return axes.imshow(values, cmap=STRUCTURE, vmin=0, vmax=brightest, aspect="auto")
 
 
+def _columns(cells: Sequence[Cell]) -> tuple[str, ...]:
+    """Return the covariates, the mean of each row first."""
+    means = (ALWAYS,) if any(cell.mean_freedom for cell in cells) else ()
+    return (*means, *_names(cells, "covariate"))
+
+
+def _number(axes: Axes, place: tuple[int, int], value: float, *, bright: bool) -> None:
+    colour = "white" if bright else "#222222"
+    axes.text(*place, f"{value:.0f}", ha="center", va="center", color=colour, size=8)
+
+
+def _frame(axes: Axes, place: tuple[int, int]) -> None:
+    corner = (place[0] - 0.45, place[1] - 0.45)
+    axes.add_patch(Rectangle(corner, 0.9, 0.9, fill=False, color="black", linewidth=1.3))
+
+
 def _short(covariate: str) -> str:
-    if covariate in COVARIATES:
+    if covariate in (*COVARIATES, ALWAYS):
         return covariate.replace(" x ", " × ")
     return covariate_label(covariate)

@@ -102,16 +102,17 @@ def look_job(asked: Json, progress: Progress) -> Json:
 
 
 def measure_job(asked: Json, progress: Progress) -> Json:
-    """Measure a film and write figure, result and campaign.
+    """Measure one of some films, write figure and result, and the campaign of all measured so far.
 
-    `path` is the film, `diameter_mm` the ball's; `mass_g`, `rate_hz` and `window` (column, row,
-    width, height) are None where nothing is stated; `figure`, `result` and `campaign` are where to
-    write, `name` is what to call it.
+    `path` is the film and `shot` its number, `diameter_mm` the ball's; `mass_g`, `rate_hz` and
+    `window` (column, row, width, height) are None where nothing is stated; `figure`, `result` and
+    `campaign` are where to write, `name` is what to call it and `title` the campaign, `earlier` are
+    results of other films.
     """
     window = asked["window"]
     ball = stated_ball(asked["diameter_mm"], asked["mass_g"])
     job = FilmJob(
-        shot=1,
+        shot=asked["shot"],
         path=Path(asked["path"]),
         ball=ball,
         rate_hz=asked["rate_hz"],
@@ -124,13 +125,15 @@ def measure_job(asked: Json, progress: Progress) -> Json:
         raise AnalysisInputError(error.reason, part=Path(error.path).name) from error
     except ShotRefusedError as refusal:
         raise AnalysisInputError(refusal.reason, part=f"the {refusal.step}") from refusal
-    document = {"shot": 1, **ball_document(film.measured, film.notes)}
+    document = {"shot": asked["shot"], **ball_document(film.measured, film.notes)}
     progress("drawing", 0.8)
     draw_ball_film(Path(asked["figure"]), asked["name"], film)
     Path(asked["result"]).write_text(json.dumps(document, allow_nan=False), encoding="utf-8")
     size = film.film.head.height, film.film.head.width
+    earlier = [json.loads(Path(path).read_text("utf-8")) for path in asked["earlier"]]
+    shots = sorted([*earlier, document], key=lambda one: int(one["shot"]))
     write_ball_campaign(
-        Path(asked["campaign"]), asked["name"], ball, (asked["rate_hz"], size), [document]
+        Path(asked["campaign"]), asked["title"], ball, (asked["rate_hz"], size), shots
     )
     return document
 

@@ -9,6 +9,7 @@ from datetime import datetime
 from itertools import islice
 from pathlib import Path
 
+from analysis.campaign import FRAMES, POSES
 from analysis.exchange.pose_table import Spheres
 from analysis.exchange.shot_list import EXCLUDED, ShotRow
 from analysis.model.data.columns import ShotColumns
@@ -73,16 +74,19 @@ def open_campaign(
         return campaign_poses(store, name)
 
 
-def folder_poses(folder: Path) -> tuple[str, PoseData]:
-    """Return title and poses of a campaign's folder; frames without poses are measured now.
+def folder_data(folder: Path) -> tuple[str, Data]:
+    """Return title and poses of a campaign's folder, or its tables where it has nothing else.
+
+    Frames without poses are measured now.
 
     Raises
     ------
     AnalysisInputError
-        The folder cannot be read, or holds no poses.
+        The folder cannot be read, or holds no shot that is measured.
     """
+    seen = any((folder / name).exists() for name in (POSES, FRAMES))
     with as_analysis_errors():
-        return gather_poses(folder)
+        return gather_poses(folder) if seen else gather(folder)
 
 
 def campaign_poses(store: Store | StoreReader, name: str) -> tuple[str, PoseData]:

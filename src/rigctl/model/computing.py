@@ -23,9 +23,11 @@ from analysis.model.agreement.agree import agree
 from analysis.model.agreement.document import (
     agreement_document,
     cells_document,
+    findings_document,
     structure_document,
 )
 from analysis.model.agreement.launch import launch_stage
+from analysis.model.agreement.predicted_paths import paths_document
 from analysis.model.agreement.table import Stage
 from analysis.model.data.stream import whole
 from analysis.model.data.tables import Data
@@ -43,7 +45,7 @@ from rigctl.documents import Json
 from rigctl.errors import AnalysisInputError
 from rigctl.input_errors import as_analysis_errors
 from rigctl.measuring.measured import MeasuredFiles
-from rigctl.model.campaigns import folder_poses, poses_from
+from rigctl.model.campaigns import folder_data, poses_from
 from rigctl.model.known_effects import Available, available, faults_refused
 from rigctl.model.next_shots import Known, Question, answer
 from rigctl.model.own_effects import PART
@@ -148,17 +150,21 @@ def next_job(asked: Json, progress: Progress) -> Json:
 def picture_job(asked: Json, progress: Progress) -> Json:
     """Fit, and answer all that can be asked of one fit: agreement, structure, ranking, figure 7.4.
 
-    The points of each cell are a text of JSON in the document, to be parsed when it is looked at.
+    Beside them `paths`: some shots as they were measured and as the model predicts them, and
+    `estimated`: whether errors were not stated, so that the scatter about this fit stands for them.
     """
     found = _fitted(asked, progress)
     progress("comparing", 0.3)
     compared = _compared(found.data, found.fit)
     progress("testing what is left", 0.5)
-    cells = cells_document(structure(found.data, found.fit))
+    left = structure(found.data, found.fit)
+    tested = {"cells": cells_document(left), "findings": findings_document(left)}
+    paths = paths_document(found.data, found.fit)
     progress("ranking the effects", 0.7)
     ranked = _ranked(found)
     plane = impact_plane(found.data, found.fit).to_json()
-    return {**found.document, **compared, "cells": cells, **ranked, "plane": plane}
+    answers = {**compared, **tested, "paths": paths, **ranked, "plane": plane}
+    return {**found.document, **answers, "estimated": found.data.estimated}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -204,7 +210,7 @@ def _compared(data: Data, fitted: Fit) -> Json:
 def _data(asked: Json, progress: Progress) -> Data:
     progress("reading the poses", None)
     if "folder" in asked:
-        return folder_poses(Path(asked["folder"]))[1]
+        return folder_data(Path(asked["folder"]))[1]
     if "store" in asked:
         with reading(Path(asked["store"]), asked["database"]) as store, as_analysis_errors():
             if is_tabulated(store, asked["campaign"]):

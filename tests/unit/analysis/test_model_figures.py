@@ -16,7 +16,7 @@ from matplotlib.text import Text
 from analysis.effects.catalogue import CATALOGUE
 from analysis.figures.agreement import agreement_figure
 from analysis.figures.error_path import error_path_figure
-from analysis.figures.heatmap import heatmap_figure, standard_deviations
+from analysis.figures.heatmap import heatmap_figure
 from analysis.figures.plane import plane_figure
 from analysis.figures.ranking import alias_groups, aliases_figure, ranking_figure
 from analysis.figures.residuals import residuals_figure
@@ -27,6 +27,7 @@ from analysis.model.fitting.fit import fit_campaign
 from analysis.model.plane import impact_plane
 from analysis.model.rank.candidate import Ranking
 from analysis.model.rank.ranking import rank
+from analysis.model.structure.lackoffit import deviate
 from analysis.model.structure.structure import structure
 from analysis.model.verdict.crossvalidation import prediction_error
 from tests.unit.analysis.model.hard_spheres import campaign
@@ -153,12 +154,8 @@ def ranking_of() -> Callable[[list[list[float]]], Ranking]:
     return made
 
 
-def test_a_cell_far_beyond_the_smallest_number_still_has_its_colour() -> None:
-    data = campaign(12, 87)
-    cell = structure(data, fit_campaign(data)).cells[0]
-    far, farther = (replace(cell, chi2=chi2, freedom=5) for chi2 in (3e3, 3e4))
-    assert standard_deviations(far) < standard_deviations(farther)
+def test_a_chi_squared_far_beyond_the_smallest_chance_still_has_its_colour() -> None:
+    assert deviate(3e3, 5) < deviate(3e4, 5)
     # 13.09 is the 97.725 per cent point of five degrees of freedom: two standard deviations.
-    two = replace(cell, chi2=13.09, freedom=5)
-    assert standard_deviations(two) == pytest.approx(2.0, abs=0.02)
-    assert standard_deviations(replace(cell, chi2=0.0, freedom=0)) == 0.0
+    assert deviate(13.09, 5) == pytest.approx(2.0, abs=0.02)
+    assert deviate(0.0, 0) == 0.0

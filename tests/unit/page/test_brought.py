@@ -24,16 +24,37 @@ def pack(place: Path, **files: str) -> None:
 
 def test_a_film_is_a_film(place: Path) -> None:
     (place / "drop.mp4").write_bytes(b"")
-    assert what_is_in(place).film == place / "drop.mp4"
+    assert what_is_in(place).films == (place / "drop.mp4",)
 
 
 def test_pictures_beside_each_other_are_one_film(place: Path) -> None:
     for name in ("1.png", "2.png", "3.png"):
         (place / name).write_bytes(b"")
     found = what_is_in(place)
-    assert found.film is not None
-    assert sorted(path.name for path in found.film.iterdir()) == ["1.png", "2.png", "3.png"]
+    [film] = found.films
+    assert sorted(path.name for path in film.iterdir()) == ["1.png", "2.png", "3.png"]
     assert what_is_in(place) == found
+
+
+def test_several_films_stay_several_and_two_files_of_one_recording_are_one(place: Path) -> None:
+    for name in ("one.mp4", "two.mp4", "three.mraw", "three.cihx"):
+        (place / name).write_bytes(b"")
+    assert {path.stem for path in what_is_in(place).films} == {"one", "two", "three"}
+    assert len(what_is_in(place).films) == 3
+
+
+def test_a_table_is_a_table_and_the_files_of_a_campaign_are_one(place: Path) -> None:
+    (place / "impacts.csv").write_text("")
+    assert what_is_in(place).table == place / "impacts.csv"
+    (place / "campaign.toml").write_text("")
+    assert what_is_in(place).campaign == place
+
+
+def test_what_was_measured_is_not_taken_for_what_was_brought(place: Path) -> None:
+    (place / "drop.mp4").write_bytes(b"")
+    (place / "measured" / "campaign").mkdir(parents=True)
+    (place / "measured" / "campaign" / "impacts.csv").write_text("")
+    assert what_is_in(place).films == (place / "drop.mp4",)
 
 
 def test_an_archive_with_a_description_is_a_campaign_however_deep_it_lies(place: Path) -> None:

@@ -17,6 +17,7 @@ def found(
     added: str = "",
     shots: int = 30,
     shared: bool = True,
+    covariate: str = "time",
 ) -> Json:
     """Return an answer of one row, one cell and one effect with these chances."""
     return {
@@ -24,15 +25,8 @@ def found(
         "prediction_error": 1.5,
         "with": [added] if added else [],
         "stages": [{"quantities": [{"quantity": "normal velocity", "p_familywise": row}]}],
-        "cells": [
-            {
-                "channel": "spin n",
-                "covariate": "time",
-                "deviation": 2.0,
-                "p_familywise": cell,
-                "shared": shared,
-            }
-        ],
+        "cells": [{"p_familywise": cell, "shared": shared}],
+        "findings": [{"channel": "spin n", "covariate": covariate, "p_familywise": cell}],
         "candidates": [{"effect": "drag", "seen": True, "like": [], "p_familywise": effect}],
     }
 
@@ -46,7 +40,12 @@ def test_where_no_number_stands_out_all_is_well() -> None:
 def test_a_cell_that_stands_out_says_where() -> None:
     lead, rest, good = sentence([found(row=1e-9, cell=1e-4, effect=1e-6)])
     assert (lead, good) == ("Something is missing.", False)
-    assert "most in spin n against time. drag promises most" in rest
+    assert "most in spin n against time. drag lowers it most" in rest
+
+
+def test_a_mean_that_stands_out_is_named_as_one() -> None:
+    _, rest, _ = sentence([found(row=1e-9, cell=1e-4, effect=1e-6, covariate="always")])
+    assert "most in spin n, mean of all shots." in rest
 
 
 def test_a_quantity_that_disagrees_is_named_where_no_cell_stands_out() -> None:

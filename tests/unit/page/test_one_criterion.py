@@ -22,7 +22,17 @@ chance = st.sampled_from([1e-12, 0.004, 0.009, 0.011, 0.04, 0.06, 1.0])
 def fits(draw: st.DrawFn, added: tuple[str, ...]) -> Json:
     """Return what a fit of any campaign may say."""
     like = st.lists(st.sampled_from(NAMES), unique=True, max_size=2)
+    findings = [
+        {
+            "channel": "common spin n",
+            "covariate": draw(st.sampled_from(["time", "always"])),
+            "deviation": draw(st.floats(0.1, 50)),
+            "p_familywise": draw(chance),
+        }
+        for _ in range(2)
+    ]
     return {
+        "findings": findings,
         "shots": draw(st.integers(1, 40)),
         "prediction_error": draw(st.sampled_from([0.97, 1.002, 1.02, 3.0])),
         "with": list(added),
@@ -33,7 +43,6 @@ def fits(draw: st.DrawFn, added: tuple[str, ...]) -> Json:
             {
                 "channel": "common spin n",
                 "covariate": "time",
-                "deviation": draw(st.floats(0.1, 50)),
                 "p_familywise": draw(chance),
                 "shared": draw(st.booleans()),
             }
@@ -72,17 +81,17 @@ def test_what_the_verdict_calls_missing_is_missing_in_story_and_next_shots(
     standing = standing_of(path, concluded)
     lead, rest, good = sentence(path, concluded)
     named = missing_words(standing)
-    told = [where(cell, POINTS, standing) for cell in path[-1]["cells"]]
+    told = [where(cell, POINTS, standing) for cell in path[-1]["findings"]]
     is_missing = lead.endswith(("is missing.", "still missing."))
     assert is_missing == (good is False)
     assert is_missing == (named in NAMES or named == "nothing that is known")
-    if any("goes wrong" in words for words in told):
+    if any("wrong" in words for words in told):
         assert is_missing
     if good:
         assert named == "nothing"
         assert asked_for(standing) == "None are needed to name what is missing."
     if named in NAMES:
-        assert f"{named} promises most" in rest or f"{named}, which" in rest
+        assert f"{named} lowers it most" in rest or f"{named}, which" in rest
         assert named not in path[-1]["with"]
 
 
@@ -103,7 +112,7 @@ def test_shots_are_chosen_exactly_where_the_verdict_leaves_two_open(
 def test_the_verdict_of_the_whole_way_holds_for_its_own_effects_alone() -> None:
     row = {"quantities": [{"quantity": "spin", "p_familywise": 1e-9}]}
     found: Json = {"shots": 40, "prediction_error": 2.0, "with": [], "stages": [row]}
-    found |= {"cells": [], "candidates": []}
+    found |= {"cells": [], "findings": [], "candidates": []}
     concluded = {"verdict": "effect", "effects": ["drag"], "alias_set": ["drag"]}
     assert standing_of([found], concluded).word is Word.UNEXPLAINED
     assert standing_of([found, found | {"with": ["drag"]}], concluded).word is Word.FLOOR

@@ -10,7 +10,7 @@ import pytest
 from rigctl.model.known_effects import ALL_EFFECTS, effect_document
 from rigctl.page.model.story.cards import HERE, card_of, in_plain
 from rigctl.page.model.story.preview import preview
-from rigctl.page.model.story.words import channel, compared, covariate, leading, where
+from rigctl.page.model.story.words import channel, compared, covariate, where
 
 CATALOGUE = [effect_document(effect) for effect in ALL_EFFECTS]
 
@@ -29,9 +29,9 @@ def test_an_effect_has_a_card_in_plain_words(effect: dict[str, Any]) -> None:
 
 
 def test_a_sentence_names_effects_as_their_cards_do_and_leaves_other_words() -> None:
-    said = in_plain("With mirror-angle something is missing; restitution-warmth promises most.")
+    said = in_plain("With mirror-angle something is missing; restitution-warmth lowers it most.")
     assert said == (
-        "With “The mirror is not at 45°” something is missing; restitution-warmth promises most."
+        "With “The mirror is not at 45°” something is missing; restitution-warmth lowers it most."
     )
 
 
@@ -46,16 +46,6 @@ def test_an_effect_of_ones_own_describes_itself() -> None:
     }
     card = card_of(own)
     assert (card.title, card.what, card.typeset) == ("Warm nylon", "change of e per kelvin.", False)
-
-
-def test_of_nearly_equal_cells_what_happened_leads_before_the_setting_that_brought_it() -> None:
-    cells = [cell("pressure_a_kpa", 50), cell("ln v_n", 46), cell("order", 3)]
-    assert [one["covariate"] for one in leading(cells)] == ["ln v_n", "pressure_a_kpa", "order"]
-
-
-def test_a_setting_that_says_clearly_more_leads() -> None:
-    cells = [cell("pressure_a_kpa", 50), cell("ln v_n", 20)]
-    assert leading(cells)[0]["covariate"] == "pressure_a_kpa"
 
 
 def test_what_has_no_plain_word_keeps_its_own() -> None:
@@ -101,10 +91,6 @@ def points(x: np.ndarray, mean: np.ndarray) -> dict[str, Any]:
     return {"trend": {"x": x.tolist(), "mean": mean.tolist()}}
 
 
-def cell(name: str, deviation: float) -> dict[str, Any]:
-    return {"channel": "relative velocity n", "covariate": name, "deviation": deviation}
-
-
 def row(quantity: str, error: float, p: float) -> dict[str, Any]:
     return {"quantity": quantity, "error": error, "p_familywise": p, "size": 80.0, "unit": "mm/s"}
 
@@ -113,7 +99,7 @@ def test_a_constant_error_is_called_one_and_a_course_is_told_by_its_ends() -> No
     cell = {"channel": "common spin n", "covariate": "time", "p_familywise": 1e-9}
     constant = {"unit": "mrad", "trend": {"mean": [16.0, 17.1, 14.4]}}
     course = {"unit": "mrad", "trend": {"mean": [-16.0, 0.0, 14.4]}}
-    said = where(cell, constant, None)
-    assert "always wrong, by +15.8 mrad on average" in said
+    said = where(cell | {"covariate": "always"}, constant, None)
+    assert "wrong in all shots alike, by +15.8 mrad on average" in said
     assert "goes wrong" not in said
     assert "−16 mrad at its least" in where(cell, course, None)

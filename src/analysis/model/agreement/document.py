@@ -11,7 +11,8 @@ import numpy as np
 from analysis.model.agreement.table import Agreement, Row
 from analysis.model.structure.alarm import is_shared
 from analysis.model.structure.covariates import covariate_label
-from analysis.model.structure.lackoffit import Cell, standard_deviations
+from analysis.model.structure.findings import ALWAYS, Finding, findings
+from analysis.model.structure.lackoffit import Cell
 from analysis.model.structure.structure import CellResiduals, Structure
 from analysis.model.verdict.documents import SMALLEST_P
 
@@ -49,9 +50,13 @@ def agreement_document(found: Agreement) -> Json:
 
 
 def structure_document(found: Structure) -> Json:
-    """Return all cells, and the residuals of the most striking ones."""
+    """Return all cells, and the residuals of the most striking ones.
+
+    `deviation`: standard deviations of a cell's course without its channel's mean, and
+    `mean_deviation` those of that mean.
+    """
     return {
-        "cells": [cell_document(cell) for cell in found.cells],
+        "cells": [_split(cell) for cell in found.cells],
         "residuals": [
             residuals_document(found.residuals(cell.channel, cell.covariate))
             for cell in found.cells[:DRAWN]
@@ -60,19 +65,33 @@ def structure_document(found: Structure) -> Json:
 
 
 def cells_document(found: Structure) -> list[Json]:
-    """Return all cells with their deviation and, as a text of JSON, the points behind each.
+    """Return all cells; `shared`: whether more than two shots speak for it."""
+    shots = len(found.data.shots)
+    return [{**cell_document(cell), "shared": is_shared(cell, shots)} for cell in found.cells]
 
-    `shared`: whether more than two shots speak for it.
+
+def findings_document(found: Structure) -> list[Json]:
+    """Return means and courses as `findings` orders them, and the points behind each.
+
+    Points are a text of JSON, to be parsed when they are looked at; those of a mean are in the
+    order of firing.
     """
     return [
         {
-            **cell_document(cell),
-            "shared": is_shared(cell, len(found.data.shots)),
-            "deviation": standard_deviations(cell),
-            "points": json.dumps(drawn(found.residuals(cell.channel, cell.covariate))),
+            "channel": one.channel,
+            "covariate": one.covariate,
+            "deviation": one.deviation,
+            "p_familywise": max(one.p_value, SMALLEST_P),
+            "points": json.dumps(drawn(_behind(found, one))),
         }
-        for cell in found.cells
+        for one in findings(found.cells, found.covariates)
     ]
+
+
+def _behind(found: Structure, one: Finding) -> CellResiduals:
+    if one.covariate == ALWAYS:
+        return found.always(one.channel)
+    return found.residuals(one.channel, one.covariate)
 
 
 def residuals_document(found: CellResiduals) -> Json:
@@ -135,4 +154,13 @@ def cell_document(cell: Cell) -> Json:
         "degrees_of_freedom": cell.freedom,
         "p_value": max(cell.p_value, SMALLEST_P),
         "p_familywise": max(cell.p_holm, SMALLEST_P),
+    }
+
+
+def _split(cell: Cell) -> Json:
+    """Return a cell with its deviations, the mean of its channel taken out, and of that mean."""
+    return {
+        **cell_document(cell),
+        "deviation": cell.course_deviation,
+        "mean_deviation": cell.mean_deviation,
     }

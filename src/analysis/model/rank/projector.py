@@ -82,6 +82,10 @@ class ColumnSums:
             self.raw + other.raw,
         )
 
+    def of_first(self) -> ColumnSums:
+        """Return the sums of the first column alone."""
+        return ColumnSums(self.own[:1, :1], self.against[:1], self.gradient[:1], self.raw[:1])
+
     def solved(self, covariance: Floats, left: Floats) -> Solved:
         """Fit amplitudes beside all that was fitted.
 

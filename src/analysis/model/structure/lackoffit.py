@@ -1,7 +1,9 @@
 """Structure that is left when the model has done what it can: the omnibus alarm and the heat map.
 
 A cell is a channel (what is disturbed) against a covariate (what it may depend on), as five smooth
-functions of that covariate. Each shot's own numbers and everything fitted are projected out, so a
+functions of that covariate. The first of them is a constant, the same in all cells of a channel: it
+is tested by itself, so that the course of a cell, what the other four add to it, says what the
+channel follows. Each shot's own numbers and everything fitted are projected out, so a
 cell's chi-squared has its stated degrees of freedom when nothing is missing.
 """
 
@@ -52,6 +54,11 @@ class Cell:
         `p_holm` without these two, every cell counted.
     own_of
         Names of the fit's effects that show in this cell most.
+    mean_chi2, mean_freedom
+        Fall by the mean of the channel's residuals, and 1; 0 and 0 where something fitted takes its
+        place. `mean_p_holm` with all channels looked at.
+    course_p_holm
+        Chance of what the others add to it, with all cells looked at.
     size, stated
         Of structure of frames, m or rad: how large it is, root mean square, and how large the
         stated slow errors of the poses let it be. 0 and 0: of a contact, or where none are stated.
@@ -66,8 +73,27 @@ class Cell:
     carried_share: float
     p_rest: float
     own_of: tuple[str, ...] = ()
+    mean_chi2: float = 0.0
+    mean_freedom: int = 0
+    mean_p_holm: float = 1.0
+    course_p_holm: float = 1.0
     size: float = 0.0
     stated: float = 0.0
+
+    @property
+    def course(self) -> tuple[float, int]:
+        """Chi-squared and degrees of freedom without the channel's constant."""
+        return max(0.0, self.chi2 - self.mean_chi2), self.freedom - self.mean_freedom
+
+    @property
+    def course_deviation(self) -> float:
+        """Standard deviations of that, never below zero."""
+        return deviate(*self.course)
+
+    @property
+    def mean_deviation(self) -> float:
+        """By how many standard errors the channel's constant differs from zero."""
+        return float(np.sqrt(max(0.0, self.mean_chi2)))
 
     @property
     def of_measurement(self) -> bool:
@@ -111,9 +137,46 @@ def tested(data: CampaignData, fit: Fit) -> Tested:
     solved = {name: cell.solved(covariance, sums.left) for name, cell in sums.cells.items()}
     carried = sums.carried(solved, covariance)
     cells = _cells(fit, solved, carried, own_cells(fit.theory, sums))
+    means = {name: _mean(sums, name, covariance) for name in sums.cells}
+    cells = _with_means(cells, means, max(fit.chi2_per_dof, 1e-12))
     slow = NO_SLOW_ERRORS if isinstance(data, ContactTable) else data.slow
     cells = [_sized(cell, sums, solved, slow) for cell in cells]
     return Tested(tuple(sorted(cells, key=lambda c: (c.p_value, -c.chi2))), sums, solved)
+
+
+def _mean(sums: Summed, name: Name, covariance: Floats) -> Solved:
+    """Return the constant of a cell's channel as its residuals show it.
+
+    Of frames they hold what the poses want beside all that was fitted. Of jumps they are what the
+    fit leaves of each shot, and their mean is no longer fitted beside a law that could take it.
+    """
+    constant = sums.cells[name].of_first()
+    beside = constant.solved(covariance, sums.left)
+    if name[0] not in sums.jumps or beside.freedom == 0:
+        return beside
+    own, gradient = float(constant.own[0, 0]), float(constant.gradient[0])
+    return replace(beside, chi2=gradient**2 / own)
+
+
+def _with_means(cells: Sequence[Cell], means: Mapping[Name, Solved], scale2: float) -> list[Cell]:
+    """Split each cell into the mean of its channel and its course, each with its chance."""
+    by_channel = {name[0]: one for name, one in means.items()}
+    chances = holm(np.array([_chance(one, scale2) for one in by_channel.values()]))
+    looked_at = dict(zip(by_channel, chances, strict=True))
+    split = [
+        replace(
+            cell,
+            mean_chi2=means[cell.channel, cell.covariate].chi2 / scale2,
+            mean_freedom=means[cell.channel, cell.covariate].freedom,
+            mean_p_holm=float(looked_at[cell.channel]),
+        )
+        for cell in cells
+    ]
+    courses = holm(np.array([chi_squared.chance_of_more(*cell.course) for cell in split]))
+    return [
+        replace(cell, course_p_holm=float(chance))
+        for cell, chance in zip(split, courses, strict=True)
+    ]
 
 
 def _sized(cell: Cell, sums: Summed, solved: Mapping[Name, Solved], slow: SlowErrors) -> Cell:
@@ -184,16 +247,16 @@ def _chance_of_rest(solved: Solved, carried: float, scale2: float, cells: int) -
     return 1.0 if rest <= 0.0 else min(1.0, cells * _chance(solved, scale2 / rest))
 
 
-def standard_deviations(cell: Cell) -> float:
-    """Return a cell's chi-squared as a normal deviate, never below zero.
+def deviate(chi2: float, freedom: int) -> float:
+    """Return a chi-squared as a normal deviate, never below zero.
 
     E. B. Wilson and M. M. Hilferty, Proc. Natl. Acad. Sci. 17, 684 (1931): unlike the p-value it
     does not end at the smallest number.
     """
-    if cell.freedom == 0:
+    if freedom == 0:
         return 0.0
-    spread = 2 / (9 * cell.freedom)
-    return max(0.0, float((np.cbrt(cell.chi2 / cell.freedom) - (1 - spread)) / spread**0.5))
+    spread = 2 / (9 * freedom)
+    return max(0.0, float((np.cbrt(chi2 / freedom) - (1 - spread)) / spread**0.5))
 
 
 def _chance(solved: Solved, scale2: float) -> float:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.model.data.columns import ORDER
 from analysis.model.data.stream import CampaignData, whole
 from analysis.model.data.tables import Data
 from analysis.model.fitting.fit import Fit
@@ -95,6 +96,23 @@ class Structure:
             if (found.name, found.covariate) == (channel, covariate):
                 return self._of_frames(found, curve)
         raise KeyError(f"no cell of {channel} against {covariate}")
+
+    def always(self, channel: str) -> CellResiduals:
+        """Return the residuals of a channel and their mean, those of shots in the order of firing.
+
+        Raises
+        ------
+        KeyError
+            There is no such channel.
+        """
+        along = [ORDER] if channel in self.jumps else []
+        along += [found.covariate for found, _ in self.channels if found.name == channel]
+        found = self.residuals(channel, along[0] if along else "")
+        weight = 1 / found.sigma**2
+        mean, error = float((weight @ found.residual) / weight.sum()), float(weight.sum() ** -0.5)
+        ends = np.array([found.place.min(), found.place.max()])
+        trend = Trend(ends, np.full(2, mean), np.full(2, error))
+        return replace(found, trend=trend)
 
     def _of_shots(self, channel: str, covariate: str) -> CellResiduals:
         residual, sigma = self.jumps[channel]

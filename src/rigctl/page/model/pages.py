@@ -16,7 +16,9 @@ from rigctl.page.model.source import Source
 from rigctl.page.model.state import Effects, ModelState
 from rigctl.page.model.steps import Steps
 from rigctl.page.model.story.cards import in_plain, slider_script
+from rigctl.page.model.story.ghost import ghost_script
 from rigctl.page.model.story.view import Story
+from rigctl.page.model.story.words import in_words
 from rigctl.page.model.verdict import Verdict
 from rigctl.page.parts.following import following
 from rigctl.page.parts.plotting import expect_plots
@@ -45,7 +47,10 @@ class ModelView:
         self._state.take(effects)
         self._rest = False
         self._head()
-        self._verdict = Verdict(desk, self._state, self._take, str if view == TABLES else in_plain)
+        if view == TABLES:
+            self._verdict = Verdict(desk, self._state, self._take)
+        else:
+            self._verdict = Verdict(desk, self._state, self._take, in_plain, in_words)
         self._busy()
         self._failed()
         if view == TABLES:
@@ -173,6 +178,7 @@ def _view(source: Callable[[], Source], desk: Desk, effects: str, view: str, gui
         return
     expect_plots()
     slider_script()
+    ghost_script()
     ModelView(desk, found, tuple(filter(None, effects.split(","))), view, guide)
 
 

@@ -13,10 +13,11 @@ from rigctl.errors import AnalysisInputError
 from rigctl.jobs import Job, in_process
 from rigctl.measuring.measured import measured_files, request
 from rigctl.model.own_effects import OwnEffects
+from rigctl.store import ShotRecord
 
 Json = dict[str, Any]
 FUNCTIONS = "rigctl.model.computing"
-LOOKED_AT = ("campaign.toml", "shots.csv", "poses.csv")
+LOOKED_AT = ("campaign.toml", "shots.csv", "poses.csv", "contacts.csv", "impacts.csv")
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,6 +83,14 @@ class Source:
         named = (kind, self.title, *effects, repr(more), shots, own.fingerprint())
         work = in_process(f"{FUNCTIONS}:{kind}_job", {**asked, **own.asked(), **more})
         return self.daemon.jobs.submit(kind, self.title, work, named)
+
+    def stored(self, number: int) -> ShotRecord | None:
+        """Return a shot of the store by its number; None where the shots are of a folder."""
+        if self.folder is not None:
+            return None
+        store = self.daemon.store
+        found = store.shots(campaign=self.title, limit=store.campaigns.one(self.title).shots)
+        return next((shot for shot in found if shot.number == number), None)
 
     def _asked(self, effects: Sequence[str]) -> tuple[Json, Hashable]:
         """Return the question, and what changes when the shots do."""

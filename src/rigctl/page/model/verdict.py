@@ -13,13 +13,14 @@ from analysis.model.verdict.standing import (
     SURE,
     Word,
     failing_rows,
-    left_cells,
     standing_of,
 )
 from analysis.model.verdict.words import doubts, too_few, verdict_sentence
 from rigctl.page.desk import Desk
 from rigctl.page.model.law import ProposedLaw
 from rigctl.page.model.state import Effects, ModelState, Question
+from rigctl.page.model.story.errors import Unseen
+from rigctl.page.model.where import named
 from rigctl.page.parts.waiting import Waiting
 from rigctl.page.parts.widgets import button
 
@@ -30,7 +31,7 @@ class Verdict:
     """One sentence before any table, and a button that has the whole way gone.
 
     What the whole way ends with is taken into the model by `take`, so that there is one verdict.
-    `worded` puts a sentence into the words of the view.
+    `worded` puts a sentence into the words of the view, `finding` names where it fails.
     """
 
     def __init__(
@@ -39,8 +40,10 @@ class Verdict:
         state: ModelState,
         take: Callable[[Effects], None],
         worded: Callable[[str], str] = str,
+        finding: Callable[[Json], str] = named,
     ) -> None:
         self._state, self._take, self._worded = state, take, worded
+        self._finding = finding
         jobs = state.source.daemon.jobs
         self._asked = Question(lambda: state.source.ask("explain"), jobs.job)
         self._law = ProposedLaw(state, self.show.refresh)
@@ -67,7 +70,7 @@ class Verdict:
         if self._state.failure:
             lead = "Model and measurement were not compared."
         if present is not None:
-            lead, rest, good = sentence(self._state.path(), self._state.concluded)
+            lead, rest, good = sentence(self._state.path(), self._state.concluded, self._finding)
         look = "" if good is None else (" good" if good else " bad")
         with ui.element("div").classes(f"verdict{look}").props("data-testid=verdict role=status"):
             with ui.element("div").classes("beside"):
@@ -117,16 +120,19 @@ class Verdict:
         self.show.refresh()
 
 
-def sentence(path: Sequence[Json], concluded: Json | None = None) -> tuple[str, str, bool | None]:
+def sentence(
+    path: Sequence[Json],
+    concluded: Json | None = None,
+    finding: Callable[[Json], str] = named,
+) -> tuple[str, str, bool | None]:
     """Say how the last fit of a path stands: the point, what goes with it, whether all is well.
 
     None where these shots do not say. What is said is decided by `standing_of` alone.
     """
     found, standing = path[-1], standing_of(path, concluded)
-    error = f"The error on shots left out is {found['prediction_error']:.3f} of the noise"
+    error = Unseen.of(found).sentence()
     added = " and ".join(found["with"])
-    fails, cells = failing_rows(found), left_cells(found)
-    where = f"most in {_worst(fails, cells or found['cells'])}"
+    where = f"most in {_worst(failing_rows(found), found['findings'], finding)}"
     match standing.word:
         case Word.FEW:
             return "Too few shots to tell.", f"{error}; {too_few(found['shots'])}", None
@@ -147,7 +153,7 @@ def sentence(path: Sequence[Json], concluded: Json | None = None) -> tuple[str, 
             also = (
                 f", which these shots do not tell from {standing.tell[1]}," if standing.tell else ""
             )
-            return _still(added), f"{error}; it shows {where}. {best}{also} promises most.", False
+            return _still(added), f"{error}; it shows {where}. {best}{also} lowers it most.", False
         case Word.UNEXPLAINED:
             rest = f"{error}; it shows {where}, and no effect that is known explains it."
             return _still(added), rest, False
@@ -164,9 +170,9 @@ def _of_single_shots(where: str) -> str:
     )
 
 
-def _worst(fails: list[Json], cells: list[Json]) -> str:
-    """Name what stands out most: a cell if one does, else the quantity that disagrees."""
-    worst = max(cells, key=lambda cell: cell["deviation"])
+def _worst(fails: list[Json], found: list[Json], finding: Callable[[Json], str]) -> str:
+    """Name what stands out most: the first finding if it does, else the quantity that disagrees."""
+    worst = found[0]
     if worst["p_familywise"] >= SURE and fails:
         return str(min(fails, key=lambda row: row["p_familywise"])["quantity"])
-    return f"{worst['channel']} against {worst['covariate']}"
+    return finding(worst)

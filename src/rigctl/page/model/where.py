@@ -7,6 +7,7 @@ from typing import Any
 
 from nicegui import events, ui
 
+from analysis.model.structure.findings import ALWAYS
 from rigctl.page.desk import Desk
 from rigctl.page.model.compare import parsed
 from rigctl.page.model.state import ModelState
@@ -45,17 +46,27 @@ def _places(values: Sequence[float], count: int) -> list[int]:
 Json = dict[str, Any]
 BLOCKS = {"contact": "Jump at contact", "flight": "Flight", "camera": "Camera"}
 HELP = (
-    "Standard deviations by which smooth functions of a covariate lower χ² beyond chance. Framed: "
-    "less than 1 % chance with all cells looked at. n: along the normal; t: along the incident "
-    "surface velocity; b: across both. relative: b less a; common: mean of a and b."
+    "Column always: the mean of the row, in its standard errors. Other columns: standard "
+    "deviations by which smooth functions of a covariate lower χ² beyond chance once that mean is "
+    "taken out. Framed: less than 1 % chance with all cells looked at. n: along the normal; t: "
+    "along the incident surface velocity; b: across both. relative: b "
+    "less a; common: mean of a and b."
 )
+
+
+def named(cell: Json) -> str:
+    """Return the name of a finding: its channel against its covariate, or its mean."""
+    if cell["covariate"] == ALWAYS:
+        return f"{cell['channel']}, mean of all shots"
+    return f"{cell['channel']} against {cell['covariate']}"
 
 
 def block_of(cell: Json) -> str:
     """Return the part of the way in which a cell's quantity is disturbed."""
     if cell["channel"].startswith("image "):
         return "camera"
-    return "flight" if cell["covariate"] == "time" else "contact"
+    in_flight = "position" in cell["channel"] or "orientation" in cell["channel"]
+    return "flight" if in_flight else "contact"
 
 
 class Where:
@@ -87,7 +98,7 @@ class Where:
 
     def _take(self, found: Json) -> None:
         self._found = found
-        self._cells = sorted(found["cells"], key=lambda cell: -cell["deviation"])
+        self._cells = list(found["findings"])
         self._look_at(self._chosen())
 
     def _look_at(self, cell: Json) -> None:
@@ -118,7 +129,7 @@ class Where:
     def _heading(self) -> None:
         points = self._points
         with ui.element("div").classes("title"):
-            ui.label(f"{self._cell['channel']} against {self._cell['covariate']}")
+            ui.label(named(self._cell))
             ui.label(f"{self._cell['deviation']:.1f} σ").classes("aside")
             ui.space()
             save_csv(f"{self._found['campaign']}-residuals", lambda: _rows(points))
@@ -164,7 +175,8 @@ class Where:
         if not names:
             return
         number, frame = int(names[0]), int(names[1])
-        shot = self._stored(number)
+        stored = self._state.source.stored(number)
+        shot = None if stored is None else stored.id
         if shot is None:
             self._told.set_text(
                 f"Shot {number}{f', frame {frame}' if frame >= 0 else ''}: this folder holds its "
@@ -173,15 +185,6 @@ class Where:
             return
         place = f"&frame={frame}" if frame >= 0 else ""
         ui.navigate.to(f"/shots/{shot}?effects={','.join(self._found['with'])}{place}")
-
-    def _stored(self, number: int) -> str | None:
-        source = self._state.source
-        if source.folder is not None:
-            return None
-        store = self._desk.daemon.store
-        limit = store.campaigns.one(source.title).shots
-        found = store.shots(campaign=source.title, limit=limit)
-        return next((shot.id for shot in found if shot.number == number), None)
 
 
 def _point(event: events.GenericEventArguments) -> Json:

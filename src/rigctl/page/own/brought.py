@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import IO
 
-from analysis.balls.films.reading import FILM_SUFFIXES
+from analysis.balls.films.reading import FILM_SUFFIXES, PHOTRON_SUFFIXES
 from rigctl.errors import AnalysisInputError
 from rigctl.page.model.source import LOOKED_AT
 
@@ -23,8 +23,11 @@ MOST_FILES = 20_000
 ARCHIVE = ".zip"
 PICTURES = (".png", ".tif", ".tiff")
 FRAMES = "frames"
-FIGURE, RESULT, CAMPAIGN = "bounces.png", "result.json", "campaign"
-"""What measuring a film leaves beside it."""
+TABLES = (".csv", ".tsv")
+MEASURED = "measured"
+"""Folder of what comes of it."""
+FIGURE, RESULT, CAMPAIGN = "bounces", "result", "campaign"
+"""Figures and results with the number of their film from 1, and the campaign of them all."""
 
 
 class _Bounded:
@@ -47,14 +50,17 @@ class Brought:
 
     Attributes
     ----------
-    film
-        The film, or a folder of pictures; None for a campaign.
+    films
+        Films, each a file or a folder of pictures; none for a table and a campaign.
+    table
+        A table as CSV.
     campaign
-        The exchange folder; None for a film.
+        The exchange folder.
     """
 
     folder: Path
-    film: Path | None = None
+    films: tuple[Path, ...] = ()
+    table: Path | None = None
     campaign: Path | None = None
 
     @property
@@ -107,12 +113,17 @@ def what_is_in(place: Path) -> Brought:
     for archive in place.glob(f"*{ARCHIVE}"):
         _unpack(archive, place / "unpacked")
         archive.unlink()
-    described = sorted(place.glob(f"unpacked/**/{LOOKED_AT[0]}"), key=lambda path: len(path.parts))
+    described = [
+        *place.glob(LOOKED_AT[0]),
+        *sorted(place.glob(f"unpacked/**/{LOOKED_AT[0]}"), key=lambda path: len(path.parts)),
+    ]
     if described:
         return Brought(place, campaign=described[0].parent)
     unpacked = place / "unpacked"
     where = unpacked if unpacked.is_dir() else place
-    top = [path for path in sorted(where.rglob("*")) if path.is_file() and path.name != FIGURE]
+    made = place / MEASURED
+    top = [path for path in sorted(where.rglob("*")) if path.is_file() and made not in path.parents]
+    tables = [path for path in top if path.suffix.lower() in TABLES]
     films = [path for path in top if path.suffix.lower() in FILM_SUFFIXES]
     pictures = [path for path in top if path.suffix.lower() in PICTURES]
     if len(pictures) > 1:
@@ -121,15 +132,24 @@ def what_is_in(place: Path) -> Brought:
             frames.mkdir(exist_ok=True)
             for path in pictures:
                 path.rename(frames / path.name)
-        return Brought(place, film=frames)
+        return Brought(place, films=(frames,))
     if films:
-        return Brought(place, film=films[0])
+        recordings = {_recording(path): path for path in films}
+        return Brought(place, films=tuple(recordings.values()))
+    if tables:
+        return Brought(place, table=tables[0])
     kinds = ", ".join(FILM_SUFFIXES)
     raise AnalysisInputError(
-        "is neither a film nor a campaign's folder",
+        "is neither film, table nor campaign",
         part=", ".join(path.name for path in top[:3]) or "nothing",
-        todo=f"drop a film ({kinds}), its pictures as PNG, or an exchange folder as ZIP",
+        todo=f"drop films ({kinds}), pictures of one film as PNG, a table as CSV, or an exchange "
+        "folder as ZIP",
     )
+
+
+def _recording(path: Path) -> str:
+    """Return the name of the recording of a film: Photron's is of two files."""
+    return path.stem if path.suffix.lower() in PHOTRON_SUFFIXES else path.name
 
 
 def _unpack(archive: Path, into: Path) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import re
 import zipfile
 from pathlib import Path
 
@@ -11,34 +12,40 @@ from starlette.responses import Response
 
 from rigctl.errors import NotFoundError, RigError
 from rigctl.page.desk import Desk
-from rigctl.page.own.brought import CAMPAIGN, FIGURE, RESULT, known
+from rigctl.page.own.brought import CAMPAIGN, FIGURE, MEASURED, RESULT, known
 from rigctl.service.problems import answer, from_error
 
 ADDRESS = "/own-data"
-TYPES = {FIGURE: "image/png", RESULT: "application/json", f"{CAMPAIGN}.zip": "application/zip"}
+KINDS = (
+    (re.compile(rf"{FIGURE}-[0-9]+\.png"), "image/png"),
+    (re.compile(rf"{RESULT}-[0-9]+\.json"), "application/json"),
+    (re.compile(rf"{CAMPAIGN}\.zip"), "application/zip"),
+)
 
 
 def downloads_route(app: FastAPI, desk: Desk) -> None:
-    """Register the route, beside the pages; it gives nothing but the files of `TYPES`."""
+    """Register the route, beside the pages; it gives nothing but the files of `KINDS`."""
 
     @app.get(ADDRESS + "/{token}/{name}", include_in_schema=False)
     def file(token: str, name: str) -> Response:
         try:
-            content = _content(known(desk.daemon.store.path, token).folder, name)
+            made = known(desk.daemon.store.path, token).folder / MEASURED
+            content, kind = _content(made, name)
         except RigError as error:
             return answer(from_error(error))
         headers = {"Cache-Control": "no-store", "X-Content-Type-Options": "nosniff"}
-        return Response(content, media_type=TYPES[name], headers=headers)
+        return Response(content, media_type=kind, headers=headers)
 
 
-def _content(folder: Path, name: str) -> bytes:
+def _content(folder: Path, name: str) -> tuple[bytes, str]:
     path = folder / (CAMPAIGN if name == f"{CAMPAIGN}.zip" else name)
-    if name not in TYPES or not path.exists():
+    kind = next((kind for names, kind in KINDS if names.fullmatch(name)), None)
+    if kind is None or not path.exists():
         raise NotFoundError("no such file", part=name, todo="measure the film first")
     if path.is_file():
-        return path.read_bytes()
+        return path.read_bytes(), kind
     packed = io.BytesIO()
     with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
         for each in sorted(path.iterdir()):
             archive.write(each, f"{CAMPAIGN}/{each.name}")
-    return packed.getvalue()
+    return packed.getvalue(), kind

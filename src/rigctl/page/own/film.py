@@ -1,21 +1,19 @@
-"""A film that was brought: looked at, the ball stated, the part dragged, measured, handed back."""
+"""Films that were brought: looked at, the ball stated, the part dragged, measured, handed back."""
 
 from __future__ import annotations
 
+import shutil
 from typing import Any
 
 from nicegui import events, ui
 
-from analysis.quantity import Quantity
 from rigctl.jobs import Job, in_process
 from rigctl.page.desk import Desk
 from rigctl.page.layout import TICK_S
-from rigctl.page.model.source import Source
 from rigctl.page.model.state import Question
-from rigctl.page.own.brought import CAMPAIGN, FIGURE, RESULT, Brought
-from rigctl.page.own.downloads import ADDRESS
+from rigctl.page.own.brought import CAMPAIGN, FIGURE, MEASURED, RESULT, Brought
+from rigctl.page.own.measured import MeasuredFilms
 from rigctl.page.parts.following import following
-from rigctl.page.parts.tables import Line, facts
 from rigctl.page.parts.waiting import Waiting
 from rigctl.page.parts.widgets import button
 
@@ -23,17 +21,18 @@ Json = dict[str, Any]
 FUNCTIONS = "rigctl.measuring.own_film"
 LEAST_PX = 8
 """A part of the picture that is smaller was a click and no drag."""
-FEWEST_BOUNCES = 5
-"""So many bounces are compared with the model; of fewer it says nothing."""
 
 
 class FilmView:
-    """Four steps for one film; each is drawn when the one before is answered."""
+    """Three steps for some films; ball, part and rate hold for all of them."""
 
     def __init__(self, desk: Desk, brought: Brought) -> None:
         self._desk, self._brought = desk, brought
         self._window: list[int] | None = None
         self._from: tuple[float, float] | None = None
+        self._seen, self._measuring = 0, 0
+        self._results: dict[int, Json] = {}
+        self._failures: dict[int, str] = {}
         jobs = desk.daemon.jobs
         self._look = Question(self._ask_look, jobs.job)
         self._measure = Question(self._ask_measure, jobs.job)
@@ -53,27 +52,44 @@ class FilmView:
         if self._look.follow():
             self._looked.refresh()
         if self._measure.follow():
+            self._keep()
             self._measured.refresh()
 
-    @property
-    def _name(self) -> str:
-        film = self._brought.film
-        return "film" if film is None else film.name
+    def _keep(self) -> None:
+        """Keep what came of a film, and go on with the next one."""
+        number = self._measuring
+        if self._measure.answer is not None:
+            self._results[number] = self._measure.answer
+        else:
+            self._failures[number] = self._measure.failure
+        if number + 1 < len(self._brought.films):
+            self._measuring = number + 1
+            self._measure.start()
+
+    def _name(self, number: int) -> str:
+        return self._brought.films[number].name
 
     @ui.refreshable_method
     def _looked(self) -> None:
         ui.html("1 Is this what you filmed?", sanitize=False, tag="h3").classes("card-heading")
+        if len(self._brought.films) > 1:
+            with ui.element("div").classes("beside"):
+                for number in range(len(self._brought.films)):
+                    choice = button(
+                        self._name(number), lambda number=number: self._see(number), look="line tab"
+                    )
+                    choice.props(f"aria-pressed={str(number == self._seen).lower()}")
         answer = self._look.answer
         if self._look.failure:
             ui.label(self._look.failure).classes("verdict bad").props("data-testid=own-failed")
         if answer is None:
-            ui.label(f"{self._name} …").classes("empty")
+            ui.label(f"{self._name(self._seen)} …").classes("empty")
             return
         rate = answer["rate_hz"]
         rated = f"{rate:g} frames a second by the file" if rate else "the file says no frame rate"
         ui.label(
-            f"{self._name}: {answer['frames']} frames of {answer['columns']} × {answer['rows']} "
-            f"pixels; {rated}."
+            f"{self._name(self._seen)}: {answer['frames']} frames of {answer['columns']} × "
+            f"{answer['rows']} pixels; {rated}."
         ).props("data-testid=own-film")
         with ui.element("div").classes("strip"):
             for one in answer["pictures"]:
@@ -82,6 +98,11 @@ class FilmView:
         with named.classes("wide"):
             self._draggable(answer)
         ui.label("Drag over the picture to look at a part of it alone; a click takes it all.")
+
+    def _see(self, number: int) -> None:
+        self._seen = number
+        self._look.start()
+        self._looked.refresh()
 
     def _draggable(self, answer: Json) -> None:
         self._picture = ui.interactive_image(
@@ -129,81 +150,55 @@ class FilmView:
             "Its mass, g (if known)", "ball-mass-g", "then the air's drag is known"
         )
         self._rate = _number("Frames a second, if not the file's", "fps", "of the camera")
-        ui.label("All speeds hang on the frame rate; the fall of the ball checks it.").classes(
+        ui.label("All speeds follow from the frame rate; the fall of the ball checks it.").classes(
             "note"
         )
-        go = button("Measure", self._start, look="main fill", testid="own-measure")
+        count = len(self._brought.films)
+        words = "Measure" if count == 1 else f"Measure {count} films"
+        go = button(words, self._start, look="main fill", testid="own-measure")
         go.bind_enabled_from(self._diameter, "value", lambda value: bool(value and value > 0))
         ui.link("bring something else", "/own").classes("note")
 
     def _start(self) -> None:
+        shutil.rmtree(self._brought.folder / MEASURED, ignore_errors=True)
+        (self._brought.folder / MEASURED).mkdir()
+        self._results, self._failures, self._measuring = {}, {}, 0
         self._measure.start()
         self._measured.refresh()
 
     @ui.refreshable_method
     def _measured(self) -> None:
         ui.html("3 Measured", sanitize=False, tag="h3").classes("card-heading")
-        answer = self._measure.answer
-        if self._measure.failure:
-            ui.label(self._measure.failure).classes("verdict bad").props("data-testid=own-failed")
-        if answer is None:
-            ui.label("Bounces, their speeds and e come here, with their errors.").classes("empty")
-            return
-        facts(["bounce", "at", "before, m/s", "after, m/s", "e"], _lines(answer), "own-bounces")
-        for note in answer["notes"]:
-            ui.label(note).classes("note")
-        token = self._brought.token
-        ui.html(
-            f'<img src="{ADDRESS}/{token}/{FIGURE}" alt="The film with the ball\'s places, flights '
-            'and bounces drawn over it, and what is left beside the flights.">',
-            sanitize=False,
-        ).classes("own-figure")
-        with ui.element("div").classes("beside"):
-            for name, said in (
-                (FIGURE, "picture"),
-                (RESULT, "all numbers as JSON"),
-                (f"{CAMPAIGN}.zip", "campaign's folder as ZIP"),
-            ):
-                ui.link(f"Save the {said}", f"{ADDRESS}/{token}/{name}").props(f'download="{name}"')
-            self._onwards(len(answer["impacts"]))
-
-    def _onwards(self, bounces: int) -> None:
-        """Offer the model, where there are bounces enough to say anything."""
-        if bounces < FEWEST_BOUNCES:
-            ui.label(
-                f"{bounces} bounces are too few for the model; {FEWEST_BOUNCES} and more at "
-                "several speeds tell whether e depends on speed."
-            ).classes("note")
-            return
-        folder = str(self._brought.folder / CAMPAIGN)
-        button(
-            "Compare with the model",
-            lambda: ui.navigate.to(Source.of_folder(self._desk.daemon, folder).address),
-            look="fill",
-            testid="own-compare",
-        )
+        names = [path.name for path in self._brought.films]
+        current = None if self._measure.running is None else self._measuring
+        MeasuredFilms(
+            self._desk, self._brought, names, self._results, self._failures, current
+        ).place()
 
     def _ask_look(self) -> Job:
-        asked = {"path": str(self._brought.film)}
+        asked = {"path": str(self._brought.films[self._seen])}
         work = in_process(f"{FUNCTIONS}:look_job", asked)
-        return self._desk.daemon.jobs.submit("look", self._name, work)
+        return self._desk.daemon.jobs.submit("look", self._name(self._seen), work)
 
     def _ask_measure(self) -> Job:
-        folder = self._brought.folder
+        folder, number = self._brought.folder / MEASURED, self._measuring
+        name = self._name(number)
         asked = {
-            "path": str(self._brought.film),
-            "name": self._name,
+            "path": str(self._brought.films[number]),
+            "shot": number + 1,
+            "name": name,
+            "title": self._name(0),
             "diameter_mm": self._diameter.value,
             "mass_g": self._mass.value or None,
             "rate_hz": self._rate.value or None,
             "window": self._window,
-            "figure": str(folder / FIGURE),
-            "result": str(folder / RESULT),
+            "figure": str(folder / f"{FIGURE}-{number + 1}.png"),
+            "result": str(folder / f"{RESULT}-{number + 1}.json"),
+            "earlier": [str(folder / f"{RESULT}-{done + 1}.json") for done in self._results],
             "campaign": str(folder / CAMPAIGN),
         }
-        return self._desk.daemon.jobs.submit(
-            "film", self._name, in_process(f"{FUNCTIONS}:measure_job", asked)
-        )
+        work = in_process(f"{FUNCTIONS}:measure_job", asked)
+        return self._desk.daemon.jobs.submit("film", name, work)
 
 
 def _shown(picture: Json) -> str:
@@ -213,15 +208,3 @@ def _shown(picture: Json) -> str:
 def _number(label: str, testid: str, hint: str) -> ui.number:
     placed = ui.number(label, min=0.0).props(f"outlined dense data-testid={testid}")
     return placed.classes("wide").tooltip(hint)
-
-
-def _lines(answer: Json) -> list[Line]:
-    lines = []
-    for number, each in enumerate(answer["impacts"], start=1):
-        when = Quantity(each["contact_time_s"], each["contact_time_sigma_s"], "s").concise()
-        numbers = [
-            Quantity(each[key]["value"], each[key]["sigma"], each[key]["unit"]).concise()
-            for key in ("v_n", "v_n_after", "e")
-        ]
-        lines.append(Line([str(number), f"{when} s", *numbers]))
-    return lines

@@ -11,12 +11,14 @@ from rigctl.page.model.source import Source
 from rigctl.page.own.brought import Brought, known
 from rigctl.page.own.dropping import SHOWN_AT, drop_field
 from rigctl.page.own.film import FilmView
+from rigctl.page.own.table import TableView
 from rigctl.page.parts.presence import kept_page
 from rigctl.page.parts.widgets import button
 
 KINDS = (
-    "A film of a ball that bounces: MP4, MOV, AVI, MKV, TIFF, NPY, Photron or Phantom.",
-    "Its pictures, all PNG or TIFF together.",
+    "Films of a ball that bounces: MP4, MOV, AVI, MKV, NPY, Photron or Phantom; several at once.",
+    "The pictures of one film, all PNG or TIFF together.",
+    "A table of impacts as CSV: speeds before and after, or heights of fall and rebound.",
     "A campaign of any laboratory: its exchange folder as one ZIP.",
 )
 
@@ -41,8 +43,10 @@ def own_pages(desk: Desk) -> None:
                 ui.label(error.sentence()).classes("verdict bad")
                 _drop()
                 return
-            if found.film is not None:
+            if found.films:
                 FilmView(desk, found)
+            elif found.table is not None:
+                TableView(desk, found, found.table)
             else:
                 _campaign(desk, found)
 

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from analysis.figures.palette import FAILS, FLOOR, MEASURED
+from analysis.model.structure.findings import ALWAYS
 
 Json = dict[str, Any]
 
@@ -61,10 +62,13 @@ def figure(data: Sequence[Json], height: int, file_name: str, **layout: object) 
 def heat_map(cells: Sequence[Json], chosen: Json | None, title: str) -> Json:
     """Return quantities against what they may depend on, in standard deviations.
 
-    Framed: less than 1 % chance with all cells looked at; the chosen cell has a blue frame.
+    The mean of each row stands first. Framed: less than 1 % chance with all cells looked at; the
+    chosen cell has a blue frame.
     """
     rows = _in_order([str(cell["channel"]) for cell in cells])
     columns = _in_order([str(cell["covariate"]) for cell in cells])
+    if ALWAYS in columns:
+        columns = [ALWAYS, *(column for column in columns if column != ALWAYS)]
     values: list[list[float | None]] = [[None] * len(columns) for _ in rows]
     chances: list[list[str]] = [[""] * len(columns) for _ in rows]
     frames = []

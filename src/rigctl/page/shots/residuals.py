@@ -42,12 +42,17 @@ class Residual:
         return self.value / self.sigma
 
 
+def is_jump(channel: str) -> bool:
+    """Say whether a channel is a jump at contact, of a velocity or a spin."""
+    return "velocity" in channel or "spin" in channel
+
+
 def residuals_of(number: int, cells: list[Json]) -> list[Residual]:
     """Return the jumps at contact of the shot of this number; empty where it was not used."""
     found: dict[str, Residual] = {}
     for cell in cells:
         # What runs from frame to frame is no jump of one shot.
-        if cell["channel"] in found or cell["covariate"] == "time" or "image" in cell["channel"]:
+        if cell["channel"] in found or not is_jump(cell["channel"]):
             continue
         points = parsed(cell["points"])
         if number in points["shots"]:
@@ -94,7 +99,7 @@ class ShotResiduals:
                 ui.label(f"with {', '.join(self._effects)}").classes("aside")
             ui.space()
             if answer is not None:
-                found = residuals_of(shot.number, answer["cells"])
+                found = residuals_of(shot.number, answer["findings"])
                 rows: list[list[object]] = [["quantity", "residual", "sigma", "unit"]]
                 rows += [[one.quantity, one.value, one.sigma, one.unit] for one in found]
                 save_csv(f"shot-{shot.number}-residuals", lambda: rows)
@@ -130,7 +135,7 @@ def _compared(shot: ShotRecord, answer: Json) -> None:
     if shot.number in answer["excluded"]:
         ui.label("The fit left this shot out: a person excluded it.").classes("empty")
         return
-    found = residuals_of(shot.number, answer["cells"])
+    found = residuals_of(shot.number, answer["findings"])
     if not found:
         ui.label("The fit did not use this shot.").classes("empty")
         return

@@ -10,10 +10,12 @@ from typing import Any
 
 from nicegui import ui
 
+from analysis.model.structure.findings import ALWAYS
 from rigctl.page.model.compare import parsed
 from rigctl.page.model.effect_words import in_unit
 from rigctl.page.model.story.cards import Card, card_of
-from rigctl.page.model.story.plots import dots_plot, line_plot
+from rigctl.page.model.story.errors import Unseen
+from rigctl.page.model.story.plots import UNITS_OF_LOGARITHMS, dots_plot, line_plot
 from rigctl.page.model.story.preview import Preview, preview
 from rigctl.page.model.story.words import channel, covariate
 from rigctl.page.model.where import apart
@@ -24,7 +26,6 @@ Json = dict[str, Any]
 FURTHEST = 2.0
 """The slider reaches so many times the best amplitude, and half of it to the other side."""
 STEPS = 200
-UNITS_OF_LOGARITHMS = {"ln v_n": " m/s", "ln v_s/v_n": ""}
 
 
 def drawing(card: Card) -> None:
@@ -78,6 +79,7 @@ def lead_card(
                     effect["parameters"][0],
                     sums,
                     said_of(cell, sums, points["unit"], points["x_label"]),
+                    Unseen.of(before),
                 )
             elif not wait():
                 ui.label("These shots do not determine its size.").classes("note")
@@ -102,7 +104,7 @@ def _said(card: Card) -> None:
 
 def _preview(effect: Json, before: Json, after: Json, cell: Json) -> Preview | None:
     name = (cell["channel"], cell["covariate"])
-    same = next((c for c in after["cells"] if (c["channel"], c["covariate"]) == name), None)
+    same = next((c for c in after["findings"] if (c["channel"], c["covariate"]) == name), None)
     if same is None:
         return None
     points = parsed(cell["points"]), parsed(same["points"])
@@ -113,10 +115,13 @@ def said_of(cell: Json, sums: Preview, unit: str, label: str) -> Json:
     """Return the words in which the slider says what an amplitude does to what is drawn."""
     name = cell["covariate"]
     ends = [math.exp(x) if name.startswith("ln ") else x for x in (sums.x[0], sums.x[-1])]
-    in_unit_of = UNITS_OF_LOGARITHMS.get(name, unit_of(label))
+    in_unit_of = unit_of(label)
+    if name in UNITS_OF_LOGARITHMS:
+        in_unit_of = f" {UNITS_OF_LOGARITHMS[name]}".rstrip()
     return {
         "row": channel(cell["channel"]),
         "row_unit": unit,
+        "always": name == ALWAYS,
         "ends": [f"{covariate(name)} {minus(f'{end:.3g}')}{in_unit_of}" for end in ends],
     }
 
@@ -131,22 +136,26 @@ def _believed(low: float, high: float, ends: Sequence[float], best: float) -> No
     """Place the scale under the slider: where its size is believed, where not, and the best one."""
 
     def place(value: float) -> float:
-        return 100 * min(1.0, max(0.0, (value - ends[0]) / (ends[1] - ends[0])))
+        share = min(1.0, max(0.0, (value - ends[0]) / (ends[1] - ends[0])))
+        return 100 * (share if best > 0 else 1 - share)
 
     with ui.element("div").classes("believed").props("aria-hidden=true"):
         inside = ui.element("i").classes("inside")
-        inside.style(f"left: {place(low):.1f}%; right: {100 - place(high):.1f}%")
+        left, right = sorted((place(low), place(high)))
+        inside.style(f"left: {left:.1f}%; right: {100 - right:.1f}%")
         ui.element("i").classes("at-best").style(f"left: {place(best):.1f}%")
 
 
-def _slider(card: Card, parameter: Json, sums: Preview, said: Json) -> None:
+def _slider(card: Card, parameter: Json, sums: Preview, said: Json, error: Unseen) -> None:
     unit = in_unit(parameter)
     ends = sorted((-0.5 * sums.best, FURTHEST * sums.best))
     about = {"symbol": parameter["symbol"], "unit": unit, **said}
+    about |= {"error_unit": error.unit, "digits": error.digits, "floor": error.floor or 0.0}
     document = json.dumps({**sums.document(), **about})
     slider = ui.element("input").classes("amount")
     slider.props(
         f"type=range min={ends[0]} max={ends[1]} step={(ends[1] - ends[0]) / STEPS} value=0 "
+        f"dir={'ltr' if sums.best > 0 else 'rtl'} "
         f'aria-label="size of: {escape(card.title)}" data-testid=amount data-best={sums.best}'
     )
     slider.on("input", js_handler=f"(event) => window.slidePreview(event.target, {document})")
@@ -159,7 +168,7 @@ def _slider(card: Card, parameter: Json, sums: Preview, said: Json) -> None:
         ui.label(f"best {with_error(best)}{unit}").classes("best")
         ui.space()
         inside = low <= sums.best <= high
-        believed = ui.label(minus(f"believed from {low:g} to {high:g}{unit}"))
+        believed = ui.label(minus(f"expected {low:g} to {high:g}{unit}"))
         believed.classes("note" if inside else "note fails")
     ui.label(f"{parameter['symbol']}: {parameter['meaning']}. Preview; Add fits in full.").classes(
         "note"
@@ -168,11 +177,11 @@ def _slider(card: Card, parameter: Json, sums: Preview, said: Json) -> None:
 
 def _gauge(before: Json) -> None:
     ui.label("error on unseen shots").classes("note")
-    level = 100 if before["prediction_error"] > 1 else 0
+    error = Unseen.of(before)
+    level = 100 if error.value > (error.floor or 0.0) else 0
     ui.html(f'<i style="height: {level}%"></i>', sanitize=False).classes("gauge").props(
         "aria-hidden=true"
     )
-    ui.label(f"{before['prediction_error']:.3f} ×").classes("gauge-number").props(
-        "data-testid=preview-error"
-    )
-    ui.label("1.000 × is the floor: the noise").classes("note")
+    ui.label(error.said()).classes("gauge-number").props("data-testid=preview-error")
+    if error.floor is not None:
+        ui.label("1.000 × is the floor: the noise").classes("note")

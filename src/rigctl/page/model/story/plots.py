@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
 from analysis.figures.palette import FAILS, FLOOR, GREY, MEASURED
+from analysis.model.structure.findings import ALWAYS
+from rigctl.page.model.story.errors import Unseen
 from rigctl.page.model.story.words import covariate
 from rigctl.page.parts.plots import WIDEST_LABEL, figure
 
 Json = dict[str, Any]
 HEIGHT = 320
+LEAST_TICKS = 3
+UNITS_OF_LOGARITHMS = {"ln v_n": "m/s", "ln v_s/v_n": ""}
 
 
 def cell_plot(cell: Json, points: Json, curve: tuple[Sequence[float], Sequence[float]]) -> Json:
@@ -36,7 +41,7 @@ def line_plot(cell: Json, points: Json, curve: tuple[Sequence[float], Sequence[f
     return drawn
 
 
-def staircase(labels: Sequence[str], errors: Sequence[float], tried: float | None) -> Json:
+def staircase(labels: Sequence[str], errors: Sequence[Unseen], tried: Unseen | None) -> Json:
     """Return the error on unseen shots as steps down to the floor, which is the noise itself.
 
     Parameters
@@ -46,14 +51,16 @@ def staircase(labels: Sequence[str], errors: Sequence[float], tried: float | Non
     tried
         The error with the effect that is looked at and not added; None: not known.
     """
-    treads = [*errors, *([] if tried is None else [tried])]
-    high, low = max(1.0, *treads), min(1.0, *treads)
+    floor = errors[0].floor
+    treads = [one.value for one in (*errors, *([] if tried is None else [tried]))]
+    lowest = 0.0 if floor is None else floor
+    high, low = max(lowest, *treads), min(lowest, *treads)
     room = max(0.12 * (high - low), 0.01)
     step = {"type": "scatter", "mode": "lines+text", "hoverinfo": "skip", "cliponaxis": False}
     x = [value for k in range(len(errors)) for value in (k, k + 0.5, k + 1)]
-    y = [error for error in errors for _ in range(3)]
+    y = [error.value for error in errors for _ in range(3)]
     texts = ["", "", ""] * len(errors)
-    texts[1::3] = [f"<b>{error:.3f} ×</b>" for error in errors]
+    texts[1::3] = [f"<b>{error.said()}</b>" for error in errors]
     drawn = [
         {**step, "x": x, "y": y, "text": texts, "textposition": "top center"}
         | {"line": {"color": MEASURED, "width": 4}},
@@ -62,18 +69,19 @@ def staircase(labels: Sequence[str], errors: Sequence[float], tried: float | Non
     if tried is not None:
         count = len(errors)
         drawn.append(
-            {**step, "x": [count, count + 0.5, count + 1], "y": [tried] * 3}
-            | {"text": ["", f"{tried:.3f} ×", ""], "textposition": "top center"}
+            {**step, "x": [count, count + 0.5, count + 1], "y": [tried.value] * 3}
+            | {"text": ["", tried.said(), ""], "textposition": "top center"}
             | {"line": {"color": GREY, "width": 3, "dash": "dot"}}
         )
         names.append("looked at")
-    floor = {"type": "rect", "xref": "paper", "x0": 0, "x1": 1, "y0": low - 2 * room, "y1": 1}
+    noise = {"type": "rect", "xref": "paper", "x0": 0, "x1": 1, "y0": low - 2 * room, "y1": floor}
+    noise |= {"fillcolor": FLOOR, "opacity": 0.16, "line": {"width": 0}}
     return figure(
         drawn,
         250,
         "staircase",
         margin={"l": WIDEST_LABEL, "r": 12, "t": 18, "b": 44},
-        shapes=[{**floor, "fillcolor": FLOOR, "opacity": 0.16, "line": {"width": 0}}],
+        shapes=[] if floor is None else [noise],
         xaxis={
             "tickvals": [k + 0.5 for k in range(len(names))],
             "ticktext": names,
@@ -82,7 +90,7 @@ def staircase(labels: Sequence[str], errors: Sequence[float], tried: float | Non
             "showgrid": False,
         },
         yaxis={
-            "title": {"text": "error ÷ noise"},
+            "title": {"text": f"error, {errors[0].unit}" if floor is None else "error ÷ noise"},
             "range": [low - room, high + 2 * room],
             "zeroline": False,
         },
@@ -110,6 +118,7 @@ def _plot(traces: list[Json], cell: Json, points: Json) -> Json:
         xaxis={
             "title": {"text": _axis(cell, points)},
             "range": [left - beside, right + beside],
+            **_ticks(cell, left - beside, right + beside),
             "zeroline": False,
         },
         yaxis={
@@ -133,11 +142,27 @@ def _line(curve: tuple[Sequence[float], Sequence[float]]) -> Json:
 
 def _axis(cell: Json, points: Json) -> str:
     """Return the covariate in plain words with its unit, as the label of the points states it."""
-    _, comma, unit = str(points["x_label"]).rpartition(", ")
+    label = str(points["x_label"])
+    _, comma, unit = label.rpartition(", ")
+    if cell["covariate"] == ALWAYS:
+        return label
     plain = covariate(cell["covariate"])
-    if cell["covariate"].startswith("ln "):
-        return f"{plain} (logarithm)"
+    if cell["covariate"] in UNITS_OF_LOGARITHMS:
+        unit = UNITS_OF_LOGARITHMS[cell["covariate"]]
+        comma = unit
     return f"{plain}, {unit}" if comma else plain
+
+
+def _ticks(cell: Json, left: float, right: float) -> Json:
+    """Return the ticks of a logarithm at round numbers of what it is taken of; else nothing."""
+    if cell["covariate"] not in UNITS_OF_LOGARITHMS:
+        return {}
+    decades = range(-4, 4)
+    round_numbers = [digit * 10.0**power for power in decades for digit in (1, 2, 5)]
+    shown = [value for value in round_numbers if left <= math.log(value) <= right]
+    if len(shown) < LEAST_TICKS:
+        shown = [float(f"{math.exp(left + k * (right - left) / 4):.2g}") for k in range(5)]
+    return {"tickvals": [math.log(v) for v in shown], "ticktext": [f"{v:g}" for v in shown]}
 
 
 def _shots(points: Json, colour: str, opacity: float) -> Json:

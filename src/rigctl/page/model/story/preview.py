@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from rigctl.page.model.story.errors import Unseen
+
 Json = dict[str, Any]
 POINTS = 60
 
@@ -23,7 +25,7 @@ class Preview:
     x, curve
         What the model gains at the best amplitude, at `POINTS` places.
     without, with_it
-        Error on unseen shots over the noise.
+        Error on unseen shots, as `Unseen` states it.
     """
 
     best: float
@@ -68,6 +70,6 @@ def preview(before: Json, after: Json, effect: str, points: tuple[Json, Json]) -
         sigma=found.get("sigma") or 0.0,
         x=[float(f"{value:.5g}") for value in x],
         curve=[float(f"{value:.5g}") for value in curve],
-        without=before["prediction_error"],
-        with_it=after["prediction_error"],
+        without=Unseen.of(before).value,
+        with_it=Unseen.of(after).value,
     )

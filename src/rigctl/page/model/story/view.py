@@ -15,15 +15,15 @@ from rigctl.page.model.compare import parsed
 from rigctl.page.model.effect_words import described, left_out
 from rigctl.page.model.state import Effects, ModelState
 from rigctl.page.model.story.cards import card_of, in_plain
+from rigctl.page.model.story.errors import Unseen
+from rigctl.page.model.story.ghost import ghost_film, of_film, of_places
 from rigctl.page.model.story.lead import drawing, lead_card
 from rigctl.page.model.story.plots import before_after, cell_plot, staircase
 from rigctl.page.model.story.words import (
     channel,
     compared,
-    covariate,
     failing,
-    is_always,
-    leading,
+    goes_with,
     missing_words,
     where,
 )
@@ -37,6 +37,8 @@ LEAST_SPAN = 1.5
 """Errors in units of the noise up to which the scale of the bars goes at least."""
 CELLS = 6
 OTHERS = 4
+FILMED = ("Typical", "Largest gap", "Smallest gap")
+"""As `analysis.model.agreement.predicted_paths` orders its shots."""
 
 
 class Story:
@@ -50,6 +52,7 @@ class Story:
         self._shown: Json | None = None
         self._after: Json | None = None
         self._effect, self._waits = "", ""
+        self._filmed = 0
         with ui.element("div").classes("stack story"):
             self._steps()
             self.last = ui.element("div").classes("stack")
@@ -86,11 +89,14 @@ class Story:
         found = self._shown
         if found is None:
             return
-        cells = leading(found["cells"])
+        cells = found["findings"]
         self._rail(found, cells[0])
         with _step(1, "Compare"):
             _lede(compared(found), "story-compare")
-            _bars(failing(found)[:BARS])
+            with ui.element("div").classes("columns compared"):
+                self._film(found["paths"])
+                with ui.element("div").classes("stack"):
+                    _bars(failing(found)[:BARS], estimated=bool(found.get("estimated")))
         with _step(2, "Where it fails"):
             self._where(cells)
         with _step(3, "What is missing"):
@@ -103,18 +109,49 @@ class Story:
         worst, path = failing(found)[0], self._state.path()
         standing = self._state.standing
         fails = standing is not None and standing.is_open
-        first, last = path[0]["prediction_error"], path[-1]["prediction_error"]
+        first, last = Unseen.of(path[0]), Unseen.of(path[-1])
         results = (
-            ("Compare", f"worst: {worst['error']:.3g} × the noise"),
-            ("Where it fails", _goes_with(cell) if fails else "nowhere"),
+            ("Compare", _worst_of(found, worst)),
+            ("Where it fails", goes_with(cell) if fails else "nowhere"),
             ("What is missing", in_plain(missing_words(standing))),
-            ("Add it", f"{first:.3f} → {last:.3f} × the noise" if len(path) > 1 else "not yet"),
+            ("Add it", f"{first.said()} → {last.said()}" if len(path) > 1 else "not yet"),
         )
         with ui.element("nav").classes("rail").props('aria-label="steps"'):
             for number, (name, result) in enumerate(results, start=1):
                 with ui.link(target=f"#step-{number}").classes("stop-by"):
                     ui.label(f"{number} {name}").classes("strong")
                     ui.label(result).classes("note")
+
+    def _film(self, paths: Sequence[Json]) -> None:
+        """Place the film of one of some shots, with the model's outlines over it."""
+        if not paths:
+            return
+        shown = paths[min(self._filmed, len(paths) - 1)]
+        stored = self._state.source.stored(shown["shot"])
+        film = None if stored is None else self._desk.films.film(stored)
+        scene = of_places(shown) if stored is None or film is None else None
+        if stored is not None and film is not None:
+            scene = of_film(shown, stored.id, film)
+        with ui.element("div").classes("stack"):
+            with ui.element("div").classes("beside"):
+                for place, (name, own) in enumerate(zip(FILMED, paths, strict=False)):
+                    choice = button(
+                        f"{name}: shot {own['shot']}",
+                        lambda place=place: self._choose_film(place),
+                        look="line tab",
+                        testid=f"film-{place}",
+                    )
+                    choice.props(f"aria-pressed={str(place == self._filmed).lower()}")
+            if scene is not None:
+                ghost_film(scene, shown["shot"], shown["gap_mm"])
+            ui.label(
+                "Solid: where each sphere was measured. Dashed: where the model, given the flight "
+                "before contact, predicts it."
+            ).classes("note")
+
+    def _choose_film(self, place: int) -> None:
+        self._filmed = place
+        self._draw()
 
     def _where(self, cells: Sequence[Json]) -> None:
         points = parsed(cells[0]["points"])
@@ -127,7 +164,7 @@ class Story:
                 _bars_of(
                     [
                         (
-                            f"{channel(c['channel'])}, {covariate(c['covariate'])}",
+                            f"{channel(c['channel'])}, {goes_with(c)}",
                             c["deviation"] / max(cells[0]["deviation"], 1e-9),
                             f"{c['deviation']:.0f} σ",
                             c["p_familywise"] < SURE,
@@ -193,19 +230,16 @@ class Story:
             before, after = path[-2], path[-1]
             title = card_of(described(found)[found["with"][-1]]).title
             _lede(
-                f"With “{title}” the error on shots that the model has not seen goes from "
-                f"{before['prediction_error']:.3f} to {after['prediction_error']:.3f} times the "
-                "noise; 1.000 is the floor.",
+                _fell(title, Unseen.of(before), Unseen.of(after)),
                 "story-added",
             )
             _changed(before, after)
         labels = ["model", *(f"+ {in_plain(name)}" for name in found["with"])][: len(path)]
-        errors = [stage["prediction_error"] for stage in path]
-        tried = None if self._after is None else self._after["prediction_error"]
+        errors = [Unseen.of(stage) for stage in path]
+        tried = None if self._after is None else Unseen.of(self._after)
         plot(staircase(labels, errors, tried)).props("data-testid=staircase")
-        ui.label("Green: the floor, the noise itself. Grey: the effect that is looked at.").classes(
-            "note"
-        )
+        floor = "" if errors[0].floor is None else "Green: the floor, the noise itself. "
+        ui.label(f"{floor}Grey: the effect that is looked at.").classes("note")
         with ui.element("div").classes("beside"):
             undo = button("Undo", lambda: self._take(self._state.effects[:-1]), testid="undo")
             undo.set_enabled(bool(self._state.effects))
@@ -214,15 +248,25 @@ class Story:
         self._take((*self._state.effects, name))
 
 
-def _goes_with(cell: Json) -> str:
-    always = is_always(parsed(cell["points"]))
-    return "always alike" if always else f"with {covariate(cell['covariate'])}"
+def _worst_of(found: Json, worst: Json) -> str:
+    """Return how wrong the worst quantity is, in some words."""
+    if found.get("estimated"):
+        return f"off by {worst['size']:.3g} {worst['unit']}"
+    return f"worst: {worst['error']:.3g} × the noise"
+
+
+def _fell(title: str, before: Unseen, after: Unseen) -> str:
+    """Return what adding an effect did to the error."""
+    lead = f"With “{title}” the error on shots that the model has not seen goes from "
+    if after.floor is None:
+        return f"{lead}{before.said()} to {after.said()}."
+    return f"{lead}{before.value:.3f} to {after.value:.3f} times the noise; 1.000 is the floor."
 
 
 def _changed(before: Json, after: Json) -> None:
-    cell = leading(before["cells"])[0]
+    cell = before["findings"][0]
     name = (cell["channel"], cell["covariate"])
-    same = next((c for c in after["cells"] if (c["channel"], c["covariate"]) == name), None)
+    same = next((c for c in after["findings"] if (c["channel"], c["covariate"]) == name), None)
     if same is not None:
         ui.label(f"The {channel(cell['channel'])}: grey before, blue after, on the same axes.")
         plot(before_after(cell, apart(parsed(cell["points"])), apart(parsed(same["points"]))))
@@ -240,7 +284,14 @@ def _lede(text: str, testid: str) -> None:
     ui.label(text).classes("lede").props(f"data-testid={testid}")
 
 
-def _bars(rows: Sequence[Json]) -> None:
+def _bars(rows: Sequence[Json], *, estimated: bool) -> None:
+    if estimated:
+        # As multiples of a scatter that is taken for the noise all errors would be about 1.
+        for row in rows:
+            ui.label(f"{channel(row['quantity'])}: {row['size']:.3g} {row['unit']}").classes(
+                "strong"
+            )
+        return
     # From the floor on, in steps of equal ratio: nothing is drawn for what is only noise.
     most = math.log(max(LEAST_SPAN, *(row["error"] for row in rows)))
     _bars_of(
@@ -254,7 +305,7 @@ def _bars(rows: Sequence[Json]) -> None:
             for row in rows
         ]
     )
-    ui.label("× the noise. Bars begin at 1, the floor: nothing can be foretold better.").classes(
+    ui.label("× the noise. Bars begin at 1, the floor: nothing can be predicted better.").classes(
         "note"
     )
 

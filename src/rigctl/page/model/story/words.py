@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
+from analysis.model.structure.findings import ALWAYS
 from analysis.model.verdict.standing import SURE, Standing, Word
 
 Json = dict[str, Any]
-NEARLY = 0.85
-"""A cell this near to the most striking one gives way to it only where it is named before."""
-ALWAYS = 2.0
-"""A mean that is so many times as large as its course is said first: it is the finding."""
 KINDS = {
     "relative velocity": {"n": "speed along the line of centres", "t": "sliding speed"}
     | {"b": "sideways speed"},
@@ -37,6 +33,11 @@ CHANNELS = {
     "position b": "place of sphere b",
     "orientation a": "turn of sphere a",
     "orientation b": "turn of sphere b",
+    "relative position": "gap between spheres in flight",
+    "common position": "path of both in flight",
+    "relative orientation": "difference of turns in flight",
+    "common orientation": "turn of both in flight",
+    "relative spin": "difference of spins",
     "image X": "measured height",
     "image Y": "measured left–right",
     "image Z": "measured depth",
@@ -60,12 +61,11 @@ COVARIATES = {
     "delay_us": "delay of b",
     "temperature_c": "temperature",
 }
-"""What happened at the contact first, then where, then the settings that only bring it about."""
 
 
 def channel(name: str) -> str:
     """Return what is measured in plain words."""
-    plain = name.removesuffix(" against place")
+    plain = name.removesuffix(" against place").removesuffix(" against time")
     return CHANNELS.get(plain, plain.replace("_", " "))
 
 
@@ -74,15 +74,16 @@ def covariate(name: str) -> str:
     return COVARIATES.get(name, name.replace("_", " "))
 
 
-def leading(cells: Sequence[Json]) -> list[Json]:
-    """Return the cells by how much they say, of nearly equal ones what happened before settings."""
-    rank = {name: place for place, name in enumerate(COVARIATES)}
-    ordered = sorted(cells, key=lambda cell: -cell["deviation"])
-    if not ordered:
-        return []
-    near = [c for c in ordered if c["deviation"] >= NEARLY * ordered[0]["deviation"]]
-    first = min(near, key=lambda cell: rank.get(cell["covariate"], len(rank)))
-    return [first, *(cell for cell in ordered if cell is not first)]
+def goes_with(finding: Json) -> str:
+    """Return what the error of a finding goes with, in some words."""
+    if finding["covariate"] == ALWAYS:
+        return "in all shots alike"
+    return f"with {covariate(finding['covariate'])}"
+
+
+def in_words(finding: Json) -> str:
+    """Return the name of a finding in plain words."""
+    return f"the {channel(finding['channel'])}, {goes_with(finding)}"
 
 
 def failing(found: Json) -> list[Json]:
@@ -94,6 +95,13 @@ def failing(found: Json) -> list[Json]:
 def compared(found: Json) -> str:
     """Say how wrong the model is at its worst."""
     wrong = [row for row in failing(found) if row["p_familywise"] < SURE]
+    if found.get("estimated"):
+        worst = failing(found)[0]
+        return (
+            f"The model predicts the {channel(worst['quantity'])} to {worst['size']:.3g} "
+            f"{worst['unit']}. No errors are stated, so they are taken from the scatter; whether "
+            "that is noise, step 2 shows."
+        )
     if not wrong:
         return (
             "Everything that was measured agrees with the model, as far as the noise lets one see."
@@ -112,12 +120,6 @@ MISSING = {
     Word.ALIKE: "one of two",
     Word.FLOOR: "nothing",
 }
-
-
-def is_always(points: Json) -> bool:
-    """Say whether the running mean of a cell is one number rather than a course."""
-    mean = np.asarray(points["trend"]["mean"])
-    return bool(abs(mean.mean()) > ALWAYS * (mean.max() - mean.min()))
 
 
 def _signed(value: float) -> str:
@@ -140,14 +142,14 @@ def where(cell: Json, points: Json, standing: Standing | None) -> str:
         return "No error goes with anything that was recorded: what is left looks like noise."
     if standing is not None and not standing.is_open:
         return (
-            f"What is left goes most with {covariate(cell['covariate'])}, but too little, or in "
-            "too few shots, to say that something is missing."
+            f"What is left shows most {goes_with(cell)}, but too little, or in too few shots, to "
+            "say that something is missing."
         )
     mean, unit = np.asarray(points["trend"]["mean"]), points["unit"]
-    if is_always(points):
+    if cell["covariate"] == ALWAYS:
         return (
-            f"The {channel(cell['channel'])} is always wrong, by {_signed(mean.mean())} {unit} on "
-            f"average; with {covariate(cell['covariate'])} that hardly changes."
+            f"The {channel(cell['channel'])} is wrong in all shots alike, by "
+            f"{_signed(mean.mean())} {unit} on average."
         )
     places = {"first": 0, "middle": len(mean) // 2, "last": len(mean) - 1}
     least, middle, most = (_signed(mean[place]) for place in places.values())

@@ -1,0 +1,199 @@
+"""The film of a shot with the outlines that the model predicts over it, scrubbed by frames.
+
+Where the shot's own film is stored, over its pictures; else the spheres are drawn from their
+measured places. Everything that a frame needs is sent with it: the server is not asked again.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from html import escape
+from pathlib import Path
+from typing import Any
+
+from nicegui import ui
+
+from analysis.figures.palette import SPHERE_A, SPHERE_B
+from rigctl.page.shots.film import frame_address
+from rigctl.page.shots.films import Film
+
+Json = dict[str, Any]
+SCRIPT = Path(__file__).with_name("ghost.js")
+LOOKS = {"a": SPHERE_A, "b": SPHERE_B}
+MARGIN_MM = 6.0
+"""Around what is drawn from places alone."""
+SAME_MS = 0.05
+"""A pose and a picture are of one frame where their times differ by less."""
+VIEWS = {"front": (1.0, 0), "top": (-1.0, 2)}
+"""Of each view, down the picture: the sign and the axis; across it both show Y."""
+DIGITS = 2
+LARGER = (100, 30, 10, 3)
+MOST_OF_RADIUS = 0.6
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """What `ghost.js` draws: a size, still parts, and frames with rings and their gaps."""
+
+    width: float
+    height: float
+    stroke: float
+    still: list[str]
+    frames: list[Json]
+
+    def document(self) -> Json:
+        """Return it as the browser takes it."""
+        return {
+            "width": self.width,
+            "height": self.height,
+            "stroke": self.stroke,
+            "still": self.still,
+            "frames": self.frames,
+            "looks": LOOKS,
+            "times": self.times,
+        }
+
+    @property
+    def times(self) -> int:
+        """By how much the gap is drawn larger, so that it is seen and stays below a radius."""
+        radius = max((ring[2] for frame in self.frames for ring in frame["rings"]), default=1.0)
+        gaps = [
+            abs(moved)
+            for frame in self.frames
+            for ring in frame["rings"]
+            for moved in ring[4:]
+            if moved is not None
+        ]
+        most = max(gaps, default=0.0) or 1.0
+        return next((k for k in LARGER if k * most <= MOST_OF_RADIUS * radius), 1)
+
+    @property
+    def plainest(self) -> int:
+        """The frame in which the gap is largest."""
+        return max(range(len(self.frames)), key=lambda k: self.frames[k]["gap"] or 0.0)
+
+
+def ghost_script() -> None:
+    """Have the page draw and scrub films by itself."""
+    ui.add_head_html(f"<script>{SCRIPT.read_text('utf-8')}</script>")
+
+
+def of_film(paths: Json, shot: str, film: Film) -> Scene:
+    """Return a stored film's pictures with rings where the analysis found the spheres.
+
+    A ring's radius over that of its sphere is the scale of its view, px/mm.
+    """
+    columns, rows = film.size
+    first = film.times_s[0]
+    frames = []
+    for k, time_s in enumerate(film.times_s):
+        since = 1e3 * (time_s - first) - paths["contact_ms"]
+        gaps = _gaps_at(paths, since)
+        found = film.overlays.frames[k]["outlines"] if k < len(film.overlays.frames) else []
+        if not found:
+            continue
+        rings = []
+        for one in found:
+            sphere = "ab".index(one["sphere"])
+            scale = one["radius"] / paths["radii_mm"][sphere]
+            moved = _moved(gaps[sphere], one.get("view", "front"), scale)
+            rings.append(
+                [
+                    round(one["column"] + 0.5, DIGITS),
+                    round(one["row"] + 0.5, DIGITS),
+                    round(one["radius"], DIGITS),
+                    one["sphere"],
+                    *moved,
+                ]
+            )
+        frames.append(_frame(since, rings, gaps) | {"picture": frame_address(shot, k)})
+    return Scene(columns, rows, 0.005 * columns, [], frames)
+
+
+def of_places(paths: Json) -> Scene:
+    """Return both views drawn from the measured places, the view from above on top, in mm."""
+    radius = max(paths["radii_mm"])
+    placed = [own for both in paths["measured"] for own in both if own is not None]
+    spans = [(min(p[k] for p in placed), max(p[k] for p in placed)) for k in range(3)]
+    room = radius + MARGIN_MM
+    heights = [high - low + 2 * room for low, high in (spans[2], spans[0])]
+    left = spans[1][0] - room
+    width = spans[1][1] + room - left
+    tops = {"top": spans[2][1] + room, "front": heights[0] - spans[0][0] + room}
+    frames = []
+    for since, both, gaps in zip(paths["times_ms"], paths["measured"], paths["gaps"], strict=True):
+        rings = []
+        for view, (sign, axis) in VIEWS.items():
+            for sphere, place, gap, own in zip("ab", both, gaps, paths["radii_mm"], strict=True):
+                if place is None:
+                    continue
+                down = tops[view] + sign * place[axis]
+                at = [round(place[1] - left, DIGITS), round(down, DIGITS), own, sphere]
+                rings.append([*at, *_moved(gap, view, 1.0)])
+        frames.append(_frame(since, rings, gaps))
+    stroke = 0.004 * width
+    size = 0.024 * width
+    border = f"M0 {heights[0]:.2f}H{width:.2f}"
+    still = [
+        f'<path class="border" d="{border}" stroke-width="{stroke / 2:.3f}"/>',
+        _title("from above, in the mirror", size, 1.5 * size),
+        _title("from the front", size, heights[0] + 1.5 * size),
+    ]
+    return Scene(round(width, DIGITS), round(sum(heights), DIGITS), stroke, still, frames)
+
+
+def ghost_film(scene: Scene, shot: int, gap_mm: float) -> None:
+    """Place the film with its slider, its button and its two switches."""
+    count, start = len(scene.frames), scene.plainest
+    text = (
+        f"Film of shot {shot} with the model's outlines over the measured ones. After contact they "
+        f"are up to {gap_mm:.2g} mm apart."
+    )
+    root = ui.html(
+        f'<svg viewBox="0 0 {scene.width:g} {scene.height:g}" role="img" '
+        f'aria-label="{escape(text)}"></svg>'
+        '<div class="beside"><button class="plain" type="button" data-testid="ghost-play">Play'
+        f'</button><input type="range" class="amount" min="0" max="{count - 1}" value="{start}" '
+        'step="1" aria-label="frame of the film" data-testid="ghost-frame"></div>'
+        '<p class="ghost-says" data-testid="ghost-says"></p>'
+        '<div class="beside"><label><input type="checkbox" checked> model</label>'
+        '<label><input type="checkbox" checked data-testid="ghost-large"> '
+        f"gap × {scene.times}</label>"
+        '<span class="note ghost-scale"></span></div>',
+        sanitize=False,
+    ).classes("ghost-film")
+    root.props("data-testid=ghost")
+    document = json.dumps(scene.document())
+    ui.run_javascript(f"window.ghostFilm(getHtmlElement({root.id}), {document})")
+
+
+def _gaps_at(paths: Json, since_ms: float) -> list[list[float] | None]:
+    times: Sequence[float] = paths["times_ms"]
+    nearest = min(range(len(times)), key=lambda k: abs(times[k] - since_ms))
+    if abs(times[nearest] - since_ms) > SAME_MS:
+        return [None, None]
+    gaps: list[list[float] | None] = paths["gaps"][nearest]
+    return gaps
+
+
+def _moved(gap: list[float] | None, view: str, scale: float) -> list[float | None]:
+    """Return how far a predicted outline lies from the measured one in a view, across and down."""
+    if gap is None:
+        return [None, None]
+    sign, axis = VIEWS[view]
+    return [round(scale * gap[1], 4), round(sign * scale * gap[axis], 4)]
+
+
+def _frame(since_ms: float, rings: list[Any], gaps: Sequence[list[float] | None]) -> Json:
+    sizes = [sum(value**2 for value in gap) ** 0.5 for gap in gaps if gap is not None]
+    return {
+        "time": round(since_ms, 2),
+        "rings": rings,
+        "gap": round(max(sizes), 4) if sizes else None,
+    }
+
+
+def _title(words: str, size: float, down: float) -> str:
+    return f'<text x="{size:.2f}" y="{down:.2f}" font-size="{size:.2f}">{words}</text>'

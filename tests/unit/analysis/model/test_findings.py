@@ -1,0 +1,97 @@
+"""What the structure that is left follows: means of channels taken out of their courses first."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from analysis.model.data.poses import PoseData
+from analysis.model.fitting.fit import fit_campaign
+from analysis.model.structure.findings import ALWAYS, Finding, findings
+from analysis.model.structure.lackoffit import Cell
+from analysis.model.structure.structure import Structure, structure
+from tests.unit.analysis.model.hard_spheres import campaign
+
+SHOTS, PUSH_M_PER_S = 40, 0.02
+
+
+def pushed(data: PoseData, push: np.ndarray) -> Structure:
+    """Return what is left when both spheres leave along the normal by more, (S,) in m/s."""
+    fit = fit_campaign(data)
+    tau = np.maximum(data.times_s - fit.states.time_s[:, None], 0)[..., None, None]
+    away = push[:, None, None, None] * tau * fit.states.normal[:, None, None]
+    moved = replace(data, position=data.position + away)
+    return structure(moved, fit_campaign(moved))
+
+
+@pytest.fixture(scope="module")
+def data() -> PoseData:
+    return campaign(SHOTS, 73)
+
+
+def test_a_constant_error_is_one_finding_and_lights_no_other_cell_of_its_row(
+    data: PoseData,
+) -> None:
+    left = pushed(data, np.full(SHOTS, PUSH_M_PER_S))
+    first, *others = findings(left.cells, left.covariates)
+    assert (first.channel, first.covariate) == ("common velocity n", ALWAYS)
+    own = [one for one in others if one.channel == "common velocity n"]
+    assert len(own) >= 5
+    assert first.deviation > 5 * max(one.deviation for one in own)
+    trend = left.always("common velocity n").trend
+    assert np.allclose(trend.mean, 1e3 * PUSH_M_PER_S, rtol=0.1)
+
+
+def test_an_error_that_follows_the_speed_is_a_course_and_no_mean(data: PoseData) -> None:
+    speed = structure(data, fit_campaign(data)).covariates["ln v_n"]
+    course = (speed - speed.mean()) / speed.std()
+    left = pushed(data, PUSH_M_PER_S * course)
+    first = findings(left.cells, left.covariates)[0]
+    assert (first.channel, first.covariate) == ("common velocity n", "ln v_n")
+    cell = next(c for c in left.cells if (c.channel, c.covariate) == first_name(first))
+    assert cell.mean_deviation < 0.2 * cell.course_deviation
+
+
+def first_name(found: Finding) -> tuple[str, str]:
+    return found.channel, found.covariate
+
+
+def test_mean_and_course_make_up_the_whole_cell(data: PoseData) -> None:
+    for cell in pushed(data, np.full(SHOTS, PUSH_M_PER_S)).cells:
+        chi2, freedom = cell.course
+        assert chi2 + cell.mean_chi2 == pytest.approx(max(cell.chi2, cell.mean_chi2))
+        assert freedom + cell.mean_freedom == cell.freedom
+
+
+def test_of_nearly_equal_courses_the_contact_is_named_before_the_setting() -> None:
+    names = [
+        one.covariate for one in findings([cell("pressure_a_kpa", 90), cell("ln v_n", 80)], {})
+    ]
+    assert names == ["ln v_n", "pressure_a_kpa"]
+
+
+def test_a_setting_that_says_clearly_more_is_named_first() -> None:
+    found = findings([cell("pressure_a_kpa", 400), cell("ln v_n", 80)], {})
+    assert found[0].covariate == "pressure_a_kpa"
+
+
+def test_a_setting_gives_way_to_a_covariate_that_it_is_correlated_with() -> None:
+    speed = np.linspace(0.0, 1.0, 9)
+    covariates = {"ln v_n": speed, "pressure_a_kpa": 40.0 + 3.0 * speed}
+    found = findings([cell("pressure_a_kpa", 400), cell("ln v_n", 80)], covariates)
+    assert found[0].covariate == "ln v_n"
+
+
+def cell(covariate: str, chi2: float) -> Cell:
+    return Cell(
+        channel="relative velocity n",
+        covariate=covariate,
+        chi2=chi2,
+        freedom=5,
+        p_value=1e-9,
+        p_holm=1e-9,
+        carried_share=0.1,
+        p_rest=1e-9,
+    )
