@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import importlib
 import json
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Protocol, cast
 
-from rigctl.challenge import Label, Outcome, label_of
-from rigctl.errors import SettingsError, StoreError
+from rigctl.challenge import HiddenEffect, Label, Outcome, label_of
+from rigctl.errors import RefusedError, SettingsError, StoreError
 
 MAKER = "simulators.challenge.levels:new_level"
 """Module and function that make a challenge of a level, loaded by name."""
@@ -27,7 +28,10 @@ FOUND: dict[Outcome, int] = {"right": 100, "alias": 100, "partly": 50, "wrong": 
 """An answer that these shots cannot tell from the truth is as good as the truth."""
 FEW = {24: 1.5, 60: 1.2, 120: 1.0}
 """By what the points are multiplied that are found with so few shots."""
-HINT_COST = 20
+HINT_COSTS = (10, 20, 30)
+"""Of how much is hidden, of where it acts, and of how one notices it, in the order of asking."""
+COEFFICIENTS = ("e", "mu", "beta0")
+"""Slots of laws that act at the bounce; other slots are forces between the spheres."""
 SURE = (0.5, 0.7, 0.9, 0.99)
 SURE_POINTS = 25
 
@@ -44,6 +48,14 @@ class Game:
     shots: int
     hints: int = 0
     sure: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Clue:
+    """Where an effect acts, such as `at the bounce`, and how one notices it, as a sentence."""
+
+    where: str
+    notice: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,7 +104,17 @@ def game_of(folder: Path) -> Game | None:
 
 
 def take_hint(folder: Path, game: Game) -> Game:
-    """Note that a hint was taken; it costs `HINT_COST` points."""
+    """Note that the next hint was taken; it costs its part of `HINT_COSTS`.
+
+    Raises
+    ------
+    RefusedError
+        There is no further hint.
+    StoreError
+        The game cannot be written.
+    """
+    if game.hints >= len(HINT_COSTS):
+        raise RefusedError("has given all its hints", part="the challenge")
     return _keep(folder, replace(game, hints=game.hints + 1))
 
 
@@ -101,26 +123,68 @@ def be_sure(folder: Path, game: Game, sure: float) -> Game:
     return _keep(folder, replace(game, sure=sure))
 
 
-def hint(folder: Path) -> str:
-    """Return how much is hidden in a challenge, and nothing else of it."""
+def hints(folder: Path, taken: int, clues: Mapping[str, Clue]) -> list[str]:
+    """Return the hints that were taken: how much is hidden, where to look, and what to look for.
+
+    Parameters
+    ----------
+    clues
+        Of the effects of the catalogue, by name.
+    """
     label: Label = label_of(folder)
-    if any(effect.law is not None or effect.effect not in label.answer for effect in label.effects):
-        return "Something is hidden that no known effect is."
+    return [_how_many(label), _where(label, clues), _what(label, clues)][:taken]
+
+
+def _how_many(label: Label) -> str:
+    if any(_is_unknown(label, effect) for effect in label.effects):
+        return "Something is hidden that is in no catalogue."
     counts = {0: "Nothing is hidden.", 1: "One effect is hidden."}
     return counts.get(len(label.effects), f"{len(label.effects)} effects are hidden.")
+
+
+def _where(label: Label, clues: Mapping[str, Clue]) -> str:
+    """Say where what is hidden acts, each place once."""
+    places = dict.fromkeys(
+        clues[effect.effect].where if effect.effect in clues else _place_of(effect.law)
+        for effect in label.effects
+    )
+    return f"Look {' and '.join(places)}." if places else "There is nowhere to look."
+
+
+def _place_of(law: Sequence[str] | None) -> str:
+    if law is None:
+        return "at the bounce and in the air"
+    return "at the bounce" if law[0] in COEFFICIENTS else "in the air, while the spheres are near"
+
+
+def _what(label: Label, clues: Mapping[str, Clue]) -> str:
+    """Say how what is hidden shows; of a law what it depends on."""
+    said = [
+        clues[effect.effect].notice
+        if effect.effect in clues
+        else "Something changes that no effect of the catalogue changes in this way."
+        if effect.law is None
+        else f"A coefficient follows this: {effect.law[1].replace('_', ' ')}."
+        for effect in label.effects
+    ]
+    return " ".join(said) or "Every residual is noise."
+
+
+def _is_unknown(label: Label, effect: HiddenEffect) -> bool:
+    return effect.law is not None or effect.effect not in label.answer
 
 
 def score(game: Game, outcome: Outcome) -> Score:
     """Return the points of an answer.
 
-    Sureness is scored by the square of its error, so that it pays best to state what one believes:
+    Sureness is scored by the square of its error, so that stating the true chance pays best:
     0.5 gains and loses nothing.
     """
     found = FOUND[outcome]
     few = round(found * (FEW.get(game.shots, 1.0) - 1.0))
     right = 1.0 if outcome in {"right", "alias"} else 0.0
     sure = 0 if game.sure is None else round(SURE_POINTS * (1 - 4 * (game.sure - right) ** 2))
-    return Score(found, few, -HINT_COST * game.hints, sure)
+    return Score(found, few, -sum(HINT_COSTS[: game.hints]), sure)
 
 
 def _keep(folder: Path, game: Game) -> Game:

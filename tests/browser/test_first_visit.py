@@ -12,7 +12,7 @@ from tests.browser.test_rig_page import FIRST_USE_MS
 
 
 def test_a_newcomer_is_led_from_an_empty_store_to_thirty_shots(page: Page, served: Served) -> None:
-    says = page.get_by_test_id("guide-says")
+    says = page.get_by_test_id("guide-text")
     expect(says).to_contain_text("press Arm, then Fire")
     drawing = page.get_by_test_id("rig-drawing").locator(".wide-drawing .angle")
     page.get_by_test_id("offset_mm").fill("12.7")
@@ -25,7 +25,7 @@ def test_a_newcomer_is_led_from_an_empty_store_to_thirty_shots(page: Page, serve
     met, parted, e = map(float, re.findall(r"\d+\.\d+", says.inner_text()))
     assert abs(parted / met - e) < 0.01
     page.get_by_test_id("guide-next").click()
-    expect(page.get_by_test_id("sweep-says")).to_have_text("30 shots")
+    expect(page.get_by_test_id("sweep-text")).to_have_text("30 shots")
     expect(page.get_by_test_id("campaign")).to_have_value("first")
     expect(page.get_by_test_id("start-sweep")).to_be_enabled()
 

@@ -29,6 +29,8 @@ def test_a_level_is_made_played_with_a_hint_and_scored(page: Page, served: Serve
     expect(page.get_by_test_id("game")).to_have_text("Level 1: One plain effect. 24 shots.")
     page.get_by_test_id("take-hint").click()
     expect(page.get_by_test_id("hint")).to_have_text("Hint: One effect is hidden.")
+    page.get_by_test_id("take-hint").click()
+    expect(page.get_by_test_id("hint").nth(1)).to_contain_text("Hint: Look ")
     page.get_by_test_id("answer").fill("none")
     page.get_by_role("option", name="none", exact=True).click()
     page.keyboard.press("Escape")
@@ -37,5 +39,8 @@ def test_a_level_is_made_played_with_a_hint_and_scored(page: Page, served: Serve
     page.get_by_role("button", name="Commit", exact=True).click()
     page.get_by_test_id("reveal").click()
     expect(page.get_by_test_id("truth")).to_contain_text("Wrong.")
-    # Nothing found, a hint for 20, and 25 (1 - 4 * 0.9²) = -56 for being sure of what is wrong.
-    expect(page.get_by_test_id("score")).to_have_text("Level 1, -76 points")
+    # Nothing found, hints for 10 and 20, and 25 (1 - 4 * 0.9²) = -56 for being sure and wrong.
+    expect(page.get_by_test_id("score")).to_have_text("Level 1, -86 points")
+    sides = page.get_by_test_id("side-by-side").locator("section")
+    expect(sides.nth(0)).to_contain_text("What was hidden")
+    expect(sides.nth(1)).to_contain_text("Nothing")

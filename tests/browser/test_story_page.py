@@ -27,7 +27,7 @@ def test_a_hidden_effect_is_moved_added_and_kept_by_a_reload(page: Page, served:
     slider = page.get_by_test_id("amount")
     slider.wait_for(timeout=LONG_MS)
     expect(page.get_by_test_id("story-compare")).to_contain_text("times the noise")
-    expect(page.get_by_test_id("guide-says")).to_contain_text("That was the whole way")
+    expect(page.get_by_test_id("guide-text")).to_contain_text("That was the whole way")
     card = page.get_by_test_id("lead")
     expect(card).to_contain_text("The mirror is not at 45°")
     assert card.locator("math").count() == 1
@@ -36,7 +36,7 @@ def test_a_hidden_effect_is_moved_added_and_kept_by_a_reload(page: Page, served:
 
     without = preview_error(page)
     before = len(sent)
-    frame, said = page.get_by_test_id("ghost-frame"), page.get_by_test_id("ghost-says")
+    frame, said = page.get_by_test_id("ghost-frame"), page.get_by_test_id("ghost-text")
     expect(said).to_contain_text("ms after contact: the model is")
     largest = gap_mm(said.inner_text())
     frame.focus()
@@ -55,21 +55,21 @@ def test_a_hidden_effect_is_moved_added_and_kept_by_a_reload(page: Page, served:
         abs(2 * a - b) <= 1e-3 * max(map(abs, whole)) for a, b in zip(half, whole, strict=True)
     )
     assert asked(sent[before:]) == []
-    foretold = preview_error(page)
+    predicted = preview_error(page)
 
     page.get_by_test_id(f"add-{HIDDEN}").click()
     expect(page.get_by_test_id("story-added")).to_contain_text("The mirror is not at 45°")
     assert asked(sent[before:]) != []
-    expect(page.get_by_test_id("story-added")).to_contain_text(f"to {foretold:.3f} times")
+    expect(page.get_by_test_id("story-added")).to_contain_text(f"to {predicted:.3f} times")
     assert page.evaluate("location.search").endswith(f"effects={HIDDEN}&view=story")
     page.reload()
     expect(page.get_by_test_id("story-added")).to_contain_text(
-        f"to {foretold:.3f} times", timeout=LONG_MS
+        f"to {predicted:.3f} times", timeout=LONG_MS
     )
     expect(page.get_by_test_id("guide")).to_have_count(0)
     page.get_by_test_id("view-tables").click()
     page.get_by_test_id("error-now").wait_for(timeout=LONG_MS)
-    assert abs(error_now(page) - foretold) < 0.001
+    assert abs(error_now(page) - predicted) < 0.001
 
 
 def gap_mm(said: str) -> float:

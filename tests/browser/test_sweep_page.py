@@ -64,7 +64,7 @@ def test_a_sweep_that_cannot_be_is_refused_before_anything_moves(page: Page) -> 
     page.wait_for_function("window.did_handshake")
     page.get_by_test_id("repeat").fill("100")
     page.get_by_test_id("pn").fill("50")
-    expect(page.get_by_test_id("sweep-says")).to_contain_text("a sweep holds 1 to 10000 shots")
+    expect(page.get_by_test_id("sweep-text")).to_contain_text("a sweep holds 1 to 10000 shots")
     expect(page.get_by_test_id("start-sweep")).to_be_disabled()
 
 
@@ -75,7 +75,7 @@ def test_proposed_shots_open_as_a_form_and_fire_nothing_by_themselves(
     form = f'{{"note": "tells a from b", "campaign": "next", "shots": {shots}}}'
     page.goto(f"{served.url}/sweeps?form={quote(form)}")
     expect(page.get_by_test_id("proposed")).to_contain_text("50")
-    expect(page.get_by_test_id("sweep-says")).to_have_text("3 shots")
+    expect(page.get_by_test_id("sweep-text")).to_have_text("3 shots")
     expect(page.get_by_test_id("preview").locator(".scatterlayer .point")).to_have_count(1)
     expect(page.get_by_test_id("start-sweep")).to_be_enabled()
     expect(page.get_by_test_id("state")).to_have_text("idle")
@@ -109,13 +109,13 @@ def started(page: Page, repeat: int) -> None:
     page.get_by_test_id("preview").wait_for()
     page.wait_for_function("window.did_handshake")
     page.get_by_test_id("repeat").fill(str(repeat))
-    expect(page.get_by_test_id("sweep-says")).to_have_text(f"{24 * repeat} shots")
+    expect(page.get_by_test_id("sweep-text")).to_have_text(f"{24 * repeat} shots")
     fields = {"p0": 40, "p1": 60, "pn": 2, "o0": 6, "o1": 8, "on": 2}
     for field, value in fields.items():
         page.get_by_test_id(field).fill(str(value))
     for field, value in fields.items():
         expect(page.get_by_test_id(field)).to_have_value(str(value))
-    expect(page.get_by_test_id("sweep-says")).to_have_text(f"{4 * repeat} shots")
+    expect(page.get_by_test_id("sweep-text")).to_have_text(f"{4 * repeat} shots")
     preview = page.get_by_test_id("preview")
     expect(preview).to_contain_text("v_s/v_n from about 0.24 to 0.33")
     expect(preview.locator(".scatterlayer .point")).to_have_count(4)

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from rigctl.challenge import label_of
-from rigctl.errors import SettingsError
-from rigctl.game import Game, be_sure, game_of, hint, new_game, score, take_hint
+from rigctl.errors import RefusedError, SettingsError
+from rigctl.game import Clue, Game, be_sure, game_of, hints, new_game, score, take_hint
 
 SEEDS = range(4)
 
@@ -40,10 +40,28 @@ def test_a_game_is_kept_beside_its_challenge_and_says_nothing_of_the_truth(tmp_p
     assert game_of(folder) == played == Game(1, 24, hints=1, sure=0.9)
 
 
-def test_a_hint_says_how_much_is_hidden(tmp_path: Path) -> None:
+def test_the_first_hint_says_how_much_is_hidden(tmp_path: Path) -> None:
     for level, said in ((1, "One effect is hidden."), (3, "2 effects are hidden.")):
         new_game(tmp_path / str(level), level=level, shots=3, seed=2)
-        assert hint(tmp_path / str(level)) == said
+        assert hints(tmp_path / str(level), 1, {}) == [said]
+
+
+def test_further_hints_say_where_to_look_and_what_for_and_name_no_effect(tmp_path: Path) -> None:
+    new_game(tmp_path / "made", level=1, shots=3, seed=2)
+    hidden = label_of(tmp_path / "made").effects[0].effect
+    clues = {hidden: Clue("in the air", "Both spheres slow down.")}
+    _, where, notice = hints(tmp_path / "made", 3, clues)
+    assert where == "Look in the air."
+    assert notice == "Both spheres slow down."
+
+
+def test_there_are_three_hints_and_no_fourth(tmp_path: Path) -> None:
+    played = new_game(tmp_path / "made", level=1, shots=3, seed=2)
+    for _ in range(3):
+        played = take_hint(tmp_path / "made", played)
+    with pytest.raises(RefusedError, match="all its hints"):
+        take_hint(tmp_path / "made", played)
+    assert score(played, "right").hints == -60
 
 
 def test_there_is_no_level_nought_and_no_seventh(tmp_path: Path) -> None:
@@ -60,7 +78,7 @@ def test_a_damaged_game_is_none(tmp_path: Path) -> None:
 def test_few_shots_and_no_hints_give_more() -> None:
     assert score(Game(1, 24), "right").total == 150
     assert score(Game(1, 120), "alias").total == 100
-    assert score(Game(1, 120, hints=2), "partly").total == 10
+    assert score(Game(1, 120, hints=2), "partly").total == 20
     assert score(Game(1, 24), "wrong").total == 0
 
 

@@ -1,29 +1,29 @@
-"""What the model's page says of parameters: believed or doubted, and how near to the truth."""
+"""What the model's page says of parameters: expected or not, and how near to the truth."""
 
 from __future__ import annotations
 
 import pytest
 
 from rigctl.challenge import HiddenEffect
-from rigctl.page.model.challenge_panel import beside_truth
-from rigctl.page.model.compare import is_doubted
+from rigctl.page.model.compare import is_unexpected
+from rigctl.page.model.revealed import beside_truth
 
 HIDDEN = HiddenEffect(effect="drag", amplitude=0.4, unit="1", meaning="drag coefficient")
 
 
 @pytest.mark.parametrize(
-    ("value", "sigma", "doubted"),
+    ("value", "sigma", "unexpected"),
     [(1.61, 0.01, True), (0.5, 0.01, False), (1.02, 0.01, False), (-1.2, 0.05, True)],
 )
-def test_a_parameter_is_doubted_beyond_three_errors_outside_its_believed_range(
-    value: float, sigma: float, doubted: bool
+def test_a_parameter_is_unexpected_unexpected_beyond_three_errors_outside_its_range(
+    value: float, sigma: float, unexpected: bool
 ) -> None:
-    assert is_doubted({"value": value, "sigma": sigma}, (-1.0, 1.0)) is doubted
+    assert is_unexpected({"value": value, "sigma": sigma}, (-1.0, 1.0)) is unexpected
 
 
 def test_what_is_not_determined_or_has_no_range_is_not_doubted() -> None:
-    assert not is_doubted({"value": None, "sigma": None}, (0.0, 1.0))
-    assert not is_doubted({"value": 7.0, "sigma": 0.1}, None)
+    assert not is_unexpected({"value": None, "sigma": None}, (0.0, 1.0))
+    assert not is_unexpected({"value": 7.0, "sigma": 0.1}, None)
 
 
 def test_the_truth_of_a_challenge_stands_beside_the_fit_with_their_distance() -> None:

@@ -28,7 +28,7 @@ HEADINGS = {
     "name": "Shots of one campaign are fitted together.",
     "shots": "All that were accepted under this name, whatever became of them.",
     "measured": "Shots that have coefficients.",
-    "refused": "Shots whose frames could not be measured; each says why.",
+    "refused": "Shots whose frames could not be measured; each with the reason.",
     "other": "Shots under way, and those that came to nothing.",
     "first": "When the first shot was accepted.",
     "last": "When the latest shot was accepted.",

@@ -86,7 +86,7 @@ class Rail:
                 for number, (name, about) in enumerate(STEPS, start=1):
                     self._step(number, name, about)
             with ui.element("div").classes("now"):
-                ui.label(self._sentence()).classes("said").props("data-testid=guide-says")
+                ui.label(self._sentence()).classes("said").props("data-testid=guide-text")
                 self._button()
                 hide = button(
                     "I know the rig: hide the guide",

@@ -1,4 +1,4 @@
-"""Whether this browser wants the guide: a cookie that says no, and nothing else."""
+"""Whether this browser wants the guide: one cookie, set when it does not."""
 
 from __future__ import annotations
 

@@ -12,20 +12,16 @@ from rigctl import challenge, game
 from rigctl.errors import RigError
 from rigctl.model.known_effects import ALL_EFFECTS
 from rigctl.page.desk import Desk
+from rigctl.page.model.revealed import clues, reveal_beside
 from rigctl.page.model.source import Source
 from rigctl.page.model.state import ModelState
 from rigctl.page.parts.asking import ask_again
-from rigctl.page.parts.tables import Cell, Line, facts, minus, with_error
+from rigctl.page.parts.tables import Line, facts, minus
 from rigctl.page.parts.widgets import button
 
 FOLDER = "challenges"
 """Folder of the challenges made here, inside the store's."""
-OUTCOMES = {
-    "right": "Right.",
-    "alias": "As good as right: these shots cannot tell your answer from the truth.",
-    "partly": "Partly right.",
-    "wrong": "Wrong.",
-}
+HINTS = ("How much is hidden?", "Where to look?", "What to look for?")
 
 
 def challenge_maker(desk: Desk) -> None:
@@ -101,23 +97,24 @@ class ChallengePanel:
             commit.bind_enabled_from(given, "value", bool)
 
     def _hint(self) -> None:
-        """Offer how much is hidden, for points."""
+        """Show the hints that were taken, and offer the next one for points."""
         if self._game is None or self._folder is None:
             return
         ui.label(
             f"Level {self._game.level}: {game.LEVELS[self._game.level - 1]}. "
             f"{self._game.shots} shots."
         ).props("data-testid=game")
-        if self._game.hints:
-            ui.label(f"Hint: {game.hint(self._folder)}").props("data-testid=hint")
-        else:
-            button(f"A hint, for {game.HINT_COST} points", self._take_hint, testid="take-hint")
+        taken = self._game.hints
+        for said in game.hints(self._folder, taken, clues()):
+            ui.label(f"Hint: {said}").props("data-testid=hint")
+        if taken < len(game.HINT_COSTS):
+            words = f"{HINTS[taken]}: a hint for {game.HINT_COSTS[taken]} points"
+            button(words, self._take_hint, testid="take-hint")
 
     def _take_hint(self) -> None:
         if self._game is None or self._folder is None:
             return
         try:
-            game.hint(self._folder)
             self._game = game.take_hint(self._folder, self._game)
         except RigError as error:
             ui.notify(error.sentence(), type="negative", multi_line=True)
@@ -137,8 +134,9 @@ class ChallengePanel:
 
         def reveal() -> None:
             # Nothing of it is in the page before.
+            fitted = (self._state.path() or [{}])[-1].get("parameters", {})
             with truth:
-                _truth(label, outcome, (self._state.path() or [{}])[-1].get("parameters", {}))
+                reveal_beside(label, answer, outcome, fitted)
                 if self._game is not None:
                     _score(self._game, game.score(self._game, outcome))
             breaking.set_visibility(False)
@@ -187,55 +185,3 @@ def _score(played: game.Game, points: game.Score) -> None:
         "data-testid=score"
     )
     facts(["", "points"], [Line([minus(str(cell)) for cell in line.cells]) for line in lines])
-
-
-def _truth(
-    label: challenge.Label, outcome: challenge.Outcome, fitted: Mapping[str, Mapping[str, Any]]
-) -> None:
-    """Place what was hidden, how the answer agrees with it, and what the fit says of its size."""
-    look = "good" if outcome in {"right", "alias"} else "bad"
-    with ui.element("div").classes(f"verdict {look}").props("data-testid=truth"):
-        ui.label(OUTCOMES[outcome]).classes("lead")
-        ui.label(f"The truth is: {', '.join(label.answer)}.")
-    lines = [
-        Line(
-            [
-                one.effect,
-                minus(f"{one.amplitude:.4g}"),
-                *beside_truth(one, fitted),
-                Cell("" if one.unit == "1" else one.unit, look="left dim"),
-                Cell(one.meaning, look="left"),
-            ]
-        )
-        for one in label.effects
-    ]
-    if lines:
-        headings: list[Cell | str] = [
-            Cell("hidden", "Effect of the catalogue that was put into the shots."),
-            Cell("size", "Of its first parameter, as it was put into the shots."),
-            Cell("your fit", "The same parameter as these shots say, with its standard error."),
-            Cell("apart", "Difference in standard errors of the fit: below 3 they agree."),
-            Cell("unit", look="left"),
-            Cell("what the number says", look="left"),
-        ]
-        facts(headings, lines)
-    ui.label("The label is the one that was sealed when the campaign was made.").classes("note")
-
-
-def beside_truth(
-    hidden: challenge.HiddenEffect, fitted: Mapping[str, Mapping[str, Any]]
-) -> tuple[str, str]:
-    """Return what a fit says of a hidden effect's size, and by how many standard errors it errs.
-
-    Parameters
-    ----------
-    fitted
-        Parameters of the fit by `effect.symbol`, in the catalogue's order.
-    """
-    first = next((fitted[name] for name in fitted if name.startswith(f"{hidden.effect}.")), None)
-    if first is None:
-        return "not added", ""
-    sigma = first.get("sigma")
-    if first["value"] is None or not sigma:
-        return with_error(first), ""
-    return with_error(first), f"{abs(first['value'] - hidden.amplitude) / sigma:.1f} σ"

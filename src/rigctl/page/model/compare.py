@@ -1,4 +1,4 @@
-"""Step 1: what the model foretells against what was measured, quantity by quantity."""
+"""Step 1: what the model predicts against what was measured, quantity by quantity."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 from nicegui import ui
 
 from rigctl.page.model.effect_words import described
-from rigctl.page.parts.quantities import BELIEVED, CHANCE, CHI2, ERROR, PARAMETERS, VALUE
+from rigctl.page.parts.quantities import CHANCE, CHI2, ERROR, EXPECTED, PARAMETERS, VALUE
 from rigctl.page.parts.tables import Cell, Line, chance, facts, with_error
 from rigctl.page.parts.widgets import save_csv
 
@@ -32,7 +32,7 @@ def compare(found: Json) -> None:
             ui.space()
             save_csv(f"{found['campaign']}-agreement", lambda: _rows(found))
         headings: list[Cell | str] = [
-            Cell("quantity", "What was measured and foretold; point at a line for its numbers."),
+            Cell("quantity", "What was measured and predicted; point at a line for its numbers."),
             Cell("χ²/dof", CHI2),
             Cell("error/noise", ERROR),
             Cell("error", "Root mean square error of the prediction in the quantity's unit."),
@@ -87,31 +87,31 @@ def _parameters(found: Json) -> list[Line]:
     lines, effects = [], described(found)
     for name, value in found["parameters"].items():
         unit = "" if value["unit"] == "1" else value["unit"]
-        words, meaning, believed = _about(name, effects)
+        words, meaning, expected = _about(name, effects)
         number: Cell | str = with_error(value)
-        doubted = is_doubted(value, believed)
-        if doubted:
-            low, high = believed or (0.0, 0.0)
-            said = f"Outside what is believed, {low:g} to {high:g} {unit}".rstrip()
+        unexpected = is_unexpected(value, expected)
+        if unexpected:
+            low, high = expected or (0.0, 0.0)
+            said = f"Outside the expected range, {low:g} to {high:g} {unit}".rstrip()
             number = Cell(f"▲ {number}", f"{said}: something that is missing may hide in it.")
         cells = [Cell(words, meaning), number, Cell(unit, look="left dim")]
-        lines.append(Line(cells, "fails" if doubted else ""))
+        lines.append(Line(cells, "fails" if unexpected else ""))
     return lines
 
 
-def is_doubted(value: Json, believed: tuple[float, float] | None) -> bool:
-    """Say whether a parameter lies outside its believed range by more than its error explains."""
-    if believed is None or value["value"] is None:
+def is_unexpected(value: Json, expected: tuple[float, float] | None) -> bool:
+    """Say whether a parameter lies outside its expected range by more than its error explains."""
+    if expected is None or value["value"] is None:
         return False
     room = FAR * (value.get("sigma") or 0.0)
-    return not believed[0] - room <= value["value"] <= believed[1] + room
+    return not expected[0] - room <= value["value"] <= expected[1] + room
 
 
 def _about(name: str, effects: dict[str, Json]) -> tuple[str, str, tuple[float, float] | None]:
-    """Return a parameter in words, what it means, and the range in which it is believed."""
+    """Return a parameter in words, what it means, and its expected range."""
     if name in PARAMETERS:
         about = PARAMETERS[name]
-        return f"{about.name}, {about.meaning.rstrip('.')}", about.meaning, BELIEVED[name]
+        return f"{about.name}, {about.meaning.rstrip('.')}", about.meaning, EXPECTED[name]
     effect, _, symbol = name.rpartition(".")
     parameters = effects[effect]["parameters"] if effect in effects else []
     found = next((p for p in parameters if p["symbol"] == symbol), None)

@@ -1,4 +1,4 @@
-"""What each effect says of itself: those of the catalogue, and the user's own of an answer."""
+"""Descriptions of effects: those of the catalogue, and the user's own of an answer."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _CATALOGUE: dict[str, Json] = {effect.name: effect_document(effect) for effect i
 
 
 def described(found: Json) -> dict[str, Json]:
-    """Return all effects that an answer of the model speaks of, by their names.
+    """Return all effects that an answer of the model names, by their names.
 
     One of the user's own has its `file` besides.
     """
@@ -37,7 +37,7 @@ def explain(effect: Json) -> None:
         ui.label(effect["formula"]).classes("formula")
         for parameter in effect["parameters"]:
             ui.label(f"{parameter['symbol']}{in_unit(parameter, ', ')}: {parameter['meaning']}")
-        ui.label(f"What betrays it: {effect['gives_away']}")
+        ui.label(f"How to notice it: {effect['gives_away']}")
         if effect["confused_with"]:
             ui.label(f"Easily confused with: {', '.join(effect['confused_with'])}")
         ui.label(f"Source: {effect['source']}").classes("note")

@@ -1,4 +1,4 @@
-"""Step 3: what is missing, by what each effect promises, and one click to add it."""
+"""Step 3: what is missing, by how far each effect would lower χ², and one click to add it."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ HEADINGS = (
     ("effect", ""),
     ("score", SCORE),
     ("alike", LIKE),
-    ("amplitude, believed range", PLAUSIBLE),
+    ("amplitude, expected range", PLAUSIBLE),
     ("χ² falls by", FALL),
     ("", ""),
 )
@@ -141,7 +141,7 @@ def _amplitude(candidate: Json, parameter: Json) -> None:
     unit = in_unit(parameter)
     with ui.element("div").classes("cell number"):
         text = ui.label(f"{symbol} = {with_error(value)}{unit}")
-        text.tooltip(f"{parameter['meaning']}; believed from {low:g} to {high:g}{unit}")
+        text.tooltip(f"{parameter['meaning']}; expected from {low:g} to {high:g}{unit}")
         if not candidate["plausible"]:
             text.classes("warn")
         with ui.element("div").classes("range"):

@@ -25,7 +25,7 @@ MORE_SHOTS = frozenset({Word.FEW, Word.UNSURE, Word.UNEXPLAINED})
 
 
 class NextShots:
-    """The shots that the verdict asks for, and any two effects to be told apart besides.
+    """The shots that the verdict asks for, and any two effects to distinguish besides.
 
     Where the verdict leaves two effects open, their shots are chosen without being asked: one
     click makes a sweep of them, one more starts it.
@@ -49,13 +49,13 @@ class NextShots:
     def show(self) -> None:
         """Place what the verdict asks for, the answer if there is one, and a question beside it."""
         ui.label("Next shots").classes("title").tooltip(
-            "The settings within the rig's limits at which two effects foretell most differently."
+            "Settings within the rig's limits at which the predictions of two effects differ most."
         )
         present, standing = self._state.present, self._state.standing
         if present is None or standing is None:
             ui.label("Known once the model is fitted.").classes("note")
             return
-        ui.label(in_plain(asked_for(standing))).props("data-testid=next-says")
+        ui.label(in_plain(asked_for(standing))).props("data-testid=next-text")
         if standing.word in MORE_SHOTS:
             self._more()
         names = [
@@ -94,13 +94,13 @@ class NextShots:
             ask = button("Choose shots", self._start, testid="choose-shots")
             ask.set_enabled(self._asked.running is None)
             ui.label(
-                "The settings within the rig's limits at which the two foretell most differently."
+                "The settings within the rig's limits at which their predictions differ most."
             ).classes("aside")
 
     def _select(self, names: list[str], place: int) -> None:
         chosen = ui.select(names, value=self._pair[place], with_input=True)
         chosen.props(f"outlined dense options-dense data-testid=tell-{place}")
-        chosen.props(f'aria-label="{("effect", "to be told from")[place]}"')
+        chosen.props(f'aria-label="{("effect", "to distinguish it from")[place]}"')
         chosen.style("min-width: min(230px, 100%)")
         chosen.on_value_change(lambda event: self._pair.__setitem__(place, event.value))
 

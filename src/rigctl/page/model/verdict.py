@@ -1,4 +1,4 @@
-"""The verdict in words: what the fit at hand says, and the way that the daemon goes by itself."""
+"""The verdict in words: of the fit at hand, and of the search that the daemon makes by itself."""
 
 from __future__ import annotations
 

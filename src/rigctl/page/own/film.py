@@ -86,7 +86,7 @@ class FilmView:
             ui.label(f"{self._name(self._seen)} …").classes("empty")
             return
         rate = answer["rate_hz"]
-        rated = f"{rate:g} frames a second by the file" if rate else "the file says no frame rate"
+        rated = f"{rate:g} frames a second by the file" if rate else "the file states no frame rate"
         ui.label(
             f"{self._name(self._seen)}: {answer['frames']} frames of {answer['columns']} × "
             f"{answer['rows']} pixels; {rated}."

@@ -19,7 +19,7 @@ from rigctl.page.parts.widgets import button
 
 Json = dict[str, Any]
 FEWEST_IMPACTS = 5
-"""So many are compared with the model; of fewer it says nothing."""
+"""So many are compared with the model; fewer are not compared."""
 
 
 @dataclass(frozen=True, slots=True)

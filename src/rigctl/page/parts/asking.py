@@ -37,7 +37,7 @@ def ask_reason(title: str, text: str, verb: str, act: Callable[[str], Awaitable[
 
 
 def ask_again(title: str, text: str, verb: str, act: Callable[[], Awaitable[None] | None]) -> None:
-    """Open a dialog that says what `act` does for good; its button `verb` does it."""
+    """Open a dialog that states what `act` does for good; its button `verb` does it."""
 
     async def go() -> None:
         dialog.close()

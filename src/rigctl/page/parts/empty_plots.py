@@ -1,4 +1,4 @@
-"""A plot that holds nothing yet says what to do first."""
+"""A plot that is still empty shows what to do first."""
 
 from __future__ import annotations
 

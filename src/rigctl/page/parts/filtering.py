@@ -25,7 +25,7 @@ HINT = "a word, or offset > 10, e < 0.7"
 
 
 class FilterError(ValueError):
-    """What was typed compares something that cannot be compared; the message says what."""
+    """What was typed compares something that cannot be compared; the message names it."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -60,7 +60,7 @@ PARAMETERS = {
     "mu": Quantity("μ", "", "Coulomb's coefficient of sliding friction in the contact."),
     "beta0": Quantity("β₀", "", "Tangential restitution of contacts that stick (Walton)."),
 }
-BELIEVED = {"e": (0.0, 1.0), "mu": (0.0, 1.0), "beta0": (-1.0, 1.0)}
+EXPECTED = {"e": (0.0, 1.0), "mu": (0.0, 1.0), "beta0": (-1.0, 1.0)}
 """Of the parameters above: more restitution than 1 would make energy."""
 SETTINGS = {
     "pressure_a_kpa": Quantity(
@@ -103,8 +103,8 @@ ERROR = (
 )
 CHANCE = "Chance that noise alone does as much, with all lines looked at."
 FALL = "By how much χ² would fall if this effect were added."
-SCORE = "Root of the fall of χ² that the effect promises: standard deviations of its amplitude."
-PLAUSIBLE = "The range that is believed on this rig. Outside it the effect is doubted, not hidden."
+SCORE = "Root of the fall of χ² expected from the effect: standard deviations of its amplitude."
+PLAUSIBLE = "The range expected on this rig. An effect outside it is marked, not hidden."
 LIKE = (
     "Effects with one letter do the same to these shots (correlation above 0.9): only other shots "
     "tell them apart."

@@ -29,7 +29,7 @@ class Impact:
 
     @property
     def incidence(self) -> float | None:
-        """v_s / |v_n| before contact; None where either is not told."""
+        """v_s / |v_n| before contact; None where either is not measured."""
         if self.v_n is None or self.v_s is None or not self.v_n[0]:
             return None
         return self.v_s[0] / abs(self.v_n[0])

@@ -1,4 +1,4 @@
-"""What a person says of a shot or of a campaign: a note, and tags."""
+"""Remarks on a shot or a campaign: a note, and tags."""
 
 from __future__ import annotations
 

@@ -19,7 +19,7 @@ RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 @dataclass(frozen=True, slots=True)
 class Cell:
-    """Text of a cell, what it says on hover, and its style class."""
+    """Text of a cell, its text on hover, and its style class."""
 
     text: str
     hover: str = ""

@@ -1,1 +1,1 @@
-"""Shots: listed, played, judged."""
+"""Shots: listed, played, excluded or kept."""

@@ -16,7 +16,7 @@ SHOWN_IN_STRIP = 10
 SPEEDS = {2: "2 per s", 5: "5 per s", 10: "10 per s", 20: "20 per s"}
 JOG = 10
 WHOLE_MS = 0.9
-"""Frames that are farther apart than this, ms, are told apart by whole milliseconds."""
+"""Frames that are farther apart than this, ms, are distinguished by whole milliseconds."""
 HELP = {
     "outlines": "circle fitted to each sphere's edge: a sky blue, b orange",
     "markers": "dots on the spheres that were found, from which their turning follows",

@@ -23,7 +23,7 @@ LAYERS = ("outlines", "tracks")
 
 
 def refused_card(desk: Desk, shot: ShotRecord, result: Json, why: str) -> None:
-    """Place what happened to a shot that was not measured; `why` is what the log says of it."""
+    """Place what happened to a shot that was not measured; `why` is the text of the log."""
     with ui.element("section").classes("refused").props("data-testid=refusal"):
         ui.label(f"Shot {shot.number} was not measured").classes("strong")
         if shot.settings is None or result.get("status") != "refused":

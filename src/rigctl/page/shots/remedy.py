@@ -25,7 +25,7 @@ PICTURES = {
     "frames": "The pictures cannot be used: some are lost, mixed up or too bright.",
     "outlines": "The edge of a sphere cannot be seen well enough.",
     "markers": "The dots on a sphere cannot be seen well enough to say how it turns.",
-    "rotation": "How a sphere turns cannot be told from its dots.",
+    "rotation": "The turning of a sphere cannot be followed by its dots.",
     "assignment": "The pictures do not show two spheres in both views.",
     "motion": "A sphere jumps from one picture to the next as nothing that flies does.",
     "contact": "The pictures do not show where the spheres met.",

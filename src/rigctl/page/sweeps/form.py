@@ -69,7 +69,7 @@ class SweepForm:
             self._campaign = CampaignField(known or "sweep")
             self._shuffle = ui.checkbox("in a drawn order", value=True).props("dense")
             self._shuffle.tooltip("so that a drift in time is no effect of a setting")
-            self._said = ui.label().classes("note").props("data-testid=sweep-says role=status")
+            self._said = ui.label().classes("note").props("data-testid=sweep-text role=status")
             self._start = button("Start", self._on_start, look="main fill", testid="start-sweep")
         self._shown: Sweep | None = None
         every(0.3, self._follow)

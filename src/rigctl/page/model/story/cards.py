@@ -21,7 +21,7 @@ NAME = re.compile(r"[a-z]+(?:-[a-z]+)*")
 
 @dataclass(frozen=True, slots=True)
 class Card:
-    """What a card says of an effect.
+    """The content of a card.
 
     Attributes
     ----------
@@ -56,7 +56,7 @@ def slider_script() -> None:
 
 
 def card_of(effect: Json) -> Card:
-    """Return the card of an effect by its document; one of the user's own describes itself."""
+    """Return the card of an effect by its document; one of the user's own brings its own text."""
     name = str(effect["effect"])
     said = _cards().get(name)
     if said is None:

@@ -20,7 +20,7 @@ window.ghostFilm = (root, film) => {
     const side = frame.time < 0 ? "before" : "after";
     const said = `${Math.abs(frame.time).toFixed(1)} ms ${side} contact`;
     const gap = frame.gap === null ? "not measured here" : `the model is ${frame.gap.toPrecision(2)} mm off`;
-    root.querySelector(".ghost-says").textContent = `${said}: ${gap}.`;
+    root.querySelector(".ghost-text").textContent = `${said}: ${gap}.`;
     root.querySelector(".ghost-scale").textContent =
       ghost.checked && large.checked ? `Gap drawn ${film.times} times as large as it is.` : "";
     slider.setAttribute("aria-valuetext", `${said}, ${gap}`);

@@ -157,7 +157,7 @@ def ghost_film(scene: Scene, shot: int, gap_mm: float) -> None:
         '<div class="beside"><button class="plain" type="button" data-testid="ghost-play">Play'
         f'</button><input type="range" class="amount" min="0" max="{count - 1}" value="{start}" '
         'step="1" aria-label="frame of the film" data-testid="ghost-frame"></div>'
-        '<p class="ghost-says" data-testid="ghost-says"></p>'
+        '<p class="ghost-text" data-testid="ghost-text"></p>'
         '<div class="beside"><label><input type="checkbox" checked> model</label>'
         '<label><input type="checkbox" checked data-testid="ghost-large"> '
         f"gap × {scene.times}</label>"

@@ -54,7 +54,7 @@ def lead_card(
     cell
         Whose points are drawn.
     wait
-        Says in the slider's place how far the second fit is, and whether it is under way.
+        Shows the progress of the second fit in the slider's place; returns whether it runs.
     """
     before, after = fits
     card = card_of(effect)
@@ -112,7 +112,7 @@ def _preview(effect: Json, before: Json, after: Json, cell: Json) -> Preview | N
 
 
 def said_of(cell: Json, sums: Preview, unit: str, label: str) -> Json:
-    """Return the words in which the slider says what an amplitude does to what is drawn."""
+    """Return the words with which the slider describes what an amplitude changes."""
     name = cell["covariate"]
     ends = [math.exp(x) if name.startswith("ln ") else x for x in (sums.x[0], sums.x[-1])]
     in_unit_of = unit_of(label)
@@ -132,14 +132,14 @@ def unit_of(label: str) -> str:
     return f" {unit}" if comma else ""
 
 
-def _believed(low: float, high: float, ends: Sequence[float], best: float) -> None:
-    """Place the scale under the slider: where its size is believed, where not, and the best one."""
+def _expected(low: float, high: float, ends: Sequence[float], best: float) -> None:
+    """Place the scale under the slider: the expected range of its size, and the best value."""
 
     def place(value: float) -> float:
         share = min(1.0, max(0.0, (value - ends[0]) / (ends[1] - ends[0])))
         return 100 * (share if best > 0 else 1 - share)
 
-    with ui.element("div").classes("believed").props("aria-hidden=true"):
+    with ui.element("div").classes("expected").props("aria-hidden=true"):
         inside = ui.element("i").classes("inside")
         left, right = sorted((place(low), place(high)))
         inside.style(f"left: {left:.1f}%; right: {100 - right:.1f}%")
@@ -160,16 +160,16 @@ def _slider(card: Card, parameter: Json, sums: Preview, said: Json, error: Unsee
     )
     slider.on("input", js_handler=f"(event) => window.slidePreview(event.target, {document})")
     low, high = parameter["plausible"]
-    _believed(low, high, ends, sums.best)
-    ui.label("Move it: the line and the error follow.").classes("effect-says")
+    _expected(low, high, ends, sums.best)
+    ui.label("Move it: the line and the error follow.").classes("effect-text")
     best = {"value": sums.best, "sigma": sums.sigma}
     with ui.element("div").classes("beside"):
         ui.label(f"{parameter['symbol']} = 0{unit}").classes("strong amplitude")
         ui.label(f"best {with_error(best)}{unit}").classes("best")
         ui.space()
         inside = low <= sums.best <= high
-        believed = ui.label(minus(f"expected {low:g} to {high:g}{unit}"))
-        believed.classes("note" if inside else "note fails")
+        expected = ui.label(minus(f"expected {low:g} to {high:g}{unit}"))
+        expected.classes("note" if inside else "note fails")
     ui.label(f"{parameter['symbol']}: {parameter['meaning']}. Preview; Add fits in full.").classes(
         "note"
     )

@@ -22,7 +22,7 @@ window.slidePreview = (slider, sums) => {
       return change === 0 ? "0" : `${change < 0 ? "−" : "+"}${Math.abs(change)}`;
     };
     const last = sums.curve.length - 1;
-    panel.querySelector(".effect-says").textContent = sums.always
+    panel.querySelector(".effect-text").textContent = sums.always
       ? `It changes the ${sums.row} by ${signed(sums.curve[0])} ${sums.row_unit} in all shots.`
       : `It changes the ${sums.row} by ${signed(sums.curve[0])} ${sums.row_unit} at ${sums.ends[0]}` +
       ` and by ${signed(sums.curve[last])} ${sums.row_unit} at ${sums.ends[1]}.`;
