@@ -77,7 +77,7 @@ def _challenge(page: Page, url: str) -> Iterator[str]:
     found = page.evaluate("new URLSearchParams(location.search).get('effects')") or "none"
     for name in str(found).split(","):
         page.get_by_test_id("answer").fill(name)
-        page.get_by_role("option", name=name, exact=True).click()
+        page.get_by_role("option", name=re.compile(rf"\({name}\)$")).click()
     page.keyboard.press("Escape")
     page.get_by_test_id("commit").click()
     page.get_by_test_id("commit-now").click()

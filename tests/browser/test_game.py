@@ -32,7 +32,7 @@ def test_a_level_is_made_played_with_a_hint_and_scored(page: Page, served: Serve
     page.get_by_test_id("take-hint").click()
     expect(page.get_by_test_id("hint").nth(1)).to_contain_text("Hint: Look ")
     page.get_by_test_id("answer").fill("none")
-    page.get_by_role("option", name="none", exact=True).click()
+    page.get_by_role("option", name="Nothing (none)", exact=True).click()
     page.keyboard.press("Escape")
     choose(page, "sure", "90%")
     page.get_by_test_id("commit").click()

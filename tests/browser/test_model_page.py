@@ -5,6 +5,7 @@ The daemon has a folder of the user's own effects, of which one is of no use.
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -83,13 +84,13 @@ def test_a_hidden_effect_is_found_added_answered_and_revealed(page: Page, served
     expect(page.get_by_test_id("error-path")).to_contain_text(f"{error_now(page):.3f}")
     page.get_by_test_id("answer").click()
     page.keyboard.type(HIDDEN)
-    page.get_by_role("option", name=HIDDEN, exact=True).click()
+    page.get_by_role("option", name=re.compile(rf"\({HIDDEN}\)$")).click()
     page.keyboard.press("Escape")
     page.get_by_test_id("commit").click()
     expect(page.get_by_test_id("ask-again")).to_contain_text("neither be changed nor taken back")
     page.get_by_test_id("commit-now").click()
     page.get_by_test_id("reveal").click()
-    expect(page.get_by_test_id("truth")).to_contain_text(f"The truth is: {HIDDEN}")
+    expect(page.get_by_test_id("truth")).to_contain_text(f"({HIDDEN})")
     page.get_by_test_id("undo").click()
     expect(page.get_by_test_id("error-now")).to_contain_text(f"{before:.3f}")
 

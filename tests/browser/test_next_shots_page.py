@@ -62,7 +62,7 @@ def choose(page: Page, place: int, effect: str) -> None:
     field = page.get_by_test_id(f"tell-{place}")
     field.click()
     field.fill(effect)
-    page.get_by_role("option", name=effect, exact=True).click()
+    page.get_by_role("option", name=re.compile(rf"\({effect}\)$")).click()
     expect(field).to_have_value(effect)
 
 

@@ -12,9 +12,10 @@ from rigctl import challenge, game
 from rigctl.errors import RigError
 from rigctl.model.known_effects import ALL_EFFECTS
 from rigctl.page.desk import Desk
-from rigctl.page.model.revealed import clues, reveal_beside
+from rigctl.page.model.revealed import NOTHING, clues, in_titles, reveal_beside
 from rigctl.page.model.source import Source
 from rigctl.page.model.state import ModelState
+from rigctl.page.model.story.cards import named
 from rigctl.page.parts.asking import ask_again
 from rigctl.page.parts.tables import Line, facts, minus
 from rigctl.page.parts.widgets import button
@@ -82,11 +83,12 @@ class ChallengePanel:
             "changed. Then the seal can be broken."
         ).classes("note")
         self._hint()
-        names = [*challenge.ALONE, *sorted(effect.name for effect in ALL_EFFECTS)]
+        names = {name: f"{NOTHING[name]} ({name})" for name in challenge.ALONE}
+        names |= {effect.name: named(effect.name) for effect in ALL_EFFECTS}
         with ui.element("div").classes("beside"):
             given = ui.select(names, multiple=True, label="What is hidden?", with_input=True)
             given.props("outlined dense use-chips data-testid=answer").style(
-                "min-width: min(320px, 100%)"
+                "min-width: min(420px, 100%)"
             )
             if self._game is not None:
                 sure = {value: f"{value:.0%} sure" for value in game.SURE}
@@ -129,13 +131,13 @@ class ChallengePanel:
         except RigError as error:
             ui.label(error.sentence()).classes("verdict bad")
             return
-        ui.label(f"You committed to: {', '.join(answer)}.")
+        ui.label(f"You committed to: {in_titles(answer)}.")
         truth = ui.element("div")
 
         def reveal() -> None:
             # Nothing of it is in the page before.
             fitted = (self._state.path() or [{}])[-1].get("parameters", {})
-            with truth:
+            with truth.classes("stack"):
                 reveal_beside(label, answer, outcome, fitted)
                 if self._game is not None:
                     _score(self._game, game.score(self._game, outcome))
@@ -145,7 +147,7 @@ class ChallengePanel:
 
     def _ask(self, names: list[str]) -> None:
         ask_again(
-            f"Commit to {' and '.join(names)}?",
+            f"Commit to {in_titles(names)}?",
             "The answer is written once: it can neither be changed nor taken back.",
             "Commit",
             lambda: self._commit(names),

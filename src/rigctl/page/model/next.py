@@ -11,7 +11,7 @@ from rigctl.jobs import Job
 from rigctl.model.next_words import sentence, sweep_of
 from rigctl.page.desk import Desk
 from rigctl.page.model.state import ModelState, Question
-from rigctl.page.model.story.cards import in_plain
+from rigctl.page.model.story.cards import in_plain, named
 from rigctl.page.parts.tables import Line, facts
 from rigctl.page.parts.waiting import Waiting
 from rigctl.page.parts.widgets import button
@@ -98,10 +98,11 @@ class NextShots:
             ).classes("aside")
 
     def _select(self, names: list[str], place: int) -> None:
-        chosen = ui.select(names, value=self._pair[place], with_input=True)
+        options = {name: named(name) for name in names}
+        chosen = ui.select(options, value=self._pair[place], with_input=True)
         chosen.props(f"outlined dense options-dense data-testid=tell-{place}")
         chosen.props(f'aria-label="{("effect", "to distinguish it from")[place]}"')
-        chosen.style("min-width: min(230px, 100%)")
+        chosen.style("min-width: min(330px, 100%)")
         chosen.on_value_change(lambda event: self._pair.__setitem__(place, event.value))
 
     def _answer(self) -> None:

@@ -11,7 +11,7 @@ from nicegui import ui
 from rigctl import challenge
 from rigctl.game import Clue
 from rigctl.model.known_effects import ALL_EFFECTS, effect_document
-from rigctl.page.model.story.cards import Card, card_of
+from rigctl.page.model.story.cards import Card, card_of, named
 from rigctl.page.model.story.lead import drawing
 from rigctl.page.parts.tables import minus, with_error
 
@@ -23,6 +23,11 @@ OUTCOMES = {
     "wrong": "Wrong.",
 }
 NOTHING = {"none": "Nothing", "unexplained": "Something that is in no catalogue"}
+
+
+def in_titles(names: Sequence[str]) -> str:
+    """Return the names of an answer in words."""
+    return " and ".join(NOTHING.get(name, named(name)) for name in names)
 
 
 def cards() -> dict[str, Card]:
@@ -51,7 +56,7 @@ def reveal_beside(
     look = "good" if outcome in {"right", "alias"} else "bad"
     with ui.element("div").classes(f"verdict {look}").props("data-testid=truth"):
         ui.label(OUTCOMES[outcome]).classes("lead")
-        ui.label(f"The truth is: {', '.join(label.answer)}.")
+        ui.label(f"The truth is: {in_titles(label.answer)}.")
     known = cards()
     with ui.element("div").classes("columns half").props("data-testid=side-by-side"):
         with _side("What was hidden"):

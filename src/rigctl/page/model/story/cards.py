@@ -92,6 +92,12 @@ def in_plain(text: str) -> str:
     return NAME.sub(plain, text)
 
 
+def named(name: str) -> str:
+    """Return an effect's title with its name in brackets; another name as it is."""
+    said = _cards().get(name)
+    return name if said is None else f"{said['title']} ({name})"
+
+
 @cache
 def _cards() -> dict[str, dict[str, str]]:
     cards: dict[str, dict[str, str]] = json.loads((HERE / "cards.json").read_text("utf-8"))
