@@ -45,7 +45,7 @@ def test_a_hidden_effect_is_moved_added_and_kept_by_a_reload(page: Page, served:
     assert gap_mm(said.inner_text()) < 0.5 * largest
     outlines = page.get_by_test_id("ghost").locator("circle")
     assert outlines.count() == 8
-    page.get_by_test_id("ghost").get_by_label("model").uncheck()
+    page.get_by_role("checkbox", name="model", exact=True).uncheck()
     assert outlines.count() == 4
     half = slider.evaluate(MOVED, 0.5)
     whole = slider.evaluate(MOVED, 1.0)

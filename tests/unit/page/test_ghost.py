@@ -50,6 +50,17 @@ def test_the_gap_is_drawn_in_each_view_and_said_in_mm() -> None:
     assert of_places(PATHS).plainest == 2
 
 
+def test_it_begins_where_all_spheres_are_seen() -> None:
+    gaps = [PATHS["gaps"][0], [[0.0, 9.0, 0.0], None], PATHS["gaps"][2]]
+    assert of_places({**PATHS, "gaps": gaps}).plainest == 2
+
+
+def test_a_gap_is_drawn_larger_but_stays_below_a_radius() -> None:
+    assert of_places(PATHS).times == 3
+    small = [[[0.0, 0.01, 0.0], [0.0, 0.0, 0.0]]] * 3
+    assert of_places({**PATHS, "gaps": small}).times == 100
+
+
 def test_a_sphere_that_was_not_measured_is_not_drawn() -> None:
     assert len(of_places(PATHS).frames[1]["rings"]) == 2
 

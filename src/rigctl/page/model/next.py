@@ -102,7 +102,7 @@ class NextShots:
         chosen = ui.select(options, value=self._pair[place], with_input=True)
         chosen.props(f"outlined dense options-dense data-testid=tell-{place}")
         chosen.props(f'aria-label="{("effect", "to distinguish it from")[place]}"')
-        chosen.style("min-width: min(330px, 100%)")
+        chosen.style("min-width: min(400px, 100%)")
         chosen.on_value_change(lambda event: self._pair.__setitem__(place, event.value))
 
     def _answer(self) -> None:

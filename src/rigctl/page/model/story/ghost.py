@@ -71,8 +71,9 @@ class Scene:
 
     @property
     def plainest(self) -> int:
-        """The frame in which the gap is largest."""
-        return max(range(len(self.frames)), key=lambda k: self.frames[k]["gap"] or 0.0)
+        """The frame with the largest gap of those that show the spheres in all views."""
+        seen = [(len(frame["rings"]), frame["gap"] or 0.0) for frame in self.frames]
+        return max(range(len(seen)), key=seen.__getitem__)
 
 
 def ghost_script() -> None:

@@ -99,7 +99,10 @@ def _said(card: Card) -> None:
     ui.label(card.what)
     ui.html(f"<b>How you notice:</b> {escape(card.notice)}", sanitize=False).classes("note")
     formula = card.formula if card.typeset else escape(card.formula)
-    ui.html(formula, sanitize=False).classes("typeset")
+    # A long formula is scrolled, by keys as well.
+    ui.html(formula, sanitize=False).classes("typeset").props(
+        'tabindex=0 role=group aria-label="formula"'
+    )
 
 
 def _preview(effect: Json, before: Json, after: Json, cell: Json) -> Preview | None:

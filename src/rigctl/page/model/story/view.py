@@ -94,7 +94,7 @@ class Story:
         with _step(1, "Compare"):
             _lede(compared(found), "story-compare")
             with ui.element("div").classes("columns compared"):
-                self._film(found["paths"])
+                self._film()
                 with ui.element("div").classes("stack"):
                     _bars(failing(found)[:BARS], estimated=bool(found.get("estimated")))
         with _step(2, "Where it fails"):
@@ -122,8 +122,10 @@ class Story:
                     ui.label(f"{number} {name}").classes("strong")
                     ui.label(result).classes("note")
 
-    def _film(self, paths: Sequence[Json]) -> None:
+    @ui.refreshable_method
+    def _film(self) -> None:
         """Place the film of one of some shots, with the model's outlines over it."""
+        paths: list[Json] = [] if self._shown is None else self._shown["paths"]
         if not paths:
             return
         shown = paths[min(self._filmed, len(paths) - 1)]
@@ -151,7 +153,7 @@ class Story:
 
     def _choose_film(self, place: int) -> None:
         self._filmed = place
-        self._draw()
+        self._film.refresh()
 
     def _where(self, cells: Sequence[Json]) -> None:
         points = parsed(cells[0]["points"])
