@@ -3,25 +3,28 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from analysis.model.agreement.table import Agreement, Row
 from analysis.model.structure.alarm import is_shared
 from analysis.model.structure.covariates import covariate_label
 from analysis.model.structure.findings import ALWAYS, Finding, findings
 from analysis.model.structure.lackoffit import Cell
-from analysis.model.structure.structure import CellResiduals, Structure
+from analysis.model.structure.structure import CellResiduals, Structure, Trend
 from analysis.model.verdict.documents import SMALLEST_P
 
 Json = dict[str, Any]
+Floats = NDArray[np.float64]
 
 DRAWN = 6
 """Of so many cells, the most striking ones, a document holds the residuals."""
 MOST_POINTS = 1500
 """So many points of a cell are drawn at most."""
+DRAWN_DIGITS = 5
 SEED = 1
 """Of the choice of points: the same cell is drawn the same way each time."""
 
@@ -120,20 +123,30 @@ def drawn(found: CellResiduals) -> Json:
 
     Points come in a fixed order of spheres and frames: a fixed stride would choose one sphere.
     """
-    document = residuals_document(found)
-    count = len(document["x"])
-    chosen = range(count)
+    count = len(found.place)
+    chosen = np.arange(count)
     if count > MOST_POINTS:
-        chosen = np.sort(np.random.default_rng(SEED).permutation(count)[:MOST_POINTS]).tolist()
-    for name in ("shots", "frames", "x", "residual", "sigma"):
-        document[name] = [_rounded(document[name][place]) for place in chosen]
-    trend = document["trend"]
-    document["trend"] = {name: [_rounded(v) for v in values] for name, values in trend.items()}
-    return {**document, "of": len(found.place)}
+        chosen = np.sort(np.random.default_rng(SEED).permutation(count)[:MOST_POINTS])
+    some = replace(
+        found,
+        shots=found.shots[chosen],
+        frames=found.frames[chosen],
+        place=_rounded(found.place[chosen]),
+        residual=_rounded(found.residual[chosen]),
+        sigma=_rounded(found.sigma[chosen]),
+        trend=Trend(*map(_rounded, (found.trend.place, found.trend.mean, found.trend.sigma))),
+    )
+    return {**residuals_document(some), "of": count}
 
 
-def _rounded(value: float) -> float:
-    return value if isinstance(value, int) else float(f"{value:.5g}")
+def _rounded(values: Floats) -> Floats:
+    """Return values with `DRAWN_DIGITS` digits each."""
+    size = np.abs(values)
+    first = np.floor(np.log10(size, where=size > 0, out=np.zeros_like(size)))
+    # Powers of ten from 1 on are exact: what they divide has no more digits than it shows.
+    power = DRAWN_DIGITS - 1 - first
+    up, down = 10.0 ** np.maximum(power, 0.0), 10.0 ** np.maximum(-power, 0.0)
+    return np.asarray(np.rint(values * up / down) / up * down)
 
 
 def _row(row: Row) -> Json:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -28,6 +30,12 @@ def test_points_keep_their_shots_and_their_order() -> None:
 
 def test_few_points_are_all_drawn() -> None:
     assert drawn(cell(50, 2))["shots"] == list(range(50))
+
+
+def test_numbers_have_the_digits_that_a_picture_shows() -> None:
+    values = np.array([0.0, -1234567.0, 0.000123456789, 9.99999, -0.1, 1e-300, 2.5])
+    many = replace(cell(len(values), 2), residual=values)
+    assert drawn(many)["residual"] == [float(f"{value:.5g}") for value in values]
 
 
 def cell(count: int, spheres: int) -> CellResiduals:

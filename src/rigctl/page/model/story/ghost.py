@@ -135,7 +135,7 @@ def of_places(paths: Json) -> Scene:
                 rings.append([*at, *_moved(gap, view, 1.0)])
         frames.append(_frame(since, rings, gaps))
     stroke = 0.004 * width
-    size = 0.024 * width
+    size = 0.034 * width
     border = f"M0 {heights[0]:.2f}H{width:.2f}"
     still = [
         f'<path class="border" d="{border}" stroke-width="{stroke / 2:.3f}"/>',

@@ -301,7 +301,7 @@ def _bars(rows: Sequence[Json], *, estimated: bool) -> None:
             (
                 channel(row["quantity"]),
                 math.log(max(1.0, row["error"])) / most,
-                f"{row['error']:.2f} ×  {row['size']:.3g} {row['unit']}",
+                f"{row['error']:.2f} × ({row['size']:.3g} {row['unit']})",
                 row["p_familywise"] < SURE,
             )
             for row in rows
