@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 from playwright.sync_api import Page
 
-from benchmarks.page import AT_REST, launched, opened, served
+from benchmarks.page import launched, opened, served
 
 Picture = NDArray[np.uint8]
 SIZE = {"width": 1280, "height": 800}
@@ -30,6 +30,7 @@ ACROSS = 2
 GAP = 8
 QUALITY = 82
 LONG_MS = 600_000
+DRAWN_MS = 1_500
 MOVED = """slider => {
   slider.value = 0.8 * slider.dataset.best;
   slider.dispatchEvent(new Event("input", { bubbles: true }));
@@ -64,9 +65,8 @@ def story(page: Page, url: str) -> Iterator[str]:
 
 
 def at_top(page: Page) -> None:
-    """Scroll to the top, and stay there when what is drawn above grows."""
-    page.evaluate("scrollTo(0, 0)")
-    page.evaluate(AT_REST)
+    """Scroll to the top, once what is drawn above has its height."""
+    page.wait_for_timeout(DRAWN_MS)
     page.evaluate("scrollTo(0, 0)")
     page.wait_for_function("scrollY === 0")
 
@@ -78,7 +78,7 @@ def _challenge(page: Page, url: str) -> Iterator[str]:
     slider = page.get_by_test_id("amount")
     slider.wait_for(timeout=LONG_MS)
     page.evaluate("document.querySelector('#step-3').scrollIntoView()")
-    page.evaluate(AT_REST)
+    page.wait_for_timeout(DRAWN_MS)
     without = page.get_by_test_id("preview-error").inner_text()
     slider.evaluate(MOVED)
     moved = "before => document.querySelector('[data-testid=preview-error]').innerText !== before"
