@@ -35,8 +35,9 @@ GONE = """() => {
 class Daemon(Protocol):
     """What of a running daemon is used."""
 
-    url: str
-    rest: httpx.Client
+    @property
+    def rest(self) -> httpx.Client:
+        """Its REST."""
 
 
 def first_coefficients(page: Page) -> float:
