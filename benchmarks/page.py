@@ -288,7 +288,7 @@ def waits(browser: Browser, daemon: Served, small: Path) -> dict[str, Callable[[
     """Return what measures each wait; `small` is a campaign of 120 shots that nobody has fitted."""
 
     def coefficients() -> list[Number]:
-        took = first_coefficients(opened(browser, daemon.url, [])[0])
+        took = first_coefficients(opened(browser, daemon.url, [])[0], daemon)
         return [Number("first shot of a fresh store: fired until its coefficients", took, "s", 5.0)]
 
     def numbers() -> list[Number]:

@@ -40,8 +40,16 @@ class Daemon(Protocol):
         """Its REST."""
 
 
-def first_coefficients(page: Page) -> float:
-    """Fire the first shot by the page; return the time from the click to its coefficients, s."""
+def first_coefficients(page: Page, daemon: Daemon) -> float:
+    """Fire the first shot by the page; return the time from the click to its coefficients, s.
+
+    Raises
+    ------
+    RuntimeError
+        The store holds shots: their coefficients stand on the page already.
+    """
+    if _shots(daemon):
+        raise RuntimeError("the first shot needs a fresh store: let this part run first")
     page.get_by_test_id("arm").click()
     page.get_by_test_id("fire").wait_for()
     began = time.perf_counter()
