@@ -129,3 +129,24 @@ def test_what_is_no_film_is_refused_in_words(page: Page, served: Served) -> None
     failed = page.get_by_test_id("own-failed")
     expect(failed).to_contain_text("letter.txt: is neither film, table nor campaign")
     assert faults(page) == []
+
+
+@pytest.mark.long
+def test_several_films_are_measured_and_one_that_is_none_is_named(
+    page: Page, served: Served
+) -> None:
+    broken = served.folder / "broken.mp4"
+    broken.write_bytes(b"no film")
+    good = film(served.folder / "good.mp4")
+    page.goto(f"{served.url}/own")
+    page.wait_for_function("window.did_handshake")
+    page.locator("input[type=file]").set_input_files([broken, good])
+    page.get_by_test_id("ball-diameter-mm").fill(str(BALL_MM))
+    page.get_by_test_id("own-measure").click()
+    bounces = page.get_by_test_id("own-bounces").locator("tbody tr")
+    expect(bounces).to_have_count(2, timeout=FIRST_USE_MS)
+    expect(bounces.first).to_contain_text("2 / 1")
+    result = page.get_by_test_id("own-result")
+    expect(result).to_contain_text("broken.mp4")
+    expect(result).to_contain_text("2 bounces are too few for the model")
+    assert faults(page) == []

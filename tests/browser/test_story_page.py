@@ -35,7 +35,6 @@ def test_a_hidden_effect_is_moved_added_and_kept_by_a_reload(page: Page, served:
     assert drawing.evaluate("picture => picture.naturalWidth") > 0
 
     without = preview_error(page)
-    before = len(sent)
     frame, said = page.get_by_test_id("ghost-frame"), page.get_by_test_id("ghost-text")
     expect(said).to_contain_text("ms after contact: the model is")
     largest = gap_mm(said.inner_text())
@@ -47,6 +46,8 @@ def test_a_hidden_effect_is_moved_added_and_kept_by_a_reload(page: Page, served:
     assert outlines.count() == 8
     page.get_by_role("checkbox", name="model", exact=True).uncheck()
     assert outlines.count() == 4
+
+    before = len(sent)
     half = slider.evaluate(MOVED, 0.5)
     whole = slider.evaluate(MOVED, 1.0)
     assert without > preview_error(page)

@@ -45,7 +45,8 @@ class MeasuredFilms:
                 "data-testid=own-failed"
             )
         if self.results:
-            headings = ["film", "bounce", "at", "before, m/s", "after, m/s", "e"]
+            first = "bounce" if len(self.names) == 1 else "film / bounce"
+            headings = [first, "at", "before, m/s", "after, m/s", "e"]
             facts(headings, self._bounces(), "own-bounces")
             for number, answer in self.results.items():
                 for note in answer["notes"]:
@@ -73,7 +74,8 @@ class MeasuredFilms:
                     Quantity(each[key]["value"], each[key]["sigma"], each[key]["unit"]).concise()
                     for key in ("v_n", "v_n_after", "e")
                 ]
-                lines.append(Line([str(film + 1), str(number), f"{when} s", *numbers]))
+                name = str(number) if len(self.names) == 1 else f"{film + 1} / {number}"
+                lines.append(Line([name, f"{when} s", *numbers]))
         return lines
 
     def _files(self) -> None:
