@@ -33,9 +33,10 @@ DURATION, DEEPEST, STEP, FULL_STEP, MOVED, PUSH_BEFORE, PARTING = range(PUSH + 1
 and the one taken; force at the begin of a step; whether the spheres are on their way out."""
 STIFFNESS, DASHPOT, FRICTION, RATIO, TANGENT_LOSS, ROWS = range(PARTING + 1, PARTING + 7)
 """Of each contact: k, c, mu, kappa and 2 zeta sqrt(m_t)."""
-RADIUS_A, RADIUS_B, GIVE, GIVE_A, GIVE_B, LEVER, TURNS = range(7)
+RADIUS_A, RADIUS_B, GIVE, GIVE_A, GIVE_B, LEVER, TURNS, PULL = range(8)
 """Numbers of a pair: radii, m; what a unit impulse changes, 1/kg and 1/(kg m^2); the share of the
-overlap that each lever loses; whether the normal turns (1) or is that of a plate (0)."""
+overlap that each lever loses; whether the normal turns (1) or is that of a plate (0); by how much
+more a is pulled along +X than b, m/s^2."""
 ELASTIC, LOSS, BY_INCREMENT, SLIDES = range(4)
 """Numbers of a law: p, q; whether the spring keeps its force (1); whether the dashpot acts while
 the contact slides (1)."""
@@ -97,6 +98,7 @@ def press(block: Floats, pair: Floats, law: Floats) -> None:
     give, touching = pair[GIVE], TOUCHING * (pair[RADIUS_A] + pair[RADIUS_B])
     exponent, hertzian = law[ELASTIC], law[ELASTIC] > 1.0
     half, quarter = law[LOSS] == 0.5, law[LOSS] == 0.25
+    pull = pair[PULL]
     keeps, slides = law[BY_INCREMENT] > 0.0, law[SLIDES] > 0.0
     for k in range(LANES):
         nx, ny, nz = three(block, NORMAL, k)
@@ -132,7 +134,7 @@ def press(block: Floats, pair: Floats, law: Floats) -> None:
         put(block, FORCE, k, (fx, fy, fz))
         along = push * give
         ux, uy, uz = along * nx + give * fx, along * ny + give * fy, along * nz + give * fz
-        put(block, RATE + VELOCITY, k, (ux, uy, uz))
+        put(block, RATE + VELOCITY, k, (ux - pull, uy, uz))
         gain = tangent if keeps else 1.0
         put(block, RATE + SPRING, k, (gain * sx, gain * sy, gain * sz))
 

@@ -18,6 +18,7 @@ from analysis.collision.contact_block import (
     OVERLAP,
     PARTING,
     PLACE,
+    PULL,
     PUSH,
     PUSH_BEFORE,
     RADIUS_A,
@@ -68,7 +69,7 @@ def collide(
         Normals from a to b, velocities of b relative to a, m/s, and both spins, rad/s, shapes
         (N, 3), (N, 3) and (N, 2, 3).
     pair, law
-        As `contact_block` lists them, shapes (7,) and (4,).
+        As `contact_block` lists them, shapes (8,) and (4,).
     units
         Of each contact: k, c of the normal dashpot, mu, kappa, 2 zeta sqrt(m_t), and the undamped
         duration, s, shape (N, 6).
@@ -166,6 +167,7 @@ def free(block: Floats, pair: Floats) -> None:
         freed = parting and push <= 0.0 and step > 0.0
         wait = wait if freed else 0.0
         put(block, STATE + PLACE, k, (px + wait * ux, py + wait * uy, pz + wait * uz))
+        block[(STATE + VELOCITY) * LANES + k] -= pair[PULL] * wait
         block[DURATION * LANES + k] += wait
         block[STEP * LANES + k] = 0.0 if freed else step
         for row in range(6):

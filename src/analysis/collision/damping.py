@@ -43,7 +43,7 @@ def _table(normal: NormalForce, steps: int) -> Floats:
     count = len(DAMPINGS)
     along = np.tile([1.0, 0.0, 0.0], (count, 1))
     # Spheres so large that the overlap is small against them, of the reduced mass 1.
-    pair = np.array([1e6, 1e6, 1.0, 0.0, 0.0, 0.0, 0.0])
+    pair = np.array([1e6, 1e6, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0])
     law = np.array([normal.elastic, normal.damping, 1.0, 0.0])
     units = np.zeros((count, 6))
     units[:, 0], units[:, 1], units[:, 5] = 1.0, DAMPINGS, normal.elastic_duration

@@ -30,11 +30,15 @@ class NormalForce:
         As its field calls it.
     elastic, damping
         The exponents p and q.
+    as_asked
+        Whether c is taken anew for each contact, so that restitution is as it is asked for and
+        depends on speed only where an effect has it do so.
     """
 
     title: str
     elastic: float
     damping: float
+    as_asked: bool = False
 
     @property
     def depth_exponent(self) -> float:
@@ -47,6 +51,8 @@ class NormalForce:
 
         0 where restitution does not depend on speed.
         """
+        if self.as_asked:
+            return 0.0
         return 1.0 + (self.damping - self.elastic) * self.depth_exponent
 
     @property
@@ -72,6 +78,8 @@ TSUJI = NormalForce("Hertz's force with Tsuji's damping", 1.5, 0.25)
 """Y. Tsuji, T. Tanaka and T. Ishida, Powder Technol. 71, 239 (1992): e does not depend on speed."""
 KUWABARA_KONO = NormalForce("Hertz's force with viscous damping", 1.5, 0.5)
 """G. Kuwabara and K. Kono, Jpn. J. Appl. Phys. 26, 1230 (1987): e falls with speed."""
+VISCOUS = NormalForce("Hertz's force with Kuwabara and Kono's damping", 1.5, 0.5, as_asked=True)
+"""The same course of the force; how e falls with speed is left to an effect of that name."""
 CONSTANT_DASHPOT = NormalForce("Hertz's force with a constant dashpot", 1.5, 0.0)
 """J. Lee and H. J. Herrmann, J. Phys. A 26, 373 (1993): e rises with speed."""
 LINEAR = NormalForce("linear spring and dashpot", 1.0, 0.0)

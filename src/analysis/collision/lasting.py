@@ -43,8 +43,8 @@ def lasting(
     """Return the outcome of each encounter for a contact of finite duration.
 
     The relative motion is integrated about the turning line of centres; gravity and air act on both
-    spheres alike meanwhile. Beside a plate the normal stays. A contact that never parts leaves not
-    a number.
+    spheres alike meanwhile. Beside a plate the normal stays, and gravity pulls the sphere alone. A
+    contact that never parts leaves not a number.
     """
     a, b = encounter.bodies
     give, give_t = inverse_masses(encounter.bodies)
@@ -64,6 +64,7 @@ def lasting(
             1.0 / b.inertia,
             (1.0 if b.is_plate else 0.5) if law.shortened else 0.0,
             0.0 if b.is_plate else 1.0,
+            encounter.gravity if b.is_plate else 0.0,
         ]
     )
     numbers = np.array(

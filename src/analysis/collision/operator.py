@@ -111,6 +111,8 @@ class Encounter:
         The law across the normal: impulse against the surface velocity, kg m/s, shape (S,).
     point
         Contact point, rig axes, m, shape (S, 3); None where not known, as in a table of contacts.
+    gravity
+        m/s^2 along +X, that acts while a contact beside a plate lasts.
     rotation
         Orientations of a and b, body to rig axes, shape (S, 2, 3, 3); None where not known.
     """
@@ -123,6 +125,7 @@ class Encounter:
     beta0: Floats
     covariates: Mapping[str, Floats]
     across: Callable[[Encounter], Floats] = sticking_or_sliding
+    gravity: float = 0.0
     point: Floats | None = None
     rotation: Floats | None = None
 

@@ -130,8 +130,8 @@ class ContactLaw(Effect):
         Effects whose one parameter mixes the law, at typical values, into the operator: 0 is the
         operator, 1 the law.
     beside
-        Laws that differ from it in how restitution depends on speed alone: where it is the
-        likeliest, they are fitted from its values too.
+        Laws that differ from it in the damping along the normal alone: where it is the likeliest,
+        they are fitted from its values too.
     """
 
     stage: ClassVar[str] = "contact"

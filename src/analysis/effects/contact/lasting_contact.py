@@ -10,6 +10,7 @@ from analysis.collision.force_law import (
     CONSTANT_DASHPOT,
     LINEAR,
     TSUJI,
+    VISCOUS,
     ForceLaw,
     hertz_duration,
 )
@@ -117,10 +118,13 @@ GIVES_AWAY = (
 def effect_of(force: ForceLaw) -> ContactLaw:
     """Return the effect with one force law.
 
-    What Hertz's force and a tangential spring make of a contact hardly depends on the damping, but
-    with a constant dashpot e rises with speed, which no effect of restitution does.
+    What Hertz's force and a tangential spring make of a contact hardly depends on the damping, so
+    that other dampings are fitted beside the likeliest family alone. With a constant dashpot e
+    rises with speed, which no effect of restitution does. With that of Kuwabara and Kono e is as it
+    is asked for: that it falls with speed keeps the name of `restitution-viscoelastic`.
     """
-    beside = [effect_of(replace(force, normal=CONSTANT_DASHPOT))] if force.normal is TSUJI else []
+    others = (CONSTANT_DASHPOT, VISCOUS) if force.normal is TSUJI else ()
+    beside = [effect_of(replace(force, normal=other)) for other in others]
     return ContactLaw(
         beside=tuple(beside),
         name=NAME,

@@ -10,7 +10,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from analysis.collision.damping import damping, restitution
-from analysis.collision.force_law import KUWABARA_KONO, LINEAR, TSUJI, ForceLaw, NormalForce
+from analysis.collision.force_law import (
+    KUWABARA_KONO,
+    LINEAR,
+    TSUJI,
+    VISCOUS,
+    ForceLaw,
+    NormalForce,
+)
 from analysis.collision.lasting import STEPS, Stiffness, lasting
 from analysis.collision.operator import Body, Encounter, Outcome, States
 from simulators.challenge.bodies import Bodies
@@ -130,7 +137,7 @@ def test_the_steps_of_the_integration_do_not_show_in_the_stiffness_that_shots_te
     assert fitted_ratio(STEPS) == pytest.approx(SOFT.ratio, abs=2e-5)
 
 
-@pytest.mark.parametrize("normal", [TSUJI, LINEAR])
+@pytest.mark.parametrize("normal", [TSUJI, LINEAR, VISCOUS])
 @pytest.mark.parametrize("speed", [0.1, 2.0, 12.0])
 @pytest.mark.parametrize("e", [0.4, 0.74, 0.95])
 def test_a_contact_head_on_has_the_restitution_that_is_asked_for(
