@@ -6,8 +6,10 @@ from pathlib import Path
 
 import pytest
 
+from simulators.challenge.drops import Drop
 from tests.invoked import rigctl
 from tests.system.test_model_commands import EXPLAIN, FIT, answer
+from tests.unit.analysis.model.dropped import write_drops
 from tests.unit.analysis.model.tabulated import PLATE, contacts, impacts
 
 pytestmark = [pytest.mark.long, pytest.mark.timeout(300)]
@@ -66,3 +68,21 @@ def test_a_fault_in_a_table_ends_with_2_and_is_named(tmp_path: Path) -> None:
     done = rigctl("model", "fit", written)
     assert done.returncode == 2
     assert "impacts.csv, line 3: v_n: " in " ".join(done.stderr.split())
+
+
+def test_poses_of_a_dropped_ball_go_through_every_command(tmp_path: Path) -> None:
+    ball = Drop(drag_coefficient=0.45, viscous=True)
+    flight = {"rate_hz": 250.0, "lasts_s": 0.8, "sigma_m": 4e-5}
+    throw = {"heights_m": (0.03, 0.6), "sideways": 0.02, "spinning": 1.0}
+    drops = write_drops(tmp_path / "d", ball, shots=12, seed=4, markers=False, **flight, **throw)
+    fit = answer("fit", drops)
+    assert fit["parameters"]["e"]["value"] == pytest.approx(0.73, abs=0.05)
+    candidates = {c["effect"]: c["seen"] for c in answer("rank", drops)["candidates"]}
+    assert candidates["restitution-viscoelastic"]
+    assert candidates["wind"]
+    assert not {"mass-mismatch", "radius-mismatch"} & set(candidates)
+    stages = [stage["stage"] for stage in answer("agreement", drops)["stages"]]
+    assert {"before contact", "after contact", "flight"} <= set(stages)
+    verdict = answer("explain", drops)
+    assert set(verdict) >= EXPLAIN
+    assert "restitution-viscoelastic" in verdict["effects"]

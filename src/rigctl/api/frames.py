@@ -21,7 +21,6 @@ from analysis.campaign import Campaign, ShotJob, analyse_campaign, training_jobs
 from analysis.exchange.pose_table import PoseRow
 from analysis.exchange.shot_list import ShotRow
 from analysis.model.data.gather import pose_data
-from analysis.model.predict.start import both_seen
 from analysis.setup import Setup, SlowErrors, without_exposure
 from analysis.shot import AnalysisOptions, Method
 from analysis.slow_errors import typical
@@ -193,7 +192,7 @@ class Frames:
         counting_shots = set(shots) - {row.shot for row in rows if row.is_excluded}
         setup = typical(next(iter(self.campaign.jobs)).setup, errors)
         data = pose_data(shots, rows, setup) if counting_shots else None
-        if data is None or not both_seen(data.position_sigma).any():
+        if data is None or not data.seen.any():
             why = next((f"; shot {shot}: {text}" for shot, text in refused.items()), "")
             raise AnalysisInputError(f"no shot can be measured{why}", part=self.name)
         return Measured(data, refused, now)

@@ -19,7 +19,7 @@ from analysis.model.fitting.normal import solve_blocks
 from analysis.model.predict.comparison import compare
 from analysis.model.predict.contact import AFTER, contact_outcome
 from analysis.model.rank.projector import projector
-from analysis.model.structure.channels import PAIRS, contact_columns, contact_frame
+from analysis.model.structure.channels import contact_columns, contact_frame, pairs_of
 from analysis.motion.exponential import exponential
 
 Floats = NDArray[np.float64]
@@ -49,7 +49,7 @@ def with_free_outcomes(data: PoseData, fit: Fit) -> Freed:
 
     A shot that gains nothing by a step stays.
     """
-    jumps = np.zeros((len(data.shots), 2, 2, 3))
+    jumps = np.zeros((len(data.shots), 2, len(pairs_of(data)), 3))
     here = Freed(data, fit)
     chi2 = compare(data, fit.states, fit.theory)[0].chi2
     for _ in range(ROUNDS):
@@ -71,7 +71,8 @@ def with_free_outcomes(data: PoseData, fit: Fit) -> Freed:
 def _steps(here: Freed) -> tuple[Floats, Floats]:
     """Return by how much outcomes and own numbers are to move.
 
-    Velocities and spins, relative and common, in rig axes, shape (S, 2, 2, 3), and (S, 24).
+    Velocities and spins, of each of the W motions of both bodies, in rig axes, shape (S, 2, W, 3),
+    and (S, 24).
     """
     states, theory = here.fit.states, here.fit.theory
     sums = projector(here.data, here.fit)
@@ -85,13 +86,13 @@ def _steps(here: Freed) -> tuple[Floats, Floats]:
     taken = np.swapaxes(sums.by_state, 1, 2) @ (columns @ change)
     step = solve_blocks(sums.states, sums.own_gradient[..., None] - taken)[..., 0]
     axes = np.stack(contact_frame(here.data, states), axis=1)
-    return np.einsum("skwa,sax->skwx", change.reshape(-1, 2, 2, 3), axes), step
+    return np.einsum("skwa,sax->skwx", change.reshape(*here.data.shots.shape, 2, -1, 3), axes), step
 
 
 def _less(data: PoseData, fit: Fit, jumps: Floats) -> PoseData:
-    """Take out of the poses what jumps of the outcome (S, 2, 2, 3) do to them."""
+    """Take out of the poses what jumps of the outcome (S, 2, W, 3) do to them."""
     tau = np.maximum(data.times_s - fit.states.time_s[:, None], 0.0)[:, :, None, None]
-    shares = np.array([share for _, share in PAIRS])
+    shares = np.array([share for _, share in pairs_of(data)])
     velocity, spin = np.moveaxis(np.einsum("wi,skwx->skix", shares, jumps), 1, 0)
     after = contact_outcome(data, fit.states, fit.theory)[:, AFTER].reshape(-1, 4, 3)[:, 2:]
     turned, back = (exponential(w[:, None] * tau)[0] for w in (after, -(after + spin)))

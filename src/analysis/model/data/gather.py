@@ -19,12 +19,13 @@ from analysis.exchange.impact_table import read_impacts
 from analysis.exchange.pose_table import PoseRow, measured_poses, own_slow_errors, read_poses
 from analysis.exchange.shot_list import ShotRow, read_shot_list
 from analysis.exchange.tabulated import Tabulated
+from analysis.model.data.bounces import BOUNCES_A_SHOT, by_bounce
 from analysis.model.data.columns import ShotColumns
 from analysis.model.data.poses import PoseData
 from analysis.model.data.tables import ContactTable, Data
 from analysis.model.data.tables_build import contacts_table, impacts_table
 from analysis.model.data.tables_noise import with_scatter_as_noise
-from analysis.model.predict.start import LEAST_FRAMES, both_seen
+from analysis.model.predict.start import LEAST_FRAMES
 from analysis.scene import bodies_of
 from analysis.setup import Setup, SlowErrors
 from analysis.shot import AnalysisOptions, MeasuredShot
@@ -57,8 +58,8 @@ def gather(campaign: Path) -> tuple[str, Data]:
     Raises
     ------
     InputError
-        A file cannot be read, a sphere a is a plate, a plate b stands where poses are, no shot has
-        contacts or poses, or the file that is named holds no stage.
+        A file cannot be read, a sphere a is a plate, a plate b stands where only frames are, no
+        shot has contacts or poses, or the file that is named holds no stage.
     """
     folder, named = (campaign.parent, campaign.name) if campaign.is_file() else (campaign, None)
     if named not in {None, POSES, CONTACTS, IMPACTS}:
@@ -81,24 +82,31 @@ def gather_poses(folder: Path) -> tuple[str, PoseData]:
     Raises
     ------
     InputError
-        A file cannot be read, a sphere is a plate, or no shot has poses.
+        A file cannot be read, no shot has poses, or frames show a sphere on a plate.
     """
     name, setup = read_description(folder / DESCRIPTION)
-    if any(sphere.plate for sphere in setup.spheres):
-        reason = f"spheres: poses are of two spheres; of one on a plate give {CONTACTS}"
-        raise InputError(folder / DESCRIPTION, reason)
     rows = read_shot_list(folder / SHOT_LIST)
     if (folder / POSES).exists():
         shots: Shots = read_poses(folder / POSES)
+    elif setup.spheres[1].plate:
+        reason = f"no {POSES}; have a film of a ball measured: rigctl analyse {folder} --out"
+        raise InputError(folder, reason)
     elif not (folder / FRAMES).exists():
         raise InputError(folder, f"holds no poses: neither {POSES} nor {FRAMES} is there")
     else:
         shots, setup = _measured_now(folder, setup)
     counting = set(shots) - {row.shot for row in rows if row.is_excluded}
     data = pose_data(shots, rows, setup) if counting else None
-    if data is None or not both_seen(data.position_sigma).any():
-        raise InputError(folder, "no shot of this campaign has frames that show both spheres")
+    if data is None or not data.seen.any():
+        raise InputError(folder, nothing_seen(setup))
     return name, data
+
+
+def nothing_seen(setup: Setup) -> str:
+    """Return the sentence on a campaign of which no shot can be used."""
+    if setup.spheres[1].plate:
+        return "no shot of this campaign shows sphere a falling, along +X, and leaving a plate"
+    return "no shot of this campaign has frames that show both spheres"
 
 
 def _measured_now(folder: Path, setup: Setup) -> tuple[Shots, Setup]:
@@ -126,12 +134,17 @@ def pose_data(shots: Shots, rows: Sequence[ShotRow], setup: Setup) -> PoseData:
     errors = zip(stated_medians(stated), GUESSES, strict=True)
     data = replace(
         with_guesses(stated, *(typical_error(medians, guess) for medians, guess in errors)),
-        covariates=columns.covariates(stated.shots),
-        unused=columns.unused(stated.shots),
-        camera=replace(setup.camera, exposure_s=columns.exposure_s(stated.shots)),
+        covariates=columns.covariates(fired(stated)),
+        unused=columns.unused(fired(stated)),
+        camera=replace(setup.camera, exposure_s=columns.exposure_s(fired(stated))),
     )
     shown = usable(data)
     return shown if len(shown.shots) > 0 else data
+
+
+def fired(data: PoseData) -> NDArray[np.intp]:
+    """Return which shot of the shot list each is: a bounce on a plate is one of its shot's."""
+    return data.shots // BOUNCES_A_SHOT if data.on_plate else data.shots
 
 
 def stated_poses(shots: Shots, columns: ShotColumns, setup: Setup) -> PoseData:
@@ -139,9 +152,13 @@ def stated_poses(shots: Shots, columns: ShotColumns, setup: Setup) -> PoseData:
 
     What all shots share of the shot list is still to come.
     """
-    numbers = sorted(set(shots) - columns.excluded)
+    excluded = columns.excluded & set(shots)
+    if setup.spheres[1].plate:
+        counting = {n: own for n, own in shots.items() if n not in excluded}
+        shots = by_bounce(counting)
+    numbers = sorted(set(shots) - excluded if not setup.spheres[1].plate else shots)
     frames = {s: sorted({r.frame for rows_ in shots[s].values() for r in rows_}) for s in numbers}
-    longest = max(len(own) for own in frames.values())
+    longest = max(1, *(len(own) for own in frames.values()))
     shape = (len(numbers), longest)
     times = np.zeros(shape)
     position, position_sigma = np.zeros((*shape, 2, 3)), np.full((*shape, 2, 3), np.inf)
@@ -158,7 +175,7 @@ def stated_poses(shots: Shots, columns: ShotColumns, setup: Setup) -> PoseData:
                 if row.quaternion is not None:
                     quaternions[s, k, i] = row.quaternion
                     turn_sigma[s, k, i] = row.rotation_sigma
-        times[s, len(place) :] = times[s, len(place) - 1]
+        times[s, len(place) :] = times[s, len(place) - 1] if place else 0.0
     return PoseData(
         shots=np.array(numbers, dtype=np.intp),
         times_s=times,
@@ -175,7 +192,7 @@ def stated_poses(shots: Shots, columns: ShotColumns, setup: Setup) -> PoseData:
         drag_sigma=setup.environment.drag_coefficient_sigma,
         covariates={},
         camera=setup.camera,
-        excluded=tuple(sorted(columns.excluded & set(shots))),
+        excluded=tuple(sorted(excluded)),
     )
 
 
@@ -221,7 +238,7 @@ def _table(path: Path, table: ContactTable, excluded: tuple[int, ...]) -> Contac
 
 def usable(data: PoseData) -> PoseData:
     """Leave out shots without frames that show both spheres; their numbers are kept."""
-    shown = both_seen(data.position_sigma).sum(axis=1) >= LEAST_FRAMES
+    shown = data.seen.sum(axis=1) >= LEAST_FRAMES
     return replace(data.of_shots(shown), unusable=tuple(int(n) for n in data.shots[~shown]))
 
 

@@ -10,13 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.collision.operator import Body
+from analysis.effects.flight.wind import NOMINAL_DRAG
 from analysis.model.data.parts import Kept, cut, in_memory
-from analysis.model.fitting.systematics import Systematic, of_air, of_images
+from analysis.model.fitting.systematics import Systematic, of_air, of_images, of_plate
 from analysis.setup import DRAG_SIGMA, NO_SLOW_ERRORS, CameraSetup, SlowErrors
 
 Floats = NDArray[np.float64]
 Frame = tuple[int, int]
 """Number of a shot, and the index of one of its frames."""
+LEAST_COORDINATES = 2
 ARRAYS = ("shots", "times_s", "position", "position_sigma", "rotation", "rotation_sigma")
 
 T = TypeVar("T")
@@ -53,7 +55,7 @@ class PoseData:
     shots
         Numbers of the shots, shape (S,).
     times_s
-        Time of each frame from the shot's first, shape (S, F).
+        Time of each frame from the shot's first, or from the lowest of a bounce, shape (S, F).
     position, position_sigma
         Centres and standard errors, m, shape (S, F, 2, 3). An infinite sigma: not measured.
     rotation
@@ -78,7 +80,7 @@ class PoseData:
     estimated
         Whether some errors were not stated, so that their scale is the scatter's.
     unusable
-        Numbers of shots that are not here, having no frames that show both spheres.
+        Numbers of shots that are not here, having no frames that show both spheres, or no bounce.
     excluded
         Numbers of shots that are not here because a person left them out.
     torn
@@ -163,6 +165,23 @@ class PoseData:
         """Number of shots."""
         return len(self.shots)
 
+    @property
+    def on_plate(self) -> bool:
+        """Whether b is a plate: then every shot is one bounce, numbered as `by_bounce` does."""
+        return self.bodies[1].is_plate
+
+    @property
+    def seen(self) -> NDArray[np.bool_]:
+        """Frames that show every body that moves, shape (S, F).
+
+        In every coordinate that is measured anywhere in the shot: without a top view two are
+        enough.
+        """
+        measured = np.isfinite(self.position_sigma[:, :, : 1 if self.on_plate else 2])
+        anywhere = measured.any(axis=1, keepdims=True)
+        enough = (anywhere.sum(axis=3) >= LEAST_COORDINATES).all(axis=2)
+        return np.asarray((measured | ~anywhere).all(axis=(2, 3)) & enough)
+
     def part(self, some: slice) -> PoseData:
         """Return the data of successive shots, without copying."""
         parts = {name: getattr(self, name)[some] for name in ARRAYS}
@@ -210,7 +229,15 @@ class PoseData:
     @property
     def systematics(self) -> tuple[Systematic, ...]:
         """Return what all shots share and is known beforehand with an error."""
-        return (*of_images(self.slow), *of_air(self.drag_coefficient, self.drag_sigma))
+        drag = self.drag_coefficient
+        if drag is None and self.on_plate:
+            # Flights of a ball are long: without air no law of contact would be seen.
+            drag = NOMINAL_DRAG
+        return (
+            *of_images(self.slow),
+            *of_air(drag, self.drag_sigma),
+            *(of_plate() if self.on_plate else ()),
+        )
 
     @property
     def measured(self) -> NDArray[np.bool_]:

@@ -19,6 +19,8 @@ from analysis.model.data.columns import ShotColumns
 from analysis.model.data.gather import (
     GUESSES,
     POSES,
+    fired,
+    nothing_seen,
     stated_medians,
     stated_poses,
     typical_error,
@@ -49,7 +51,7 @@ def stream_poses(campaign: Path) -> tuple[str, PoseStream]:
     Raises
     ------
     InputError
-        A file cannot be read, a sphere is a plate, there is no poses.csv, or no shot has poses.
+        A file cannot be read, there is no poses.csv, or no shot has poses.
     OSError
         The temporary folder is full.
     """
@@ -57,8 +59,6 @@ def stream_poses(campaign: Path) -> tuple[str, PoseStream]:
         raise InputError(campaign, f"only {POSES} is read a shot at a time")
     folder = campaign.parent if campaign.is_file() else campaign
     name, setup = read_description(folder / DESCRIPTION)
-    if any(sphere.plate for sphere in setup.spheres):
-        raise InputError(folder / DESCRIPTION, "spheres: poses are of two spheres, not of a plate")
     if not (folder / POSES).exists():
         reason = f"no such file; have the frames measured first: rigctl analyse {folder} --out"
         raise InputError(folder / POSES, reason)
@@ -68,7 +68,7 @@ def stream_poses(campaign: Path) -> tuple[str, PoseStream]:
         read.add(shots, columns, setup)
     stream = read.finished(columns, setup)
     if len(stream.shots) == 0:
-        raise InputError(folder, "no shot of this campaign has frames that show both spheres")
+        raise InputError(folder, nothing_seen(setup))
     return name, stream
 
 
@@ -87,8 +87,8 @@ class Reading:
     ----------
     parts
         Errors that are not stated are NaN.
-    numbers
-        Of the shots of each part.
+    numbers, fired
+        Of the shots of each part, and those that the shot list has for them.
     medians
         Stated errors of positions and of orientations in each shot of each part, m and rad.
     excluded
@@ -97,6 +97,7 @@ class Reading:
 
     parts: Spool[PoseData] = field(default_factory=lambda: Spool(PoseData))
     numbers: list[NDArray[np.intp]] = field(default_factory=list)
+    fired: list[NDArray[np.intp]] = field(default_factory=list)
     medians: tuple[list[Floats], list[Floats]] = field(default_factory=lambda: ([], []))
     excluded: set[int] = field(default_factory=set)
 
@@ -109,14 +110,16 @@ class Reading:
         part = stated_poses(counting, columns, setup)
         self.parts.append(part)
         self.numbers.append(part.shots)
+        self.fired.append(fired(part))
         for kept, own in zip(self.medians, stated_medians(part), strict=True):
             kept.append(own)
 
     def finished(self, columns: ShotColumns, setup: Setup) -> PoseStream:
         """Return the stream of all shots that show both spheres, with what they share."""
-        parts, numbers = self._in_order()
-        covariates = columns.covariates(numbers)
-        camera = replace(setup.camera, exposure_s=columns.exposure_s(numbers))
+        parts, order = self._in_order()
+        shots = np.concatenate([np.zeros(0, dtype=np.intp), *self.fired])[order]
+        covariates = columns.covariates(shots)
+        camera = replace(setup.camera, exposure_s=columns.exposure_s(shots))
         position, rotation = (
             typical_error(np.concatenate([np.zeros(0), *own]), guess)
             for own, guess in zip(self.medians, GUESSES, strict=True)
@@ -136,15 +139,15 @@ class Reading:
         return replace(PoseStream.of(shown()), excluded=tuple(sorted(self.excluded)))
 
     def _in_order(self) -> tuple[Iterable[PoseData], NDArray[np.intp]]:
-        """Return all parts, their shots in the order of their numbers, and these numbers."""
+        """Return all parts, their shots in the order of their numbers, and this order."""
         numbers = np.concatenate([np.zeros(0, dtype=np.intp), *self.numbers])
         order = np.argsort(numbers, kind="stable")
         if (np.diff(order) == 1).all():
-            return self.parts, numbers
+            return self.parts, order
         single, longest = Spool(PoseData), 0
         for part in self.parts:
             longest = max(longest, part.times_s.shape[1])
             for k in range(part.count):
                 single.append(part.part(slice(k, k + 1)))
         shots = (single.item(int(k)).padded(longest) for k in order)
-        return regrouped(shots), numbers[order]
+        return regrouped(shots), order

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from analysis.collision.operator import WaltonLaw
 from analysis.model.data.parts import Kept, cut, regrouped
 from analysis.model.data.stream import CampaignData, beside
-from analysis.model.data.tables import Data
+from analysis.model.data.tables import ContactTable, Data
 from analysis.model.data.unseen import fitted_numbers
 from analysis.model.fitting.gauss_newton import TO_THE_END, Purpose, descended, linearised, summed
 from analysis.model.fitting.normal import NormalEquations, inverse, prior_cost
@@ -23,6 +23,8 @@ from analysis.model.predict.state import ShotStates
 from analysis.model.predict.theory import LAW, LAW_PRIOR, Theory
 
 START = WaltonLaw(*LAW_PRIOR)
+MISLEADING = 1.5
+"""Chi-squared per degree of freedom of a fit whose states are no start for another."""
 FEW = 30
 OTHER_STARTS = (WaltonLaw(0.74, 0.08, 0.2), WaltonLaw(0.74, 0.12, 0.6), WaltonLaw(0.74, 0.05, 0.4))
 """Where so few shots are fitted from as well: one that lies between rolling and sliding can hold
@@ -78,6 +80,9 @@ def fit_campaign(
         begun = starting_theories(len(data.shots), data.systematics)
         return likeliest([fit_campaign(data, one) for one in begun])
     present = Theory(START, data.systematics) if theory is None else theory
+    if start is not None and _misled(data, start):
+        calibrated = (replace(s, values=s.stated) for s in present.systematics)
+        present, start = replace(present, systematics=tuple(calibrated)), None
     states = _by_themselves(data, present) if start is None else start.parts
     begun_at = (summed(part, own, present) for part, own in beside(data, states))
     measured, own = _counts(data)
@@ -99,6 +104,16 @@ def fit_campaign(
         converged=converged,
         scatter=start.scatter if start is not None and data.jitter_s > 0 else {},
     )
+
+
+def _misled(data: CampaignData, start: Fit) -> bool:
+    """Whether shots and errors of the measurement are better begun anew than where a fit has them.
+
+    Bounces on a plate bend with a law that is far off, and hold the next one where they are.
+    """
+    if isinstance(data, ContactTable) or not data.bodies[1].is_plate:
+        return False
+    return start.chi2_per_dof > MISLEADING
 
 
 def parts_of(data: CampaignData, fit: Fit) -> Iterator[tuple[Data, ShotStates]]:

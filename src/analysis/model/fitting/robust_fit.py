@@ -12,6 +12,7 @@ from analysis.model.data.stream import CampaignData
 from analysis.model.data.tables import ContactTable
 from analysis.model.fitting.account import Account
 from analysis.model.fitting.adding import added, law_again
+from analysis.model.fitting.air import with_measured_air
 from analysis.model.fitting.fit import Fit, fit_campaign
 
 
@@ -59,7 +60,7 @@ class Judged:
 
 def judged(poses: CampaignData, effects: Sequence[Effect] = ()) -> Judged:
     """Fit the base model and some effects; what is bad is judged with these effects in."""
-    evidence = weighed(without_contact_frames(poses))
+    evidence = weighed(with_measured_air(without_contact_frames(poses)))
     return judged_with(Judged(evidence, evidence.data, evidence.cleaned.fit), effects)
 
 

@@ -14,11 +14,15 @@ from numpy.typing import NDArray
 from analysis.effects.camera.image_scale import EFFECT as IMAGE_SCALE
 from analysis.effects.camera.outline_offset import EFFECT as OUTLINE_OFFSET
 from analysis.effects.contact.mass_offset import EFFECT as MASS_OFFSET
+from analysis.effects.contact.plate_tilt import EFFECT as PLATE_TILT
 from analysis.effects.effect import Effect, Values
 from analysis.effects.flight.drag import EFFECT as DRAG
 from analysis.setup import SlowErrors
 
 Floats = NDArray[np.float64]
+
+LEVEL_WITHIN_RAD = 0.01
+"""What a spirit level leaves of a plate, and of the camera against it."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -61,6 +65,11 @@ def of_air(coefficient: float | None, sigma: float) -> tuple[Systematic, ...]:
         return ()
     stated = np.array([coefficient])
     return (Systematic(DRAG, stated, sigma, stated),)
+
+
+def of_plate() -> tuple[Systematic, ...]:
+    """Return by how much a plate that was laid level may lean."""
+    return (_off(PLATE_TILT, LEVEL_WITHIN_RAD),)
 
 
 def _off(effect: Effect, sigma: float) -> Systematic:

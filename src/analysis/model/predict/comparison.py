@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from analysis.model.data.poses import PoseData
 from analysis.model.data.tables import ContactTable, Data
 from analysis.model.data.tabulated_duration import parting
+from analysis.model.data.unseen import numbers_of_bounces
 from analysis.model.fitting.jitter import Jitter, turning_by_frame
 from analysis.model.fitting.shared_noise import SharedNoise
 from analysis.model.fitting.slow import slow_noise
@@ -145,6 +146,8 @@ def compare(data: Data, states: ShotStates, theory: Theory) -> tuple[Comparison,
         return _tabulated(data, sides, by_state), Snapshot(
             contact.outcome, contact.about, sides, None
         )
+    if data.on_plate:
+        by_state = by_state * numbers_of_bounces(data)[:, None]
     flown = fly(data, states, sides, theory)
     way = OnWay(data, flown, theory.flight)
     poses = shown(way, theory)

@@ -82,7 +82,8 @@ def outcome_of_slopes(data: Observations, states: ShotStates, theory: Theory) ->
 
 def _outcome(data: Observations, states: ShotStates, theory: Theory, operator: Operator) -> Floats:
     encounter = _encounter(data, theory, states, _motion(states), states.normal)
-    return _kicked(data, states, _row(operator(encounter)), states.normal)
+    outcome = _row(data, operator(encounter))
+    return _kicked(data, states, outcome, theory.leaning(states.normal))
 
 
 def differentiated_contact(data: Observations, states: ShotStates, theory: Theory) -> Contact:
@@ -101,10 +102,11 @@ def differentiated_contact(data: Observations, states: ShotStates, theory: Theor
     for k in range(spared, 12):
         motions[3 + k - spared, :, k] += _STEPS[2 + k]
     encounter = _encounter(data, theory, states, motions.reshape(-1, 12), normals.reshape(-1, 3))
-    outcomes = _row(theory.operator_of_slopes(encounter)).reshape(15 - spared, shots, -1)
+    outcomes = _row(data, theory.operator_of_slopes(encounter))
+    outcomes = outcomes.reshape(15 - spared, shots, -1)
     unkicked = outcomes[0].copy()
     for k in range(3):
-        outcomes[k] = _kicked(data, states, outcomes[k], normals[k])
+        outcomes[k] = _kicked(data, states, outcomes[k], theory.leaning(normals[k]))
     # A kick is across the normal: velocities and spins change nothing of it, a tilt does.
     outcomes[3:] += outcomes[0] - unkicked
     steps = np.delete(_STEPS, _VELOCITY_A) if lasts else _STEPS
@@ -115,7 +117,7 @@ def differentiated_contact(data: Observations, states: ShotStates, theory: Theor
     derivative = np.moveaxis(by_state, 0, 2)
     if states.kick is not None:
         rows, unknown = states.kick.shots, states.kick.unknown
-        kicks = _by_kick(data, states.normal[rows], unknown[rows])
+        kicks = _by_kick(data, theory.leaning(states.normal[rows]), unknown[rows])
         for k in range(3):
             derivative[rows, :, _FIRST_SPIN + 3 * states.kick.sphere + k] = kicks[..., k]
     # Without a law that is integrated both are the same.
@@ -159,6 +161,7 @@ def _encounter(
         mu=_repeated(friction, repeats),
         beta0=np.full(len(motion), law.beta0),
         covariates={name: _repeated(own, repeats) for name, own in data.covariates.items()},
+        gravity=data.gravity if isinstance(data, PoseData) and data.on_plate else 0.0,
         point=_repeated(states.point, repeats) if isinstance(data, PoseData) else None,
         rotation=_repeated(states.rotation, repeats) if isinstance(data, PoseData) else None,
     )
@@ -168,11 +171,17 @@ def _repeated(numbers: Floats, repeats: int) -> Floats:
     return numbers if repeats == 1 else np.tile(numbers, (repeats, *[1] * (numbers.ndim - 1)))
 
 
-def _row(outcome: Outcome) -> Floats:
-    after = outcome.after
+def _row(data: Observations, outcome: Outcome) -> Floats:
+    """Return the numbers of outcomes, shape (N, 25).
+
+    A flight falls from first touch on. What a plate has held up meanwhile is told from there.
+    """
+    after, held = outcome.after, outcome.after.velocity_a
+    if isinstance(data, PoseData) and data.on_plate:
+        held = held - np.outer(outcome.duration, (data.gravity, 0.0, 0.0))
     return np.concatenate(
         [
-            after.velocity_a,
+            held,
             after.velocity_b,
             after.spin_a,
             after.spin_b,

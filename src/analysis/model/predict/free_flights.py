@@ -30,6 +30,10 @@ NOWHERE = 1.0
 """Variance of a place, m^2, beyond which flights have none."""
 UNSEEN = 1e6
 """Standard error, m, m/s or rad/s, of what was not measured."""
+AT_REST = 1e-9
+"""Standard error, m/s and rad/s, of a plate."""
+OF_PLATE = np.array([9, 10, 11, 15, 16, 17])
+"""Velocity and spin of b among the numbers of a side."""
 SIDE = 18
 """Numbers of one side of a contact: places of a and b, velocities, and spins."""
 
@@ -205,7 +209,9 @@ def free_flights(data: Data, states: ShotStates, theory: Theory) -> FreeFlights:
     numbers = numbers_of(here.sides) + (blocks @ pulled).reshape(-1, NUMBERS)
     before, after = (_side(numbers, blocks, side) for side in (0, 1))
     if isinstance(data, ContactTable):
-        before = _placed(before, data)
+        before = _placed(before, data.bodies, data.normal)
+    elif data.on_plate:
+        before, after = _placed(_at_rest(before), data.bodies, states.normal), _at_rest(after)
     columns = systematic_columns(data, states, about, line, here)
     sigma = np.concatenate([np.empty(0), *(np.full(len(s.values), s.sigma) for s in calibrated)])
     moved = blocks @ columns.pulled.reshape(*pulled.shape[:3], -1)
@@ -248,12 +254,25 @@ def _numbers_of_side(side: int) -> NDArray[np.intp]:
     )
 
 
-def _placed(side: tuple[Floats, Floats], table: ContactTable) -> tuple[Floats, Floats]:
-    """Return the side before tabulated contacts, the spheres where they touch, without error."""
+def _placed(
+    side: tuple[Floats, Floats], bodies: tuple[Body, Body], normal: Floats
+) -> tuple[Floats, Floats]:
+    """Return a side before contact with the bodies where they touch, without error."""
     numbers, covariance = side[0].copy(), side[1].copy()
-    numbers[:, :3] = -table.bodies[0].radius * table.normal
-    numbers[:, 3:6] = table.bodies[1].radius * table.normal
+    numbers[:, :3], numbers[:, 3:6] = -bodies[0].radius * normal, bodies[1].radius * normal
     covariance[:, :6] = covariance[:, :, :6] = 0.0
+    return numbers, covariance
+
+
+def _at_rest(side: tuple[Floats, Floats]) -> tuple[Floats, Floats]:
+    """Return a side of bounces on a plate: it rests, and where it lies nobody has measured."""
+    numbers, covariance = side[0].copy(), side[1].copy()
+    places = np.arange(6)
+    covariance[:, places] = covariance[:, :, places] = 0.0
+    covariance[:, places, places] = UNSEEN**2
+    numbers[:, OF_PLATE] = 0.0
+    covariance[:, OF_PLATE] = covariance[:, :, OF_PLATE] = 0.0
+    covariance[:, OF_PLATE, OF_PLATE] = AT_REST**2
     return numbers, covariance
 
 

@@ -35,6 +35,8 @@ from analysis.motion.rotation import rotation_matrix
 
 Floats = NDArray[np.float64]
 
+LONG_NODES = 6
+"""Instants at which forces on a ball that bounces on a plate are evaluated: it flies for long."""
 _CLOCK_PASSES = 2
 """A time that hangs on the place hangs on it at that time: the second pass knows where."""
 
@@ -246,6 +248,8 @@ class OnWay:
 
     def _found(self, nodes: int) -> list[Passage]:
         """Return the passages of both spheres at the nodes of an integral."""
+        if self.data.on_plate:
+            nodes = max(nodes, LONG_NODES)
         if nodes not in self._passages:
             self._passages[nodes] = _passages(self.data, self.flown, nodes)
         return self._passages[nodes]
@@ -258,26 +262,35 @@ def _key(effect: FlightEffect, values: Values) -> tuple[str, bytes]:
 def _passages(data: PoseData, flown: Flown, nodes: int) -> list[Passage]:
     """Return the passages at the Gauss-Legendre nodes of int_0^t (t - s) a(s) ds."""
     since, turning = flown.since
-    gravity = np.array([data.gravity, 0.0, 0.0])
     places, shares = np.polynomial.legendre.leggauss(nodes)
     found = []
     for i, body in enumerate(data.bodies):
-        own, rate_i = since[:, :, i], np.ascontiguousarray(flown.velocity[:, :, i])
-        spin = np.ascontiguousarray(flown.spin[:, :, i])
+        if body.is_plate:
+            continue
+        own = since[:, :, i]
         for node, share in zip((1.0 + places) / 2.0, shares / 2.0, strict=True):
-            back = (1.0 - node) * own
-            flying = Flying(
-                position=flown.position[:, :, i] - rate_i * back,
-                velocity=rate_i + gravity * node * own,
-                spin=spin,
-                body=body,
-                gravity=data.gravity,
-                air_density=data.air_density,
-                partner=flown.position[:, :, 1 - i] - flown.velocity[:, :, 1 - i] * back,
-            )
+            flying = _flying(data, flown, i, node)
             twist = share * (1.0 - node) * turning[:, :, i, None] ** 2
-            found.append(Passage(i, flying, share * own * back, twist))
+            push = share * own * ((1.0 - node) * own)
+            found.append(Passage(i, flying, push, twist))
     return found
+
+
+def _flying(data: PoseData, flown: Flown, i: int, node: float) -> Flying:
+    """Return the motion of sphere i at a share of the time since its flight began, unperturbed."""
+    own, gravity = flown.since[0][:, :, i], np.array([data.gravity, 0.0, 0.0])
+    rate_i = np.ascontiguousarray(flown.velocity[:, :, i])
+    back = (1.0 - node) * own
+    partner = flown.position[:, :, 1 - i] - flown.velocity[:, :, 1 - i] * back
+    return Flying(
+        position=flown.position[:, :, i] - rate_i * back,
+        velocity=rate_i + gravity * node * own,
+        spin=np.ascontiguousarray(flown.spin[:, :, i]),
+        body=data.bodies[i],
+        gravity=data.gravity,
+        air_density=data.air_density,
+        partner=None if data.on_plate else partner,
+    )
 
 
 def _free_flight(data: PoseData, sides: Flights, stated: Timing, timing: Timing) -> Flown:

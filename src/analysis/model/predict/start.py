@@ -15,7 +15,10 @@ from analysis.motion.rotation import rotation_matrix, rotation_vector
 Floats = NDArray[np.float64]
 
 LEAST_FRAMES, LEAST_FOR_A_LINE = 3, 2
-LEAST_COORDINATES = 2
+BESIDE = 8
+"""Frames on either side of a bounce that say when it was."""
+PLATE_NORMAL = np.array([1.0, 0.0, 0.0])
+"""From a sphere onto a plate that lies level; how it leans is a systematic."""
 
 
 def first_states(data: Data) -> ShotStates:
@@ -28,21 +31,33 @@ def first_states(data: Data) -> ShotStates:
     """
     if isinstance(data, ContactTable):
         return _tabulated(data)
-    seen = both_seen(data.position_sigma)
+    seen = data.seen
     fall = 0.5 * data.gravity * data.times_s**2
     straight = data.position.copy()
     straight[..., 0] -= fall[..., None]
     straight = np.where(seen[..., None, None], straight, 0.0)
-    split = _splits(data.times_s, straight.reshape(*seen.shape, 6), seen)
-    before = seen & (np.arange(seen.shape[1]) < split[:, None])
+    if data.on_plate:
+        before, after = _beside_bounce(data.times_s, seen)
+        seen = before | after
+    else:
+        split = _splits(data.times_s, straight.reshape(*seen.shape, 6), seen)
+        before = seen & (np.arange(seen.shape[1]) < split[:, None])
     place, slope = _lines(data.times_s, straight.reshape(*seen.shape, 6), before)
     place, slope = place.reshape(-1, 2, 3), slope.reshape(-1, 2, 3)
     reach = sum(body.radius for body in data.bodies)
-    time = _touch(place, slope, reach, _bounds(data.times_s, before, seen))
+    bounds = _bounds(data.times_s, before, seen)
+    if data.on_plate:
+        later, leaving = _lines(data.times_s, straight.reshape(*seen.shape, 6), after)
+        time = _kink(place[:, 0, 0], slope[:, 0, 0], later[:, 0], leaving[:, 0], bounds)
+    else:
+        time = _touch(place, slope, reach, bounds)
     centres = place + slope * time[:, None, None]
     centres[..., 0] += (0.5 * data.gravity * time**2)[:, None]
     slope = slope.copy()
     slope[..., 0] += (data.gravity * time)[:, None]
+    if data.on_plate:
+        centres[:, 1] = centres[:, 0] + reach * PLATE_NORMAL
+        slope[:, 1] = 0.0
     normal = centres[:, 1] - centres[:, 0]
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     share = data.bodies[0].radius / reach
@@ -74,15 +89,17 @@ def _kick(data: Data) -> Kick | None:
     return Kick(np.zeros((len(unknown), 3)), unknown) if unknown.any() else None
 
 
-def both_seen(position_sigma: Floats) -> NDArray[np.bool_]:
-    """Return the frames that show both spheres, shape (S, F).
+def _beside_bounce(
+    times: Floats, seen: NDArray[np.bool_]
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Return the frames next to a bounce, before and after it, shape (S, F).
 
-    In every coordinate that is measured anywhere in the shot: without a top view two are enough.
+    The lowest, from which time counts, may lie on either side and is in neither. Farther out the
+    air bends the flights.
     """
-    measured = np.isfinite(position_sigma)
-    anywhere = measured.any(axis=1, keepdims=True)
-    enough = (anywhere.sum(axis=3) >= LEAST_COORDINATES).all(axis=2)
-    return np.asarray((measured | ~anywhere).all(axis=(2, 3)) & enough)
+    before, after = seen & (times < 0.0), seen & (times > 0.0)
+    left = np.flip(np.cumsum(np.flip(before, axis=1), axis=1), axis=1)
+    return before & (left <= BESIDE), after & (np.cumsum(after, axis=1) <= BESIDE)
 
 
 def _splits(times: Floats, values: Floats, seen: NDArray[np.bool_]) -> NDArray[np.intp]:
@@ -151,6 +168,14 @@ def _touch(place: Floats, slope: Floats, reach: float, bounds: tuple[Floats, Flo
     c = (gap**2).sum(axis=1) - reach**2
     root = np.sqrt(np.maximum(b**2 - a * c, 0.0))
     return np.asarray(np.clip((-b - root) / a, *bounds))
+
+
+def _kink(
+    place: Floats, slope: Floats, later: Floats, leaving: Floats, bounds: tuple[Floats, Floats]
+) -> Floats:
+    """Return when lines before and after a bounce cross, within the bounds, shape (S,)."""
+    closing = np.maximum(slope - leaving, 1e-9)
+    return np.asarray(np.clip((later - place) / closing, *bounds))
 
 
 def _turning(data: PoseData, before: NDArray[np.bool_], time: Floats) -> tuple[Floats, Floats]:

@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.collision.operator import Operator, WaltonLaw, walton
+from analysis.effects.contact.plate_tilt import EFFECT as PLATE_TILT
+from analysis.effects.contact.plate_tilt import leaning
 from analysis.effects.effect import (
     BodyEffect,
     CameraEffect,
@@ -223,6 +225,13 @@ class Theory:
             if isinstance(a.effect, ContactEffect):
                 operator = a.effect.wrap(operator, a.values)
         return operator
+
+    def leaning(self, normal: Floats) -> Floats:
+        """Return unit normals (S, 3) as the plate has them where there is one that may lean."""
+        for part in self.systematics:
+            if part.effect is PLATE_TILT:
+                return leaning(normal, part.values)
+        return normal
 
     @property
     def flight(self) -> tuple[tuple[FlightEffect, Values], ...]:

@@ -30,7 +30,13 @@ AXES = ("n", "t", "b")
 SMOOTH = 5
 PAIRS = (("relative", (-0.5, 0.5)), ("common", (1.0, 1.0)))
 """Shares of a and b."""
+ON_PLATE = (("relative", (-1.0, 0.0)),)
 SCALARS = ("relative velocity n", "relative velocity t")
+
+
+def pairs_of(data: Data) -> tuple[tuple[str, tuple[float, float]], ...]:
+    """Return the motions of both bodies that there are: beside a plate, relative ones alone."""
+    return ON_PLATE if data.bodies[1].is_plate else PAIRS
 
 
 def contact_columns(data: Data, states: ShotStates, theory: Theory) -> dict[str, Floats]:
@@ -46,7 +52,7 @@ def contact_columns(data: Data, states: ShotStates, theory: Theory) -> dict[str,
     shots, frames = data.times_s.shape
     columns: dict[str, Floats] = {}
     for kind, turning in (("velocity", False), ("spin", True)):
-        for word, shares in PAIRS:
+        for word, shares in pairs_of(data):
             for name, axis in zip(AXES, contact_frame(data, states), strict=True):
                 moved = np.zeros((shots, frames, 2, 6))
                 for i, share in enumerate(shares):
@@ -61,12 +67,9 @@ def contact_columns(data: Data, states: ShotStates, theory: Theory) -> dict[str,
 
 def _tabulated_columns(table: ContactTable, states: ShotStates) -> dict[str, Floats]:
     response, frame = table.weights[..., None] * table.functional, contact_frame(table, states)
-    pairs: tuple[tuple[str, tuple[float, float]], ...] = PAIRS
-    if table.bodies[1].is_plate:
-        pairs = (("relative", (-1.0, 0.0)),)
     columns: dict[str, Floats] = {}
     for kind, turning in (("velocity", False), ("spin", True)):
-        for word, shares in pairs:
+        for word, shares in pairs_of(table):
             for name, axis in zip(AXES, frame, strict=True):
                 moved = np.zeros((len(table.shots), NUMBERS))
                 for i, share in enumerate(shares):
@@ -150,7 +153,7 @@ def flight_channels(data: PoseData, states: ShotStates, reach: Reach) -> list[Fr
     frame, weight = contact_frame(data, states), weights(data)
     found = []
     for kind, unit, part in (("position", "m", slice(0, 3)), ("orientation", "rad", slice(3, 6))):
-        for word, shares in PAIRS:
+        for word, shares in pairs_of(data):
             for name, axis in zip(AXES, frame, strict=True):
                 direction = np.zeros((*data.times_s.shape, 2, 6))
                 for i, share in enumerate(shares):

@@ -149,13 +149,6 @@ def test_a_folder_without_a_description_is_refused_by_the_name_of_the_file(tmp_p
         gather(tmp_path)
 
 
-def test_poses_of_a_plate_are_refused(folder: Path) -> None:
-    path = folder / "campaign.toml"
-    path.write_text(path.read_text(encoding="utf-8") + "plate = true\n", encoding="utf-8")
-    with pytest.raises(InputError, match="poses are of two spheres"):
-        gather(folder)
-
-
 def test_errors_that_nobody_stated_are_those_of_the_scatter(tmp_path: Path) -> None:
     data = campaign(20, 31)
     folder = write_campaign(tmp_path / "c", data)

@@ -283,8 +283,8 @@ def test_a_plate_in_place_of_a_is_refused(tmp_path: Path) -> None:
         gather(impacts(tmp_path, 3, 17, description=swapped))
 
 
-def test_poses_on_a_plate_are_refused_with_what_to_give(tmp_path: Path) -> None:
+def test_a_plate_that_no_sphere_falls_on_is_refused_with_what_is_missing(tmp_path: Path) -> None:
     written = write_campaign(tmp_path, campaign(3, 18))
     (written / "campaign.toml").write_text(PLATE, encoding="utf-8")
-    with pytest.raises(InputError, match=r"of one on a plate give contacts\.csv"):
+    with pytest.raises(InputError, match=r"shows sphere a falling, along \+X, and leaving a plate"):
         gather(written)

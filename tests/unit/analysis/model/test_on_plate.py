@@ -1,0 +1,118 @@
+"""Poses of a ball that bounces on a plate: air, law and tilt of the plate from its flights."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from analysis.effects.catalogue import CATALOGUE
+from analysis.errors import InputError
+from analysis.exchange.pose_table import read_poses
+from analysis.model.data.bounces import bounces_of
+from analysis.model.data.gather import gather
+from analysis.model.data.poses import PoseData
+from analysis.model.data.reading import stream_poses
+from analysis.model.fitting.fit import fit_campaign
+from analysis.model.fitting.robust_fit import judged
+from analysis.model.verdict.selection import explain
+from simulators.challenge.drops import Drop
+from tests.unit.analysis.model.dropped import write_drops
+
+FALLEN = Drop(drag_coefficient=0.45, friction=0.15, tilt=(0.004, -0.003))
+VISCOUS = Drop(drag_coefficient=0.45, viscous=True)
+
+
+@pytest.fixture(scope="module")
+def marked(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("drops") / "marked"
+    return write_drops(folder, FALLEN, shots=10, seed=3, rate_hz=250.0, sigma_m=4e-5)
+
+
+@pytest.fixture(scope="module")
+def plain(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("drops") / "plain"
+    return write_drops(
+        folder,
+        VISCOUS,
+        shots=16,
+        seed=4,
+        heights_m=(0.03, 0.6),
+        sideways=0.02,
+        spinning=1.0,
+        markers=False,
+        lasts_s=0.8,
+        rate_hz=250.0,
+        sigma_m=4e-5,
+    )
+
+
+def posed(folder: Path) -> PoseData:
+    data = gather(folder)[1]
+    assert isinstance(data, PoseData)
+    return data
+
+
+def test_each_bounce_is_an_impact_that_says_its_shot(marked: Path) -> None:
+    data = posed(marked)
+    assert {int(n) // 100 for n in data.shots} <= set(range(1, 11))
+    assert len(data.shots) > len(read_poses(marked / "poses.csv"))
+    assert data.on_plate
+
+
+def test_no_frame_counts_in_two_bounces(marked: Path) -> None:
+    for spheres in read_poses(marked / "poses.csv").values():
+        used = [row.position for rows in bounces_of(spheres["a"]) for row in rows]
+        assert len(used) == len(set(used))
+
+
+def test_law_air_and_tilt_are_those_of_the_simulated_ball(marked: Path) -> None:
+    verdict = explain(posed(marked), CATALOGUE)
+    assert (verdict.verdict, verdict.effects) == ("effect", ("lasting-contact",))
+    assert verdict.fit.chi2_per_dof == pytest.approx(1.0, abs=0.06)
+    found, shared = verdict.fit.parameters(), verdict.fit.systematics()
+    truth = {"mu": 0.15, "lasting-contact.kappa": 0.3, "lasting-contact.zeta": 0.05}
+    for name, value in truth.items():
+        assert abs(found[name].value - value) < 4 * found[name].sigma + 1e-3, name
+    truth = {"drag.Cd": 0.45, "plate-tilt.y": 0.004, "plate-tilt.z": -0.003}
+    for name, value in truth.items():
+        assert abs(shared[name].value - value) < 4 * shared[name].sigma + 1e-4, name
+
+
+def test_a_ball_without_markers_shows_air_and_restitution_that_falls_with_speed(
+    plain: Path,
+) -> None:
+    verdict = explain(posed(plain), CATALOGUE)
+    assert (verdict.verdict, verdict.effects) == ("effect", ("restitution-viscoelastic",))
+    drag = verdict.fit.systematics()["drag.Cd"]
+    assert drag.sigma < 0.05
+    assert abs(drag.value - 0.45) < 4 * drag.sigma
+    # What was not seen is not determined.
+    assert np.isnan(verdict.fit.parameters()["mu"].value)
+
+
+def test_streamed_bounces_give_the_same_numbers(marked: Path) -> None:
+    memory, stream = judged(posed(marked)).fit, judged(stream_poses(marked)[1]).fit
+    assert np.array_equal(memory.theory.vector, stream.theory.vector)
+    assert memory.chi2 == stream.chi2
+
+
+def test_what_makes_no_sense_on_a_plate_is_not_offered(plain: Path) -> None:
+    verdict = explain(posed(plain), CATALOGUE)
+    offered = {c.effect.name for c in verdict.ranking.candidates}
+    assert not offered & {"mass-mismatch", "radius-mismatch"}
+    assert {"wind", "gravity-value", "magnus-lift"} <= offered
+
+
+def test_a_ball_that_only_rises_is_refused_with_what_is_missing(tmp_path: Path) -> None:
+    folder = write_drops(tmp_path / "short", FALLEN, shots=3, seed=5, lasts_s=0.08)
+    with pytest.raises(InputError, match="falling, along"):
+        gather(folder)
+
+
+def test_the_fit_does_not_depend_on_where_a_shots_time_begins(marked: Path) -> None:
+    rows = next(iter(read_poses(marked / "poses.csv").values()))["a"]
+    first, again = bounces_of(rows), bounces_of(rows[3:])
+    assert [row.t_s for row in first[0]][3:] == [row.t_s for row in again[0]]
+    assert fit_campaign(posed(marked)).converged
