@@ -217,7 +217,11 @@ def _each_axis(columns: Floats) -> Floats:
 def _independent(
     values: Floats, design: Floats, sigma: Floats, slow: Floats
 ) -> tuple[Floats, Floats]:
-    """Return gains and squares of what the columns of a design leave of values, shapes (n - k,)."""
+    """Return gains and squares of what the columns of a design leave of values, shapes (n - k,).
+
+    A column without entries, as for an axis that nobody measured, takes nothing.
+    """
+    design = design[:, design.any(axis=0)]
     vectors, sizes, _ = np.linalg.svd(design / (sigma[:, None] * np.linalg.norm(design, axis=0)))
     rest = vectors[:, int((sizes > STEADY * sizes[0]).sum()) :]
     gains, turn = np.linalg.eigh(rest.T @ (slow / np.outer(sigma, sigma)) @ rest)

@@ -14,7 +14,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from analysis.exchange.description import description
-from analysis.exchange.folder import write_impacts
 from analysis.exchange.impact_table import SIGMAS, ImpactRow
 from analysis.exchange.shot_list import ShotRow
 from analysis.setup import CameraSetup, Environment, Setup, SphereSetup
@@ -223,6 +222,8 @@ def write_table(
         ShotRow(impact.shot, None, dict(settings), {})
         for impact, settings in zip(found.impacts, found.settings, strict=True)
     ]
+    from analysis.exchange.folder import write_impacts  # noqa: PLC0415 - loads the analysis
+
     write_impacts(folder, description(name, setup), rows, found.impacts)
 
 

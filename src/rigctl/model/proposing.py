@@ -16,7 +16,6 @@ from analysis.model.proposals.following import next_after
 from analysis.model.proposals.propose import Proposed, propose
 from rigctl.documents import Json
 from rigctl.errors import AnalysisInputError, StoreError
-from rigctl.model.campaigns import open_campaign
 from rigctl.model.known_effects import available
 
 
@@ -72,6 +71,8 @@ def read_for_together(
     campaign: Path, names: Sequence[str], folder: Path | None, config: Path | None
 ) -> tuple[Data, tuple[Effect, ...]]:
     """Return a campaign's data and the effects of these names: what a worker does first."""
+    from rigctl.model.campaigns import open_campaign  # noqa: PLC0415 - needs a Unix: the store
+
     known = available(folder)
     given = tuple(known.named(name, "--with") for name in names)
     return open_campaign(campaign, config)[1], given
