@@ -63,7 +63,7 @@ def choose(page: Page, place: int, effect: str) -> None:
     field.click()
     field.fill(effect)
     page.get_by_role("option", name=re.compile(rf"\({effect}\)$")).click()
-    expect(field).to_have_value(effect)
+    expect(field).to_have_value(re.compile(rf"\({effect}\)\s*$"))
 
 
 def fire(folder: Path) -> None:

@@ -28,7 +28,7 @@ _log = logging.getLogger(__name__)
 _POLL_S = 0.005
 _LONGEST_POLL_S = 0.1
 _USUAL_DELAY_S = 0.01
-"""An answer within this time leaves the shot inside the frames about the mark as configured."""
+"""A marker that is answered within this time lies near enough to when it was sent."""
 _RESERVE_S = 5.0
 """Tape kept for what passes between the confirmed recording and the fire."""
 
@@ -55,9 +55,9 @@ class TapeCapture:
 
     The picture numbers of a shot are `mark` - `frames_before_mark` to `mark` +
     `frames_after_mark` - 1, where the mark is the picture under way when the rig fired: the event
-    marker on the tape less the pictures by which it came late. Where trigger or recorder answered
-    late, fire and marker lie anywhere within these delays: so many pictures more are brought, as
-    far back as the tape goes.
+    marker on the tape less the pictures by which it came late. Where the recorder answered late,
+    the marker was set anywhere within that delay: so many pictures more are brought from before,
+    as far back as the tape goes.
 
     A tape without room for another shot refuses to arm and asks the operator. It is erased when
     somebody asks for it, or by the next recording where the operator agreed (`erases_when_full`).
@@ -95,7 +95,7 @@ class TapeCapture:
         self._contact, self._clock, self._wait = contact, clock, wait
         self._session: int | None = None
         self._late = 0
-        self._more_before = self._more_after = 0
+        self._more = 0
         self._turn = threading.Lock()
         self._shooting = False
         self.erases_when_full = settings.when_full == "erase"
@@ -188,8 +188,7 @@ class TapeCapture:
         rate = self._settings.picture_rate_hz
         answer_s = self._clock() - sent_at
         self._late = round(late_s * rate)
-        self._more_before = max(0, round((answer_s - _USUAL_DELAY_S) * rate))
-        self._more_after = max(0, round((late_s - _USUAL_DELAY_S) * rate))
+        self._more = max(0, round((answer_s - _USUAL_DELAY_S) * rate))
 
     def collect(self) -> FrameSequence:
         """Wait for the pictures after the mark, stop the tape, and bring those about the mark.
@@ -333,10 +332,9 @@ class TapeCapture:
                 limit=f"{self._settings.frames_before_mark} pictures",
                 todo="ask for fewer frames before the mark",
             )
-        before = min(self._more_before, first)
+        more = min(self._more, first)
         count = self._settings.frames_before_mark + self._settings.frames_after_mark
-        more = before + self._more_after
-        return Expected(first - before, count + more, self._settings.rows, self._settings.columns)
+        return Expected(first - more, count + more, self._settings.rows, self._settings.columns)
 
     def _recorded(self, expected: Expected, deadline: float) -> int:
         while True:

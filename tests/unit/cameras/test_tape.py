@@ -132,14 +132,12 @@ def test_frames_before_the_mark_are_recorded_before_the_start_is_confirmed(
     assert bench.capture.collect().sequence.tolist() == list(range(mark - 100, mark + 60))
 
 
-def test_a_shot_whose_fire_lies_anywhere_before_a_late_marker_is_brought_whole(
-    bench: Bench,
-) -> None:
+def test_a_marker_that_came_late_is_counted_back_to_the_fire(bench: Bench) -> None:
     bench.capture.start()
     bench.time.now += 0.5
     bench.capture.mark(late_s=0.040)
-    earliest, latest = bench.recorder.marked[0] - 40, bench.recorder.marked[0] - 10
-    assert bench.capture.collect().sequence.tolist() == list(range(earliest, latest + 60))
+    fired = bench.recorder.marked[0] - 40
+    assert bench.capture.collect().sequence.tolist() == list(range(fired, fired + 60))
 
 
 @pytest.mark.parametrize("on_the_way_ms", [0, 4, 40, 300])
