@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.balls.carried import NotFlyingError, place_carried
+from analysis.balls.carried import NotFlyingError, TurningError
 from analysis.balls.films.fields import FieldsFilm, InterlacedError
 from analysis.balls.films.film import Film
 from analysis.balls.films.part import Cut, PartOfFilm
@@ -114,13 +114,16 @@ def analyse_held(film: Film, times: Floats, ball: Ball, exposure: float | None) 
     """
     try:
         measured = measure_ball(film, times, ball, exposure)
+    except TurningError as refusal:
+        refusal.placed = refusal.place(film)
+        raise
     except ShotRefusedError as refusal:
         if refusal.step != "flight":
             raise
         turned = _turned(film, times, ball, exposure)
         if turned is None:
             if isinstance(refusal, NotFlyingError):
-                refusal.placed = place_carried(film, refusal)
+                refusal.placed = refusal.place(film)
             raise
         return turned
     return AnalysedFilm(film, measured, remarks(measured))

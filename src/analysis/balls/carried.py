@@ -1,14 +1,18 @@
-"""A ball that is seen and does not fly: it rolls, or a hand carries it. Its places are given."""
+"""A ball that is seen and does not fly: it rolls, turns, or is carried. Its places are given."""
 
 from __future__ import annotations
+
+from abc import ABC, abstractmethod
 
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.balls.films.film import Film
+from analysis.balls.discs.finding import Disc
+from analysis.balls.films.film import Film, Picture
 from analysis.balls.seen.arcs import Sightings
 from analysis.balls.seen.looks import Looks
 from analysis.balls.seen.placing import Motion, Placed, Placer, cut_windows
+from analysis.balls.seen.turning_rim import place_turning
 from analysis.errors import ShotRefusedError
 
 Floats = NDArray[np.float64]
@@ -18,32 +22,68 @@ NEAR_RADII = 1.0
 """By how much more a ball may have moved than its neighbours in time say."""
 
 
-class NotFlyingError(ShotRefusedError):
+class NotFlyingError(ShotRefusedError, ABC):
     """A film whose ball is seen and does not fly freely.
 
     Attributes
     ----------
-    looks, seen
-        Of the ball, and where something looks like it.
+    times_s
+        Of all frames.
     placed
         Its places, once they are fitted; None before.
     """
 
-    def __init__(self, reason: str, looks: Looks, seen: Sightings) -> None:
+    def __init__(self, reason: str, times_s: Floats) -> None:
         super().__init__("flight", reason)
-        self.looks, self.seen = looks, seen
+        self.times_s = times_s
         self.placed: Placed | None = None
 
+    @abstractmethod
+    def place(self, film: Film) -> Placed | None:
+        """Return the ball's places in the film that was refused; None where they cannot be told."""
 
-def place_carried(film: Film, refused: NotFlyingError) -> Placed | None:
-    """Fit the places of a ball that does not fly; None where it is seen in too few frames."""
-    motion = _motion(refused.seen, refused.looks.radius_px)
-    if len(motion.frames) < LEAST_FRAMES:
-        return None
-    placer = Placer.new(refused.looks.radius_px, 0.0)
-    windows = cut_windows(film, refused.looks, motion, 0.0)
-    placer.learn_blur(windows, motion)
-    return placer.place(windows, motion)
+
+class CarriedError(NotFlyingError):
+    """A ball that rolls, or that a hand carries.
+
+    Parameters
+    ----------
+    looks, seen
+        Of the ball, and where something looks like it.
+    """
+
+    def __init__(self, reason: str, looks: Looks, seen: Sightings) -> None:
+        super().__init__(reason, seen.times_s)
+        self._looks, self._seen = looks, seen
+
+    def place(self, film: Film) -> Placed | None:
+        """Return the places of a ball that moves; None where it is seen in too few frames."""
+        motion = _motion(self._seen, self._looks.radius_px)
+        if len(motion.frames) < LEAST_FRAMES:
+            return None
+        placer = Placer.new(self._looks.radius_px, 0.0)
+        windows = cut_windows(film, self._looks, motion, 0.0)
+        placer.learn_blur(windows, motion)
+        return placer.place(windows, motion)
+
+
+class TurningError(NotFlyingError):
+    """A ball that stays on its place and turns.
+
+    Parameters
+    ----------
+    disc, ground
+        Of the ball, in the middle picture of the film.
+    """
+
+    def __init__(self, disc: Disc, ground: Picture, times_s: Floats) -> None:
+        place = f"at ({disc.row:.1f}, {disc.column:.1f}) px, {2 * disc.radius:.1f} px across"
+        super().__init__(f"the ball does not fly: it turns on its place, {place}", times_s)
+        self._disc, self._ground = disc, ground
+
+    def place(self, film: Film) -> Placed | None:
+        """Return its places in all frames; None where too little of its rim is seen."""
+        return place_turning(film, self._disc, self._ground)
 
 
 def _motion(seen: Sightings, radius_px: float) -> Motion:

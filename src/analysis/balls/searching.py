@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.balls.carried import NotFlyingError
+from analysis.balls.carried import CarriedError, NotFlyingError, TurningError
 from analysis.balls.discs.finding import find_balls
 from analysis.balls.films.fields import refuse_combed
 from analysis.balls.films.film import Film, Picture
@@ -28,6 +28,7 @@ from analysis.balls.seen.looks import (
     noise_of,
 )
 from analysis.balls.seen.sightings import Sight
+from analysis.balls.seen.turning import turning_ball
 from analysis.errors import ShotRefusedError
 
 Floats = NDArray[np.float64]
@@ -81,17 +82,21 @@ def search(film: Film, times_s: Floats, ball: Ball) -> Search:
     Raises
     ------
     ShotRefusedError
-        Too few frames, nothing round that moves, or nothing of it flies freely; `InterlacedError`
-        where two pictures are in one.
+        Too few frames, nothing round that moves, or nothing of it flies freely; `TurningError` of a
+        ball that only turns; `InterlacedError` where two pictures are in one.
     """
     if film.head.frames < LEAST_FRAMES:
         raise ShotRefusedError(
             "frames", f"{film.head.frames} frames; {LEAST_FRAMES} are needed at least"
         )
     samples = film.chosen(sample_frames(film))
-    ground = background(list(samples.values()))
-    noise = noise_of(list(samples.values()), ground)
+    shown = list(samples.values())
+    ground = background(shown)
+    noise = noise_of(shown, ground)
     refuse_combed(samples, ground, noise)
+    turning = turning_ball(shown, ground, noise, _radii_px(ground))
+    if turning is not None:
+        raise TurningError(turning, ground, times_s)
     groups = families(find_discs_that_move(samples, ground, noise))
     if not groups:
         raise ShotRefusedError(
@@ -122,7 +127,7 @@ def search(film: Film, times_s: Floats, ball: Ball) -> Search:
             others = tuple((c, _round(c, looks)) for c in linked[1:] if _beside(c, chain))
             best = Search(looks, chain, fall, others, _unexplained(seen, linked, chain), repeated)
         said = f"{_way(seen, looks)}; no flight of four frames is in this film"
-        refused = refused or NotFlyingError(said, looks, seen)
+        refused = refused or CarriedError(said, looks, seen)
     if best is not None:
         return best
     raise refused or ShotRefusedError("flight", "nothing in this film falls")
@@ -132,11 +137,15 @@ def _frames(chain: Chain) -> int:
     return sum(len(arc.frames) for arc in chain.arcs)
 
 
+def _radii_px(ground: Picture) -> tuple[float, float]:
+    """Return the least and the largest radius of a ball in a picture of this size."""
+    side = min(ground.shape[:2])
+    return max(LEAST_RADIUS_PX, LEAST_SHARE * side), MOST_SHARE * side
+
+
 def _at_rest(ground: Picture) -> str:
     """Say what is round and stands still: a ball that rests or only turns."""
-    side = min(ground.shape[:2])
-    radii = max(LEAST_RADIUS_PX, LEAST_SHARE * side), MOST_SHARE * side
-    still = find_balls(ground, radii)
+    still = find_balls(ground, _radii_px(ground))
     if not still:
         return ""
     first = still[0]

@@ -98,3 +98,31 @@ def frames_missing() -> tuple[list[Drawn], int]:
     """Draw a film without four of its frames in the middle of a flight; return where they were."""
     shown = [picture(row) for row in bouncing()]
     return shown[:50] + shown[54:], 50
+
+
+def turning(sway: tuple[float, float] = (0.0, 0.0), count: int = 60) -> list[Drawn]:
+    """Draw a ball at (100, 60) with sharp dark blotches that turns before a striped wall.
+
+    In the second half of the frames it lies elsewhere by `sway`.
+    """
+    fine = 4
+    rows, columns = (np.mgrid[: SHAPE[0] * fine, : SHAPE[1] * fine] + 0.5) / fine - 0.5
+    rng = np.random.default_rng(3)
+    blotches = rng.normal(size=(9, 3))
+    blotches /= np.linalg.norm(blotches, axis=1)[:, None]
+    shown = []
+    for k in range(count):
+        share = float(2 * k >= count)
+        down = (rows - 100.0 - share * sway[0]) / RADIUS
+        right = (columns - 60.0 - share * sway[1]) / RADIUS
+        toward = np.sqrt(np.maximum(1.0 - down**2 - right**2, 0.0))
+        c, s = np.cos(0.1 * k), np.sin(0.1 * k)
+        own = np.stack([down, c * right + s * toward, c * toward - s * right])
+        dark = np.max(np.tensordot(blotches, own, 1), axis=0) > np.cos(0.35)
+        wall = 60.0 + 15.0 * np.sin(rows / 3.0 + columns / 5.0)
+        grey = np.where(np.hypot(down, right) < 1.0, np.where(dark, 90.0, 200.0), wall)
+        small = grey.reshape(SHAPE[0], fine, SHAPE[1], fine).mean(axis=(1, 3))
+        blurred = np.asarray(cv2.GaussianBlur(small, (0, 0), 0.7), np.float64)
+        noisy = blurred + rng.normal(0.0, 1.5, SHAPE)
+        shown.append(np.asarray(np.clip(noisy, 0, 255), np.uint8))
+    return shown

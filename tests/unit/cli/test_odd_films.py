@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from tests.unit.cli import odd_films
@@ -106,3 +107,27 @@ def test_a_film_that_lacks_frames_is_not_believed(tmp_path: Path, capsys: Capsys
     pictures, _ = odd_films.frames_missing()
     shot = analysed(pictures, tmp_path, capsys)
     assert "frames may be missing" in said(shot, "further from free flights")
+
+
+def turned(folder: Path, capsys: Capsys, sway: tuple[float, float]) -> tuple[Any, Any]:
+    """Return what is said of a drawn ball that turns, and its places, shape (frames, 2)."""
+    film = save(folder / "film", odd_films.turning(sway))
+    shot = answer(capsys, str(film), *SIZE, "--fps", "200")
+    assert shot["status"] == "refused", shot
+    return shot, np.array([shot["positions"][key] for key in ("row_px", "column_px")]).T
+
+
+def test_a_ball_that_only_turns_is_said_and_its_places_stay_whatever_its_blotches_do(
+    tmp_path: Path, capsys: Capsys
+) -> None:
+    shot, places = turned(tmp_path, capsys, (0.0, 0.0))
+    assert "turns on its place" in shot["reason"]
+    assert places.shape == (60, 2)
+    assert np.all(places.std(axis=0) < 0.1)
+    assert places.mean(axis=0) == pytest.approx([100.0, 60.0], abs=0.1)
+
+
+def test_a_ball_that_turns_and_sways_is_seen_to_sway(tmp_path: Path, capsys: Capsys) -> None:
+    _, places = turned(tmp_path, capsys, (0.6, -0.5))
+    moved = places[30:].mean(axis=0) - places[:30].mean(axis=0)
+    assert moved == pytest.approx([0.6, -0.5], abs=0.15)

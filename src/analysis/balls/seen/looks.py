@@ -172,7 +172,7 @@ def looks_of(
         radius_px=radius,
         radius_sigma_px=float(np.hypot(spread, RIM_SIGMA * radius)),
         weights=_fisher(ball, still),
-        light_weights=_rim_weights(light(ball, head), light(still, head), head),
+        light_weights=rim_weights(light(ball, head), light(still, head), head),
         seen=tuple(family),
     )
 
@@ -191,7 +191,7 @@ def _pixels(picture: Picture, ground: Picture, disc: Disc) -> tuple[Picture, Pic
     return picture[window][within], ground[window][within]
 
 
-def _rim_weights(ball: Singles, still: Singles, head: FilmHead) -> Floats:
+def rim_weights(ball: Singles, still: Singles, head: FilmHead) -> Floats:
     """Return weights for light at the rim: brightness where a codec has halved the colours."""
     if head.channels == 3 and head.compressed:
         difference = (ball.mean(axis=0) - still.mean(axis=0)).astype(np.float64)

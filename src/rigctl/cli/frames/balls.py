@@ -120,7 +120,7 @@ def analyse_balls(request: BallRequest, *, as_json: bool) -> None:
         except ShotRefusedError as refusal:
             shots.append(_refused(job, refusal.step, refusal.reason, refusal.frame))
             if isinstance(refusal, NotFlyingError) and refusal.placed is not None:
-                shots[-1]["positions"] = positions(refusal.placed, refusal.seen.times_s)
+                shots[-1]["positions"] = positions(refusal.placed, refusal.times_s)
             continue
         frames += film.film.head.frames
         size = film.film.head.height, film.film.head.width
