@@ -5,6 +5,7 @@ from __future__ import annotations
 import tempfile
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
@@ -20,9 +21,13 @@ from analysis.shot import AnalysisOptions, Method, analyse_shot
 from analysis.tracking import track_spheres
 from benchmarks.imaging.goals import Sheet
 from simulators.world import write_campaign
+from simulators.world.description import WorldDescription
+from simulators.world.optics import Optics
 
 FRAMES = 24
 SIGMA_PX = 2.0
+LARGE, LARGE_DIAMETER_PX = (800, 1280), 60.0
+"""Rows and columns of a camera of today, and its spheres' size."""
 
 
 def run(seed: int) -> None:
@@ -61,7 +66,46 @@ def run(seed: int) -> None:
     print(f"  the same by edges: {shot('thesis'):.0f} ms")
     learning = 1e3 * best_of(5, lambda: teach([(first, times_s, setup)]))
     sheet.at_most("learning a pair", learning, 500.0, "ms")
+    _large(sheet, seed)
     sheet.write()
+
+
+def _large(sheet: Sheet, seed: int) -> None:
+    """Time whole shots of large pictures, once the pair is known."""
+    with tempfile.TemporaryDirectory() as scratch:
+        description = WorldDescription(optics=_large_optics())
+        speeds, offsets = [60.0, 40.0], [5.0, 9.0]
+        write_campaign(Path(scratch), speeds, offsets, seed, description=description, frames=FRAMES)
+        jobs = tuple(read_campaign(Path(scratch)).jobs)
+        first, second = (read_stack(job.frames).pixels for job in jobs)
+    setup, times_s = jobs[0].setup, np.arange(FRAMES) / jobs[0].setup.camera.frame_rate_hz
+    known = teach([(first, times_s, setup)])
+    if known is None:
+        print("  of large pictures: the rendered pair cannot be learned")
+        return
+    options = AnalysisOptions(method="photometric")
+    seconds = best_of(5, lambda: analyse_shot(second, times_s, setup, options, known))
+    name = f"{LARGE[1]} x {LARGE[0]}, spheres of {LARGE_DIAMETER_PX:.0f} px, known pair"
+    sheet.at_least(name, FRAMES / seconds, 200.0, "frames/s")
+
+
+def _large_optics() -> Optics:
+    """Return optics of large pictures: the spheres' own scale, both views in their middle."""
+    plain, sphere = Optics(), WorldDescription().sphere_a
+    rows, columns = LARGE
+    times = LARGE_DIAMETER_PX / (2.0 * sphere.radius_m * plain.scale_px_per_m)
+    shift = 0.5 * (rows - times * plain.rows)
+    boundary = round(times * plain.front_rows[0] + shift)
+    return replace(
+        plain,
+        rows=rows,
+        columns=columns,
+        scale_px_per_m=times * plain.scale_px_per_m,
+        front_origin_px=(times * plain.front_origin_px[0] + shift, 0.5 * columns),
+        top_origin_px=(times * plain.top_origin_px[0] + shift, 0.5 * columns),
+        front_rows=(boundary, rows),
+        top_rows=(0, boundary),
+    )
 
 
 def _filtered_by_opencv(film: NDArray[np.uint8]) -> float:
