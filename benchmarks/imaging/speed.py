@@ -74,8 +74,10 @@ def _large(sheet: Sheet, seed: int) -> None:
     """Time whole shots of large pictures, once the pair is known."""
     with tempfile.TemporaryDirectory() as scratch:
         description = WorldDescription(optics=_large_optics())
-        speeds, offsets = [60.0, 40.0], [5.0, 9.0]
-        write_campaign(Path(scratch), speeds, offsets, seed, description=description, frames=FRAMES)
+        pressures_kpa, offsets_mm = [60.0, 40.0], [5.0, 9.0]
+        write_campaign(
+            Path(scratch), pressures_kpa, offsets_mm, seed, description=description, frames=FRAMES
+        )
         jobs = tuple(read_campaign(Path(scratch)).jobs)
         first, second = (read_stack(job.frames).pixels for job in jobs)
     setup, times_s = jobs[0].setup, np.arange(FRAMES) / jobs[0].setup.camera.frame_rate_hz
