@@ -20,6 +20,7 @@ from rigctl.page.sweeps.form import form_address, shot_headings
 
 Json = dict[str, Any]
 NONE = "none"
+NO_EFFECT = f"No further effect ({NONE})"
 PROBABILITY = 0.9
 MORE_SHOTS = frozenset({Word.FEW, Word.UNSURE, Word.UNEXPLAINED})
 
@@ -98,7 +99,7 @@ class NextShots:
             ).classes("aside")
 
     def _select(self, names: list[str], place: int) -> None:
-        options = {name: named(name) for name in names}
+        options = {name: named(name) for name in names} | {NONE: NO_EFFECT}
         chosen = ui.select(options, value=self._pair[place], with_input=True)
         chosen.props(f"outlined dense options-dense data-testid=tell-{place}")
         chosen.props(f'aria-label="{("effect", "to distinguish it from")[place]}"')
