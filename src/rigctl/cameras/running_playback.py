@@ -8,7 +8,7 @@ from itertools import groupby
 
 import numpy as np
 
-from analysis.imaging.playback.numbering import Clock
+from analysis.imaging.playback.chain import Clock
 from analysis.imaging.playback.recorded import Recorded, recorded_pictures
 from analysis.imaging.playback.sampling import Sampling
 from rigctl.cameras.frames import FrameSequence

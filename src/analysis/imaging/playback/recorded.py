@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.imaging.playback.chain import Clock
 from analysis.imaging.playback.changes import changes
-from analysis.imaging.playback.numbering import Clock, numbered
+from analysis.imaging.playback.numbering import numbered
 
 CERTAIN = 0.99
 """Least probability of a number that is given to a field."""

@@ -11,7 +11,7 @@ import typer
 
 from analysis.errors import InputError
 from analysis.imaging.files.stack import read_stack
-from analysis.imaging.playback.numbering import Clock
+from analysis.imaging.playback.chain import Clock
 from analysis.imaging.playback.recorded import Recorded, recorded_pictures
 from analysis.imaging.playback.sampling import Sampling, Scan
 from rigctl.cameras.stack_file import StackNote

@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from analysis.imaging.playback.numbering import Clock
+from analysis.imaging.playback.chain import Clock
 from analysis.imaging.playback.recorded import Recorded, recorded_pictures
 from analysis.imaging.playback.sampling import Sampling
 from simulators.ektapro.grabber import LINES, Wrong
@@ -60,6 +60,9 @@ WRONGS = st.builds(
 
 
 @settings(max_examples=20, deadline=None)
+@example("ntsc", 0.25, 30.0, Wrong(frozenset({6, 7}), frozenset({2}))).via(
+    "both fields after a lost frame show one of the lost fields"
+)
 @given(
     standard=STANDARDS,
     phase=st.floats(0.02, 0.98),
