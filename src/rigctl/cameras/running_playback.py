@@ -8,6 +8,7 @@ from itertools import groupby
 
 import numpy as np
 
+from analysis.imaging.fields import field_times
 from analysis.imaging.playback.chain import Clock
 from analysis.imaging.playback.recorded import Recorded, recorded_pictures
 from analysis.imaging.playback.sampling import Sampling
@@ -154,8 +155,7 @@ class RunningPlayback:
         numbers = np.array([frame.number for frame in frames], dtype=np.float64)
         stamps = np.array([frame.time_s for frame in frames])
         period = float(np.polyfit(numbers, stamps - stamps[0], 1)[0])
-        fields = np.arange(self._sampling.fields) / self._sampling.fields
-        return np.asarray((((numbers - numbers[0])[:, None] + fields) * period).ravel())
+        return field_times((numbers - numbers[0]) * period, self._sampling.fields, period)
 
 
 def _runs(numbers: list[int]) -> list[tuple[int, int]]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -10,15 +10,13 @@ from numpy.typing import NDArray
 
 from analysis.balls.films.film import Film, Floats, Picture
 from analysis.errors import ShotRefusedError
-
-Singles = NDArray[np.float32]
+from analysis.imaging.fields import Singles, field_times, filled, grey, order, parities
 
 CHANGED_SIGMAS = 6.0
 LEAST_SHARE, LEAST_COMBED = 0.04, 40
 """Of the pixels that change: rows between two alike rows in so many of them are combs of fields."""
-SEEN_COLUMNS = 240
-MOST_JUDGED = 40
-"""Pairs of frames that tell which rows are the earlier."""
+UNTIMED_S = 0.04
+"""From one frame to the next where a film has one frame alone."""
 
 
 class InterlacedError(ShotRefusedError):
@@ -39,9 +37,9 @@ def refuse_combed(samples: dict[int, Picture], ground: Picture, noise: float) ->
     """
     moving = combed = most = 0
     worst = 0, 0
-    still = _grey(ground)
+    still = grey(ground)
     for number, picture in samples.items():
-        changed, comb = _combed(_grey(picture) - still, CHANGED_SIGMAS * noise)
+        changed, comb = _combed(grey(picture) - still, CHANGED_SIGMAS * noise)
         moving += int(changed.sum())
         own = int(comb.sum())
         combed += own
@@ -56,12 +54,6 @@ def refuse_combed(samples: dict[int, Picture], ground: Picture, noise: float) ->
             "picture for each field",
             worst[0],
         )
-
-
-def _grey(picture: Picture) -> Singles:
-    """Return some columns of a picture, of its green where it has colours: they tell as well."""
-    step = max(1, picture.shape[1] // SEEN_COLUMNS)
-    return np.asarray(picture[:, ::step, picture.shape[2] // 2], dtype=np.float32)
 
 
 def _combed(difference: Singles, level: float) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
@@ -84,8 +76,8 @@ class FieldsFilm(Film):
     def __init__(self, film: Film) -> None:
         head = film.head
         self._film = film
-        self._first = _earlier(film.pictures())
-        rows = ("even", "odd")[self._first]
+        self._parities = parities(order(film.pictures()))
+        rows = ("even", "odd")[self._parities[0]]
         note = (
             f"the film is interlaced: its {head.frames} pictures are {2 * head.frames} fields, "
             f"{rows} rows first, which are measured each at its own time; frames count fields"
@@ -103,43 +95,11 @@ class FieldsFilm(Film):
 
     def _read(self) -> Iterator[Picture]:
         for picture in self._film.pictures():
-            yield field(picture, self._first)
-            yield field(picture, 1 - self._first)
-
-
-def field(picture: Picture, parity: int) -> Picture:
-    """Return a picture of the even (0) or odd (1) rows; the others are filled in between them."""
-    whole = picture.copy()
-    other = 1 - parity
-    known = picture[parity::2]
-    mean = ((known[:-1].astype(np.float32) + known[1:]) / 2 + 0.5).astype(picture.dtype)
-    inner = whole[2 - other : 2 - other + 2 * len(mean) : 2]
-    inner[:] = mean[: len(inner)]
-    if other == 0:
-        whole[0] = picture[1]
-    if (len(picture) - 1) % 2 == other:
-        whole[-1] = picture[-2]
-    return whole
+            for parity in self._parities:
+                yield filled(picture, parity)
 
 
 def _times(times_s: Floats) -> Floats:
-    """Return times of fields: the second of each frame lies half-way to the next frame."""
-    steps = np.diff(times_s, append=2 * times_s[-1] - times_s[-2]) if len(times_s) > 1 else [0.04]
-    return np.asarray(np.stack([times_s, times_s + 0.5 * np.asarray(steps)], axis=1).ravel())
-
-
-def _earlier(pictures: Iterable[Picture]) -> int:
-    """Return which rows are the earlier: 0, the even ones, or 1."""
-    across = np.zeros(2)
-    before: tuple[Singles, Singles] | None = None
-    judged = 0
-    for picture in pictures:
-        even, odd = (_grey(field(picture, parity)) for parity in (0, 1))
-        if before is not None and judged < MOST_JUDGED:
-            # From the later field of a frame to the earlier one of the next is a half step; the
-            # other way round it is three.
-            steps = [float(np.abs(a - b).mean()) for a, b in ((before[1], even), (before[0], odd))]
-            across += steps
-            judged += 1
-        before = even, odd
-    return int(across[1] < across[0])
+    """Return times of fields, s."""
+    frame_s = float(np.median(np.diff(times_s))) if len(times_s) > 1 else UNTIMED_S
+    return field_times(times_s, 2, frame_s)

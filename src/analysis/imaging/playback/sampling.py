@@ -8,8 +8,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-Scan = Literal["progressive", "top-first", "bottom-first"]
-"""How a grabber's frame was taken: at once, or as two fields, that of rows 0, 2, 4... first."""
+from analysis.imaging.fields import Scan, parities
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,12 +46,8 @@ class Sampling:
         if self.scan == "progressive":
             return [_grey(_cover(high, self.rows, 1, 0) @ across)]
         # Whether a row of the part belongs to the field of even rows depends on where it begins.
-        even = top % 2
-        first, second = (even, 1 - even) if self.scan == "top-first" else (1 - even, even)
-        return [
-            _grey(_cover(high, self.rows, 2, parity) @ across[parity::2])
-            for parity in (first, second)
-        ]
+        firsts = [(parity + top) % 2 for parity in parities(self.scan)]
+        return [_grey(_cover(high, self.rows, 2, first) @ across[first::2]) for first in firsts]
 
 
 def _cover(lines: int, pixels: int, step: int, parity: int) -> NDArray[np.float64]:

@@ -10,10 +10,11 @@ import tifffile
 import typer
 
 from analysis.errors import InputError
+from analysis.imaging.fields import Scan, field_times
 from analysis.imaging.files.stack import read_stack
 from analysis.imaging.playback.chain import Clock
 from analysis.imaging.playback.recorded import Recorded, recorded_pictures
-from analysis.imaging.playback.sampling import Sampling, Scan
+from analysis.imaging.playback.sampling import Sampling
 from rigctl.cameras.stack_file import StackNote
 from rigctl.cli.options import Json
 from rigctl.cli.output import print_json
@@ -72,7 +73,7 @@ def playback(
     sampling = Sampling(_crop(crop, rows, columns), high, wide, scan)
     fields = [field for frame in stack.pixels for field in sampling.pictures(frame)]
     starts = np.arange(frames) / film_per_s if stack.times_s is None else stack.times_s
-    times_s = (starts[:, None] + np.arange(sampling.fields) / sampling.fields / film_per_s).ravel()
+    times_s = field_times(starts, sampling.fields, 1 / film_per_s)
     known = {sampling.fields * frame: number for frame, number in _counted(counted or [])}
     told_by_times = whole or stack.times_s is not None
     clock = Clock(shown_per_s, first, known, 0 if told_by_times else sampling.fields)
