@@ -1,7 +1,7 @@
 """One sphere that is thrown onto a plate, followed through air and through every bounce.
 
 Flights by an adaptive Runge-Kutta method with drag; contacts by small steps of all their forces.
-X points down onto the plate, whose surface is at X = 0 and may lean.
+X points down. The plate's surface goes through the origin; it lies level, leans, or is a wall.
 
 References
 ----------
@@ -50,6 +50,8 @@ class Drop:
         Of the sphere in air.
     tilt
         Lean of the plate's normal toward +Y and +Z.
+    into
+        The plate's normal before it leans: from the sphere into it, of any length.
     """
 
     radius_m: float = 0.0127
@@ -62,6 +64,7 @@ class Drop:
     tangential_damping: float = 0.05
     drag_coefficient: float = 0.0
     tilt: tuple[float, float] = (0.0, 0.0)
+    into: tuple[float, float, float] = (1.0, 0.0, 0.0)
 
     @property
     def mass_kg(self) -> float:
@@ -71,7 +74,7 @@ class Drop:
     @property
     def normal(self) -> Floats:
         """Unit vector into the plate."""
-        normal = np.array([1.0, *self.tilt])
+        normal = np.array(self.into) / np.linalg.norm(self.into) + np.array([0.0, *self.tilt])
         return np.asarray(normal / np.linalg.norm(normal))
 
     @property

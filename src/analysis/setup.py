@@ -8,6 +8,7 @@ cannot be made at all.
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Annotated, Any, Literal, Self
@@ -39,6 +40,8 @@ Rows = tuple[int, int]
 Pixel = tuple[float, float]
 """(row, column); an integer is the centre of a pixel."""
 Scale = Annotated[float, Field(gt=0, le=1e9)]
+LEAST_NORMAL = 1e-3
+"""Length of a plate's normal below which it has no direction."""
 
 
 @dataclass(frozen=True, slots=True, config=STRICT)
@@ -104,6 +107,11 @@ class SphereSetup:
     """One sphere: diameter in m, density in kg/m^3, inertia factor I / (m r^2).
 
     A plate stands still, has no diameter (0 here), and comes only as sphere b.
+
+    Attributes
+    ----------
+    normal
+        Of a plate, from the sphere into it, rig axes, of any length; None: not stated.
     """
 
     name: Literal["a", "b"]
@@ -111,11 +119,23 @@ class SphereSetup:
     density_kg_per_m3: Annotated[float, Field(gt=0, le=30_000)] = 1150.0
     inertia_factor: Annotated[float, Field(gt=0, le=HOLLOW_SHELL)] = 0.4
     plate: bool = False
+    normal: tuple[float, float, float] | None = None
+
+    @field_validator("normal")
+    @classmethod
+    def _has_a_direction(
+        cls, normal: tuple[float, float, float] | None
+    ) -> tuple[float, float, float] | None:
+        if normal is not None and math.hypot(*normal) < LEAST_NORMAL:
+            raise ValueError(f"{list(normal)} has no direction")
+        return normal
 
     @model_validator(mode="after")
     def _is_a_sphere_or_plate_b(self) -> Self:
         if self.plate and self.name == "a":
             raise ValueError("a plate comes only as sphere b")
+        if self.normal is not None and not self.plate:
+            raise ValueError(f"normal is that of a plate, and {self.name!r} is none")
         if not self.plate and self.diameter_m == 0.0:
             raise ValueError(f"diameter_m is missing for sphere {self.name!r}")
         return self
@@ -124,8 +144,9 @@ class SphereSetup:
     def _fields(self, inner: SerializerFunctionWrapHandler) -> dict[str, Any]:
         fields: dict[str, Any] = inner(self)
         if self.plate:
-            return {"name": self.name, "plate": True}
-        return {name: value for name, value in fields.items() if name != "plate"}
+            stated = {} if self.normal is None else {"normal": fields["normal"]}
+            return {"name": self.name, "plate": True, **stated}
+        return {name: value for name, value in fields.items() if name not in {"plate", "normal"}}
 
 
 DRAG_SIGMA = 0.2

@@ -23,12 +23,13 @@ STRETCH = 0.004
 FIT = {
     *("campaign", "shots", "with", "chi2_per_dof", "degrees_of_freedom", "converged", "parameters"),
     *("faults", "noise", "excluded", "rejected", "rejected_frames", "torn_tracks", "alarms"),
+    "nuisances",
 }
 EXPLAIN = {
     *("campaign", "shots", "used", "excluded", "rejected", "rejected_frames", "verdict", "effects"),
     *("alias_set", "alias_sets", "unexplained", "chi2_per_dof", "path", "parameters", "candidates"),
     *("noise", "structure", "next_shots", "faults", "torn_tracks", "alarms"),
-    "p_chi2",
+    *("p_chi2", "nuisances"),
 }
 pytestmark = [pytest.mark.long, pytest.mark.timeout(300)]
 

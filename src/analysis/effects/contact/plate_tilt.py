@@ -1,4 +1,4 @@
-"""A plate that does not lie level: its normal leans from the vertical."""
+"""A plate that does not lie as stated: its normal leans from the stated one."""
 
 from __future__ import annotations
 
@@ -9,9 +9,12 @@ import numpy as np
 from analysis.collision.operator import Encounter, Floats, Operator, Outcome
 from analysis.effects.effect import ContactEffect, Parameter, Values
 
+NEARLY_UP = -0.9
+"""X of a normal below which the shortest turn from +X is no smooth function of it."""
+
 
 def wrap(operator: Operator, values: Values) -> Operator:
-    """Turn the normal of every contact toward +Y and +Z."""
+    """Turn the normal of every contact."""
 
     def changed(encounter: Encounter) -> Outcome:
         return operator(replace(encounter, normal=leaning(encounter.normal, values)))
@@ -20,16 +23,29 @@ def wrap(operator: Operator, values: Values) -> Operator:
 
 
 def leaning(normal: Floats, values: Values) -> Floats:
-    """Return unit normals (S, 3) turned toward +Y and +Z by so much, rad."""
-    leans = normal + np.array([0.0, values[0], values[1]])
+    """Return unit normals (S, 3) turned by so much, rad: a level plate's toward +Y and +Z."""
+    toward_y, toward_z = tangents(normal)
+    leans = normal + values[0] * toward_y + values[1] * toward_z
     return np.asarray(leans / np.linalg.norm(leans, axis=1, keepdims=True))
+
+
+def tangents(normal: Floats) -> tuple[Floats, Floats]:
+    """Return two unit vectors (S, 3) along a plate: Y and Z, turned as X was to its normal (S, 3).
+
+    By the shortest turn, from -X where the normal is nearly that.
+    """
+    begin = np.where(normal[:, :1] < NEARLY_UP, -1.0, 1.0) * np.array([1.0, 0.0, 0.0])
+    middle = (normal + begin) / (1.0 + (normal * begin).sum(axis=1, keepdims=True))
+    toward_y = np.array([0.0, 1.0, 0.0]) - normal[:, 1:2] * middle
+    toward_z = np.array([0.0, 0.0, 1.0]) - normal[:, 2:3] * middle
+    return toward_y, toward_z
 
 
 def _toward(axis: str) -> Parameter:
     return Parameter(
         symbol=axis.lower(),
         unit="rad",
-        meaning=f"lean of the plate's normal toward +{axis}",
+        meaning=f"lean of the normal, of a level plate toward +{axis}",
         plausible=(-0.1, 0.1),
     )
 
@@ -38,7 +54,7 @@ EFFECT = ContactEffect(
     name="plate-tilt",
     title="Tilt of the plate",
     parameters=(_toward("Y"), _toward("Z")),
-    formula="n = (1, y, z) / |(1, y, z)|",
+    formula="n = (1, y, z) / |(1, y, z)|, turned as the stated normal is from (1, 0, 0)",
     source="geometry of reflection at an inclined plane",
     gives_away="spheres that fall straight leave to one side, without turning as friction would",
     confused_with=("gravity-direction", "camera-roll"),

@@ -21,6 +21,8 @@ from analysis.exchange.shot_list import ShotRow, read_shot_list
 from analysis.exchange.tabulated import Tabulated
 from analysis.model.data.bounces import BOUNCES_A_SHOT, by_bounce
 from analysis.model.data.columns import ShotColumns
+from analysis.model.data.plate import Plate
+from analysis.model.data.plate_found import plate_of
 from analysis.model.data.poses import PoseData
 from analysis.model.data.tables import ContactTable, Data
 from analysis.model.data.tables_build import contacts_table, impacts_table
@@ -105,7 +107,10 @@ def gather_poses(folder: Path) -> tuple[str, PoseData]:
 def nothing_seen(setup: Setup) -> str:
     """Return the sentence on a campaign of which no shot can be used."""
     if setup.spheres[1].plate:
-        return "no shot of this campaign shows sphere a falling, along +X, and leaving a plate"
+        return (
+            "no shot of this campaign shows sphere a coming near a plate and leaving it; where it "
+            "does not lie below the sphere, state its normal: spheres, b, normal = [x, y, z]"
+        )
     return "no shot of this campaign has frames that show both spheres"
 
 
@@ -130,7 +135,8 @@ def pose_data(shots: Shots, rows: Sequence[ShotRow], setup: Setup) -> PoseData:
     spheres. Errors that are not stated are guessed.
     """
     columns = ShotColumns(rows)
-    stated = stated_poses(shots, columns, setup)
+    counting = [own for number, own in shots.items() if number not in columns.excluded]
+    stated = stated_poses(shots, columns, setup, plate_of(setup, counting))
     errors = zip(stated_medians(stated), GUESSES, strict=True)
     data = replace(
         with_guesses(stated, *(typical_error(medians, guess) for medians, guess in errors)),
@@ -147,15 +153,20 @@ def fired(data: PoseData) -> NDArray[np.intp]:
     return data.shots // BOUNCES_A_SHOT if data.on_plate else data.shots
 
 
-def stated_poses(shots: Shots, columns: ShotColumns, setup: Setup) -> PoseData:
+def stated_poses(shots: Shots, columns: ShotColumns, setup: Setup, plate: Plate) -> PoseData:
     """Put poses into arrays as they were stated: an error that is not stated is NaN.
 
     What all shots share of the shot list is still to come.
+
+    Parameters
+    ----------
+    plate
+        How it lies, where b is one.
     """
     excluded = columns.excluded & set(shots)
     if setup.spheres[1].plate:
         counting = {n: own for n, own in shots.items() if n not in excluded}
-        shots = by_bounce(counting)
+        shots = by_bounce(counting, plate, setup.environment.gravity_m_per_s2)
     numbers = sorted(set(shots) - excluded if not setup.spheres[1].plate else shots)
     frames = {s: sorted({r.frame for rows_ in shots[s].values() for r in rows_}) for s in numbers}
     longest = max(1, *(len(own) for own in frames.values()))
@@ -193,6 +204,7 @@ def stated_poses(shots: Shots, columns: ShotColumns, setup: Setup) -> PoseData:
         covariates={},
         camera=setup.camera,
         excluded=tuple(sorted(excluded)),
+        plate=plate,
     )
 
 

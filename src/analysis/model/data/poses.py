@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from analysis.collision.operator import Body
 from analysis.effects.flight.wind import NOMINAL_DRAG
 from analysis.model.data.parts import Kept, cut, in_memory
+from analysis.model.data.plate import LEVEL, Plate
 from analysis.model.fitting.systematics import Systematic, of_air, of_images, of_plate
 from analysis.setup import DRAG_SIGMA, NO_SLOW_ERRORS, CameraSetup, SlowErrors
 
@@ -91,6 +92,8 @@ class PoseData:
         The same of single shots, by their numbers.
     jitter_s
         Standard deviation of each frame's time, common to both spheres, s.
+    plate
+        How the plate lies, where b is one.
     """
 
     shots: NDArray[np.intp]
@@ -114,6 +117,7 @@ class PoseData:
     unused: Mapping[str, str] = field(default_factory=dict)
     drag_coefficient: float | None = None
     drag_sigma: float = DRAG_SIGMA
+    plate: Plate = LEVEL
 
     def without(self, frames: NDArray[np.bool_]) -> PoseData:
         """Return the data with some frames taken out, mask of shape (S, F)."""
@@ -236,7 +240,7 @@ class PoseData:
         return (
             *of_images(self.slow),
             *of_air(drag, self.drag_sigma),
-            *(of_plate() if self.on_plate else ()),
+            *(of_plate(self.plate.sigma_rad) if self.on_plate else ()),
         )
 
     @property

@@ -28,6 +28,8 @@ from analysis.model.data.gather import (
     with_guesses,
 )
 from analysis.model.data.parts import SHOTS_AT_ONCE, regrouped
+from analysis.model.data.plate import LEVEL, Plate
+from analysis.model.data.plate_found import plate_of
 from analysis.model.data.poses import PoseData
 from analysis.model.data.spool import Spool
 from analysis.model.data.stream import PoseStream
@@ -63,7 +65,8 @@ def stream_poses(campaign: Path) -> tuple[str, PoseStream]:
         reason = f"no such file; have the frames measured first: rigctl analyse {folder} --out"
         raise InputError(folder / POSES, reason)
     columns = ShotColumns(each_shot_row(folder / SHOT_LIST))
-    read = Reading()
+    found = (spheres for n, spheres in each_shot(folder / POSES) if n not in columns.excluded)
+    read = Reading(plate_of(setup, found))
     for shots in parted(each_shot(folder / POSES)):
         read.add(shots, columns, setup)
     stream = read.finished(columns, setup)
@@ -85,6 +88,8 @@ class Reading:
 
     Attributes
     ----------
+    plate
+        How it lies, where b is one.
     parts
         Errors that are not stated are NaN.
     numbers, fired
@@ -95,6 +100,7 @@ class Reading:
         Numbers of shots that are not here because a person left them out.
     """
 
+    plate: Plate = LEVEL
     parts: Spool[PoseData] = field(default_factory=lambda: Spool(PoseData))
     numbers: list[NDArray[np.intp]] = field(default_factory=list)
     fired: list[NDArray[np.intp]] = field(default_factory=list)
@@ -107,7 +113,7 @@ class Reading:
         counting = {n: spheres for n, spheres in shots.items() if n not in columns.excluded}
         if not counting:
             return
-        part = stated_poses(counting, columns, setup)
+        part = stated_poses(counting, columns, setup, self.plate)
         self.parts.append(part)
         self.numbers.append(part.shots)
         self.fired.append(fired(part))

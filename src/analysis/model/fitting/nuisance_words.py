@@ -1,7 +1,8 @@
-"""What an alarm of a fit's nuisances means, in words; the page says it without the model."""
+"""What a fit makes of its nuisances, in words; the page says it without the model."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from analysis.quantity import Quantity
@@ -17,6 +18,15 @@ def alarm_sentence(alarm: Json) -> str:
         f"{abs(alarm['pull']):.1f} of its stated errors away: the law lacks something that it "
         "makes up for, or it is stated wrongly. Add what is missing, or measure it anew."
     )
+
+
+def nuisance_lines(nuisances: Sequence[Json]) -> list[str]:
+    """Say what a fit makes of all that is stated beforehand, a line for each."""
+    return [
+        f"{one['nuisance']} = {_with_unit(one['found'])} (fitted beside it, stated "
+        f"{_with_unit(one['stated'])})"
+        for one in nuisances
+    ]
 
 
 def _with_unit(quantity: Json) -> str:

@@ -21,9 +21,6 @@ from analysis.setup import SlowErrors
 
 Floats = NDArray[np.float64]
 
-LEVEL_WITHIN_RAD = 0.01
-"""What a spirit level leaves of a plate, and of the camera against it."""
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Systematic:
@@ -67,9 +64,9 @@ def of_air(coefficient: float | None, sigma: float) -> tuple[Systematic, ...]:
     return (Systematic(DRAG, stated, sigma, stated),)
 
 
-def of_plate() -> tuple[Systematic, ...]:
-    """Return by how much a plate that was laid level may lean."""
-    return (_off(PLATE_TILT, LEVEL_WITHIN_RAD),)
+def of_plate(sigma_rad: float) -> tuple[Systematic, ...]:
+    """Return by how much a plate may lean from how it is said to lie."""
+    return (_off(PLATE_TILT, sigma_rad),)
 
 
 def _off(effect: Effect, sigma: float) -> Systematic:

@@ -17,8 +17,6 @@ Floats = NDArray[np.float64]
 LEAST_FRAMES, LEAST_FOR_A_LINE = 3, 2
 BESIDE = 8
 """Frames on either side of a bounce that say when it was."""
-PLATE_NORMAL = np.array([1.0, 0.0, 0.0])
-"""From a sphere onto a plate that lies level; how it leans is a systematic."""
 
 
 def first_states(data: Data) -> ShotStates:
@@ -47,8 +45,12 @@ def first_states(data: Data) -> ShotStates:
     reach = sum(body.radius for body in data.bodies)
     bounds = _bounds(data.times_s, before, seen)
     if data.on_plate:
-        later, leaving = _lines(data.times_s, straight.reshape(*seen.shape, 6), after)
-        time = _kink(place[:, 0, 0], slope[:, 0, 0], later[:, 0], leaving[:, 0], bounds)
+        inward = np.array(data.plate.normal)
+        later, leaving = (
+            numbers[:, :3] @ inward
+            for numbers in _lines(data.times_s, straight.reshape(*seen.shape, 6), after)
+        )
+        time = _kink(place[:, 0] @ inward, slope[:, 0] @ inward, later, leaving, bounds)
     else:
         time = _touch(place, slope, reach, bounds)
     centres = place + slope * time[:, None, None]
@@ -56,7 +58,7 @@ def first_states(data: Data) -> ShotStates:
     slope = slope.copy()
     slope[..., 0] += (data.gravity * time)[:, None]
     if data.on_plate:
-        centres[:, 1] = centres[:, 0] + reach * PLATE_NORMAL
+        centres[:, 1] = centres[:, 0] + reach * np.array(data.plate.normal)
         slope[:, 1] = 0.0
     normal = centres[:, 1] - centres[:, 0]
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from analysis.model.fitting.account import Accounted
-from analysis.model.fitting.nuisance import alarms_of
+from analysis.model.fitting.nuisance import alarms_of, nuisances
 from analysis.model.rank.candidate import Candidate, Ranking
 from analysis.quantity import Quantity
 
@@ -34,6 +34,7 @@ def fit_document(title: str, names: Sequence[str], found: Accounted) -> Json:
         "degrees_of_freedom": fit.freedom,
         "converged": fit.converged,
         "parameters": {name: q.to_json() for name, q in fit.parameters().items()},
+        "nuisances": [one.to_json() for one in nuisances(fit)],
         "alarms": alarms_of(fit),
     }
 

@@ -8,7 +8,7 @@ from analysis.model.agreement.document import cell_document
 from analysis.model.data.stream import CampaignData
 from analysis.model.design.between import Telling
 from analysis.model.design.document import shots_document
-from analysis.model.fitting.nuisance import alarms_of
+from analysis.model.fitting.nuisance import alarms_of, nuisances
 from analysis.model.rank.candidate import Candidate, Ranking
 from analysis.model.structure.alarm import UNEXPLAINED_LEVEL, is_shared
 from analysis.model.structure.lackoffit import Cell
@@ -47,6 +47,7 @@ def verdict_document(
             for stage in verdict.path
         ],
         "parameters": {name: q.to_json() for name, q in verdict.fit.parameters().items()},
+        "nuisances": [one.to_json() for one in nuisances(verdict.fit)],
         "alarms": alarms_of(verdict.fit),
         "candidates": candidates_document(verdict.first_ranking),
         "noise": noise_document(verdict.noise),

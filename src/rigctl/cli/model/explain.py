@@ -14,6 +14,7 @@ from analysis.effects.own.dropping import without_faulty
 from analysis.model.data.stream import CampaignData
 from analysis.model.design.between import Telling
 from analysis.model.design.undecided import next_after
+from analysis.model.fitting.nuisance_words import nuisance_lines
 from analysis.model.verdict.report import verdict_document
 from analysis.model.verdict.selection import Verdict, explain
 from analysis.model.verdict.words import doubts, verdict_sentence
@@ -77,6 +78,8 @@ def _print(campaign: Path, verdict: Verdict, document: dict[str, Any]) -> None:
     for name, quantity in verdict.fit.parameters().items():
         value = f"{quantity.concise()} {unit_word(quantity.unit)}".rstrip()
         console.print(f"{name} = {value}", highlight=False)
+    for line in nuisance_lines(document["nuisances"]):
+        console.print(line, highlight=False)
     if document["next_shots"]:
         console.print(f"what to fire next: rigctl model next {campaign}", highlight=False)
     if document["rejected"]:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from rich.console import Console
 from rich.table import Table
 
+from analysis.model.fitting.nuisance import nuisances
+from analysis.model.fitting.nuisance_words import nuisance_lines
 from analysis.model.verdict.documents import fit_document
 from rigctl.cli.model.reading import fitted, report_faults
 from rigctl.cli.options import Campaign, Config, Json, OwnEffects, Streamed, With
@@ -48,3 +50,5 @@ def fit(
     for name, quantity in found.judged.fit.parameters().items():
         table.add_row(name, quantity.concise(), unit_word(quantity.unit))
     console.print(table)
+    for line in nuisance_lines([one.to_json() for one in nuisances(found.judged.fit)]):
+        console.print(line, highlight=False)

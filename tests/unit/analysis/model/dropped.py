@@ -25,6 +25,7 @@ density_kg_per_m3 = {density}
 [[spheres]]
 name = "b"
 plate = true
+{plate}
 [environment]
 {air}
 """
@@ -48,6 +49,8 @@ def write_drops(
     sigma_m: float = 1e-5,
     markers: bool = True,
     air: str = "",
+    toward: tuple[float, float] = (0.0, 0.0),
+    plate: str = "",
 ) -> Path:
     """Write a campaign of throws; return its folder.
 
@@ -57,12 +60,26 @@ def write_drops(
         Scatter of the velocity along the plate, m/s, and of the spin, rad/s, of a throw.
     markers
         Whether orientations are seen, and the third coordinate with them.
+    toward
+        Least and largest speed of a throw toward the plate, m/s.
+    plate
+        What the description says of the plate.
     """
     rng = np.random.default_rng(seed)
     folder.mkdir(parents=True, exist_ok=True)
     described = DESCRIPTION.format(
-        rate=rate_hz, diameter=2 * drop.radius_m, density=drop.density_kg_per_m3, air=air
+        rate=rate_hz,
+        diameter=2 * drop.radius_m,
+        density=drop.density_kg_per_m3,
+        air=air,
+        plate=plate,
     )
+    # Into the plate, and two directions along it.
+    into = np.array(drop.into) / np.linalg.norm(drop.into)
+    axes = np.roll(np.eye(3), -int(np.argmax(np.abs(into))), axis=0)
+    axes[0], axes[1] = into, axes[1] - (axes[1] @ into) * into
+    axes[1] /= np.linalg.norm(axes[1])
+    axes[2] = np.cross(axes[0], axes[1])
     (folder / "campaign.toml").write_text(described, encoding="utf-8")
     numbers = "".join(f"{n}\n" for n in range(1, shots + 1))
     (folder / "shots.csv").write_text("shot\n" + numbers, encoding="utf-8")
@@ -71,8 +88,9 @@ def write_drops(
         writer.writerow(COLUMNS.split())
         for shot in range(1, shots + 1):
             start = Body(
-                np.array([-rng.uniform(*heights_m) - drop.radius_m, *rng.normal(0, 0.01, 2)]),
-                np.array([0.0, *rng.normal(0.0, sideways, 2)]),
+                np.array([-rng.uniform(*heights_m) - drop.radius_m, *rng.normal(0, 0.01, 2)])
+                @ axes,
+                np.array([rng.uniform(*toward), *rng.normal(0.0, sideways, 2)]) @ axes,
                 rng.normal(0.0, spinning, 3),
                 Rotation.random(rng=rng),
             )

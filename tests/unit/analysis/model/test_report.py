@@ -19,6 +19,7 @@ KEYS = {
     *("campaign", "shots", "used", "excluded", "rejected", "rejected_frames", "verdict", "effects"),
     *("alias_set", "alias_sets", "unexplained", "chi2_per_dof", "path", "parameters", "candidates"),
     *("noise", "structure", "next_shots", "torn_tracks", "alarms", "p_chi2"),
+    "nuisances",
 }
 CANDIDATE = {
     *("effect", "score", "p_value", "p_familywise", "promised_fall"),
