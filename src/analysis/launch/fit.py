@@ -38,8 +38,9 @@ Floats = NDArray[np.float64]
 
 FEWEST_SHOTS = 5
 ROUNDS = 40
-SETTLED = 1e-3
-"""A step below this share of every standard error ends the fit, if the scatter stays as well."""
+SETTLED, NEARLY_SETTLED = 1e-3, 0.02
+"""A step below this share of every standard error ends the fit, if the scatter stays as well; the
+second is enough to tell misfires."""
 SHARES = (1.0, 0.5, 0.2, 0.05)
 REJECTIONS, ALARM_SHARE, PHYSICS_SHARE = 4, 0.005, 0.15
 SLACK = 1e-6
@@ -92,13 +93,15 @@ def fit_touches(
     for effect in effects:
         theory = theory.with_effect(effect)
     kept = np.ones(len(touches.rows), dtype=np.bool_)
-    launch = _settle(theory, settings, touches)
+    launch = _settle(theory, settings, touches, NEARLY_SETTLED)
     for _ in range(REJECTIONS):
         bad = misfires(launch, int((~kept).sum()))
         if not bad.any() or (kept.sum() - bad.sum()) < FEWEST_SHOTS:
             break
         kept[np.flatnonzero(kept)[bad]] = False
-        launch = _settle(launch.theory, settings.of_shots(kept), touches.of_shots(kept))
+        left = settings.of_shots(kept), touches.of_shots(kept)
+        launch = _settle(launch.theory, *left, NEARLY_SETTLED)
+    launch = _settle(launch.theory, launch.settings, launch.touches)
     return replace(launch, rejected=touches.shots[~kept])
 
 
@@ -134,8 +137,10 @@ def _first_law(settings: LaunchSettings, touches: Touches) -> LaunchLaw:
     return LaunchLaw(float(gain[0]), float(gain[1]))
 
 
-def _settle(theory: LaunchTheory, settings: LaunchSettings, touches: Touches) -> LaunchFit:
-    """Step the parameters and estimate the scatter in turn until both stay."""
+def _settle(
+    theory: LaunchTheory, settings: LaunchSettings, touches: Touches, within: float = SETTLED
+) -> LaunchFit:
+    """Step the parameters and estimate the scatter in turn until both stay within a share."""
     compared, freedom = compare(theory, settings, touches), _all_free(len(touches.rows))
     scatter, covariance = _scatter(compared, freedom), np.zeros((0, 0))
     converged = False
@@ -146,8 +151,8 @@ def _settle(theory: LaunchTheory, settings: LaunchSettings, touches: Touches) ->
         theory, compared = _step(theory, step, (compared, scatter), settings, touches)
         freedom = _freedom(compared, scatter, covariance)
         before, scatter = scatter, _scatter(compared, freedom)
-        still = np.abs(scatter - before) <= SETTLED * np.maximum(scatter, 1e-12)
-        small = np.abs(step) <= SETTLED * np.sqrt(np.diag(covariance))
+        still = np.abs(scatter - before) <= within * np.maximum(scatter, 1e-12)
+        small = np.abs(step) <= within * np.sqrt(np.diag(covariance))
         converged = bool(still.all() and small.all())
         if converged:
             break
@@ -209,7 +214,7 @@ def _all_free(shots: int) -> Floats:
 def _freedom(compared: Compared, scatter: Floats, covariance: Floats) -> Floats:
     """Return the degrees of freedom of each kind: its numbers less its share of the hat matrix."""
     residual, derivative = compared.whitened(scatter)
-    leverage = np.einsum("sip,pq,siq->si", derivative, covariance, derivative)
+    leverage = ((derivative @ covariance) * derivative).sum(axis=2)
     shots = len(residual)
     taken = np.array([leverage[:, list(kind.columns)].sum() for kind in KINDS])
     return np.asarray(np.maximum(_all_free(shots) - taken, 1.0))

@@ -15,15 +15,18 @@ from analysis.collision.operator import Encounter, Operator, Outcome
 from analysis.effects.effect import ContactEffect, Effect, Parameter, Values
 from analysis.model.data.poses import PoseData
 from analysis.model.data.tables import Data
-from analysis.model.fitting.fit import Fit
+from analysis.model.fitting.fit import Fit, parts_of
 from analysis.model.fitting.normal import inverse, solve_blocks, with_prior
+from analysis.model.predict.columns import all_columns
+from analysis.model.predict.comparison import compare
 from analysis.model.predict.contact import encounter_of
-from analysis.model.predict.linear import linearise
+from analysis.model.predict.state import ShotStates
+from analysis.model.predict.theory import Theory
 from analysis.model.proposals.forms.flight import FlightForm, flight_forms
 from analysis.model.proposals.forms.form import COEFFICIENTS, SLOTS, ContactForm
 from analysis.model.proposals.forms.frame import FrameForm, frame_forms
 from analysis.model.proposals.forms.impulses import IMPULSES, TORSION, changed_outcome
-from analysis.model.rank.projector import ByShot, Projector
+from analysis.model.rank.projector import ByShot
 
 Floats = NDArray[np.float64]
 InFrames = FlightForm | FrameForm
@@ -128,37 +131,47 @@ class Sums:
 
 def channels_of(data: Data, fit: Fit) -> Channels:
     """Linearise about a fit, and project all channels."""
-    framed = _in_frames(data)
+    theory, framed = fit.theory, _in_frames(data)
     probes = [*_PROBES, *(form.effect(f"probe-{k}") for k, form in enumerate(framed))]
-    line = linearise(data, fit.states, fit.theory, probes)
-    fitted = len(fit.theory.names)
+    fitted = len(theory.names)
+    parts = [_eliminated(part, own, theory, probes) for part, own in parts_of(data, fit)]
+    columns = ByShot(*(np.concatenate(numbers) for numbers in zip(*parts, strict=True)))
+    centre, known = theory.prior
     # A relative change of a coefficient is so many of its own units.
-    law = line.by_theory[..., : len(COEFFICIENTS)] * fit.theory.vector[: len(COEFFICIENTS)]
-    columns = np.concatenate([law, line.by_theory[..., fitted:]], axis=2)
-    by_state = np.swapaxes(line.by_state, 1, 2)
-    own = line.by_theory[..., :fitted]
-    shared = own - line.by_state @ solve_blocks(line.states, by_state @ own)
-    information = np.einsum("snp,snq->pq", own, shared)
-    centre, known = fit.theory.prior
-    left = np.einsum("snp,sn->p", shared, line.residual) + (centre - fit.theory.vector) * known
-    sums = Projector(
-        residual=line.residual,
-        by_state=line.by_state,
-        states=line.states,
-        own_gradient=line.own_gradient,
-        shared=shared,
-        covariance=inverse(with_prior(information, known)),
-        held=fit.theory.held,
-        left=left,
-    )
-    # What is linearised is whitened already.
+    law = np.arange(len(COEFFICIENTS))
+    chosen = np.concatenate([law, np.arange(fitted, columns.raw.shape[1])])
+    scale = np.ones(len(chosen))
+    scale[law] = theory.vector[law]
+    across = columns.own[:, chosen] * scale[:, None]
+    information = columns.own[:, :fitted, :fitted].sum(axis=0)
     return Channels(
-        encounter=encounter_of(data, fit.states, fit.theory),
-        by_shot=sums.project(columns),
+        encounter=encounter_of(data, fit.states, theory),
+        by_shot=ByShot(
+            own=across[:, :, chosen] * scale,
+            against=across[:, :, :fitted],
+            gradient=columns.gradient[:, chosen] * scale,
+            raw=columns.raw[:, chosen] * scale**2,
+        ),
         framed=tuple((form, k) for form in framed for k in range(len(form.symbols))),
-        covariance=sums.covariance,
-        left=left,
+        covariance=inverse(with_prior(information, known)),
+        left=columns.gradient[:, :fitted].sum(axis=0) + (centre - theory.vector) * known,
         noise_scale=float(np.sqrt(max(fit.chi2_per_dof, 1e-12))),
+    )
+
+
+def _eliminated(data: Data, states: ShotStates, theory: Theory, probes: Sequence[Effect]) -> ByShot:
+    """Return sums of what is fitted and of probes, each shot's own numbers eliminated."""
+    line, here = compare(data, states, theory)
+    columns = all_columns(data, states, theory, line=line, here=here, effects=probes)
+    coupling = np.swapaxes(line.by_state, 1, 2) @ columns.against_flights(line)
+    eliminated = np.swapaxes(solve_blocks(line.information, coupling), 1, 2)
+    gram = columns.gram(line)
+    own = gram - eliminated @ coupling
+    return ByShot(
+        own=own,
+        against=own,
+        gradient=columns.with_residual(line) - (eliminated @ line.downhill[..., None])[..., 0],
+        raw=np.diagonal(gram, axis1=1, axis2=2),
     )
 
 
