@@ -19,6 +19,7 @@ pytestmark = pytest.mark.long
 LONG_MS = 120_000
 SEED = "15"
 """Hides a bump of restitution at 5 m/s."""
+OTHER_SEED = "16"
 
 
 @pytest.fixture(scope="module")
@@ -29,6 +30,8 @@ def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
     for words in (
         ["challenge", "new", "strange", "--seed", SEED, "--shots", "60"],
         ["import", "strange", "--name", "strange"],
+        ["challenge", "new", "other", "--seed", OTHER_SEED, "--shots", "60"],
+        ["import", "other", "--name", "other"],
     ):
         subprocess.run(
             [command, *words], cwd=folder, env=dict(os.environ), check=True, capture_output=True
@@ -64,3 +67,22 @@ def test_a_law_is_proposed_beside_unexplained_and_two_clicks_fire_the_shots_that
     page.get_by_test_id("abort").click()
     page.get_by_test_id("abort-now").click()
     expect(state).to_contain_text("aborted", timeout=LONG_MS)
+    page.goto(f"{served.url}/model/strange?view=tables")
+    page.get_by_test_id("confirm-law").first.click(timeout=LONG_MS)
+    # Fired by another rig's world than the one that hides the law, and too few.
+    expect(page.get_by_test_id("confirmed-not")).to_contain_text(
+        "did not take part in the choice of the form", timeout=LONG_MS
+    )
+
+
+def test_campaigns_are_asked_for_what_they_share(page: Page, served: Served) -> None:
+    page.goto(f"{served.url}/model/strange?view=tables")
+    page.get_by_test_id("share-law").click(timeout=LONG_MS)
+    expect(page.get_by_test_id("shared-not")).to_contain_text("no other campaign is chosen")
+    page.get_by_test_id("together-with").click()
+    page.get_by_role("option", name="other").click()
+    page.keyboard.press("Escape")
+    page.get_by_test_id("share-law").click()
+    shared = page.get_by_test_id("shared")
+    expect(shared).to_contain_text("together they ask for", timeout=LONG_MS)
+    expect(shared).to_contain_text("e against speed_n")

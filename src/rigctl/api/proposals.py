@@ -7,21 +7,19 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from analysis.effects.effect import Effect
-from analysis.errors import ProposalRefusedError
 from analysis.model.data.tables import Data
-from analysis.model.proposals.document import confirmation_document, together_document
+from analysis.model.proposals.document import confirmation_document
 from analysis.model.proposals.effect_file import written
 from analysis.model.proposals.propose import Proposed
-from analysis.model.proposals.together import propose_together
 from analysis.model.proposals.words import proposal_sentences
 from rigctl.api.own_effects import KnownEffects
 from rigctl.api.pictured import Pictured
 from rigctl.api.progress import stating
 from rigctl.api.ranking import ErrorPath
 from rigctl.documents import Json
-from rigctl.errors import AnalysisInputError
 from rigctl.model.known_effects import faults_refused
 from rigctl.model.proposing import confirmed, proposed_laws, unwritable
+from rigctl.model.proposing import shared_laws as asked_together
 from rigctl.model.seen_effects import require_seen
 
 if TYPE_CHECKING:
@@ -44,11 +42,7 @@ def shared_laws(names: Sequence[str], campaigns: Sequence[Data]) -> Json:
     """Propose what several campaigns ask for together."""
     with stating() as say:
         say("scoring forms in all campaigns")
-        try:
-            found = propose_together(campaigns, ())
-        except ProposalRefusedError as error:
-            raise AnalysisInputError(str(error), part=", ".join(names)) from error
-    return together_document(names, found)
+        return asked_together(list(zip(names, campaigns, strict=True)), ())
 
 
 class Proposals(Pictured):

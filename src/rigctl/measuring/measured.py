@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rigctl.documents import Json
+from rigctl.errors import AnalysisInputError
 from rigctl.store import Store, StoreReader
 
 MOST_SHOTS = 1_000_000
@@ -68,3 +69,22 @@ def request(
     ]
     place = {} if store is None else {"store": str(store.path), "database": store.address}
     return {"campaign": title, "files": listed, "with": list(effects), **place}
+
+
+def others(store: Store, title: str, names: Sequence[str]) -> list[Json]:
+    """Return the arguments of further campaigns that are asked together with one.
+
+    Raises
+    ------
+    NotFoundError
+        There is no such campaign, or none of its shots is measured and counts.
+    AnalysisInputError
+        One is the campaign itself: its shots would count twice.
+    """
+    if title in names:
+        raise AnalysisInputError(
+            f"{title} is asked together with itself, and its shots would count twice",
+            part="together",
+            todo="name other campaigns",
+        )
+    return [request(name, measured_files(store, name), (), store) for name in names]

@@ -36,6 +36,8 @@ from analysis.model.design.undecided import next_after
 from analysis.model.fitting.fit import Fit
 from analysis.model.fitting.robust_fit import judged
 from analysis.model.plane import impact_plane
+from analysis.model.proposals.document import confirmation_document
+from analysis.model.proposals.stated import Statement
 from analysis.model.rank.ranking import rank
 from analysis.model.structure.structure import structure
 from analysis.model.verdict.documents import fit_document, ranking_document
@@ -49,7 +51,7 @@ from rigctl.model.campaigns import folder_data, poses_from
 from rigctl.model.known_effects import Available, available, faults_refused
 from rigctl.model.next_shots import Known, Question, answer
 from rigctl.model.own_effects import PART
-from rigctl.model.proposing import proposed_laws
+from rigctl.model.proposing import confirmed_statement, proposed_laws, shared_laws
 from rigctl.model.seen_effects import require_seen
 from rigctl.model.tabulated_campaigns import is_tabulated, require_poses, tabulated
 from rigctl.progress import Progress
@@ -100,10 +102,27 @@ def explain_job(asked: Json, progress: Progress) -> Json:
 
 
 def propose_job(asked: Json, progress: Progress) -> Json:
-    """Propose the law that no catalogue holds, beside the named effects; `limits` are the rig's."""
+    """Propose the law that no catalogue holds, beside the named effects; `limits` are the rig's.
+
+    `together` holds the files of further campaigns: what do all share? `confirm` states one form,
+    which is tested on the shots that it was not chosen on.
+    """
     known = _known(asked)
     given = [known.named(name) for name in asked["with"]]
     data = _data(asked, progress)
+    if asked.get("together"):
+        further = [(one["campaign"], _data(one, progress)) for one in asked["together"]]
+        progress("scoring forms in all campaigns", None)
+        with faults_refused():
+            document = shared_laws([(asked["campaign"], data), *further], given)
+        return {**document, "faults": _told(known)}
+    if asked.get("confirm") is not None:
+        progress("testing the form", None)
+        with faults_refused():
+            tested = confirmed_statement(
+                asked["campaign"], data, given, Statement.read(asked["confirm"])
+            )
+        return {**confirmation_document(asked["campaign"], tested), "faults": _told(known)}
     pressure, offset = asked["limits"]
     limits = Limits((pressure[0], pressure[1]), (offset[0], offset[1]))
     with faults_refused():

@@ -9,11 +9,18 @@ from analysis.effects.effect import Effect
 from analysis.errors import ProposalRefusedError
 from analysis.launch.prediction import Limits
 from analysis.model.data.tables import Data
-from analysis.model.proposals.confirm import Confirmation, confirm, without_shots
-from analysis.model.proposals.document import proposals_document
-from analysis.model.proposals.effect_file import seen_shots
+from analysis.model.proposals.confirm import (
+    Confirmation,
+    confirm,
+    confirm_stated,
+    without_shots,
+)
+from analysis.model.proposals.document import proposals_document, together_document
+from analysis.model.proposals.effect_file import origin
 from analysis.model.proposals.following import next_after
 from analysis.model.proposals.propose import Proposed, propose
+from analysis.model.proposals.stated import Statement, numbers_among, read_statement
+from analysis.model.proposals.together import propose_together
 from rigctl.documents import Json
 from rigctl.errors import AnalysisInputError, StoreError
 from rigctl.model.known_effects import available
@@ -49,6 +56,11 @@ def proposed_laws(
 def confirmed(title: str, data: Data, given: Sequence[Effect], file: Path) -> Confirmation:
     """Test the form of a file on the shots of a campaign that it has not seen.
 
+    Parameters
+    ----------
+    file
+        An effect's file, or one that states a form: `*.json`.
+
     Raises
     ------
     AnalysisInputError
@@ -56,15 +68,55 @@ def confirmed(title: str, data: Data, given: Sequence[Effect], file: Path) -> Co
     EffectFault
         An effect of the user's own fails.
     """
+    if file.suffix == ".json":
+        try:
+            stated = read_statement(file)
+        except ProposalRefusedError as error:
+            raise AnalysisInputError(str(error), part="--confirm") from error
+        return confirmed_statement(title, data, given, stated)
     known = available(file, part="--confirm")
     name = next(iter(known.files), None) or known.faults[0].effect
-    effect, seen = known.named(name, "--confirm"), seen_shots(file)
+    effect, chosen_on = known.named(name, "--confirm"), origin(file)
     try:
-        if seen is not None and seen[0] == title:
-            data = without_shots(data, seen[1])
+        if chosen_on is not None and chosen_on[0] == title:
+            data = without_shots(data, numbers_among(chosen_on[1], data.shots))
         return confirm(data, given, effect)
     except ProposalRefusedError as error:
         raise AnalysisInputError(str(error), part=title) from error
+
+
+def confirmed_statement(
+    title: str, data: Data, given: Sequence[Effect], stated: Statement
+) -> Confirmation:
+    """Test a form that is stated on the shots of a campaign that it has not seen.
+
+    Raises
+    ------
+    AnalysisInputError
+        It is no form, the campaign has not what it follows, or too few shots are new to it.
+    """
+    try:
+        if stated.campaign == title:
+            data = without_shots(data, numbers_among(stated.shots, data.shots))
+        return confirm_stated(data, given, stated)
+    except ProposalRefusedError as error:
+        raise AnalysisInputError(str(error), part=title) from error
+
+
+def shared_laws(campaigns: Sequence[tuple[str, Data]], given: Sequence[Effect]) -> Json:
+    """Return the document of what several campaigns ask for together, each by title and data.
+
+    Raises
+    ------
+    AnalysisInputError
+        A campaign has too few shots, or they share no argument.
+    """
+    titles = [title for title, _ in campaigns]
+    try:
+        found = propose_together([data for _, data in campaigns], given)
+    except ProposalRefusedError as error:
+        raise AnalysisInputError(str(error), part=", ".join(titles)) from error
+    return together_document(titles, found)
 
 
 def read_for_together(

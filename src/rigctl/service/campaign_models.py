@@ -12,6 +12,7 @@ from pydantic import (
     Field,
     StringConstraints,
     Tag,
+    model_validator,
 )
 
 from rigctl.config.model import StrictModel
@@ -20,7 +21,7 @@ from rigctl.plain_text import Tag as Word
 from rigctl.service.forms import Query, View
 from rigctl.store import CampaignRecord, ShotState
 
-MOST_EFFECTS = 8
+MOST_EFFECTS, MOST_CAMPAIGNS = 8, 32
 
 EffectName = Annotated[str, StringConstraints(pattern=r"^[a-z][a-z0-9-]{0,63}$")]
 """The form of an effect's name; whether there is such an effect is another question."""
@@ -35,7 +36,7 @@ ParameterName = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_.
 
 def _each_once(names: list[str]) -> list[str]:
     if len(set(names)) < len(names):
-        raise ValueError("an effect stands twice")
+        raise ValueError("a name stands twice")
     return names
 
 
@@ -50,6 +51,13 @@ Pair = Annotated[
     list[EffectName],
     AfterValidator(_each_once),
     Field(min_length=2, max_length=2, json_schema_extra={"uniqueItems": True}),
+]
+
+
+Together = Annotated[
+    list[CampaignName],
+    AfterValidator(_each_once),
+    Field(max_length=MOST_CAMPAIGNS, json_schema_extra={"uniqueItems": True}),
 ]
 
 
@@ -72,10 +80,60 @@ class FitOrder(StrictModel):
     effects: Effects = Field(alias="with")
 
 
+Words = Annotated[str, StringConstraints(max_length=200)]
+
+
+class StatedForm(StrictModel):
+    """One form in full, as `form` of a proposal states it, to be tested on other shots."""
+
+    slot: Literal[
+        "e",
+        "mu",
+        "beta0",
+        "torsion",
+        "impulse_n",
+        "impulse_t",
+        "flight",
+        "camera",
+        "clock",
+        "launch",
+    ]
+    kind: Words = ""
+    arguments: list[Words] = Field(default_factory=list, max_length=2)
+    symbols: list[Words] = Field(default_factory=list, max_length=2)
+    columns: list[Words] = Field(default_factory=list, max_length=2)
+    constants: list[float] = Field(default_factory=list, max_length=4)
+    reach: list[Annotated[float, Field(gt=0)]] = Field(default_factory=list, max_length=3)
+    along: int = Field(default=0, ge=0, le=2)
+    by: int = Field(default=0, ge=0, le=2)
+    campaign: Words = ""
+    shots: Annotated[
+        str, StringConstraints(pattern=r"^([0-9]{1,9}(-[0-9]{1,9})?(,[0-9]{1,9}(-[0-9]{1,9})?)*)?$")
+    ] = ""
+
+
 class ProposeOrder(StrictModel):
-    """Propose a law that no catalogue holds, beside these effects."""
+    """Propose a law that no catalogue holds, beside these effects.
+
+    With `together`, what these campaigns share; with `confirm`, a test of that one form on the
+    shots that it was not chosen on. Not both.
+    """
 
     effects: Effects = Field(alias="with")
+    together: Together = Field(default_factory=list)
+    confirm: StatedForm | None = None
+
+    @model_validator(mode="after")
+    def _one_question(self) -> Self:
+        if self.together and self.confirm is not None:
+            raise ValueError("together and confirm are two questions: ask one of them")
+        return self
+
+    def asked(self) -> dict[str, Any]:
+        """Return the question as the job takes it, campaigns by their names."""
+        if self.confirm is not None:
+            return {"confirm": self.confirm.model_dump()}
+        return {"together": list(self.together)} if self.together else {}
 
 
 class TellOrder(StrictModel):

@@ -11,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field, computed_field
 from starlette.responses import Response
 
 from rigctl.errors import (
+    AnalysisInputError,
     ArmTokenError,
     DeviceError,
     FramesError,
@@ -39,6 +40,7 @@ _STATUS: Mapping[type[RigError], tuple[int, str]] = {
     KeyReusedError: (422, "The key was used with another body"),
     JobsFullError: (409, "Too many jobs wait"),
     NotFoundError: (404, "Nothing of that name is stored"),
+    AnalysisInputError: (422, "What is to be analysed cannot be used"),
     DeviceError: (503, "A device failed"),
     RecordingNotConfirmedError: (503, "The camera does not record"),
     FramesError: (500, "The stored frames cannot be used"),

@@ -17,7 +17,7 @@ SHOTS = 60
 KEYS = {
     *("slot", "argument", "shape", "name", "formula", "latex", "parameters", "p_familywise"),
     *("error_before", "error_after", "alike", "alike_effects", "shapes", "within", "hint"),
-    "next_shots",
+    *("next_shots", "form"),
 }
 
 
@@ -82,6 +82,50 @@ def test_a_form_is_confirmed_on_another_campaign_and_refused_on_its_own_shots(
     assert (found["confirmed"], found["used"]) == (True, SHOTS)
     assert run(["model", "propose", str(strange), "--confirm", file]) == 2
     assert "0 shots of these did not take part" in capsys.readouterr().err
+
+
+def warm(folder: Path, seed: int, per_kelvin: float) -> Path:
+    """Write a campaign whose pushers gain speed with the temperature: v^2 goes as the pressure."""
+    write_challenge(folder, {}, seed=seed, shots=SHOTS)
+    head, *rows = (folder / "shots.csv").read_text().splitlines()
+    names = head.split(",")
+    changed = []
+    for row in rows:
+        values = dict(zip(names, row.split(","), strict=True))
+        gain = 1.0 + per_kelvin * (float(values["temperature_c"]) - 23.0)
+        for name in ("pressure_a_kpa", "pressure_b_kpa"):
+            values[name] = f"{float(values[name]) / gain**2:.4f}"
+        changed.append(",".join(values.values()))
+    (folder / "shots.csv").write_text("\n".join([head, *changed]) + "\n")
+    return folder
+
+
+def test_a_law_of_the_launch_is_written_and_confirmed_on_the_launches_that_follow(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    first, second = warm(tmp_path / "first", 3, 0.01), warm(tmp_path / "second", 8, 0.01)
+    laws = tmp_path / "laws"
+    found = asked(capsys, str(first), "--write", str(laws))
+    [one] = found["proposals"]
+    assert (one["slot"], one["argument"]) == ("launch", "temperature_c")
+    [file] = found["files"]
+    assert one["form"]["shots"] == f"1-{SHOTS}"
+    tested = asked(capsys, str(second), "--confirm", file)
+    assert (tested["confirmed"], tested["p_value"] < 1e-6) == (True, True)
+    plain = asked(capsys, str(warm(tmp_path / "plain", 9, 0.0)), "--confirm", file)
+    assert plain["p_value"] > 1e-4
+    assert run(["model", "propose", str(first), "--confirm", file]) == 2
+    assert "0 shots of these did not take part" in capsys.readouterr().err
+
+
+def test_a_file_that_states_no_form_is_refused(
+    strange: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "law.json"
+    for text, why in (("{", "cannot be read"), ("{}", "no object of the name form")):
+        path.write_text(text)
+        assert run(["model", "propose", str(strange), "--confirm", str(path)]) == 2
+        assert why in capsys.readouterr().err
 
 
 def test_several_campaigns_are_asked_at_once(

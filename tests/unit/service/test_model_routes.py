@@ -195,3 +195,60 @@ def test_a_law_is_asked_for_beside_effects_and_within_the_rigs_limits(
     assert [low < high for low, high in asked["limits"]] == [True, True]
     refused = ask("POST", f"{NYLON}/propose", json={"with": ["phlogiston"]})
     assert (refused.status_code, refused.json()["code"]) == (404, "not-found")
+
+
+FORM = {
+    "slot": "e",
+    "arguments": ["speed_n"],
+    "symbols": ["v_n"],
+    "columns": ["x - x0"],
+    "constants": [5.0],
+    "reach": [2.0],
+    "campaign": "nylon",
+    "shots": "1-3,5",
+}
+
+
+def test_one_form_is_asked_to_be_confirmed_as_a_proposal_states_it(
+    ask: Any, jobs: Jobs, measure: Shoot
+) -> None:
+    measure()
+    first = ask("POST", f"{NYLON}/propose", json={"confirm": FORM})
+    assert first.status_code == 202
+    jobs.wait(first.json()["job"], WAIT_S)
+    asked = ask("GET", first.headers["location"]).json()["result"]["confirm"]
+    assert {key: asked[key] for key in FORM} == FORM
+
+
+def test_what_campaigns_share_is_asked_with_the_shots_of_each(
+    ask: Any, jobs: Jobs, measure: Shoot
+) -> None:
+    measure()
+    measure("glass")
+    first = ask("POST", f"{NYLON}/propose", json={"together": ["glass"]})
+    assert first.status_code == 202
+    jobs.wait(first.json()["job"], WAIT_S)
+    [other] = ask("GET", first.headers["location"]).json()["result"]["together"]
+    assert (other["campaign"], len(other["files"])) == ("glass", 1)
+    missing = ask("POST", f"{NYLON}/propose", json={"together": ["steel"]})
+    assert (missing.status_code, missing.json()["code"]) == (404, "not-found")
+
+
+@pytest.mark.parametrize(
+    "order",
+    [
+        {"together": ["glass"], "confirm": FORM},
+        {"together": ["glass", "glass"]},
+        {"together": ["nylon"]},
+        {"confirm": {**FORM, "slot": "phlogiston"}},
+        {"confirm": {**FORM, "shots": "all"}},
+        {"confirm": {**FORM, "code": "import os"}},
+        {"confirm": "laws/mine.py"},
+    ],
+)
+def test_orders_of_laws_that_cannot_be_meant_are_refused(
+    ask: Any, measure: Shoot, order: dict[str, Any]
+) -> None:
+    measure()
+    measure("glass")
+    assert ask("POST", f"{NYLON}/propose", json=order).status_code == 422

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,11 +10,15 @@ from numpy.typing import NDArray
 
 from analysis import chi_squared
 from analysis.effects.effect import Effect
-from analysis.errors import ProposalRefusedError, counted
+from analysis.errors import LaunchRefusedError, ProposalRefusedError, counted
+from analysis.launch.fit import fit_launch, settled
 from analysis.model.data.evidence import stage_of
+from analysis.model.data.stream import whole
 from analysis.model.data.tables import Data
 from analysis.model.fitting.adding import added
 from analysis.model.fitting.robust_fit import judged
+from analysis.model.proposals.launch_search import errors_left_out, fall_of
+from analysis.model.proposals.stated import LAUNCH, Statement
 from analysis.quantity import Quantity
 
 FEWEST = 3
@@ -71,6 +75,31 @@ def without_shots(data: Data, seen: set[int]) -> Data:
     return data.of_shots(fresh)
 
 
+def confirm_stated(data: Data, given: Sequence[Effect], stated: Statement) -> Confirmation:
+    """Test a form that is stated on shots that it was not chosen on.
+
+    Raises
+    ------
+    ProposalRefusedError
+        The campaign has not what it follows; of a form of the launch, its settings are not known.
+    """
+    name = f"stated-{stated.slot}"
+    if stated.slot != LAUNCH:
+        return confirm(data, given, stated.form(data).effect(name))
+    base = judged(data, given)
+    told = whole(base.data)
+    try:
+        launch = fit_launch(told, base.fit)
+    except LaunchRefusedError as error:
+        raise ProposalRefusedError(f"the launches cannot be judged: {error}") from error
+    effect = stated.launch_form(told, np.isin(told.shots, launch.shots)).effect(name)
+    after = settled(launch.theory.with_effect(effect), launch)
+    errors = errors_left_out(launch, after)
+    return _confirmation(
+        effect, len(launch.shots), fall_of(launch, after), errors, after.parameters()
+    )
+
+
 def confirm(data: Data, given: Sequence[Effect], effect: Effect) -> Confirmation:
     """Test one form on shots that it was not chosen on, beside effects that are given."""
     base = judged(data, given)
@@ -78,17 +107,28 @@ def confirm(data: Data, given: Sequence[Effect], effect: Effect) -> Confirmation
     fitted, fit = added(base.data, base.fit, effect)
     after = stage_of(fitted, fit)
     fall = max((base.fit.chi2 - fit.chi2) / max(fit.chi2_per_dof, 1e-12), 0.0)
+    errors = before.error.value, after.error.value
+    return _confirmation(effect, len(base.data.shots), fall, errors, fit.parameters())
+
+
+def _confirmation(
+    effect: Effect,
+    shots: int,
+    fall: float,
+    errors: tuple[float, float],
+    parameters: Mapping[str, Quantity],
+) -> Confirmation:
     own = f"{effect.name}."
     return Confirmation(
         effect=effect,
-        shots=len(base.data.shots),
+        shots=shots,
         fall=fall,
-        p_value=float(chi_squared.chance_of_more(fall, len(effect.parameters))),
-        error_before=before.error.value,
-        error_after=after.error.value,
+        p_value=float(chi_squared.chance_of_more(max(fall, 0.0), len(effect.parameters))),
+        error_before=errors[0],
+        error_after=errors[1],
         parameters={
             name.removeprefix(own): quantity
-            for name, quantity in fit.parameters().items()
+            for name, quantity in parameters.items()
             if name.startswith(own)
         },
     )

@@ -10,13 +10,16 @@ import numpy as np
 from analysis.model.design.between import Repeated
 from analysis.model.design.document import shots_document
 from analysis.model.fitting.adding import ALIAS_WITHIN
+from analysis.model.proposals.channels import Form
 from analysis.model.proposals.confirm import Confirmation
 from analysis.model.proposals.forms.form import ContactForm
+from analysis.model.proposals.forms.launch import LaunchForm
 from analysis.model.proposals.forms.shapes import POWER
 from analysis.model.proposals.hints import hint_for
 from analysis.model.proposals.launch_search import LaunchProposal
 from analysis.model.proposals.propose import Accepted, Proposed
 from analysis.model.proposals.screen import SMALLEST_P
+from analysis.model.proposals.stated import Statement
 from analysis.model.proposals.together import SharedForm
 from analysis.model.proposals.wording import formula, latex
 
@@ -43,10 +46,12 @@ def proposals_document(
         ],
         "proposals": [
             _proposal(proposed, one, following if k == 0 else ())
+            | _stated(campaign, proposed, one.form)
             for k, one in enumerate(proposed.accepted)
         ]
         + [
             _of_launch(one, following if not (proposed.accepted or k) else ())
+            | _stated(campaign, proposed, one.form)
             for k, one in enumerate(proposed.launch)
         ],
         "left_out": [
@@ -62,6 +67,12 @@ def proposals_document(
             for one in proposed.admitted.confounded
         ],
     }
+
+
+def _stated(campaign: str, proposed: Proposed, form: Form | LaunchForm) -> Json:
+    """Return the form in full: what a test of it on other shots takes."""
+    shots = [int(number) for number in proposed.evidence.stated.shots]
+    return {"form": Statement.of(form, campaign, shots).document()}
 
 
 def verdict(proposed: Proposed) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import json
 from collections.abc import Sequence
 from pathlib import Path
 from textwrap import fill
@@ -14,8 +15,10 @@ from analysis.model.proposals.forms.flight import FlightForm
 from analysis.model.proposals.forms.form import ContactForm
 from analysis.model.proposals.forms.frame import FrameForm
 from analysis.model.proposals.forms.impulses import IMPULSE_N, IMPULSE_T, TORSION
+from analysis.model.proposals.forms.launch import LaunchForm
 from analysis.model.proposals.forms.shapes import POWER
 from analysis.model.proposals.propose import Accepted, Proposed
+from analysis.model.proposals.stated import Statement, ranges
 from analysis.model.proposals.wording import formula
 
 CAMPAIGN, SHOTS = "PROPOSED_FROM", "SHOTS_SEEN"
@@ -164,7 +167,7 @@ _PERIODIC = """(
     )"""
 
 
-def effect_name(form: Form) -> str:
+def effect_name(form: Form | LaunchForm) -> str:
     """Return the name of a proposal's effect: what depends on what, and how."""
     words = f"proposed-{form.slot}-{form.argument}-{form.shape_name}".replace("*", "-times-")
     return "".join(c if c.isalnum() else "-" for c in words.lower())
@@ -173,17 +176,27 @@ def effect_name(form: Form) -> str:
 def written(folder: Path, campaign: str, proposed: Proposed) -> list[Path]:
     """Write every proposal into a folder, each a file of its own.
 
+    What acts from the flight on is an effect; a law of the launch is stated as numbers.
+
     Raises
     ------
     OSError
         The folder cannot be written.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    paths = []
+    paths, shots = [], [int(number) for number in proposed.evidence.stated.shots]
     for one in proposed.accepted:
         path = folder / f"{effect_name(one.form).replace('-', '_')}.py"
-        shots = [int(number) for number in proposed.evidence.stated.shots]
         path.write_text(text_of(campaign, shots, one), encoding="utf-8")
+        paths.append(path)
+    for law in proposed.launch:
+        path = folder / f"{effect_name(law.form).replace('-', '_')}.json"
+        document = {
+            "proposed": formula(law.form),
+            "parameters": {name: q.to_json() for name, q in law.parameters.items()},
+            "form": Statement.of(law.form, campaign, shots).document(),
+        }
+        path.write_text(json.dumps(document, indent=2) + "\n", encoding="utf-8")
         paths.append(path)
     return paths
 
@@ -213,30 +226,15 @@ def text_of(campaign: str, shots: Sequence[int], one: Accepted) -> str:
     return head.rstrip("\n") + "\n" + seen + constants + "\n" + function
 
 
-def ranges(numbers: Sequence[int]) -> str:
-    """Return numbers in short, `1-120,122`."""
-    parts: list[list[int]] = []
-    for number in sorted(numbers):
-        if parts and number == parts[-1][1] + 1:
-            parts[-1][1] = number
-        else:
-            parts.append([number, number])
-    return ",".join(str(a) if a == b else f"{a}-{b}" for a, b in parts)
-
-
-def seen_shots(path: Path) -> tuple[str, set[int]] | None:
-    """Return the campaign and the shots that a proposal's file comes from; None: it names none."""
+def origin(path: Path) -> tuple[str, str] | None:
+    """Return the campaign and the shots, in short, that a file comes from; None: it names none."""
     found: dict[str, str] = {}
     for node in ast.parse(path.read_text(encoding="utf-8")).body:
         if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name):
             name, value = node.targets[0].id, node.value
             if name in {CAMPAIGN, SHOTS} and isinstance(value, ast.Constant):
                 found[name] = str(value.value)
-    if len(found) < 2:
-        return None
-    ends = [part.split("-") for part in found[SHOTS].split(",") if part]
-    numbers = {n for end in ends for n in range(int(end[0]), int(end[-1]) + 1)}
-    return found[CAMPAIGN], numbers
+    return (found[CAMPAIGN], found[SHOTS]) if len(found) == 2 else None
 
 
 def _imports(form: Form) -> str:

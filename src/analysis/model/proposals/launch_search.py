@@ -214,7 +214,7 @@ def _refitted(
     for _, form in chosen:
         fit = settled(launch.theory.with_effect(form.effect(NAME)), launch)
         sought = len(form.free) + len(form.symbols) - 1
-        tried.append(_Tried(form, fit, _fall(launch, fit) - PENALTY * sought))
+        tried.append(_Tried(form, fit, fall_of(launch, fit) - PENALTY * sought))
     return sorted(tried, key=lambda one: -one.worth)
 
 
@@ -224,7 +224,7 @@ def _with_known(launch: LaunchFit) -> tuple[LaunchFit, float] | None:
         if one.seen and not one.fitted and one.plausible and one.p_familywise < LEVEL:
             effect: LaunchEffect = one.effect
             fit = settled(launch.theory.with_effect(effect), launch)
-            return fit, _fall(launch, fit)
+            return fit, fall_of(launch, fit)
     return None
 
 
@@ -239,14 +239,14 @@ def _with_constants(
         scales = form.constants[len(form.constants) - len(form.free) :]
         freed = settled(theory.at(np.concatenate([start, scales])), launch)
         moved = form.at(*freed.theory.vector[-len(form.free) :])
-        if np.isfinite(moved.columns()).all() and _fall(one.fit, freed) > 0:
+        if np.isfinite(moved.columns()).all() and fall_of(one.fit, freed) > 0:
             held = settled(launch.theory.with_effect(moved.effect(name)), launch)
             return held, freed, moved
     held = settled(launch.theory.with_effect(form.effect(name)), launch)
     return held, held, form
 
 
-def _fall(before: LaunchFit, after: LaunchFit) -> float:
+def fall_of(before: LaunchFit, after: LaunchFit) -> float:
     """Return by how much -2 ln L falls, scatter and all."""
     return _deviance(before) - _deviance(after)
 
@@ -270,10 +270,15 @@ def _determined(fit: LaunchFit, form: LaunchForm) -> bool:
 
 def _errors(before: LaunchFit, after: LaunchFit, blocks: NDArray[np.intp]) -> tuple[float, float]:
     """Return errors on launches left out, at random; infinite after where blocks disagree."""
-    draw = np.random.default_rng(0).permutation(len(blocks)) % FOLDS
-    first, second = (_left_out(f.theory, after, draw) for f in (before, after))
+    first, second = errors_left_out(before, after)
     apart = _left_out(before.theory, after, blocks), _left_out(after.theory, after, blocks)
     return first, second if apart[1] < apart[0] else np.inf
+
+
+def errors_left_out(before: LaunchFit, after: LaunchFit) -> tuple[float, float]:
+    """Return errors of two fits on launches left out at random, in units of the later scatter."""
+    draw = np.random.default_rng(0).permutation(len(after.shots)) % FOLDS
+    return _left_out(before.theory, after, draw), _left_out(after.theory, after, draw)
 
 
 def _left_out(theory: LaunchTheory, judge: LaunchFit, folds: NDArray[np.intp]) -> float:

@@ -18,7 +18,7 @@ from analysis.model.data.tables import Data
 from analysis.model.proposals.document import confirmation_document, together_document
 from analysis.model.proposals.effect_file import written
 from analysis.model.proposals.propose import Proposed
-from analysis.model.proposals.together import propose_read, propose_together
+from analysis.model.proposals.together import propose_read
 from analysis.model.proposals.words import (
     confirmation_sentence,
     proposal_sentences,
@@ -30,16 +30,18 @@ from rigctl.cli.output import TABLE_WIDTH, print_json, progress
 from rigctl.config import load
 from rigctl.errors import AnalysisInputError
 from rigctl.model.known_effects import available, faults_refused
-from rigctl.model.proposing import confirmed, proposed_laws, read_for_together, unwritable
+from rigctl.model.proposing import (
+    confirmed,
+    proposed_laws,
+    read_for_together,
+    shared_laws,
+    unwritable,
+)
 from rigctl.model.seen_effects import require_seen
 from rigctl.reanalysis import pool
 from rigctl.sweeps.form import Sweep, write_sweep
 
 SWEEP = "next_shots.toml"
-OF_THE_LAUNCH = (
-    "a law of the launch is written to no file, as one's own effects act from the flight on; ask "
-    "the next shots for it again"
-)
 
 
 def proposing(
@@ -108,8 +110,6 @@ def proposing(
     if write is not None:
         _write(write, title, found, document)
     lines = [*proposal_sentences(document), *(f"written: {path}" for path in document["files"])]
-    if write is not None and found.launch:
-        lines.append(OF_THE_LAUNCH)
     if document["sweep"]:
         lines.append(f"next shots, to be fired as a sweep: rigctl sweep {document['sweep']}")
     _print(document, lines, as_json=json)
@@ -130,14 +130,9 @@ def _together(
 ) -> dict[str, Any]:
     """Ask several campaigns for what they share, and what each has for itself."""
     read = [opened(campaign, config) for campaign in campaigns]
-    titles = [title for title, _ in read]
     with faults_refused(), progress() as report:
         report("scoring forms in all campaigns")
-        try:
-            found = propose_together([data for _, data in read], given)
-        except ProposalRefusedError as error:
-            raise AnalysisInputError(str(error), part=", ".join(titles)) from error
-    return together_document(titles, found)
+        return shared_laws(read, given)
 
 
 def _on_workers(

@@ -1,14 +1,26 @@
-"""A law that no catalogue holds: asked for beside `unexplained`, and one click from a sweep."""
+"""A law that no catalogue holds: asked for beside `unexplained`, and one click from a sweep.
+
+Once its shots are fired, the same place tests the one form on them; several campaigns are asked
+there for what they share.
+"""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from nicegui import ui
 
-from analysis.model.proposals.words import proposal_sentences
+from analysis.model.proposals.words import (
+    confirmation_sentence,
+    proposal_sentences,
+    together_sentences,
+)
+from rigctl.errors import AnalysisInputError
 from rigctl.jobs import Job
+from rigctl.measuring.measured import others
 from rigctl.page.model.state import ModelState, Question
 from rigctl.page.parts.widgets import button
 from rigctl.page.sweeps.form import form_address
@@ -22,20 +34,27 @@ class ProposedLaw:
 
     def __init__(self, state: ModelState, refresh: Callable[[], object]) -> None:
         self._state, self._refresh = state, refresh
-        self._asked = Question(self._ask, state.source.daemon.jobs.job)
+        self._form: Json = {}
+        self._beside: list[str] = []
+        job = state.source.daemon.jobs.job
+        self._asked = Question(self._ask, job)
+        self._tested = Question(lambda: self._ask(confirm=self._form), job)
+        self._shared = Question(self._ask_together, job)
 
     @property
     def running(self) -> str:
-        """The job that looks for a law; empty while none does."""
-        return self._asked.running or ""
+        """The job that looks for a law or tests one; empty while none does."""
+        questions = (self._asked, self._tested, self._shared)
+        return next((one.running for one in questions if one.running), "")
 
     def follow(self) -> bool:
-        """Fetch the answer if it came; say whether anything ended."""
-        return self._asked.follow()
+        """Fetch the answers that came; say whether anything ended."""
+        ended = [one.follow() for one in (self._asked, self._tested, self._shared)]
+        return any(ended)
 
     def show(self) -> None:
-        """Place the button, or the answer."""
-        if self._asked.running is None and self._asked.answer is None:
+        """Place the buttons, or the answers."""
+        if not self.running and self._asked.answer is None:
             placed = button("Propose a law", self._start, testid="propose")
             placed.tooltip("tries what depends on what, with an error rate that holds")
         if self._asked.failure:
@@ -45,6 +64,60 @@ class ProposedLaw:
                 for said in proposal_sentences(self._asked.answer):
                     ui.label(said)
                 self._into_sweep(self._asked.answer)
+        if not self.running:
+            self._to_confirm()
+            self._to_share()
+        self._said(self._tested, lambda found: [confirmation_sentence(found)], "confirmed")
+        self._said(self._shared, together_sentences, "shared")
+
+    def _said(
+        self, question: Question, sentences: Callable[[Json], list[str]], testid: str
+    ) -> None:
+        """Place the answer of a further question, or why there is none."""
+        if question.failure:
+            ui.label(question.failure).classes("note").props(f"data-testid={testid}-not")
+        if question.answer is not None:
+            with ui.element("div").props(f"data-testid={testid}"):
+                for said in sentences(question.answer):
+                    ui.label(said)
+
+    def _to_confirm(self) -> None:
+        """Offer a test of each form that was proposed, on the shots that came after it."""
+        for form in self._proposed():
+            what = f"{form['slot']} on {'*'.join(form['arguments']) or form['kind']}"
+            placed = button(
+                f"Confirm {what} on the shots since",
+                partial(self._test, form),
+                testid="confirm-law",
+            )
+            placed.tooltip("tests this one form on the shots it was not chosen on")
+
+    def _proposed(self) -> list[Json]:
+        """Return the forms of the answer, or of the last one that was given for this campaign."""
+        answer = self._asked.answer or self._last()
+        return [one["form"] for one in answer["proposals"]]
+
+    def _last(self) -> Json:
+        source = self._state.source
+        for job in reversed(source.daemon.jobs.jobs()):
+            if (job.kind, job.subject) == ("propose", source.title) and job.result is not None:
+                answer: Json = json.loads(job.result)
+                if answer.get("proposals"):
+                    return answer
+        return {"proposals": []}
+
+    def _to_share(self) -> None:
+        """Offer to ask other campaigns of the store together with this one."""
+        source = self._state.source
+        names = [one.name for one in source.daemon.store.campaigns.all()]
+        names = [name for name in names if name != source.title]
+        if not names:
+            return
+        with ui.element("div").classes("beside"):
+            ui.select(names, multiple=True, label="Together with", with_input=True).bind_value(
+                self, "_beside"
+            ).props("data-testid=together-with")
+            button("What do they share?", self._share, testid="share-law")
 
     def _into_sweep(self, answer: Json) -> None:
         """Offer the next shots as a sweep, unless another laboratory fired this campaign."""
@@ -70,10 +143,28 @@ class ProposedLaw:
         self._asked.start()
         self._refresh()
 
-    def _ask(self) -> Job:
+    def _test(self, form: Json) -> None:
+        self._form = form
+        self._tested.start()
+        self._refresh()
+
+    def _share(self) -> None:
+        self._shared.start()
+        self._refresh()
+
+    def _ask_together(self) -> Job:
+        source = self._state.source
+        if not self._beside:
+            raise AnalysisInputError(
+                "no other campaign is chosen", part="Together with", todo="choose one or more"
+            )
+        return self._ask(together=others(source.daemon.store, source.title, self._beside))
+
+    def _ask(self, **more: object) -> Job:
         limits = self._state.source.daemon.configuration.limits
         return self._state.source.ask(
             "propose",
             self._state.effects,
             limits=[list(limits.pressure_kpa), list(limits.offset_mm)],
+            **more,
         )

@@ -12,7 +12,7 @@ from starlette.responses import Response
 from rigctl.daemon import Daemon
 from rigctl.documents import Json
 from rigctl.jobs import Job, Task, Work, in_process
-from rigctl.measuring.measured import measured_files, request
+from rigctl.measuring.measured import measured_files, others, request
 from rigctl.model.own_effects import OwnEffects
 from rigctl.plain_text import CampaignName
 from rigctl.service.accepted import accepted, accepts, answered
@@ -75,9 +75,14 @@ def model_routes(daemon: Daemon) -> APIRouter:
 
     @router.post("/propose", status_code=202, responses=accepts() | documented(*_POST))
     def propose(campaign: CampaignName, order: ProposeOrder) -> Response:
-        """Propose the law that no catalogue holds, beside the effects named."""
-        limits = daemon.configuration.limits
-        asked = {"limits": [limits.pressure_kpa, limits.offset_mm]}
+        """Propose the law that no catalogue holds, beside the effects named.
+
+        Or what several campaigns share, or whether other shots confirm one form.
+        """
+        limits, asked = daemon.configuration.limits, order.asked()
+        asked["limits"] = [limits.pressure_kpa, limits.offset_mm]
+        if "together" in asked:
+            asked["together"] = others(daemon.store, campaign, asked["together"])
         return accepted(_ask(daemon, "propose", campaign, order.effects, asked))
 
     @router.post("/next", status_code=202, responses=accepts() | documented(*_POST))

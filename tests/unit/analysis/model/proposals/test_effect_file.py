@@ -18,8 +18,7 @@ from analysis.model.fitting.robust_fit import judged
 from analysis.model.proposals.arguments import known_arguments
 from analysis.model.proposals.effect_file import (
     effect_name,
-    ranges,
-    seen_shots,
+    origin,
     text_of,
     written,
 )
@@ -55,11 +54,7 @@ def test_a_written_file_loads_and_fits_the_shots_as_the_proposal_did(
 def test_a_file_says_from_which_shots_it_comes(tmp_path: Path) -> None:
     data, found = proposed("restitution-bump", 0.008)
     [path] = written(tmp_path, "nylon's own", found)
-    assert seen_shots(path) == ("nylon's own", {int(n) for n in data.shots})
-
-
-def test_runs_of_numbers_are_written_in_short() -> None:
-    assert ranges([1, 2, 3, 7, 9, 10]) == "1-3,7,9-10"
+    assert origin(path) == ("nylon's own", f"1-{len(data.shots)}")
 
 
 def forms() -> list[ContactForm]:
