@@ -30,6 +30,7 @@ import httpx
 from playwright.sync_api import Browser, Page, sync_playwright
 
 from benchmarks.page_waits import (
+    Waited,
     cancelled,
     first_coefficients,
     first_numbers,
@@ -114,6 +115,7 @@ class Served:
 
     url: str
     rest: httpx.Client
+    pid: int
 
     def fire(self) -> float:
         """Fire one shot, wait for its end, and return how long the fire request took, s."""
@@ -155,7 +157,7 @@ def served(folder: Path) -> Iterator[Served]:
         url = printed.split(" at ")[1].partition("/?key=")[0].strip()
         bearer = {"Authorization": f"Bearer {KEY}"}
         with httpx.Client(base_url=url, headers=bearer, timeout=LONG_S) as rest:
-            yield Served(url, rest)
+            yield Served(url, rest, process.pid)
     finally:
         process.terminate()
         process.communicate(timeout=60)
@@ -289,19 +291,23 @@ def waits(browser: Browser, daemon: Served, small: Path) -> dict[str, Callable[[
 
     def coefficients() -> list[Number]:
         took = first_coefficients(opened(browser, daemon.url, [])[0], daemon)
-        return [Number("first shot of a fresh store: fired until its coefficients", took, "s", 5.0)]
+        what = "first shot of a fresh store: fired until its coefficients"
+        return waited_numbers(what, took, 5.0)
 
     def numbers() -> list[Number]:
-        took = first_numbers(opened(browser, daemon.url, [])[0], daemon.url, small)
-        return [Number("model of 120 shots until its first numbers", took, "s", 3.0)]
+        took = first_numbers(opened(browser, daemon.url, [])[0], daemon, daemon.url, small)
+        return waited_numbers("model of 120 shots until its first numbers", took, 3.0)
 
     def cancel() -> list[Number]:
         page = opened(browser, daemon.url, [])[0]
-        first_numbers(page, daemon.url, small)
-        taken = cancelled(page)
+        first_numbers(page, daemon, daemon.url, small)
+        waits = cancelled(page, daemon)
+        taken = [one.seconds for one in waits]
+        spent = statistics.median(one.daemon_s + one.browser_s for one in waits)
         return [
             Number("cancel answered, nine of ten", ninth_of_ten(taken), "s", 0.5),
             Number("  longest", taken[-1], "s", 0.9),
+            Number("  CPU time of daemon and browser within one, median", spent, "s", 0.5),
         ]
 
     def refused() -> list[Number]:
@@ -309,6 +315,17 @@ def waits(browser: Browser, daemon: Served, small: Path) -> dict[str, Callable[[
         return [Number(shots, count, ""), Number(share, of, "%", 3.0)]
 
     return {"coefficients": coefficients, "numbers": numbers, "cancel": cancel, "refused": refused}
+
+
+def waited_numbers(what: str, waited: Waited, asked_s: float) -> list[Number]:
+    """Return a wait, the CPU seconds within it, and print its steps."""
+    print(f"  {waited.chain()}")
+    spent = (("daemon", waited.daemon_s), ("workers", waited.workers_s))
+    return [
+        Number(what, waited.seconds, "s", asked_s),
+        Number("  CPU time of daemon, workers and browser within it", waited.cpu_s, "s", asked_s),
+        *(Number(f"    of the {whose}", value, "s") for whose, value in spent),
+    ]
 
 
 def _until(page: Page, address: str, condition: str) -> float:

@@ -1,21 +1,31 @@
 """Waits of the page: first coefficients, first numbers, cancelled work, shots that are refused.
 
-Parts of python -m benchmarks.page.
+Parts of python -m benchmarks.page. Beside each first wait stand its steps and the CPU seconds that
+daemon, workers and browser spent on it: on a host that does nothing else it lasts no longer than
+these and what the rig itself takes.
 """
 
 from __future__ import annotations
 
+import os
 import time
 import uuid
 from collections.abc import Iterator
+from dataclasses import dataclass
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Protocol
 from urllib.parse import quote
 
 import httpx
-from playwright.sync_api import Page
+from playwright.sync_api import Locator, Page
+
+from benchmarks.cpu_seconds import of_process, of_tree
 
 LONG_MS = 600_000
+LOOK_MS = 50
+REST_S, AT_REST, MOST_LOOKS = 2.0, 0.2, 60
+"""Time between two looks, CPU seconds a second below which processes rest, and how many looks."""
 CANCELLED = 10
 """So many waits are cancelled: nine of ten must answer in time."""
 BROAD = {
@@ -39,9 +49,73 @@ class Daemon(Protocol):
     def rest(self) -> httpx.Client:
         """Its REST."""
 
+    @property
+    def pid(self) -> int:
+        """Number of its process."""
 
-def first_coefficients(page: Page, daemon: Daemon) -> float:
-    """Fire the first shot by the page; return the time from the click to its coefficients, s.
+
+@dataclass(frozen=True, slots=True)
+class Waited:
+    """One wait: how long, its steps with the second at which each began, and CPU seconds spent."""
+
+    seconds: float
+    steps: dict[str, float]
+    daemon_s: float
+    workers_s: float
+    browser_s: float
+
+    @property
+    def cpu_s(self) -> float:
+        """What all processes spent on it, s."""
+        return self.daemon_s + self.workers_s + self.browser_s
+
+    def chain(self) -> str:
+        """Name the steps one after another."""
+        return ", ".join(f"{step} {at:.2f} s" for step, at in self.steps.items())
+
+
+class Meter:
+    """Begins with its making; `read` says what was spent since."""
+
+    def __init__(self, daemon: Daemon) -> None:
+        self._pid, self._before = daemon.pid, self._spent(daemon.pid)
+        self.began, self.began_at = time.perf_counter(), datetime.now(UTC)
+        self.steps: dict[str, float] = {}
+
+    def step(self, name: str) -> None:
+        """Note when a step was seen first."""
+        self.steps.setdefault(name, time.perf_counter() - self.began)
+
+    def since(self, name: str, at: str) -> None:
+        """Note a step by the time, ISO 8601, that the daemon gives it."""
+        self.steps[name] = (datetime.fromisoformat(at) - self.began_at).total_seconds()
+
+    def read(self) -> Waited:
+        """Return what was waited."""
+        seconds = time.perf_counter() - self.began
+        spent = (after - b for after, b in zip(self._spent(self._pid), self._before, strict=True))
+        daemon_s, workers_s, browser_s = spent
+        return Waited(seconds, self.steps, daemon_s, workers_s, browser_s)
+
+    @staticmethod
+    def _spent(pid: int) -> tuple[float, float, float]:
+        own, tree, ours = of_process(pid), of_tree(pid), of_tree(os.getpid())
+        return own, tree - own, ours - tree - of_process(os.getpid())
+
+
+def settle(daemon: Daemon) -> None:
+    """Wait until the daemon and its workers rest: a page that is looked at has loaded long ago."""
+    spent = of_tree(daemon.pid)
+    for _ in range(MOST_LOOKS):
+        time.sleep(REST_S)
+        before, spent = spent, of_tree(daemon.pid)
+        if spent - before < AT_REST * REST_S:
+            return
+    raise RuntimeError("the daemon does not come to rest")
+
+
+def first_coefficients(page: Page, daemon: Daemon) -> Waited:
+    """Fire the first shot by the page; return the wait from the click to its coefficients.
 
     Raises
     ------
@@ -50,35 +124,50 @@ def first_coefficients(page: Page, daemon: Daemon) -> float:
     """
     if _shots(daemon):
         raise RuntimeError("the first shot needs a fresh store: let this part run first")
+    settle(daemon)
     page.get_by_test_id("arm").click()
     page.get_by_test_id("fire").wait_for()
-    began = time.perf_counter()
+    meter = Meter(daemon)
     page.get_by_test_id("fire").click()
-    page.get_by_test_id("coefficients").wait_for(timeout=LONG_MS)
-    return time.perf_counter() - began
+    coefficients = page.get_by_test_id("coefficients")
+    while not _seen(coefficients):
+        for shot in _shots(daemon):
+            meter.step(shot["state"])
+    return meter.read()
 
 
-def first_numbers(page: Page, url: str, folder: Path) -> float:
-    """Open the model of a campaign nobody has fitted; return when its first numbers stand, s."""
-    began = time.perf_counter()
+def first_numbers(page: Page, daemon: Daemon, url: str, folder: Path) -> Waited:
+    """Open the model of a campaign nobody has fitted; return the wait until its first numbers."""
+    settle(daemon)
+    meter = Meter(daemon)
     page.goto(f"{url}/model?folder={quote(str(folder))}", wait_until="commit")
     page.get_by_test_id("story-compare").wait_for(timeout=LONG_MS)
-    return time.perf_counter() - began
+    waited = meter.read()
+    job = daemon.rest.get("/api/v1/jobs").json()["jobs"][0]
+    for step in ("created_at", "started_at", "ended_at"):
+        meter.since(f"fit {step[:-3]}", job[step])
+    return waited
 
 
-def cancelled(page: Page) -> list[float]:
-    """Have the open model explained and cancel it each time; return how long that took, s."""
+def _seen(part: Locator) -> bool:
+    """Say whether a part is seen, after a rest."""
+    part.page.wait_for_timeout(LOOK_MS)
+    return part.is_visible()
+
+
+def cancelled(page: Page, daemon: Daemon) -> list[Waited]:
+    """Have the open model explained and cancel it each time; return the waits, shortest first."""
     taken = []
     for _ in range(CANCELLED):
         page.get_by_test_id("explain").click()
         button = page.get_by_test_id("explaining").get_by_test_id("cancel-job")
         button.wait_for(timeout=LONG_MS)
-        began = time.perf_counter()
+        meter = Meter(daemon)
         button.click()
         page.wait_for_function(GONE)
-        taken.append(time.perf_counter() - began)
+        taken.append(meter.read())
         page.get_by_test_id("explain").wait_for()
-    return sorted(taken)
+    return sorted(taken, key=lambda one: one.seconds)
 
 
 def refused_share(daemon: Daemon) -> Iterator[tuple[str, float]]:

@@ -40,7 +40,8 @@ class Daemon:
     """A running rig with its store, jobs and sweeps, and the repairs made at its start.
 
     `laboratory` simulates the hardware, None on a real rig; `analyse` queues a
-    stored shot for analysis and returns at once, `analyse_by` by a method of choice; `compiling`
+    stored shot for analysis and returns at once, `analyse_by` by a method of choice;
+    `prepare_analysis` has a worker load what the first shot needs; `compiling`
     gives the progress of compiling that an analysis waits for, None where none does; `jobs` runs
     all other long work; `commissioning` is what people must have seen of a real rig; `keypad` that
     of a tape recorder, None with another camera; `offered` are the sweeps that wait to be resumed.
@@ -53,6 +54,7 @@ class Daemon:
     laboratory: Laboratory | None
     analyse: Callable[[str], None]
     analyse_by: Callable[[str, str], None]
+    prepare_analysis: Callable[[], None]
     compiling: Callable[[], Compiling | None]
     jobs: Jobs
     sweeps: SweepRunner
@@ -120,6 +122,7 @@ def open_daemon(configuration: Configuration) -> Iterator[Daemon]:
             laboratory=laboratory,
             analyse=analyser.submit,
             analyse_by=analyser.submit_by,
+            prepare_analysis=analyser.prepare,
             compiling=lambda: analyser.compiling,
             jobs=jobs,
             sweeps=sweeps,

@@ -9,8 +9,10 @@ from datetime import datetime, timedelta
 from queue import SimpleQueue
 
 from rigctl.errors import JobsFullError, RigError
+from rigctl.jobs.failure import JobFailedError
 from rigctl.jobs.job import LIVE, Job, JobState, Register, utc_now
-from rigctl.jobs.task import JobFailedError, Task, Work
+from rigctl.jobs.ready import Ready
+from rigctl.jobs.task import Task, Work
 from rigctl.store import Listeners
 
 _log = logging.getLogger(__name__)
@@ -57,6 +59,7 @@ class Jobs:
             kept_for=KEPT_FOR,
             now=now,
         )
+        self._ready = Ready()
         self._lock = threading.Lock()
         self._tasks: dict[str, Task] = {}
         self._closed = False
@@ -71,6 +74,10 @@ class Jobs:
     def listeners(self) -> Listeners[Job]:
         """Callbacks that are told of every change of a job."""
         return self._register.listeners
+
+    def prepare(self, module: str) -> None:
+        """Have a process load a module that further jobs will need; returns at once."""
+        self._ready.prepare(module)
 
     def submit(self, kind: str, subject: str, work: Work, key: Hashable = None) -> Job:
         """Queue work and return its job.
@@ -99,6 +106,7 @@ class Jobs:
                 self._tasks[job.id] = Task(
                     lambda text, share: register.progress(job.id, text, share),
                     lambda words: register.enclosed(job.id, words),
+                    self._ready,
                 )
                 self._waiting.put((job.id, work))
         return job
@@ -140,6 +148,7 @@ class Jobs:
             self._waiting.put(None)
         for thread in self._threads:
             thread.join(END_WAIT_S)
+        self._ready.close()
 
     def _cancel(self, name: str) -> None:
         with self._lock:

@@ -5,33 +5,8 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable
 
-from rigctl.errors import RigError
+from rigctl.jobs.ready import Ready
 from rigctl.progress import Progress
-
-
-class JobFailedError(RigError):
-    """Long work broke, took too long, or its process died.
-
-    Parameters
-    ----------
-    what, limit, todo
-        As every error of the tree.
-    because
-        The stable code of the error that the work itself raised, where it has one.
-    """
-
-    code = "job-failed"
-
-    def __init__(
-        self,
-        what: str,
-        *,
-        limit: str | None = None,
-        todo: str | None = None,
-        because: str | None = None,
-    ) -> None:
-        self.because = because or self.code
-        super().__init__(what, limit=limit, todo=todo)
 
 
 class Task:
@@ -45,14 +20,17 @@ class Task:
         Takes the step under way in words and the share done from 0 to 1, or None.
     enclosed
         Takes in words what the process of the work is kept from.
+    ready
+        Where a process may wait for the work already.
     """
 
     def __init__(
         self,
         progress: Progress,
         enclosed: Callable[[str], None] = lambda _: None,
+        ready: Ready | None = None,
     ) -> None:
-        self.progress, self.enclosed = progress, enclosed
+        self.progress, self.enclosed, self.ready = progress, enclosed, ready
         self._lock = threading.Lock()
         self._unwanted = False
         self._callbacks: list[Callable[[], None]] = []

@@ -1,4 +1,6 @@
-"""The process of one job: python -P -m rigctl.jobs.worker DESCRIPTOR, its order on standard input.
+"""The process of one job: python -P -m rigctl.jobs.worker DESCRIPTOR, told on standard input.
+
+Two lines of JSON: under what it runs and what it loads at once, then its order, perhaps much later.
 
 Standard input stays open for as long as the daemon lives; when it closes, the process ends itself.
 """
@@ -14,6 +16,7 @@ import sys
 import threading
 import traceback
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from multiprocessing.connection import Connection
 from pathlib import Path
 
@@ -92,13 +95,26 @@ def main() -> None:
     # Programs that the work starts are not to hold the daemon's pipe.
     os.set_inheritable(descriptor, False)
     connection = Connection(descriptor, readable=False)
-    order: Json = json.loads(sys.stdin.readline())
+    under: Json = json.loads(sys.stdin.readline())
     # Before anything else is loaded: libraries start threads, and then the kernel refuses.
-    enclosure = enclose([Path(path) for path in order["hidden"]], network=order["network"])
+    enclosure = enclose([Path(path) for path in under["hidden"]], network=under["network"])
     _tell(connection, "enclosed", enclosure)
+    sys.path[:] = under["path"]
+    if under["loads"]:
+        _load(under["loads"])
+    line = sys.stdin.readline()
+    if not line:
+        # The daemon ended before it asked.
+        return
+    order: Json = json.loads(line)
     threading.Thread(target=_end_with_the_daemon, name="end with the daemon", daemon=True).start()
-    sys.path[:] = order["path"]
     _tell(connection, *_answer(connection, order["function"], order["arguments"]))
+
+
+def _load(module: str) -> None:
+    """Load what an order will need; one that cannot be loaded is the order's failure."""
+    with suppress(Exception):
+        importlib.import_module(module)
 
 
 def _answer(connection: Connection, function: str, arguments: Json) -> tuple[str | None, ...]:

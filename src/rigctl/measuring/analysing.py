@@ -24,6 +24,8 @@ from rigctl.store import Store
 _log = logging.getLogger(__name__)
 
 ANALYSE = "rigctl.measuring.stored_shot:analyse_stored_shot"
+LOADS = {"photometric": "analysis.photometric.method"}
+"""What a shot measured by a method needs besides, and what is slow to load."""
 
 
 class Analyser:
@@ -61,13 +63,18 @@ class Analyser:
         self._ended = threading.Event()
         self._rest = rest
         self._waiting: SimpleQueue[tuple[str, str] | None] = SimpleQueue()
-        self._workers = [AnalysisProcess(function) for _ in range(workers)]
+        loads = [LOADS[method]] if method in LOADS else []
+        self._workers = [AnalysisProcess(function, loads) for _ in range(workers)]
         self._threads = [
             threading.Thread(target=self._serve, args=(worker,), name="analysis", daemon=True)
             for worker in self._workers
         ]
         for thread in self._threads:
             thread.start()
+
+    def prepare(self) -> None:
+        """Have a worker load what it needs before there is a shot; returns at once."""
+        threading.Thread(target=self._workers[0].prepare, name="prepare", daemon=True).start()
 
     def submit(self, shot: str) -> None:
         """Queue a stored shot, or one to be analysed again; returns at once."""

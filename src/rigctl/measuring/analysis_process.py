@@ -8,7 +8,8 @@ import multiprocessing
 import os
 import signal
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
@@ -45,6 +46,8 @@ class AnalysisProcess:
     ----------
     function
         `module:name` of a callable (folder, method) -> JSON object, imported in the process.
+    loads
+        Further modules that the process imports at its start: what a shot needs is slow to load.
 
     Attributes
     ----------
@@ -52,12 +55,17 @@ class AnalysisProcess:
         How far it is, while the shot under way waits for machine code; None: it waits for none.
     """
 
-    def __init__(self, function: str) -> None:
-        self._function = function
+    def __init__(self, function: str, loads: Sequence[str] = ()) -> None:
+        self._function, self._loads = function, tuple(loads)
         self._lock = threading.Lock()
         self._started: tuple[BaseProcess, Connection] | None = None
         self.ended = False
         self.compiling: Compiling | None = None
+
+    def prepare(self) -> None:
+        """Start the process before there is a shot; where it cannot be, its first shot says so."""
+        with suppress(AnalysisFailedError):
+            self._running()
 
     def analyse(self, folder: Path, method: str, timeout_s: float) -> Json:
         """Have one folder analysed; raise `AnalysisFailedError` if no result comes of it.
@@ -109,7 +117,7 @@ class AnalysisProcess:
                 raise AnalysisFailedError("the daemon ends")
             if self._started is None or not self._started[0].is_alive():
                 self._discard()
-                self._started = _start(self._function)
+                self._started = _start(self._function, self._loads)
             return self._started
 
     def _discard(self) -> None:
@@ -118,7 +126,7 @@ class AnalysisProcess:
             self._started = None
 
 
-def _start(function: str) -> tuple[BaseProcess, Connection]:
+def _start(function: str, loads: tuple[str, ...]) -> tuple[BaseProcess, Connection]:
     """Start a worker and return it with this end of its pipe; on failure nothing stays open."""
     context = multiprocessing.get_context("spawn")
     try:
@@ -127,7 +135,7 @@ def _start(function: str) -> tuple[BaseProcess, Connection]:
         with theirs:
             try:
                 process = context.Process(
-                    target=_work, args=(theirs, function), name="analysis", daemon=True
+                    target=_work, args=(theirs, function, loads), name="analysis", daemon=True
                 )
                 process.start()
             except BaseException:
@@ -141,7 +149,7 @@ def _start(function: str) -> tuple[BaseProcess, Connection]:
     return process, ours
 
 
-def _work(connection: Connection, function: str) -> None:
+def _work(connection: Connection, function: str, loads: tuple[str, ...]) -> None:
     """Serve in the worker's process until the daemon's end of the pipe closes."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     # Loaded here: the daemon starts without the compiler.
@@ -150,6 +158,8 @@ def _work(connection: Connection, function: str) -> None:
     on_compilation(lambda done, of: connection.send(Compiling(done, of)))
     module, _, name = function.partition(":")
     analyse: Callable[[Path, str], Json] = getattr(importlib.import_module(module), name)
+    for each in loads:
+        importlib.import_module(each)
     first = True
     while True:
         try:

@@ -5,12 +5,14 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from threading import Event
 from typing import TypeVar
 
 from nicegui import context, ui
 
 from rigctl.daemon import Daemon
 from rigctl.errors import RigError
+from rigctl.model import FUNCTIONS
 from rigctl.page.feed import Feed
 from rigctl.page.parts.presence import is_late
 from rigctl.page.parts.readings import Readings
@@ -50,6 +52,17 @@ class Desk:
     readings: Readings
     films: Films
     pencil: asyncio.Lock = field(default_factory=asyncio.Lock)
+    _prepared: Event = field(default_factory=Event)
+
+    def prepare(self) -> None:
+        """Have processes load what the first shot and the first fit need; only once, at once.
+
+        Who opens a page will ask for one of them, and is spared the loading.
+        """
+        if not self._prepared.is_set():
+            self._prepared.set()
+            self.daemon.prepare_analysis()
+            self.daemon.jobs.prepare(FUNCTIONS)
 
     async def draw(self, part: Callable[[], object]) -> None:
         """Draw a part of a page anew when it is its turn; a page that was left is not drawn.

@@ -37,6 +37,7 @@ DANGEROUS = frozenset({RigState.ARMED, RigState.FIRING, RigState.CAPTURING})
 @contextmanager
 def sheet(desk: Desk, title: str, place: str) -> Iterator[Rail]:
     """Lay out a page: header, banner of a latched rig, the guide, and what the block adds."""
+    desk.prepare()
     ui.page_title(f"{title} · rigctl")
     status = desk.daemon.rig.status()
     dark = ui.dark_mode(None)

@@ -12,8 +12,8 @@ from typing import Any
 import pytest
 
 from rigctl.jobs import JobFailedError, Task, in_process
-from rigctl.jobs.process import hide_from_jobs
 from rigctl.jobs.worker import ENCLOSED, ON_NETWORK
+from rigctl.jobs.worker_process import hide_from_jobs
 
 SECRET = "the key of the daemon"
 

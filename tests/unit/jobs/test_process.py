@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from rigctl.jobs import JobFailedError, Jobs, JobState, Task, in_process
-from rigctl.jobs.process import NICENESS
+from rigctl.jobs.worker_process import NICENESS
 
 BOUND_S = 30.0
 

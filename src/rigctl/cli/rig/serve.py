@@ -22,7 +22,7 @@ from rigctl.cli.options import Config, KeyFile, OwnEffects, given_key
 from rigctl.cli.rig.listening import listen, listen_for_stops, url_of
 from rigctl.config import Configuration, load
 from rigctl.daemon import open_daemon
-from rigctl.jobs.process import hide_from_jobs
+from rigctl.jobs.worker_process import hide_from_jobs
 from rigctl.logs import LogFormat
 from rigctl.page.mounting import with_page
 from rigctl.service import keyfile

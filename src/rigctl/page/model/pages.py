@@ -67,8 +67,11 @@ class ModelView:
             self._rest = False
             self._steps.rank()
             self._next.show.refresh()
-        if self._state.follow():
+        answered, tried = self._state.follow()
+        if answered:
             self._draw()
+        elif tried:
+            self._steps.rank()
         self._verdict.follow()
         self._next.follow()
 

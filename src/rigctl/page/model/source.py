@@ -12,11 +12,11 @@ from rigctl.daemon import Daemon
 from rigctl.errors import AnalysisInputError
 from rigctl.jobs import Job, in_process
 from rigctl.measuring.measured import measured_files, request
+from rigctl.model import FUNCTIONS
 from rigctl.model.own_effects import OwnEffects
 from rigctl.store import ShotRecord
 
 Json = dict[str, Any]
-FUNCTIONS = "rigctl.model.computing"
 LOOKED_AT = ("campaign.toml", "shots.csv", "poses.csv", "contacts.csv", "impacts.csv")
 
 

@@ -90,8 +90,14 @@ class ModelState:
         """Return the job that fits one more effect; empty while none does."""
         return self._jobs.get((*self.effects, effect), "")
 
-    def follow(self) -> bool:
-        """Fetch what has been answered since; say whether anything has."""
+    def follow(self) -> tuple[bool, bool]:
+        """Fetch what has been answered since.
+
+        Returns
+        -------
+        Whether the way to the present effects was answered, and whether a trial was: a page that
+        draws its buttons anew for a trial loses a click that is under way.
+        """
         ended = [
             (stage, job)
             for stage, name in self._jobs.items()
@@ -100,7 +106,8 @@ class ModelState:
         for stage, job in ended:
             del self._jobs[stage]
             self._keep(stage, job)
-        return bool(ended)
+        way = [stage in self.stages() for stage, _ in ended]
+        return any(way), not all(way)
 
     def waits(self) -> Job | None:
         """Return the job that is waited for, as it stands."""

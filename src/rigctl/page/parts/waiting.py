@@ -71,6 +71,7 @@ class Waiting:
         if name:
             self._said.set_text(f"{self._title}: is being cancelled")
             await self._desk.act(lambda: self._desk.daemon.jobs.cancel(name))
+            self.show()
 
 
 def step_of(job: Job) -> str:

@@ -13,6 +13,7 @@ from rigctl.daemon import Daemon
 from rigctl.documents import Json
 from rigctl.jobs import Job, Task, Work, in_process
 from rigctl.measuring.measured import measured_files, others, request
+from rigctl.model import FUNCTIONS
 from rigctl.model.own_effects import OwnEffects
 from rigctl.plain_text import CampaignName
 from rigctl.service.accepted import accepted, accepts, answered
@@ -29,8 +30,6 @@ from rigctl.service.campaign_models import (
 )
 from rigctl.service.guards.bodies import StrictRoute
 from rigctl.service.problems import documented
-
-FUNCTIONS = "rigctl.model.computing"
 
 _ANSWERED: dict[int | str, dict[str, Any]] = {
     200: {

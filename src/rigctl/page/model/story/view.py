@@ -44,6 +44,7 @@ FILMED = ("Typical", "Largest gap", "Smallest gap")
 class Story:
     """Four steps, drawn anew with each answer; `take` has the model taken with other effects.
 
+    The first is drawn at once, the others with `rank`: a browser needs a second for all of them.
     `last` is where more can be placed after them.
     """
 
@@ -52,51 +53,63 @@ class Story:
         self._shown: Json | None = None
         self._after: Json | None = None
         self._effect, self._waits = "", ""
-        self._filmed = 0
+        self._filmed, self._is_behind = 0, False
         with ui.element("div").classes("stack story"):
-            self._steps()
+            self._first()
+            self._others()
             self.last = ui.element("div").classes("stack")
         self.show()
 
     def show(self) -> None:
         """Draw the latest answer on the way to the present effects."""
         if (found := self._state.present) is not None and found is not self._shown:
-            self._shown, self._effect = found, ""
+            self._shown = found
             seen = self._seen(found)
-            self._try(seen[0]["effect"] if seen else "")
+            self._effect = seen[0]["effect"] if seen else ""
+            if self._effect:
+                self._state.ask_trial(self._effect)
+            self._first.refresh()
+            self._is_behind = True
 
     def rank(self) -> None:
-        """Draw the trial of the effect that is looked at, once it is there."""
-        if self._effect and self._waits != self._state.tries(self._effect):
+        """Draw the other steps where they are behind: of an earlier answer, or without a trial."""
+        fitted = self._effect and self._waits != self._state.tries(self._effect)
+        if self._is_behind or fitted:
             self._draw()
 
     def _try(self, effect: str) -> None:
         self._effect = effect
-        if effect:
-            self._state.ask_trial(effect)
+        self._state.ask_trial(effect)
         self._draw()
 
     def _draw(self) -> None:
+        self._is_behind = False
         self._after = self._state.tried(self._effect) if self._effect else None
         self._waits = self._state.tries(self._effect)
-        self._steps.refresh()
+        self._others.refresh()
 
     def _seen(self, found: Json) -> list[Json]:
         return [c for c in found["candidates"] if c["seen"] and c["effect"] not in found["with"]]
 
     @ui.refreshable_method
-    def _steps(self) -> None:
+    def _first(self) -> None:
         found = self._shown
         if found is None:
             return
-        cells = found["findings"]
-        self._rail(found, cells[0])
+        self._rail(found, found["findings"][0])
         with _step(1, "Compare"):
             _lede(compared(found), "story-compare")
             with ui.element("div").classes("columns compared"):
                 self._film()
                 with ui.element("div").classes("stack"):
                     _bars(failing(found)[:BARS], estimated=bool(found.get("estimated")))
+
+    @ui.refreshable_method
+    def _others(self) -> None:
+        found = self._shown
+        if found is None:
+            return
+        cells = found["findings"]
         with _step(2, "Where it fails"):
             self._where(cells)
         with _step(3, "What is missing"):
