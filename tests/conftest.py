@@ -1,6 +1,12 @@
-"""What all tests share: examples without a deadline, new catalogues by replay."""
+"""What all tests share: one thread of linear algebra, no deadlines, new catalogues by replay."""
 
 from __future__ import annotations
+
+import os
+
+# As in every command: beside other workers more threads wait for each other, at full load. Read
+# where NumPy is loaded, below.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 from hypothesis import settings
 

@@ -48,7 +48,10 @@ def test_the_work_is_done_in_another_process_and_says_how_far_it_is() -> None:
     assert heard.words == [("half way", 0.5)]
 
 
-def test_the_process_gives_way_to_the_daemon_and_takes_one_processor() -> None:
+def test_the_process_gives_way_to_the_daemon_and_takes_one_processor(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setenv("OPENBLAS_NUM_THREADS", "2")
     assert run("conditions") == {"nice": min(19, os.nice(0) + NICENESS), "threads": "1"}
 
 

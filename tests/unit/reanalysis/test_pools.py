@@ -12,7 +12,10 @@ from rigctl.errors import ConfigurationError
 from rigctl.reanalysis import pool
 
 
-def test_processes_of_this_host_work_with_one_thread_each() -> None:
+def test_processes_of_this_host_work_with_one_thread_each(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setenv("OPENBLAS_NUM_THREADS", "2")
     with pool(workers=1) as workshop:
         ask = workshop.executor.submit
         assert ask(os.getenv, "OPENBLAS_NUM_THREADS").result(60) == "1"
