@@ -23,9 +23,16 @@ SIZE = ("--ball-diameter-mm", f"{DIAMETER_MM:.3f}", "--exposure-us", "0")
 
 def picture(row: float, column: float = 60.0) -> Drawn:
     fine = 4
-    rows, columns = (np.mgrid[: SHAPE[0] * fine, : SHAPE[1] * fine] + 0.5) / fine - 0.5
+    small = np.full(SHAPE, 60.0)
+    (top, bottom), (left, right) = (
+        (max(int(at - RADIUS) - 2, 0), max(min(int(at + RADIUS) + 3, size), 0))
+        for at, size in zip((row, column), SHAPE, strict=True)
+    )
+    rows = (np.arange(top * fine, bottom * fine) + 0.5)[:, None] / fine - 0.5
+    columns = (np.arange(left * fine, right * fine) + 0.5) / fine - 0.5
     grey = np.where(np.hypot(rows - row, columns - column) < RADIUS, 200.0, 60.0)
-    small = grey.reshape(SHAPE[0], fine, SHAPE[1], fine).mean(axis=(1, 3))
+    parts = grey.reshape(max(bottom - top, 0), fine, max(right - left, 0), fine)
+    small[top:bottom, left:right] = parts.mean(axis=(1, 3))
     noise = np.random.default_rng(int(1e3 * abs(row))).normal(0.0, 1.5, SHAPE)
     blurred = np.asarray(cv2.GaussianBlur(small, (0, 0), 0.7), np.float64)
     return np.asarray(np.clip(blurred + noise, 0, 255), np.uint8)

@@ -26,9 +26,9 @@ from tests.unit.cli.falling_ball import (
 DROPS = Path(__file__).parents[4] / "shared" / "data" / "drops"
 
 
-@pytest.fixture
-def film(tmp_path: Path) -> Path:
-    return write(tmp_path / "film", bouncing())
+@pytest.fixture(scope="module")
+def film(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return write(tmp_path_factory.mktemp("drawn") / "film", bouncing())
 
 
 def test_a_film_without_any_folder_gives_e_of_every_bounce(

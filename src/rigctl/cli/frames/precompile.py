@@ -3,8 +3,15 @@
 from __future__ import annotations
 
 import tempfile
+from concurrent.futures import Future
 from pathlib import Path
+from typing import Any
 
+import cv2
+import numpy as np
+
+from analysis.balls.analysis import AnalysedFilm, FilmJob, analyse_film
+from analysis.balls.flight.known import Ball
 from analysis.campaign import analyse_campaign, read_campaign
 from analysis.effects.catalogue import CATALOGUE
 from analysis.effects.contact import lasting_contact
@@ -18,10 +25,15 @@ from rigctl.cli.output import progress
 
 FILMED, TABULATED = 4, 20
 """Shots of the two small campaigns: one to be measured, one to be explained."""
+RATE_HZ, FALL_PX_PER_S2, RADIUS_PX = 200.0, 2800.0, 14.0
+TOP_PX, PLATE_PX, SHAPE, REBOUND = 40.0, 200.0, (240, 120), 0.8
+"""Of the drawn film: a ball falls from rest onto a plate and bounces."""
 
 
 def precompile() -> None:
-    """Measure a small simulated campaign by both methods, and explain another, in two processes.
+    """Measure a simulated campaign by both methods and a drawn film of a ball, explain another.
+
+    In two processes.
 
     What is compiled already takes seconds.
 
@@ -36,10 +48,11 @@ def precompile() -> None:
         filmed, tabulated = Path(folder) / "filmed", Path(folder) / "tabulated"
         new(filmed, seed=5, strength="full", shots=FILMED, from_frames=True)
         new(tabulated, seed=5, strength="full", shots=TABULATED)
-        parts = [
+        parts: list[Future[Any]] = [
             workers.submit(_measure, filmed, "photometric"),
             workers.submit(_explain, tabulated),
             workers.submit(_measure, filmed, "thesis"),
+            workers.submit(measure_drawn_ball, Path(folder) / "ball"),
         ]
         for done, part in enumerate(parts):
             report(f"compiling: {done} of {len(parts)} parts")
@@ -55,3 +68,28 @@ def _explain(folder: Path) -> None:
     data = gather(folder)[1]
     judged(data, (lasting_contact.EFFECT,))
     explain(data, CATALOGUE)
+
+
+def measure_drawn_ball(folder: Path) -> AnalysedFilm:
+    """Draw a ball that falls and bounces once into a new folder, and measure it.
+
+    Raises
+    ------
+    OSError
+        There is no room for the film.
+    """
+    folder.mkdir()
+    rng = np.random.default_rng(1)
+    contact_s = np.sqrt(2.0 * (PLATE_PX - TOP_PX) / FALL_PX_PER_S2)
+    for k, time_s in enumerate(np.arange(0.0, 1.5 * contact_s, 1.0 / RATE_HZ)):
+        since = time_s if time_s < contact_s else time_s - contact_s
+        up = REBOUND * FALL_PX_PER_S2 * contact_s
+        begun, speed = (TOP_PX, 0.0) if time_s < contact_s else (PLATE_PX, -up)
+        row = begun + speed * since + 0.5 * FALL_PX_PER_S2 * since**2
+        seen = np.full(SHAPE, 60, np.uint8)
+        centre = round(16 * SHAPE[1] / 2), round(16 * row)
+        cv2.circle(seen, centre, round(16 * RADIUS_PX), 200, cv2.FILLED, cv2.LINE_AA, 4)
+        noisy = cv2.GaussianBlur(seen, (0, 0), 0.7) + rng.normal(0.0, 1.5, SHAPE)
+        cv2.imwrite(str(folder / f"{k:04d}.png"), noisy.clip(0, 255).astype(np.uint8))
+    diameter_m = 2 * RADIUS_PX / FALL_PX_PER_S2 * 9.80665
+    return analyse_film(FilmJob(1, folder, Ball(diameter_m), rate_hz=RATE_HZ, exposure_s=0.0))
