@@ -43,8 +43,11 @@ def main() -> None:
     parser.add_argument("--shots", type=int, default=60, help="in each campaign")
     parser.add_argument("--processes", type=int, default=1)
     parser.add_argument("--large", action="store_true", help="memory: 100 000 shots as well")
+    parser.add_argument("--slow-px", type=float, help="pulls: poses as exact as filmed ones")
     wanted = parser.parse_args()
-    options = Options(wanted.campaigns, wanted.shots, wanted.processes, wanted.large)
+    options = Options(
+        wanted.campaigns, wanted.shots, wanted.processes, wanted.large, wanted.slow_px
+    )
     for name, run in SECTIONS.items():
         if wanted.section in {name, "all"}:
             run(options)

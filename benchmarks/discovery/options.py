@@ -7,9 +7,16 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """Campaigns in each cell, shots in each campaign, processes at once; the largest too."""
+    """Campaigns in each cell, shots in each campaign, processes at once; the largest too.
+
+    Attributes
+    ----------
+    slow_px
+        Slow error of poses that are as exact as filmed ones, px; None: fresh errors alone.
+    """
 
     campaigns: int
     shots: int
     processes: int
     large: bool = False
+    slow_px: float | None = None
