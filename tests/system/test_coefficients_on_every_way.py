@@ -19,7 +19,8 @@ Found = dict[int, dict[str, tuple[float, float, float]]]
 QUANTITIES = ("v_n", "v_s", "v_n_after", "v_s_after", "e", "beta")
 UNIT = dict.fromkeys(QUANTITIES[:4], "_m_per_s")
 SWEEP = ("--pressure-kpa", "30:60:4", "--offset-mm", "0:10:6")
-WAIT_S = 300.0
+WAIT_S = 1800.0
+"""For one command: a bound on a hang, which a busy machine does not reach."""
 LEAST_SHOTS = 18
 CHANCE = 1e-5
 """Probability of a sound campaign beyond each bound below."""
@@ -145,7 +146,7 @@ def squares_about(off: np.ndarray, own: np.ndarray, common: np.ndarray) -> float
 
 def bounds(freedom: float) -> tuple[float, float]:
     """Return between which chi-squared per degree of freedom of honest errors lies."""
-    least, most = chi2.ppf([CHANCE, 1.0 - CHANCE], freedom) / freedom
+    least, most = (float(chi2.ppf(p, freedom)) / freedom for p in (CHANCE, 1.0 - CHANCE))
     return least / TRUE_TO**2, most * TRUE_TO**2
 
 
@@ -180,7 +181,8 @@ def test_every_way_is_as_near_the_truth_as_it_says(
         value = np.array([found[way][shot][name][0] for shot in truth])
         squares += squares_about(off, own, value)
     least, most = bounds(FREEDOM_OF_A_SHOT * (len(truth) - 1))
-    assert least < squares / (4 * (len(truth) - 1)) < most
+    scatter = squares / (4 * (len(truth) - 1))
+    assert least < scatter < most, (len(truth), scatter)
     assert np.sqrt(np.mean(compared("e")[0] ** 2)) < 1e-3
     v_n = np.array([own["v_n"] for own in truth.values()])
     assert np.sqrt(np.mean((compared("v_n")[0] / v_n) ** 2)) < 1e-3
