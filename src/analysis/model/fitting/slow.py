@@ -3,7 +3,9 @@
 What shading, a learned pattern or a filter does to an image changes slowly along a track. Such an
 error e of each of the 48 numbers of the two flights, of known size, adds J Sigma J' to the unit
 noise of the whitened residuals, J their slopes. Its inverse root is 1 - J C J', and acts in the
-span of J alone: the scatter about free flight stays as it is.
+span of J alone: the scatter about free flight stays as it is. Sigma is that of straight lines
+through errors that last while a sphere turns by what its markers are wide (`motion.drift`); where
+its spin is not known, by as much as makes rates worst.
 """
 
 from __future__ import annotations
@@ -14,14 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.model.data.poses import PoseData
+from analysis.model.predict.sides import Flights
 from analysis.model.predict.state import ShotStates
+from analysis.motion.drift import WORST_LENGTH, correlation_times, line_variances
 
 Floats = NDArray[np.float64]
 
-RATE_FACTOR = 1.5
-"""A rate is wrong by this many slow errors over the time the flight is seen: what a straight line
-through an exponentially correlated error reaches at most, 1.52, where the flight lasts three
-correlation times; 1.2 to 1.5 for one to ten."""
 _SMALL = 1e-12
 
 
@@ -46,31 +46,45 @@ class Slow:
         return np.asarray(columns - self.slopes @ pulled)
 
 
-def slow_noise(data: PoseData, states: ShotStates, slopes: Floats) -> Slow | None:
+def slow_noise(data: PoseData, states: ShotStates, sides: Flights, slopes: Floats) -> Slow | None:
     """Return the whitening for the slow errors that the data state, None where they state none."""
     if not data.slow.stated:
         return None
-    root = _sizes(data, states)
+    root = _roots(data, states, sides)
     gram = np.swapaxes(slopes, 2, 3) @ slopes
-    values, vectors = np.linalg.eigh(root[..., :, None] * gram * root[..., None, :])
+    values, vectors = np.linalg.eigh(np.swapaxes(root, 2, 3) @ gram @ root)
     values = np.maximum(values, 0.0)
     share = 1.0 - 1.0 / np.sqrt(1.0 + values)
     # For small values (1 - (1 + v)^(-1/2)) / v is a half.
     weight = np.where(values > _SMALL, share / np.maximum(values, _SMALL), 0.5)
-    turned = root[..., :, None] * vectors
+    turned = root @ vectors
     return Slow(slopes, (turned * weight[..., None, :]) @ np.swapaxes(turned, 2, 3))
 
 
-def _sizes(data: PoseData, states: ShotStates) -> Floats:
-    """Return the size of the slow error of each of the 48 numbers, shape (S, 4, 12)."""
-    seen = data.measured.any(axis=(2, 3))
-    tau = data.times_s - states.time_s[:, None]
-    sizes = np.zeros((len(tau), 2, 2, 2, 2, 3))
-    for side, mask in enumerate((seen & (tau <= 0), seen & (tau > 0))):
-        first = np.where(mask, tau, np.inf).min(axis=1)
-        last = np.where(mask, tau, -np.inf).max(axis=1)
-        span = np.where(last > first, last - first, np.inf)
-        for kind, size in enumerate((data.slow.position_m, data.slow.rotation_rad)):
-            sizes[:, :, kind, side, 0] = size
-            sizes[:, :, kind, side, 1] = (RATE_FACTOR * size / span)[:, None, None]
-    return sizes.reshape(len(tau), 4, 12)
+def _roots(data: PoseData, states: ShotStates, sides: Flights) -> Floats:
+    """Return R with Sigma = R R' of the numbers of each sphere and kind, shape (S, 4, 12, 12).
+
+    A line is wrong in its middle and in its slope, each for itself. The start of a flight is where
+    its line is at first touch, into which both go.
+    """
+    shots = len(states.time_s)
+    seen = np.asarray(data.measured.reshape(shots, -1, 2, 2, 3).any(axis=4))
+    tau = (data.times_s - states.time_s[:, None])[:, :, None, None]
+    sizes = np.array([data.slow.position_m, data.slow.rotation_rad])
+    lasting_s = correlation_times(data.slow.memory_rad, np.linalg.norm(sides.spin, axis=3))
+    still = ~np.asarray(seen[..., 1].any(axis=1))[:, :, None]
+    roots = np.zeros((shots, 2, 2, 2, 2, 3, 2, 2, 3))
+    for side, own in enumerate((seen & (tau <= 0), seen & (tau > 0))):
+        first = np.where(own, tau, np.inf).min(axis=1)
+        last = np.where(own, tau, -np.inf).max(axis=1)
+        line = last > first
+        span = np.where(line, last - first, 1.0)
+        lengths = np.where(still, WORST_LENGTH, span / lasting_s[:, :, side, None])
+        middle, slope = (sizes * np.sqrt(own) for own in line_variances(lengths))
+        rate = np.where(line, slope / span, 0.0)
+        late = (np.where(line, first, 0.0) + np.where(line, last, 0.0)) / 2
+        for k in range(3):
+            roots[..., side, 0, k, side, 0, k] = np.where(line, middle, sizes)
+            roots[..., side, 0, k, side, 1, k] = -late * rate
+            roots[..., side, 1, k, side, 1, k] = rate
+    return roots.reshape(shots, 4, 12, 12)

@@ -153,7 +153,7 @@ def compare(data: Data, states: ShotStates, theory: Theory) -> tuple[Comparison,
     poses = shown(way, theory)
     residual, (slopes, gram) = misfit(data, poses), _slopes(data, flown, theory)
     turning = np.repeat((np.arange(KINDS) % 2 == 1)[:, None], slopes.shape[2], axis=1)
-    shared = _shared_noise(data, states, flown, slopes)
+    shared = _shared_noise(data, states, (sides, flown), slopes)
     if shared is not None:
         residual = shared.whiten(residual[..., None])[..., 0]
         if shared.jitter is not None:
@@ -173,9 +173,10 @@ def compare(data: Data, states: ShotStates, theory: Theory) -> tuple[Comparison,
 
 
 def _shared_noise(
-    data: PoseData, states: ShotStates, flown: Flown, slopes: Floats
+    data: PoseData, states: ShotStates, ways: tuple[Flights, Flown], slopes: Floats
 ) -> SharedNoise | None:
-    slow = slow_noise(data, states, slopes)
+    sides, flown = ways
+    slow = slow_noise(data, states, sides, slopes)
     jitter = Jitter(rates(data, flown), data.jitter_s) if data.jitter_s > 0 else None
     return None if slow is None and jitter is None else SharedNoise(slow, jitter)
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from scipy.linalg import sqrtm
 from scipy.spatial.transform import Rotation
 
@@ -16,64 +17,90 @@ from analysis.exchange.folder import description
 from analysis.model.data.gather import gather
 from analysis.model.data.poses import PoseData
 from analysis.model.fitting.fit import fit_campaign
-from analysis.model.fitting.slow import RATE_FACTOR
 from analysis.model.predict.comparison import compare
 from analysis.model.rank.ranking import rank
 from analysis.setup import NO_SLOW_ERRORS, SlowErrors
 from tests.unit.analysis.model.exchange_folder import write_campaign
 from tests.unit.analysis.model.hard_spheres import campaign
 
-PLACE_M, TURN_RAD = 1.5e-5, 4e-3
+Floats = NDArray[np.float64]
+PLACE_M, TURN_RAD, MEMORY_RAD = 1.5e-5, 4e-3, 0.2
+POINTS = 300
+
+
+def line_covariance(ends_s: Floats, lasting_s: float) -> Floats:
+    """Return that of a line's value at time 0 and slope, drawn through an error of size 1.
+
+    By least squares through many points of an error that forgets itself exponentially.
+    """
+    times = np.linspace(ends_s[0], ends_s[-1], POINTS)
+    drawn = np.linalg.pinv(np.stack([np.ones_like(times), times], axis=1))
+    lasting = np.exp(-np.abs(times[:, None] - times) / lasting_s)
+    return np.asarray(drawn @ lasting @ drawn.T)
+
+
+def lasting_s(spin: Floats) -> float:
+    """Return the time in which a sphere of some spin, rad/s, turns by what its markers are wide."""
+    return float(np.clip(MEMORY_RAD / np.linalg.norm(spin), 1e-3, 1.0))
 
 
 def drifting(shots: int, seed: int) -> PoseData:
     """Return a campaign in which each side of each track stands off and leans, frames together."""
     data = campaign(shots, seed)
-    contact = fit_campaign(data).states.time_s
+    fit = fit_campaign(data)
+    _, shown = compare(data, fit.states, fit.theory)
     rng = np.random.default_rng(seed)
-    after = data.times_s > contact[:, None]
-    tau = data.times_s - contact[:, None]
-    position, rotation = data.position, data.rotation
-    for side in (False, True):
-        mask = (after == side)[..., None, None]
-        span = np.where(mask[..., 0, 0], tau, 0.0)
-        span = (span.max(axis=1) - span.min(axis=1))[:, None, None, None]
-        errors = []
-        for size in (PLACE_M, TURN_RAD):
-            start = rng.normal(0, size, (shots, 1, 2, 3))
-            rate = rng.normal(0, RATE_FACTOR * size, (shots, 1, 2, 3)) / span
-            errors.append(np.where(mask, start + rate * tau[..., None, None], 0.0))
-        position = position + errors[0]
-        turn = Rotation.from_rotvec(errors[1].reshape(-1, 3)).as_matrix()
-        rotation = turn.reshape(rotation.shape) @ rotation
-    return replace(data, position=position, rotation=rotation)
+    position, turns = data.position.copy(), np.zeros(data.position.shape)
+    for shot, i, side in np.ndindex(shots, 2, 2):
+        tau = data.times_s[shot] - fit.states.time_s[shot]
+        own = (tau > 0) == bool(side)
+        ends = tau[own][[0, -1]]
+        lines = line_covariance(ends, lasting_s(shown.sides.spin[shot, i, side]))
+        for size, errors in ((PLACE_M, position), (TURN_RAD, turns)):
+            start, rate = size * rng.multivariate_normal(np.zeros(2), lines, 3).T
+            errors[shot, own, i] += start + np.outer(tau[own], rate)
+    turned = Rotation.from_rotvec(turns.reshape(-1, 3)).as_matrix().reshape(data.rotation.shape)
+    return replace(data, position=position, rotation=turned @ data.rotation)
 
 
 def stated(data: PoseData) -> PoseData:
-    return replace(data, slow=SlowErrors(PLACE_M, TURN_RAD))
+    return replace(data, slow=SlowErrors(PLACE_M, TURN_RAD, memory_rad=MEMORY_RAD))
 
 
 def test_whitening_is_the_inverse_root_of_the_whole_covariance() -> None:
     data = stated(campaign(2, 3))
     fit = fit_campaign(data)
-    line, _ = compare(data, fit.states, fit.theory)
+    line, shown = compare(data, fit.states, fit.theory)
     bare, _ = compare(replace(data, slow=NO_SLOW_ERRORS), fit.states, fit.theory)
+    for shot in (0, 1):
+        for block, size in enumerate([PLACE_M, TURN_RAD] * 2):
+            slopes, tau = bare.slopes[shot, block], data.times_s[shot] - fit.states.time_s[shot]
+            of_numbers = np.zeros((12, 12))
+            for side, own in enumerate((tau <= 0, tau > 0)):
+                ends = tau[own][[0, -1]]
+                lines = line_covariance(ends, lasting_s(shown.sides.spin[shot, block // 2, side]))
+                of_numbers[6 * side :][:6, 6 * side :][:, :6] = np.kron(lines, np.eye(3))
+            covariance = np.eye(len(slopes)) + size**2 * slopes @ of_numbers @ slopes.T
+            root = np.linalg.inv(np.real(sqrtm(covariance)))
+            expected = root @ bare.residual[shot, block]
+            assert line.residual[shot, block] == pytest.approx(expected, abs=5e-3)
+
+
+def test_without_a_spin_rates_are_as_wrong_as_they_can_be() -> None:
+    data = replace(campaign(2, 3), slow=SlowErrors(PLACE_M, TURN_RAD))
+    data = replace(data, rotation_sigma=np.full(data.rotation_sigma.shape, np.inf))
+    fit = fit_campaign(data)
+    line, _ = compare(data, fit.states, fit.theory)
+    tau = data.times_s[0] - fit.states.time_s[0]
+    before = tau[tau <= 0]
+    span = before.max() - before.min()
+    worst = max(line_covariance(before[[0, -1]], span / x)[1, 1] for x in np.arange(2, 6, 0.1))
+    leaning = np.where(tau <= 0, tau - before.mean(), 0.0)[:, None] * np.array([1.0, 0, 0])
+    felt = leaning.ravel() / data.position_sigma[0, :, 0].ravel()
     assert line.shared is not None
     assert line.shared.slow is not None
-    for shot in (0, 1):
-        for block, (size, word) in enumerate([(PLACE_M, 0), (TURN_RAD, 1)] * 2):
-            slopes = bare.slopes[shot, block]
-            tau = data.times_s[shot] - fit.states.time_s[shot]
-            sizes = np.zeros((2, 2, 3))
-            for side, mask in enumerate((tau <= 0, tau > 0)):
-                seen = tau[mask & data.measured[shot].any(axis=(1, 2))]
-                sizes[side, 0] = size
-                sizes[side, 1] = RATE_FACTOR * size / (seen.max() - seen.min())
-            covariance = np.eye(len(slopes)) + (slopes * sizes.ravel() ** 2) @ slopes.T
-            root = np.linalg.inv(np.real(sqrtm(covariance)))
-            assert line.residual[shot, block] == pytest.approx(
-                root @ bare.residual[shot, block], abs=1e-6
-            ), word
+    whitened = np.sum(line.shared.slow.whiten(np.tile(felt[:, None], (2, 4, 1, 1)))[0, 0] ** 2)
+    assert whitened == pytest.approx(1 / (1 / (felt @ felt) + PLACE_M**2 * worst), rel=0.03)
 
 
 def test_with_them_stated_chi_squared_is_one_and_errors_are_true() -> None:

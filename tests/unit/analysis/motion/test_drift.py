@@ -3,7 +3,14 @@ import math
 import numpy as np
 import pytest
 
-from analysis.motion.drift import Drift, centre_drift, correlation_time, turn_drift
+from analysis.motion.drift import (
+    WORST_LENGTH,
+    Drift,
+    centre_drift,
+    correlation_time,
+    line_variances,
+    turn_drift,
+)
 
 
 def test_a_slow_error_forgets_itself_exponentially() -> None:
@@ -30,3 +37,13 @@ def test_a_marker_is_remembered_until_others_stand_in_its_place(
     angle: float, spin: float, expected: float
 ) -> None:
     assert correlation_time(angle, spin) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize("length", [0.1, 1.0, 3.4, 12.0, 50.0])
+def test_a_line_through_a_slow_error_is_as_wrong_as_least_squares_make_it(length: float) -> None:
+    tau = np.linspace(-0.5, 0.5, 801)
+    drawn = np.linalg.pinv(np.stack([np.ones_like(tau), tau], axis=1))
+    expected = drawn @ Drift(1.0, 1.0 / length).covariance(tau) @ drawn.T
+    middle, slope = line_variances(np.array(length))
+    assert [middle, slope] == pytest.approx(list(np.diag(expected)), rel=0.01)
+    assert slope <= line_variances(np.array(WORST_LENGTH))[1] * (1 + 1e-6)
