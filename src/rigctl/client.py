@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import ssl
+import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Self
+from typing import Any, BinaryIO, Self
+from urllib.parse import quote
 
 import httpx
 
@@ -22,6 +24,8 @@ from rigctl.settings import ShotSettings
 _ANSWER_TIMEOUT_S = 10.0
 # Arming waits for pressure and slide; the configuration bounds their settling to an hour at most.
 _ARM_TIMEOUT_S = 120.0
+_FILM_TIMEOUT_S = 900.0
+_POLL_S = 0.2
 
 
 @contextmanager
@@ -122,6 +126,26 @@ class ServiceClient:
         """Press a key of the tape recorder; return how it stands then."""
         return self._ask("POST", "/rig/recorder", order)
 
+    def film(self) -> dict[str, Any]:
+        """Return what the shot under way waits for of a camera that people work."""
+        return self._ask("GET", "/rig/film")
+
+    def film_word(self, says: str) -> dict[str, Any]:
+        """Say `records` or `gives-up` of it."""
+        return self._ask("POST", "/rig/film", {"says": says})
+
+    def bring_film(self, path: Path) -> dict[str, Any]:
+        """Bring a film; return the job that reads it, once that has ended."""
+        headers = {"Content-Length": str(path.stat().st_size)}
+        with path.open("rb") as film:
+            job = self._ask(
+                "PUT", f"/rig/film/{quote(path.name)}", film, headers, timeout_s=_FILM_TIMEOUT_S
+            )
+        while job["ended_at"] is None:
+            time.sleep(_POLL_S)
+            job = self._ask("GET", f"/jobs/{job['job']}")
+        return job
+
     def fire(self, token: str, key: str, campaign: str | None) -> str:
         """Fire once under this idempotency key and return the shot's id."""
         body = {"arm_token": token} | ({"campaign": campaign} if campaign else {})
@@ -160,12 +184,13 @@ class ServiceClient:
         self,
         method: str,
         path: str,
-        body: Mapping[str, Any] | None = None,
+        body: Mapping[str, Any] | BinaryIO | None = None,
         headers: Mapping[str, str] | None = None,
         timeout_s: float = _ANSWER_TIMEOUT_S,
     ) -> dict[str, Any]:
+        sent = {"json": body} if body is None or isinstance(body, Mapping) else {"content": body}
         try:
-            answer = self._http.request(method, path, json=body, headers=headers, timeout=timeout_s)
+            answer = self._http.request(method, path, headers=headers, timeout=timeout_s, **sent)
         except httpx.ConnectError as error:
             raise ConfigurationError(
                 "no daemon answers there",

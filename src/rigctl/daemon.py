@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 
+from rigctl.cameras.brought import BroughtFilm
 from rigctl.cameras.build import build_capture
 from rigctl.cameras.keypad import Keypad
 from rigctl.cameras.tape import TapeCapture
@@ -44,7 +45,8 @@ class Daemon:
     `prepare_analysis` has a worker load what the first shot needs; `compiling`
     gives the progress of compiling that an analysis waits for, None where none does; `jobs` runs
     all other long work; `commissioning` is what people must have seen of a real rig; `keypad` that
-    of a tape recorder, None with another camera; `offered` are the sweeps that wait to be resumed.
+    of a tape recorder, None with another camera; `film` takes the films that people bring, None
+    with a camera that the rig works itself; `offered` are the sweeps that wait to be resumed.
     """
 
     configuration: Configuration
@@ -60,6 +62,7 @@ class Daemon:
     sweeps: SweepRunner
     commissioning: Commissioning
     keypad: Keypad | None
+    film: BroughtFilm | None
     offered: tuple[SweepRecord, ...]
 
 
@@ -110,6 +113,10 @@ def open_daemon(configuration: Configuration) -> Iterator[Daemon]:
             permit=gate,
         )
         opened.callback(rig.close)
+        film = capture if isinstance(capture, BroughtFilm) else None
+        if film is not None:
+            # Before the rig closes, which lets a shot end: nobody will bring its film any more.
+            opened.callback(film.close)
         recovery = rig.recover()
         sweeps = SweepRunner(rig, store, configuration)
         opened.callback(sweeps.close)
@@ -128,6 +135,7 @@ def open_daemon(configuration: Configuration) -> Iterator[Daemon]:
             sweeps=sweeps,
             commissioning=Commissioning(configuration, rig, gate, answers),
             keypad=Keypad(capture) if isinstance(capture, TapeCapture) else None,
+            film=film,
             offered=offered,
         )
 

@@ -72,6 +72,7 @@ SECTIONS: dict[str, list[Any]] = {
         sections.ChronosCamera,
         sections.GenicamCamera,
         sections.OwnCamera,
+        sections.FilmCamera,
     ],
     "[camera.remote_trigger]": [sections.HidRelay, sections.SerialLine],
     "[camera.recorder]": [sections.EktaproLink],

@@ -6,6 +6,7 @@ from contextlib import ExitStack
 from pathlib import Path
 
 from analysis.imaging.playback.sampling import Sampling
+from rigctl.cameras.brought import BroughtFilm
 from rigctl.cameras.capture import Capture
 from rigctl.cameras.chronos import Chronos
 from rigctl.cameras.files import CaptureFolder
@@ -23,6 +24,7 @@ from rigctl.config import (
     ChronosCamera,
     EktaproCamera,
     FilesSource,
+    FilmCamera,
     GenicamCamera,
     HidRelay,
     OwnCamera,
@@ -59,6 +61,8 @@ def build_capture(section: CameraSection, laboratory: Laboratory | None) -> Capt
         return LiveCapture(section, Genicam(section, library()))
     if isinstance(section, OwnCamera):
         return own_capture(section)
+    if isinstance(section, FilmCamera):
+        return BroughtFilm(section)
     camera = VideoDevice(
         section.device,
         rows=section.rows,

@@ -187,6 +187,10 @@ COMMANDS: dict[str, Command | Group] = {
         "rig.recorder:recorder",
         "Press a key of the tape recorder, or say how it stands and what is on the tape.",
     ),
+    "film": Command(
+        "rig.film:film",
+        "Say that a camera worked by hand records, and bring its film for the shot.",
+    ),
     "firmware": Command(
         "rig.firmware:firmware",
         "Write out the trigger box's firmware, and say how to build and flash it.",

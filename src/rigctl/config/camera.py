@@ -192,7 +192,16 @@ class OwnCamera(FreeRateCamera):
     )
 
 
+class FilmCamera(FreeRateCamera):
+    """Camera that people work, as a telephone: they say that it records and bring its film."""
+
+    kind: Literal["film"]
+    corner: tuple[Edge, Edge] = Field(
+        default=(0, 0), description="first row and column of the part of its pictures that is kept"
+    )
+
+
 CameraSection = Annotated[
-    EktaproCamera | V4l2Camera | ChronosCamera | GenicamCamera | OwnCamera,
+    EktaproCamera | V4l2Camera | ChronosCamera | GenicamCamera | OwnCamera | FilmCamera,
     Field(discriminator="kind"),
 ]

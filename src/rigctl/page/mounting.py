@@ -24,6 +24,7 @@ from rigctl.page.own.pages import own_pages
 from rigctl.page.parts.plotting import plotting_route
 from rigctl.page.parts.readings import Readings
 from rigctl.page.rig.commissioning import commissioning_page
+from rigctl.page.rig.film import film_page, shot_film_route
 from rigctl.page.rig.pages import rig_page
 from rigctl.page.rig.recorder import recorder_page
 from rigctl.page.session_auth import SessionAuth
@@ -51,7 +52,7 @@ def with_page(api: FastAPI, daemon: Daemon) -> ASGIApp:
     """
     desk = Desk(daemon, Lanes(), Feed(daemon), Readings(daemon.store), Films(daemon.store))
     ui.add_css(STYLE, shared=True)
-    rig = (rig_page, commissioning_page, recorder_page)
+    rig = (rig_page, commissioning_page, recorder_page, film_page)
     for register in (*rig, shot_pages, sweep_pages, campaign_pages, model_pages, own_pages):
         register(desk)
     shell = FastAPI(openapi_url=None, lifespan=api.router.lifespan_context)
@@ -61,6 +62,7 @@ def with_page(api: FastAPI, daemon: Daemon) -> ASGIApp:
     drawings_route(shell)
     downloads_route(shell, desk)
     dropping_route(shell, desk)
+    shot_film_route(shell, desk)
     ui.run_with(
         shell,
         title="rigctl",

@@ -33,6 +33,7 @@ from rigctl.service.routes.commissioning import commissioning_routes
 from rigctl.service.routes.edits import campaign_edit_routes, edit_routes
 from rigctl.service.routes.effects import effect_routes
 from rigctl.service.routes.events import event_routes
+from rigctl.service.routes.film import film_routes
 from rigctl.service.routes.front import front_route
 from rigctl.service.routes.health import health_routes
 from rigctl.service.routes.jobs import job_routes
@@ -94,6 +95,7 @@ def create_app(daemon: Daemon, key: str, hub: EventHub) -> FastAPI:
     app.include_router(rig_routes(daemon, lanes), prefix=PREFIX)
     app.include_router(commissioning_routes(daemon, lanes), prefix=PREFIX)
     app.include_router(recorder_routes(daemon, lanes), prefix=PREFIX)
+    app.include_router(film_routes(daemon), prefix=PREFIX)
     app.include_router(shot_routes(daemon, lanes), prefix=PREFIX)
     app.include_router(edit_routes(daemon), prefix=PREFIX)
     app.include_router(sweep_routes(daemon, lanes), prefix=PREFIX)

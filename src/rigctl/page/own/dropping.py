@@ -19,12 +19,13 @@ SCRIPT = Path(__file__).with_name("drop.js")
 CHUNK = 1024**2
 
 
-def drop_field() -> None:
-    """Place the field that files are dropped on, and what is said of them."""
+def drop_field(address: str = ADDRESS) -> None:
+    """Place the field that files are dropped on for a route, and what is said of them."""
     ui.add_head_html(f"<script>{SCRIPT.read_text('utf-8')}</script>")
     ui.html(
         '<label for="drop-files" class="strong">Drop files here, or choose them</label>'
         '<input type="file" id="drop-files" data-testid="drop" multiple '
+        f'data-address="{address}" '
         'onchange="bringFiles(this, this.nextElementSibling)">'
         '<div role="alert" data-testid="own-failed" hidden></div>',
         sanitize=False,
@@ -37,12 +38,12 @@ def dropping_route(app: FastAPI, desk: Desk) -> None:
     @app.post(ADDRESS, include_in_schema=False)
     async def bring(request: Request) -> Response:
         try:
-            _require_room(request)
+            require_room(request)
             place = new_place(desk.daemon.store.path)
             async with request.form(max_files=MOST_FILES) as form:
                 for file in form.getlist("files"):
                     if isinstance(file, UploadFile):
-                        await _kept(file, place)
+                        await keep(file, place / safe_name(file.filename or ""))
             found = await run.io_bound(what_is_in, place)
         except RigError as error:
             return JSONResponse({"detail": error.sentence()}, 422)
@@ -50,7 +51,8 @@ def dropping_route(app: FastAPI, desk: Desk) -> None:
         return JSONResponse({"address": f"{SHOWN_AT}?brought={token}"})
 
 
-def _require_room(request: Request) -> None:
+def require_room(request: Request) -> None:
+    """Raise `AnalysisInputError` where what a browser sends is too large, or of no stated size."""
     stated = request.headers.get("content-length", "")
     if not stated.isdecimal() or int(stated) > MOST_BYTES:
         raise AnalysisInputError(
@@ -62,7 +64,8 @@ def _require_room(request: Request) -> None:
         )
 
 
-async def _kept(file: UploadFile, place: Path) -> None:
-    with (place / safe_name(file.filename or "")).open("wb") as kept:
+async def keep(file: UploadFile, path: Path) -> None:
+    """Write a file that a browser sends."""
+    with path.open("wb") as kept:
         while part := await file.read(CHUNK):
             await run.io_bound(kept.write, part)

@@ -17,6 +17,7 @@ from rigctl.page.parts.following import following
 from rigctl.page.parts.presence import every, kept_page
 from rigctl.page.parts.tables import Cell, Line, facts_html, minus
 from rigctl.page.rig.commissioning import PLACE as WALK
+from rigctl.page.rig.film import PLACE as FILM
 from rigctl.page.rig.order_form import OrderForm, words
 from rigctl.page.rig.recorder import PLACE as KEYPAD
 from rigctl.page.shots.view import coefficients, film, read
@@ -144,6 +145,8 @@ def _interlocks(desk: Desk) -> None:
             ui.link("Commissioning", WALK).classes("aside").props("data-testid=commissioning")
             if desk.daemon.keypad is not None:
                 ui.link("Recorder", KEYPAD).classes("aside").props("data-testid=recorder")
+            if desk.daemon.film is not None:
+                ui.link("Film", FILM).classes("aside").props("data-testid=film")
 
     def show() -> None:
         status = desk.daemon.rig.status()

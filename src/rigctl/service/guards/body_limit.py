@@ -20,6 +20,12 @@ BODY_WITHIN_S = 10.0
 
 SWEEPS_PATH = f"{PREFIX}/sweeps"
 
+FILM_PATH = f"{PREFIX}/rig/film/"
+"""Of a film that is brought for a shot: its route writes it to disk as it comes."""
+
+LONGEST_FILM = 2 * 1024**3
+"""Bytes of such a film."""
+
 
 class BodyLimit:
     """Refuses a body that is too long, comes too slowly, or has no stated length.
@@ -36,9 +42,10 @@ class BodyLimit:
             await self._app(scope, receive, send)
             return
         headers = Headers(scope=scope)
+        film = scope["method"] == "PUT" and scope["path"].startswith(FILM_PATH)
         longest = LONGEST_SWEEP if scope["path"] == SWEEPS_PATH else LONGEST_BODY
-        refusal = _refusal(headers, longest)
-        if refusal is None and headers.get("content-length", "0") != "0":
+        refusal = _refusal(headers, LONGEST_FILM if film else longest)
+        if refusal is None and not film and headers.get("content-length", "0") != "0":
             try:
                 with anyio.fail_after(BODY_WITHIN_S):
                     receive = await _whole(receive)
