@@ -112,9 +112,10 @@ class Laboratory:
         self._regulator = PressureRegulator(clock, lag_s=options.pressure_lag_s)
         self._box = TriggerBox(clock, self._fire, contact_in_power=options.watch_contact)
         self._cut_off = LcusRelay(RELAY_CHANNELS, self._switch_power)
-        self._holders = _holders(options, clock, world)
+        self._holders = _holders(options, clock, self._let_go)
         self._solenoids = LcusRelay(RELAY_CHANNELS, self._holders.switch)
         self._recorder = Processor(clock, options.run_up_s)
+        self._angles_deg: tuple[float, float] | None = None
         self._power_switched_s: float | None = None
         self._switch_closed = True
         self._chronos = Camera(clock, world.picture)
@@ -248,6 +249,10 @@ class Laboratory:
         self._switch_closed = closed
         self._power(self._cut_off.is_on(CUT_OFF_CHANNEL))
 
+    def turn_tubes(self, a_deg: float, b_deg: float) -> None:
+        """Turn the tubes by hand, as somebody does before a shot; without tubes nothing turns."""
+        self._angles_deg = a_deg, b_deg
+
     def state(self) -> dict[str, object]:
         """Return how things stand in the laboratory, for people and tests.
 
@@ -312,6 +317,9 @@ class Laboratory:
             )
         )
 
+    def _let_go(self, release: Release) -> None:
+        self._world.fire(replace(release, angles_deg=self._angles_deg))
+
     def _switch_power(self, channel: int, on: bool) -> None:
         if channel == CUT_OFF_CHANNEL:
             self._power_switched_s = self._clock()
@@ -352,7 +360,9 @@ def open_laboratory(folder: Path, options: Mapping[str, object]) -> Laboratory:
     return Laboratory(folder, checked, None, time.monotonic)
 
 
-def _holders(options: Options, clock: Callable[[], float], world: Filmed) -> Holders:
+def _holders(
+    options: Options, clock: Callable[[], float], let_go: Callable[[Release], object]
+) -> Holders:
     """Return what the board's channels hold: a sphere each, or one on a magnet; pushers nothing."""
     holder = options.world.holder
     channels = () if holder is None else (1,) if isinstance(holder, Magnet) else (1, 2)
@@ -360,7 +370,7 @@ def _holders(options: Options, clock: Callable[[], float], world: Filmed) -> Hol
         channels,
         holds_energised=options.holds_energised,
         clock=clock,
-        release=world.fire,
+        release=let_go,
     )
 
 

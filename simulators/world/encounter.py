@@ -110,9 +110,10 @@ def _rolling(
     tubes = description.holder
     if not isinstance(tubes, TiltedTubes):
         raise TypeError(f"solenoids let go, and the world has {type(tubes).__name__}")
+    angle_a_deg, angle_b_deg = release.angles_deg or (tubes.angle_a_deg, tubes.angle_b_deg)
     held = (
-        (Held(tubes, description.sphere_a, tubes.angle_a_deg, +1.0), release.fire_a_s),
-        (Held(tubes, description.sphere_b, tubes.angle_b_deg, -1.0), release.fire_b_s),
+        (Held(tubes, description.sphere_a, angle_a_deg, +1.0), release.fire_a_s),
+        (Held(tubes, description.sphere_b, angle_b_deg, -1.0), release.fire_b_s),
     )
     a, b = (
         None

@@ -21,6 +21,8 @@ FLAT_M = 1000.0
 class Release:
     """Lab times at which the holders of a and b were switched; None: that sphere stays.
 
+    `angles_deg` are the tilts of both tubes as somebody has turned them; None: as described.
+
     Raises
     ------
     ValueError
@@ -29,6 +31,7 @@ class Release:
 
     fire_a_s: float | None
     fire_b_s: float | None
+    angles_deg: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
         if self.fire_a_s is None and self.fire_b_s is None:

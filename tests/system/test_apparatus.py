@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import threading
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,6 +16,7 @@ from rigctl.config import StoreSection, load
 from rigctl.daemon import open_daemon
 from rigctl.settings import ShotSettings
 from simulators.laboratory import Laboratory
+from tests.system.real_rig import until
 
 CONFIG = Path(__file__).parents[2] / "config"
 SIGMAS = 4.0
@@ -150,6 +152,34 @@ def test_a_power_cut_drops_both_spheres_and_none_falls_a_second_time(tmp_path: P
     fires = (tmp_path / "data/laboratory/truth/fires.jsonl").read_text(encoding="utf-8")
     (fire,) = [json.loads(line) for line in fires.splitlines()]
     assert fire["fire_a_s"] == fire["fire_b_s"]
+
+
+@pytest.mark.parametrize("angle_deg", [25.0, 45.0])
+def test_the_simulated_tubes_stand_at_the_angles_that_a_shot_states(
+    tmp_path: Path, angle_deg: float
+) -> None:
+    configuration = load(CONFIG / "simulated-release.toml")
+    store = StoreSection(folder=str(tmp_path / "data"))
+    with open_daemon(configuration.model_copy(update={"store": store})) as daemon:
+        settings = ShotSettings(
+            pressure_a_kpa=0.0,
+            pressure_b_kpa=0.0,
+            offset_mm=0.0,
+            angle_a_deg=angle_deg,
+            angle_b_deg=angle_deg,
+        )
+        daemon.rig.arm(settings, "anna")
+        assert isinstance(daemon.laboratory, Laboratory)
+        daemon.rig.estop("anna", "lets both go")
+        await_fires(daemon.laboratory, 1)
+        written = tmp_path / "data/laboratory/truth/truth.jsonl"
+        # The world works a shot out in its own time.
+        until(lambda: written.exists() and written.read_text(encoding="utf-8").endswith("\n"))
+    truth = json.loads(written.read_text(encoding="utf-8"))
+    # Rolling spheres leave with 10/7 g L sin(angle); the speeds of two tubes scatter by 0.4 %.
+    tilt = math.radians(angle_deg)
+    leaves = math.sqrt(2 * 9.80665 * 0.2 * math.sin(tilt) / 1.4)
+    assert -truth["v_n"] == pytest.approx(2 * leaves * math.cos(tilt), rel=0.02)
 
 
 def await_fires(laboratory: Laboratory, count: int) -> None:

@@ -33,6 +33,9 @@ class Laboratory(Protocol):
     def usb_backend(self) -> usb.backend.IBackend:
         """Return the simulated bus."""
 
+    def turn_tubes(self, a_deg: float, b_deg: float, /) -> None:
+        """Turn the simulated tubes of the release apparatus, as hands do on a real one."""
+
 
 def build_actuators(configuration: Configuration, laboratory: Laboratory | None) -> Actuators:
     """Open every actuator of a configuration; none stays open when one fails.
@@ -59,7 +62,8 @@ def build_actuators(configuration: Configuration, laboratory: Laboratory | None)
         if configuration.slide is not None:
             slide = build_slide(configuration.slide, laboratory)
         opened.pop_all()
-    return Actuators(trigger, regulator, slide, cut_off)
+    turned = laboratory if configuration.apparatus == "release" else None
+    return Actuators(trigger, regulator, slide, cut_off, turned)
 
 
 def resolved(port: str, laboratory: Laboratory | None) -> str:

@@ -181,11 +181,22 @@ class CutOff(Actuator, Protocol):
         """Give power back, after a person released the latch; opens no line."""
 
 
+class Tubes(Protocol):
+    """Rotatable tubes that follow what a shot states; real ones are turned by hand."""
+
+    def turn_tubes(self, a_deg: float, b_deg: float, /) -> None:
+        """Turn tube a and tube b to their tilts below the horizontal, degrees."""
+
+
 @dataclass(frozen=True, slots=True)
 class Actuators:
-    """The opened devices of one rig; the release apparatus has neither regulator nor slide."""
+    """The opened devices of one rig; the release apparatus has neither regulator nor slide.
+
+    `tubes` are None but on its simulated kind.
+    """
 
     trigger: Trigger
     regulator: Regulator | None
     slide: Slide | None
     cut_off: CutOff
+    tubes: Tubes | None = None

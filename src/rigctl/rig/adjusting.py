@@ -43,6 +43,9 @@ def _give_set_points(settings: ShotSettings, bench: Bench, stop: EmergencyStop) 
         regulator.set_pressure(settings.pressure_a_kpa, settings.pressure_b_kpa)
     if slide is not None and stop.latch is None:
         slide.move_to(settings.offset_mm)
+    tubes, a_deg, b_deg = bench.devices.tubes, settings.angle_a_deg, settings.angle_b_deg
+    if tubes is not None and a_deg is not None and b_deg is not None and stop.latch is None:
+        tubes.turn_tubes(a_deg, b_deg)
 
 
 def _await_set_points(

@@ -39,6 +39,9 @@ class Bench:
     def port(self, role: str) -> str:
         return str(self.folder) if role == "capture" else str(self.devices[role].path)
 
+    def turn_tubes(self, a_deg: float, b_deg: float) -> None:
+        raise NotImplementedError
+
     def usb_backend(self) -> object:
         return object()
 
