@@ -6,6 +6,7 @@ python -m benchmarks.proposals power --d 10 --campaigns 13 --first-seed 900000
 python -m benchmarks.proposals exponent --campaigns 100
 python -m benchmarks.proposals central --campaigns 20
 python -m benchmarks.proposals launch --campaigns 400
+python -m benchmarks.proposals unforeseen --campaigns 3
 python -m benchmarks.proposals speed
 """
 
@@ -34,6 +35,7 @@ from analysis.model.proposals.propose import Proposed, propose
 from benchmarks.discovery.campaigns import campaign
 from benchmarks.discovery.strength import amplitude_at
 from benchmarks.discovery.treatments import TREATMENTS
+from benchmarks.proposals.unforeseen import WORLDS, claimed, fired, is_true
 from simulators.challenge.effects import HIDDEN
 from simulators.challenge.unnamed import LAWS
 
@@ -255,6 +257,28 @@ def _warm_pushers(known: Mapping[str, Floats], per_kelvin: float) -> dict[str, F
     return {k: v / gain**2 if k.startswith("pressure") else v for k, v in known.items()}
 
 
+def unforeseen(asked: Asked) -> list[Trial]:
+    """Say what is claimed of worlds that were not built for this, and whether it is true."""
+    for name, world in WORLDS.items():
+        if asked.of not in name:
+            continue
+        hits = []
+        for k in range(asked.campaigns):
+            seed = asked.first_seed + 60_000 + k
+            found, named, meant = claimed(fired(world, seed, SHOTS))
+            hits.append(is_true(world, found, meant))
+            said = ", ".join(
+                f"{slot} on {argument}"
+                + (f" (or {len(groups) - 1} alike)" if len(groups) > 1 else "")
+                for (slot, argument), groups in zip(named, meant, strict=True)
+            )
+            beside = f" beside {', '.join(found.effects)}" if found.effects else ""
+            error = found.path[-1].error.value
+            print(f"  {seed}: {said or 'nothing'}{beside}; error {error:.4f}", flush=True)
+        _share(f"{name}: {world.told}", 0.0, hits)
+    return []
+
+
 def speed(asked: Asked) -> list[Trial]:
     """Take the processor time of 120 and of 1000 shots, functions compiled."""
     global SHOTS
@@ -290,6 +314,7 @@ SECTIONS = {
     "exponent": exponent,
     "central": central,
     "launch": launch,
+    "unforeseen": unforeseen,
     "speed": speed,
 }
 

@@ -118,10 +118,9 @@ def propose_job(asked: Json, progress: Progress) -> Json:
         return {**document, "faults": _told(known)}
     if asked.get("confirm") is not None:
         progress("testing the form", None)
+        stated = Statement.read(asked["confirm"])
         with faults_refused():
-            tested = confirmed_statement(
-                asked["campaign"], data, given, Statement.read(asked["confirm"])
-            )
+            tested = confirmed_statement(asked["campaign"], data, given, stated)
         return {**confirmation_document(asked["campaign"], tested), "faults": _told(known)}
     pressure, offset = asked["limits"]
     limits = Limits((pressure[0], pressure[1]), (offset[0], offset[1]))

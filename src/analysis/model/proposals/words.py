@@ -6,12 +6,16 @@ from typing import Any
 
 Json = dict[str, Any]
 
+MUCH_LEFT = 1.05
+"""Error on shots left out, in units of the noise, beyond which laws that are named are not all."""
+
 
 def proposal_sentences(document: Json) -> list[str]:
     """Return the sentences of a document of `rigctl model propose`."""
     found = [_headline(document)]
     found += [sentence for one in document["proposals"] for sentence in _of_one(one)]
     if document["proposals"]:
+        found += _what_is_left(document)
         found.append(
             "A form that was chosen on these shots is confirmed on others: fire the next shots, "
             "and ask them alone with --confirm."
@@ -28,6 +32,17 @@ def _headline(document: Json) -> str:
     if document["verdict"] == "effect":
         return f"{said}: {', '.join(document['with'])} explains it; no new law is needed."
     return f"{said}: no law is proposed{beside}; these shots ask for none."
+
+
+def _what_is_left(document: Json) -> list[str]:
+    """Say where the laws that are named leave much: their shape is near the true one, not it."""
+    left = document["path"][-1]["prediction_error"]
+    if left < MUCH_LEFT:
+        return []
+    return [
+        f"With all of this the error is still {left:.4f} of the noise: what is named is not all, "
+        "or its shape is none of those that are tried."
+    ]
 
 
 def _of_one(one: Json) -> list[str]:

@@ -24,6 +24,14 @@ def test_a_bump_is_said_with_formula_constants_errors_and_units() -> None:
     assert "pressure_b_kpa takes no part: one and the same as pressure_a_kpa" in said
 
 
+def test_what_laws_leave_over_is_said_where_it_is_much() -> None:
+    document = proposals_document("nylon", proposed("restitution-bump", 0.008)[1])
+    assert "is not all" not in " ".join(proposal_sentences(document))
+    document["path"][-1]["prediction_error"] = 1.1764
+    said = " ".join(proposal_sentences(document))
+    assert "the error is still 1.1764 of the noise: what is named is not all" in said
+
+
 def test_nothing_and_a_known_effect_are_said_as_such() -> None:
     nothing = proposal_sentences(proposals_document("nylon", proposed(None)[1]))
     assert "no law is proposed; these shots ask for none" in nothing[0]
