@@ -30,6 +30,8 @@ FACTORY, CAMPAIGN = "simulators.laboratory:open_laboratory", "hidden-law"
 PRESSURES_KPA, OFFSETS_MM = (30.0, 88.0), (1.0, 13.0)
 FRAMES_AFTER_MARK = 90
 LONGEST_S = 600.0
+LASTING = "lasting-contact"
+"""An effect that is in this world whatever it hides: its contacts are followed in time."""
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -50,8 +52,12 @@ def main(arguments: Sequence[str] | None = None) -> None:
     said = [(*a.form.group, a.form.shape_name) for a in found.accepted]
     alike = found.accepted[0].alike if found.accepted else ()
     right = bool(said) and (law.slot, law.argument) in [said[0][:2], *alike]
+    shaped = right and law.shape in found.accepted[0].shapes
+    known = set(found.effects) <= {LASTING}
     print(
-        f"hidden {law.slot} against {law.argument}, {law.shape}: {'named' if right else 'MISSED'}"
+        f"hidden {law.slot} against {law.argument}, {law.shape}: {'named' if right else 'MISSED'}, "
+        f"shape {'named' if shaped else 'MISSED'}, beside it "
+        f"{'nothing that is not there' if known and len(said) == 1 else 'MORE THAN IS THERE'}"
     )
 
 

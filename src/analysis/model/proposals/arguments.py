@@ -57,12 +57,17 @@ class Argument:
     @property
     def is_setting(self) -> bool:
         """Whether the rig sets it: it acts through how the spheres meet, and by nothing else."""
-        return _SETTING.fullmatch(self.name) is not None
+        return is_setting_name(self.name)
 
     @property
     def key(self) -> tuple[str, str]:
         """What tells it from others; a spin and its size share a name."""
         return self.name, self.symbol
+
+
+def is_setting_name(name: str) -> bool:
+    """Whether the rig sets the column of this name."""
+    return _SETTING.fullmatch(name) is not None
 
 
 def _approach(encounter: Encounter) -> Floats:

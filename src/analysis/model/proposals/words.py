@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
+from analysis.model.proposals.arguments import is_setting_name
+
 Json = dict[str, Any]
 
-MUCH_LEFT = 1.05
+MUCH_LEFT = 1.03
 """Error on shots left out, in units of the noise, beyond which laws that are named are not all."""
 
 
@@ -59,6 +61,11 @@ def _of_one(one: Json) -> list[str]:
     if alike or one["alike_effects"]:
         others = ", ".join([*alike, *one["alike_effects"]])
         found.append(f"  these shots do not tell it from {others}.")
+    if one["slot"] != "launch" and is_setting_name(one["argument"]):
+        found.append(
+            f"  {one['argument']} is set by the rig and acts through how the spheres meet: this "
+            "stands for something of speeds and places that no form here is."
+        )
     if one["hint"]:
         found.append(f"  {one['hint']}.")
     return found

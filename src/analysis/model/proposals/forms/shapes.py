@@ -81,7 +81,10 @@ def _within(spread: Spread, shares: Floats) -> Floats:
 
 
 def _centres(spread: Spread, fine: int) -> Floats:
-    return _within(spread, np.linspace(0.12, 0.88, 4 if fine == 1 else 5 * fine))
+    """Return where bumps are tried; finely near the ends too, where half of one is seen."""
+    if fine == 1:
+        return _within(spread, np.linspace(0.12, 0.88, 4))
+    return _within(spread, np.linspace(0.02, 0.98, 6 * fine))
 
 
 LINEAR = Shape(
@@ -162,7 +165,7 @@ BUMP = Shape(
     ("np.exp(-0.5 * ((x - m) / w) ** 2)",),
     lambda spread, fine: [
         (float(centre), float(width * spread.range))
-        for width in ((0.12,) if fine == 1 else (0.05, 0.08, 0.12, 0.18))
+        for width in ((0.12,) if fine == 1 else (0.05, 0.08, 0.12, 0.18, 0.27))
         for centre in _centres(spread, fine)
     ],
 )

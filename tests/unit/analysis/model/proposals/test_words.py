@@ -32,6 +32,14 @@ def test_what_laws_leave_over_is_said_where_it_is_much() -> None:
     assert "the error is still 1.1764 of the noise: what is named is not all" in said
 
 
+def test_a_law_on_a_setting_is_said_to_stand_for_something_else() -> None:
+    document = proposals_document("nylon", proposed("restitution-bump", 0.008)[1])
+    assert "set by the rig" not in " ".join(proposal_sentences(document))
+    document["proposals"][0]["argument"] = "pressure_a_kpa"
+    said = " ".join(proposal_sentences(document))
+    assert "pressure_a_kpa is set by the rig and acts through how the spheres meet" in said
+
+
 def test_nothing_and_a_known_effect_are_said_as_such() -> None:
     nothing = proposal_sentences(proposals_document("nylon", proposed(None)[1]))
     assert "no law is proposed; these shots ask for none" in nothing[0]
