@@ -72,7 +72,7 @@ def test_a_film_is_dropped_measured_and_handed_back(page: Page, served: Served) 
     assert len(json.loads(result.text())["impacts"]) == 2
     campaign = page.request.get(served.url + links["campaign.zip"])
     names = zipfile.ZipFile(io.BytesIO(campaign.body())).namelist()
-    assert {"campaign/campaign.toml", "campaign/impacts.csv"} <= set(names)
+    assert {"campaign/campaign.toml", "campaign/poses.csv"} <= set(names)
     assert faults(page) == []
 
 

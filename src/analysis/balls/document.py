@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from analysis.balls.flight import path
 from analysis.balls.flight.flights import Flights
 from analysis.balls.measuring import MeasuredBall, coefficient
+from analysis.balls.poses import ball_poses
 from analysis.balls.seen.placing import Placed
 from analysis.quantity import Quantity
 
@@ -37,6 +38,7 @@ def ball_document(measured: MeasuredBall, notes: tuple[str, ...]) -> Json:
     document["exposure_sigma_s"] = measured.exposure_found
     if flights is not None:
         document |= _camera(flights)
+        document["poses"] = ball_poses(measured, flights)
     document["positions"] = positions(placed, measured.times_s) | {
         "scatter_row_px": measured.scatter[:, 0].tolist(),
         "scatter_column_px": measured.scatter[:, 1].tolist(),

@@ -1,19 +1,18 @@
-"""Writing an exchange folder: from analysed shots, or from the bounces of a ball's film."""
+"""Writing an exchange folder: from analysed shots, from films of a ball, or from a table."""
 
 from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 
 from analysis.campaign import DESCRIPTION, SHOT_LIST, ShotJob
 from analysis.exchange.contact_table import contact_writer
 from analysis.exchange.description import description
 from analysis.exchange.impact_table import QUANTITIES, SIGMAS, ImpactRow
-from analysis.exchange.pose_table import pose_writer
+from analysis.exchange.pose_table import PoseRow, pose_writer, write_pose_rows
 from analysis.exchange.rows import WriteShot
 from analysis.exchange.shot_list import ShotRow
 from analysis.setup import Setup, SlowErrors
@@ -92,53 +91,23 @@ def _write_rows(path: Path, columns: tuple[list[str], list[str]], rows: Iterable
 IMPACTS = "impacts.csv"
 
 
-@dataclass(frozen=True, slots=True)
-class MeasuredBounce:
-    """A bounce: its film and its number there, speeds along the normal with errors, m/s.
+def write_ball_poses(
+    folder: Path, name: str, setup: Setup, shots: Mapping[int, Sequence[PoseRow]]
+) -> None:
+    """Write an exchange folder of a ball beside a plate: campaign.toml, shots.csv and poses.csv.
 
-    Attributes
-    ----------
-    film, bounce
-        Numbers, counted from 1.
-    v_n, sigma_v_n
-        Before the bounce, negative.
-    v_n_after, sigma_v_n_after
-        After it.
-    """
-
-    film: int
-    bounce: int
-    v_n: float
-    sigma_v_n: float
-    v_n_after: float
-    sigma_v_n_after: float
-
-
-def write_bounces(folder: Path, name: str, setup: Setup, bounces: Sequence[MeasuredBounce]) -> None:
-    """Write an exchange folder: campaign.toml, shots.csv and impacts.csv.
-
-    The columns `film` and `bounce` name the source of each shot. Speeds along the plate are left
-    empty, since spin is not measured.
+    A table of impacts that lies there is taken away: it would be read in their place.
 
     Raises
     ------
     OSError
         The folder cannot be written.
     """
-    rows = [
-        ShotRow(number, None, {"film": float(each.film), "bounce": float(each.bounce)}, {})
-        for number, each in enumerate(bounces, start=1)
-    ]
-    unknown = math.nan
-    impacts = [
-        ImpactRow(
-            number,
-            (each.v_n, unknown, each.v_n_after, unknown),
-            (each.sigma_v_n, None, each.sigma_v_n_after, None),
-        )
-        for number, each in enumerate(bounces, start=1)
-    ]
-    write_impacts(folder, description(name, setup), rows, impacts)
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / IMPACTS).unlink(missing_ok=True)
+    (folder / DESCRIPTION).write_text(description(name, setup), encoding="utf-8")
+    write_shot_list(folder / SHOT_LIST, [ShotRow(shot, None, {}, {}) for shot in shots])
+    write_pose_rows(folder / "poses.csv", ((shot, {"a": rows}) for shot, rows in shots.items()))
 
 
 def write_impacts(

@@ -9,7 +9,7 @@ from __future__ import annotations
 import base64
 import json
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -23,10 +23,11 @@ from analysis.balls.films.film import Picture
 from analysis.balls.films.part import Cut
 from analysis.balls.films.reading import open_film
 from analysis.balls.flight.known import AIR_DENSITY, UNKNOWN_DENSITY, Ball
+from analysis.balls.poses import pose_rows
 from analysis.errors import InputError, ShotRefusedError
-from analysis.exchange.folder import MeasuredBounce, write_bounces
+from analysis.exchange.folder import write_ball_poses
 from analysis.figures.ball_film import draw_ball_film
-from analysis.setup import CameraSetup, Environment, Setup, SphereSetup
+from analysis.setup import CameraSetup, Environment, Setup, SlowErrors, SphereSetup
 from rigctl.documents import Json
 from rigctl.errors import AnalysisInputError
 from rigctl.progress import Progress
@@ -50,35 +51,52 @@ def write_ball_campaign(
     camera: tuple[float | None, tuple[int, int]],
     shots: Iterable[Json],
 ) -> None:
-    """Write the bounces of measured films as an exchange folder, each bounce a shot.
+    """Write the flights of measured films as an exchange folder, each film a shot.
 
     Parameters
     ----------
     camera
         Frames a second, None where nobody states them, and rows and columns of a picture.
     shots
-        Documents of films with their numbers as `shot`; one that was refused has no bounces.
+        Documents of films with their numbers as `shot`; one without a bounce is left out.
     """
     rate_hz, size = camera
-    bounces = [
-        MeasuredBounce(
-            shot["shot"],
-            number,
-            each["v_n"]["value"],
-            each["v_n"]["sigma"],
-            each["v_n_after"]["value"],
-            each["v_n_after"]["sigma"],
-        )
-        for shot in shots
-        for number, each in enumerate(shot.get("impacts", ()), start=1)
-    ]
+    flights = {shot["shot"]: shot["poses"] for shot in shots if "poses" in shot}
     density = UNKNOWN_DENSITY if ball.density is None else ball.density
+    told = list(flights.values())
     setup = Setup(
-        camera=CameraSetup(rate_hz or 1.0, *size),
-        spheres=(SphereSetup("a", ball.diameter_m, density), SphereSetup("b", plate=True)),
-        environment=Environment(ball.gravity, ball.air_density),
+        camera=CameraSetup(
+            rate_hz or 1.0,
+            *size,
+            scale_px_per_m=float(np.median([one["scale_px_per_m"] for one in told]))
+            if told
+            else None,
+        ),
+        spheres=(
+            SphereSetup("a", ball.diameter_m, density),
+            SphereSetup("b", plate=True, normal=_mean_normal(told)),
+        ),
+        environment=Environment(
+            ball.gravity,
+            ball.air_density,
+            ball.drag_coefficient,
+            ball.drag_coefficient * ball.drag_per_m()[1],
+        ),
+        measurement=SlowErrors(
+            position_m=max((one["slow_m"] for one in told), default=0.0),
+            scale=max((one["scale_sigma"] for one in told), default=0.0),
+            one_body_frame=False,
+        ),
     )
-    write_bounces(folder, name, setup, bounces)
+    write_ball_poses(folder, name, setup, {n: pose_rows(one) for n, one in flights.items()})
+
+
+def _mean_normal(flights: Sequence[Json]) -> tuple[float, float, float] | None:
+    """Return the plate's normal as the films have it; None: there is none."""
+    if not flights:
+        return None
+    x, y, z = np.mean([one["normal"] for one in flights], axis=0)
+    return float(x), float(y), float(z)
 
 
 def look_job(asked: Json, progress: Progress) -> Json:

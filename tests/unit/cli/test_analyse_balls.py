@@ -9,8 +9,9 @@ import cv2
 import numpy as np
 import pytest
 
+from analysis.exchange.pose_table import read_poses
 from analysis.model.data.gather import gather
-from analysis.model.data.tables import ContactTable
+from analysis.model.data.poses import PoseData
 from rigctl import cli
 from tests.unit.cli.falling_ball import (
     DIAMETER_MM,
@@ -183,14 +184,21 @@ def test_only_the_frames_that_are_asked_for_count(
     assert shot["impacts"][0]["e"]["value"] == pytest.approx(0.8, abs=0.02)
 
 
-def test_bounces_become_shots_that_the_model_reads(film: Path, tmp_path: Path) -> None:
+def test_flights_become_poses_that_the_model_reads(film: Path, tmp_path: Path) -> None:
     size = ["--ball-diameter-mm", f"{DIAMETER_MM:.3f}", "--fps", "200", "--exposure-us", "0"]
     out = tmp_path / "bounces"
+    out.mkdir()
+    (out / "impacts.csv").write_text("shot,v_n\n1,-1.0\n", encoding="utf-8")
     assert cli.run(["analyse", str(film), *size, "--out", str(out)]) == 0
     _, data = gather(out)
-    assert isinstance(data, ContactTable)
-    assert data.bodies[1].is_plate
+    assert isinstance(data, PoseData)
+    assert data.on_plate
     assert len(data.shots) >= 1
+    # Drawn places, m down from the lowest: the film's scale and light leave a share of them.
+    drawn = (np.array(bouncing()) - max(bouncing())) * 9.80665 / FALL
+    rows = next(iter(read_poses(out / "poses.csv").values()))["a"]
+    off = np.array([row.position[0] - drawn[row.frame] for row in rows])
+    assert np.ptp(off) < 0.01 * np.ptp(drawn)
     assert cli.run(["analyse", str(film), *size, "--out", str(film)]) == cli.BAD_INPUT
 
 

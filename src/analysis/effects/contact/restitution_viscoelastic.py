@@ -54,7 +54,7 @@ EFFECT = ContactEffect(
             symbol="a",
             unit="(m/s)^-0.2",
             meaning="loss of e for each unit of (v^0.2 - v0^0.2) / 0.2 about v0 = 2 m/s",
-            plausible=(0.0, 0.08),
+            plausible=(0.0, 0.2),
         ),
     ),
     formula="e = e0 [1 - a (v_n^0.2 - v0^0.2) / 0.2 + ...], e0 E(gamma)/E(gamma0) as a whole",

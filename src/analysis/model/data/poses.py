@@ -237,8 +237,10 @@ class PoseData:
         if drag is None and self.on_plate:
             # Flights of a ball are long: without air no law of contact would be seen.
             drag = NOMINAL_DRAG
+        # Of a plate no outline is seen that could be off.
+        seen = SlowErrors(scale=self.slow.scale) if self.on_plate else self.slow
         return (
-            *of_images(self.slow),
+            *of_images(seen),
             *of_air(drag, self.drag_sigma),
             *(of_plate(self.plate.sigma_rad) if self.on_plate else ()),
         )

@@ -56,7 +56,7 @@ class BallRequest:
     figure
         File for a picture of the film; of several films, each has its number in the name.
     out
-        Folder for campaign.toml, shots.csv and impacts.csv: each bounce is a shot there.
+        Folder for campaign.toml, shots.csv and poses.csv: each film is a shot there.
     """
 
     paths: Sequence[Path]
@@ -238,7 +238,7 @@ def _cut(request: BallRequest) -> Cut | None:
 
 
 def _write(folder: Path, name: str, films: Films, shots: Sequence[Json]) -> None:
-    """Write the bounces of all films; a folder that is read is not written over."""
+    """Write the flights of all films; a folder that is read is not written over."""
     jobs, size = films
     if any(folder.resolve() in {job.path.resolve(), *job.path.resolve().parents} for job in jobs):
         raise AnalysisInputError(

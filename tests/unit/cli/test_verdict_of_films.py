@@ -1,0 +1,83 @@
+"""From drawn films of a bouncing ball to a verdict: `rigctl analyse --out`, `rigctl model explain`.
+
+Ball, air and restitution are drawn by a law that the analysis does not see.
+"""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import numpy as np
+import pytest
+
+from rigctl import cli
+from tests.unit.cli.falling_ball import DIAMETER_MM, FALL, RATE, write
+
+PX_PER_M = FALL / 9.80665
+MASS_G, DRAG = 60.0, 0.47
+"""A hollow ball of 98 mm, whose flights the air bends."""
+FLOOR_PX, STEP_S = 220.0, 2e-5
+LASTING_S = 1.6
+SPEED_LAWS = {"restitution-viscoelastic", "restitution-plastic", "restitution-yield-knee"}
+
+
+def restitution(speed: float) -> float:
+    """Fall with the speed as a power of it: 0.80 at 2 m/s."""
+    return 0.80 * (speed / 2.0) ** -0.12
+
+
+def rows_of_fall(height_px: float) -> list[float]:
+    """Return the row of the ball in each frame, m and s stepped finely, drag in."""
+    drag = 0.5 * 1.2 * DRAG * np.pi / 4 * (1e-3 * DIAMETER_MM) ** 2 / (1e-3 * MASS_G)
+    down, speed, rows = -height_px / PX_PER_M, 0.0, []
+    each = round(1.0 / RATE / STEP_S)
+    for step in range(int(LASTING_S / STEP_S)):
+        if step % each == 0:
+            rows.append(FLOOR_PX + PX_PER_M * down)
+        change = 9.80665 - drag * abs(speed) * speed
+        down += STEP_S * (speed + 0.5 * STEP_S * change)
+        speed += STEP_S * change
+        if down > 0.0 and speed > 0.0:
+            speed *= -restitution(speed)
+            down = 0.0
+    return rows
+
+
+@pytest.fixture(scope="module")
+def verdict(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+    folder = tmp_path_factory.mktemp("films")
+    films = []
+    for number, height in enumerate((170.0, 110.0, 60.0), start=1):
+        rows = rows_of_fall(height)
+        columns = [40.0 + 0.1 * number * k for k in range(len(rows))]
+        films.append(str(write(folder / str(number), rows, columns)))
+    ball = ["--ball-diameter-mm", f"{DIAMETER_MM:.3f}", "--ball-mass-g", f"{MASS_G}"]
+    camera = ["--fps", f"{RATE:g}", "--exposure-us", "0"]
+    out = folder / "campaign"
+    assert cli.run(["analyse", *films, *ball, *camera, "--out", str(out)]) == 0
+    found = folder / "verdict.json"
+    with pytest.MonkeyPatch.context() as patch, found.open("w") as file:
+        patch.setattr("sys.stdout", file)
+        assert cli.run(["model", "explain", str(out), "--json"]) == 0
+    return dict(json.loads(found.read_text()))
+
+
+@pytest.mark.long
+@pytest.mark.timeout(300)
+def test_films_of_a_ball_end_in_restitution_that_falls_with_speed(verdict: dict[str, Any]) -> None:
+    # Which of them, a dozen bounces may leave open.
+    assert verdict["verdict"] in {"effect", "alias"}
+    assert {*verdict["effects"], *verdict["alias_set"]} <= SPEED_LAWS
+    assert verdict["chi2_per_dof"] < 1.3
+    e = verdict["parameters"]["e"]
+    assert abs(e["value"] - restitution(2.0)) < max(4 * e["sigma"], 0.01)
+
+
+@pytest.mark.long
+@pytest.mark.timeout(300)
+def test_films_of_a_ball_name_the_drag_of_the_air(verdict: dict[str, Any]) -> None:
+    named = {one["nuisance"]: one["found"] for one in verdict["nuisances"]}
+    drag = named["drag.Cd"]
+    assert drag["sigma"] < 0.05
+    assert abs(drag["value"] - DRAG) < 4 * drag["sigma"]
