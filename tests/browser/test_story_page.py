@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from urllib.parse import quote
 
 from playwright.sync_api import Page, expect
@@ -16,6 +17,18 @@ MOVED = """(slider, share) => {
   return new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(
     slider.closest(".lead-card").querySelector(".js-plotly-plot.over").data[0].y.map(Number),
   ))));
+}"""
+
+SHOTS = 60
+"""Of the challenge."""
+FIRST_DOT = """(part) => {
+  const plot = part.querySelector(".js-plotly-plot") || part;
+  const dots = plot._fullData[0];
+  const { xaxis, yaxis, margin } = { ...plot._fullLayout, margin: plot._fullLayout._size };
+  const frame = plot.getBoundingClientRect();
+  return [dots.customdata[0], [
+    frame.left + margin.l + xaxis.d2p(dots.x[0]), frame.top + margin.t + yaxis.d2p(dots.y[0]),
+  ]];
 }"""
 
 
@@ -42,10 +55,15 @@ def test_a_hidden_effect_is_moved_added_and_kept_by_a_reload(page: Page, served:
     page.keyboard.press("Home")
     expect(said).to_contain_text("ms before contact: the model is")
     assert gap_mm(said.inner_text()) < 0.5 * largest
-    outlines = page.get_by_test_id("ghost").locator("circle")
+    outlines = page.get_by_test_id("ghost").locator("svg > circle")
     assert outlines.count() == 8
+    loupe = page.get_by_test_id("ghost").locator(".loupe text")
+    assert gap_mm(said.inner_text()) >= float((loupe.text_content() or "").partition(" mm")[0])
     page.get_by_role("checkbox", name="model", exact=True).uncheck()
     assert outlines.count() == 4
+    assert loupe.count() == 0
+
+    a_point_moves_the_film(page)
 
     before = len(sent)
     half = slider.evaluate(MOVED, 0.5)
@@ -71,6 +89,24 @@ def test_a_hidden_effect_is_moved_added_and_kept_by_a_reload(page: Page, served:
     page.get_by_test_id("view-tables").click()
     page.get_by_test_id("error-now").wait_for(timeout=LONG_MS)
     assert abs(error_now(page) - predicted) < 0.001
+
+
+def a_point_moves_the_film(page: Page) -> None:
+    """Choose another cell, then a point of it, then a shot by its number: the film follows."""
+    film = page.get_by_test_id("ghost").locator("svg").first
+    where = page.get_by_test_id("story-where")
+    told = where.inner_text()
+    page.get_by_test_id("cell-1").click()
+    expect(where).not_to_have_text(told)
+    dots = page.get_by_test_id("story-points")
+    dots.scroll_into_view_if_needed()
+    shot, at = dots.evaluate(FIRST_DOT)
+    page.mouse.click(*at)
+    expect(film).to_have_attribute("aria-label", re.compile(rf"^Film of shot {shot} "))
+    number = page.get_by_test_id("film-other")
+    number.fill(str(shot % SHOTS + 1))
+    number.press("Enter")
+    expect(film).to_have_attribute("aria-label", re.compile(rf"^Film of shot {shot % SHOTS + 1} "))
 
 
 def gap_mm(said: str) -> float:

@@ -185,6 +185,15 @@ def picture_job(asked: Json, progress: Progress) -> Json:
     return {**found.document, **answers, "estimated": found.data.estimated}
 
 
+def path_job(asked: Json, progress: Progress) -> Json:
+    """Return the path of one `shot`, by its number, measured and as the model predicts it.
+
+    `paths` is empty where the fit left the shot out, and of tables.
+    """
+    found = _fitted(asked, progress)
+    return {"paths": paths_document(found.data, found.fit, int(asked["shot"]))}
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class _Fitted:
     """A fit, the document of it, and the effects there are."""

@@ -6,6 +6,7 @@ decides how they leave, and the gap grows with what the law gets wrong.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -58,21 +59,28 @@ class PredictedPaths:
 
 
 def predicted_paths(data: Data, fit: Fit) -> tuple[PredictedPaths, ...]:
-    """Return a typical shot, and those with the largest and the least gap; none of a table.
-
-    The state before contact is what the poses say with the outcome set free (`with_free_outcomes`),
-    so that a wrong law cannot pull it toward what came after.
-    """
+    """Return a typical shot, and those with the largest and the least gap; none of a table."""
     if not isinstance(data, PoseData) or not len(data.shots):
         return ()
     chosen = np.zeros(len(data.shots), dtype=np.bool_)
     chosen[np.linspace(0, len(data.shots) - 1, LOOKED_AT).round().astype(np.intp)] = True
+    ordered = sorted(_of_shots(data, fit, chosen), key=lambda path: path.gap)
+    places = dict.fromkeys(round(share * (len(ordered) - 1)) for share in SHARES)
+    return tuple(ordered[place] for place in places)
+
+
+def _of_shots(data: PoseData, fit: Fit, chosen: NDArray[np.bool_]) -> list[PredictedPaths]:
+    """Return the paths of the chosen shots, a mask (S,).
+
+    The state before contact is what the poses say with the outcome set free (`with_free_outcomes`),
+    so that a wrong law cannot pull it toward what came after.
+    """
     some, own = data.of_shots(chosen), fit.with_states(fit.states.of_shots(chosen))
     states = with_free_outcomes(some, own).fit.states
     predicted = predict(some, states, fit.theory).position
     seen = np.isfinite(some.position_sigma).all(axis=-1, keepdims=True)
     measured = np.where(seen, some.position, np.nan)
-    paths = [
+    return [
         PredictedPaths(
             shot=int(number),
             time_s=some.times_s[s],
@@ -82,15 +90,24 @@ def predicted_paths(data: Data, fit: Fit) -> tuple[PredictedPaths, ...]:
         )
         for s, number in enumerate(some.shots)
     ]
-    ordered = sorted(paths, key=lambda path: path.gap)
-    places = dict.fromkeys(round(share * (len(ordered) - 1)) for share in SHARES)
-    return tuple(ordered[place] for place in places)
 
 
-def paths_document(data: Data, fit: Fit) -> list[Json]:
-    """Return these shots in mm and ms, times from first touch; null where nothing was measured."""
+def paths_document(data: Data, fit: Fit, shot: int | None = None) -> list[Json]:
+    """Return these shots in mm and ms, times from first touch; null where nothing was measured.
+
+    Parameters
+    ----------
+    shot
+        Number of the one shot that is wanted; None: a typical one and those with the largest and
+        the least gap. Nothing is returned of a shot that the fit left out, or of a table.
+    """
     radii = [_rounded(MM * body.radius) for body in data.bodies]
-    return [_document(paths) | {"radii_mm": radii} for paths in predicted_paths(data, fit)]
+    paths: Sequence[PredictedPaths] = ()
+    if shot is None:
+        paths = predicted_paths(data, fit)
+    elif isinstance(data, PoseData) and (chosen := data.shots == shot).any():
+        paths = _of_shots(data, fit, chosen)
+    return [_document(one) | {"radii_mm": radii} for one in paths]
 
 
 def _document(paths: PredictedPaths) -> Json:

@@ -45,7 +45,9 @@ class OrderForm:
         last = self._rig.status().last_shot
         self._campaign = CampaignField("first" if last is None else last.campaign or "")
         self._said = ui.label().classes("note").props("data-testid=arming role=status")
-        self._arm = button("Arm", self._on_arm, look="main line", testid="arm")
+        self._arm = button(
+            "Arm: check and make ready", self._on_arm, look="main fill", testid="arm"
+        )
         self._fire = button("Fire", self._on_fire, look="main fire", testid="fire")
         self._disarm = button("Disarm", self._on_disarm, look="main line", testid="disarm")
 

@@ -60,3 +60,11 @@ def test_what_was_not_measured_is_null(data: PoseData, fit: Fit) -> None:
     assert shown["measured"][3][1] is None
     assert shown["gaps"][3][1] is None
     assert shown["measured"][3][0] is not None
+
+
+def test_any_shot_is_asked_for_by_its_number(data: PoseData, fit: Fit) -> None:
+    for one in paths_document(data, fit):
+        assert paths_document(data, fit, one["shot"]) == [one]
+    shown = {paths_document(data, fit, int(number))[0]["shot"] for number in data.shots}
+    assert shown == set(map(int, data.shots))
+    assert paths_document(data, fit, int(data.shots.max()) + 1) == []

@@ -35,8 +35,12 @@ MOST_OF_RADIUS = 0.6
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """What `ghost.js` draws: a size, still parts, and frames with rings and their gaps."""
+    """What `ghost.js` draws: a size, still parts, and frames with rings and their gaps.
 
+    `radii_mm` are those of spheres a and b; a ring's radius over its sphere's is the scale there.
+    """
+
+    radii_mm: Sequence[float]
     width: float
     height: float
     stroke: float
@@ -52,6 +56,7 @@ class Scene:
             "still": self.still,
             "frames": self.frames,
             "looks": LOOKS,
+            "radii": dict(zip("ab", self.radii_mm, strict=True)),
             "times": self.times,
         }
 
@@ -110,7 +115,7 @@ def of_film(paths: Json, shot: str, film: Film) -> Scene:
                 ]
             )
         frames.append(_frame(since, rings, gaps) | {"picture": frame_address(shot, k)})
-    return Scene(columns, rows, 0.005 * columns, [], frames)
+    return Scene(paths["radii_mm"], columns, rows, 0.005 * columns, [], frames)
 
 
 def of_places(paths: Json) -> Scene:
@@ -142,7 +147,9 @@ def of_places(paths: Json) -> Scene:
         _title("from above, in the mirror", size, 1.5 * size),
         _title("from the front", size, heights[0] + 1.5 * size),
     ]
-    return Scene(round(width, DIGITS), round(sum(heights), DIGITS), stroke, still, frames)
+    return Scene(
+        paths["radii_mm"], round(width, DIGITS), round(sum(heights), DIGITS), stroke, still, frames
+    )
 
 
 def ghost_film(scene: Scene, shot: int, gap_mm: float) -> None:

@@ -18,9 +18,18 @@ LEAST_TICKS = 3
 UNITS_OF_LOGARITHMS = {"ln v_n": "m/s", "ln v_s/v_n": ""}
 
 
-def cell_plot(cell: Json, points: Json, curve: tuple[Sequence[float], Sequence[float]]) -> Json:
-    """Return measured less model of a cell, with a curve over it."""
-    return _plot([_shots(points, MEASURED, 0.6), _line(curve)], cell, points)
+def cell_plot(
+    cell: Json,
+    points: Json,
+    curve: tuple[Sequence[float], Sequence[float]],
+    ringed: int | None = None,
+) -> Json:
+    """Return measured less model of a cell, with a curve over it; one shot may be ringed."""
+    drawn = [_shots(points, MEASURED, 0.6), _line(curve)]
+    own = [k for k, shot in enumerate(points["shots"]) if shot == ringed]
+    if own:
+        drawn.append(_ring([points["x"][k] for k in own], [points["residual"][k] for k in own]))
+    return _plot(drawn, cell, points)
 
 
 def dots_plot(cell: Json, points: Json) -> Json:
@@ -136,6 +145,22 @@ def _line(curve: tuple[Sequence[float], Sequence[float]]) -> Json:
         "x": list(curve[0]),
         "y": list(curve[1]),
         "line": {"color": FAILS, "width": 3},
+        "hoverinfo": "skip",
+    }
+
+
+def _ring(x: list[float], y: list[float]) -> Json:
+    return {
+        "type": "scatter",
+        "mode": "markers",
+        "x": x,
+        "y": y,
+        "marker": {
+            "symbol": "circle-open",
+            "size": 15,
+            "color": FAILS,
+            "line": {"width": 2.5},
+        },
         "hoverinfo": "skip",
     }
 

@@ -14,18 +14,19 @@ from rigctl.page.desk import Desk
 from rigctl.page.model.compare import parsed
 from rigctl.page.model.effect_words import described, left_out
 from rigctl.page.model.state import Effects, ModelState
+from rigctl.page.model.story.bars import Bar, bars
 from rigctl.page.model.story.cards import card_of, in_plain
 from rigctl.page.model.story.errors import Unseen
-from rigctl.page.model.story.ghost import ghost_film, of_film, of_places
+from rigctl.page.model.story.film import INTO_VIEW, ShotFilm
 from rigctl.page.model.story.lead import drawing, lead_card
-from rigctl.page.model.story.plots import before_after, cell_plot, staircase
+from rigctl.page.model.story.plots import before_after, staircase
+from rigctl.page.model.story.where import WhereItFails
 from rigctl.page.model.story.words import (
     channel,
     compared,
     failing,
     goes_with,
     missing_words,
-    where,
 )
 from rigctl.page.model.where import apart
 from rigctl.page.parts.waiting import Waiting
@@ -35,10 +36,7 @@ Json = dict[str, Any]
 BARS = 8
 LEAST_SPAN = 1.5
 """Errors in units of the noise up to which the scale of the bars goes at least."""
-CELLS = 6
 OTHERS = 4
-FILMED = ("Typical", "Largest gap", "Smallest gap")
-"""As `analysis.model.agreement.predicted_paths` orders its shots."""
 
 
 class Story:
@@ -53,7 +51,9 @@ class Story:
         self._shown: Json | None = None
         self._after: Json | None = None
         self._effect, self._waits = "", ""
-        self._filmed, self._is_behind = 0, False
+        self._is_behind = False
+        self._film = ShotFilm(desk, state, self._film_chosen)
+        self._where = WhereItFails(state, self._to_film, lambda: self._film.shot)
         with ui.element("div").classes("stack story"):
             self._first()
             self._others()
@@ -64,6 +64,8 @@ class Story:
         """Draw the latest answer on the way to the present effects."""
         if (found := self._state.present) is not None and found is not self._shown:
             self._shown = found
+            self._film.take(found["paths"])
+            self._where.take(found["findings"])
             seen = self._seen(found)
             self._effect = seen[0]["effect"] if seen else ""
             if self._effect:
@@ -76,6 +78,15 @@ class Story:
         fitted = self._effect and self._waits != self._state.tries(self._effect)
         if self._is_behind or fitted:
             self._draw()
+
+    def _film_chosen(self) -> None:
+        """Ring the shot of the film among the points, unless they are drawn anew anyway."""
+        if not self._is_behind:
+            self._where.place.refresh()
+
+    def _to_film(self, shot: int) -> None:
+        self._film.choose(shot)
+        ui.run_javascript(INTO_VIEW)
 
     def _try(self, effect: str) -> None:
         self._effect = effect
@@ -100,7 +111,7 @@ class Story:
         with _step(1, "Compare"):
             _lede(compared(found), "story-compare")
             with ui.element("div").classes("columns compared"):
-                self._film()
+                self._film.place()
                 with ui.element("div").classes("stack"):
                     _bars(failing(found)[:BARS], estimated=bool(found.get("estimated")))
 
@@ -109,11 +120,10 @@ class Story:
         found = self._shown
         if found is None:
             return
-        cells = found["findings"]
         with _step(2, "Where it fails"):
-            self._where(cells)
+            self._where.place()
         with _step(3, "What is missing"):
-            self._missing(found, cells[0])
+            self._missing(found, found["findings"][0])
         with _step(4, "Add it"):
             self._added(found)
 
@@ -134,59 +144,6 @@ class Story:
                 with ui.link(target=f"#step-{number}").classes("stop-by"):
                     ui.label(f"{number} {name}").classes("strong")
                     ui.label(result).classes("note")
-
-    @ui.refreshable_method
-    def _film(self) -> None:
-        """Place the film of one of some shots, with the model's outlines over it."""
-        paths: list[Json] = [] if self._shown is None else self._shown["paths"]
-        if not paths:
-            return
-        shown = paths[min(self._filmed, len(paths) - 1)]
-        stored = self._state.source.stored(shown["shot"])
-        film = None if stored is None else self._desk.films.film(stored)
-        scene = of_places(shown) if stored is None or film is None else None
-        if stored is not None and film is not None:
-            scene = of_film(shown, stored.id, film)
-        with ui.element("div").classes("stack"):
-            with ui.element("div").classes("beside"):
-                for place, (name, own) in enumerate(zip(FILMED, paths, strict=False)):
-                    choice = button(
-                        f"{name}: shot {own['shot']}",
-                        lambda place=place: self._choose_film(place),
-                        look="line tab",
-                        testid=f"film-{place}",
-                    )
-                    choice.props(f"aria-pressed={str(place == self._filmed).lower()}")
-            if scene is not None:
-                ghost_film(scene, shown["shot"], shown["gap_mm"])
-            ui.label(
-                "Solid: where each sphere was measured. Dashed: where the model, given the flight "
-                "before contact, predicts it."
-            ).classes("note")
-
-    def _choose_film(self, place: int) -> None:
-        self._filmed = place
-        self._film.refresh()
-
-    def _where(self, cells: Sequence[Json]) -> None:
-        points = parsed(cells[0]["points"])
-        trend = points["trend"]
-        _lede(where(cells[0], points, self._state.standing), "story-where")
-        with ui.element("div").classes("columns where"):
-            plot(cell_plot(cells[0], apart(points), (trend["x"], trend["mean"])))
-            with ui.element("div").classes("stack"):
-                ui.label("What the error goes with, and how surely").classes("strong")
-                _bars_of(
-                    [
-                        (
-                            f"{channel(c['channel'])}, {goes_with(c)}",
-                            c["deviation"] / max(cells[0]["deviation"], 1e-9),
-                            f"{c['deviation']:.0f} σ",
-                            c["p_familywise"] < SURE,
-                        )
-                        for c in cells[:CELLS]
-                    ]
-                )
 
     def _missing(self, found: Json, cell: Json) -> None:
         known, seen, standing = described(found), self._seen(found), self._state.standing
@@ -309,27 +266,18 @@ def _bars(rows: Sequence[Json], *, estimated: bool) -> None:
         return
     # From the floor on, in steps of equal ratio: nothing is drawn for what is only noise.
     most = math.log(max(LEAST_SPAN, *(row["error"] for row in rows)))
-    _bars_of(
+    bars(
         [
-            (
+            Bar(
                 channel(row["quantity"]),
                 math.log(max(1.0, row["error"])) / most,
                 f"{row['error']:.2f} × ({row['size']:.3g} {row['unit']})",
-                row["p_familywise"] < SURE,
+                fails=row["p_familywise"] < SURE,
             )
             for row in rows
         ]
     )
-    ui.label("× the noise. Bars begin at 1, the floor: nothing can be predicted better.").classes(
-        "note"
-    )
-
-
-def _bars_of(bars: Sequence[tuple[str, float, str, bool]]) -> None:
-    """Place bars: a name, a share of the longest, what is said beside it, whether it fails."""
-    with ui.element("div").classes("bars"):
-        for name, share, said, fails in bars:
-            ui.label(f"▲ {name}" if fails else name).classes("fails" if fails else "")
-            bar = ui.element("div").classes("bar fails" if fails else "bar fine")
-            bar.style(f"width: {100 * max(0.01, share):.0f}%").props("aria-hidden=true")
-            ui.label(said)
+    ui.label(
+        "× the noise. Bars begin at 1, the floor: nothing can be predicted better. Green may be "
+        "chance alone."
+    ).classes("note")

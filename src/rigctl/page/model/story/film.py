@@ -1,0 +1,120 @@
+"""The story's film: of a typical shot, of an extreme one, or of any whose point was clicked."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from nicegui import ui
+
+from rigctl.page.desk import Desk
+from rigctl.page.model.state import ModelState, Question
+from rigctl.page.model.story.ghost import Scene, ghost_film, of_film, of_places
+from rigctl.page.parts.presence import every
+from rigctl.page.parts.waiting import Waiting
+from rigctl.page.parts.widgets import button
+
+Json = dict[str, Any]
+FILMED = ("Typical", "Largest gap", "Smallest gap")
+"""As `analysis.model.agreement.predicted_paths` orders its shots."""
+LOOK_S = 0.1
+INTO_VIEW = (
+    "document.getElementById('step-1')?.scrollIntoView("
+    "{behavior: matchMedia('(prefers-reduced-motion: reduce)').matches ? 'auto' : 'smooth'})"
+)
+
+
+class ShotFilm:
+    """The film of one shot with the model's outlines over it; `chosen` hears which is shown."""
+
+    def __init__(self, desk: Desk, state: ModelState, chosen: Callable[[], None]) -> None:
+        self._desk, self._state, self._chosen = desk, state, chosen
+        self._paths: list[Json] = []
+        self._more: Json | None = None
+        self._wanted = 0
+        self._said = ""
+        self._asked = Question(
+            lambda: state.source.ask("path", state.effects, shot=self._wanted),
+            desk.daemon.jobs.job,
+        )
+        every(LOOK_S, self._follow)
+
+    @property
+    def shot(self) -> int | None:
+        """Number of the shot that is shown; None before one is."""
+        return self._wanted if self._shown() else None
+
+    def take(self, paths: list[Json]) -> None:
+        """Show the shots of another answer; the one that was chosen last where it is among them."""
+        self._paths, self._more, self._said = paths, None, ""
+        self._asked.forget()
+        if paths and self._wanted not in {own["shot"] for own in paths}:
+            self._wanted = paths[0]["shot"]
+
+    def choose(self, shot: int) -> None:
+        """Show a shot, by its number; one whose path is not known yet is asked for."""
+        self._wanted, self._said = shot, ""
+        if self._shown() is None:
+            self._asked.start()
+            self._said = self._asked.failure
+        self.place.refresh()
+        self._chosen()
+
+    @ui.refreshable_method
+    def place(self) -> None:
+        """Place the film with the choice of its shot."""
+        if not self._paths:
+            return
+        with ui.element("div").classes("stack"):
+            self._choice()
+            Waiting(self._desk, "Following the shot", lambda: self._asked.running or "", "follows")
+            if self._said:
+                ui.label(self._said).classes("note fails")
+            if (shown := self._shown()) is not None and (scene := self._scene(shown)) is not None:
+                ghost_film(scene, shown["shot"], shown["gap_mm"])
+            ui.label(
+                "Solid: where each sphere was measured. Dashed: where the model, given the flight "
+                "before contact, predicts it. The loupe shows the gap at its true size."
+            ).classes("note")
+
+    def _choice(self) -> None:
+        named = {own["shot"]: name for name, own in zip(FILMED, self._paths, strict=False)}
+        with ui.element("div").classes("beside"):
+            for place, (shot, name) in enumerate(named.items()):
+                choice = button(
+                    f"{name}: shot {shot}",
+                    lambda shot=shot: self.choose(shot),
+                    look="line tab",
+                    testid=f"film-{place}",
+                )
+                choice.props(f"aria-pressed={str(shot == self._wanted).lower()}")
+            other = ui.number(value=None if self._wanted in named else self._wanted, format="%d")
+            other.props('outlined dense placeholder="other shot" data-testid=film-other')
+            other.props('aria-label="film of the shot with this number" step=1 min=1')
+            other.style("width: 130px")
+            other.on("change", lambda: self._of_number(other.value))
+
+    def _of_number(self, number: float | None) -> None:
+        if number is not None:
+            self.choose(int(number))
+
+    def _shown(self) -> Json | None:
+        known = [*self._paths, *([] if self._more is None else [self._more])]
+        return next((own for own in known if own["shot"] == self._wanted), None)
+
+    def _scene(self, shown: Json) -> Scene | None:
+        stored = self._state.source.stored(shown["shot"])
+        if stored is None:
+            return of_places(shown)
+        film = self._desk.films.film(stored)
+        return of_places(shown) if film is None else of_film(shown, stored.id, film)
+
+    def _follow(self) -> None:
+        if not self._asked.follow():
+            return
+        paths: list[Json] = (self._asked.answer or {}).get("paths", [])
+        self._more = paths[0] if paths else None
+        self._said = self._asked.failure
+        if not paths and not self._said:
+            self._said = f"Shot {self._wanted} has no film here: it has no poses, or was left out."
+        self.place.refresh()
