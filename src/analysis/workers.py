@@ -87,6 +87,8 @@ class _Worker:
     def __init__(self) -> None:
         self._process = subprocess.Popen(  # noqa: S603 - no outside input
             [sys.executable, "-P", "-c", START],
+            # Beside other processes more threads wait for each other, at full load.
+            env={"OPENBLAS_NUM_THREADS": "1", **os.environ},
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
         )

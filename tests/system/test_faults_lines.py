@@ -9,11 +9,11 @@ from typing import Any
 
 import pytest
 
-from rigctl.config import StoreSection, load
 from rigctl.daemon import Daemon, open_daemon
 from rigctl.errors import DeviceError, InterlockError, RigError
 from rigctl.settings import ShotSettings
 from rigctl.store import ShotRecord
+from tests.simulated import with_short_films
 
 SETTINGS = ShotSettings(pressure_a_kpa=40.0, pressure_b_kpa=40.0, offset_mm=6.0)
 FAR = ShotSettings(pressure_a_kpa=110.0, pressure_b_kpa=110.0, offset_mm=23.0)
@@ -24,12 +24,10 @@ MOVING = ["trigger", "regulator", "slide"]
 
 @pytest.fixture
 def daemon(tmp_path: Path) -> Iterator[Daemon]:
-    configuration = load()
+    configuration = with_short_films(tmp_path / "data")
     assert configuration.simulation is not None
     slow = configuration.simulation.model_copy(update={"slide_speed_mm_per_s": 20.0})
-    store = StoreSection(folder=str(tmp_path / "data"))
-    changes = {"store": store, "simulation": slow}
-    with open_daemon(configuration.model_copy(update=changes)) as opened:
+    with open_daemon(configuration.model_copy(update={"simulation": slow})) as opened:
         yield opened
 
 

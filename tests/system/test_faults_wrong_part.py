@@ -14,11 +14,11 @@ from typing import Any
 
 import pytest
 
-from rigctl.config import StoreSection, load
 from rigctl.daemon import Daemon, open_daemon
 from rigctl.errors import RigError
 from rigctl.settings import ShotSettings
 from rigctl.store import ShotRecord
+from tests.simulated import with_short_films
 
 SETTINGS = ShotSettings(pressure_a_kpa=40.0, pressure_b_kpa=40.0, offset_mm=6.0)
 NAMED = {
@@ -32,8 +32,7 @@ NAMED = {
 
 @pytest.fixture
 def daemon(tmp_path: Path) -> Iterator[Daemon]:
-    store = StoreSection(folder=str(tmp_path / "data"))
-    with open_daemon(load().model_copy(update={"store": store})) as opened:
+    with open_daemon(with_short_films(tmp_path / "data")) as opened:
         yield opened
 
 

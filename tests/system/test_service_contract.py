@@ -12,11 +12,12 @@ import schemathesis
 from hypothesis import HealthCheck, given, settings
 from schemathesis import GenerationMode
 
-from rigctl.config import Configuration, StoreSection, load
+from rigctl.config import Configuration
 from rigctl.daemon import Daemon, open_daemon
 from rigctl.service.app import create_app
 from rigctl.service.events import EventHub
 from rigctl.store import Fired, ShotState
+from tests.simulated import with_short_films
 
 KEY = "contract-key"
 WAIT_S = 200.0
@@ -25,10 +26,10 @@ HEADERS = {"Authorization": f"Bearer {KEY}"}
 
 
 def simulated(folder: str) -> Configuration:
-    usual = load()
+    short = with_short_films(folder)
     # A busy machine renders the films of a shot late.
-    camera = usual.camera.model_copy(update={"collect_timeout_s": WAIT_S / 2})
-    return usual.model_copy(update={"store": StoreSection(folder=folder), "camera": camera})
+    camera = short.camera.model_copy(update={"collect_timeout_s": WAIT_S / 2})
+    return short.model_copy(update={"camera": camera})
 
 
 @pytest.fixture(scope="module")

@@ -35,6 +35,17 @@ def test_several_processes_answer_in_the_order_of_the_questions() -> None:
     assert os.getpid() not in elsewhere
 
 
+@pytest.mark.parametrize(("stated", "expected"), [(None, "1"), ("2", "2")])
+def test_a_process_has_one_thread_of_linear_algebra_unless_more_are_stated(
+    monkeypatch: pytest.MonkeyPatch, stated: str | None, expected: str
+) -> None:
+    monkeypatch.delenv("OPENBLAS_NUM_THREADS")
+    if stated is not None:
+        monkeypatch.setenv("OPENBLAS_NUM_THREADS", stated)
+    with Workers(1) as workers:
+        assert workers.submit(os.getenv, "OPENBLAS_NUM_THREADS").result() == expected
+
+
 def test_an_error_is_raised_where_the_answer_is_asked_for() -> None:
     with Workers(1) as workers:
         failed, fine = workers.submit(operator.truediv, 1, 0), workers.submit(operator.add, 1, 2)
