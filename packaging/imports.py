@@ -1,11 +1,12 @@
-"""Every name that the project imports from itself exists: resolved in the sources, nothing is run.
+"""Names that the project imports from itself exist, and no files import each other in a circle.
 
     python packaging/imports.py [ROOT]
 
-Read are all Python files, and the Python blocks and `python -m` commands of the documentation.
-Checked are imports anywhere in a file, be they within a function or of a test, which no type
+Names are resolved in the sources, nothing is run. Read are all Python files, and the Python blocks
+and `python -m` commands of the documentation. Checked are imports anywhere in a file, be they within a function or of a test, which no type
 checker reads; and, but for tests, texts such as `"rigctl.cli.demo:demo"` that name what is
-imported only when it is called. Ends with status 1 and a line for each name that is missing.
+imported only when it is called. Circles are looked for below src, imports within functions
+included, those for types alone left out. Ends with status 1 and a line for each fault.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import ast
 import re
 import sys
 from collections.abc import Iterator
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 PACKAGES = ("analysis", "rigctl", "simulators", "benchmarks", "tests")
@@ -86,18 +88,55 @@ def imported_names(tree: ast.Module, package: str) -> Iterator[tuple[int, str, s
     ``package`` is the dotted name of the file's folder, which relative imports start from.
     """
     for node in ast.walk(tree):
-        if isinstance(node, ast.Import):
-            yield from ((node.lineno, alias.name, None) for alias in node.names)
-        elif isinstance(node, ast.ImportFrom):
-            base = node.module or ""
-            if node.level:
-                above = package.split(".")[: len(package.split(".")) - node.level + 1]
-                base = ".".join([*above, base] if base else above)
-            yield from ((node.lineno, base, alias.name) for alias in node.names)
-        elif isinstance(node, ast.Constant) and isinstance(node.value, str):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str):
             named = _NAMED.fullmatch(node.value)
             if named and not package.startswith("tests"):
                 yield node.lineno, named[1], named[2]
+        else:
+            yield from statement_names(node, package)
+
+
+def statement_names(node: ast.AST, package: str) -> Iterator[tuple[int, str, str | None]]:
+    """Yield the line, module and name of what one statement takes from other files."""
+    if isinstance(node, ast.Import):
+        yield from ((node.lineno, alias.name, None) for alias in node.names)
+    elif isinstance(node, ast.ImportFrom):
+        base = node.module or ""
+        if node.level:
+            above = package.split(".")[: len(package.split(".")) - node.level + 1]
+            base = ".".join([*above, base] if base else above)
+        yield from ((node.lineno, base, alias.name) for alias in node.names)
+
+
+def run_parts(node: ast.AST) -> Iterator[ast.AST]:
+    """Yield all parts of a module but what is there for types alone."""
+    for inner in ast.iter_child_nodes(node):
+        if not (isinstance(inner, ast.If) and ast.unparse(inner.test) == "TYPE_CHECKING"):
+            yield inner
+            yield from run_parts(inner)
+
+
+def circle(root: Path) -> list[str]:
+    """Return the modules of one circle of imports below src, in their order; empty without one."""
+    paths = {}
+    for path in (root / "src").rglob("*.py"):
+        parts = path.relative_to(root / "src").with_suffix("").parts
+        paths[".".join(parts[:-1] if parts[-1] == "__init__" else parts)] = path
+    imports: dict[str, set[str]] = {}
+    for name, path in paths.items():
+        package = name if path.name == "__init__.py" else name.rpartition(".")[0]
+        found = imports[name] = set()
+        for node in run_parts(ast.parse(path.read_text("utf-8"))):
+            for _, module, taken in statement_names(node, package):
+                inner = f"{module}.{taken}"
+                found.add(inner if inner in paths else module)
+        found.discard(name)
+    try:
+        TopologicalSorter(imports).prepare()
+    except CycleError as error:
+        # Given from what is imported to what imports it.
+        return list(error.args[1])[::-1]
+    return []
 
 
 def missing_names(tree: ast.Module, package: str, sources: Sources) -> Iterator[tuple[int, str]]:
@@ -136,9 +175,11 @@ def missing(root: Path) -> list[str]:
 
 
 def main() -> int:
-    """Print what is missing; return the status of the process."""
+    """Print what is missing or circular; return the status of the process."""
     root = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).resolve().parents[1]
     lines = missing(root)
+    if around := circle(root):
+        lines.append(f"imported in a circle: {' -> '.join(around)}")
     sys.stdout.writelines(f"{line}\n" for line in lines)
     return 1 if lines else 0
 

@@ -51,3 +51,25 @@ def test_imported_names_that_do_not_exist_are_found_with_their_lines(
         "docs/page.md: analysis.film does not exist",
         "docs/page.md: benchmarks.early does not exist",
     ]
+
+
+@pytest.mark.parametrize(
+    ("last", "expected"),
+    [
+        ("from room import first", {"room.first", "room.second", "room.third"}),
+        ("def run():\n    from .first import run", {"room.first", "room.second", "room.third"}),
+        ("if TYPE_CHECKING:\n    from room.first import run", set()),
+        ("NAMED = 'room.first:run'", set()),
+    ],
+)
+def test_files_that_import_each_other_in_a_circle_are_named(
+    tmp_path: Path, last: str, expected: set[str]
+) -> None:
+    room = tmp_path / "src" / "room"
+    room.mkdir(parents=True)
+    (room / "__init__.py").touch()
+    (room / "first.py").write_text("import room.second\n")
+    (room / "second.py").write_text("from room.third import *\n")
+    (room / "third.py").write_text(f"{last}\n")
+    circle = runpy.run_path(str(ROOT / "packaging/imports.py"))["circle"]
+    assert set(circle(tmp_path)) == expected

@@ -18,11 +18,11 @@ from analysis.setup import Setup, SlowErrors
 from analysis.slow_errors import typical
 from rigctl.cameras.frames import FrameSequence
 from rigctl.documents import Json
+from rigctl.errors import AnalysisInputError
 from rigctl.exchange.amending import tags_field
 from rigctl.exchange.documents import CONFIGURATION, SIMULATED
 from rigctl.measuring.stored_poses import poses_of, slow_errors_of
 from rigctl.measuring.stored_shot import manifest_setup
-from rigctl.model.campaigns import require_one_setup
 from rigctl.progress import Progress
 from rigctl.store import ShotRecord
 from rigctl.store.folders import ShotFolders
@@ -113,3 +113,20 @@ def _row(shot: ShotRecord) -> ShotRow:
         {name: float(value) for name, value in settings.items() if value is not None},
         {name: word for name, word in words.items() if word},
     )
+
+
+def require_one_setup(name: str, setups: Mapping[str, Setup]) -> None:
+    """Require the shots of a campaign, by their names, to have been fired under one set-up.
+
+    Raises
+    ------
+    AnalysisInputError
+        Two of them differ: one model of camera and spheres would be wrong for one of them.
+    """
+    (first, common), *others = setups.items()
+    if other := next((shot for shot, setup in others if setup != common), None):
+        raise AnalysisInputError(
+            f"shots {first} and {other} differ in camera, spheres or surroundings",
+            part=f"campaign {name}",
+            todo="fire each set-up under a campaign of its own",
+        )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from itertools import islice
@@ -23,6 +23,7 @@ from analysis.setup import Setup, SlowErrors
 from analysis.slow_errors import typical
 from rigctl.documents import Json
 from rigctl.errors import AnalysisInputError, NotFoundError
+from rigctl.exchange.fired import require_one_setup
 from rigctl.input_errors import as_analysis_errors
 from rigctl.measuring.measured import MeasuredFiles, each_measured, measured_files
 from rigctl.measuring.stored_poses import poses_of, slow_errors_of
@@ -165,23 +166,6 @@ def _row(number: int, manifest: Json, *, excluded: bool) -> ShotRow:
     numbers = {key: float(v) for key, v in manifest["settings"].items() if v is not None}
     time = None if fired_at is None else datetime.fromisoformat(fired_at)
     return ShotRow(number, time, numbers, {EXCLUDED: "by a person"} if excluded else {})
-
-
-def require_one_setup(name: str, setups: Mapping[str, Setup]) -> None:
-    """Require the shots of a campaign, by their names, to have been fired under one set-up.
-
-    Raises
-    ------
-    AnalysisInputError
-        Two of them differ: one model of camera and spheres would be wrong for one of them.
-    """
-    (first, common), *others = setups.items()
-    if other := next((shot for shot, setup in others if setup != common), None):
-        raise AnalysisInputError(
-            f"shots {first} and {other} differ in camera, spheres or surroundings",
-            part=f"campaign {name}",
-            todo="fire each set-up under a campaign of its own",
-        )
 
 
 def _read(path: Path) -> Json:

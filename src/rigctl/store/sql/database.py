@@ -142,7 +142,15 @@ class Database:
             The catalogue cannot be read, or the copy not be written.
         """
         with self._store_errors():
-            self._server.copy_to(path)
+            if isinstance(self._server, Sqlite):
+                self._server.copy_to(path)
+                return
+            copy = Database(path)
+            try:
+                with copy.writing() as target:
+                    self._server.copy_rows(target)
+            finally:
+                copy.close()
 
     def head(self) -> Anchor | None:
         """Return the head of the ledger; None where it has no entry."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any, ClassVar
 
 from sqlalchemy import (
@@ -106,20 +105,13 @@ class Postgresql:
             self._owner.close()
             self._owner = None
 
-    def copy_to(self, path: Path) -> None:
-        """Copy the catalogue as it is at one moment into a SQLite file."""
-        from rigctl.store.sql.database import Database  # noqa: PLC0415
-
-        copy = Database(path)
-        reader = self.engine.execution_options(reading=True)
-        try:
-            with reader.begin() as source, copy.writing() as target:
-                for table in metadata.sorted_tables:
-                    rows = source.execute(select(table)).mappings()
-                    while chunk := rows.fetchmany(_CHUNK):
-                        target.execute(insert(table), [dict(row) for row in chunk])
-        finally:
-            copy.close()
+    def copy_rows(self, target: Connection) -> None:
+        """Copy all rows as they are at one moment into tables of the same schema."""
+        with self.engine.execution_options(reading=True).begin() as source:
+            for table in metadata.sorted_tables:
+                rows = source.execute(select(table)).mappings()
+                while chunk := rows.fetchmany(_CHUNK):
+                    target.execute(insert(table), [dict(row) for row in chunk])
 
 
 def _url(address: str) -> URL:
