@@ -176,9 +176,9 @@ def _calmed(change: Change, warmth: float) -> Change:
 def claimed(data: PoseData) -> tuple[Proposed, list[Group], list[set[Group]]]:
     """Return what is proposed, the groups named, and of each what may be meant as well."""
     found = propose(data, (), CATALOGUE)
-    named = [one.form.group for one in (*found.accepted, *found.launch)]
-    meant = [{one.form.group, *one.alike} for one in (*found.accepted, *found.launch)]
-    return found, named, meant
+    claims = [(one.form.group, one.alike) for one in found.accepted]
+    claims += [(law.form.group, law.alike) for law in found.launch]
+    return found, [group for group, _ in claims], [{group, *alike} for group, alike in claims]
 
 
 def is_true(world: World, found: Proposed, meant: list[set[Group]]) -> bool:

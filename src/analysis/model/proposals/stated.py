@@ -7,9 +7,11 @@ may come from anywhere, and holds forms of the launch too.
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, Literal
 
 import numpy as np
@@ -37,6 +39,11 @@ Json = dict[str, Any]
 Floats = NDArray[np.float64]
 
 LAUNCH = "launch"
+_LISTS: Mapping[str, Any] = MappingProxyType(
+    dict.fromkeys(("arguments", "symbols", "columns"), str)
+    | dict.fromkeys(("constants", "reach"), int | float)
+)
+_SHORT = re.compile(r"(\d+(-\d+)?(,\d+(-\d+)?)*)?")
 Slot = Literal[
     "e", "mu", "beta0", "torsion", "impulse_n", "impulse_t", "flight", "camera", "clock", "launch"
 ]
@@ -85,9 +92,14 @@ class Statement:
         if isinstance(form, FlightForm):
             return cls(slot="flight", kind=form.kind, constants=form.constants, **from_where)
         if isinstance(form, FrameForm):
-            axes = {"along": form.along, "by": form.by}
-            own = {"slot": form.slot, "kind": form.kind, "constants": form.constants}
-            return cls(**own, **axes, **from_where)
+            return cls(
+                slot=form.slot,
+                kind=form.kind,
+                constants=form.constants,
+                along=form.along,
+                by=form.by,
+                **from_where,
+            )
         arguments = (form.of,) if isinstance(form, LaunchForm) else form.arguments
         return cls(
             slot=form.slot,  # type: ignore[arg-type]
@@ -109,13 +121,13 @@ class Statement:
         ProposalRefusedError
             It states no form.
         """
-        known = {name: document[name] for name in cls.__slots__ if name in document}
-        tuples = ("arguments", "symbols", "columns", "constants", "reach")
-        try:
-            own = {k: tuple(v) if k in tuples else v for k, v in known.items()}
-            return cls(**own)
-        except TypeError as error:
-            raise ProposalRefusedError(f"states no form: {error}") from error
+        own: dict[str, Any] = {}
+        for name in cls.__slots__:
+            if name in document:
+                own[name] = _sound(name, document[name])
+        if "slot" not in own:
+            raise ProposalRefusedError("states no form: slot is missing")
+        return cls(**own)
 
     def document(self) -> Json:
         """Return it as documents hold it."""
@@ -191,11 +203,10 @@ class Statement:
     def _argument(self, name: str, symbol: str, data: Data) -> Argument:
         for one in (*SPEEDS, *OF_SPINS, *OF_PLACES, *ON_BODIES):
             if (one.name, one.symbol) == (name, symbol):
-                tabulated = isinstance(data, ContactTable)
-                if (tabulated and one in (*OF_PLACES, *ON_BODIES)) or (
-                    tabulated and data.scalars and one in OF_SPINS
-                ):
-                    raise self._missing(name)
+                if isinstance(data, ContactTable) and one not in SPEEDS:
+                    spun = one in OF_SPINS and not data.scalars
+                    if not spun:
+                        raise self._missing(name)
                 return one
         if name not in data.covariates:
             raise self._missing(name)
@@ -227,6 +238,22 @@ def ranges(numbers: Sequence[int]) -> str:
         else:
             parts.append([number, number])
     return ",".join(str(a) if a == b else f"{a}-{b}" for a, b in parts)
+
+
+def _sound(name: str, value: object) -> object:
+    """Return a key's value as a statement holds it; refuse one of another type."""
+    if name in _LISTS:
+        kind = _LISTS[name]
+        if isinstance(value, list | tuple) and all(
+            isinstance(one, kind) and not isinstance(one, bool) for one in value
+        ):
+            return tuple(value)
+    elif name in {"along", "by"}:
+        if value in (0, 1, 2):
+            return value
+    elif isinstance(value, str) and (name != "shots" or _SHORT.fullmatch(value)):
+        return value
+    raise ProposalRefusedError(f"states no form: {name} is {value!r}")
 
 
 def numbers_among(short: str, numbers: NDArray[np.intp]) -> set[int]:

@@ -121,7 +121,10 @@ def test_a_law_of_the_launch_is_written_and_confirmed_on_other_launches(tmp_path
         ({"constants": [1.0, float("nan")]}, "the form has 2 constants"),
         ({"slot": "flight", "kind": "magic"}, "kind is 'magic'"),
         ({"slot": "phlogiston"}, "states no form of phlogiston"),
-        ({"constants": 3}, "states no form"),
+        ({"constants": 3}, "states no form: constants is 3"),
+        ({"constants": ["5"]}, "states no form: constants is"),
+        ({"shots": "all of them"}, "states no form: shots is 'all of them'"),
+        ({"along": 7}, "states no form: along is 7"),
     ],
 )
 def test_what_is_no_form_is_refused_with_what_is_wrong(changed: dict[str, Any], why: str) -> None:
