@@ -30,6 +30,8 @@ FEW = {24: 1.5, 60: 1.2, 120: 1.0}
 """By what the points are multiplied that are found with so few shots."""
 HINT_COSTS = (10, 20, 30)
 """Of how much is hidden, of where it acts, and of how one notices it, in the order of asking."""
+HINTS_TO_PLACE = 1
+"""So many hints go before the one that says where to look."""
 COEFFICIENTS = ("e", "mu", "beta0")
 """Slots of laws that act at the bounce; other slots are forces between the spheres."""
 SURE = (0.5, 0.7, 0.9, 0.99)
@@ -142,12 +144,23 @@ def _how_many(label: Label) -> str:
     return counts.get(len(label.effects), f"{len(label.effects)} effects are hidden.")
 
 
+def places(folder: Path, taken: int, clues: Mapping[str, Clue]) -> list[str]:
+    """Return where what is hidden acts, each place once, if the hint that says it was taken."""
+    return _places(label_of(folder), clues) if taken > HINTS_TO_PLACE else []
+
+
+def _places(label: Label, clues: Mapping[str, Clue]) -> list[str]:
+    return list(
+        dict.fromkeys(
+            clues[effect.effect].where if effect.effect in clues else _place_of(effect.law)
+            for effect in label.effects
+        )
+    )
+
+
 def _where(label: Label, clues: Mapping[str, Clue]) -> str:
     """Say where what is hidden acts, each place once."""
-    places = dict.fromkeys(
-        clues[effect.effect].where if effect.effect in clues else _place_of(effect.law)
-        for effect in label.effects
-    )
+    places = _places(label, clues)
     return f"Look {' and '.join(places)}." if places else "There is nowhere to look."
 
 

@@ -112,6 +112,8 @@ def test_a_table_is_told_what_its_columns_are_and_compared_with_the_model(
     )
     expect(page.get_by_test_id("story-where")).to_contain_text("with approach speed")
     page.get_by_test_id("amount").wait_for(timeout=FIRST_USE_MS)
+    # Falls of 4 to 160 cm end at 0.886 and 5.60 m/s.
+    expect(page.get_by_test_id("next-text")).to_contain_text("below 0.59 m/s and above 8.4 m/s")
     assert faults(page) == []
 
 

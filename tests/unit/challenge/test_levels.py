@@ -9,7 +9,7 @@ import pytest
 
 from rigctl.challenge import label_of
 from rigctl.errors import RefusedError, SettingsError
-from rigctl.game import Clue, Game, be_sure, game_of, hints, new_game, score, take_hint
+from rigctl.game import Clue, Game, be_sure, game_of, hints, new_game, places, score, take_hint
 
 SEEDS = range(4)
 
@@ -53,6 +53,14 @@ def test_further_hints_say_where_to_look_and_what_for_and_name_no_effect(tmp_pat
     _, where, notice = hints(tmp_path / "made", 3, clues)
     assert where == "Look in the air."
     assert notice == "Both spheres slow down."
+
+
+def test_the_place_is_shown_once_the_hint_that_names_it_was_taken(tmp_path: Path) -> None:
+    new_game(tmp_path / "made", level=1, shots=3, seed=2)
+    hidden = label_of(tmp_path / "made").effects[0].effect
+    clues = {hidden: Clue("in the air", "Both spheres slow down.")}
+    shown = [places(tmp_path / "made", taken, clues) for taken in range(3)]
+    assert shown == [[], [], ["in the air"]]
 
 
 def test_there_are_three_hints_and_no_fourth(tmp_path: Path) -> None:

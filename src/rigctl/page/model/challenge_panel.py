@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import secrets
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from nicegui import ui
@@ -16,6 +16,7 @@ from rigctl.page.model.revealed import NOTHING, clues, in_titles, reveal_beside
 from rigctl.page.model.source import Source
 from rigctl.page.model.state import ModelState
 from rigctl.page.model.story.cards import named
+from rigctl.page.model.story.where import PLACES
 from rigctl.page.parts.asking import ask_again
 from rigctl.page.parts.tables import Line, facts, minus
 from rigctl.page.parts.widgets import button
@@ -59,10 +60,15 @@ class ChallengePanel:
     """Answer and truth of the challenge that a source is; nothing for any other source.
 
     The truth stands beside what the fit with the most effects so far says.
+
+    Parameters
+    ----------
+    look
+        Shows the most striking cell of a place such as `at the bounce`; None: nothing can.
     """
 
-    def __init__(self, state: ModelState) -> None:
-        self._state = state
+    def __init__(self, state: ModelState, look: Callable[[str], None] | None = None) -> None:
+        self._state, self._look = state, look
         self._folder = state.source.folder
         self._game = None if self._folder is None else game.game_of(self._folder)
         if self._folder is not None and (self._folder / challenge.PUBLIC).is_file():
@@ -109,9 +115,17 @@ class ChallengePanel:
         taken = self._game.hints
         for said in game.hints(self._folder, taken, clues()):
             ui.label(f"Hint: {said}").props("data-testid=hint")
+        if self._look is not None:
+            for place in game.places(self._folder, taken, clues()):
+                self._look_button(place, self._look)
         if taken < len(game.HINT_COSTS):
             words = f"{HINTS[taken]}: a hint for {game.HINT_COSTS[taken]} points"
             button(words, self._take_hint, testid="take-hint")
+
+    @staticmethod
+    def _look_button(place: str, look: Callable[[str], None]) -> None:
+        if place in PLACES:
+            button(f"Show what errs most {place}", lambda: look(place), testid="show-hint")
 
     def _take_hint(self) -> None:
         if self._game is None or self._folder is None:

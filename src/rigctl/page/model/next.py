@@ -10,6 +10,7 @@ from analysis.model.verdict.standing import Standing, Word
 from rigctl.jobs import Job
 from rigctl.model.next_words import sentence, sweep_of
 from rigctl.page.desk import Desk
+from rigctl.page.model.next_rows import is_table, next_measurements
 from rigctl.page.model.state import ModelState, Question
 from rigctl.page.model.story.cards import in_plain, named
 from rigctl.page.parts.tables import Line, facts
@@ -55,6 +56,9 @@ class NextShots:
         present, standing = self._state.present, self._state.standing
         if present is None or standing is None:
             ui.label("Known once the model is fitted.").classes("note")
+            return
+        if is_table(present):
+            ui.label(next_measurements(present, standing)).props("data-testid=next-text")
             return
         ui.label(in_plain(asked_for(standing))).props("data-testid=next-text")
         if standing.word in MORE_SHOTS:

@@ -59,7 +59,8 @@ class ModelView:
             self._steps = Story(desk, self._state, self._take)
         with self._steps.last:
             self._next = NextShots(desk, self._state)
-            ChallengePanel(self._state)
+            told = self._steps.look_at if isinstance(self._steps, Story) else None
+            ChallengePanel(self._state, told)
         following(LOOK_S, self._follow)
 
     def _follow(self) -> None:

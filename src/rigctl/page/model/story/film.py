@@ -18,10 +18,14 @@ Json = dict[str, Any]
 FILMED = ("Typical", "Largest gap", "Smallest gap")
 """As `analysis.model.agreement.predicted_paths` orders its shots."""
 LOOK_S = 0.1
-INTO_VIEW = (
-    "document.getElementById('step-1')?.scrollIntoView("
-    "{behavior: matchMedia('(prefers-reduced-motion: reduce)').matches ? 'auto' : 'smooth'})"
-)
+
+
+def into_view(step: int) -> str:
+    """Return the script that scrolls to a step; at once for those who ask for less motion."""
+    return (
+        f"document.getElementById('step-{step}')?.scrollIntoView({{behavior: "
+        "matchMedia('(prefers-reduced-motion: reduce)').matches ? 'auto' : 'smooth'})"
+    )
 
 
 class ShotFilm:

@@ -17,7 +17,7 @@ from rigctl.page.model.state import Effects, ModelState
 from rigctl.page.model.story.bars import Bar, bars
 from rigctl.page.model.story.cards import card_of, in_plain
 from rigctl.page.model.story.errors import Unseen
-from rigctl.page.model.story.film import INTO_VIEW, ShotFilm
+from rigctl.page.model.story.film import ShotFilm, into_view
 from rigctl.page.model.story.lead import drawing, lead_card
 from rigctl.page.model.story.plots import before_after, staircase
 from rigctl.page.model.story.where import WhereItFails
@@ -79,6 +79,11 @@ class Story:
         if self._is_behind or fitted:
             self._draw()
 
+    def look_at(self, place: str) -> None:
+        """Show in step 2 what errs most in a place, as a hint names it."""
+        self._where.look_at(place)
+        ui.run_javascript(into_view(2))
+
     def _film_chosen(self) -> None:
         """Ring the shot of the film among the points, unless they are drawn anew anyway."""
         if not self._is_behind:
@@ -86,7 +91,7 @@ class Story:
 
     def _to_film(self, shot: int) -> None:
         self._film.choose(shot)
-        ui.run_javascript(INTO_VIEW)
+        ui.run_javascript(into_view(1))
 
     def _try(self, effect: str) -> None:
         self._effect = effect

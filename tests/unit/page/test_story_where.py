@@ -1,0 +1,37 @@
+"""Step 2 of the story: a hint shows the cell that errs most where it says to look."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from rigctl.page.model.story.where import CELLS, Cells
+
+
+def cell(channel: str, deviation: float) -> dict[str, Any]:
+    return {"channel": channel, "covariate": "time", "deviation": deviation}
+
+
+def test_the_most_striking_cell_is_looked_at_first() -> None:
+    first = cell("relative velocity n", 9.0)
+    assert Cells([first, cell("image y", 5.0)]).chosen == first
+
+
+def test_a_hint_shows_the_first_cell_of_its_place_also_one_that_was_not_listed() -> None:
+    many = [cell("relative velocity n", 20.0 - k) for k in range(CELLS)]
+    image, other = cell("image y", 3.0), cell("image x", 2.0)
+    where = Cells([*many, image, other])
+    assert where.look_at("in the camera")
+    assert where.chosen == image
+    assert where.look_at("at the bounce")
+    assert where.chosen == many[0]
+
+
+def test_a_place_without_cells_leaves_what_is_drawn() -> None:
+    first = cell("relative velocity n", 9.0)
+    where = Cells([first])
+    assert not where.look_at("in the air")
+    assert where.chosen == first
+
+
+def test_nothing_is_looked_at_before_there_is_an_answer() -> None:
+    assert Cells([]).chosen is None
