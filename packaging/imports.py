@@ -3,10 +3,11 @@
     python packaging/imports.py [ROOT]
 
 Names are resolved in the sources, nothing is run. Read are all Python files, and the Python blocks
-and `python -m` commands of the documentation. Checked are imports anywhere in a file, be they within a function or of a test, which no type
-checker reads; and, but for tests, texts such as `"rigctl.cli.demo:demo"` that name what is
-imported only when it is called. Circles are looked for below src, imports within functions
-included, those for types alone left out. Ends with status 1 and a line for each fault.
+and `python -m` commands of the documentation. Checked are imports anywhere in a file, be they
+within a function or of a test, which no type checker reads; and, but for tests, texts such as
+`"rigctl.cli.demo:demo"` that name what is imported only when it is called. Circles are looked for
+below src, imports within functions included, those for types alone left out. Ends with status 1 and
+a line for each fault.
 """
 
 from __future__ import annotations

@@ -12,15 +12,6 @@ TINY_RAD = 1e-150
 """Angle in place of zero, so that sin(angle) / angle is 1 and not 0 / 0."""
 
 
-def linear_rotation(before: Floats, after: Floats) -> Floats:
-    """Return the thesis's matrix: nine free elements by least squares, equations (5-27) to (5-31).
-
-    It is not forced to be a rotation; noise leaves it slightly sheared. At least three directions
-    not in one plane.
-    """
-    return np.asarray(np.linalg.lstsq(before, after, rcond=None)[0].T)
-
-
 def rotation_vector(rotation: Floats) -> Floats:
     """Return axis times angle (radians, 0 to pi) of rotations, shape (..., 3, 3) to (..., 3).
 

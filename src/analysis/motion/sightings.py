@@ -22,7 +22,7 @@ SeenMarkers = tuple[FilmMarkers, FilmMarkers]
 
 
 def markers_by_edges(curves: FilmCurves, discs: FilmDiscs, radii: Radii) -> SeenMarkers:
-    """Find the markers in every disc of a film as closed edges (`markers.find_markers`)."""
+    """Find the markers in every disc of a film as closed edges."""
     views = discs.views
     sizes = np.array([radii[view][i] for i in (0, 1) for view in views])
     front = np.array([view is View.FRONT for _ in (0, 1) for view in views])

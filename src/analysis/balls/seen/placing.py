@@ -27,7 +27,6 @@ Ints = NDArray[np.intp]
 
 MARGIN_RADII = 0.35
 MARGIN_PX = 6.0
-HIDING_RADII = 1.3
 BLURS = (0.4, 0.6, 0.85, 1.2, 1.7, 2.4)
 RADII = (0.8, 0.88, 0.94, 1.0, 1.06, 1.13, 1.22, 1.32)
 """In radii of the rim; what a smooth shading can hide lies between."""

@@ -54,12 +54,18 @@ def find_dark_places(
 
     Parameters
     ----------
+    others
+        Further discs of the frame. A place that reaches into another disc may be of either sphere
+        and is left out.
     noise
         Standard deviation of a pixel, grey levels.
     least_darkness
         Share of the light that is missing at least.
-    discs, others
-        As for `markers.find_markers`, and so is what is returned.
+
+    Returns
+    -------
+    The dark places of all discs, one disc after the other, and the number up to the end of each,
+    shape (discs,).
     """
     found = []
     for n, disc in enumerate(discs):

@@ -8,10 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.imaging.edge.frame import FrameEdges
-from analysis.imaging.marker.marker_curves import dark_ellipses
 from analysis.imaging.outlines import Outline, Place
-from analysis.imaging.views import View, ViewGeometry
+from analysis.imaging.views import ViewGeometry
 
 Floats = NDArray[np.float64]
 
@@ -118,34 +116,6 @@ class SeenDisc:
         """Return row, column and radius of the outline."""
         circle = self.outline.circle
         return circle.row, circle.column, circle.radius
-
-
-def find_markers(
-    edges: FrameEdges, discs: Sequence[SeenDisc], others: Sequence[Place] = ()
-) -> tuple[Markers, NDArray[np.intp]]:
-    """Find the markers in the discs of one frame.
-
-    Parameters
-    ----------
-    others
-        Further discs of the frame. A curve that reaches into another disc may be a marker of
-        either sphere and is left out.
-
-    Returns
-    -------
-    The markers of all discs, one disc after the other, and the number up to the end of each,
-    shape (discs,).
-    """
-    points = edges.points
-    curves = points.row, points.column, points.normal_row, points.normal_column
-    around = np.array([*(disc.place() for disc in discs), *others]).reshape(-1, 3)
-    places = around[: len(discs)].copy()
-    places[:, 2] = [disc.radius_px for disc in discs]
-    front = np.array([disc.geometry.view is View.FRONT for disc in discs], dtype=np.bool_)
-    ellipses, directions, facing, own, ends = dark_ellipses(
-        curves, edges.labels, places, around, front
-    )
-    return Markers(ellipses, directions, facing, front[own]), ends
 
 
 def joined(parts: Sequence[Markers]) -> Markers:

@@ -17,7 +17,7 @@ from analysis.model.data.tables import Data
 from analysis.model.fitting.jitter import by_frame
 from analysis.model.fitting.shared_noise import SharedNoise
 from analysis.model.predict.columns import all_columns
-from analysis.model.predict.comparison import KINDS, compare, difference, misfit, weights
+from analysis.model.predict.comparison import KINDS, compare, misfit
 from analysis.model.predict.prediction import Poses
 from analysis.model.predict.state import ShotStates
 from analysis.model.predict.theory import Theory
@@ -86,11 +86,6 @@ def linearise(
 def whitened_residual(data: PoseData, poses: Poses) -> Floats:
     """Return (observed - predicted) / sigma of every number, shape (S, N)."""
     return by_frame(misfit(data, poses)[..., None])[..., 0]
-
-
-def whitened_difference(data: PoseData, poses: Poses, moved: Poses) -> Floats:
-    """Return the change from one prediction to another over sigma, shape (S, N)."""
-    return (difference(poses, moved) * weights(data)).reshape(len(data.shots), -1)
 
 
 def left_jacobian(vector: Floats) -> Floats:

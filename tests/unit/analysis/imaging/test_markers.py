@@ -3,11 +3,12 @@ import math
 import numpy as np
 import pytest
 from drawings import SETTINGS
+from one_frame import find_markers, fit_outline
 from rendered import OPTICS, RADIUS_PX, picture, setup_of
 
 from analysis.imaging.edge.frame import FrameEdges, find_edges, gradient_threshold
-from analysis.imaging.marker.markers import Markers, SeenDisc, find_markers
-from analysis.imaging.outlines import Outline, fit_outline
+from analysis.imaging.marker.markers import Markers, SeenDisc
+from analysis.imaging.outlines import Outline
 from analysis.imaging.views import View, ViewGeometry, view_geometries
 from simulators.world import WorldDescription
 from simulators.world.optics import front_view, top_view

@@ -6,8 +6,9 @@ import pytest
 from drawings import SETTINGS, Place, draw, edges_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from one_frame import fit_outline
 
-from analysis.imaging.outlines import Outline, fit_outline
+from analysis.imaging.outlines import Outline
 
 RADIUS, BLUR = 18.0, 0.8
 KEEP_OFF = 2.5 * SETTINGS.sigma_px

@@ -2,11 +2,11 @@ import numpy as np
 import pytest
 from drawings import BACKGROUND, SETTINGS, SURFACE, draw, edges_of, grey
 from found import At, discs_at
+from one_frame import fit_outline
 
 from analysis.errors import ShotRefusedError
 from analysis.imaging.edge.frame import EdgeSettings, find_edges
 from analysis.imaging.film_discs import FilmDiscs
-from analysis.imaging.outlines import fit_outline
 from analysis.imaging.radii import filter_bias, shared_radii, view_radii
 from analysis.imaging.views import View
 

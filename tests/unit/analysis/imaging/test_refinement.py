@@ -3,12 +3,12 @@ import math
 import numpy as np
 from drawings import SETTINGS
 from found import At, discs_at
+from one_frame import fit_outline
 from rendered import OPTICS, RADIUS_PX, picture, setup_of
 
 from analysis.imaging.edge.frame import find_edges
 from analysis.imaging.film_discs import FilmDiscs
 from analysis.imaging.film_following import FilmCurves
-from analysis.imaging.outlines import fit_outline
 from analysis.imaging.refinement import Appearance, refine_outlines
 from analysis.imaging.views import View, view_geometries
 from simulators.world import WorldDescription

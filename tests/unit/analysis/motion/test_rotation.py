@@ -8,7 +8,6 @@ from scipy.spatial.transform import Rotation
 
 from analysis.motion.alignment import rotation_from_directions
 from analysis.motion.rotation import (
-    linear_rotation,
     quaternion,
     rotation_matrix,
     rotation_vector,
@@ -91,15 +90,13 @@ def scattered(number: int, rng: np.random.Generator) -> np.ndarray:
 
 
 @given(axis=axes, angle=angles, number=st.integers(3, 9), seed=st.integers(0, 1000))
-def test_exact_directions_give_their_rotation_both_ways(
+def test_exact_directions_give_their_rotation(
     axis: np.ndarray, angle: float, number: int, seed: int
 ) -> None:
     before = scattered(number, np.random.default_rng(seed))
     turn = Rotation.from_rotvec(angle * axis).as_matrix()
     after = before @ turn.T
     np.testing.assert_allclose(rotation_from_directions(before, after), turn, atol=1e-7)
-    if np.linalg.svd(before)[1][-1] > 0.1:
-        np.testing.assert_allclose(linear_rotation(before, after), turn, atol=1e-7)
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -120,11 +117,9 @@ def test_directions_in_one_plane_still_give_a_proper_rotation() -> None:
     np.testing.assert_allclose(found, turn, atol=1e-12)
 
 
-def test_noise_shears_the_thesis_matrix_but_not_the_orthogonal_one() -> None:
+def test_noise_leaves_the_rotation_orthogonal() -> None:
     rng = np.random.default_rng(1)
     before = scattered(6, rng)
     after = before @ Rotation.from_rotvec([0.0, 0.0, 0.5]).as_matrix().T
-    after = after + rng.normal(0, 0.05, after.shape)
-    free, bound = linear_rotation(before, after), rotation_from_directions(before, after)
-    assert np.abs(free @ free.T - np.eye(3)).max() > 1e-3
-    np.testing.assert_allclose(bound @ bound.T, np.eye(3), atol=1e-12)
+    found = rotation_from_directions(before, after + rng.normal(0, 0.05, after.shape))
+    np.testing.assert_allclose(found @ found.T, np.eye(3), atol=1e-12)
