@@ -3,7 +3,8 @@
 For each camera films of other balls, lights, grounds and drops are drawn, measured as `rigctl
 analyse` does, and held against the law that they were drawn with: e's error and its pull (error
 over stated error; 1 rms is right), and the same of places: as they are, and up to a shift and a
-scale, which flights do not tell. Films of `--keep` are drawn once.
+scale, which flights do not tell. Films of `--keep` are drawn once. With `--worlds` films are what
+telephones make of real rooms: H.264, exposure set anew, seams, white on bright, hands, shadows.
 """
 
 from __future__ import annotations
@@ -21,8 +22,9 @@ from analysis.balls.films.reading import film_of_shot
 from analysis.balls.flight.known import Ball
 from analysis.balls.measuring import coefficient
 from analysis.errors import ShotRefusedError
-from benchmarks.balls.filming import Scene, Truth, film
+from benchmarks.balls.filming import PLAIN, Scene, Truth, World, film
 from benchmarks.balls.scenes import KINDS, scene
+from benchmarks.balls.worlds import WORLDS, world
 
 NEAR_S = 0.03
 
@@ -63,18 +65,24 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("--films", type=int, default=4)
     parser.add_argument("--first", type=int, default=0)
-    parser.add_argument("--kinds", nargs="*", default=list(KINDS))
+    parser.add_argument("--kinds", nargs="*", choices=KINDS, default=list(KINDS))
+    parser.add_argument("--worlds", nargs="*", choices=WORLDS, help="these (none: all) instead")
     parser.add_argument("--keep", type=Path, help="folder for the films")
     asked = parser.parse_args()
     home = asked.keep or Path(tempfile.mkdtemp())
-    for kind in asked.kinds:
+    kinds = asked.kinds if asked.worlds is None else asked.worlds or list(WORLDS)
+    for kind in kinds:
         tally = Tally()
         for seed in range(asked.first, asked.first + asked.films):
-            drawn = scene(kind, seed)
+            drawn, beside = _drawn(kind, seed)
             folder = home / f"{kind.replace(' ', '')}-{seed}"
-            truth = film(folder, drawn, seed)
+            truth = film(folder, drawn, seed, beside)
             one(folder, drawn, truth, tally)
         print(f"== {kind}: {tally.told()}", flush=True)
+
+
+def _drawn(kind: str, seed: int) -> tuple[Scene, World]:
+    return world(kind, seed) if kind in WORLDS else (scene(kind, seed), PLAIN)
 
 
 def one(folder: Path, drawn: Scene, truth: Truth, tally: Tally) -> None:
@@ -91,7 +99,7 @@ def one(folder: Path, drawn: Scene, truth: Truth, tally: Tally) -> None:
         return
     seconds = time.perf_counter() - begun
     told = centres(found, truth, tally)
-    print(f"{folder.name}: {told}, {seconds:.1f} s; {'; '.join(found.notes)}")
+    print(f"{folder.name}: {told}, {seconds:.1f} s; {'; '.join(found.notes)}", flush=True)
     flights = found.measured.flights
     for bounce in range(0 if flights is None else flights.bounces):
         assert flights is not None

@@ -155,7 +155,8 @@ def _window(scene: Stage, ways: Floats, corner: NDArray[np.intp]) -> Floats:
     """Return a traced window in a black picture of the whole size."""
     side = scene.size[0]
     light = np.zeros((side, side, 3))
-    trace(scene.numbers(), scene.boxes, ways, np.zeros(side), light)
+    every = np.ones((side, side), dtype=bool)
+    trace(scene.numbers(), scene.boxes, (ways, np.zeros(side)), every, light)
     low = np.maximum(corner, 0)
     high = np.minimum(corner + side, SIZE)
     whole = np.zeros((*SIZE, 3))

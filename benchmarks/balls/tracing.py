@@ -39,6 +39,8 @@ class Stage:
         Clutter: rectangles on the wall, (x, y, half width, half height, red, green, blue).
     spots, turn
         Depth of dark spots with sharp rims on the ball, and by how much it is turned, rad.
+    seams, logo
+        Depth of two dark seams round the ball, and of a round print on it.
     """
 
     size: tuple[int, int]
@@ -60,13 +62,15 @@ class Stage:
     boxes: Floats
     spots: float = 0.0
     turn: float = 0.0
+    seams: float = 0.0
+    logo: float = 0.0
 
     def numbers(self) -> Floats:
         """Return all but the boxes in one array."""
         plain = [self.focal_px, *self.eye, self.look_down, *self.lamp, self.lamp_size]
         plain += [self.ambient, *self.ball, self.gloss, self.blotches, *self.wall]
         plain += [*self.wall_other, self.check, self.wall_z, *self.floor, self.grain]
-        plain += [self.spots, self.turn]
+        plain += [self.spots, self.turn, self.seams, self.logo]
         return np.array(plain, dtype=np.float64)
 
     def seen(self, place: Floats) -> Floats:
@@ -85,7 +89,8 @@ class Stage:
 
 
 FOCAL, EYE, LOOK, LAMP, LAMP_SIZE, AMBIENT, BALL, GLOSS, BLOTCHES = 0, 1, 4, 5, 8, 9, 10, 13, 14
-WALL, OTHER, CHECK, WALL_Z, FLOOR, GRAIN, SPOTS, TURN = 15, 18, 21, 22, 23, 26, 27, 28
+WALL, OTHER, CHECK, WALL_Z, FLOOR, GRAIN = 15, 18, 21, 22, 23, 26
+SPOTS, TURN, SEAMS, LOGO = 27, 28, 29, 30
 """Where the numbers of a stage begin."""
 FINE = 4
 """Samples of a pixel along each side."""
@@ -143,6 +148,10 @@ def _ball_colour(scene: Floats, normal: Floats, way: Floats, lamp: Floats, colou
     tone = 1.0 - scene[BLOTCHES] * (0.5 + 0.5 * _grain(x + 0.3, y - 0.2, 0.45))
     if _grain(x + 0.5 * z, y - 0.4 * z, 0.2) > 0.25:
         tone *= 1.0 - scene[SPOTS]
+    if abs(y) < 0.05 or abs(x * x - 0.35 - 0.4 * y * y) < 0.05:
+        tone *= 1.0 - scene[SEAMS]
+    if (x - 0.5) ** 2 + (y - 0.4) ** 2 < 0.09 and z < 0.0:
+        tone *= 1.0 - scene[LOGO]
     for k in range(3):
         # Light from the floor lies on its lower half.
         low = 0.25 * scene[FLOOR + k] * (0.5 - 0.5 * normal[1])
@@ -164,22 +173,80 @@ def _ground_colour(scene: Floats, boxes: Floats, point: Floats, on_floor: bool, 
             c[:] = box[4:]
 
 
+@part
+def _apart(origin: Floats, way: Floats, ball: Floats) -> tuple[float, float]:
+    """Return how far a point lies along a ray, and how far beside it."""
+    x, y, z = ball[0] - origin[0], ball[1] - origin[1], ball[2] - origin[2]
+    along = x * way[0] + y * way[1] + z * way[2]
+    square = x**2 + y**2 + z**2
+    return along, math.sqrt(max(0.0, square - along * along))
+
+
+@part
+def _ground_along(eye: Floats, way: Floats, scene: Floats) -> float:
+    """Return how far along a ray the floor or the wall is met."""
+    wall = (scene[WALL_Z] - eye[2]) / way[2] if way[2] > 0 else 1e9
+    floor = -eye[1] / way[1] if way[1] < 0 else 1e9
+    return min(wall, floor)
+
+
 @compiled
-def trace(scene: Floats, boxes: Floats, ways: Floats, delays: Floats, light: Floats) -> None:
+def near_ball(scene: Floats, ways: Floats, found: NDArray[np.bool_]) -> None:
+    """Mark pixels whose middle sees the ball, or ground from which it hides part of the lamp.
+
+    Parameters
+    ----------
+    ways
+        Some of the ball's places and its radius, which holds their distances; shape (S, 4).
+    found
+        Shape (rows, columns).
+    """
+    rows, columns = found.shape
+    c, s = math.cos(scene[LOOK]), math.sin(scene[LOOK])
+    eye, way, lamp, place = scene[EYE : EYE + 3], np.empty(3), np.empty(3), np.empty(3)
+    for i in range(rows):
+        for j in range(columns):
+            up = (0.5 * (rows - 1) - i) / scene[FOCAL]
+            right = (j - 0.5 * (columns - 1)) / scene[FOCAL]
+            way[0], way[1], way[2] = right, c * up - s, c + s * up
+            _unit(way)
+            ground = _ground_along(eye, way, scene)
+            for k in range(3):
+                place[k] = eye[k] + ground * way[k]
+                lamp[k] = scene[LAMP + k] - place[k]
+            whole = _unit(lamp)
+            for n in range(len(ways)):
+                seen, beside = _apart(eye, way, ways[n, :3])
+                hidden, aside = _apart(place, lamp, ways[n, :3])
+                half = 0.87 * scene[LAMP_SIZE] * max(0.0, hidden) / whole
+                found[i, j] |= seen > 0.0 and beside < ways[n, 3]
+                found[i, j] |= hidden > 0.0 and aside < ways[n, 3] + half
+
+
+@compiled
+def trace(
+    scene: Floats,
+    boxes: Floats,
+    path: tuple[Floats, Floats],
+    chosen: NDArray[np.bool_],
+    light: Floats,
+) -> None:
     """Add the light of one exposure, three colours a pixel.
 
     Parameters
     ----------
     scene, boxes
         Of a `Stage`.
-    ways
+    path
         Ball at each instant from the first row's exposure to the last row's, and its radius; the
-        first row's fourth number seeds the samples. Shape (S, 5).
-    delays
-        By how many instants each row is later, shape (rows,).
+        first row's fourth number seeds the samples, shape (S, 5). By how many instants each row is
+        later, shape (rows,).
+    chosen
+        Pixels to be drawn, shape (rows, columns).
     light
         Shape (rows, columns, 3).
     """
+    ways, delays = path
     rows, columns, _ = light.shape
     state = np.array([np.uint64(ways[0, 4]) * np.uint64(2654435761) + np.uint64(88172645463325252)])
     c, s = math.cos(scene[LOOK]), math.sin(scene[LOOK])
@@ -187,6 +254,8 @@ def trace(scene: Floats, boxes: Floats, ways: Floats, delays: Floats, light: Flo
     lasts = len(ways) - int(delays[rows - 1])
     for i in range(rows):
         for j in range(columns):
+            if not chosen[i, j]:
+                continue
             for n in range(FINE * FINE):
                 share = (ORDER[n] + _random(state)) / (FINE * FINE)
                 when = int(delays[i] + share * lasts)

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator
 
 import numpy as np
+from numpy.typing import NDArray
 
 from analysis.balls.films.film import FilmHead
 from analysis.balls.flight.flights import LEAST_PLACES, Flights
@@ -85,15 +86,29 @@ def _outside(measured: MeasuredBall) -> Iterator[str]:
 
 
 def _hands(measured: MeasuredBall) -> Iterator[str]:
-    """Say where the ball looks otherwise at both ends of its flights: hands let it go."""
-    chain, placed = measured.chain, measured.placed.frames
-    first, last = chain.arcs[0].frames, chain.arcs[-1].frames
-    for own in (first[first < placed[0]], last[last > placed[-1]]):
+    """Say where the ball looks otherwise at both ends of its flights: hands let it go.
+
+    Over its own shadow at the plate, and cut by the picture's border, it looks otherwise too.
+    """
+    placed = measured.placed.frames
+    first, last = measured.chain.arcs[0], measured.chain.arcs[-1]
+    for arc, out in ((first, first.frames < placed[0]), (last, last.frames > placed[-1])):
+        own = arc.frames[out & _whole(measured, arc)]
         if len(own) >= LEAST_PLACES:
             yield (
                 f"in frames {own[0]} to {own[-1]} the ball does not look as it does in the others: "
                 "a hand is at it, or something in front of it; they do not count"
             )
+
+
+def _whole(measured: MeasuredBall, arc: Arc) -> NDArray[np.bool_]:
+    """Return in which frames of an arc the ball is clear of the plate and of the border."""
+    reach = NEAR_RADII * measured.looks.radius_px
+    sides = np.array([measured.head.height, measured.head.width])
+    inside = (arc.places > reach).all(axis=1) & (arc.places < sides - reach).all(axis=1)
+    plate = measured.chain.places[:, 0]
+    apart = np.abs(arc.places[:, :1] - plate).min(axis=1, initial=np.inf)
+    return np.asarray(inside & (apart > reach))
 
 
 def _listed(frames: list[int]) -> str:

@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 from analysis.balls.carried import CarriedError, NotFlyingError, TurningError
 from analysis.balls.discs.finding import find_balls
 from analysis.balls.films.fields import refuse_combed
-from analysis.balls.films.film import Film, Picture
+from analysis.balls.films.film import Film, FilmHead, Picture, spread_frames
 from analysis.balls.flight.known import Ball
 from analysis.balls.seen.arcs import Arc, Chain, Sightings, chains, find_arcs
-from analysis.balls.seen.background import background, sample_frames
+from analysis.balls.seen.background import background
+from analysis.balls.seen.exposures import Brightness, evened
 from analysis.balls.seen.joining import joined
 from analysis.balls.seen.letting_go import flown
 from analysis.balls.seen.looks import (
@@ -28,6 +29,7 @@ from analysis.balls.seen.looks import (
     noise_of,
 )
 from analysis.balls.seen.sightings import Sight
+from analysis.balls.seen.surroundings import Surroundings
 from analysis.balls.seen.turning import turning_ball
 from analysis.errors import ShotRefusedError
 
@@ -66,6 +68,10 @@ class Search:
         Frame, row and column where the ball is seen outside its flights; shape (N, 3).
     repeated
         Frames that show the picture before them once more.
+    gains
+        Light of each frame over that of what stands still, shape (frames,).
+    about
+        The pictures about all sightings; None of a film that is held.
     """
 
     looks: Looks
@@ -74,6 +80,8 @@ class Search:
     others: tuple[tuple[Chain, bool], ...]
     unexplained: Floats
     repeated: tuple[int, ...]
+    gains: Floats
+    about: Surroundings | None
 
 
 def search(film: Film, times_s: Floats, ball: Ball) -> Search:
@@ -89,9 +97,10 @@ def search(film: Film, times_s: Floats, ball: Ball) -> Search:
         raise ShotRefusedError(
             "frames", f"{film.head.frames} frames; {LEAST_FRAMES} are needed at least"
         )
-    samples = film.chosen(sample_frames(film))
+    head = film.head
+    samples = film.chosen(spread_frames(head.frames, head.height * head.width * head.channels))
+    samples, ground = _evened(samples, head)
     shown = list(samples.values())
-    ground = background(shown)
     noise = noise_of(shown, ground)
     refuse_combed(samples, ground, noise)
     turning = turning_ball(shown, ground, noise, _radii_px(ground))
@@ -107,10 +116,9 @@ def search(film: Film, times_s: Floats, ball: Ball) -> Search:
         )
     best: Search | None = None
     refused: NotFlyingError | None = None
-    for family in groups[:MOST_FAMILIES]:
-        looks = looks_of(family, samples, ground, film.head)
-        sight = Sight(looks, ground)
-        places = [sight.find(picture).places for picture in film.pictures()]
+    sought = [looks_of(family, samples, ground, film.head) for family in groups[:MOST_FAMILIES]]
+    all_seen, gains = _seen(film, sought, samples, ground)
+    for looks, (places, about) in zip(sought, all_seen, strict=True):
         repeated = _repeated(places)
         for frame in repeated:
             places[frame] = places[frame][:0]
@@ -121,16 +129,52 @@ def search(film: Film, times_s: Floats, ball: Ball) -> Search:
         linked = [each for each in chains(arcs, looks.radius_px, fall) if _falls(each, looks, fall)]
         chain = None
         if linked:
-            chain = flown(_until_rest(linked[0], looks, fall), looks.radius_px)
+            chain = flown(_flying(linked[0], looks, fall), looks.radius_px)
         # The surest rims come first; the strengths of families are each in units of its own.
         if chain and (best is None or _frames(chain) > MUCH_MORE * _frames(best.chain)):
             others = tuple((c, _round(c, looks)) for c in linked[1:] if _beside(c, chain))
-            best = Search(looks, chain, fall, others, _unexplained(seen, linked, chain), repeated)
+            beyond = _unexplained(seen, linked, chain)
+            best = Search(looks, chain, fall, others, beyond, repeated, gains, about)
         said = f"{_way(seen, looks)}; no flight of four frames is in this film"
         refused = refused or CarriedError(said, looks, seen)
     if best is not None:
         return best
     raise refused or ShotRefusedError("flight", "nothing in this film falls")
+
+
+def _evened(samples: dict[int, Picture], head: FilmHead) -> tuple[dict[int, Picture], Picture]:
+    """Return frames as bright as one another, and what stands still in them."""
+    ground = background(list(samples.values()))
+    brightness = Brightness(ground, head)
+    values = {number: brightness.of(picture)[0] for number, picture in samples.items()}
+    if all(value == 1.0 for value in values.values()):
+        return samples, ground
+    even = {number: evened(picture, values[number]) for number, picture in samples.items()}
+    return even, background(list(even.values()))
+
+
+def _seen(
+    film: Film, sought: Sequence[Looks], samples: dict[int, Picture], ground: Picture
+) -> tuple[list[tuple[list[Floats], Surroundings | None]], Floats]:
+    """Return where each of some balls may be in each frame, and the gain of each.
+
+    The film is read once for all.
+    """
+    sights = [Sight(looks, ground) for looks in sought]
+    brightness = Brightness(ground, film.head)
+    places: list[list[Floats]] = [[] for _ in sought]
+    gains = []
+    about = [
+        None if film.may_be_held else Surroundings.new(looks.radius_px, samples) for looks in sought
+    ]
+    for number, picture in enumerate(film.pictures()):
+        values, gain = brightness.of(picture)
+        gains.append(gain)
+        for sight, own, kept in zip(sights, places, about, strict=True):
+            own.append(sight.find(picture, values).places)
+            if kept is not None:
+                kept.keep(number, picture, own[-1])
+    return list(zip(places, about, strict=True)), np.array(gains)
 
 
 def _frames(chain: Chain) -> int:
@@ -185,16 +229,22 @@ def _bend(arcs: Sequence[Arc], looks: Looks, fall: Floats) -> tuple[float, float
     return bend / weight / float(fall[0]), error / float(np.sqrt(weight) * fall[0])
 
 
-def _until_rest(chain: Chain, looks: Looks, fall: Floats) -> Chain:
-    """Return a chain up to the flight that does not bend as a fall does: the ball rests or rolls.
+def _flying(chain: Chain, looks: Looks, fall: Floats) -> Chain:
+    """Return a chain from its first flight up to the one that does not bend as a fall does.
 
-    Places of a ball at rest go through pieces of short falls, and those meet in bounces.
+    Places of a ball that is held, rests or rolls go through pieces of short falls, and those meet
+    in bounces.
     """
-    for k, arc in enumerate(chain.arcs):
-        told = _bend([arc], looks, fall)
-        if k > 0 and (told is None or told[0] < FALL_SHARE[0]):
-            return Chain(chain.arcs[:k], chain.times_s[: k - 1], chain.places[: k - 1])
-    return chain
+    first, last = 0, len(chain.arcs)
+    told = [_bend([arc], looks, fall) for arc in chain.arcs]
+    still = [each is not None and each[0] < FALL_SHARE[0] for each in told]
+    while first < last - 1 and still[first]:
+        first += 1
+    last = next((k for k in range(first + 1, last) if still[k]), last)
+    while last > first + 1 and told[last - 1] is None:
+        last -= 1
+    bounces = slice(first, last - 1)
+    return Chain(chain.arcs[first:last], chain.times_s[bounces], chain.places[bounces])
 
 
 def _beside(other: Chain, chain: Chain) -> bool:

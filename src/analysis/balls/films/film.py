@@ -19,6 +19,9 @@ Readout = Literal["rows", "columns", "global", "unknown"]
 
 HELD_BYTES = 400e6
 """Films that take no more are held once they are read; larger ones are read again when needed."""
+MOST_SAMPLES, LEAST_SAMPLES = 45, 11
+SAMPLED_BYTES = 150e6
+"""Of the frames that show what stands still."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -58,6 +61,13 @@ class FilmHead:
     notes: tuple[str, ...] = ()
 
 
+def spread_frames(frames: int, frame_bytes: int) -> list[int]:
+    """Return the numbers of frames, evenly spread, that show what stands still."""
+    most = int(min(MOST_SAMPLES, max(LEAST_SAMPLES, SAMPLED_BYTES / frame_bytes)))
+    count = min(frames, most)
+    return sorted({round(k) for k in np.linspace(0, frames - 1, count).tolist()})
+
+
 class Film(ABC):
     """Frames of one film; pictures have the shape (rows, columns, channels).
 
@@ -72,6 +82,7 @@ class Film(ABC):
     def __init__(self, path: Path, head: FilmHead) -> None:
         self.path, self.head = path, head
         self._held: list[Picture] | None = None
+        self._read_before: dict[int, Picture] = {}
 
     def pictures(self) -> Iterator[Picture]:
         """Give all frames in order; read once where they may be held."""
@@ -93,16 +104,25 @@ class Film(ABC):
             self._held = held
 
     def chosen(self, frames: Sequence[int]) -> dict[int, Picture]:
-        """Return some frames by their numbers."""
+        """Return some frames by their numbers; those that opening has read are handed on once."""
         wanted = set(frames)
+        if wanted <= self._read_before.keys():
+            return {k: self._read_before.pop(k) for k in sorted(wanted)}
         last = max(wanted, default=-1)
         found = {}
         for number, picture in enumerate(self.pictures()):
             if number in wanted:
                 found[number] = picture
-            if number >= last and self._held is not None:
+            # A film that may be held is read to its end once and never again.
+            if number >= last and (self._held is not None or not self.may_be_held):
                 break
         return found
+
+    @property
+    def may_be_held(self) -> bool:
+        """Return whether all frames fit into memory, as far as the head says."""
+        head = self.head
+        return head.frames * head.height * head.width * head.channels <= HELD_BYTES
 
     @abstractmethod
     def _read(self) -> Iterator[Picture]:

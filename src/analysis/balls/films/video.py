@@ -8,8 +8,17 @@ from typing import cast
 
 import cv2
 import numpy as np
+from cv2.typing import MatLike
 
-from analysis.balls.films.film import Film, FilmHead, Floats, Picture, Readout
+from analysis.balls.films.film import (
+    HELD_BYTES,
+    Film,
+    FilmHead,
+    Floats,
+    Picture,
+    Readout,
+    spread_frames,
+)
 from analysis.errors import InputError, counted
 from analysis.files import FrameBudget
 from analysis.imaging.files.video_file import open_video
@@ -40,8 +49,14 @@ class VideoFilm(Film):
             if first is None:
                 raise InputError(path, "holds no frame that can be read")
             FrameBudget(path).claim(first.shape)
+            self._grey = bool(np.ptp(first.astype(np.int16), axis=2).max() <= GREY_TOLERANCE)
             times = [float(video.get(cv2.CAP_PROP_POS_MSEC))]
+            known = {0: self._plain(first)}
+            every = stated * known[0].nbytes <= HELD_BYTES
+            wanted = set(spread_frames(max(stated, 1), known[0].nbytes))
             while len(times) < MOST_FRAMES and video.grab():
+                if len(times) in wanted or (every and len(times) < stated):
+                    known[len(times)] = self._plain(video.retrieve()[1])
                 times.append(float(video.get(cv2.CAP_PROP_POS_MSEC)))
         finally:
             video.release()
@@ -49,7 +64,6 @@ class VideoFilm(Film):
         if 0 < stated != len(times):
             have = f"{counted(len(times), 'frame')} can be read, the container counts {stated}"
             notes.append(f"{have}: the rest is missing or damaged")
-        self._grey = bool(np.ptp(first.astype(np.int16), axis=2).max() <= GREY_TOLERANCE)
         readout: Readout = "columns" if turned else "rows"
         super().__init__(
             path,
@@ -66,6 +80,14 @@ class VideoFilm(Film):
                 notes=tuple(notes),
             ),
         )
+        self._read_before = known
+        if len(known) == len(times):
+            self._held = [known[k] for k in range(len(times))]
+
+    def _plain(self, picture: MatLike) -> Picture:
+        """Return a picture of one channel where the film has no colours."""
+        own = picture[:, :, 1:2] if self._grey else picture
+        return cast("Picture", np.ascontiguousarray(own))
 
     def _read(self) -> Iterator[Picture]:
         video = open_video(self.path)
@@ -74,9 +96,7 @@ class VideoFilm(Film):
                 whole, picture = video.read()
                 if not whole:
                     return
-                if self._grey:
-                    picture = picture[:, :, 1:2]
-                yield cast("Picture", np.ascontiguousarray(picture))
+                yield self._plain(picture)
         finally:
             video.release()
 

@@ -8,20 +8,10 @@ from typing import cast
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.balls.films.film import Film, Picture
+from analysis.balls.films.film import Picture
 from analysis.compiled import compiled
 
-MOST_SAMPLES, LEAST_SAMPLES = 45, 11
-SAMPLED_BYTES = 150e6
-
-
-def sample_frames(film: Film) -> list[int]:
-    """Return the numbers of frames, evenly spread, that show what stands still."""
-    head = film.head
-    frame_bytes = head.height * head.width * head.channels
-    most = int(min(MOST_SAMPLES, max(LEAST_SAMPLES, SAMPLED_BYTES / frame_bytes)))
-    count = min(head.frames, most)
-    return sorted({round(k) for k in np.linspace(0, head.frames - 1, count).tolist()})
+Singles = NDArray[np.float32]
 
 
 def background(samples: list[Picture]) -> Picture:
@@ -31,25 +21,24 @@ def background(samples: list[Picture]) -> Picture:
     return cast("Picture", _medians(flat).reshape(stacked.shape[1:]))
 
 
-def background_without(samples: Sequence[Picture], hidden: Sequence[NDArray[np.bool_]]) -> Picture:
+def background_without(samples: Sequence[Singles], hidden: Sequence[NDArray[np.bool_]]) -> Singles:
     """Return the median of some frames where none of them shows the ball.
 
     Parameters
     ----------
+    samples
+        Light of each, shape (rows, columns).
     hidden
-        Of each frame, where the ball is; shape (rows, columns). A pixel that it hides in all keeps
-        the median of all.
+        Of each, where the ball is; shape (rows, columns). A pixel that it hides in all keeps the
+        median of all.
     """
-    stacked = cast("Picture", np.stack(samples))
-    mask = np.stack(hidden)
-    channels = stacked.shape[3]
-    flat = stacked.reshape(len(samples), -1)
-    wide = np.repeat(mask.reshape(len(samples), -1), channels, axis=1)
-    return cast("Picture", _seen_medians(flat, wide).reshape(stacked.shape[1:]))
+    flat = np.stack(samples).reshape(len(samples), -1)
+    mask = np.stack(hidden).reshape(len(samples), -1)
+    return np.asarray(_seen_medians(flat, mask).reshape(samples[0].shape))
 
 
 @compiled
-def _seen_medians(values: Picture, hidden: NDArray[np.bool_]) -> Picture:
+def _seen_medians(values: Singles, hidden: NDArray[np.bool_]) -> Singles:
     """Return the upper median of what is not hidden in each column; of all where all is."""
     count, width = values.shape
     found = np.empty(width, values.dtype)

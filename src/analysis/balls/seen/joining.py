@@ -16,11 +16,14 @@ LEAST_WHOLE = 4
 LEAST_AWAY = 3
 """Frames that a ball is out of the picture; a shorter gap is none to the search for arcs."""
 
+LEAST_BEND, MOST_BEND = 0.5, 2.0
+"""Of a fall's bend: what two pieces of one flight have together."""
+
 
 def joined(
     arcs: Sequence[Arc], radius_px: float, fall: Floats, shape: tuple[int, int]
 ) -> list[Arc]:
-    """Return arcs in order of time, those put together that one free fall outside links.
+    """Return arcs in order of time, those put together through which one free fall goes.
 
     Parameters
     ----------
@@ -48,8 +51,9 @@ def joined(
 
 
 def _one(a: Arc, b: Arc, radius_px: float, fall: Floats, shape: tuple[int, int]) -> bool:
-    """Return whether one fall goes through both and is out of the picture between them."""
-    if b.frames[0] <= a.frames[-1] + LEAST_AWAY:
+    """Return whether one fall goes through both, with nothing or the picture's border between."""
+    missed = int(b.frames[0] - a.frames[-1])
+    if missed < 1:
         return False
     # Of a ball that is partly outside something else than its centre is seen.
     whole_a, whole_b = (_inside(arc.places, radius_px, shape) for arc in (a, b))
@@ -67,7 +71,11 @@ def _one(a: Arc, b: Arc, radius_px: float, fall: Floats, shape: tuple[int, int])
     tolerance = TOLERANCE_RADII * radius_px + TOLERANCE_PX
     if np.hypot(*(places - course).T).max() > tolerance:
         return False
-    if abs(row[2] / fall[0] - 1.0) > FALL_SIGMA:
+    bend = float(row[2] / fall[0])
+    if missed <= LEAST_AWAY:
+        # Sightings jump where the ground behind the ball changes; a bounce bends the other way.
+        return LEAST_BEND < bend < MOST_BEND
+    if abs(bend - 1.0) > FALL_SIGMA:
         return False
     away = 0.5 * (a.times_s[-1] + b.times_s[0]) - middle
     at = row @ [1.0, away, 0.5 * away**2], column @ [1.0, away]

@@ -21,9 +21,11 @@ from analysis.balls.seen.photometry import (
     cover,
     fit_place,
 )
+from analysis.balls.seen.surroundings import Box, Surroundings
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.intp]
+Singles = NDArray[np.float32]
 
 MARGIN_RADII = 0.35
 MARGIN_PX = 6.0
@@ -44,8 +46,14 @@ LEAST_MISFIT, MOST_MISFIT = 1e-12, 10.0
 """Sum of squares that a fit leaves, and how many times its least one frame counts for at most."""
 FURTHEST_RADII = 0.8
 """A fit that has moved further from where the ball was seen is none."""
+MOST_GROUNDS = 60
+"""Half of the frames, at most, that tell what stands still."""
 SATURATED = 0.998
 """Of the largest value of the file's kind."""
+
+
+_Cuts = tuple[dict[int, Picture], dict[int, Picture]]
+"""The ball's surroundings in each frame, and in some frames the part where it is in any."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -100,48 +108,95 @@ class Placed:
         return Placed(self.frames[chosen], *(each[chosen] for each in parts))
 
 
-def cut_windows(film: Film, looks: Looks, motion: Motion, exposure_s: float) -> list[Window]:
-    """Return the surroundings of the ball in each frame; the film is read once.
+@dataclass(frozen=True, slots=True, eq=False)
+class Seen:
+    """What the search has seen of a film.
 
-    What stands still is learned again from frames in which the ball is elsewhere.
+    Attributes
+    ----------
+    gains
+        Light of each frame over that of what stands still, shape (frames,); None: all alike.
+    about
+        What it has kept of the pictures; None: nothing.
     """
-    order = {int(frame): k for k, frame in enumerate(motion.frames)}
-    boxes = [_box(film.head, looks, motion, k, exposure_s) for k in range(len(motion.frames))]
-    top, left = (min(box[i] for box in boxes) for i in (0, 1))
-    bottom, right = (max(box[i] for box in boxes) for i in (2, 3))
-    cuts: dict[int, Picture] = {}
-    samples: list[Picture] = []
-    hidden: list[NDArray[np.bool_]] = []
-    every = max(1, film.head.frames // MOST_GROUNDS)
-    for number, picture in enumerate(film.pictures()):
-        k = order.get(number)
-        if k is not None:
-            a, b, c, d = boxes[k]
-            cuts[number] = picture[a:c, b:d].copy()
-        if number % every == 0:
-            samples.append(picture[top:bottom, left:right].copy())
-            mask = np.zeros((bottom - top, right - left), dtype=bool)
-            if k is not None:
-                a, b, c, d = boxes[k]
-                mask[a - top : c - top, b - left : d - left] = True
-            hidden.append(mask)
-    ground = background_without(samples, hidden)
-    still = _channel(ground, looks, film.head)
+
+    gains: Floats | None = None
+    about: Surroundings | None = None
+
+
+NOTHING = Seen()
+
+
+def cut_windows(
+    film: Film, looks: Looks, motion: Motion, exposure_s: float, known: Seen = NOTHING
+) -> list[Window]:
+    """Return the surroundings of the ball in each frame, all as bright as one another.
+
+    The film is read once more, but where the search has kept all that is needed. What stands still
+    is learned again from frames in which the ball is elsewhere.
+    """
+    boxes = {
+        int(frame): _box(film.head, looks, motion, k, exposure_s)
+        for k, frame in enumerate(motion.frames)
+    }
+    sides = np.array(list(boxes.values()))
+    top, left, bottom, right = (*sides[:, :2].min(axis=0), *sides[:, 2:].max(axis=0))
+    whole = int(top), int(left), int(bottom), int(right)
+    cuts, samples = _kept(boxes, whole, known.about) or _read(film, boxes, whole)
+
+    def shown(number: int, picture: Picture) -> Singles:
+        gain = 1.0 if known.gains is None else float(known.gains[number])
+        return np.asarray(_channel(picture, looks, film.head) / gain, dtype=np.float32)
+
+    hidden = [_hidden(whole, boxes.get(number)) for number in samples]
+    still = background_without([shown(*each) for each in samples.items()], hidden)
     windows = []
     for number, cut in cuts.items():
-        a, b, c, d = boxes[order[number]]
+        a, b, c, d = boxes[number]
         behind = still[a - top : c - top, b - left : d - left]
-        light_and_ground = _channel(cut, looks, film.head), behind
-        windows.append(_window(number, (a, b), cut, light_and_ground))
+        windows.append(_window(number, (a, b), cut, (shown(number, cut), behind)))
     return windows
 
 
-MOST_GROUNDS = 60
+def _kept(boxes: dict[int, Box], whole: Box, about: Surroundings | None) -> _Cuts | None:
+    """Return each frame's box, and samples of all boxes together; None where some were not kept."""
+    if about is None:
+        return None
+    cuts: dict[int, Picture] = {}
+    for number, box in boxes.items():
+        cut = about.cut(number, box)
+        if cut is None:
+            return None
+        cuts[number] = cut
+    return cuts, {number: _of(picture, whole) for number, picture in about.samples.items()}
 
 
-def _box(
-    head: FilmHead, looks: Looks, motion: Motion, k: int, exposure_s: float
-) -> tuple[int, int, int, int]:
+def _read(film: Film, boxes: dict[int, Box], whole: Box) -> _Cuts:
+    cuts: dict[int, Picture] = {}
+    samples: dict[int, Picture] = {}
+    every = max(1, film.head.frames // MOST_GROUNDS)
+    for number, picture in enumerate(film.pictures()):
+        if number in boxes:
+            cuts[number] = _of(picture, boxes[number]).copy()
+        if number % every == 0:
+            samples[number] = _of(picture, whole).copy()
+    return cuts, samples
+
+
+def _of(picture: Picture, box: Box) -> Picture:
+    return picture[box[0] : box[2], box[1] : box[3]]
+
+
+def _hidden(whole: Box, box: Box | None) -> NDArray[np.bool_]:
+    """Return where the ball's own box lies in the box of all."""
+    top, left, bottom, right = whole
+    mask = np.zeros((bottom - top, right - left), dtype=bool)
+    if box is not None:
+        mask[box[0] - top : box[2] - top, box[1] - left : box[3] - left] = True
+    return mask
+
+
+def _box(head: FilmHead, looks: Looks, motion: Motion, k: int, exposure_s: float) -> Box:
     reach = looks.radius_px * (1 + MARGIN_RADII) + MARGIN_PX
     reach_both = reach + 0.5 * exposure_s * np.abs(motion.speeds[k])
     low = np.floor(motion.places[k] - reach_both).astype(int)
@@ -159,12 +214,12 @@ def _channel(picture: Picture, looks: Looks, head: FilmHead) -> Floats:
 
 
 def _window(
-    frame: int, corner: tuple[int, int], cut: Picture, light_and_ground: tuple[Floats, Floats]
+    frame: int, corner: tuple[int, int], cut: Picture, light_and_ground: tuple[Singles, Singles]
 ) -> Window:
     most = SATURATED * np.iinfo(cut.dtype).max
     weight = (cut.max(axis=2) < most).astype(np.float64)
     layers = [*light_and_ground, weight, np.zeros(weight.shape)]
-    return Window(frame, *corner, np.stack(layers))
+    return Window(frame, *corner, np.stack(layers).astype(np.float64))
 
 
 @dataclass(slots=True, eq=False)
@@ -187,6 +242,7 @@ class Placer:
     blur_px: float
     exposure_s: float
     table: Floats
+    _exposure_told: bool = False
 
     @classmethod
     def new(cls, radius_px: float, exposure_s: float) -> Placer:
@@ -246,8 +302,12 @@ class Placer:
             self.exposure_s = exposure
             return self._misfits(chosen, motion)
 
-        tried = [share * period_s for share in EXPOSURES]
-        self.exposure_s = _least(_together(misfits, tried), tried)
+        whole = [share * period_s for share in EXPOSURES]
+        near = _about(whole, self.exposure_s) if self._exposure_told else whole
+        found = _least(_together(misfits, near), near)
+        if found in (near[0], near[-1]) and found not in (whole[0], whole[-1]):
+            found = _least(_together(misfits, whole), whole)
+        self.exposure_s, self._exposure_told = found, True
         return self.exposure_s, TOLD_SMEAR_PX / fastest / np.sqrt(min(len(chosen), FAST_FRAMES))
 
     def _by_speed(self, windows: Sequence[Window], motion: Motion) -> list[Window]:
@@ -314,6 +374,14 @@ class Placer:
             pose = np.array([*place, *shape, *(self.exposure_s * motion.speeds[k])])
             found.append((window, fit_place(window.pixels, pose, self.table), pose))
         return found
+
+
+def _about(tried: Sequence[float], value: float) -> list[float]:
+    """Return the values next to one, itself among them: where it is sought again."""
+    k = int(np.searchsorted(tried, value))
+    own = k < len(tried) and tried[k] == value
+    above = tried[k + own : k + own + 2 - (k > 0)]
+    return [*tried[max(0, k - 1) : k], value, *above]
 
 
 def _together(

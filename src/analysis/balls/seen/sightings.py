@@ -60,9 +60,15 @@ class Sight:
             small = np.atleast_3d(cv2.resize(sparse, self._size, interpolation=cv2.INTER_AREA))
         return np.asarray(small.astype(np.float32) @ self._weights, dtype=np.float32)
 
-    def find(self, picture: Picture) -> Sightings:
-        """Return where something of the ball's size and colour differs from the ground."""
-        difference = np.clip(self._small(picture) - self._ground, *CLIP)
+    def find(self, picture: Picture, brighter: float = 1.0) -> Sightings:
+        """Return where something of the ball's size and colour differs from the ground.
+
+        Parameters
+        ----------
+        brighter
+            The picture's values over those of what stands still.
+        """
+        difference = np.clip(self._small(picture) / brighter - self._ground, *CLIP)
         border = cv2.BORDER_CONSTANT
         filtered = cv2.filter2D(difference, cv2.CV_32F, self._kernel, borderType=border)
         response = np.asarray(filtered, dtype=np.float32)

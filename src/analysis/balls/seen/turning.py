@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from analysis.balls.discs.finding import DOUBTFUL, Disc, find_balls
 from analysis.balls.films.film import Picture
-from analysis.balls.seen.looks import CHANGED_SIGMAS
+from analysis.balls.seen.looks import CHANGED_SIGMAS, changes_of
 
 Ints = NDArray[np.intp]
 
@@ -40,8 +40,7 @@ def turning_ball(
     """
     counts = np.zeros(ground.shape[:2], dtype=np.intp)
     for sample in samples:
-        apart = np.maximum(sample, ground) - np.minimum(sample, ground)
-        counts += apart.max(axis=2) > CHANGED_SIGMAS * noise
+        counts += changes_of(sample, ground) > CHANGED_SIGMAS * noise
     staying = counts >= max(2.0, STAYING * len(samples))
     changes = int(counts.sum())
     if changes < LEAST_CHANGES or counts[staying].sum() < LEAST_STAYING * changes:

@@ -1,0 +1,70 @@
+"""What a search keeps of a film that is too large for memory: the pictures about all sightings.
+
+To decode a film of 1920 x 1080 pixels once more takes longer than all else that is done with it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.balls.films.film import HELD_BYTES, Picture
+
+Floats = NDArray[np.float64]
+Box = tuple[int, int, int, int]
+"""First row, first column, and those after the last."""
+
+REACH_RADII, REACH_PX = 2.4, 8.0
+"""About a sighting: the ball, what its fit needs of the ground, and a smear of two radii."""
+
+
+@dataclass(slots=True, eq=False)
+class Surroundings:
+    """Parts of pictures about sightings.
+
+    Attributes
+    ----------
+    samples
+        Whole pictures of some frames by their numbers.
+    reach_px
+        From a sighting to the border of what is kept.
+    parts
+        Of each frame, the box and the pixels of each sighting.
+    room
+        Bytes that may still be kept; negative where some sightings are not.
+    """
+
+    samples: dict[int, Picture]
+    reach_px: int
+    parts: dict[int, list[tuple[Box, Picture]]]
+    room: float
+
+    @classmethod
+    def new(cls, radius_px: float, samples: dict[int, Picture]) -> Surroundings:
+        """Return what is kept of a ball of this radius before a film is read."""
+        return cls(samples, round(REACH_RADII * radius_px + REACH_PX), {}, HELD_BYTES)
+
+    def keep(self, frame: int, picture: Picture, places: Floats) -> None:
+        """Keep a picture's parts about places (row, column, ...), shape (N, 3)."""
+        rows, columns = picture.shape[:2]
+        for row, column in np.rint(places[:, :2]).astype(int).tolist():
+            if self.room < 0:
+                return
+            box = (
+                max(0, row - self.reach_px),
+                max(0, column - self.reach_px),
+                min(rows, row + self.reach_px + 1),
+                min(columns, column + self.reach_px + 1),
+            )
+            part = picture[box[0] : box[2], box[1] : box[3]].copy()
+            self.room -= part.nbytes
+            self.parts.setdefault(frame, []).append((box, part))
+
+    def cut(self, frame: int, box: Box) -> Picture | None:
+        """Return a box of a frame; None where it was not kept whole."""
+        for (top, left, bottom, right), part in self.parts.get(frame, []):
+            if top <= box[0] and left <= box[1] and box[2] <= bottom and box[3] <= right:
+                return part[box[0] - top : box[2] - top, box[1] - left : box[3] - left]
+        return None
