@@ -82,18 +82,18 @@ def _exposed(drawn: Scene, rng: np.random.Generator) -> tuple[Scene, World]:
 
 
 def _seamed(drawn: Scene, rng: np.random.Generator) -> tuple[Scene, World]:
-    stage, *rest = drawn
+    stage, drop, camera, frames = drawn
     stage = replace(stage, seams=rng.uniform(0.5, 0.8), logo=rng.uniform(0.5, 0.9))
     stage = replace(stage, turn=rng.uniform(0, 6))
-    return (stage, *rest), replace(_coded(rng), spin=rng.uniform(-12.0, 12.0))
+    return (stage, drop, camera, frames), replace(_coded(rng), spin=rng.uniform(-12.0, 12.0))
 
 
 def _white(drawn: Scene, rng: np.random.Generator) -> tuple[Scene, World]:
-    stage, *rest = drawn
+    stage, drop, camera, frames = drawn
     tone = rng.uniform(0.6, 0.75) * rng.uniform(0.95, 1.0, 3)
     ball = rng.uniform(0.88, 0.96) * rng.uniform(0.97, 1.0, 3)
-    own = {"ball": ball, "wall": tone, "wall_other": 0.95 * tone, "boxes": np.zeros((0, 7))}
-    return (replace(stage, **own), *rest), _coded(rng)
+    stage = replace(stage, ball=ball, wall=tone, wall_other=0.95 * tone, boxes=np.zeros((0, 7)))
+    return (stage, drop, camera, frames), _coded(rng)
 
 
 def _held(drawn: Scene, rng: np.random.Generator) -> tuple[Scene, World]:
@@ -109,11 +109,11 @@ def _held(drawn: Scene, rng: np.random.Generator) -> tuple[Scene, World]:
 
 def _shadowed(drawn: Scene, rng: np.random.Generator) -> tuple[Scene, World]:
     """Let a small lamp throw a hard shadow on a near wall."""
-    stage, drop, *rest = drawn
+    stage, drop, camera, frames = drawn
     lamp = np.array([rng.choice([-1.0, 1.0]) * rng.uniform(0.5, 1.5), rng.uniform(0.8, 1.8), -1.5])
     near = rng.uniform(1.2, 2.2) * drop.diameter
-    own = {"lamp": lamp, "lamp_size": 0.05, "ambient": rng.uniform(0.1, 0.25), "wall_z": near}
-    return (replace(stage, **own), drop, *rest), _coded(rng)
+    stage = replace(stage, lamp=lamp, lamp_size=0.05, ambient=rng.uniform(0.1, 0.25), wall_z=near)
+    return (stage, drop, camera, frames), _coded(rng)
 
 
 WORLDS = {

@@ -98,8 +98,8 @@ def search(film: Film, times_s: Floats, ball: Ball) -> Search:
             "frames", f"{film.head.frames} frames; {LEAST_FRAMES} are needed at least"
         )
     head = film.head
-    samples = film.chosen(spread_frames(head.frames, head.height * head.width * head.channels))
-    samples, ground = _evened(samples, head)
+    read = film.chosen(spread_frames(head.frames, head.height * head.width * head.channels))
+    samples, ground = _evened(read, head)
     shown = list(samples.values())
     noise = noise_of(shown, ground)
     refuse_combed(samples, ground, noise)
@@ -117,7 +117,7 @@ def search(film: Film, times_s: Floats, ball: Ball) -> Search:
     best: Search | None = None
     refused: NotFlyingError | None = None
     sought = [looks_of(family, samples, ground, film.head) for family in groups[:MOST_FAMILIES]]
-    all_seen, gains = _seen(film, sought, samples, ground)
+    all_seen, gains = _seen(film, sought, read, ground)
     for looks, (places, about) in zip(sought, all_seen, strict=True):
         repeated = _repeated(places)
         for frame in repeated:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import cast
+
 import numpy as np
 
 from analysis.balls.films.film import FilmHead, Picture
@@ -57,4 +59,4 @@ def evened(picture: Picture, values: float) -> Picture:
         return picture
     most = np.iinfo(picture.dtype).max
     even = np.rint(picture.astype(np.float32) / values)
-    return np.asarray(np.clip(even, 0, most), dtype=picture.dtype)
+    return cast("Picture", np.clip(even, 0, most).astype(picture.dtype))

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
+from typing import cast
 
 import cv2
 import numpy as np
@@ -113,7 +114,7 @@ def changes_of(picture: Picture, ground: Picture) -> Picture:
     """Return by how much each pixel differs, in the channel that does most; (rows, columns)."""
     apart = np.atleast_3d(cv2.absdiff(picture, ground))
     # Channel by channel: numpy takes the largest of three neighbours ten times as slowly.
-    return np.asarray(reduce(np.maximum, cv2.split(apart)), dtype=picture.dtype)
+    return cast("Picture", reduce(np.maximum, cv2.split(apart)))
 
 
 def _changed(changed: NDArray[np.bool_], low: float) -> list[tuple[slice, slice]]:

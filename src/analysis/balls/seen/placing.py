@@ -139,9 +139,9 @@ def cut_windows(
         int(frame): _box(film.head, looks, motion, k, exposure_s)
         for k, frame in enumerate(motion.frames)
     }
-    sides = np.array(list(boxes.values()))
-    top, left, bottom, right = (*sides[:, :2].min(axis=0), *sides[:, 2:].max(axis=0))
-    whole = int(top), int(left), int(bottom), int(right)
+    top, left = (min(box[side] for box in boxes.values()) for side in (0, 1))
+    bottom, right = (max(box[side] for box in boxes.values()) for side in (2, 3))
+    whole = top, left, bottom, right
     cuts, samples = _kept(boxes, whole, known.about) or _read(film, boxes, whole)
 
     def shown(number: int, picture: Picture) -> Singles:
