@@ -49,7 +49,7 @@ NEAR_RADII = 0.5
 SEEN_RADII, SEEN_PX = 0.03, 0.3
 """Error of a place as seen first."""
 STEADY_RADII = 0.5
-"""A ball that stays within so many radii for the whole film is not in flight."""
+"""A ball that stays within so many radii for all its frames is not in flight."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -238,13 +238,18 @@ def _flying(chain: Chain, looks: Looks, fall: Floats) -> Chain:
     first, last = 0, len(chain.arcs)
     told = [_bend([arc], looks, fall) for arc in chain.arcs]
     still = [each is not None and each[0] < FALL_SHARE[0] for each in told]
-    while first < last - 1 and still[first]:
+    while first < last - 1 and still[first] and _stays(chain.arcs[first], looks):
         first += 1
     last = next((k for k in range(first + 1, last) if still[k]), last)
     while last > first + 1 and told[last - 1] is None:
         last -= 1
     bounces = slice(first, last - 1)
     return Chain(chain.arcs[first:last], chain.times_s[bounces], chain.places[bounces])
+
+
+def _stays(arc: Arc, looks: Looks) -> bool:
+    """Return whether a ball hardly moves in an arc, as one that is held."""
+    return float(np.ptp(arc.places, axis=0).max()) < STEADY_RADII * looks.radius_px
 
 
 def _beside(other: Chain, chain: Chain) -> bool:
