@@ -127,6 +127,12 @@ def test_a_yes_to_what_was_not_done_is_refused(fresh: RealRig) -> None:
     assert "pulses" in missing(fresh)
 
 
+def test_a_step_that_is_left_stays_asked_for_and_the_walk_goes_on(fresh: RealRig) -> None:
+    walked = fresh.command("commission", "--person", "Anna Berg", typed="\nl\n")
+    assert "2 of" in walked.stdout
+    assert missing(fresh)[0] == "supply"
+
+
 def test_the_walk_by_command_stops_at_a_no_and_goes_on_there(fresh: RealRig) -> None:
     typed = "\ny\n" + "\nn\nthe lamp stays on\n"
     assert missing(fresh)[0] == "supply"

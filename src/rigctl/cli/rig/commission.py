@@ -16,7 +16,7 @@ from rigctl.commissioning.record_file import read_record, write_record
 from rigctl.config import load
 from rigctl.errors import RefusedError, SettingsError
 
-_WAYS = "y yes, n no, r do it again, q end here"
+_WAYS = "y yes, n no, r do it again, l leave it asked for, q end here"
 
 
 def commission(
@@ -110,7 +110,9 @@ def _ask(daemon: ServiceClient, step: Mapping[str, Any], people: list[str]) -> b
             f"step '{name}' is not as it must be: {seen}",
             todo="put it right, then run `rigctl commission` again: it goes on at this step",
         )
-    return False
+    if word == "l":
+        typer.echo("  left: it stays asked for")
+    return word == "l"
 
 
 def _list(found: Mapping[str, Any]) -> None:
