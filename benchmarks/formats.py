@@ -145,11 +145,15 @@ def main() -> None:
     """Print one line for each format."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--shots", type=int, default=6)
-    shots = parser.parse_args().shots
+    parser.add_argument("--only", help="one format, as 1000x1: frames a second x pictures a frame")
+    asked = parser.parse_args()
+    shots = asked.shots
     print(
         "frames/s x pictures  rows  px/ball  measured  e: off/sigma, sigma  beta: off/sigma, sigma"
     )
     for recorded in FORMATS:
+        if asked.only not in {None, f"{recorded.rate}x{recorded.pictures}"}:
+            continue
         found = measure(recorded, shots)
         told = [errors(found, name) for name in ("e", "beta")]
         print(

@@ -82,12 +82,9 @@ LEAST_FACING = 0.4
 MOST_PLACE, MOST_TURN_RAD = 0.2, 0.1
 """Errors, in radii and radians, beyond which a coordinate or a turn counts as not measured."""
 CONSTANT_Z_SIGMA_M = 1e-6
-SHARED_PX = 0.002
-"""What light and learned look leave in all flights of a campaign alike, about this much; in light
-that the shading does not follow at the limb, `Appearance.limb_px` on top."""
 ORDINARY_LIMB_PX = 0.025
 """In even light outline and markers differ by up to this much and no track shows it: shadows are
-beyond it now and then, gloss is by ten times."""
+beyond it now and then, gloss is by ten times. What is beyond adds to both slow errors."""
 
 
 def tracking_of(film: Film, known: Appearance, times_s: Floats, gravity: float) -> Tracking:
@@ -124,7 +121,7 @@ def tracking_of(film: Film, known: Appearance, times_s: Floats, gravity: float) 
         markers=(markers[0][0], markers[1][0]),
         marker_angle=(known.spheres[0].alpha + known.spheres[1].alpha) / 2,
         filter_sigma_px=float(np.sqrt(slow_px / CENTRE_DRIFT_PER_SIGMA2)),
-        shared_px=float(np.sqrt(SHARED_PX**2 + beyond)),
+        shared_px=float(np.sqrt(known.shared_px**2 + beyond)),
         radii=radii,
         scales_px_per_m={
             v: float(s) for v, s in zip(known.camera.views, optics.scales, strict=True)

@@ -31,7 +31,12 @@ from analysis.motion.turning import turned
 from analysis.motion.velocity import DOWN
 from analysis.photometric.birge_ratio import birge_ratios
 from analysis.photometric.follow.film import Film
-from analysis.photometric.learn.appearance import PRIOR_SLOW_PX, Appearance
+from analysis.photometric.learn.appearance import (
+    LONE_SHARED_PX,
+    PRIOR_SLOW_PX,
+    SHARED_PX,
+    Appearance,
+)
 from analysis.photometric.result import centres_of, markers_of, orientations_of
 
 Floats = NDArray[np.float64]
@@ -51,7 +56,12 @@ STEADY = 1e-9
 def sized(films: Sequence[Film], known: Appearance) -> Appearance:
     """Return an appearance with the slow error that films measured with it show."""
     seen = [own for film in films if (own := _film_evidence(film, known)) is not None]
-    return replace(known, slow_px=slow_size_px(seen))
+    return replace(known, slow_px=slow_size_px(seen), shared_px=shared_size_px(len(films)))
+
+
+def shared_size_px(films: int) -> float:
+    """Return what all flights share where so many films taught, px."""
+    return max(SHARED_PX, LONE_SHARED_PX / max(films, 1))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -30,6 +30,7 @@ def lesson(darkness: float) -> Appearance:
         "camera_sigma": (0.0, 0.0),
         "limb_px": 0.0,
         "slow_px": 0.0,
+        "shared_px": 0.0,
         "smear_px2": np.zeros(2),
     }
     own = {name: numbers[name] for name in Appearance.__slots__ if name in numbers}

@@ -14,7 +14,12 @@ from analysis.imaging.views import View
 from analysis.motion.rotation import rotation_matrix, rotation_vector
 from analysis.photometric.follow.film import Film
 from analysis.photometric.follow.visibility import drop_unseen
-from analysis.photometric.learn.appearance import PRIOR_SLOW_PX, Appearance, Sphere
+from analysis.photometric.learn.appearance import (
+    LONE_SHARED_PX,
+    PRIOR_SLOW_PX,
+    Appearance,
+    Sphere,
+)
 from analysis.photometric.learn.relief import nodes_for
 from analysis.photometric.learn.shared import BENDS
 from analysis.photometric.render.camera import Camera, camera_of
@@ -166,6 +171,7 @@ def first_film(
         camera_sigma=(math.inf,) * (len(views) + BENDS),
         limb_px=0.0,
         slow_px=PRIOR_SLOW_PX,
+        shared_px=LONE_SHARED_PX,
         smear_px2=np.zeros(len(views)),
     )
     return film, known

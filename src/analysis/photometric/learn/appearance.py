@@ -16,6 +16,12 @@ from analysis.photometric.render.surface import draw
 Floats = NDArray[np.float64]
 
 KEPT_LOOKS = 8
+SHARED_PX = 0.002
+"""What light and learned look leave in all flights of a campaign alike, about this much."""
+LONE_SHARED_PX = 0.006
+"""The same where one film taught: between the spheres 3 um in X and 7 um in Z, rms of six shots of
+the simulated rig, where six films leave 1.4 um (decision 0035). It falls faster than the root of
+their number."""
 PRIOR_SLOW_PX = 0.0016
 """Of outlines in one flight, before any scatter is known: renderers that share nothing leave 0.001
 and 0.003 (docs/decisions/0035-slow-errors-by-campaign.md)."""
@@ -72,6 +78,8 @@ class Appearance:
         model. It shifts an outline by as much. 0 where markers do not determine the radius.
     slow_px
         Slow error of an outline's place in one flight (`slow_size.slow_size_px`).
+    shared_px
+        The same of what all flights measured with it share (`slow_size.shared_size_px`).
     smear_px2
         Variance that motion during the exposure added to the blur of the frames that taught, as
         far as it is round (`smear.round_variance`), shape (V,).
@@ -84,6 +92,7 @@ class Appearance:
     camera_sigma: tuple[float, ...]
     limb_px: float
     slow_px: float
+    shared_px: float
     smear_px2: Floats
 
     def smeared(self) -> Appearance:

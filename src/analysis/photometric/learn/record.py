@@ -19,7 +19,7 @@ from analysis.photometric.render.camera import Camera, Optics
 
 Floats = NDArray[np.float64]
 
-FORMAT = 4
+FORMAT = 5
 SPHERES = ("a", "b")
 OWN = tuple(f.name for f in fields(Appearance) if f.name not in {"camera", "spheres"})
 """Numbers that are the pair's own."""
