@@ -76,6 +76,14 @@ def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
     running.end()
 
 
+@pytest.fixture(scope="session")
+def shared(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
+    """Serve modules that mind no shots and no fits of each other: a start costs some seconds."""
+    running = Served.start(tmp_path_factory.mktemp("shared"))
+    yield running
+    running.end()
+
+
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
     """Launch it for one module: while it is open, no other test can run an event loop."""

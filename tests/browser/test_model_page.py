@@ -163,6 +163,12 @@ def challenge(folder: Path, seed: str) -> Path:
     return folder
 
 
+def known_challenge(served: Served) -> Path:
+    """Return the folder of a challenge that is made, and fitted, once for a daemon."""
+    folder = served.folder / "known"
+    return folder if folder.exists() else challenge(folder, SEED)
+
+
 def error_now(page: Page) -> float:
     """Return the error on shots left out that the page shows."""
     words = page.get_by_test_id("error-now").inner_text()

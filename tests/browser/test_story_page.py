@@ -5,10 +5,11 @@ from __future__ import annotations
 import re
 from urllib.parse import quote
 
+import pytest
 from playwright.sync_api import Page, expect
 
 from tests.browser.conftest import Served
-from tests.browser.test_model_page import HIDDEN, LONG_MS, SEED, challenge, error_now
+from tests.browser.test_model_page import HIDDEN, LONG_MS, error_now, known_challenge
 
 MOVED = """(slider, share) => {
   const best = Number(slider.dataset.best);
@@ -32,8 +33,14 @@ FIRST_DOT = """(part) => {
 }"""
 
 
+@pytest.fixture(scope="module")
+def served(shared: Served) -> Served:
+    """Take the daemon of other modules."""
+    return shared
+
+
 def test_a_hidden_effect_is_moved_added_and_kept_by_a_reload(page: Page, served: Served) -> None:
-    folder = challenge(served.folder / "told", SEED)
+    folder = known_challenge(served)
     sent: list[str] = []
     page.on("websocket", lambda socket: socket.on("framesent", lambda text: sent.append(str(text))))
     page.goto(f"{served.url}/model?folder={quote(str(folder))}")

@@ -5,14 +5,21 @@ from __future__ import annotations
 import re
 from urllib.parse import quote
 
+import pytest
 from playwright.sync_api import Page, expect
 
 from tests.browser.conftest import Served
-from tests.browser.test_model_page import LONG_MS, SEED, challenge
+from tests.browser.test_model_page import LONG_MS, known_challenge
+
+
+@pytest.fixture(scope="module")
+def served(shared: Served) -> Served:
+    """Take the daemon of other modules."""
+    return shared
 
 
 def test_a_long_wait_says_how_far_it_is_and_is_cancelled(page: Page, served: Served) -> None:
-    folder = challenge(served.folder / "waited", SEED)
+    folder = known_challenge(served)
     page.goto(f"{served.url}/model?folder={quote(str(folder))}")
     page.get_by_test_id("amount").wait_for(timeout=LONG_MS)
     told = page.get_by_test_id("story-compare").inner_text()

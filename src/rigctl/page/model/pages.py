@@ -61,6 +61,10 @@ class ModelView:
             self._next = NextShots(desk, self._state)
             told = self._steps.look_at if isinstance(self._steps, Story) else None
             ChallengePanel(self._state, told)
+        if self._state.present is not None:
+            # Known from before: no answer will come that has it drawn.
+            self._rest = True
+            guide.over()
         following(LOOK_S, self._follow)
 
     def _follow(self) -> None:
