@@ -7,7 +7,6 @@ sight a ball is, one view does not tell.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -16,7 +15,6 @@ from numpy.typing import NDArray
 from analysis.balls.flight import path
 from analysis.balls.flight.flights import Flights
 from analysis.balls.measuring import MeasuredBall, coefficient
-from analysis.exchange.pose_table import PoseRow
 
 Json = dict[str, Any]
 Floats = NDArray[np.float64]
@@ -72,15 +70,6 @@ def _slow(measured: MeasuredBall, flights: Flights, bounce: int) -> float:
     e = contact[3] / contact[1]
     each = RATE_FACTOR * math.hypot(1.0 / after, e / before)
     return float(sigma * contact[1] / each / flights.scale_px_per_m)
-
-
-def pose_rows(poses: Mapping[str, Any]) -> list[PoseRow]:
-    """Return the rows of poses.csv; orientations and the third coordinate were not seen."""
-    columns = (poses[key] for key in ("frame", "t_s", "x_m", "y_m", "sigma_x_m", "sigma_y_m"))
-    return [
-        PoseRow(frame, t, (x, y, math.nan), (sigma_x, sigma_y, math.inf), None, math.inf)
-        for frame, t, x, y, sigma_x, sigma_y in zip(*columns, strict=True)
-    ]
 
 
 def _in_plane(flights: Flights, times: Floats) -> Floats:

@@ -23,9 +23,9 @@ from analysis.balls.films.film import Picture
 from analysis.balls.films.part import Cut
 from analysis.balls.films.reading import open_film
 from analysis.balls.flight.known import AIR_DENSITY, UNKNOWN_DENSITY, Ball
-from analysis.balls.poses import pose_rows
 from analysis.errors import InputError, ShotRefusedError
 from analysis.exchange.folder import write_ball_poses
+from analysis.exchange.pose_table import PoseRow
 from analysis.figures.ball_film import draw_ball_film
 from analysis.setup import CameraSetup, Environment, Setup, SlowErrors, SphereSetup
 from rigctl.documents import Json
@@ -88,7 +88,7 @@ def write_ball_campaign(
             one_body_frame=False,
         ),
     )
-    write_ball_poses(folder, name, setup, {n: pose_rows(one) for n, one in flights.items()})
+    write_ball_poses(folder, name, setup, {n: _pose_rows(one) for n, one in flights.items()})
 
 
 def _mean_normal(flights: Sequence[Json]) -> tuple[float, float, float] | None:
@@ -97,6 +97,15 @@ def _mean_normal(flights: Sequence[Json]) -> tuple[float, float, float] | None:
         return None
     x, y, z = np.mean([one["normal"] for one in flights], axis=0)
     return float(x), float(y), float(z)
+
+
+def _pose_rows(poses: Json) -> list[PoseRow]:
+    """Return the rows of poses.csv; orientations and the third coordinate were not seen."""
+    columns = (poses[key] for key in ("frame", "t_s", "x_m", "y_m", "sigma_x_m", "sigma_y_m"))
+    return [
+        PoseRow(frame, t, (x, y, math.nan), (sigma_x, sigma_y, math.inf), None, math.inf)
+        for frame, t, x, y, sigma_x, sigma_y in zip(*columns, strict=True)
+    ]
 
 
 def look_job(asked: Json, progress: Progress) -> Json:
