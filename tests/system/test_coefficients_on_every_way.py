@@ -20,7 +20,8 @@ QUANTITIES = ("v_n", "v_s", "v_n_after", "v_s_after", "e", "beta")
 UNIT = dict.fromkeys(QUANTITIES[:4], "_m_per_s")
 SWEEP = ("--pressure-kpa", "30:60:4", "--offset-mm", "0:10:6")
 WAIT_S = 1800.0
-"""For one command: a bound on a hang, which a busy machine does not reach."""
+"""For one command, and for all: a bound on a hang, which a busy machine does not reach."""
+pytestmark = pytest.mark.timeout(WAIT_S)
 LEAST_SHOTS = 18
 CHANCE = 1e-5
 """Probability of a sound campaign beyond each bound below."""
