@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from analysis.balls.flight import path
 from analysis.balls.flight.flights import Flights
 from analysis.balls.measuring import MeasuredBall, coefficient
+from analysis.motion.drift import WORST_LENGTH, line_variances
 
 Json = dict[str, Any]
 Floats = NDArray[np.float64]
@@ -22,9 +23,6 @@ Floats = NDArray[np.float64]
 UNBENDING = 8
 """Steps in which a lens's bending of a few per cent is undone to rounding."""
 SPEED_STEP_S = 1e-4
-RATE_FACTOR = 1.5
-"""A speed is wrong by this many errors of places over the time that its flight is seen, as in
-`analysis.model.fitting.slow`."""
 
 
 def ball_poses(measured: MeasuredBall, flights: Flights) -> Json:
@@ -59,7 +57,8 @@ def ball_poses(measured: MeasuredBall, flights: Flights) -> Json:
 def _slow(measured: MeasuredBall, flights: Flights, bounce: int) -> float:
     """Return the error of places that leaves e of a bounce as uncertain as the whole film does, m.
 
-    Rolling shutter, lens, line of sight and light bend flights; no scatter of places shows it.
+    Rolling shutter, lens, line of sight and light bend flights; no scatter of places shows it. A
+    fit of poses takes such errors of a ball without spin to make rates worst.
     """
     _, sigma = coefficient(measured, bounce)
     contact, arcs = flights.contacts[bounce], flights.arcs[flights.used]
@@ -68,7 +67,8 @@ def _slow(measured: MeasuredBall, flights: Flights, bounce: int) -> float:
     if min(before, after) <= 0.0:
         return 0.0
     e = contact[3] / contact[1]
-    each = RATE_FACTOR * math.hypot(1.0 / after, e / before)
+    _, slope = line_variances(np.array(WORST_LENGTH))
+    each = math.sqrt(float(slope)) * math.hypot(1.0 / after, e / before)
     return float(sigma * contact[1] / each / flights.scale_px_per_m)
 
 
