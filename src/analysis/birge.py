@@ -7,11 +7,10 @@ every second fit whose errors are stated rightly, and states those of ten number
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from analysis.arrays import Floats
 from analysis.chi_squared import chance_of_more
-
-Floats = NDArray[np.float64]
 
 CONTRADICTED = 0.01
 """p-value of the scatter below which stated errors are enlarged."""

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, overload
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.errors import InputError, ShotRefusedError
 from analysis.exchange.description import read_description
 from analysis.exchange.shot_list import EXPOSURE, ShotRow, each_shot_row
@@ -27,7 +28,6 @@ from analysis.workers import Workers
 if TYPE_CHECKING:
     from analysis.photometric.learn.appearance import Appearance
 
-Floats = NDArray[np.float64]
 
 DESCRIPTION = "campaign.toml"
 SHOT_LIST = "shots.csv"

@@ -6,10 +6,10 @@ From `scipy.special`: loading `scipy.stats` takes longer than a fit.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.special import chdtrc, chdtri
 
-Floats = NDArray[np.float64]
+from analysis.arrays import Floats
 
 
 def chance_of_more(chi2: ArrayLike, freedom: ArrayLike) -> Floats:

@@ -5,11 +5,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.compiled import part
-
-Floats = NDArray[np.float64]
 
 SINGULAR = 1e-13
 """Share of a diagonal element that must be left: else its direction is open."""

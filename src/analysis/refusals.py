@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analysis.collision.coefficients import Impact, NoTouchError
 from analysis.errors import ShotRefusedError
@@ -11,8 +10,6 @@ from analysis.motion.split import LEAST_FRAMES
 from analysis.motion.velocity import FlightPath
 from analysis.shot_poses import Frames, ShotPoses
 from analysis.sides import Side
-
-Floats = NDArray[np.float64]
 
 MISMATCH_FRAMES = 1.5
 LEAST_OF_A_COORDINATE = 2

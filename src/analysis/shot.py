@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.collision.coefficients import Impact
 from analysis.collision.operator import Body
 from analysis.errors import ShotRefusedError
@@ -48,8 +49,6 @@ def measuring_notes(tracking: Tracking, setup: Setup, sides: TwoSides) -> tuple[
         notes.append("no surface velocities: too few orientations tell the spins")
     return tuple(notes)
 
-
-Floats = NDArray[np.float64]
 
 Method = Literal["thesis", "photometric"]
 

@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.motion.pattern import Orientations
 from analysis.motion.poses import Centres
 
-Floats = NDArray[np.float64]
 Frames = NDArray[np.intp]
 
 NOT_MEASURED_M = 1e-6

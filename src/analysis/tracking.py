@@ -9,6 +9,7 @@ from typing import Literal, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.errors import ShotRefusedError
 from analysis.imaging.assignment import LEAST_COVERAGE, follow
 from analysis.imaging.discs import common_radius
@@ -35,8 +36,6 @@ from analysis.motion.sightings import (
     markers_by_edges,
 )
 from analysis.setup import Setup
-
-Floats = NDArray[np.float64]
 
 Matching = Literal["pattern", "proximal"]
 

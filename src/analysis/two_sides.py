@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.collision.coefficients import (
     Impact,
     Motion,
@@ -38,8 +39,6 @@ from analysis.refusals import (
 from analysis.scene import Scene
 from analysis.shot_poses import Frames, ShotPoses
 from analysis.sides import Side
-
-Floats = NDArray[np.float64]
 
 THESIS_INTERVAL_S = 2e-3
 LEAST_TURNS = 2

@@ -18,6 +18,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from analysis.arrays import Floats
     from analysis.collision.operator import Encounter, Operator, Outcome
     from analysis.effects.effect import (
         CameraEffect,
@@ -26,7 +27,6 @@ if TYPE_CHECKING:
         Effect,
         Exposure,
         FlightEffect,
-        Floats,
         Flying,
         Parameter,
         Values,

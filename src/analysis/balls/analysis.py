@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.balls.carried import NotFlyingError, TurningError
 from analysis.balls.films.fields import FieldsFilm, InterlacedError
 from analysis.balls.films.film import Film
@@ -19,9 +19,6 @@ from analysis.balls.lens.straight import StraightFilm
 from analysis.balls.measuring import MeasuredBall, measure_ball
 from analysis.balls.remarks import remarks
 from analysis.errors import ShotRefusedError
-
-Floats = NDArray[np.float64]
-
 
 TURNS = {2: "stands upside down", 1: "lies on its side", 3: "lies on its side"}
 """Quarter turns that may put a film upright, and what is wrong with it."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.balls.discs.finding import Disc
 from analysis.balls.films.film import Film, Picture
 from analysis.balls.seen.arcs import Sightings
@@ -14,8 +14,6 @@ from analysis.balls.seen.looks import Looks
 from analysis.balls.seen.placing import Motion, Placed, Placer, cut_windows
 from analysis.balls.seen.turning_rim import place_turning
 from analysis.errors import ShotRefusedError
-
-Floats = NDArray[np.float64]
 
 LEAST_FRAMES = 6
 NEAR_RADII = 1.0

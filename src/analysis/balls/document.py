@@ -6,8 +6,8 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.balls.flight import path
 from analysis.balls.flight.flights import Flights
 from analysis.balls.measuring import MeasuredBall, coefficient
@@ -16,7 +16,6 @@ from analysis.balls.seen.placing import Placed
 from analysis.quantity import Quantity
 
 Json = dict[str, Any]
-Floats = NDArray[np.float64]
 
 TIME, TOWARDS, BESIDE, AWAY, BESIDE_AFTER, _ = range(6)
 """Of a contact, as `path.places` gives it."""

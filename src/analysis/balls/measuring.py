@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.balls.films.film import Film, FilmHead
 from analysis.balls.flight import path
 from analysis.balls.flight.fit import fit_flights
@@ -19,8 +19,6 @@ from analysis.balls.seen.arcs import Chain
 from analysis.balls.seen.looks import Looks
 from analysis.balls.seen.placing import Motion, Placed, Placer, Seen, Window, cut_windows
 from analysis.balls.systematics import apart_sigmas, shifts, systematic_e, whole_sigmas
-
-Floats = NDArray[np.float64]
 
 REPEATS, MOST_REPEATS = 3, 5
 """Of learning the ball's light and fitting its flights: at least, and until e has settled."""

@@ -10,15 +10,14 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.balls.flight import path
 from analysis.balls.flight.flights import Flights
 from analysis.balls.measuring import MeasuredBall, coefficient
 from analysis.motion.drift import WORST_LENGTH, line_variances
 
 Json = dict[str, Any]
-Floats = NDArray[np.float64]
 
 UNBENDING = 8
 """Steps in which a lens's bending of a few per cent is undone to rounding."""

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.balls.carried import CarriedError, NotFlyingError, TurningError
 from analysis.balls.discs.finding import find_balls
 from analysis.balls.films.fields import refuse_combed
@@ -32,8 +32,6 @@ from analysis.balls.seen.sightings import Sight
 from analysis.balls.seen.surroundings import Surroundings
 from analysis.balls.seen.turning import turning_ball
 from analysis.errors import ShotRefusedError
-
-Floats = NDArray[np.float64]
 
 MOST_FAMILIES = 4
 LEAST_FRAMES = 6

@@ -7,10 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.balls.flight.flights import Flights
 from analysis.balls.seen.placing import Motion, Placed, Placer, Window
-
-Floats = NDArray[np.float64]
 
 RADIUS_STEP = 0.003
 """Of the radius: places follow it in proportion so far."""

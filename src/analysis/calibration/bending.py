@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.photometric.render.camera import BENT, Optics, by_nearness, disc_of, nearer
-
-Floats = NDArray[np.float64]
 
 NEARNESS, MIRROR, ROLL, DISTORTION, SHIFT = range(5)
 FAULTS = 5

@@ -7,8 +7,8 @@ from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.calibration.estimate import Estimate
 from analysis.calibration.pixel_estimates import PixelEstimate, estimate, normal_equations
 from analysis.calibration.table import estimates_of
@@ -81,8 +81,6 @@ def sideways(falls: Sequence[Fall], gravity: float) -> tuple[Floats, Floats]:
     sigma = np.sqrt(np.maximum(chi2, 1.0) / weights.sum(axis=0))
     return mean / gravity, sigma / gravity
 
-
-Floats = NDArray[np.float64]
 
 LEAST_SHOTS = 3
 """From this number on, errors come from the scatter between shots."""

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.calibration.bending import FAULTS, by_faults
 from analysis.photometric.follow.film import Film, sights_of
 from analysis.photometric.learn.appearance import Appearance, profiles_of
@@ -22,8 +22,6 @@ from analysis.photometric.learn.training_view import TrainingView
 from analysis.photometric.render.pixel_rows import MARKERS_SHARE, SCALE, STRETCH, VIEW_SHARE
 from analysis.photometric.render.shading import NUDGE
 from analysis.photometric.render.sight import Equations
-
-Floats = NDArray[np.float64]
 
 LIMIT = 12.0
 """Residual that counts no more, in units of the noise; a fault of the camera leaves large ones."""

@@ -6,14 +6,12 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.calibration.bending import DISTORTION, FAULTS, MIRROR, NEARNESS, ROLL
 from analysis.calibration.estimate import Estimate
 from analysis.calibration.pixel_estimates import PixelEstimate
 from analysis.photometric.learn.appearance import Appearance
-
-Floats = NDArray[np.float64]
 
 SCALE_FLOOR, RATIO_FLOOR = 1e-3, 2e-4
 NEARNESS_FLOOR, NEARNESS_LEAST = 0.04, 0.02

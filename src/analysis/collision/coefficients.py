@@ -9,14 +9,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.collision.impact import ContactState, impact_velocities
 from analysis.collision.instant import parting_time, touching_time
 from analysis.collision.unseen_depth import depth_spread
 from analysis.motion.spin import Spin
 from analysis.motion.velocity import FlightPath
 from analysis.quantity import Quantity
-
-Floats = NDArray[np.float64]
 
 HELD = 2
 """Of the shared errors, those that the covariance holds."""

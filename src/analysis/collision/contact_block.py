@@ -9,12 +9,8 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
+from analysis.arrays import Floats
 from analysis.compiled import part
-
-Floats = NDArray[np.float64]
 
 LANES = 8
 PLACE, VELOCITY, SPIN_A, SPIN_B, SPRING, SIZE = 0, 3, 6, 9, 12, 15

@@ -9,11 +9,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.collision.force_law import hertz_duration, stated_modulus
 from analysis.collision.operator import Body
 from analysis.material import NAMED
-
-Floats = NDArray[np.float64]
 
 MARGIN_BEFORE_S = 0.06e-3
 DURATIONS_AFTER = 1.6

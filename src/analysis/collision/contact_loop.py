@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.collision.contact_block import (
     DEEPEST,
     DURATION,
@@ -43,8 +43,6 @@ from analysis.collision.contact_block import (
     twist,
 )
 from analysis.compiled import compiled, part
-
-Floats = NDArray[np.float64]
 
 UNITS = 6
 """Of each contact: k, c, mu, kappa, 2 zeta sqrt(m_t) and the undamped duration, s."""

@@ -10,13 +10,11 @@ from __future__ import annotations
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.collision.contact_block import VELOCITY
 from analysis.collision.contact_loop import collide
 from analysis.collision.force_law import NormalForce
-
-Floats = NDArray[np.float64]
 
 DAMPINGS = np.concatenate([np.linspace(0.0, 1.0, 401), np.linspace(1.02, 8.0, 350)])
 """Up to a restitution of 0.06 of Hertz's force."""

@@ -13,7 +13,8 @@ from typing import Literal
 
 import numpy as np
 
-from analysis.collision.operator import Body, Floats, inverse_masses
+from analysis.arrays import Floats
+from analysis.collision.operator import Body, inverse_masses
 
 History = Literal["elongation", "increment"]
 REFERENCE_SPEED = 2.0

@@ -6,11 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from analysis.arrays import Floats
 from analysis.collision.contact_block import SPRING
 from analysis.collision.contact_loop import collide
 from analysis.collision.damping import damping
 from analysis.collision.force_law import REFERENCE_SPEED, ForceLaw
-from analysis.collision.operator import Body, Encounter, Floats, Outcome, States, inverse_masses
+from analysis.collision.operator import Body, Encounter, Outcome, States, inverse_masses
 
 LEAST_SPEED, LEAST_E, LEAST_RATIO = 1e-3, 0.05, 1e-6
 STEPS = 80

@@ -12,11 +12,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.material import Material
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

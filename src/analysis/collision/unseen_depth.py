@@ -11,12 +11,10 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.collision.impact import ContactState, surface_velocity
 from analysis.collision.instant import touching_time
-
-Floats = NDArray[np.float64]
 
 PLACE_SIGMA, SLOPE_SIGMA = 0.015, 0.005
 """Assumed of what sends a sphere: standard deviations of its depth at the contact in diameters, and

@@ -13,11 +13,11 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.collision.operator import Body, Operator
 from analysis.launch.muzzle import Launcher
 from analysis.setup import CameraSetup
 
-Floats = NDArray[np.float64]
 Values = NDArray[np.float64]
 """Values of an effect's parameters in their units, shape (parameters,)."""
 

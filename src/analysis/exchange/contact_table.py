@@ -9,14 +9,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.collision.impact import ContactState
 from analysis.exchange.rows import TableRow, WriteShot, read_rows, table_writer
 from analysis.exchange.tabulated import Tabulated, require_errors_alike, require_once
 from analysis.shot import MeasuredShot
-
-Floats = NDArray[np.float64]
 
 NORMAL = ("nx", "ny", "nz")
 SIGMAS = ("sigma_v_m_per_s", "sigma_w_rad_per_s")

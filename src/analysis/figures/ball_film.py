@@ -12,14 +12,13 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.balls.analysis import AnalysedFilm
 from analysis.balls.films.film import Picture
 from analysis.balls.flight.flights import Flights
 from analysis.balls.measuring import coefficient
 from analysis.figures.palette import FAILS, GREY, MEASURED
 from analysis.quantity import Quantity
-
-Floats = NDArray[np.float64]
 
 SHOWN_BALLS = 12
 POINTS = 60

@@ -5,14 +5,11 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.figures.palette import FAILS, FLOOR, GREY, MEASURED
 from analysis.figures.sheet import plain, sheet
 from analysis.model.plane import Plane
-
-Floats = NDArray[np.float64]
-
 
 CORNER = 2.4
 """Reach of the left panels, in units of where Walton's two lines meet."""

@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from analysis.arrays import Floats
 from analysis.imaging.edge.facet import EdgePoints
 from analysis.imaging.outlines import Place
 
-Floats = NDArray[np.float64]
 Range = tuple[float, float]
 
 CELLS = 9

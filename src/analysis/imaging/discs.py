@@ -16,11 +16,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.compiled import compiled, part
 from analysis.imaging.edge.facet import EdgePoints
 from analysis.imaging.limb import Edges
 
-Floats = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 BLUR_PX, HALF_BLUR = 1.3, 5

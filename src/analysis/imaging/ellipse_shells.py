@@ -11,13 +11,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.cholesky import factor, gram, solve
 from analysis.compiled import compiled, part
 from analysis.imaging.shells import Ellipse
-
-Floats = NDArray[np.float64]
 
 LEAST_POINTS, SMALLEST_PX, TINY = 6, 1e-6, 1e-12
 LONGEST_STEP = 0.5

@@ -8,7 +8,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from analysis.arrays import Floats
+
 Singles = NDArray[np.float32]
 Picture = NDArray[np.uint8] | NDArray[np.uint16]
 

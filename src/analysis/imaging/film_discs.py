@@ -7,13 +7,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.imaging.film_following import Outlines
 from analysis.imaging.outlines import Outline
 from analysis.imaging.shells import Circle
 from analysis.imaging.tracks import Spheres, Track
 from analysis.imaging.views import View
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

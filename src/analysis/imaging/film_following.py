@@ -8,12 +8,12 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.compiled import compiled, part
 from analysis.imaging.discs import peaks_near
 from analysis.imaging.edge.windows import Filters, Integers, edges_about
 from analysis.imaging.limb import LIMB_REACH_PX, Edges, settle_outlines
 
-Floats = NDArray[np.float64]
 Indices = NDArray[np.intp]
 FilmCurves = tuple[Floats, Integers, Indices]
 """Edge points of a film: rows, columns, unit normals and strengths, shape (5, room); the label of

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.compiled import compiled, part
 from analysis.imaging.edge.windows import Filters, edges_about
 from analysis.imaging.film_following import FilmCurves, Outlines, keep
 from analysis.imaging.limb import LIMB_REACH_PX, settle_outlines
 from analysis.imaging.marker.marker_curves import LEAST_POINTS, dark_ellipses
 
-Floats = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 

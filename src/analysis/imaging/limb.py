@@ -7,10 +7,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.compiled import compiled, part
 from analysis.imaging.shells import sandwich, settle_circle
 
-Floats = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 Edges = tuple[Floats, Floats, Floats, Floats]

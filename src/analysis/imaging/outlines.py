@@ -4,12 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
+from analysis.arrays import Floats
 from analysis.imaging.shells import Circle
-
-Floats = NDArray[np.float64]
 
 Place = tuple[float, float, float]
 """Row, column and radius of a disc, pixels."""

@@ -5,15 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.imaging.assignment import KEEP_OFF_SIGMAS
 from analysis.imaging.film_discs import FilmDiscs, film_discs
 from analysis.imaging.film_following import FilmCurves
 from analysis.imaging.film_passes import refit_discs
 from analysis.imaging.views import View, ViewGeometry
-
-Floats = NDArray[np.float64]
 
 BLURRED_SIGMAS = 1.5
 """The filter carries a marker's edge this many sigma along the limb."""

@@ -13,8 +13,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.cholesky import factor, gram, solve
 from analysis.compiled import compiled, part
 
@@ -24,8 +24,6 @@ NO_NOISE = 1e9
 """Distance, pixels, of a noise cluster that takes no point."""
 NEAREST, LEAST_SQUARE, LONGEST_STEP_PX = 1e-9, 1e-12, 3.0
 """Keep quotients finite, and one step within a marker's size."""
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -10,11 +10,9 @@ from dataclasses import dataclass
 from enum import Enum
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.setup import CameraSetup
-
-Floats = NDArray[np.float64]
 
 
 class View(Enum):

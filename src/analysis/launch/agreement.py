@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.launch.fit import fit_launch
 from analysis.launch.muzzle import SIZE
 from analysis.launch.result import LaunchFit
@@ -14,8 +14,6 @@ from analysis.launch.scatter import KINDS
 from analysis.launch.settings import LaunchSettings
 from analysis.model.data.tables import Data
 from analysis.model.fitting.fit import Fit
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,15 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.launch.measurement import Touches
 from analysis.launch.scatter import scatter_variance
 from analysis.launch.settings import LaunchSettings
 from analysis.launch.theory import LaunchTheory
 from analysis.launch.touch import traced_back
-
-Floats = NDArray[np.float64]
 
 _TOUCH_STEP = np.array([1e-6] * 6 + [1e-3] * 6 + [1e-7] * 5)
 

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis import chi_squared
+from analysis.arrays import Floats
 from analysis.effects.effect import LaunchEffect
 from analysis.effects.launch.pressure_friction import EFFECT as FRICTION
 from analysis.errors import LaunchRefusedError
@@ -33,8 +34,6 @@ from analysis.launch.theory import LaunchTheory
 from analysis.model.data.tables import Data
 from analysis.model.fitting.fit import Fit
 from analysis.model.fitting.normal import inverse
-
-Floats = NDArray[np.float64]
 
 FEWEST_SHOTS = 5
 ROUNDS = 40

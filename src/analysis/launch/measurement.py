@@ -7,12 +7,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.errors import LaunchRefusedError
 from analysis.launch.touch import Ground, observed_touch, touch_by_state
 from analysis.model.data.tables import ContactTable, Data
 from analysis.model.fitting.fit import Fit, normal_equations
-
-Floats = NDArray[np.float64]
 
 _WIDEST = np.array([1.0] * 4 + [3.0] * 2 + [1e2] * 6 + [1e4] * 6 + [3.0] * 6)
 """What no shot can exceed, in the units of a state: the error of a number that was not measured."""

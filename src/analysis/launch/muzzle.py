@@ -6,9 +6,8 @@ from collections.abc import Callable
 from dataclasses import astuple, dataclass, fields
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from analysis.arrays import Floats
 
 LEAST_PRESSURE_KPA = 1e-3
 """A pusher never gets less, so that a trial friction above the pressure keeps a finite time."""

@@ -5,14 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.launch.muzzle import LaunchLaw, Muzzle
 from analysis.launch.settings import LaunchSettings
 from analysis.launch.theory import LaunchTheory
 from analysis.launch.touch import Ground, touch
-
-Floats = NDArray[np.float64]
 
 _MUZZLE_STEP = np.array([1e-6] * 6 + [1e-3] * 6 + [1e-7] * 5)
 

@@ -5,16 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.errors import LaunchRefusedError
 from analysis.launch.predicted_touch import PredictedTouch
 from analysis.launch.scatter import scatter_variance
 from analysis.launch.settings import LaunchSettings
 from analysis.launch.touch import NORMAL, TOUCH_POINT, states_of, tracks_meet
 from analysis.model.predict.state import MOTION, POINT, SIZE, TILT, TIME, TURN_A, TURN_B, ShotStates
-
-Floats = NDArray[np.float64]
 
 TURN_VARIANCE = (np.pi**2 / 3 + 2) / 3
 """Variance about each axis of an orientation that may be any, rad^2: the density of the angle is

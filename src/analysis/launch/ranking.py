@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.effects.effect import LaunchEffect
 from analysis.launch.compared import compare
 from analysis.launch.muzzle import LAW_NAMES
@@ -22,8 +23,6 @@ from analysis.model.fitting.normal import inverse
 from analysis.model.rank.candidate import believed
 from analysis.model.rank.ranking import alias_matrix, smallest_by_chance
 from analysis.model.rank.score_test import Block, ByShot, Sums, block_of
-
-Floats = NDArray[np.float64]
 
 LEAST_RAW = 1e-100
 """Information of a column that does nothing at all, for divisions by it."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.launch.compared import Compared
 from analysis.launch.measurement import Touches
 from analysis.launch.predicted_touch import predict_touch
@@ -15,8 +16,6 @@ from analysis.launch.scatter import KINDS
 from analysis.launch.settings import LaunchSettings
 from analysis.launch.theory import LaunchTheory
 from analysis.quantity import Quantity
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

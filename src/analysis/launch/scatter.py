@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from analysis.arrays import Floats
 from analysis.launch.muzzle import SIZE, SPEED
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,11 +9,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.errors import InputError, LaunchRefusedError
 from analysis.exchange.shot_list import ShotRow, read_shot_list
 from analysis.model.data.poses import Observations
-
-Floats = NDArray[np.float64]
 
 PRESSURES, OFFSET, DELAY, WAITED = (
     ("pressure_a_kpa", "pressure_b_kpa"),

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.effects.effect import LaunchEffect, Values
 from analysis.launch.muzzle import (
     LAW_NAMES,
@@ -20,8 +20,6 @@ from analysis.launch.muzzle import (
 )
 from analysis.launch.settings import LaunchSettings
 from analysis.launch.touch import Ground, touch
-
-Floats = NDArray[np.float64]
 
 _LAW_STEP = 1e-6
 LAW_SIZE = len(LAW_NAMES)

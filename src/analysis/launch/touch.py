@@ -11,12 +11,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.collision.operator import Body, States
 from analysis.launch.muzzle import ALONG, LaunchLaw, Muzzle
 from analysis.model.predict.state import MOTION, POINT, TILT, ShotStates
 from analysis.model.predict.state import SIZE as STATE_SIZE
-
-Floats = NDArray[np.float64]
 
 VELOCITIES, SPINS, TOUCH_POINT, NORMAL = slice(0, 6), slice(6, 12), slice(12, 15), slice(15, 17)
 """Where the numbers of a touch stand in a row: velocities and spins of a and b, point of contact,

@@ -7,6 +7,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.collision.operator import States, inverse_masses, surface_velocity
 from analysis.effects.contact.spring_slider import rebound
 from analysis.effects.contact.tangential_compliance import STIFFNESS_RATIO
@@ -17,8 +18,6 @@ from analysis.model.fitting.fit import Fit
 from analysis.model.predict.contact import AFTER, contact_outcome
 from analysis.model.rank.projector import projector
 from analysis.model.structure.channels import contact_columns
-
-Floats = NDArray[np.float64]
 
 LEAST_SPEED = 1e-3
 CURVE = 200

@@ -9,14 +9,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.errors import ShotRefusedError, counted
 from analysis.imaging.marker.markers import FilmMarkers, Markers
 from analysis.motion.alignment import rotation_from_directions
 from analysis.motion.pattern import Orientations, sightings
 from analysis.motion.pattern_steps import LEAST_COMMON, average_pattern, orientation_covariances
 from analysis.motion.proximal import match_markers
-
-Floats = NDArray[np.float64]
 
 REACH = 0.4
 """Markers move by less than this share of the radius in one frame."""

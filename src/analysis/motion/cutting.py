@@ -7,11 +7,11 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.errors import ShotRefusedError
 from analysis.motion.poses import Centres
 from analysis.motion.tears import BEYOND, LESS_CERTAIN, OFF, UNCERTAIN, torn
 
-Floats = NDArray[np.float64]
 Frames = NDArray[np.intp]
 
 NEAR, PRESSED = 1.3, 0.993

@@ -10,9 +10,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from analysis.arrays import Floats
 
 CENTRE_DRIFT_PER_SIGMA2 = 0.035
 """Pixels of slow error for each squared pixel of filter width.

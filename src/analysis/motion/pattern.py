@@ -13,11 +13,10 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.errors import ShotRefusedError, counted
 from analysis.imaging.marker.markers import FilmMarkers
 from analysis.motion.pattern_steps import LEAST_COMMON, Seen, learn_pattern
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -7,12 +7,12 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.cholesky import factor, solve
 from analysis.compiled import compiled, part
 from analysis.motion.alignment import turn_of
 from analysis.motion.turning import turn_between, turned
 
-Floats = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 Seen = tuple[Floats, Floats, Indices]

@@ -7,10 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.imaging.film_discs import FilmDiscs
 from analysis.imaging.views import View, ViewGeometry
-
-Floats = NDArray[np.float64]
 
 LEAST_SIGMA_PX = 0.02
 """No outline is better than its model: markers and shading move it by about this much."""

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-
+from analysis.arrays import Floats
 
 TINY_RAD = 1e-150
 """Angle in place of zero, so that sin(angle) / angle is 1 and not 0 / 0."""

@@ -13,7 +13,6 @@ from analysis.imaging.marker.marker_curves import FURTHEST_CENTRE, LARGEST_SINE
 from analysis.imaging.marker.markers import FilmMarkers, Markers, SeenDisc, film_markers
 from analysis.imaging.views import View, ViewGeometry
 
-Floats = NDArray[np.float64]
 Radii = dict[View, tuple[float, float]]
 """Radius of a and of b in each view, pixels."""
 

@@ -6,16 +6,14 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.birge import variance_ratio
 from analysis.cholesky import factor, solve
 from analysis.compiled import compiled, part
 from analysis.motion.drift import Drift
 from analysis.motion.rotation import rotation_vector
 from analysis.motion.turning import turn_between, turned
-
-Floats = NDArray[np.float64]
 
 ITERATIONS, SETTLED_RAD = 8, 1e-10
 HUBER_LIMIT = 3.0

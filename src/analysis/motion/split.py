@@ -5,11 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.errors import ShotRefusedError
 from analysis.motion.poses import Centres
 from analysis.motion.velocity import DOWN
-
-Floats = NDArray[np.float64]
 
 LEAST_FRAMES = 3
 LEAST_IMPROVEMENT = 4.0

@@ -12,9 +12,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.compiled import compiled, part
 
-Floats = NDArray[np.float64]
 Track = tuple[Floats, Floats, Floats]
 """Time from the contact, s, shape (n,); centres with gravity taken out and their standard errors,
 m, shape (n, 3), infinite where a coordinate was not measured."""

@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.birge import variance_ratio
 from analysis.cholesky import factor, gram, solve
 from analysis.compiled import compiled
@@ -104,8 +104,6 @@ def fit_lines(tau: Floats, values: Floats, spread: Floats) -> tuple[Floats, Floa
             chi2[n] += off * off
     return lines, inverse, chi2
 
-
-Floats = NDArray[np.float64]
 
 DOWN = np.array([1.0, 0.0, 0.0])
 """Gravity acts along +X."""

@@ -9,8 +9,8 @@ How much the air bends a flight is not known here and is left open: taken for sc
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.errors import ShotRefusedError
 from analysis.motion.drift import Drift
 from analysis.motion.pattern import Orientations
@@ -18,8 +18,6 @@ from analysis.motion.poses import Centres
 from analysis.motion.spin import fit_spin
 from analysis.motion.split import split_at_contact
 from analysis.motion.velocity import fit_flight
-
-Floats = NDArray[np.float64]
 
 MOST = 25.0
 """Beyond this a track is no free flight; its errors stay as they are and the shot is refused."""

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.compiled import kept_on_disk
 from analysis.errors import ShotRefusedError
 from analysis.imaging.edge.frame import noise_sd
@@ -31,8 +32,6 @@ from analysis.photometric.result import tracking_of
 from analysis.photometric.slow_size import sized
 from analysis.setup import Setup
 from analysis.tracking import Tracking
-
-Floats = NDArray[np.float64]
 
 LAST_LIMIT = 6.0
 LEAST_PLACED = 6

@@ -7,6 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.compiled import compiled
 from analysis.imaging.marker.markers import FilmMarkers, Markers
 from analysis.imaging.outlines import Outline
@@ -75,7 +76,6 @@ def facing_markers(
     return rows[:count].copy(), names[:count].copy(), ends
 
 
-Floats = NDArray[np.float64]
 Names = NDArray[np.intp]
 
 LEAST_FACING = 0.4

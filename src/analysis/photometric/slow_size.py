@@ -17,8 +17,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.errors import ShotRefusedError
 from analysis.motion.cutting import cut_tears
 from analysis.motion.drift import TURN_PER_CENTRE_ERROR, Drift, correlation_time
@@ -39,7 +39,6 @@ from analysis.photometric.learn.appearance import (
 )
 from analysis.photometric.result import centres_of, markers_of, orientations_of
 
-Floats = NDArray[np.float64]
 Side = tuple[int, int]
 
 PRIOR_FACTOR = 2.0

@@ -8,12 +8,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.collision.coefficients import Impact
 from analysis.qualification.drop import Method
 from analysis.setup import Setup
 from analysis.shot import AnalysisOptions, MeasuredShot, RefusedShot, analyse_shot
-
-Floats = NDArray[np.float64]
 
 QUANTITIES = ("v_n", "v_n_after", "v_s", "v_s_after", "e")
 

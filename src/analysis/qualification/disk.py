@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.errors import ShotRefusedError
 from analysis.imaging.edge.edges import laplacian_of_gaussian
 from analysis.imaging.edge.expansion import expanded_zero_crossings
@@ -19,7 +20,6 @@ from analysis.qualification.drop import Method
 from analysis.qualification.grey_discs import fit_grey_discs
 from analysis.qualification.locating import THESIS_SIGMA_PX
 
-Floats = NDArray[np.float64]
 Frames = NDArray[np.uint8]
 
 SAMPLES = 4

@@ -9,11 +9,10 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.errors import ShotRefusedError
 from analysis.imaging.outlines import Place
 from analysis.qualification.locating import Way, find_disc, follow_disc, locate
-
-Floats = NDArray[np.float64]
 
 Method = Literal["thesis", "photometric"]
 

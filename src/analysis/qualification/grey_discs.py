@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.imaging.outlines import Place
 from analysis.photometric.render.shading import (
     HARMONICS,
@@ -21,8 +22,6 @@ from analysis.photometric.render.shading import (
     STEPS_PER_RADIUS,
     blurred_profiles,
 )
-
-Floats = NDArray[np.float64]
 
 AROUND_PX = 6.0
 FIRST_BLUR_PX, NARROWEST_PX, WIDEST_PX = 0.85, 0.35, 3.0

@@ -7,9 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.qualification.locating import WAYS, Way, follow_disc, locate
-
-Floats = NDArray[np.float64]
 
 RADII_PX = (8.0, 40.0)
 AXES = ("y", "x")

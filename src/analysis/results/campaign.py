@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.effects.contact.lasting_contact import EFFECT
 from analysis.model.data.poses import PoseData
 from analysis.model.data.tables import ContactTable, Data
@@ -19,8 +20,6 @@ from analysis.results.impacts import SHARED, V_N, V_N_AFTER, Impacts, LeftOut
 from analysis.results.lines import Lines, fit_lines
 from analysis.results.ratios import Ratios, ratios
 from analysis.results.york import Line, york_line
-
-Floats = NDArray[np.float64]
 
 
 def speed_line(impacts: Impacts, found: Ratios, used: NDArray[np.bool_]) -> Line | None:

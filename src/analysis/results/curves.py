@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.collision.operator import WaltonLaw
 from analysis.effects.contact.spring_slider import rebound
 from analysis.effects.contact.tangential_compliance import STIFFNESS_RATIO
 from analysis.results.likelihood import friction_reach
 from analysis.results.lines import Lines
-
-Floats = NDArray[np.float64]
 
 POISSON_RATIO = (2 - 2 * STIFFNESS_RATIO) / (2 - STIFFNESS_RATIO)
 """Of Maw's curve as it is drawn."""

@@ -6,8 +6,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.collision.operator import WaltonLaw
 from analysis.figures.palette import FAILS, FLOOR, GREY, MEASURED, SPHERE_B
 from analysis.figures.sheet import blank, plain
@@ -16,8 +16,6 @@ from analysis.results.curves import POISSON_RATIO, maw_curve, regression_curve, 
 from analysis.results.impacts import V_N
 from analysis.results.published import THESIS
 from analysis.results.tables import NEAR, corner_of, curve_places
-
-Floats = NDArray[np.float64]
 
 SURE = 0.9
 """Above this probability a shot is drawn as sliding, below one less it as sticking."""

@@ -11,8 +11,8 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.errors import ShotRefusedError
 from analysis.model.data.poses import PoseData
 from analysis.results.impacts import (
@@ -28,8 +28,6 @@ from analysis.results.impacts import (
 from analysis.scene import Scene
 from analysis.shot_poses import ShotPoses
 from analysis.two_sides import MOST_FLIGHT_CHI2, TwoSides, measure_two_sides
-
-Floats = NDArray[np.float64]
 
 
 def pose_impacts(data: PoseData) -> Impacts:

@@ -5,11 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.collision.operator import Body, States, surface_velocity
 from analysis.model.data.tables import ContactTable
 from analysis.results.impacts import V_S, V_S_AFTER, Impacts, measured_impacts
-
-Floats = NDArray[np.float64]
 
 STEP = 0.1
 """Of each number's standard error, for derivatives."""

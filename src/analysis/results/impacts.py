@@ -11,10 +11,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.collision.coefficients import HELD
 from analysis.collision.operator import Body, inverse_masses
-
-Floats = NDArray[np.float64]
 
 V_N, V_S, V_N_AFTER, V_S_AFTER = range(4)
 """Where the velocities stand in a row."""

@@ -18,13 +18,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import log_ndtr
 
+from analysis.arrays import Floats
 from analysis.collision.operator import WaltonLaw
 from analysis.results.impacts import V_N, V_N_AFTER, V_S, V_S_AFTER, Impacts
-
-Floats = NDArray[np.float64]
 
 LEAST_OPENING = 1e-3
 """Of the angle between the lines: at beta0 = -1 they are parallel."""

@@ -13,14 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis import chi_squared
+from analysis.arrays import Floats
 from analysis.birge import variance_ratio
 from analysis.collision.operator import WaltonLaw
 from analysis.quantity import Quantity
 from analysis.results.impacts import SHARED, V_N, V_N_AFTER, V_S, V_S_AFTER, Impacts
 from analysis.results.likelihood import Likelihood, friction_reach, likelihood
 from analysis.results.minimum import minimum
-
-Floats = NDArray[np.float64]
 
 NAMES = ("e", "mu", "beta0")
 LEAST_GAIN = 12.0

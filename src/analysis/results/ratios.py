@@ -6,13 +6,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.collision.coefficients import BETA_NEEDS_SIGMAS
 from analysis.quantity import own_part
 from analysis.results.impacts import V_N, V_N_AFTER, V_S, V_S_AFTER, Impacts
-
-Floats = NDArray[np.float64]
 
 STEP = 1e-6
 """m/s, for derivatives."""

@@ -11,6 +11,7 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.collision.operator import WaltonLaw
 from analysis.results.campaign import Results
 from analysis.results.curves import maw_curve, regression_curve
@@ -19,7 +20,6 @@ from analysis.results.likelihood import transition
 from analysis.results.published import THESIS
 from analysis.results.ratios import Ratio, velocities
 
-Floats = NDArray[np.float64]
 Table = list[list[object]]
 
 VELOCITIES = ("v_n", "v_s", "v_n_after", "v_s_after")

@@ -17,6 +17,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.results.campaign import Results
 from analysis.results.impacts import V_N, V_N_AFTER, V_S, V_S_AFTER
 from analysis.results.ratios import Ratio, velocities
@@ -25,7 +26,6 @@ from rigctl.errors import AnalysisInputError, StoreError
 from rigctl.exports.units import RATIO, unit_of
 from rigctl.reports.source import Source
 
-Floats = NDArray[np.float64]
 Document = tuple[str, Json]
 
 SPACE = uuid.UUID("6f1c1d4e-5b0f-5a55-9d0c-3f6f5f0e8486")

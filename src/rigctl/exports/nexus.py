@@ -27,8 +27,6 @@ from rigctl.errors import StoreError
 from rigctl.exports.units import RATIO, unit_of
 from rigctl.reports.source import Facts, Source
 
-Floats = NDArray[np.float64]
-
 AXES = "X down, Y right, Z toward the camera"
 
 

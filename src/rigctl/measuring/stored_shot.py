@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.campaign import TEACHING_SHOTS
 from analysis.document import overlay_document
 from analysis.setup import Setup, setup_of
@@ -33,7 +34,6 @@ if TYPE_CHECKING:
 
 _log = logging.getLogger(__name__)
 
-Floats = NDArray[np.float64]
 Read = Callable[[Path], tuple[NDArray[np.uint8], Floats, Setup]]
 """From a shot's folder to its frames, their times in s from the first, and its set-up."""
 

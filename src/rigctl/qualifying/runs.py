@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.campaign import DESCRIPTION, read_campaign
 from analysis.errors import InputError
 from analysis.imaging.files.stack import read_stack
@@ -18,7 +19,6 @@ from analysis.setup import Setup
 from rigctl.errors import AnalysisInputError, SettingsError
 from rigctl.measuring.stored_shot import read_stored_shot
 
-Floats = NDArray[np.float64]
 Frames = NDArray[np.uint8]
 
 

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from analysis.compiled import compiled
 
-Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
 
 SIGMA_PX = 1.2

@@ -16,7 +16,8 @@ from typing import BinaryIO, NamedTuple, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.balls.films.film import Film, FilmHead, Floats, Picture
+from analysis.arrays import Floats
+from analysis.balls.films.film import Film, FilmHead, Picture
 from analysis.balls.films.photron import unpacked
 from analysis.errors import InputError
 from analysis.files import FrameBudget

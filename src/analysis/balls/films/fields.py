@@ -8,7 +8,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.balls.films.film import Film, Floats, Picture
+from analysis.arrays import Floats
+from analysis.balls.films.film import Film, Picture
 from analysis.errors import ShotRefusedError
 from analysis.imaging.fields import Singles, field_times, filled, grey, order, parities
 

@@ -13,7 +13,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from analysis.arrays import Floats
+
 Picture = NDArray[np.uint8] | NDArray[np.uint16]
 Readout = Literal["rows", "columns", "global", "unknown"]
 

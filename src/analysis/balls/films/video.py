@@ -10,15 +10,8 @@ import cv2
 import numpy as np
 from cv2.typing import MatLike
 
-from analysis.balls.films.film import (
-    HELD_BYTES,
-    Film,
-    FilmHead,
-    Floats,
-    Picture,
-    Readout,
-    spread_frames,
-)
+from analysis.arrays import Floats
+from analysis.balls.films.film import HELD_BYTES, Film, FilmHead, Picture, Readout, spread_frames
 from analysis.errors import InputError, counted
 from analysis.files import FrameBudget
 from analysis.imaging.files.video_file import open_video

@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
+from analysis.arrays import Floats
 from analysis.balls.flight import path
-from analysis.balls.flight.flights import LEAST_PLACES, Flights, Floats, Ints, Observed, Start
+from analysis.balls.flight.flights import LEAST_PLACES, Flights, Ints, Observed, Start
 from analysis.balls.flight.known import (
     BARREL_SIGMA,
     ROLL_SIGMA,

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.balls.flight import path
 
-Floats = NDArray[np.float64]
 Ints = NDArray[np.intp]
 LEAST_PLACES = 4
 """A flight of fewer frames ends the chain."""

@@ -6,11 +6,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.setup import Setup
-
-Floats = NDArray[np.float64]
 
 DRAG_COEFFICIENT, DRAG_SIGMA = 0.47, 0.05
 """Of a smooth sphere at Reynolds numbers of 10^3 to 2 10^5 (Clift, Grace and Weber, 1978)."""

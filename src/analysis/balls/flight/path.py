@@ -11,9 +11,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.compiled import compiled, part
-
-Floats = NDArray[np.float64]
 
 TIME, SPEED, PLACE, ACROSS, FALL, DRAG, ROW_TIME, PERSPECTIVE, ROLL = range(9)
 PLATE, TILT, STAY, DEPTH, BIAS, BARREL, MIDDLE_ROW, MIDDLE_COLUMN = range(9, 17)

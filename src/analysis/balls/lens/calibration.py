@@ -14,15 +14,13 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.balls.films.film import Picture
 from analysis.balls.films.reading import open_film
 from analysis.balls.lens.board import Board, BoardFinder, Grey, SeenBoard
 from analysis.balls.lens.lens import Lens
 from analysis.errors import InputError
-
-Floats = NDArray[np.float64]
 
 MOST_PICTURES = 120
 """Of a longer film, as many are looked at, evenly over it."""

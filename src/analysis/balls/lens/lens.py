@@ -7,16 +7,14 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field, TypeAdapter, ValidationError
 from pydantic.dataclasses import dataclass
 
+from analysis.arrays import Floats
 from analysis.errors import InputError
 from analysis.exchange.faults import fault
 from analysis.files import read_toml, toml_text
 from analysis.setup import STRICT, Pixel
-
-Floats = NDArray[np.float64]
 
 FORMAT = 1
 Length = Annotated[float, Field(gt=0, le=1e7)]

@@ -7,9 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.balls.seen.arcs import FALL_SIGMA, MEMORY, TOLERANCE_PX, TOLERANCE_RADII, Arc
-
-Floats = NDArray[np.float64]
 
 LEAST_WHOLE = 4
 """Sightings on each side of the gap in which the ball is wholly in the picture."""

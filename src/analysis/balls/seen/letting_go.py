@@ -9,11 +9,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analysis.balls.seen.arcs import LEAST_FRAMES, Arc, Chain
-
-Floats = NDArray[np.float64]
 
 LEAST_KEPT = 2 * LEAST_FRAMES
 MUCH_WIDER = 2.0

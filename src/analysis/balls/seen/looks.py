@@ -12,11 +12,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.balls.discs.finding import Disc, find_balls
 from analysis.balls.films.film import FilmHead, Picture
 from analysis.balls.films.tone import light
 
-Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
 
 LEAST_RADIUS_PX = 4.0

@@ -13,8 +13,6 @@ from numpy.typing import NDArray
 
 from analysis.compiled import compiled, part
 
-Floats = NDArray[np.float64]
-
 TERMS = 6
 """Of the smooth shading: 1, u, v, u v, u^2 - v^2, u^2 + v^2 in radii from the centre."""
 STEP_PX = 0.7

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.balls.films.film import Film, FilmHead, Picture
 from analysis.balls.films.tone import light
 from analysis.balls.seen.background import background_without
@@ -23,7 +24,6 @@ from analysis.balls.seen.photometry import (
 )
 from analysis.balls.seen.surroundings import Box, Surroundings
 
-Floats = NDArray[np.float64]
 Ints = NDArray[np.intp]
 Singles = NDArray[np.float32]
 

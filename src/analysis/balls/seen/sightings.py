@@ -8,11 +8,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.balls.films.film import Picture
 from analysis.balls.seen.looks import Looks
 
 Singles = NDArray[np.float32]
-Floats = NDArray[np.float64]
 
 SOUGHT_RADIUS_PX = 6.0
 LEAST_RESPONSE = 0.3

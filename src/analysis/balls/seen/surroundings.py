@@ -8,11 +8,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.balls.films.film import HELD_BYTES, Picture
 
-Floats = NDArray[np.float64]
 Box = tuple[int, int, int, int]
 """First row, first column, and those after the last."""
 

@@ -12,13 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtr
 
+from analysis.arrays import Floats
 from analysis.balls.discs.finding import Disc
 from analysis.balls.films.film import Film, FilmHead, Picture
 from analysis.balls.films.tone import light
 from analysis.balls.seen.looks import rim_weights
 from analysis.balls.seen.placing import Placed
 
-Floats = NDArray[np.float64]
 Ints = NDArray[np.intp]
 Flags = NDArray[np.bool_]
 

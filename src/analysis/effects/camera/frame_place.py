@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from analysis.effects.effect import Floats
+from analysis.arrays import Floats
 from analysis.imaging.views import View, ViewGeometry, view_geometries
 from analysis.setup import CameraSetup
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from analysis.effects.effect import CameraEffect, Floats, Parameter, Values
+from analysis.arrays import Floats
+from analysis.effects.effect import CameraEffect, Parameter, Values
 from analysis.setup import CameraSetup
 
 

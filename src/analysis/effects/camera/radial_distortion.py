@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from analysis.arrays import Floats
 from analysis.effects.camera.frame_place import frame_places
-from analysis.effects.effect import CameraEffect, Floats, Parameter, Values
+from analysis.effects.effect import CameraEffect, Parameter, Values
 from analysis.imaging.views import View
 from analysis.setup import CameraSetup
 

@@ -6,8 +6,9 @@ from collections.abc import Callable
 
 import numpy as np
 
+from analysis.arrays import Floats
 from analysis.effects.camera.frame_place import frame_places
-from analysis.effects.effect import ClockEffect, Exposure, Floats, Parameter, Values
+from analysis.effects.effect import ClockEffect, Exposure, Parameter, Values
 from analysis.imaging.views import View
 from analysis.setup import CameraSetup
 

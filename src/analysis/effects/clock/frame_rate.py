@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from analysis.effects.effect import ClockEffect, Exposure, Floats, Parameter, Values
+from analysis.arrays import Floats
+from analysis.effects.effect import ClockEffect, Exposure, Parameter, Values
 from analysis.setup import CameraSetup
 
 

@@ -26,13 +26,11 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 from scipy.special import ndtr
 
 from analysis import chi_squared
-
-Floats = NDArray[np.float64]
+from analysis.arrays import Floats
 
 LEAST_EIGENVALUE = 1e-9
 """Below this share of the largest, a direction was fitted away: nothing of it is left."""

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from analysis.effects.effect import Floats, Parameter, ScatterEffect, Values
+from analysis.arrays import Floats
+from analysis.effects.effect import Parameter, ScatterEffect, Values
 
 
 def whiten(columns: Floats, along_track: Floats, values: Values) -> Floats:

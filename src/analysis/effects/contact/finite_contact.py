@@ -7,7 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from analysis.collision.operator import Encounter, Floats, Operator, Outcome, inverse_masses
+from analysis.arrays import Floats
+from analysis.collision.operator import Encounter, Operator, Outcome, inverse_masses
 from analysis.effects.effect import ContactEffect, Parameter, Values
 
 PLANE_MODULUS = 3.0e9 / (1.0 - 0.4**2)

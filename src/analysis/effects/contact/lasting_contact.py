@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from analysis.arrays import Floats
 from analysis.collision.force_law import (
     CONSTANT_DASHPOT,
     LINEAR,
@@ -14,7 +15,7 @@ from analysis.collision.force_law import (
     ForceLaw,
     hertz_duration,
 )
-from analysis.collision.operator import Body, Encounter, Floats, Operator, Outcome, States
+from analysis.collision.operator import Body, Encounter, Operator, Outcome, States
 from analysis.effects.effect import ContactEffect, ContactLaw, Parameter, Values
 
 FAMILIES = (

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from analysis.effects.effect import BodyEffect, Floats, Parameter, Turning, Values
+from analysis.arrays import Floats
+from analysis.effects.effect import BodyEffect, Parameter, Turning, Values
 
 
 def displace(turning: Turning, values: Values) -> Floats:

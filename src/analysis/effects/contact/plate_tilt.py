@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from analysis.collision.operator import Encounter, Floats, Operator, Outcome
+from analysis.arrays import Floats
+from analysis.collision.operator import Encounter, Operator, Outcome
 from analysis.effects.effect import ContactEffect, Parameter, Values
 
 NEARLY_UP = -0.9

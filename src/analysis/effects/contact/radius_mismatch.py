@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from analysis.collision.operator import Body, Encounter, Floats, Operator, Outcome
+from analysis.arrays import Floats
+from analysis.collision.operator import Body, Encounter, Operator, Outcome
 from analysis.effects.effect import ContactEffect, Parameter, Values
 
 LEAST_SPEED = 1e-3

@@ -7,8 +7,9 @@ from functools import cache
 
 import numpy as np
 
+from analysis.arrays import Floats
 from analysis.collision.force_law import KUWABARA_KONO, REFERENCE_SPEED
-from analysis.collision.operator import Encounter, Floats, Operator, Outcome
+from analysis.collision.operator import Encounter, Operator, Outcome
 from analysis.effects.effect import ContactEffect, Parameter, Values
 
 LEAST_SPEED = 1e-3

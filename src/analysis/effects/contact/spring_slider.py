@@ -15,9 +15,8 @@ from functools import cache
 from importlib.resources import files
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from analysis.arrays import Floats
 
 SPRINGS, STEPS = 100, 1000
 DEEPEST = (15 / 16) ** 0.4

@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from analysis.collision.operator import Encounter, Floats, Operator, Outcome, inverse_masses
+from analysis.arrays import Floats
+from analysis.collision.operator import Encounter, Operator, Outcome, inverse_masses
 from analysis.effects.contact.spring_slider import Pressing, line_of_springs, rebound, single_spring
 from analysis.effects.effect import ContactEffect, Parameter, Values
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from analysis.effects.effect import FlightEffect, Floats, Flying, Parameter, Values
+from analysis.arrays import Floats
+from analysis.effects.effect import FlightEffect, Flying, Parameter, Values
 
 
 def accelerate(flying: Flying, values: Values) -> tuple[Floats, Floats]:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from analysis.effects.effect import FlightEffect, Floats, Flying, Parameter, Values
+from analysis.arrays import Floats
+from analysis.effects.effect import FlightEffect, Flying, Parameter, Values
 
 KINEMATIC_VISCOSITY = 1.5e-5
 """Of air at 20 degrees Celsius, m^2/s."""

@@ -7,13 +7,12 @@ would pass for one that these shots cannot show.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.effects.effect import Effect, Parameter
 from analysis.effects.own.rehearsal import SI, AnyColumn, Units, response, unchanged
 from analysis.effects.own.units import Dimension
 
-Floats = NDArray[np.float64]
 Complaint = tuple[str, str]
 
 ROUNDING = 1e-11

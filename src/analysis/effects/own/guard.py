@@ -14,6 +14,7 @@ from typing import Any, cast
 
 import numpy as np
 
+from analysis.arrays import Floats
 from analysis.collision.operator import Encounter, Operator, Outcome, States
 from analysis.effects.effect import (
     CameraEffect,
@@ -22,7 +23,6 @@ from analysis.effects.effect import (
     Effect,
     Exposure,
     FlightEffect,
-    Floats,
     Flying,
     Values,
 )

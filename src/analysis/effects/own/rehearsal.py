@@ -11,8 +11,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.collision.operator import Body, Encounter, Outcome, States, walton
 from analysis.effects.effect import (
     CameraEffect,
@@ -25,8 +25,6 @@ from analysis.effects.effect import (
     Values,
 )
 from analysis.setup import CameraSetup
-
-Floats = NDArray[np.float64]
 
 SHOTS, FRAMES, SEED = 16, 6, 0
 RADIUS_M, DENSITY_KG_PER_M3, GRAVITY_M_PER_S2, AIR_KG_PER_M3 = 0.0127, 1150.0, 9.80665, 1.2

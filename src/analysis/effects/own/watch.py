@@ -10,7 +10,8 @@ from typing import Any, TypeVar, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.effects.effect import Effect, Floats, Values
+from analysis.arrays import Floats
+from analysis.effects.effect import Effect, Values
 from analysis.effects.own.fault import EffectFault, Fault, exception_text, line_in
 
 Result = TypeVar("Result")

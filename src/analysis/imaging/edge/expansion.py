@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.imaging.edge.edges import EdgeImage
 from analysis.imaging.edge.facet import (
     EdgePoints,
@@ -17,8 +18,6 @@ from analysis.imaging.edge.facet import (
     neighbourhoods,
     zero_crossing_pixels,
 )
-
-Floats = NDArray[np.float64]
 
 
 def sample_offsets(samples_per_pixel: int) -> Floats:

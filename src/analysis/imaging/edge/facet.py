@@ -16,7 +16,6 @@ from analysis.compiled import compiled, part
 from analysis.imaging.edge.edges import EdgeImage
 from analysis.imaging.edge.roots import Filtered, roots_along
 
-Floats = NDArray[np.float64]
 _T = np.array([[1.0, 1.0, 1.0], [-1.0, 0.0, 1.0], [1 / 3, -2 / 3, 1 / 3]])
 _NORM = (_T**2).sum(axis=1)
 BORDER_SIGMAS = 2.5

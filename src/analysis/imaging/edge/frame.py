@@ -7,12 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.compiled import compiled
 from analysis.imaging.edge.edges import half_kernels
 from analysis.imaging.edge.facet import BORDER_SIGMAS, EdgePoints
 from analysis.imaging.edge.windows import Filters, edges_about
-
-Floats = NDArray[np.float64]
 
 NOISE_BLOCK_PX = 8
 

@@ -9,10 +9,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.imaging.edge.edges import gaussian_kernels
 from analysis.imaging.edge.facet import EdgePoints
 
-Floats = NDArray[np.float64]
 Frame = NDArray[np.uint8] | NDArray[np.float64]
 
 SOBEL_SMOOTH, SOBEL_SLOPE = np.array([0.25, 0.5, 0.25]), np.array([-0.5, 0.0, 0.5])

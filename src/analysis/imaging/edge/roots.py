@@ -12,9 +12,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.compiled import compiled, part
 
-Floats = NDArray[np.float64]
 Filtered = tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]]
 """Laplacian of the smoothed frame, and its gradient along rows and columns."""
 

@@ -11,13 +11,13 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.compiled import compiled, part
 from analysis.imaging.edge.edges import STRIP, Singles, filter_strip, framed_strip
 from analysis.imaging.edge.facet import mark_row
 from analysis.imaging.edge.labels import join_neighbours, name_roots
 from analysis.imaging.edge.roots import add_roots
 
-Floats = NDArray[np.float64]
 Integers = NDArray[np.int32]
 Filters = tuple[Singles, tuple[float, int, int]]
 """`edges.half_kernels`; gradient below which a crossing is noise, pixels to keep off the frame's

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.compiled import compiled
 
-Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
 
 LEAST_SHARE = 1e-3

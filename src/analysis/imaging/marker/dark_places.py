@@ -16,13 +16,13 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.imaging.marker.dark_patches import free_light, lacking, over_share, weigh_places
 from analysis.imaging.marker.marker_curves import FURTHEST_CENTRE
 from analysis.imaging.marker.markers import Markers, SeenDisc, joined
 from analysis.imaging.outlines import Place
 from analysis.imaging.views import View, ViewGeometry
 
-Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
 
 SMOOTH_PX = 0.7

@@ -7,10 +7,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.compiled import compiled, part
 from analysis.imaging.ellipse_shells import settle_ellipse
 
-Floats = NDArray[np.float64]
 Indices = NDArray[np.intp]
 Curves = tuple[Floats, Floats, Floats, Floats]
 """Rows, columns and unit normals (row, column) of edge points, shape (points,) each."""

@@ -9,9 +9,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.imaging.playback.changes import LONGEST_ADVANCE, Changes
-
-Floats = NDArray[np.float64]
 
 BINS = 20
 """Steps of the clock's phase in one picture."""

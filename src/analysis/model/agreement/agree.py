@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analysis import chi_squared
 from analysis.model.agreement.freed import with_free_outcomes
@@ -28,7 +27,6 @@ from analysis.model.structure.channels import (
 from analysis.model.structure.reach import reach_of
 from analysis.model.verdict.crossvalidation import prediction_error
 
-Floats = NDArray[np.float64]
 Groups = dict[str, list[FrameChannel]]
 
 

@@ -7,8 +7,8 @@ from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.model.agreement.table import Agreement, Row
 from analysis.model.structure.alarm import is_shared
 from analysis.model.structure.covariates import covariate_label
@@ -18,7 +18,6 @@ from analysis.model.structure.structure import CellResiduals, Structure, Trend
 from analysis.model.verdict.documents import SMALLEST_P
 
 Json = dict[str, Any]
-Floats = NDArray[np.float64]
 
 DRAWN = 6
 """Of so many cells, the most striking ones, a document holds the residuals."""

@@ -10,8 +10,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.model.agreement.outcome import jump_covariance
 from analysis.model.data.poses import PoseData
 from analysis.model.fitting.fit import Fit
@@ -21,8 +21,6 @@ from analysis.model.predict.contact import AFTER, contact_outcome
 from analysis.model.rank.projector import projector
 from analysis.model.structure.channels import contact_columns, contact_frame, pairs_of
 from analysis.motion.exponential import exponential
-
-Floats = NDArray[np.float64]
 
 ROUNDS = 6
 LITTLE_FALL = 0.1

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.model.fitting.normal import with_prior
 from analysis.model.rank.projector import Projector
 from analysis.model.verdict.crossvalidation import FOLDS
-
-Floats = NDArray[np.float64]
 
 
 def left_out_steps(sums: Projector, seed: int = 0) -> Floats:

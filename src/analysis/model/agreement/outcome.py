@@ -13,11 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.model.agreement.heldout import left_out_steps
 from analysis.model.agreement.table import Row, Spread, root_mean
 from analysis.model.rank.projector import ByShot, Projector
-
-Floats = NDArray[np.float64]
 
 GROUPS: tuple[tuple[str, str, tuple[str, ...]], ...] = (
     ("normal velocity", "mm/s", ("relative velocity n",)),

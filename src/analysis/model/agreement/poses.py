@@ -15,12 +15,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.model.agreement.heldout import left_out_steps
 from analysis.model.agreement.table import Row, Spread, root_mean
 from analysis.model.fitting.normal import solve_blocks
 from analysis.model.rank.projector import Projector
 
-Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 UNITS = {"position": ("mm", 1e3), "orientation": ("mrad", 1e3)}

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.model.agreement.freed import with_free_outcomes
 from analysis.model.data.poses import PoseData
 from analysis.model.data.tables import Data
@@ -20,7 +21,6 @@ from analysis.model.fitting.fit import Fit
 from analysis.model.predict.prediction import predict
 
 Json = dict[str, Any]
-Floats = NDArray[np.float64]
 
 LOOKED_AT = 40
 """So many shots, spread over the campaign, are compared: one is shown."""

@@ -10,8 +10,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.model.agreement.outcome import jump_covariance
 from analysis.model.agreement.table import Row, Spread, root_mean
 from analysis.model.data.poses import PoseData
@@ -24,8 +24,6 @@ from analysis.model.rank.projector import (
     Solved,
 )
 from analysis.model.structure.channels import SMOOTH, FrameChannel
-
-Floats = NDArray[np.float64]
 
 
 def with_free_contacts(sums: Projector, columns: Floats, count: int) -> tuple[Projector, ByShot]:

@@ -6,14 +6,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analysis import chi_squared
+from analysis.arrays import Floats
 from analysis.model.fitting.noise import NoiseScale
 from analysis.model.structure.lackoffit import holm
 from analysis.model.verdict.crossvalidation import PredictionError
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

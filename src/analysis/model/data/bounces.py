@@ -10,8 +10,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.exchange.pose_table import PoseRow, Spheres
 from analysis.model.data.plate import LEVEL, Plate
 
@@ -26,8 +26,6 @@ BESIDE, LEAST_KINK = 4, 0.3
 """Frames on either side that tell a bounce from a sphere that turns back on its own, and by which
 part of the larger speed it breaks."""
 STANDARD_GRAVITY = 9.80665
-
-Floats = NDArray[np.float64]
 
 
 def by_bounce(

@@ -9,9 +9,8 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.exchange.shot_list import EXPOSURE, WORDS, ShotRow
-
-Floats = NDArray[np.float64]
 
 ORDER = "order"
 

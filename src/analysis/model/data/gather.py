@@ -10,6 +10,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.campaign import DESCRIPTION, FRAMES, SHOT_LIST, analyse_campaign, read_campaign
 from analysis.collision.operator import Body
 from analysis.errors import InputError
@@ -32,8 +33,6 @@ from analysis.scene import bodies_of
 from analysis.setup import Setup, SlowErrors
 from analysis.shot import AnalysisOptions, MeasuredShot
 from analysis.slow_errors import typical
-
-Floats = NDArray[np.float64]
 
 POSES, CONTACTS, IMPACTS = "poses.csv", "contacts.csv", "impacts.csv"
 GUESSES = 2e-5, 8e-3

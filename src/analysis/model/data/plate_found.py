@@ -13,11 +13,11 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.exchange.pose_table import PoseRow
 from analysis.model.data.plate import LEVEL, LEVEL_WITHIN_RAD, Plate, stated_plate
 from analysis.setup import Setup
 
-Floats = NDArray[np.float64]
 Shots = Iterable[Mapping[str, Sequence[PoseRow]]]
 
 SIDE = 4

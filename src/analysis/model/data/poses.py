@@ -9,6 +9,7 @@ from typing import Any, Protocol, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.collision.operator import Body
 from analysis.effects.flight.wind import NOMINAL_DRAG
 from analysis.model.data.parts import Kept, cut, in_memory
@@ -16,7 +17,6 @@ from analysis.model.data.plate import LEVEL, Plate
 from analysis.model.fitting.systematics import Systematic, of_air, of_images, of_plate
 from analysis.setup import DRAG_SIGMA, NO_SLOW_ERRORS, CameraSetup, SlowErrors
 
-Floats = NDArray[np.float64]
 Frame = tuple[int, int]
 """Number of a shot, and the index of one of its frames."""
 LEAST_COORDINATES = 2

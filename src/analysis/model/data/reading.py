@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.campaign import DESCRIPTION, SHOT_LIST
 from analysis.errors import InputError
 from analysis.exchange.description import read_description
@@ -34,8 +35,6 @@ from analysis.model.data.poses import PoseData
 from analysis.model.data.spool import Spool
 from analysis.model.data.stream import PoseStream
 from analysis.setup import Setup
-
-Floats = NDArray[np.float64]
 
 
 def stream_poses(campaign: Path) -> tuple[str, PoseStream]:

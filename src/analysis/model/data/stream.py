@@ -9,6 +9,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.collision.operator import Body
 from analysis.model.data.parts import Kept, regrouped
 from analysis.model.data.poses import Frame, PoseData
@@ -16,8 +17,6 @@ from analysis.model.data.spool import Spool
 from analysis.model.data.tables import ContactTable, Data
 from analysis.model.fitting.systematics import Systematic
 from analysis.setup import SlowErrors
-
-Floats = NDArray[np.float64]
 
 T = TypeVar("T")
 

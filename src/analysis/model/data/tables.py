@@ -9,13 +9,12 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.collision.operator import Body, States
 from analysis.model.data.parts import Kept, cut, in_memory
 from analysis.model.data.poses import PoseData
 from analysis.model.fitting.systematics import Systematic
 from analysis.model.predict.state import KICK_NUMBERS
-
-Floats = NDArray[np.float64]
 
 T = TypeVar("T")
 

@@ -7,14 +7,13 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.collision.operator import Body, States
 from analysis.exchange.contact_table import ContactRow
 from analysis.exchange.impact_table import ImpactRow
 from analysis.model.data.tables import ContactTable
 from analysis.model.predict.sides import NUMBERS, place_of_rate
 from analysis.model.predict.state import MOTION, SIZE
-
-Floats = NDArray[np.float64]
 
 FIRST_GUESS = 0.01
 """m/s: the scale of errors that are not stated, before it is estimated."""

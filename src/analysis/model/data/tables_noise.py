@@ -7,15 +7,13 @@ that good normal velocities are not buried under bad spins.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analysis import chi_squared
+from analysis.arrays import Floats
 from analysis.model.data.tables import ContactTable
 from analysis.model.fitting.fit import Fit, fit_campaign
 from analysis.model.predict.comparison import compare
 from analysis.model.predict.theory import Theory
-
-Floats = NDArray[np.float64]
 
 ROUNDS = 12
 SETTLED = 0.01

@@ -7,13 +7,11 @@ on these. Hard spheres part at once.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.collision.instant import parting_time
 from analysis.collision.operator import Body
 from analysis.model.predict.sides import NUMBERS, Flights, place_of_rate
-
-Floats = NDArray[np.float64]
 
 
 def parting(sides: Flights, bodies: tuple[Body, Body], normal: Floats) -> tuple[Floats, Floats]:

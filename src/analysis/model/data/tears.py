@@ -11,10 +11,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.model.data.poses import PoseData
 from analysis.motion.tears import BEYOND, MOST_SIGMAS, WINDOW, torn
-
-Floats = NDArray[np.float64]
 
 STRONG_DRAG = 1.0
 """Drag coefficient beyond that of any smooth sphere in air."""

@@ -6,8 +6,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.effects.effect import ContactLaw, Effect
 from analysis.launch.result import LaunchFit
 from analysis.model.data.poses import PoseData
@@ -16,8 +16,6 @@ from analysis.model.design.choice import chosen, fewest_even
 from analysis.model.design.duel import Belief, Duels, truth
 from analysis.model.fitting.adding import ALIAS_WITHIN, added
 from analysis.model.fitting.fit import Fit
-
-Floats = NDArray[np.float64]
 
 PROBABILITY = 0.9
 MOST_SHOTS, MOST_EVEN = 500, 5000

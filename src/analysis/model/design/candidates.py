@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.errors import LaunchRefusedError
 from analysis.launch.predicted_touch import predict_touch
 from analysis.launch.prediction import LEAST_SPEED, Limits
@@ -21,8 +22,6 @@ from analysis.model.fitting.fit import Fit
 from analysis.model.predict.prediction import predict
 from analysis.model.predict.state import SIZE, Kick, ShotStates
 from analysis.model.predict.theory import Theory
-
-Floats = NDArray[np.float64]
 
 PRESSURE_LEVELS, OFFSET_LEVELS = 6, 9
 COARSE, FINE = 3, 40

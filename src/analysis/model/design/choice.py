@@ -6,9 +6,8 @@ from collections.abc import Callable
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from analysis.arrays import Floats
 
 _EXCHANGES, _TURNS = 50, 3
 _BETTER = 1e-9

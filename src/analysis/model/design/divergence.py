@@ -11,15 +11,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.model.data.poses import PoseData
 from analysis.model.fitting.fit import normal_equations
 from analysis.model.fitting.normal import NormalEquations, inverse, solve_blocks, with_prior
 from analysis.model.predict.state import ShotStates
 from analysis.model.predict.theory import Theory
-
-Floats = NDArray[np.float64]
 
 _ROUNDS = 12
 _SHARES = (1.0, 0.5, 0.2, 0.05)

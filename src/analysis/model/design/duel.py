@@ -6,9 +6,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import ndtr
 
+from analysis.arrays import Floats
 from analysis.model.data.poses import PoseData
 from analysis.model.design.candidates import Candidates, foreseen, foreseen_shots
 from analysis.model.design.divergence import Design, by_shot, refitted
@@ -17,8 +17,6 @@ from analysis.model.design.probability import named_over_none
 from analysis.model.fitting.fit import Fit
 from analysis.model.fitting.normal import with_prior
 from analysis.model.predict.state import ShotStates
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

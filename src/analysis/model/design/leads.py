@@ -16,16 +16,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.model.data.parts import SHOTS_AT_ONCE
 from analysis.model.data.poses import PoseData
 from analysis.model.fitting.normal import inverse, solve_blocks, with_prior
 from analysis.model.predict.linear import linearise
 from analysis.model.predict.state import ShotStates
 from analysis.model.predict.theory import Theory
-
-Floats = NDArray[np.float64]
 
 DRAWS = 4000
 """Futures that are drawn: a probability of 0.9 is then known to 0.005."""

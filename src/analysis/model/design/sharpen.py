@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.launch.result import LaunchFit
 from analysis.model.data.poses import PoseData
 from analysis.model.design.between import MOST_EVEN, MOST_SHOTS, Repeated, repeated
@@ -16,8 +16,6 @@ from analysis.model.design.choice import chosen, fewest_even
 from analysis.model.design.divergence import by_shot
 from analysis.model.fitting.fit import Fit
 from analysis.model.fitting.normal import with_prior
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.model.data.parts import Keeper, Kept
 from analysis.model.data.stream import CampaignData, beside
 from analysis.model.data.tables import Data
@@ -30,7 +31,6 @@ from analysis.model.predict.comparison import compare
 from analysis.model.predict.state import ShotStates
 from analysis.model.predict.theory import Theory
 
-Floats = NDArray[np.float64]
 Summed = tuple[ShotStates, NormalEquations]
 """States of the shots of a part, and the sums about them."""
 

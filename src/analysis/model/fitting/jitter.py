@@ -7,9 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.effects.clock import timing_jitter
-
-Floats = NDArray[np.float64]
 
 FRAME = 12
 """Numbers of a frame: positions and orientations of two spheres."""

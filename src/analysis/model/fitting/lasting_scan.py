@@ -6,14 +6,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.collision.operator import Operator
 from analysis.effects.effect import ContactLaw, Values
 from analysis.model.predict.free_flights import SIDE, FreeFlights
 from analysis.model.predict.theory import Theory
-
-Floats = NDArray[np.float64]
 
 FAR, KNOWN = 1e6, 1e3
 LEAST, MOST = (0.05, 1e-3), (1.2, 3.0)

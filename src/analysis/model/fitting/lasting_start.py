@@ -10,16 +10,14 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.collision.force_law import hertz_duration, stated_modulus
 from analysis.effects.contact.lasting_contact import TYPICAL_MODULUS
 from analysis.effects.effect import ContactLaw
 from analysis.model.fitting.lasting_scan import STEPS, Scan, Start
 from analysis.model.predict.free_flights import SIDE, FreeFlights
 from analysis.model.predict.theory import Theory
-
-Floats = NDArray[np.float64]
 
 LEAST_SHOTS, FEW_SHOTS, MOST_SHOTS = 3, 24, 60
 TYPICAL = tuple((ratio, 0.05) for ratio in (0.08, 0.2, 0.45, 1.0))

@@ -9,16 +9,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.model.data.stream import CampaignData
 from analysis.model.data.tables import ContactTable
 from analysis.model.fitting.fit import Fit, parts_of
 from analysis.model.loops import plain
 from analysis.model.loops.blocks import whitenings
 from analysis.model.predict.comparison import Comparison, compare
-
-Floats = NDArray[np.float64]
 
 _LEAST = 1e-12
 

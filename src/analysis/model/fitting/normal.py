@@ -8,13 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.model.loops import plain
 from analysis.model.loops.blocks import RIDGE, solved
 from analysis.model.predict.columns import Columns
 from analysis.model.predict.comparison import Comparison
 from analysis.model.predict.theory import Theory
-
-Floats = NDArray[np.float64]
 
 LEAST_INFORMATION = 1e-18
 """Of a parameter that no residual depends on: its variance is then 1e18."""

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtri
 
+from analysis.arrays import Floats
 from analysis.model.data.poses import Frame, PoseData
 from analysis.model.data.stream import CampaignData, PoseStream
 from analysis.model.data.tables import ContactTable
@@ -20,8 +21,6 @@ from analysis.model.predict.linear import whitened_residual
 from analysis.model.predict.prediction import predict
 from analysis.model.predict.state import ShotStates
 from analysis.model.predict.theory import Theory
-
-Floats = NDArray[np.float64]
 
 ROUNDS = 4
 FEWEST = 6

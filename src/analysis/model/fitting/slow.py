@@ -13,14 +13,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.model.data.poses import PoseData
 from analysis.model.predict.sides import Flights
 from analysis.model.predict.state import ShotStates
 from analysis.motion.drift import WORST_LENGTH, correlation_times, line_variances
-
-Floats = NDArray[np.float64]
 
 _SMALL = 1e-12
 

@@ -9,10 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis import chi_squared
+from analysis.arrays import Floats
 from analysis.model.predict.theory import LAW, LAW_PRIOR_SIGMA, Theory
 from analysis.quantity import Quantity
-
-Floats = NDArray[np.float64]
 
 KNOWN_BEFOREHAND, MOST_RANGES = 0.9, 10.0
 """A standard error as large as this share of the prior's, or as so many plausible ranges, is that

@@ -9,7 +9,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analysis.effects.camera.image_scale import EFFECT as IMAGE_SCALE
 from analysis.effects.camera.outline_offset import EFFECT as OUTLINE_OFFSET
@@ -18,8 +17,6 @@ from analysis.effects.contact.plate_tilt import EFFECT as PLATE_TILT
 from analysis.effects.effect import Effect, Values
 from analysis.effects.flight.drag import EFFECT as DRAG
 from analysis.setup import SlowErrors
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -6,9 +6,8 @@ They take arrays that are contiguous in rows and can be written; `plain` makes a
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from analysis.arrays import Floats
 
 
 def plain(numbers: Floats) -> Floats:

@@ -5,11 +5,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.compiled import compiled, part
-
-Floats = NDArray[np.float64]
 
 RIDGE = 1e-10
 """Added to the unit diagonal, so that it is positive definite."""

@@ -5,11 +5,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.compiled import compiled, part
-
-Floats = NDArray[np.float64]
 
 SMALL_RAD = 1e-4
 """Below it the series of the exponential map are exact to double precision."""

@@ -9,12 +9,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.compiled import compiled, part
 from analysis.motion.turning import turn_between
-
-Floats = NDArray[np.float64]
 
 SMALL_SINE = 5e-10
 

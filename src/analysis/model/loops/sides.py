@@ -8,12 +8,10 @@ centres (6), turns of both spheres (6).
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.compiled import compiled
 from analysis.model.loops.flight import exponential_at
-
-Floats = NDArray[np.float64]
 
 LATE, SHIFT, TURN = 12, 13, 19
 POINT, TILT, MOTION, TURNS = 1, 4, 6, 18

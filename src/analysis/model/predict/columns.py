@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.effects.effect import Effect
 from analysis.model.data.poses import PoseData
 from analysis.model.data.tables import Data
@@ -26,7 +27,6 @@ from analysis.model.predict.state import ShotStates
 from analysis.model.predict.steps import Unmoved
 from analysis.model.predict.theory import BETA0, LAW, Active, Theory
 
-Floats = NDArray[np.float64]
 Wanted = tuple[Active | Systematic | None, int]
 """One parameter: of which part of a theory (None: of the law), and its number there."""
 

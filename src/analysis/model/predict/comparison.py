@@ -13,6 +13,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.model.data.poses import PoseData
 from analysis.model.data.tables import ContactTable, Data
 from analysis.model.data.tabulated_duration import parting
@@ -29,8 +30,6 @@ from analysis.model.predict.sides import NUMBERS, Flights, flights, flights_by_s
 from analysis.model.predict.state import ShotStates
 from analysis.model.predict.theory import Theory
 from analysis.motion.rotation import rotation_vector
-
-Floats = NDArray[np.float64]
 
 _CAMERA_STEP = 1e-6
 KINDS = 4

@@ -7,12 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.collision.operator import Encounter, Operator, Outcome, States, inverse_masses
 from analysis.model.data.poses import Observations, PoseData
 from analysis.model.predict.state import ShotStates
 from analysis.model.predict.theory import Theory
-
-Floats = NDArray[np.float64]
 
 AFTER, DURATION, SHIFT, TURN = slice(0, 12), slice(12, 13), slice(13, 19), slice(19, 25)
 """Where the numbers of an outcome stand in a row: velocities and spins after, time to separation,

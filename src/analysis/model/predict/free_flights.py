@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.collision.operator import Body, Encounter, Operator, States
 from analysis.model.data.tables import ContactTable, Data
 from analysis.model.predict.columns import systematic_columns
@@ -21,8 +22,6 @@ from analysis.model.predict.comparison import compare
 from analysis.model.predict.sides import NUMBERS, Flights
 from analysis.model.predict.state import ShotStates
 from analysis.model.predict.theory import Theory
-
-Floats = NDArray[np.float64]
 
 LEAST_INFORMATION = 1e-9
 """Of the largest in its block, each scaled to one: less is the rounding of what was not seen."""

@@ -8,9 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
+from analysis.arrays import Floats
 from analysis.effects.effect import Effect
 from analysis.model.data.poses import PoseData
 from analysis.model.data.tables import Data
@@ -22,8 +20,6 @@ from analysis.model.predict.prediction import Poses
 from analysis.model.predict.state import ShotStates
 from analysis.model.predict.theory import Theory
 from analysis.motion.exponential import exponential
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -12,8 +12,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.effects.effect import (
     BodyEffect,
     CameraEffect,
@@ -32,8 +32,6 @@ from analysis.model.predict.sides import Flights, flights
 from analysis.model.predict.state import ShotStates
 from analysis.model.predict.theory import Theory
 from analysis.motion.rotation import rotation_matrix
-
-Floats = NDArray[np.float64]
 
 LONG_NODES = 6
 """Instants at which forces on a ball that bounces on a plate are evaluated: it flies for long."""

@@ -10,16 +10,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.model.data.poses import Observations
 from analysis.model.loops import plain
 from analysis.model.loops.sides import add_own, by_outcome
 from analysis.model.predict.contact import AFTER, DURATION, SHIFT, TURN
 from analysis.model.predict.state import MOTION, SIZE, TILT, ShotStates
 from analysis.motion.rotation import rotation_matrix
-
-Floats = NDArray[np.float64]
 
 NUMBERS = 48
 """Two spheres, then position and orientation, then before and after, then start and rate in three

@@ -5,14 +5,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.collision.operator import States
 from analysis.model.data.poses import PoseData
 from analysis.model.data.tables import ContactTable, Data
 from analysis.model.data.unseen import spins_unknown
 from analysis.model.predict.state import Kick, ShotStates
 from analysis.motion.rotation import rotation_matrix, rotation_vector
-
-Floats = NDArray[np.float64]
 
 LEAST_FRAMES, LEAST_FOR_A_LINE = 3, 2
 BESIDE = 8

@@ -8,10 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.collision.operator import States
 from analysis.motion.rotation import rotation_matrix
-
-Floats = NDArray[np.float64]
 
 SIZE = 24
 TIME, POINT, TILT, MOTION, TURN_A, TURN_B = (

@@ -4,15 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
+from analysis.arrays import Floats
 from analysis.effects.effect import BodyEffect, CameraEffect, ClockEffect, Effect, FlightEffect
 from analysis.model.predict.comparison import Frames
 from analysis.model.predict.prediction import Change, appear, displaced, exposed, rate
 from analysis.model.predict.theory import Theory
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -6,8 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.collision.operator import Operator, WaltonLaw, walton
 from analysis.effects.contact.plate_tilt import EFFECT as PLATE_TILT
 from analysis.effects.contact.plate_tilt import leaning
@@ -22,8 +22,6 @@ from analysis.effects.effect import (
     Values,
 )
 from analysis.model.fitting.systematics import Systematic
-
-Floats = NDArray[np.float64]
 
 LAW = ("e", "mu", "beta0")
 BETA0 = LAW.index("beta0")

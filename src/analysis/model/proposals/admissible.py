@@ -8,8 +8,8 @@ from itertools import combinations
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.collision.operator import Encounter
 from analysis.model.proposals.arguments import (
     OF_PLACES,
@@ -19,8 +19,6 @@ from analysis.model.proposals.arguments import (
     known_arguments,
 )
 from analysis.model.verdict.gain import ranks_of
-
-Floats = NDArray[np.float64]
 
 FEWEST_SHOTS = 12
 """Of fewer shots a handful of forms fits any residual."""

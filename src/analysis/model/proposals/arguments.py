@@ -11,11 +11,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.collision.operator import Encounter
-
-Floats = NDArray[np.float64]
 
 LEAST_SPEED, LARGEST_RATIO = 0.01, 20.0
 """m/s; slower contacts have no direction of slip, and a ratio beyond this decides by itself."""

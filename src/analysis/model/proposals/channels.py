@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.collision.operator import Encounter, Operator, Outcome
 from analysis.effects.effect import ContactEffect, Effect, Parameter, Values
 from analysis.model.data.poses import PoseData
@@ -28,7 +29,6 @@ from analysis.model.proposals.forms.frame import FrameForm, frame_forms
 from analysis.model.proposals.forms.impulses import IMPULSES, TORSION, changed_outcome
 from analysis.model.rank.projector import ByShot
 
-Floats = NDArray[np.float64]
 InFrames = FlightForm | FrameForm
 Form = ContactForm | InFrames
 

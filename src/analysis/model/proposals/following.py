@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.collision.operator import Encounter
 from analysis.errors import LaunchRefusedError
 from analysis.launch.fit import fit_launch
@@ -19,8 +20,6 @@ from analysis.model.proposals.channels import channels_of
 from analysis.model.proposals.forms.form import ContactForm
 from analysis.model.proposals.launch_search import LaunchProposal
 from analysis.model.proposals.propose import Accepted, Proposed
-
-Floats = NDArray[np.float64]
 
 RIVAL = "rival"
 CONFIRMING_D = 4.0

@@ -35,8 +35,6 @@ from analysis.model.proposals.screen import Screen, columns_of, scored
 from analysis.model.rank.projector import ByShot
 from analysis.quantity import Quantity
 
-Floats = NDArray[np.float64]
-
 LEVEL = 0.005
 """Family-wise, beside the 0.03 of all other forms."""
 MOST, MOST_TRIED, MOST_REFITTED, FOLDS = 3, 3, 10, 5

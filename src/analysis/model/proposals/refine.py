@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.model.data.tables import Data
 from analysis.model.fitting.fit import Fit, fit_campaign
 from analysis.model.proposals.arguments import Argument
@@ -17,8 +17,6 @@ from analysis.model.proposals.forms.form import OF_A_PRODUCT, ContactForm
 from analysis.model.proposals.forms.impulses import IMPULSES
 from analysis.model.proposals.forms.shapes import spread_of
 from analysis.model.proposals.screen import FULL_SLOTS, columns_of, shaped, shapes_of
-
-Floats = NDArray[np.float64]
 
 FINE = 3
 MOST_SHAPES, MOST_GROUPS = 4, 8

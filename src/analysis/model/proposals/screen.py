@@ -13,9 +13,9 @@ from itertools import combinations
 from typing import Protocol, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import erfc
 
+from analysis.arrays import Floats
 from analysis.model.proposals.arguments import Argument
 from analysis.model.proposals.channels import Channels, Form, Sums
 from analysis.model.proposals.forms.form import ContactForm
@@ -32,8 +32,6 @@ from analysis.model.proposals.forms.shapes import (
     Spread,
     spread_of,
 )
-
-Floats = NDArray[np.float64]
 
 DRAWS, RIDGE = 2000, 1e-7
 FULL_SLOTS = ("e", "mu")

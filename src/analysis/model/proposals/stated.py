@@ -36,7 +36,6 @@ from analysis.model.proposals.forms.launch import QUANTITIES, LaunchForm
 from analysis.model.proposals.forms.shapes import SHAPES, Shape
 
 Json = dict[str, Any]
-Floats = NDArray[np.float64]
 
 LAUNCH = "launch"
 _LISTS: Mapping[str, Any] = MappingProxyType(

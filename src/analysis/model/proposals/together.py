@@ -38,7 +38,6 @@ from analysis.model.proposals.screen import (
 )
 from analysis.model.rank.leaders import FIRST_LEVEL, LATER_LEVEL
 
-Floats = NDArray[np.float64]
 T = TypeVar("T")
 Mapper = Callable[[Callable[[Any], Any], Sequence[Any]], Iterable[Any]]
 """Calls a function with every campaign: `map`, that of a pool of processes or of a cluster."""

@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.effects.effect import ContactLaw, Effect, FlightEffect
 from analysis.model.rank.score_test import chance_of_falls
-
-Floats = NDArray[np.float64]
 
 BEYOND_RANGE_SIGMAS = 2.0
 STATED_WEIGHT = 10.0

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.effects.effect import ScatterEffect
 from analysis.model.data.poses import PoseData
 from analysis.model.data.stream import CampaignData, PoseStream
@@ -19,8 +19,6 @@ from analysis.model.fitting.normal import prior_cost
 from analysis.model.rank.candidate import Candidate, Ranking, believed
 from analysis.model.rank.scatter import with_jitter
 from analysis.model.structure.influence import most_carried
-
-Floats = NDArray[np.float64]
 
 FIRST_LEVEL, LATER_LEVEL = 0.03, 0.01
 """Family-wise level of the first acceptance and of each later one: the stricter keeps out shadows

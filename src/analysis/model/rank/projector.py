@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.model.data.tables import Data
 from analysis.model.fitting.fit import Fit
 from analysis.model.fitting.normal import inverse, solve_blocks, with_prior
@@ -19,8 +19,6 @@ from analysis.model.fitting.shared_noise import SharedNoise
 from analysis.model.predict.linear import linearise
 from analysis.model.predict.state import ShotStates
 from analysis.model.predict.theory import Theory
-
-Floats = NDArray[np.float64]
 
 LEAST_EIGENVALUE = 1e-3
 """Below this share a direction is only the rounding of differences."""

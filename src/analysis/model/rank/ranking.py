@@ -11,8 +11,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.effects.clock.jitter_score import JitterScore
 from analysis.effects.effect import ContactLaw, Effect, ScatterEffect
 from analysis.model.data.stream import CampaignData
@@ -21,8 +21,6 @@ from analysis.model.predict.theory import Theory
 from analysis.model.rank.candidate import Candidate, Ranking, one_sided, weight_of
 from analysis.model.rank.scatter import JitterTrial
 from analysis.model.rank.score_test import Beside, Block, Sums, block_of, candidate_sums
-
-Floats = NDArray[np.float64]
 
 DRAWS = 2000
 CARRIERS = 2

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.effects.clock.jitter_score import Directions, JitterScore, directions, score_of
 from analysis.effects.effect import ScatterEffect
 from analysis.model.data.poses import PoseData
@@ -17,8 +17,6 @@ from analysis.model.fitting.jitter import by_frame
 from analysis.model.fitting.noise import about_free_flight
 from analysis.model.predict.comparison import KINDS, Comparison, Snapshot, by_block, compare, rates
 from analysis.quantity import Quantity
-
-Floats = NDArray[np.float64]
 
 
 def timing_jitter(data: CampaignData, fit: Fit) -> JitterScore | None:

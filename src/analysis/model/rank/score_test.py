@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from scipy.special import ndtr
 
 from analysis import chi_squared
+from analysis.arrays import Floats
 from analysis.effects.effect import Effect
 from analysis.model.data.stream import CampaignData
 from analysis.model.data.tables import Data
@@ -24,7 +25,6 @@ from analysis.model.predict.comparison import Comparison, Snapshot, compare
 from analysis.model.predict.state import ShotStates
 from analysis.model.predict.theory import Theory
 
-Floats = NDArray[np.float64]
 Beside = Callable[[Data, Comparison, Snapshot], None]
 """What else is made of a pass over a campaign."""
 

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.polynomial import chebyshev
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.collision.operator import surface_velocity
 from analysis.model.data.poses import PoseData
 from analysis.model.data.tables import ContactTable, Data
@@ -23,8 +23,6 @@ from analysis.model.predict.sides import NUMBERS, place_of_rate
 from analysis.model.predict.state import ShotStates
 from analysis.model.predict.theory import Theory
 from analysis.model.structure.reach import TIME, Reach
-
-Floats = NDArray[np.float64]
 
 AXES = ("n", "t", "b")
 SMOOTH = 5

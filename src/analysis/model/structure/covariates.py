@@ -6,13 +6,11 @@ Never from the observed pose: its noise would stand in the covariate and in the 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.collision.operator import surface_velocity
 from analysis.model.data.tables import ContactTable, Data
 from analysis.model.predict.state import ShotStates
-
-Floats = NDArray[np.float64]
 
 LEAST_SPEED = 1e-3
 

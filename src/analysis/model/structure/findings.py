@@ -13,13 +13,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+
+from analysis.arrays import Floats
 
 if TYPE_CHECKING:
     # The page takes a name from here, and starts without the model.
     from analysis.model.structure.lackoffit import Cell
 
-Floats = NDArray[np.float64]
 
 ALWAYS = "always"
 """The covariate of a channel's mean."""

@@ -13,9 +13,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analysis import chi_squared
+from analysis.arrays import Floats
 from analysis.model.data.stream import CampaignData
 from analysis.model.data.tables import ContactTable
 from analysis.model.fitting.fit import Fit, fit_campaign
@@ -24,8 +24,6 @@ from analysis.model.rank.projector import Solved
 from analysis.model.structure.signature import own_cells
 from analysis.model.structure.summing import Name, Summed, summed
 from analysis.setup import NO_SLOW_ERRORS, SlowErrors
-
-Floats = NDArray[np.float64]
 
 LEAST_ON_A_LINE = 3
 BOTH = float(np.sqrt(2.0))

@@ -8,14 +8,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.model.data.stream import CampaignData
 from analysis.model.data.tables import ContactTable
 from analysis.model.fitting.fit import Fit, parts_of
 from analysis.model.predict.prediction import predict
-
-Floats = NDArray[np.float64]
 
 TIME = "time"
 SHARE = 0.01

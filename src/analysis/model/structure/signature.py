@@ -12,12 +12,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.model.fitting.normal import inverse, with_prior
 from analysis.model.predict.theory import Theory
 from analysis.model.rank.projector import ColumnSums
 from analysis.model.structure.summing import Name, Summed
-
-Floats = NDArray[np.float64]
 
 OWN_CELLS = 4
 """So many cells are an effect's own: few, so that little is paid for looking."""

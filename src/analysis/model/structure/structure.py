@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.model.data.columns import ORDER
 from analysis.model.data.stream import CampaignData, whole
 from analysis.model.data.tables import Data
@@ -16,8 +17,6 @@ from analysis.model.rank.projector import LEAST_INFORMATION, Solved
 from analysis.model.structure.channels import FrameChannel, frame_channels
 from analysis.model.structure.lackoffit import Cell, noise_matched, tested
 from analysis.model.structure.summing import Summed
-
-Floats = NDArray[np.float64]
 
 GRID = 60
 WINDOW = 0.08

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.polynomial import chebyshev
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.model.data.parts import Kept
 from analysis.model.data.stream import CampaignData
 from analysis.model.fitting.fit import Fit, parts_of
@@ -23,7 +23,6 @@ from analysis.model.structure.channels import (
 from analysis.model.structure.covariates import shot_covariates
 from analysis.model.structure.reach import Reach, reach_of
 
-Floats = NDArray[np.float64]
 Name = tuple[str, str]
 """Of a cell: what is disturbed, and against what."""
 

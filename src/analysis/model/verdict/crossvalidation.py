@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.model.data.stream import CampaignData
 from analysis.model.data.tables import ContactTable, Data
 from analysis.model.fitting.fit import Fit, parts_of
@@ -19,8 +20,6 @@ from analysis.model.fitting.gauss_newton import summed
 from analysis.model.fitting.normal import NormalEquations, solve_blocks, with_prior
 from analysis.model.predict.state import ShotStates
 from analysis.model.predict.theory import Theory
-
-Floats = NDArray[np.float64]
 
 FOLDS = 5
 

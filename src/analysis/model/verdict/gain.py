@@ -9,9 +9,8 @@ deviations.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from analysis.arrays import Floats
 
 MOST_ASKED = 3.0
 ALLOWED = 2.0

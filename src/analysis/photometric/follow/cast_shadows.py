@@ -13,6 +13,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.compiled import compiled, part
 from analysis.photometric.render.accumulation import lay_outer_instants, resolve, span_along
 from analysis.photometric.render.bands import (
@@ -28,7 +29,6 @@ from analysis.photometric.render.covers import cover_canvases, paint_of
 from analysis.photometric.render.residual import LEAST_DISC
 from analysis.photometric.render.sight import Reel, Sight, Stance, sight_at
 
-Floats = NDArray[np.float64]
 Places = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 

@@ -11,13 +11,12 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.compiled import compiled
 from analysis.photometric.render.camera import disc_of
 from analysis.photometric.render.covers import seen_from
 from analysis.photometric.render.residual import LOOK, hidden, lit, shade
 from analysis.photometric.render.sight import Reel, Sight, Stance, sight_at
-
-Floats = NDArray[np.float64]
 
 LEAST_FACING = 0.45
 LEAST_SHARE = 0.7

@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 Grey = NDArray[np.uint8]
-Floats = NDArray[np.float64]
 
 FEW = 9
 """Frames that are looked at."""

@@ -9,6 +9,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.photometric.follow.cast_shadows import mark_shadows
 from analysis.photometric.follow.confirmation import confirmed
 from analysis.photometric.follow.whereabouts import whereabouts
@@ -23,8 +24,6 @@ from analysis.photometric.render.smear import (
     motion_through,
     round_variance,
 )
-
-Floats = NDArray[np.float64]
 
 ALL = slice(None)
 MOST_STEPS, STILL = 4, 1e-3

@@ -12,6 +12,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.errors import ShotRefusedError
 from analysis.imaging.edge.frame import EdgeSettings, FilmEdges, gradient_threshold, noise_sd
 from analysis.imaging.film_discs import FilmDiscs
@@ -33,8 +34,6 @@ from analysis.tracking import (
     refuse_repeats,
     tracking_of,
 )
-
-Floats = NDArray[np.float64]
 
 LEAST_COVERAGE = 0.3
 LIMB_SCALE_SIGMA = 0.005

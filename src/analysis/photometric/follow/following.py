@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.errors import ShotRefusedError
 from analysis.imaging.discs import Disc, pair_apart, vote_radii
 from analysis.imaging.views import View
@@ -19,7 +20,6 @@ from analysis.photometric.render.camera import disc_of
 from analysis.photometric.render.pose import fit_frames
 from analysis.photometric.render.sight import Reel, Scene, Sight, Stance
 
-Floats = NDArray[np.float64]
 Single = NDArray[np.float32]
 
 NEAR_LIMITS = np.array([6.0])

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from analysis.arrays import Floats
 from analysis.compiled import compiled
 from analysis.photometric.follow.confirmation import shown_share
 from analysis.photometric.follow.film import cost_of
@@ -17,8 +18,6 @@ from analysis.photometric.render.camera import disc_of
 from analysis.photometric.render.pose import fit_pose
 from analysis.photometric.render.residual import LOOK, hidden, shade
 from analysis.photometric.render.sight import Sight, Stance
-
-Floats = NDArray[np.float64]
 
 STEP_RAD = 0.14
 LEAST_FACING = 0.3

@@ -8,6 +8,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.errors import ShotRefusedError
 from analysis.imaging.marker.markers import FilmMarkers
 from analysis.imaging.views import View
@@ -101,8 +102,6 @@ def refuse_full(frames: NDArray[np.uint8]) -> None:
             f"{100 * MOST_FULL:.0f} % are allowed; take less light or a shorter exposure",
         )
 
-
-Floats = NDArray[np.float64]
 
 FIRST_BLUR_PX = 0.85
 FIRST_DARKNESS, FAINT = 0.6, 0.4

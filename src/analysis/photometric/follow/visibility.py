@@ -9,15 +9,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.compiled import compiled
 from analysis.photometric.follow.film import Film
 from analysis.photometric.learn.appearance import Appearance
 from analysis.photometric.render.camera import Optics, discs_of
 from analysis.photometric.render.residual import KEEP_OFF_PX
-
-Floats = NDArray[np.float64]
 
 LEAST_OWN = 0.5
 """Of its direct image: with less a track ends."""

@@ -8,9 +8,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.compiled import compiled
 
-Floats = NDArray[np.float64]
 Single = NDArray[np.float32]
 
 SMOOTH_PX = 1.2

@@ -6,14 +6,12 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.photometric.render.camera import Camera
 from analysis.photometric.render.shading import blurred_profiles, template
 from analysis.photometric.render.sight import Look
 from analysis.photometric.render.surface import draw
-
-Floats = NDArray[np.float64]
 
 KEPT_LOOKS = 8
 SHARED_PX = 0.002

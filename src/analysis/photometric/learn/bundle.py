@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.compiled import compiled, part
 from analysis.photometric.learn.training_view import TrainingView, Viewed, drawn_for_bundle
 from analysis.photometric.render.bands import BAND, LANES
@@ -20,7 +21,6 @@ from analysis.photometric.render.pixel_rows import (
 from analysis.photometric.render.residual import UNKNOWNS
 from analysis.photometric.render.sight import Equations, Sight, Stance
 
-Floats = NDArray[np.float64]
 Places = NDArray[np.int64]
 
 

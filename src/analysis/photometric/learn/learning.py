@@ -10,8 +10,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.motion.rotation import rotation_matrix
 from analysis.photometric.follow.confirmation import borne_out
 from analysis.photometric.follow.film import Film, fit_film, sights_of, take_out_shadows
@@ -32,8 +32,6 @@ from analysis.photometric.learn.training_view import TrainingView
 from analysis.photometric.learn.unsmeared import unsmeared
 from analysis.photometric.render.shading import HARMONICS, NUDGE
 from analysis.photometric.render.sight import Equations
-
-Floats = NDArray[np.float64]
 
 MOST_FRAMES = 10
 """Frames of a film: more add little information on the spheres and take as much longer."""

@@ -8,13 +8,12 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.compiled import compiled, part
 from analysis.photometric.learn.appearance import Appearance
 from analysis.photometric.render.covers import cover_canvas, into_view, paint_of
 from analysis.photometric.render.residual import LOOK, cover_at, covered, model_pixel, shade
 from analysis.photometric.render.sight import Look, Sight, Stance
-
-Floats = NDArray[np.float64]
 
 DIRECTIONS = 2000
 LEAST_FACING = 0.35

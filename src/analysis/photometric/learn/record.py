@@ -9,15 +9,13 @@ from typing import IO, Any
 from zipfile import ZipFile
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.errors import InputError
 from analysis.files import file_limits
 from analysis.imaging.views import View
 from analysis.photometric.learn.appearance import Appearance, Sphere
 from analysis.photometric.render.camera import Camera, Optics
-
-Floats = NDArray[np.float64]
 
 FORMAT = 5
 SPHERES = ("a", "b")

@@ -7,9 +7,9 @@ ends short of the limb, where it could pass for a larger or shifted disc.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
+from analysis.arrays import Floats
 from analysis.compiled import compiled
 from analysis.photometric.render.covers import cover_canvas, paint_of
 from analysis.photometric.render.residual import (
@@ -22,8 +22,6 @@ from analysis.photometric.render.residual import (
     shade,
 )
 from analysis.photometric.render.sight import Sight, Stance
-
-Floats = NDArray[np.float64]
 
 NODES_PER_PX = 0.8
 FEWEST, MOST = 8, 48

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.compiled import compiled, part
 from analysis.photometric.learn.relief import FULL_TO, NONE_FROM
 from analysis.photometric.learn.training_view import TrainingView, drawn_for_bundle
@@ -23,8 +23,6 @@ from analysis.photometric.render.pixel_rows import (
     pixels_of,
 )
 from analysis.photometric.render.sight import Equations, Sight, Stance
-
-Floats = NDArray[np.float64]
 
 COMMON = 4
 """Behind the harmonics: a shift of all frames along row and column, log radius, blur."""

@@ -9,12 +9,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.photometric.learn.shading_fit import COMMON
 from analysis.photometric.render.shading import HARMONICS, RADIALS
-
-Floats = NDArray[np.float64]
 
 ALIKE, HIGH = 0.02, 0.1
 """How far the spheres' coefficients differ, and how large those above order two are, expected as

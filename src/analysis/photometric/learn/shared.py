@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.compiled import compiled
 from analysis.photometric.learn.bundle import bundle_view
 from analysis.photometric.learn.training_view import TrainingView
@@ -87,8 +88,6 @@ def eliminate(whole: Equations, first: int, left: Equations) -> None:
         for c in range(others):
             left.normal[a, c] += row[c]
 
-
-Floats = NDArray[np.float64]
 
 Bending = Callable[[Optics, int, Floats], Floats]
 """What unknowns of the camera change in a view of a sphere at a centre, shape (BENT, unknowns)."""

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.compiled import part
 from analysis.photometric.render.camera import disc_of
 from analysis.photometric.render.contour import (
@@ -21,8 +22,6 @@ from analysis.photometric.render.contour import (
 from analysis.photometric.render.covers import closeness, into_view, paint_of, seen_from, window
 from analysis.photometric.render.residual import Paint
 from analysis.photometric.render.sight import Sight, Stance
-
-Floats = NDArray[np.float64]
 
 HALF_TURN = math.pi / 2
 NOWHERE = -(1 << 30)

@@ -13,6 +13,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.compiled import compiled, part
 from analysis.photometric.follow.film import Film
 from analysis.photometric.learn.appearance import Appearance
@@ -30,8 +31,6 @@ from analysis.photometric.render.bands import (
 from analysis.photometric.render.covers import cover_canvases, paint_of
 from analysis.photometric.render.sight import Reel, Sight, Stance, sight_at
 from analysis.photometric.render.smear import MIDDLE
-
-Floats = NDArray[np.float64]
 
 
 @part

@@ -8,8 +8,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.compiled import part
 from analysis.photometric.render.bands import (
     BAND,
@@ -27,8 +27,6 @@ from analysis.photometric.render.residual import UNKNOWNS, Paint
 from analysis.photometric.render.sight import Equations, Sight, Stance
 from analysis.photometric.render.smear import MIDDLE
 from analysis.photometric.render.surface import SQUARE_STEPS
-
-Floats = NDArray[np.float64]
 
 
 @part

@@ -7,9 +7,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.compiled import compiled
-
-Floats = NDArray[np.float64]
 
 DEGREE = 4
 KEEP_OFF_PX = 4.0

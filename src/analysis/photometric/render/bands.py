@@ -12,6 +12,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.compiled import part
 from analysis.photometric.render.contour import LAYERS
 from analysis.photometric.render.residual import (
@@ -23,8 +24,6 @@ from analysis.photometric.render.residual import (
 )
 from analysis.photometric.render.sight import Equations, Sight
 from analysis.photometric.render.surface import SPAN, SQUARE_STEPS
-
-Floats = NDArray[np.float64]
 
 Ground = tuple[Floats, NDArray[np.uint8], NDArray[np.bool_], Floats]
 """Background, grey levels and shadows of a frame, and the other discs in a view."""

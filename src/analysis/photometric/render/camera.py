@@ -16,11 +16,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.compiled import compiled
 from analysis.imaging.views import View, view_geometries
 from analysis.setup import CameraSetup
-
-Floats = NDArray[np.float64]
 
 FAR = -1e6
 BENT = 7

@@ -12,12 +12,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import ndtr
 
+from analysis.arrays import Floats
 from analysis.compiled import compiled, part
-
-Floats = NDArray[np.float64]
 
 LAYERS = 6
 """Cover, its derivatives to row and column of the centre, and to turns about row, column, eye."""

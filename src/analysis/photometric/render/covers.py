@@ -5,16 +5,14 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.compiled import part
 from analysis.photometric.render.camera import axes_at, disc_of, nearer, own_nearness
 from analysis.photometric.render.contour import LAYERS, add_cover
 from analysis.photometric.render.residual import Paint
 from analysis.photometric.render.sight import Sight, Stance
 from analysis.photometric.render.smear import at_instant, instants_of
-
-Floats = NDArray[np.float64]
 
 AROUND_PX = 4
 """Surroundings of a disc that take part: they determine the background's offset."""

@@ -12,6 +12,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.compiled import part
 from analysis.photometric.learn.training_view import Viewed
 from analysis.photometric.render.bands import (
@@ -38,7 +39,6 @@ from analysis.photometric.render.shading import HARMONICS, NUDGE, ORDER, RADIALS
 from analysis.photometric.render.sight import Scene
 from analysis.photometric.render.surface import SQUARE_STEPS
 
-Floats = NDArray[np.float64]
 Places = NDArray[np.int64]
 
 MARKERS_SHARE = 3

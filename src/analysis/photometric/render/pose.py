@@ -7,6 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.compiled import compiled, part
 from analysis.motion.turning import turned
 from analysis.photometric.render.accumulation import accumulate
@@ -21,8 +22,6 @@ from analysis.photometric.render.sight import (
     reel_of,
     sight_at,
 )
-
-Floats = NDArray[np.float64]
 
 POSE = 6
 ONLY = np.zeros(1, dtype=np.intp)

@@ -7,9 +7,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.compiled import compiled
 
-Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 SMALL = 1e-3

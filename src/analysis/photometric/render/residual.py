@@ -18,14 +18,10 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
+from analysis.arrays import Floats
 from analysis.compiled import part
 from analysis.photometric.render.sight import Scene
 from analysis.photometric.render.surface import SPAN, SQUARE_STEPS
-
-Floats = NDArray[np.float64]
 
 Cover = tuple[float, float, float]
 """Of the markers, 0 to 1, and its derivatives to row and column of the disc's centre, 1/px."""

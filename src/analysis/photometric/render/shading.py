@@ -13,12 +13,10 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import i0e, i1e
 
+from analysis.arrays import Floats
 from analysis.photometric.render.radial_blur import blur_radials, pairs_near, refined
-
-Floats = NDArray[np.float64]
 
 ORDER = 3
 STEPS_PER_RADIUS = 400

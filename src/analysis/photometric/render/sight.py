@@ -7,10 +7,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.compiled import part
 from analysis.photometric.render.camera import Optics
-
-Floats = NDArray[np.float64]
 
 LIGHTS = 4
 """Of a view in one frame: background offset, gain, slopes of the light along row and column."""

@@ -11,14 +11,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.compiled import compiled, part
 from analysis.motion.turning import turn_between, turned
 from analysis.photometric.render.camera import Optics
 from analysis.photometric.render.sight import Sight, Stance
-
-Floats = NDArray[np.float64]
 
 LEAST_SMEAR_PX = 1.0
 """A shorter one differs from a round blur by less than half a grey level."""

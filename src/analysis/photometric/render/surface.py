@@ -10,12 +10,10 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.compiled import compiled, part
 from analysis.photometric.render.shading import DISC, ORDER, STEPS_PER_RADIUS
-
-Floats = NDArray[np.float64]
 
 SPAN = 1.2
 """Half side of the grid in radii; beyond it the shading stays as at its edge."""

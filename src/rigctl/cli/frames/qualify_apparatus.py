@@ -8,11 +8,11 @@ from typing import Protocol, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.setup import CameraSetup, Environment, Setup, SphereSetup
 
 APPARATUS = "simulators.qualification"
 
-Floats = NDArray[np.float64]
 Frames = NDArray[np.uint8]
 Rows = tuple[int, int]
 Place = tuple[float, float]

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 from nicegui import run, ui
 
 from analysis.figures.palette import FAILS, FLOOR, MEASURED
+from rigctl.documents import Json
 from rigctl.page.campaigns.output import Output
 from rigctl.page.desk import Desk
 from rigctl.page.layout import TICK_S
@@ -72,9 +72,6 @@ def _law(name: str, found: Json, key: str, line: Json) -> Json:
         "line": line,
         "hoverinfo": "skip",
     }
-
-
-Json = dict[str, Any]
 
 
 @dataclass(frozen=True, slots=True)

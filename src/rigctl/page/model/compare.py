@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import json
-from typing import Any
 
 from nicegui import ui
 
+from rigctl.documents import Json
 from rigctl.page.model.effect_words import described
 from rigctl.page.parts.quantities import CHANCE, CHI2, ERROR, EXPECTED, PARAMETERS, VALUE
 from rigctl.page.parts.tables import Cell, Line, chance, facts, with_error
 from rigctl.page.parts.widgets import save_csv
 
-Json = dict[str, Any]
 ALARM = 0.01
 FAR = 3.0
 SHOWN = 8

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 from nicegui import ui
 
+from rigctl.documents import Json
 from rigctl.model.known_effects import ALL_EFFECTS, effect_document
 from rigctl.page.parts.widgets import button
-
-Json = dict[str, Any]
 
 _CATALOGUE: dict[str, Json] = {effect.name: effect_document(effect) for effect in ALL_EFFECTS}
 

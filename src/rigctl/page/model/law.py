@@ -9,7 +9,6 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from functools import partial
-from typing import Any
 
 from nicegui import ui
 
@@ -18,6 +17,7 @@ from analysis.model.proposals.words import (
     proposal_sentences,
     together_sentences,
 )
+from rigctl.documents import Json
 from rigctl.errors import AnalysisInputError
 from rigctl.jobs import Job
 from rigctl.measuring.measured import others
@@ -25,8 +25,6 @@ from rigctl.page.model.state import ModelState, Question
 from rigctl.page.parts.widgets import button
 from rigctl.page.sweeps.form import form_address
 from rigctl.sweeps.form import Sweep
-
-Json = dict[str, Any]
 
 
 class ProposedLaw:

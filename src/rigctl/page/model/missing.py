@@ -5,16 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from string import ascii_uppercase
-from typing import Any
 
 from nicegui import ui
 
+from rigctl.documents import Json
 from rigctl.page.model.effect_words import described, explain, in_unit, left_out
 from rigctl.page.parts.quantities import CHANCE, FALL, LIKE, PLAUSIBLE, SCORE
 from rigctl.page.parts.tables import chance, minus, with_error
 from rigctl.page.parts.widgets import button, save_csv
 
-Json = dict[str, Any]
 SHOWN = 8
 STRONG = 0.05
 HEADINGS = (

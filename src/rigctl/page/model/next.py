@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from nicegui import ui
 
 from analysis.model.verdict.standing import Standing, Word
+from rigctl.documents import Json
 from rigctl.jobs import Job
 from rigctl.model.next_words import sentence, sweep_of
 from rigctl.page.desk import Desk
@@ -19,7 +18,6 @@ from rigctl.page.parts.widgets import button
 from rigctl.page.sweeps.broad import broad_sweep
 from rigctl.page.sweeps.form import form_address, shot_headings
 
-Json = dict[str, Any]
 NONE = "none"
 NO_EFFECT = f"No further effect ({NONE})"
 PROBABILITY = 0.9

@@ -5,13 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import Any
 
 from analysis.model.verdict.standing import Standing, Word
+from rigctl.documents import Json
 from rigctl.page.model.compare import parsed
 from rigctl.page.model.story.cards import named
 
-Json = dict[str, Any]
 SPEED = "ln v_n"
 NO_SHOTS = frozenset({Word.FLOOR})
 FACTOR = 1.5

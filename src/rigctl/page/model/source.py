@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 from urllib.parse import quote
 
 from rigctl.daemon import Daemon
+from rigctl.documents import Json
 from rigctl.errors import AnalysisInputError
 from rigctl.jobs import Job, in_process
 from rigctl.measuring.measured import measured_files, request
@@ -16,7 +16,6 @@ from rigctl.model import FUNCTIONS
 from rigctl.model.own_effects import OwnEffects
 from rigctl.store import ShotRecord
 
-Json = dict[str, Any]
 LOOKED_AT = ("campaign.toml", "shots.csv", "poses.csv", "contacts.csv", "impacts.csv")
 
 

@@ -7,15 +7,14 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import lru_cache
-from typing import Any
 
 from analysis.model.verdict.standing import Standing, standing_of
+from rigctl.documents import Json
 from rigctl.errors import RigError
 from rigctl.jobs import ENDED, Job, JobState
 from rigctl.page.model.source import Source
 from rigctl.page.parts.waiting import cancelled_words
 
-Json = dict[str, Any]
 Effects = tuple[str, ...]
 READ_KEPT = 8
 

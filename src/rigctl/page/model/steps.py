@@ -7,6 +7,7 @@ from typing import Any
 
 from nicegui import ui
 
+from rigctl.documents import Json
 from rigctl.page.desk import Desk
 from rigctl.page.model.compare import compare
 from rigctl.page.model.missing import missing
@@ -67,9 +68,6 @@ class GrownPath:
         return rows + [
             [label, stage["prediction_error"], stage["chi2_per_dof"]] for label, stage in stages
         ]
-
-
-Json = dict[str, Any]
 
 
 class Steps:

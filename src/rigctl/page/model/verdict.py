@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
 
 from nicegui import ui
 
@@ -16,6 +15,7 @@ from analysis.model.verdict.standing import (
     standing_of,
 )
 from analysis.model.verdict.words import doubts, too_few, verdict_sentence
+from rigctl.documents import Json
 from rigctl.page.desk import Desk
 from rigctl.page.model.law import ProposedLaw
 from rigctl.page.model.state import Effects, ModelState, Question
@@ -23,8 +23,6 @@ from rigctl.page.model.story.errors import Unseen
 from rigctl.page.model.where import named
 from rigctl.page.parts.waiting import Waiting
 from rigctl.page.parts.widgets import button
-
-Json = dict[str, Any]
 
 
 class Verdict:

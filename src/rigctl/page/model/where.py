@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 from nicegui import events, ui
 
 from analysis.model.structure.findings import ALWAYS
+from rigctl.documents import Json
 from rigctl.page.desk import Desk
 from rigctl.page.model.compare import parsed
 from rigctl.page.model.state import ModelState
@@ -43,7 +43,6 @@ def _places(values: Sequence[float], count: int) -> list[int]:
     return [int((value - low) / step) for value in values]
 
 
-Json = dict[str, Any]
 BLOCKS = {"contact": "Jump at contact", "flight": "Flight", "camera": "Camera"}
 HELP = (
     "Column always: the mean of the row, in its standard errors. Other columns: standard "

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import shutil
-from typing import Any
 
 from nicegui import events, ui
 
+from rigctl.documents import Json
 from rigctl.jobs import Job, in_process
 from rigctl.page.desk import Desk
 from rigctl.page.layout import TICK_S
@@ -17,7 +17,6 @@ from rigctl.page.parts.following import following
 from rigctl.page.parts.waiting import Waiting
 from rigctl.page.parts.widgets import button
 
-Json = dict[str, Any]
 FUNCTIONS = "rigctl.measuring.own_film"
 LEAST_PX = 8
 """A part of the picture that is smaller was a click and no drag."""

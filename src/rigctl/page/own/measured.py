@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from nicegui import ui
 
 from analysis.quantity import Quantity
+from rigctl.documents import Json
 from rigctl.page.desk import Desk
 from rigctl.page.model.source import Source
 from rigctl.page.own.brought import CAMPAIGN, FIGURE, MEASURED, RESULT, Brought
@@ -17,7 +17,6 @@ from rigctl.page.own.downloads import ADDRESS
 from rigctl.page.parts.tables import Cell, Line, facts
 from rigctl.page.parts.widgets import button
 
-Json = dict[str, Any]
 FEWEST_IMPACTS = 5
 """So many are compared with the model; fewer are not compared."""
 

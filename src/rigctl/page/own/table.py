@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import shutil
 from pathlib import Path
-from typing import Any
 
 from nicegui import events, ui
 
@@ -23,7 +22,6 @@ from rigctl.page.own.brought import CAMPAIGN, MEASURED, Brought
 from rigctl.page.own.measured import onwards, save_campaign
 from rigctl.page.parts.tables import minus
 
-Json = dict[str, Any]
 PREVIEWED = 6
 NAMED = 8
 """So many rows that are left out are named; of the others their number."""

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any
-
+from rigctl.documents import Json
 from rigctl.page.parts.plots import figure
 
-Json = dict[str, Any]
 NO_SHOTS = "No shot is measured yet:<br>fire one on the page Rig, or start a sweep."
 NONE_OF_SWEEP = "No shot of this sweep is measured yet;<br>each appears here once it is."
 READING = "Reading the shots …"

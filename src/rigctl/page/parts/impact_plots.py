@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 from analysis.figures.palette import FLOOR, MEASURED
+from rigctl.documents import Json
 from rigctl.page.parts.empty_plots import NO_SHOTS, NO_SLIDING, empty
 from rigctl.page.parts.plots import figure
 from rigctl.page.parts.readings import Impact
 
-Json = dict[str, Any]
 HEIGHT = 340
 LEAST_SPAN = 0.1
 """Speeds that differ by less, m/s, do not fill the axis: its labels would be all places."""

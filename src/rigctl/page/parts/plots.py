@@ -6,12 +6,10 @@ Text, grid and axes take their colours from the style sheet, so that they follow
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 from analysis.figures.palette import FAILS, FLOOR, MEASURED
 from analysis.model.structure.findings import ALWAYS
-
-Json = dict[str, Any]
+from rigctl.documents import Json
 
 TOOLS = {
     "displaylogo": False,

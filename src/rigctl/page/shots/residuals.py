@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 from nicegui import ui
 
 from analysis.figures.palette import FAILS, MEASURED
+from rigctl.documents import Json
 from rigctl.page.desk import Desk
 from rigctl.page.layout import TICK_S
 from rigctl.page.model.compare import parsed
@@ -18,7 +18,6 @@ from rigctl.page.parts.plots import figure
 from rigctl.page.parts.widgets import button, plot, save_csv
 from rigctl.store import ShotRecord, ShotState
 
-Json = dict[str, Any]
 FAR = 3.0
 HELP = (
     "What the poses want beyond the model, as a jump at contact, in units of its own standard "

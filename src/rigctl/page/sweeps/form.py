@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import math
 import secrets
-from typing import Any
 from urllib.parse import quote
 
 from nicegui import ui
@@ -23,7 +22,6 @@ from rigctl.page.sweeps.plots import covers, grid
 from rigctl.sweeps.form import Sweep
 from rigctl.sweeps.plan import plan_of, require_possible
 
-Json = dict[str, Any]
 MOST_LEVELS = 50
 MOST_REPEATS = 100
 LISTED = {"pressure_a_kpa": "a", "pressure_b_kpa": "b", "offset_mm": "offset"}

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 from analysis.figures.palette import FAILS, GREY, MEASURED
 from rigctl.config import Limits
+from rigctl.documents import Json
 from rigctl.page.parts.plots import figure
 from rigctl.settings import ShotSettings
 
-Json = dict[str, Any]
 DIAMETER_MM = 25.4
 HEIGHT = 360
 ROOM_OF_LEGEND = 64

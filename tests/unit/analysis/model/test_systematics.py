@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from analysis.effects.effect import Floats
+from analysis.arrays import Floats
 from analysis.model.agreement.agree import agree
 from analysis.model.data.poses import PoseData
 from analysis.model.fitting.fit import fit_campaign

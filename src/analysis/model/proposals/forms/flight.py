@@ -7,11 +7,10 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.effects.effect import FlightEffect, Flying, Parameter, Values
 
-Floats = NDArray[np.float64]
 Kind = Literal["central", "central-exponential", "velocity", "uniform"]
 
 NODES = 8

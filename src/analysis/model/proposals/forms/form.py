@@ -9,15 +9,13 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.collision.operator import Encounter, Operator, Outcome
 from analysis.effects.effect import ContactEffect, Parameter, Values
 from analysis.model.proposals.arguments import Argument
 from analysis.model.proposals.forms.impulses import IMPULSES, TORSION, changed_outcome
 from analysis.model.proposals.forms.shapes import POWER, Shape
-
-Floats = NDArray[np.float64]
 
 COEFFICIENTS = ("e", "mu", "beta0")
 SLOTS = (*COEFFICIENTS, TORSION, *IMPULSES)

@@ -7,12 +7,11 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.effects.effect import CameraEffect, ClockEffect, Exposure, Parameter, Values
 from analysis.setup import CameraSetup
 
-Floats = NDArray[np.float64]
 Kind = Literal["linear", "power", "periodic"]
 
 AXES = "xyz"

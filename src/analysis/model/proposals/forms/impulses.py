@@ -10,8 +10,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.collision.operator import (
     Encounter,
     Outcome,
@@ -19,8 +19,6 @@ from analysis.collision.operator import (
     surface_velocity,
     with_impulse,
 )
-
-Floats = NDArray[np.float64]
 
 TORSION = "torsion"
 IMPULSE_N, IMPULSE_T = "impulse_n", "impulse_t"

@@ -10,15 +10,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Floats
 from analysis.effects.effect import LaunchEffect, Parameter, Values
 from analysis.launch.muzzle import OFFSET, SIZE, Charge, Launcher, Muzzle
 from analysis.model.proposals.arguments import Argument
 from analysis.model.proposals.forms.form import LARGEST_CHANGE, scale_of
 from analysis.model.proposals.forms.shapes import FOR_COLUMNS, POWER, Shape, spread_of
-
-Floats = NDArray[np.float64]
 
 LARGEST_OFFSET_M, LARGEST_EXPONENT = 5e-3, 4.0
 TRACK = "track_offset"

@@ -10,9 +10,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from analysis.arrays import Floats
 
 STEP_WIDTH = 0.01
 """Of a step, as a share of the argument's range: a step without one has no slope to fit by."""

@@ -7,13 +7,13 @@ import re
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import Any
 
 from fastapi import FastAPI
 from nicegui import ui
 from starlette.staticfiles import StaticFiles
 
-Json = dict[str, Any]
+from rigctl.documents import Json
+
 HERE = Path(__file__).parent
 DRAWINGS = "/drawings"
 NAME = re.compile(r"[a-z]+(?:-[a-z]+)*")

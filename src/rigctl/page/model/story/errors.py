@@ -8,9 +8,8 @@ then states the error in the unit of what was measured, with the scatter of the 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
-Json = dict[str, Any]
+from rigctl.documents import Json
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 from nicegui import ui
 
+from rigctl.documents import Json
 from rigctl.page.desk import Desk
 from rigctl.page.model.state import ModelState, Question
 from rigctl.page.model.story.ghost import Scene, ghost_film, of_film, of_places
@@ -14,7 +14,6 @@ from rigctl.page.parts.presence import every
 from rigctl.page.parts.waiting import Waiting
 from rigctl.page.parts.widgets import button
 
-Json = dict[str, Any]
 FILMED = ("Typical", "Largest gap", "Smallest gap")
 """As `analysis.model.agreement.predicted_paths` orders its shots."""
 LOOK_S = 0.1

@@ -16,10 +16,10 @@ from typing import Any
 from nicegui import ui
 
 from analysis.figures.palette import SPHERE_A, SPHERE_B
+from rigctl.documents import Json
 from rigctl.page.shots.film import frame_address
 from rigctl.page.shots.films import Film
 
-Json = dict[str, Any]
 SCRIPT = Path(__file__).with_name("ghost.js")
 LOOKS = {"a": SPHERE_A, "b": SPHERE_B}
 MARGIN_MM = 6.0

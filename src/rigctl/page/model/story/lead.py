@@ -6,11 +6,11 @@ import json
 import math
 from collections.abc import Callable, Sequence
 from html import escape
-from typing import Any
 
 from nicegui import ui
 
 from analysis.model.structure.findings import ALWAYS
+from rigctl.documents import Json
 from rigctl.page.model.compare import parsed
 from rigctl.page.model.effect_words import in_unit
 from rigctl.page.model.story.cards import Card, card_of
@@ -22,7 +22,6 @@ from rigctl.page.model.where import apart
 from rigctl.page.parts.tables import minus, with_error
 from rigctl.page.parts.widgets import button, plot
 
-Json = dict[str, Any]
 FURTHEST = 2.0
 """The slider reaches so many times the best amplitude, and half of it to the other side."""
 STEPS = 200

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any
 
 from analysis.figures.palette import FAILS, FLOOR, GREY, MEASURED
 from analysis.model.structure.findings import ALWAYS
+from rigctl.documents import Json
 from rigctl.page.model.story.errors import Unseen
 from rigctl.page.model.story.words import covariate
 from rigctl.page.parts.plots import WIDEST_LABEL, figure
 
-Json = dict[str, Any]
 HEIGHT = 320
 LEAST_TICKS = 3
 UNITS_OF_LOGARITHMS = {"ln v_n": "m/s", "ln v_s/v_n": ""}

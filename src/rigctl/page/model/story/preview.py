@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import asdict, dataclass
-from typing import Any
 
 import numpy as np
 
+from rigctl.documents import Json
 from rigctl.page.model.story.errors import Unseen
 
-Json = dict[str, Any]
 POINTS = 60
 
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from html import escape
-from typing import Any
 
 from nicegui import ui
 
 from analysis.model.verdict.standing import SURE
+from rigctl.documents import Json
 from rigctl.page.desk import Desk
 from rigctl.page.model.compare import parsed
 from rigctl.page.model.effect_words import described, left_out
@@ -32,7 +32,6 @@ from rigctl.page.model.where import apart
 from rigctl.page.parts.waiting import Waiting
 from rigctl.page.parts.widgets import button, plot
 
-Json = dict[str, Any]
 BARS = 8
 LEAST_SPAN = 1.5
 """Errors in units of the noise up to which the scale of the bars goes at least."""

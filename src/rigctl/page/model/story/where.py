@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
 
 from nicegui import events, ui
 
 from analysis.model.verdict.standing import SURE
+from rigctl.documents import Json
 from rigctl.page.model.compare import parsed
 from rigctl.page.model.state import ModelState
 from rigctl.page.model.story.bars import Bar, bars
@@ -16,7 +16,6 @@ from rigctl.page.model.story.words import channel, goes_with, where
 from rigctl.page.model.where import apart, block_of
 from rigctl.page.parts.widgets import plot
 
-Json = dict[str, Any]
 CELLS = 6
 PLACES = {"at the bounce": "contact", "in the air": "flight", "in the camera": "camera"}
 """Parts of the way in which cells are disturbed, by the words of the effects that act there."""

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from analysis.model.structure.findings import ALWAYS
 from analysis.model.verdict.standing import SURE, Standing, Word
+from rigctl.documents import Json
 
-Json = dict[str, Any]
 KINDS = {
     "relative velocity": {"n": "speed along the line of centres", "t": "sliding speed"}
     | {"b": "sideways speed"},
