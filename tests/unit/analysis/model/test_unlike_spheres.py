@@ -61,7 +61,7 @@ def campaign(tmp_path_factory: pytest.TempPathFactory) -> Path:
         writer = csv.writer(file)
         writer.writerow(COLUMNS.split())
         for shot in range(1, SHOTS + 1):
-            times = (np.arange(24) - 12 + rng.uniform(0.1, 0.7)) / RATE_HZ
+            times = (np.arange(24.0) - 12.0 + float(rng.uniform(0.1, 0.7))) / RATE_HZ
             places, turns = film(PAIR, meeting(rng), times)
             places = places + rng.normal(0.0, SIGMA_M, places.shape)
             for i, sphere in enumerate("ab"):
@@ -79,7 +79,7 @@ def test_momentum_and_its_moment_are_kept_by_the_simulated_contact() -> None:
     parted, lasted = contact(PAIR, touch)
     masses, inertias = PAIR.masses_kg[:, None], PAIR.inertias[:, None]
 
-    def whole(motion: Motion) -> tuple[np.ndarray, np.ndarray]:  # type: ignore[type-arg]
+    def whole(motion: Motion) -> tuple[np.ndarray, np.ndarray]:
         linear = (masses * motion.velocities).sum(axis=0)
         middle = (masses * motion.places).sum(axis=0) / masses.sum()
         orbital = np.cross(motion.places - middle, masses * motion.velocities).sum(axis=0)
