@@ -137,7 +137,7 @@ def measure_ball(film: Film, times_s: Floats, ball: Ball, exposure_s: float | No
             told = placer.learn_exposure(own, motion, period)
         placer.learn_light(own, motion, row_time)
         placer.learn_blur(own, motion)
-        placed = _free(placer.place(own, motion, row_time), chain)
+        placed = placer.place(own, motion, row_time)
     systematic, moved = np.zeros(0), np.zeros((2, 0, 2))
     if flights is not None:
         moved = shifts(placer, (own, motion, row_time), looks.radius_sigma_px, bare, flights)
@@ -163,7 +163,8 @@ def _placed(placed: Placed, flights: Flights, moved: Floats) -> Placed:
 def _free(placed: Placed, chain: Chain) -> Placed:
     """Return places without those at both ends of the film's flights where a hand is at the ball.
 
-    What lies over the ball, or moves beside it, leaves much of the light unexplained.
+    What lies over the ball, or moves beside it, leaves much of the light unexplained. That is told
+    before the film has taught the ball's light: then so does a ball that is lit otherwise there.
     """
     odd = placed.misfits > MUCH_LEFT * np.median(placed.misfits)
     first, last = chain.arcs[0], chain.arcs[-1]
