@@ -12,7 +12,6 @@ from pydantic import (
     Field,
     StringConstraints,
     Tag,
-    model_validator,
 )
 
 from rigctl.config.model import StrictModel
@@ -104,36 +103,46 @@ class StatedForm(StrictModel):
     columns: list[Words] = Field(default_factory=list, max_length=2)
     constants: list[float] = Field(default_factory=list, max_length=4)
     reach: list[Annotated[float, Field(gt=0)]] = Field(default_factory=list, max_length=3)
-    along: int = Field(default=0, ge=0, le=2)
-    by: int = Field(default=0, ge=0, le=2)
+    along: Literal[0, 1, 2] = 0
+    by: Literal[0, 1, 2] = 0
     campaign: Words = ""
     shots: Annotated[
         str, StringConstraints(pattern=r"^([0-9]{1,9}(-[0-9]{1,9})?(,[0-9]{1,9}(-[0-9]{1,9})?)*)?$")
     ] = ""
 
 
-class ProposeOrder(StrictModel):
-    """Propose a law that no catalogue holds, beside these effects.
-
-    With `together`, what these campaigns share; with `confirm`, a test of that one form on the
-    shots that it was not chosen on. Not both.
-    """
+class LawOrder(StrictModel):
+    """Propose a law that no catalogue holds, beside these effects; or what campaigns share."""
 
     effects: Effects = Field(alias="with")
     together: Together = Field(default_factory=list)
-    confirm: StatedForm | None = None
-
-    @model_validator(mode="after")
-    def _one_question(self) -> Self:
-        if self.together and self.confirm is not None:
-            raise ValueError("together and confirm are two questions: ask one of them")
-        return self
 
     def asked(self) -> dict[str, Any]:
         """Return the question as the job takes it, campaigns by their names."""
-        if self.confirm is not None:
-            return {"confirm": self.confirm.model_dump()}
         return {"together": list(self.together)} if self.together else {}
+
+
+class ConfirmOrder(StrictModel):
+    """Test one form, beside these effects, on the shots that it was not chosen on."""
+
+    effects: Effects = Field(alias="with")
+    confirm: StatedForm
+
+    def asked(self) -> dict[str, Any]:
+        """Return the question as the job takes it."""
+        return {"confirm": self.confirm.model_dump()}
+
+
+def _kind_of_law(order: object) -> str:
+    confirms = isinstance(order, ConfirmOrder) or (isinstance(order, dict) and "confirm" in order)
+    return "confirm" if confirms else "propose"
+
+
+ProposeOrder = Annotated[
+    Annotated[LawOrder, Tag("propose")] | Annotated[ConfirmOrder, Tag("confirm")],
+    Discriminator(_kind_of_law),
+]
+"""Either question about laws."""
 
 
 class TellOrder(StrictModel):
