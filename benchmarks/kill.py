@@ -111,6 +111,9 @@ class NoAnalysis:
     def __init__(self, *_: object, **__: object) -> None:
         pass
 
+    def prepare(self) -> None:
+        pass
+
     def submit(self, shot: str) -> None:
         pass
 

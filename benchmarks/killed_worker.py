@@ -49,6 +49,9 @@ class ByRequest:
             function=f"{__name__}:analyse",
         )
 
+    def prepare(self) -> None:
+        pass
+
     def submit(self, shot: str) -> None:
         pass
 

@@ -155,10 +155,10 @@ def read_in_rows(page: Page) -> list[str]:
     return found
 
 
-def challenge(folder: Path, seed: str) -> Path:
-    """Make a challenge of 60 shots and return its folder."""
+def challenge(folder: Path, seed: str, shots: int = 60) -> Path:
+    """Make a challenge and return its folder."""
     rigctl = Path(sys.executable).with_name("rigctl")
-    made = [str(rigctl), "challenge", "new", str(folder), "--seed", seed, "--shots", "60"]
+    made = [str(rigctl), "challenge", "new", str(folder), "--seed", seed, "--shots", str(shots)]
     subprocess.run(made, check=True, capture_output=True, timeout=60)
     return folder
 

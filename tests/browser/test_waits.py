@@ -9,7 +9,7 @@ import pytest
 from playwright.sync_api import Page, expect
 
 from tests.browser.conftest import Served
-from tests.browser.test_model_page import LONG_MS, known_challenge
+from tests.browser.test_model_page import LONG_MS, SEED, challenge
 
 
 @pytest.fixture(scope="module")
@@ -19,7 +19,8 @@ def served(shared: Served) -> Served:
 
 
 def test_a_long_wait_says_how_far_it_is_and_is_cancelled(page: Page, served: Served) -> None:
-    folder = known_challenge(served)
+    # Enough shots that the search lasts for many seconds on a fast machine too.
+    folder = challenge(served.folder / "long", SEED, shots=400)
     page.goto(f"{served.url}/model?folder={quote(str(folder))}")
     page.get_by_test_id("amount").wait_for(timeout=LONG_MS)
     told = page.get_by_test_id("story-compare").inner_text()

@@ -95,6 +95,8 @@ def test_the_routes_are_those_of_the_contract(app: Any) -> None:
         "/api/v1/rig/commissioning/rewired",
         "/api/v1/rig/commissioning/{step}/act",
         "/api/v1/rig/commissioning/{step}/answer",
+        "/api/v1/rig/film",
+        "/api/v1/rig/film/{name}",
         "/api/v1/rig/recorder",
         "/api/v1/rig/recorder/picture.png",
         "/api/v1/shots",

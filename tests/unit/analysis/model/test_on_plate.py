@@ -107,7 +107,7 @@ def test_what_makes_no_sense_on_a_plate_is_not_offered(plain: Path) -> None:
 
 def test_a_ball_that_only_rises_is_refused_with_what_is_missing(tmp_path: Path) -> None:
     folder = write_drops(tmp_path / "short", FALLEN, shots=3, seed=5, lasts_s=0.08)
-    with pytest.raises(InputError, match="falling, along"):
+    with pytest.raises(InputError, match="coming near a plate and leaving it"):
         gather(folder)
 
 

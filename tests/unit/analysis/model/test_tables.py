@@ -283,8 +283,10 @@ def test_a_plate_in_place_of_a_is_refused(tmp_path: Path) -> None:
         gather(impacts(tmp_path, 3, 17, description=swapped))
 
 
-def test_a_plate_that_no_sphere_falls_on_is_refused_with_what_is_missing(tmp_path: Path) -> None:
+def test_a_plate_that_no_sphere_comes_near_is_refused_with_what_is_missing(tmp_path: Path) -> None:
     written = write_campaign(tmp_path, campaign(3, 18))
-    (written / "campaign.toml").write_text(PLATE, encoding="utf-8")
-    with pytest.raises(InputError, match=r"shows sphere a falling, along \+X, and leaving a plate"):
+    # The spheres of this campaign fly in the plane of X and Y, along this plate.
+    beside = PLATE.replace("plate = true", "plate = true\nnormal = [0.0, 0.0, 1.0]")
+    (written / "campaign.toml").write_text(beside, encoding="utf-8")
+    with pytest.raises(InputError, match="coming near a plate and leaving it"):
         gather(written)
