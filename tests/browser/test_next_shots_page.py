@@ -19,7 +19,7 @@ pytestmark = pytest.mark.long
 LONG_MS = 120_000
 PRESSURES, OFFSETS = "40:80:2", "0:12:4"
 MEASURED = re.compile("analysed|refused")
-FAINT = "torsional-friction"
+FAINT = "magnus-lift"
 """An effect that eight shots do not tell from none."""
 
 
