@@ -13,10 +13,10 @@ import signal
 import subprocess
 import sys
 import threading
-from collections.abc import Callable
-from concurrent.futures import BrokenExecutor, Future, ThreadPoolExecutor
+from collections.abc import Callable, Mapping
+from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor
 from contextlib import suppress
-from typing import IO, Any, ParamSpec, Self, TypeVar
+from typing import IO, Any, ParamSpec, TypeVar
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -34,23 +34,34 @@ class WorkerDiedError(BrokenExecutor):
     """A worker process ended without a result: by a signal, or because memory ran out."""
 
 
-class Workers:
+class Workers(Executor):
     """So many processes, started as they are needed and ended with the `with` block.
 
     Functions, arguments and results are pickled: a function must stand at the top of a module that
-    can be imported.
+    can be imported. A process that dies costs the one result under way; the next has another.
+
+    Parameters
+    ----------
+    count
+        Most processes at a time.
+    environment
+        Variables that each process has besides, or in the place of, those of this one.
     """
 
-    def __init__(self, count: int) -> None:
+    def __init__(self, count: int, environment: Mapping[str, str] | None = None) -> None:
+        # Beside other processes more threads wait for each other, at full load.
+        self._environment = {"OPENBLAS_NUM_THREADS": "1", **os.environ, **(environment or {})}
         self._threads = ThreadPoolExecutor(count, thread_name_prefix="worker")
         self._own = threading.local()
         self._lock = threading.Lock()
         self._started: list[_Worker] = []
 
-    def __enter__(self) -> Self:
-        return self
-
     def __exit__(self, *_: object) -> None:
+        self.shutdown()
+
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = True) -> None:
+        """Kill the processes, whatever they are at; what is not computed is cancelled or broken."""
+        del wait, cancel_futures
         self._threads.shutdown(wait=False, cancel_futures=True)
         with self._lock:
             for worker in self._started:
@@ -59,7 +70,7 @@ class Workers:
         for worker in self._started:
             worker.close()
 
-    def submit(self, function: Callable[P, R], *args: P.args, **named: P.kwargs) -> Future[R]:
+    def submit(self, function: Callable[P, R], /, *args: P.args, **named: P.kwargs) -> Future[R]:
         """Compute in one of the processes.
 
         Returns
@@ -71,7 +82,7 @@ class Workers:
     def _ask(self, function: Callable[P, R], *args: P.args, **named: P.kwargs) -> R:
         worker: _Worker | None = getattr(self._own, "worker", None)
         if worker is None or worker.ended:
-            worker = self._own.worker = _Worker()
+            worker = self._own.worker = _Worker(self._environment)
             with self._lock:
                 self._started.append(worker)
         done, answer = worker.call((function, args, named))
@@ -84,11 +95,10 @@ class Workers:
 class _Worker:
     """One worker process, used by one thread."""
 
-    def __init__(self) -> None:
+    def __init__(self, environment: Mapping[str, str]) -> None:
         self._process = subprocess.Popen(  # noqa: S603 - no outside input
             [sys.executable, "-P", "-c", START],
-            # Beside other processes more threads wait for each other, at full load.
-            env={"OPENBLAS_NUM_THREADS": "1", **os.environ},
+            env=environment,
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
         )

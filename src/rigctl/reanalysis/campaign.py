@@ -58,7 +58,7 @@ def reanalyse_campaign(
 
     The photometric method learns the spheres from the first shots and measures all with the same
     knowledge: results depend on neither the order nor the place of the work. A shot that breaks,
-    or that a daemon is analysing, keeps what it has; the others go on.
+    whose process dies, or that a daemon is analysing, keeps what it has; the others go on.
 
     The work is done while the outcomes are taken. Few shots are under way at any time, and each
     result is on disk before its outcome is given: memory does not grow with the campaign.
@@ -72,7 +72,7 @@ def reanalyse_campaign(
     NotFoundError
         There is no such campaign, or none of its shots has frames.
     AnalysisFailedError
-        Later, as outcomes are taken: a process that analyses died, and with it the pool.
+        The process died in which the spheres are learned.
     StoreError
         The catalogue cannot record that a shot was analysed.
     """
@@ -90,19 +90,15 @@ def reanalyse_campaign(
     known = None
     if method == "photometric":
         teaching = [store.folders.folder(shot.id) for _, shot in first]
-        known = pool.executor.submit(taught, teaching).result()
+        try:
+            known = pool.executor.submit(taught, teaching).result()
+        except BrokenExecutor as error:
+            part = f"campaign {campaign}"
+            raise AnalysisFailedError(f"no sphere was learned: {error}", part=part) from error
 
     def submit(batch: Sequence[Placed]) -> Future[list[Found | Broken]]:
         folders = [store.folders.folder(shot.id) for _, shot in batch]
-        try:
-            return pool.executor.submit(analysed, folders, method, known)
-        except BrokenExecutor as error:
-            raise AnalysisFailedError(
-                f"a process that analyses died: {error}",
-                part=f"campaign {campaign}",
-                todo="look at the host's memory, then analyse it again; what was added stays",
-                shot=batch[0][1].id,
-            ) from error
+        return pool.executor.submit(analysed, folders, method, known)
 
     tasks = _under_way(chain(first, shots), total, submit, pool)
     return _outcomes(store, tasks, lambda shot, place: progress(f"shot {shot}", place / total))
@@ -113,15 +109,10 @@ def _under_way(shots: Iterator[Placed], total: int, submit: Submit, pool: Pool) 
     waiting = deque[Task]()
     left = total
     while True:
-        try:
-            while len(waiting) < pool.ahead and (batch := list(islice(shots, pool.share(left)))):
-                # Shots without frames are no part of any task, but of the total.
-                left = total - batch[-1][0]
-                waiting.append((batch, submit(batch)))
-        except AnalysisFailedError:
-            # What was done before the pool died is not to be lost with it.
-            yield from waiting
-            raise
+        while len(waiting) < pool.ahead and (batch := list(islice(shots, pool.share(left)))):
+            # Shots without frames are no part of any task, but of the total.
+            left = total - batch[-1][0]
+            waiting.append((batch, submit(batch)))
         if not waiting:
             return
         yield waiting.popleft()

@@ -6,13 +6,12 @@ Both are executors of the standard library's kind, so that the same code runs on
 from __future__ import annotations
 
 import os
-import signal
 from collections.abc import Callable, Iterator
-from concurrent.futures import Executor, ProcessPoolExecutor
+from concurrent.futures import Executor
 from contextlib import contextmanager
 from dataclasses import dataclass
-from multiprocessing import get_context
 
+from analysis.workers import Workers
 from rigctl.errors import ConfigurationError
 
 ANSWER_WAIT_S = 10.0
@@ -25,7 +24,8 @@ TOGETHER = 8
 """Shots that a cluster's worker is given at a time: a task costs scheduler, network and client
 some milliseconds of a processor, however short it is."""
 
-_ONE_THREAD = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
+_ONE_THREAD = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+"""Environment of each process: sums would depend on how many threads there are."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,13 +78,8 @@ def pool(scheduler: str | None = None, workers: int | None = None) -> Iterator[P
     """
     if scheduler is None:
         count = workers or os.cpu_count() or 1
-        executor: Executor = ProcessPoolExecutor(
-            count, mp_context=get_context("spawn"), initializer=_begin
-        )
-        try:
+        with Workers(count, _ONE_THREAD) as executor:
             yield Pool(executor, lambda: count)
-        finally:
-            executor.shutdown(wait=True, cancel_futures=True)
         return
     with _cluster(scheduler) as cluster:
         yield cluster
@@ -118,10 +113,3 @@ def _cluster(address: str) -> Iterator[Pool]:
         finally:
             # The cluster's executor cancels the tasks that are not awaited.
             executor.shutdown(wait=False)
-
-
-def _begin() -> None:
-    """Prepare a process: one thread each, or sums would depend on how many there are."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    # Read when the libraries are loaded, which the first shot does.
-    os.environ.update(dict.fromkeys(_ONE_THREAD, "1"))

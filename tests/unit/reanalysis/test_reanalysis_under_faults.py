@@ -4,34 +4,53 @@ from __future__ import annotations
 
 import errno
 import os
+import signal
 import sqlite3
-from collections.abc import Callable
-from concurrent.futures import BrokenExecutor, Future
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from rigctl.measuring.analysis_process import AnalysisFailedError
-from rigctl.reanalysis import Pool, reanalyse_campaign
+from rigctl.reanalysis import Pool, pool, reanalyse_campaign
+from rigctl.reanalysis.work import Broken
 from rigctl.store import Store
 from tests.unit.reanalysis.stored_campaign import Inline, measured, reanalysed, silent, stored
 
 
-def test_a_pool_that_died_is_named_and_what_was_added_stays(
-    store: Store, shots: list[str], answers: Any
+def test_a_process_that_dies_while_it_learns_the_spheres_is_named_and_nothing_is_added(
+    store: Store, shots: list[str]
 ) -> None:
-    class Dying(Inline):
-        def submit(self, call: Callable[..., Any], /, *given: Any, **named: Any) -> Future[Any]:
-            if len(self.done) == 2:
-                raise BrokenExecutor("terminated abruptly")
-            return super().submit(call, *given, **named)
+    with pool(workers=1) as workshop, pytest.MonkeyPatch.context() as patch:
+        patch.setattr("rigctl.reanalysis.campaign.taught", die)
+        with pytest.raises(AnalysisFailedError, match=r"campaign nylon.*ended with status -9"):
+            list(reanalyse_campaign(store, "nylon", "photometric", workshop, silent))
+    assert [store.shot(shot).results for shot in shots] == [0, 0, 0]
 
-    answers(lambda shot, method: measured(0.7))
-    outcomes = reanalyse_campaign(store, "nylon", "thesis", Pool(Dying(), lambda: 0), silent)
-    with pytest.raises(AnalysisFailedError, match=f"terminated abruptly.*{shots[2]}"):
-        list(outcomes)
-    assert [store.shot(shot).results for shot in shots] == [1, 1, 0]
+
+def test_a_process_that_dies_costs_its_own_shot_and_the_next_shot_has_another(
+    store: Store, shots: list[str]
+) -> None:
+    with pool(workers=1) as workshop, pytest.MonkeyPatch.context() as patch:
+        patch.setattr("rigctl.reanalysis.campaign.analysed", die_at_the_second)
+        outcomes = list(reanalyse_campaign(store, "nylon", "thesis", workshop, silent))
+    first, second, third = (str(outcome.failure) for outcome in outcomes)
+    assert "ended with status -9" in second
+    assert shots[0] in first
+    assert shots[2] in third
+
+
+def die(*_: object) -> None:
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+def die_at_the_second(folders: Sequence[Path], *_: object) -> list[Broken]:
+    """Kill its own process where the shot is the second of the store."""
+    store = folders[0].parent
+    if sorted(store.iterdir()).index(folders[0]) == 1:
+        die()
+    return [Broken(f"{folder.name} was here") for folder in folders]
 
 
 def test_a_result_that_was_damaged_is_not_compared_and_nothing_is_added_beside_it(
