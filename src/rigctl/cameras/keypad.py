@@ -242,6 +242,9 @@ def _marked(recorder: EktaproLink, mark: int) -> int:
     marks = recorder.marks()
     if not 1 <= mark <= len(marks):
         raise SettingsError(
-            "the session has no such mark", part="mark", value=str(mark), limit=f"1 to {len(marks)}"
+            "the session has no such mark",
+            part="mark",
+            value=str(mark),
+            limit=f"1 to {len(marks)}" if marks else "none: the session has no mark",
         )
     return marks[mark - 1]

@@ -97,6 +97,7 @@ class VideoDevice:
         self._line_bytes = columns * self._format.bytes_per_pixel
         self._last: int | None = None
         self._frames = 0
+        self._damaged: tuple[int, ...] = ()
 
     @property
     def name(self) -> str:
@@ -136,7 +137,7 @@ class VideoDevice:
         except BaseException:
             self.stop()
             raise
-        self._last, self._frames = None, 0
+        self._last, self._frames, self._damaged = None, 0, ()
 
     def read(self, timeout_s: float) -> VideoFrame:
         """Return the next whole frame; damaged ones are passed over and counted as lost.
@@ -151,7 +152,6 @@ class VideoDevice:
             The device went away, or does not stream.
         """
         deadline = self._clock() + timeout_s
-        damaged: tuple[int, ...] = ()
         while (left_s := deadline - self._clock()) > 0:
             found = self._next(left_s)
             if found is None:
@@ -159,12 +159,15 @@ class VideoDevice:
             filled, pixels = found
             number, gap = self._counted(filled)
             if pixels is not None:
-                return VideoFrame(pixels, number, filled.time_s, (*damaged, *gap))
-            damaged = (*damaged, *gap, number)
+                # Also those before which an earlier call gave up: a slow camera's next whole frame
+                # may come after its time limit.
+                lost, self._damaged = (*self._damaged, *gap), ()
+                return VideoFrame(pixels, number, filled.time_s, lost)
+            self._damaged = (*self._damaged, *gap, number)
         raise DeviceSilentError(
             "no whole frame came",
             part=self.name,
-            value=f"{len(damaged)} damaged or lost",
+            value=f"{len(self._damaged)} damaged or lost",
             limit=f"{timeout_s:g} s",
             todo="check the camera's cable, its trigger and its frame rate",
         )

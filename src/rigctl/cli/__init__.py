@@ -22,7 +22,7 @@ from rigctl.errors import (
     StoreError,
 )
 
-BAD_INPUT, REFUSED, NOT_FOUND = 2, 3, 4
+BAD_INPUT, REFUSED, NOT_FOUND, INTERRUPTED = 2, 3, 4, 130
 
 _EXIT_CODES: tuple[tuple[type[RigError], int], ...] = (
     (NotFoundError, NOT_FOUND),
@@ -304,6 +304,10 @@ def run(arguments: list[str]) -> int:
     except TyperException as error:
         typer.echo(f"rigctl: {error.format_message()}", err=True)
         return BAD_INPUT
+    except typer.Abort as error:
+        typer.echo("\nrigctl: ended at a question that was not answered", err=True)
+        interrupted = isinstance(error.__context__, KeyboardInterrupt)
+        return INTERRUPTED if interrupted else BAD_INPUT
     return code if isinstance(code, int) else 0
 
 

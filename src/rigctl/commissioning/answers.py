@@ -56,9 +56,14 @@ class Answer:
 def marks_of(
     step: Step, configuration: Configuration, firmware: Mapping[str, str]
 ) -> dict[str, str]:
-    """Return the digests of what a step depends on: sections of the configuration, firmware."""
+    """Return the digests of what a step depends on: sections of the configuration, firmware.
+
+    A simulated rig has one more, so that no answer of a rehearsal counts for a real rig.
+    """
     document = configuration.model_dump(mode="json")
     marks = {path: _digest(_at(document, path)) for path in step.sections}
+    if configuration.simulation is not None:
+        marks["simulation"] = _digest(True)
     if step.firmware:
         marks[f"firmware of the {step.part}"] = _digest(firmware.get(step.part, ""))
     return marks

@@ -139,7 +139,8 @@ class Gate:
                     missing = f"not as it must be on {day_of(entry)}: {entry.note or 'no reason'}"
         if answer is not None and not missing:
             now = marks_of(step, self._configuration, firmware)
-            changed = [name for name, mark in now.items() if answer.marks.get(name) != mark]
+            named = dict.fromkeys((*now, *answer.marks))
+            changed = [name for name in named if answer.marks.get(name) != now.get(name)]
             missing = f"changed since {day_of(answer)}: {', '.join(changed)}" if changed else ""
         return Standing(step, missing, answer)
 

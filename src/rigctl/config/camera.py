@@ -159,7 +159,7 @@ class V4l2Camera(FreeRateCamera):
     device: str = Field(min_length=1)
     input: int = Field(default=0, ge=0)
     pixel_format: PixelFormatName = Field(default="GREY", description="asked of the driver")
-    buffers: int = Field(default=8, ge=2, le=64)
+    buffers: int = Field(default=32, ge=2, le=64)
 
 
 class ChronosCamera(FreeRateCamera):

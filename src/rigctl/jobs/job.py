@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import secrets
 import threading
+import time
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime, timedelta
@@ -37,7 +38,7 @@ ENDED = frozenset({JobState.DONE, JobState.FAILED, JobState.CANCELLED})
 
 @dataclass(frozen=True, slots=True)
 class Job:
-    """A job at one moment. Times are UTC.
+    """A job at one moment. Times are those of `utc_now`.
 
     Attributes
     ----------
@@ -74,9 +75,17 @@ class Job:
 LIVE = frozenset({JobState.QUEUED, JobState.RUNNING})
 
 
+_BEGAN = (datetime.now(UTC), time.monotonic())
+
+
 def utc_now() -> datetime:
-    """Return the time, UTC."""
-    return datetime.now(UTC)
+    """Return the time, UTC, counted from the program's start by the monotonic clock.
+
+    Where the host's clock is set meanwhile, waits stay as long as they are and no result is
+    forgotten early.
+    """
+    at, monotonic_s = _BEGAN
+    return at + timedelta(seconds=time.monotonic() - monotonic_s)
 
 
 class Register:

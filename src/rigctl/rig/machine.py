@@ -245,7 +245,7 @@ class Rig:
             with self._standing.lock:
                 self._readiness.stopped()
                 self._running.overtake(f"emergency stop by {actor}: {reason}")
-                self._standing.armed_for(self._standing.status().settings, None)
+                self._standing.armed_for(self._standing.status().settings)
                 self._standing.stopped(actor, reason, self._running.name)
                 for warning in self._stop.warnings:
                     self._standing.note_of_stop(warning)

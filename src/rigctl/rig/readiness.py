@@ -43,7 +43,7 @@ class Readiness:
                     shot=running,
                 )
             self.disarm(actor, "the rig is armed anew")
-            self._standing.armed_for(settings, None)
+            self._standing.armed_for(settings)
 
     def give(self, settings: ShotSettings, actor: str) -> Armed:
         """Give a token; every interlock holds.
@@ -61,7 +61,8 @@ class Readiness:
                 self._standing.move(RigState.IDLE, ACTOR, "the audit cannot be written")
                 raise
             expires_at = self._clock.wall() + timedelta(seconds=self._lifetime_s)
-            self._standing.armed_for(settings, expires_at)
+            ends_s = self._clock.monotonic() + self._lifetime_s
+            self._standing.armed_for(settings, expires_at, ends_s)
             token = self._token.issue(settings)
             return Armed(token, expires_at, self._lifetime_s, self._standing.status().warnings)
 
@@ -76,7 +77,7 @@ class Readiness:
             self._token.withdraw(reason)
             if self._standing.state is RigState.ARMED:
                 self._standing.move(RigState.IDLE, actor, reason)
-                self._standing.armed_for(self._standing.status().settings, None)
+                self._standing.armed_for(self._standing.status().settings)
 
     def stopped(self) -> None:
         """Kill the token at an emergency stop, which moves the rig by itself."""

@@ -103,6 +103,7 @@ class Standing:
             reason="not recovered yet",
             settings=None,
             token_expires_at=None,
+            token_ends_s=None,
             interlocks=(),
             read_at=clock.monotonic(),
             running=None,
@@ -192,10 +193,20 @@ class Standing:
             self._logbook.write(step)
             self.listeners.notify(step)
 
-    def armed_for(self, settings: ShotSettings | None, expires_at: datetime | None) -> None:
-        """Show the settings last asked for and the life of their token."""
+    def armed_for(
+        self,
+        settings: ShotSettings | None,
+        expires_at: datetime | None = None,
+        ends_s: float | None = None,
+    ) -> None:
+        """Show the settings last asked for and the end of their token, UTC and monotonic."""
         with self.lock:
-            self._status = replace(self._status, settings=settings, token_expires_at=expires_at)
+            self._status = replace(
+                self._status,
+                settings=settings,
+                token_expires_at=expires_at,
+                token_ends_s=ends_s,
+            )
 
     def found(self, conditions: tuple[Interlock, ...]) -> None:
         """Show the interlocks as last read."""

@@ -36,7 +36,9 @@ class RigStatus:
     settings
         Those of the last arm request; None before the first.
     token_expires_at
-        UTC; None when no arm token is live.
+        UTC, for people; None when no arm token is live.
+    token_ends_s
+        The same moment in monotonic seconds, which decide.
     interlocks, read_at
         The conditions as last read, and the monotonic time (s) of this snapshot, from which
         their ages count.
@@ -58,6 +60,7 @@ class RigStatus:
     reason: str
     settings: ShotSettings | None
     token_expires_at: datetime | None
+    token_ends_s: float | None
     interlocks: tuple[Interlock, ...]
     read_at: float
     running: str | None

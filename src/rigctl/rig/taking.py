@@ -81,7 +81,7 @@ class Taking:
         return shot
 
     def _start(self, shot: ShotRecord, actor: str) -> None:
-        self._standing.armed_for(shot.ordered, None)
+        self._standing.armed_for(shot.ordered)
         try:
             self._standing.move(RigState.FIRING, actor, "fire accepted", shot.id)
         except RigError as error:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import shutil
 import threading
+import time
 from collections.abc import Callable
-from datetime import datetime
 from functools import partial
 
 from fastapi import APIRouter
@@ -27,12 +27,15 @@ class Metrics:
     """Counts what rig and shots report from the start of the service on.
 
     Names carry the unit. Shots are counted once, when they reach their outcome. Any thread may
-    report.
+    report. Durations are those of the monotonic clock, whatever the host's clock is set to.
     """
 
-    def __init__(self, daemon: Daemon, hub: EventHub) -> None:
+    def __init__(
+        self, daemon: Daemon, hub: EventHub, monotonic: Callable[[], float] = time.monotonic
+    ) -> None:
         self.registry = CollectorRegistry()
-        self._armed_since: datetime | None = None
+        self._monotonic = monotonic
+        self._reached: dict[RigState, float] = {}
         self._lock = threading.Lock()
         self._counted = 0
         self._transitions = self._counter(
@@ -58,10 +61,12 @@ class Metrics:
     def transition(self, step: Transition) -> None:
         """Count a step of the rig."""
         self._transitions.labels(step.after).inc()
-        if step.after is RigState.ARMED:
-            self._armed_since = step.at
-        elif step.after is RigState.FIRING and self._armed_since is not None:
-            self._arming.observe((step.at - self._armed_since).total_seconds())
+        self._reached[step.after] = now = self._monotonic()
+        armed, fired = self._reached.get(RigState.ARMED), self._reached.get(RigState.CAPTURING)
+        if step.after is RigState.FIRING and armed is not None:
+            self._arming.observe(now - armed)
+        elif step.after is RigState.STORED and fired is not None:
+            self._storing.observe(now - fired)
 
     def shot(self, shot: ShotRecord) -> None:
         """Count a shot when it has its outcome; shots end in the order of their numbers."""
@@ -74,8 +79,6 @@ class Metrics:
             self._fires.labels(shot.fired).inc()
         self._frames.inc(shot.frames or 0)
         self._lost.inc(shot.lost or 0)
-        if shot.fired_at is not None and shot.ended_at is not None:
-            self._storing.observe((shot.ended_at - shot.fired_at).total_seconds())
 
     def _counter(self, name: str, what: str, *labels: str) -> Counter:
         return Counter(name, what, labels, registry=self.registry)

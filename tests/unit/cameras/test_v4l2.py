@@ -201,6 +201,18 @@ def test_a_damaged_or_short_frame_is_lost_and_its_buffer_goes_back(bad: Fill) ->
     assert frames[2].lost == (2,)
 
 
+def test_a_damaged_frame_before_a_time_limit_is_named_by_the_next_whole_one() -> None:
+    driver = Driver([Fill(0), Fill(1), Fill(2, flags=MONOTONIC | ERROR)])
+    video = device(driver)
+    video.start()
+    for _ in range(2):
+        video.read(1.0)
+    with pytest.raises(DeviceSilentError, match="1 damaged"):
+        video.read(0.1)
+    driver.fills.append(Fill(3))
+    assert video.read(0.1).lost == (2,)
+
+
 @given(st.lists(st.booleans(), min_size=1, max_size=60))
 def test_every_number_is_a_frame_or_is_named_lost(kept: list[bool]) -> None:
     numbers = [0, 1] + [number for number, keep in enumerate(kept, start=2) if keep]

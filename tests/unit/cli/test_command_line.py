@@ -9,6 +9,7 @@ from typing import Any
 
 import httpx
 import pytest
+import typer
 
 from rigctl import cli
 from rigctl import client as client_module
@@ -138,6 +139,24 @@ def test_each_kind_of_failure_has_its_exit_code(
     monkeypatch.setattr(shot_module, "connected", fail)
     assert cli.run(["shot", "--pressure-kpa", "40", "--offset-mm", "6"]) == code
     assert str(error) in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("cause", "code"), [(EOFError, 2), (KeyboardInterrupt, 130)])
+def test_a_question_that_nobody_answers_ends_in_a_sentence(
+    cause: type[BaseException],
+    code: int,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    def asked(*_: object, **__: object) -> None:
+        try:
+            raise cause
+        except cause:
+            raise typer.Abort from None
+
+    monkeypatch.setattr(shot_module, "connected", asked)
+    assert cli.run(["shot", "--pressure-kpa", "40", "--offset-mm", "6"]) == code
+    assert "a question that was not answered" in capsys.readouterr().err
 
 
 def test_without_a_daemon_the_command_says_how_to_start_one(

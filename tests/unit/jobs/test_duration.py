@@ -8,6 +8,7 @@ import pytest
 
 from rigctl.jobs import Job, JobState
 from rigctl.jobs.duration import Rate, wait_of
+from rigctl.jobs.job import utc_now
 
 START = datetime(2026, 1, 1, tzinfo=UTC)
 
@@ -23,6 +24,22 @@ def job(kind: str = "picture", share: float | None = None, begun_s: float = 0.0)
 
 def done(seconds: float, state: JobState = JobState.DONE, kind: str = "picture") -> Job:
     return Job("b" * 16, kind, "c", state, START, started_at=START, ended_at=at(seconds))
+
+
+def test_the_time_of_jobs_goes_on_evenly_whatever_the_hosts_clock_is_set_to(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    class Set(datetime):
+        @classmethod
+        def now(cls, tz: object = None) -> datetime:  # type: ignore[override]
+            return datetime(2030, 1, 1, tzinfo=UTC)
+
+    monkeypatch.setattr("rigctl.jobs.job.datetime", Set)
+    monkeypatch.setattr("rigctl.jobs.job.time.monotonic", lambda: 1000.0)
+    before = utc_now()
+    monkeypatch.setattr("rigctl.jobs.job.time.monotonic", lambda: 1007.5)
+    assert (utc_now() - before).total_seconds() == pytest.approx(7.5)
+    assert before.year < 2030
 
 
 def test_jobs_of_the_kind_say_how_long_one_takes() -> None:

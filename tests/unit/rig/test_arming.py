@@ -60,6 +60,20 @@ def test_a_token_expires_on_the_monotonic_clock(lab: Laboratory) -> None:
     assert lab.state == "idle"
 
 
+@pytest.mark.parametrize("step_s", [-7200.0, 7200.0])
+def test_the_time_left_is_counted_whatever_the_hosts_clock_is_set_to(
+    lab: Laboratory, step_s: float
+) -> None:
+    lab.arm()
+    lab.time.step_s = step_s
+    lab.time.pass_time(12.0)
+    status = lab.rig.status()
+    assert status.token_ends_s is not None
+    assert status.token_ends_s - status.read_at == pytest.approx(18.0)
+    lab.time.pass_time(18.0)
+    assert lab.rig.status().token_ends_s is None
+
+
 def test_a_token_holds_until_just_before_it_expires(lab: Laboratory) -> None:
     token = lab.arm()
     lab.time.pass_time(29.9)

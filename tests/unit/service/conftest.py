@@ -63,6 +63,7 @@ class FakeRig:
             reason="started",
             settings=None,
             token_expires_at=None,
+            token_ends_s=None,
             interlocks=(PRESSURE,),
             read_at=100.0,
             running=None,

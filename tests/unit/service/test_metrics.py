@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from datetime import timedelta
+from itertools import pairwise
+from types import SimpleNamespace
 from typing import Any
 
 import httpx
@@ -58,6 +61,22 @@ def test_the_time_from_armed_to_fired_is_observed(address: str, rig: Any) -> Non
     assert found["rigctl_transitions_total", "firing"] == 1
 
 
+def test_durations_are_right_where_the_hosts_clock_is_set_during_the_shot(
+    rig: Any, store: Any, hub: Any, jobs: Any
+) -> None:
+    seconds = iter([10.0, 11.5, 11.6, 11.9])
+    daemon: Any = SimpleNamespace(rig=rig, store=store, jobs=jobs)
+    metrics = Metrics(daemon, hub, lambda: next(seconds))
+    at = rig.status().since
+    passed = (RigState.CHECKED, RigState.ARMED, RigState.FIRING, RigState.CAPTURING)
+    for before, after in pairwise((*passed, RigState.STORED)):
+        at -= timedelta(hours=3)
+        metrics.transition(Transition(before, after, at, "anna", "because", None))
+    shown = metrics.registry.get_sample_value
+    assert shown("rigctl_arm_to_fire_seconds_sum") == pytest.approx(1.5)
+    assert shown("rigctl_fire_to_stored_seconds_sum") == pytest.approx(0.3)
+
+
 def test_every_name_carries_its_unit_or_counts(daemon_of_tests: Any) -> None:
     names = {family.name for family in daemon_of_tests.registry.collect()}
     units = ("_seconds", "_bytes", "_frames", "_lost", "_state", "_transitions", "_shots")
@@ -67,7 +86,5 @@ def test_every_name_carries_its_unit_or_counts(daemon_of_tests: Any) -> None:
 
 @pytest.fixture
 def daemon_of_tests(rig: Any, store: Any, hub: Any, jobs: Any) -> Metrics:
-    from types import SimpleNamespace
-
     daemon: Any = SimpleNamespace(rig=rig, store=store, jobs=jobs)
     return Metrics(daemon, hub)

@@ -182,6 +182,22 @@ def test_a_full_disk_pauses_the_sweep_before_anything_fires(bench: Bench) -> Non
     assert bench.resume(status.record.id).record.counts == {StepState.STORED: 3}
 
 
+@pytest.mark.parametrize("step_s", [-30 * 3600.0, 30 * 3600.0])
+def test_a_host_whose_clock_is_set_pauses_the_sweep_and_no_step_is_fired_twice(
+    bench: Bench, step_s: float
+) -> None:
+    bench.at_fire(2, lambda: setattr(bench.lab.time, "step_s", step_s))
+    status = bench.run(plan([1.0, 2.0, 3.0], Rules(pause_s=100.0)))
+    assert "clock: " in paused(status)
+    # The shot that was recorded meanwhile is whole: only its time of day is another.
+    assert bench.states(status.record.id) == ["stored", "stored", "waiting"]
+    assert bench.resume(status.record.id).record.counts == {StepState.STORED: 3}
+    assert bench.fires == 3
+    numbers = [shot.number for shot in bench.lab.store.catalogue.shots(limit=10)]
+    assert numbers == sorted(numbers)
+    assert bench.lab.store.catalogue.last().number == max(numbers)
+
+
 def test_steps_that_fail_one_after_another_pause_the_sweep_and_only_unfired_ones_are_repeated(
     bench: Bench,
 ) -> None:
@@ -328,6 +344,14 @@ def test_time_left_is_the_mean_cycle_times_the_steps_that_wait(bench: Bench) -> 
     assert left[1] is not None
     assert left[1] == pytest.approx(52.0, rel=0.05)
     assert left[2] == 0.0
+
+
+def test_time_left_is_counted_whatever_the_hosts_clock_is_set_to(bench: Bench) -> None:
+    left: list[float | None] = []
+    bench.on_idle = lambda: left.append(bench.runner.status("20260131-s0001").left_s)
+    bench.at_fire(2, lambda: setattr(bench.lab.time, "step_s", 7200.0))
+    bench.run(plan([1.0, 2.0, 3.0], Rules(pause_s=100.0)))
+    assert left[1] == pytest.approx(52.0, rel=0.05)
 
 
 def test_listeners_hear_of_every_step_and_of_the_end(bench: Bench) -> None:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from datetime import UTC, datetime
 
 from nicegui import ui
 
 from rigctl.jobs import Job, Jobs, JobState
 from rigctl.jobs.duration import Wait, wait_of
+from rigctl.jobs.job import utc_now
 from rigctl.page.desk import Desk
 from rigctl.page.parts.following import following
 from rigctl.page.parts.widgets import button
@@ -49,7 +49,7 @@ class Waiting:
         """Show how far the job is now."""
         jobs = self._desk.daemon.jobs
         job = _job(jobs, self._look())
-        now = datetime.now(UTC)
+        now = utc_now()
         seen = job is not None and (now - job.created_at).total_seconds() > UNSAID_S
         if seen != self._all.visible:
             self._all.set_visibility(seen)

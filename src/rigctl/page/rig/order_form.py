@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import secrets
 from dataclasses import dataclass
-from datetime import UTC, datetime
 
 from nicegui import ui
 
@@ -74,10 +73,10 @@ class OrderForm:
             return f"Setting pressure and offset, checking the interlocks; at most {limit:g} s …"
         if status.state in LATCHED:
             return "Nothing can be armed before the rig is released."
-        if status.state is not RigState.ARMED or status.token_expires_at is None:
+        if status.state is not RigState.ARMED or status.token_ends_s is None:
             busy = status.state is not RigState.IDLE
             return f"The rig is {status.state}." if busy else "Nothing moves before you arm."
-        left = max(0.0, (status.token_expires_at - datetime.now(UTC)).total_seconds())
+        left = max(0.0, status.token_ends_s - status.read_at)
         for_what = "" if status.settings is None else f" for {words(status.settings)}"
         if self._held is None:
             return f"Armed{for_what} by somebody else, {left:.0f} s left."
