@@ -6,16 +6,18 @@ says; process, supervision and store are the daemon's own.
 
 from __future__ import annotations
 
-import multiprocessing
 import os
 import signal
 import time
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from rigctl.documents import Json
 from rigctl.measuring.analysing import Analyser
 from rigctl.measuring.analysis_process import AnalysisFailedError
+from rigctl.progress import Progress
 from rigctl.store import ShotRecord, Store
 from rigctl.store.states import ShotState
 
@@ -24,14 +26,18 @@ if TYPE_CHECKING:
 
 AT_ONCE, HELD = "at-once", "held"
 ENDS_WITHIN_S = 60.0
-PROCESS = "analysis"
-"""Name of the worker's process."""
+NUMBER = "worker"
+"""File in a held shot's folder that has the number of the worker's process."""
+
+_holds: list[int] = []
 
 
-def analyse(_folder: Path, method: str) -> dict[str, object]:
-    """Answer at once, or hold until killed."""
-    while method == HELD:
-        signal.pause()
+def analyse(asked: Json, _progress: Progress) -> Json:
+    """Answer at once; or write down which process this is, and hold until killed."""
+    if asked["method"] == HELD:
+        Path(asked["folder"], NUMBER).write_text(str(os.getpid()))
+        while True:
+            signal.pause()
     return {"status": "measured"}
 
 
@@ -64,14 +70,18 @@ class ByRequest:
 
 def hold(daemon: Daemon, shot: str) -> None:
     """Have a shot analysed by a worker that holds; return once it is under way."""
+    number = daemon.store.folders.folder(shot) / NUMBER
     daemon.analyse_by(shot, HELD)
-    _until(lambda: daemon.store.shot(shot).state is ShotState.ANALYSING and bool(_workers()))
+    _until(lambda: number.is_file() and number.read_text() != "")
+    _holds.append(int(number.read_text()))
+    number.unlink()
 
 
 def kill() -> None:
-    """Kill the worker."""
-    for number in _workers():
-        os.kill(number, signal.SIGKILL)
+    """Kill the worker that holds, if it lives still."""
+    while _holds:
+        with suppress(ProcessLookupError):
+            os.kill(_holds.pop(), signal.SIGKILL)
 
 
 def complaints(daemon: Daemon, held: str, following: str) -> Iterator[str]:
@@ -90,11 +100,6 @@ def complaints(daemon: Daemon, held: str, following: str) -> Iterator[str]:
 def _ended(daemon: Daemon, name: str, state: ShotState = ShotState.REFUSED) -> ShotRecord:
     _until(lambda: daemon.store.shot(name).state is state)
     return daemon.store.shot(name)
-
-
-def _workers() -> list[int]:
-    children = multiprocessing.active_children()
-    return [child.pid for child in children if child.name == PROCESS and child.pid is not None]
 
 
 def _until(condition: Callable[[], bool]) -> None:

@@ -42,7 +42,7 @@ class Ready:
         """Start a process if none waits and one is wanted; without room for it there is none."""
         with self._lock, suppress(JobFailedError):
             if self._module and not self._closed and self._waiting is None:
-                self._waiting = WorkerProcess(conditions(network=False, loads=self._module))
+                self._waiting = WorkerProcess(conditions(network=False, loads=(self._module,)))
 
     def take(self, module: str) -> WorkerProcess | None:
         """Return the process that waits, if it has this module and may be used as it was started.
@@ -51,10 +51,10 @@ class Ready:
         """
         with self._lock:
             waiting = self._waiting
-            if waiting is None or waiting.under.loads != module:
+            if waiting is None or waiting.under.loads != (module,):
                 return None
             self._waiting = None
-        if waiting.alive and waiting.under == conditions(network=False, loads=module):
+        if waiting.alive and waiting.under == conditions(network=False, loads=(module,)):
             return waiting
         waiting.close()
         return None

@@ -1,6 +1,6 @@
-"""The process of one job: python -P -m rigctl.jobs.worker DESCRIPTOR, told on standard input.
+"""A worker's process: python -P -m rigctl.jobs.worker DESCRIPTOR, ordered on standard input.
 
-Two lines of JSON: under what it runs and what it loads at once, then its order, perhaps much later.
+Lines of JSON: under what it runs and what it loads at once, then each order, perhaps much later.
 
 Standard input stays open for as long as the daemon lives; when it closes, the process ends itself.
 """
@@ -19,6 +19,7 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from multiprocessing.connection import Connection
 from pathlib import Path
+from queue import SimpleQueue
 
 from rigctl.documents import Json
 from rigctl.errors import RigError
@@ -89,7 +90,7 @@ def _call(name: str, *arguments: object) -> None:
 
 
 def main() -> None:
-    """Enclose the process, do the work, and tell the daemon what came of it."""
+    """Enclose the process, do each order, and send the daemon what came of it."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     descriptor = int(sys.argv[1])
     # Programs that the work starts are not to hold the daemon's pipe.
@@ -100,15 +101,17 @@ def main() -> None:
     enclosure = enclose([Path(path) for path in under["hidden"]], network=under["network"])
     _tell(connection, "enclosed", enclosure)
     sys.path[:] = under["path"]
-    if under["loads"]:
-        _load(under["loads"])
-    line = sys.stdin.readline()
-    if not line:
-        # The daemon ended before it asked.
-        return
-    order: Json = json.loads(line)
-    threading.Thread(target=_end_with_the_daemon, name="end with the daemon", daemon=True).start()
-    _tell(connection, *_answer(connection, order["function"], order["arguments"]))
+    orders = SimpleQueue[str]()
+    threading.Thread(target=_hear, args=(orders,), name="orders", daemon=True).start()
+    for module in under["loads"]:
+        _load(module)
+
+    def progress(text: str, share: float | None) -> None:
+        _tell(connection, "progress", text, share)
+
+    while True:
+        order: Json = json.loads(orders.get())
+        _tell(connection, *_answer(order["function"], order["arguments"], progress))
 
 
 def _load(module: str) -> None:
@@ -117,10 +120,7 @@ def _load(module: str) -> None:
         importlib.import_module(module)
 
 
-def _answer(connection: Connection, function: str, arguments: Json) -> tuple[str | None, ...]:
-    def progress(text: str, share: float | None) -> None:
-        _tell(connection, "progress", text, share)
-
+def _answer(function: str, arguments: Json, progress: Progress) -> tuple[str | None, ...]:
     try:
         module, _, name = function.partition(":")
         call: Callable[[Json, Progress], Json] = getattr(importlib.import_module(module), name)
@@ -136,9 +136,10 @@ def _tell(connection: Connection, *message: object) -> None:
     connection.send_bytes(json.dumps(message).encode())
 
 
-def _end_with_the_daemon() -> None:
-    """End this process when the daemon dies, however that dies."""
-    sys.stdin.read()
+def _hear(orders: SimpleQueue[str]) -> None:
+    """Take orders, and end this process when the daemon dies, however that dies."""
+    for line in iter(sys.stdin.readline, ""):
+        orders.put(line)
     os._exit(1)
 
 

@@ -1,7 +1,7 @@
-"""The process that does a job's work, started for one job, killed with whatever it started.
+"""A process that does what it is ordered: a job, or one shot's analysis after another.
 
-It has an environment of its own and nothing of the daemon's, for it may run the files of own
-effects; `rigctl.jobs.worker` is its other end.
+It is killed with whatever it started. It has an environment of its own and nothing of the
+daemon's, for it may run the files of own effects; `rigctl.jobs.worker` is its other end.
 """
 
 from __future__ import annotations
@@ -43,26 +43,28 @@ def hide_from_jobs(path: Path) -> None:
 class Conditions:
     """What a process is started under: files that are hidden from it, and whether it has the net.
 
-    `loads` is a module that it imports before it is asked for anything; empty: none.
+    `loads` are modules that it imports before it is asked for anything.
     """
 
     hidden: tuple[Path, ...]
     network: bool
-    loads: str = ""
+    loads: tuple[str, ...] = ()
 
 
-def conditions(*, network: bool, loads: str = "") -> Conditions:
+def conditions(*, network: bool, loads: tuple[str, ...] = ()) -> Conditions:
     """Return what a process that starts now is started under."""
     return Conditions(tuple(sorted(_hidden)), network, loads)
 
 
 class WorkerProcess:
-    """A process of low priority that waits for the one order it will get, and then does it.
+    """A process that waits for an order, does it and answers, and waits for the next.
 
     Parameters
     ----------
     under
         What it is kept from, and what it loads first.
+    niceness
+        How far it stands back behind the daemon, from 0 to 19.
 
     Raises
     ------
@@ -70,11 +72,12 @@ class WorkerProcess:
         It cannot be started.
     """
 
-    def __init__(self, under: Conditions) -> None:
+    def __init__(self, under: Conditions, niceness: int = NICENESS) -> None:
         self.under = under
         self._process, self.connection = _start()
-        with suppress(OSError):
-            os.setpriority(os.PRIO_PROCESS, self._process.pid, NICENESS)
+        if niceness:
+            with suppress(OSError):
+                os.setpriority(os.PRIO_PROCESS, self._process.pid, niceness)
         hidden = [str(path) for path in under.hidden]
         self._write(
             {"path": sys.path, "hidden": hidden, "network": under.network, "loads": under.loads}

@@ -12,19 +12,18 @@ from collections.abc import Callable
 from queue import Empty, SimpleQueue
 
 from rigctl.measuring.analysis_process import (
-    AGAIN,
     CLOSE_WAIT_S,
     AnalysisFailedError,
     AnalysisProcess,
     Compiling,
 )
-from rigctl.measuring.result_keeping import Keeper
+from rigctl.measuring.result_keeping import AGAIN, Keeper
 from rigctl.store import Store
 
 _log = logging.getLogger(__name__)
 
-ANALYSE = "rigctl.measuring.stored_shot:analyse_stored_shot"
-LOADS = {"photometric": "analysis.photometric.method"}
+ANALYSE = "rigctl.measuring.stored_shot:analysis_job"
+LOADS = {"photometric": ("analysis.photometric.method",)}
 """What a shot measured by a method needs besides, and what is slow to load."""
 
 
@@ -44,7 +43,7 @@ class Analyser:
     workers, method, timeout_s
         How many at a time, by which method, and the longest one may take, s.
     function
-        `module:name` of a callable (folder, method) -> JSON object, imported in the worker.
+        As of `AnalysisProcess`.
     rest
         Waits so many seconds for the event of the analyser's end; returns whether it came.
     """
@@ -63,7 +62,7 @@ class Analyser:
         self._ended = threading.Event()
         self._rest = rest
         self._waiting: SimpleQueue[tuple[str, str] | None] = SimpleQueue()
-        loads = [LOADS[method]] if method in LOADS else []
+        loads = [function.partition(":")[0], *LOADS.get(method, ())]
         self._workers = [AnalysisProcess(function, loads) for _ in range(workers)]
         self._threads = [
             threading.Thread(target=self._serve, args=(worker,), name="analysis", daemon=True)

@@ -15,6 +15,9 @@ _log = logging.getLogger(__name__)
 T = TypeVar("T")
 Json = Mapping[str, Any]
 
+AGAIN = "again"
+"""Key of a result under which it names other shots to be analysed once more; it is not stored."""
+
 WAITS_S = (1.0, 2.0, 5.0, 10.0, 20.0, 30.0)
 """Rests between attempts: room is made on a full disk in a minute, or it takes long."""
 AGAIN_S = 30.0

@@ -7,10 +7,11 @@ from __future__ import annotations
 
 import json
 import logging
+import os
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import replace
-from functools import lru_cache
+from functools import cache, lru_cache
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -24,9 +25,10 @@ from analysis.document import overlay_document
 from analysis.setup import Setup, setup_of
 from analysis.shot import AnalysisOptions, MeasuredShot, RefusedShot, analyse_shot
 from rigctl.documents import Json
-from rigctl.measuring.analysis_process import AGAIN
 from rigctl.measuring.learned_pairs import LearnedPairs
+from rigctl.measuring.result_keeping import AGAIN
 from rigctl.measuring.stored_poses import measured_document
+from rigctl.progress import Progress
 from rigctl.store.folders import read_pixels
 
 if TYPE_CHECKING:
@@ -119,6 +121,37 @@ Measure = Callable[[NDArray[np.uint8], Floats, Setup, AnalysisOptions], Measured
 
 LEARNED = "learned"
 """Folder beside the shots, for what is learned of their spheres."""
+
+
+NICENESS = 5
+"""Of the analysis: a fire request goes before it, and everything of lower priority after it."""
+
+
+@cache
+def _report_compilation(progress: Progress) -> None:
+    """Report from now on; once, for a process has one progress for all its orders."""
+    # Loaded here: the daemon starts without the compiler.
+    from analysis.compiled import on_compilation  # noqa: PLC0415
+
+    on_compilation(lambda done, of: progress(f"{done} of about {of} functions", done / of))
+
+
+@cache
+def _stand_back() -> None:
+    os.nice(NICENESS)
+
+
+def analysis_job(arguments: Json, progress: Progress) -> Json:
+    """Analyse the shot of a `folder` by a `method`, in a process of its own.
+
+    Progress is that of compilation alone.
+    """
+    _report_compilation(progress)
+    try:
+        return analyse_stored_shot(Path(arguments["folder"]), arguments["method"])
+    finally:
+        # Not before: others may wait for the machine code that the first shot compiles.
+        _stand_back()
 
 
 def analyse_stored_shot(folder: Path, method: str) -> Json:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import subprocess
 import threading
 from collections.abc import Callable, Iterator
-from multiprocessing.context import SpawnProcess
 from pathlib import Path
+from typing import Any
 
 import pytest
 from rig_fakes import BOUND_S, Laboratory, until
@@ -50,7 +51,7 @@ def analysed(
     lab: Laboratory, monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest
 ) -> Iterator[Callable[..., list[ShotRecord]]]:
     """Return what becomes of so many shots under a stand-in analysis."""
-    monkeypatch.setenv("PYTHONPATH", str(request.path.parent))
+    monkeypatch.syspath_prepend(request.path.parent)
     outcomes, opened = Outcomes(lab.store), []
 
     def run(
@@ -100,7 +101,11 @@ def test_a_refusal_is_a_result_with_its_reason_in_the_row(
 
 @pytest.mark.parametrize(
     ("function", "words"),
-    [("broken", "ValueError: a bug"), ("not_finite", "ValueError"), ("absent", "ended with")],
+    [
+        ("broken", "ValueError: a bug"),
+        ("not_finite", "ValueError"),
+        ("absent", "AttributeError: module"),
+    ],
 )
 def test_an_analysis_that_breaks_is_told_and_leaves_no_result(
     lab: Laboratory, analysed: Callable[..., list[ShotRecord]], function: str, words: list[str]
@@ -128,17 +133,17 @@ def test_an_analysis_without_end_is_ended(analysed: Callable[..., list[ShotRecor
 def test_a_worker_that_cannot_be_started_costs_its_shot_alone_and_closing_still_works(
     lab: Laboratory, monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest
 ) -> None:
-    monkeypatch.setenv("PYTHONPATH", str(request.path.parent))
-    attempts: list[str] = []
-    start = SpawnProcess.start
+    monkeypatch.syspath_prepend(request.path.parent)
+    attempts: list[object] = []
+    start = subprocess.Popen
 
-    def fail_at_first(process: SpawnProcess) -> None:
-        attempts.append(process.name)
+    def fail_at_first(*given: Any, **named: Any) -> subprocess.Popen[bytes]:
+        attempts.append(given)
         if len(attempts) == 1:
             raise OSError(11, "Resource temporarily unavailable")
-        start(process)
+        return start(*given, **named)
 
-    monkeypatch.setattr(SpawnProcess, "start", fail_at_first)
+    monkeypatch.setattr(subprocess, "Popen", fail_at_first)
     outcomes, function = Outcomes(lab.store), "stand_in_analysis:measured"
     analyser = Analyser(lab.store, workers=1, method="thesis", timeout_s=60.0, function=function)
     analyser.submit(lab.shoot().id)
@@ -154,10 +159,10 @@ def test_a_worker_that_cannot_be_started_costs_its_shot_alone_and_closing_still_
 def test_an_analyser_whose_worker_never_started_closes_at_once(
     lab: Laboratory, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def fail(_process: SpawnProcess) -> None:
+    def fail(*_given: object, **_named: object) -> None:
         raise OSError(12, "Cannot allocate memory")
 
-    monkeypatch.setattr(SpawnProcess, "start", fail)
+    monkeypatch.setattr(subprocess, "Popen", fail)
     outcomes = Outcomes(lab.store)
     analyser = Analyser(lab.store, workers=1, method="thesis", timeout_s=60.0)
     analyser.submit(lab.shoot().id)
@@ -169,13 +174,13 @@ def test_an_analyser_whose_worker_never_started_closes_at_once(
 def test_how_far_the_machine_code_is_that_a_shot_waits_for_is_told_until_it_has_it(
     lab: Laboratory, request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setenv("PYTHONPATH", str(request.path.parent))
+    monkeypatch.syspath_prepend(request.path.parent)
     outcomes, function = Outcomes(lab.store), "stand_in_analysis:compiles_first"
     analyser = Analyser(lab.store, workers=1, method="thesis", timeout_s=60.0, function=function)
     assert analyser.compiling is None
     shot = lab.shoot()
     analyser.submit(shot.id)
-    until(lambda: analyser.compiling == Compiling(3, 60))
+    until(lambda: analyser.compiling == Compiling("3 of about 60 functions", 0.05))
     (lab.store.folders.folder(shot.id) / "go-on").touch()
     assert outcomes.wait(1)[0].state == "analysed"
     assert analyser.compiling is None
@@ -189,7 +194,7 @@ def test_several_workers_share_the_shots(analysed: Callable[..., list[ShotRecord
 def test_closing_leaves_a_shot_under_way_to_the_next_start(
     lab: Laboratory, request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setenv("PYTHONPATH", str(request.path.parent))
+    monkeypatch.syspath_prepend(request.path.parent)
     under_way = threading.Event()
     lab.store.listeners.add(lambda shot: shot.state == "analysing" and under_way.set())
     analyser = Analyser(

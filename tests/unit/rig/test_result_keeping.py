@@ -167,7 +167,7 @@ def test_a_shot_is_not_analysed_twice_at_a_time(lab: Laboratory) -> None:
 def test_an_analyser_takes_a_shot_up_again_that_it_could_not_begin(
     lab: Laboratory, monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest
 ) -> None:
-    monkeypatch.setenv("PYTHONPATH", str(request.path.parent))
+    monkeypatch.syspath_prepend(request.path.parent)
     shot, waits = lab.shoot().id, list[float]()
 
     def rest(_ended: threading.Event, wait_s: float) -> bool:

@@ -107,10 +107,10 @@ def _compiling(desk: Desk) -> None:
         now = desk.daemon.compiling()
         said.set_visibility(now is not None)
         if now is not None:
-            share.set_value(now.done / now.of)
-            left = rate.left_s(now.done / now.of, time.monotonic())
+            share.set_value(now.share)
+            left = rate.left_s(now.share, time.monotonic())
             about = "" if left is None else f", about {left:.0f} s left"
-            count.set_text(f"{now.done} of about {now.of} functions{about}")
+            count.set_text(f"{now.words}{about}")
 
     look()
     every(COMPILING_EVERY_S, look)
