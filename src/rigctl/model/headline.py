@@ -6,7 +6,7 @@ import math
 
 from analysis.model.fitting.account import Accounted
 from analysis.model.fitting.nuisance import alarms_of
-from analysis.model.fitting.nuisance_words import alarm_sentence
+from analysis.model.fitting.nuisance_words import alarm_sentences
 
 
 def headline(title: str, found: Accounted) -> str:
@@ -17,5 +17,5 @@ def headline(title: str, found: Accounted) -> str:
         f"{title}: {shots} shots, chi-squared per degree of freedom {fit.chi2_per_dof:.4f} "
         f"(sampling error {math.sqrt(2 / max(fit.freedom, 1)):.4f})"
     )
-    alarms = [alarm_sentence(alarm) for alarm in alarms_of(fit)]
+    alarms = alarm_sentences(alarms_of(fit))
     return "\n".join([first, *found.account.remarks(), *alarms])

@@ -12,12 +12,14 @@ from analysis.model.data.poses import PoseData
 from analysis.model.design.between import PROBABILITY, tell_apart
 from analysis.model.design.candidates import grid
 from analysis.model.design.document import NONE, sharpening_document, telling_document
+from analysis.model.design.misfit import MisfitError, require_one_that_fits, to_add_first
 from analysis.model.design.sharpen import sharpen
 from analysis.model.design.undecided import fired_alike, next_after
+from analysis.model.fitting.fit import Fit
 from analysis.model.fitting.robust_fit import judged
 from analysis.model.verdict.selection import explain
 from rigctl.documents import Json
-from rigctl.errors import NotFoundError, SettingsError
+from rigctl.errors import AnalysisInputError, NotFoundError, SettingsError
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,6 +110,8 @@ def answer(data: PoseData, question: Question, known: Known, limits: Limits) -> 
     ------
     NotFoundError
         No effect or parameter has that name, or the verdict leaves nothing to tell apart.
+    AnalysisInputError
+        Neither of two effects fits the campaign.
     LaunchRefusedError
         The settings of the campaign do not let shots be foretold.
     EffectFault
@@ -127,16 +131,50 @@ def answer(data: PoseData, question: Question, known: Known, limits: Limits) -> 
         sharper = sharpen(
             found.data, found.fit, launch, question.sharpen, settings, target=question.to
         )
-        return sharpening_document(sharper)
-    planned = tell_apart(
-        found.data,
-        found.fit,
-        launch,
-        (pair[0], pair[1]),
-        settings,
-        probability=question.probability,
-    )
+        return {**sharpening_document(sharper), **_fits(found.data, found.fit, known)}
+    try:
+        planned = tell_apart(
+            found.data,
+            found.fit,
+            launch,
+            (pair[0], pair[1]),
+            settings,
+            probability=question.probability,
+        )
+    except MisfitError as error:
+        raise _neither_fits(error, found.data, question, known) from error
     return telling_document(planned)
+
+
+def _neither_fits(
+    error: MisfitError, data: PoseData, question: Question, known: Known
+) -> AnalysisInputError:
+    first = to_add_first(data, error.fit, known.effects, question.between or ())
+    one, other = (_named(name) for name in question.between or ())
+    return AnalysisInputError(
+        f"neither {one} nor {other} fits: with the better of them {error}. Something else is "
+        "missing, and it decides which of the two comes nearer",
+        part="between",
+        todo=(
+            "ask for the verdict (model explain)"
+            if first is None
+            else f"add what promises most first: with {first}"
+        ),
+    )
+
+
+def _fits(data: PoseData, fit: Fit, known: Known) -> Json:
+    """Return whether the model fits, and what to add first where it does not."""
+    document = {"chi2_per_dof": fit.chi2_per_dof, "p_chi2": fit.p_chi2}
+    try:
+        require_one_that_fits([fit])
+    except MisfitError:
+        return {**document, "fits": False, "add_first": to_add_first(data, fit, known.effects)}
+    return {**document, "fits": True, "add_first": None}
+
+
+def _named(name: str) -> str:
+    return "the model without it" if name == NONE else name
 
 
 def _undecided(data: PoseData, known: Known, limits: Limits) -> Json:

@@ -14,6 +14,7 @@ from analysis.model.data.poses import PoseData
 from analysis.model.design.candidates import FINE, Candidates, Setting, candidates
 from analysis.model.design.choice import chosen, fewest_even
 from analysis.model.design.duel import Belief, Duels, truth
+from analysis.model.design.misfit import require_one_that_fits
 from analysis.model.fitting.adding import ALIAS_WITHIN, added
 from analysis.model.fitting.fit import Fit
 
@@ -96,6 +97,8 @@ def tell_apart(
 
     Raises
     ------
+    MisfitError
+        Neither fits the campaign: what is missing decides between them, not what they differ by.
     LaunchRefusedError
         No setting brings a collision in view.
     """
@@ -180,9 +183,10 @@ class _Contest:
 def _contest(data: PoseData, base: Fit, pair: tuple[Effect | None, Effect | None]) -> _Contest:
     """Fit both; how far either is believed follows from how well it fits."""
     first, second = (best_fit(data, base, effect) for effect in pair)
+    require_one_that_fits((first, second))
     if pair[0] is None or pair[1] is None:
         fits = (second, first) if pair[0] is None else (first, second)
-        return _Contest(data, (fits,), (Belief(),))
+        return _Contest(data, (fits,), (Belief(noise=max(fits[0].chi2_per_dof, 1.0)),))
     more = len(second.theory.names) - len(first.theory.names)
     noise = max(min(first.chi2_per_dof, second.chi2_per_dof), 1.0)
     ahead = (second.chi2 - first.chi2) / noise + more * float(np.log(len(data.shots)))

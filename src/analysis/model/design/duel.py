@@ -32,8 +32,9 @@ class Duel:
         truth is named where it passes the level.
     parameters
         Of the true effect.
-    weight
-        How far the campaign believes the truth, from 0 to 1.
+    weight, noise
+        How far the campaign believes the truth, from 0 to 1, and the variance of its residuals, in
+        squares of the stated sigmas.
     stand
         Where the rival stands: the shots' own numbers, and what they share.
     """
@@ -43,6 +44,7 @@ class Duel:
     leads: Leads | None
     parameters: int
     weight: float
+    noise: float
     stand: Stand
 
     def apart(self, counts: Floats) -> float:
@@ -58,7 +60,7 @@ class Duel:
     def probability(self, counts: Floats) -> float:
         """Return how likely the truth is to be named."""
         if self.leads is None:
-            return named_over_none(self.apart(counts), self.parameters)
+            return named_over_none(self.apart(counts) / self.noise, self.parameters)
         return float((self.leads.after(counts) > 0).mean())
 
 
@@ -163,6 +165,7 @@ class Truth:
             leads=self._leads(true, rival),
             parameters=len(self.true.theory.active[-1].values),
             weight=self.belief.weight,
+            noise=self.belief.noise,
             stand=rival,
         )
 

@@ -15,6 +15,7 @@ from analysis.model.data.poses import PoseData
 from analysis.model.data.stream import whole
 from analysis.model.design.between import Telling, tell_apart
 from analysis.model.design.candidates import grid
+from analysis.model.design.misfit import MisfitError
 from analysis.model.fitting.fit import fit_campaign
 from analysis.model.verdict.selection import Verdict
 
@@ -26,7 +27,7 @@ def next_after(
 
     Of its effects the first that has company is held against each other one; the answer is the
     pair that needs most shots. None where there is nothing to tell apart, the settings of the
-    campaign do not let shots be foretold, or it holds no poses.
+    campaign do not let shots be foretold, neither effect fits alone, or it holds no poses.
 
     Parameters
     ----------
@@ -55,7 +56,7 @@ def next_after(
             )
             for other in names[1:]
         ]
-    except LaunchRefusedError:
+    except (LaunchRefusedError, MisfitError):
         return None
     return max(told, key=lambda one: (not one.enough, one.count))
 

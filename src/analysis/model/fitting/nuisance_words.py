@@ -10,14 +10,21 @@ from analysis.quantity import Quantity
 Json = dict[str, Any]
 
 
-def alarm_sentence(alarm: Json) -> str:
-    """Say what an alarm means."""
-    stated, found = (_with_unit(alarm[key]) for key in ("stated", "found"))
-    return (
-        f"Alarm: {alarm['nuisance']} is stated as {stated}, and the fit pulls it to {found}, "
-        f"{abs(alarm['pull']):.1f} of its stated errors away: the law lacks something that it "
-        "makes up for, or it is stated wrongly. Add what is missing, or measure it anew."
-    )
+def alarm_sentences(alarms: Sequence[Json]) -> list[str]:
+    """Say what alarms mean, all of them in one sentence; none without an alarm."""
+    if not alarms:
+        return []
+    first, others = alarms[0], alarms[1:]
+    stated, found = (_with_unit(first[key]) for key in ("stated", "found"))
+    also = ", ".join(f"{one['nuisance']} {abs(one['pull']):.1f}" for one in others)
+    beside = f" ({also} of theirs)" if others else ""
+    it, is_ = ("they", "they are") if others else ("it", "it is")
+    return [
+        f"Alarm: {first['nuisance']} is stated as {stated}, and the fit pulls it to {found}, "
+        f"{abs(first['pull']):.1f} of its stated errors away{beside}: the law lacks something "
+        f"that {it} {'make' if others else 'makes'} up for, or {is_} stated wrongly. Add what is "
+        f"missing, or measure {'them' if others else 'it'} anew."
+    ]
 
 
 def nuisance_lines(nuisances: Sequence[Json]) -> list[str]:

@@ -14,6 +14,7 @@ from analysis.launch.settings import OFFSET, PRESSURES
 from analysis.model.data.poses import PoseData
 from analysis.model.design.between import Repeated, tell_apart
 from analysis.model.design.candidates import Setting, grid
+from analysis.model.design.misfit import MisfitError
 from analysis.model.design.undecided import fired_alike, used_limits
 from analysis.model.fitting.fit import fit_campaign
 from analysis.model.proposals.channels import channels_of
@@ -54,7 +55,7 @@ def next_after(proposed: Proposed, limits: Limits | None = None) -> tuple[Repeat
 def _against_rival(
     proposed: Proposed, data: PoseData, first: Accepted, limits: Limits | None
 ) -> tuple[Repeated, ...]:
-    """Return shots that separate two forms; none where no setting changes the rival's argument."""
+    """Return shots that separate two forms; none where no setting does, or neither form fits."""
     if first.rival is None:
         return ()
     fit = proposed.fit
@@ -64,7 +65,7 @@ def _against_rival(
         launch = fit_launch(data, fit)
         settings = grid(limits or used_limits(data), alike=fired_alike(data))
         return tell_apart(data, base, launch, pair, settings).shots
-    except (LaunchRefusedError, KeyError):
+    except (LaunchRefusedError, MisfitError, KeyError):
         return ()
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from analysis.model.fitting.nuisance_words import alarm_sentence
+from analysis.model.fitting.nuisance_words import alarm_sentences
 from analysis.model.structure.alarm import FEWEST
 from analysis.model.structure.influence import FEW
 from analysis.quantity import Quantity
@@ -40,7 +40,7 @@ def doubts(document: Json) -> list[str]:
 
     These are never hidden; plausibility only decides which of two alike is tried first.
     """
-    alarms = [alarm_sentence(alarm) for alarm in document.get("alarms", ())]
+    alarms = alarm_sentences(document.get("alarms", ()))
     return [*alarms, *_of_few(document), *_not_believed(document)]
 
 

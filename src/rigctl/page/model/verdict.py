@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 
 from nicegui import ui
 
-from analysis.model.fitting.nuisance_words import alarm_sentence
+from analysis.model.fitting.nuisance_words import alarm_sentences
 from analysis.model.structure.influence import FEW
 from analysis.model.verdict.standing import (
     SURE,
@@ -87,8 +87,8 @@ class Verdict:
         with ui.element("details").classes("note").props("data-testid=alarms"):
             summary = f"{count} of the set-up {'is' if len(alarms) == 1 else 'are'} in doubt"
             ui.html(summary, sanitize=False, tag="summary")
-            for alarm in alarms:
-                ui.label(alarm_sentence(alarm)).props("data-testid=alarm")
+            for sentence in alarm_sentences(alarms):
+                ui.label(sentence).props("data-testid=alarm")
 
     def _offer(self) -> None:
         if self._asked.running is None and self._asked.answer is None:

@@ -10,7 +10,7 @@ import pytest
 from analysis.effects.contact.lasting_contact import EFFECT
 from analysis.model.data.poses import PoseData
 from analysis.model.fitting.nuisance import MOST_PULL, alarms_of, nuisances
-from analysis.model.fitting.nuisance_words import alarm_sentence
+from analysis.model.fitting.nuisance_words import alarm_sentences
 from analysis.model.fitting.robust_fit import Judged, judged
 from analysis.model.verdict.documents import fit_document
 from benchmarks.discovery.campaigns import posed
@@ -44,7 +44,9 @@ def test_a_drag_far_from_what_is_stated_is_an_alarm() -> None:
     assert alarm["stated"]["value"] == pytest.approx(0.42)
     assert alarm["found"]["value"] > 1.0
     assert alarm["pull"] > MOST_PULL
-    assert "pulls it to" in alarm_sentence(alarm)
+    (sentence,) = alarm_sentences([alarm])
+    assert "pulls it to" in sentence
+    assert "measure it anew" in sentence
 
 
 def test_a_scale_far_from_what_is_stated_is_an_alarm() -> None:
@@ -56,6 +58,15 @@ def test_a_scale_far_from_what_is_stated_is_an_alarm() -> None:
 def test_a_law_that_lacks_something_is_seen_by_what_it_does_to_the_nuisances() -> None:
     """Hard spheres are no law of these contacts; scale and drag make up for it."""
     assert alarms_of(judged(poses(0.4)).fit)
+
+
+def test_several_alarms_are_one_sentence_the_farthest_first() -> None:
+    alarms = alarms_of(judged(poses(0.4)).fit)
+    (sentence,) = alarm_sentences(alarms)
+    assert len(alarms) > 1
+    assert sentence.startswith(f"Alarm: {alarms[0]['nuisance']} is stated")
+    assert all(sentence.count(alarm["nuisance"]) == 1 for alarm in alarms)
+    assert alarm_sentences([]) == []
 
 
 def test_documents_of_fits_hold_the_alarms() -> None:
