@@ -107,7 +107,7 @@ class Genicam:
         self.stop()
         camera, payload = self._set()
         try:
-            self._stream = camera.create_stream(None, None)
+            self._stream = self._made_stream(camera)
             for _ in range(self._settings.buffers):
                 self._stream.push_buffer(self._aravis.Buffer.new_allocate(payload))
             camera.start_acquisition()
@@ -180,11 +180,32 @@ class Genicam:
         return camera, payload
 
     def _opened(self) -> Untyped:
+        if self._camera is not None and self._has_lost_control():
+            self._camera = None
         if self._camera is None:
             if self._settings.camera_id.startswith(_FAKE):
                 self._aravis.enable_interface("Fake")
             self._camera = self._aravis.Camera.new(self._settings.camera_id)
         return self._camera
+
+    def _has_lost_control(self) -> bool:
+        """Say whether a GigE camera was away meanwhile: it answers, and obeys nobody."""
+        device = self._camera.get_device()
+        return isinstance(device, self._aravis.GvDevice) and not device.is_controller()
+
+    def _made_stream(self, camera: Untyped) -> Untyped:
+        """Return a stream; a GigE camera's by plain UDP with as much room as the frames need.
+
+        The library's raw sockets need rights that a daemon has not, and see nothing of a camera on
+        the same host; with the system's own room, large frames lose packets.
+        """
+        device = camera.get_device()
+        if isinstance(device, self._aravis.GvDevice):
+            device.set_stream_options(self._aravis.GvStreamOption.PACKET_SOCKET_DISABLED)
+        stream = camera.create_stream(None, None)
+        if isinstance(stream, self._aravis.GvStream):
+            stream.set_property("socket-buffer", self._aravis.GvStreamSocketBuffer.AUTO)
+        return stream
 
     def _frame(self, buffer: Untyped) -> VideoFrame:
         rows, columns = self._settings.rows, self._settings.columns
@@ -209,8 +230,11 @@ class Genicam:
         return self._last, tuple(range(last + 1, self._last))
 
     def _absent(self, error: Exception) -> DeviceAbsentError:
+        # As the library last looked: opening a camera that it does not know makes it look anew.
+        count = self._aravis.get_n_devices()
+        there = ", ".join(str(self._aravis.get_device_id(k)) for k in range(count))
         return DeviceAbsentError(
             f"the camera cannot be used: {error}",
             part=self.name,
-            todo="check its cable and camera.camera_id (arv-tool-0.8 lists what is there)",
+            todo=f"check its cable and camera.camera_id; cameras that answer: {there or 'none'}",
         )
