@@ -230,7 +230,8 @@ class Genicam:
         return self._last, tuple(range(last + 1, self._last))
 
     def _absent(self, error: Exception) -> DeviceAbsentError:
-        # As the library last looked: opening a camera that it does not know makes it look anew.
+        # Takes a second: cameras on the network have that long to answer.
+        self._aravis.update_device_list()
         count = self._aravis.get_n_devices()
         there = ", ".join(str(self._aravis.get_device_id(k)) for k in range(count))
         return DeviceAbsentError(

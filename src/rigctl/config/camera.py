@@ -177,7 +177,7 @@ class GenicamCamera(FreeRateCamera):
     """Camera with GenICam (GigE Vision, USB3 Vision), through the library Aravis."""
 
     kind: Literal["genicam"]
-    camera_id: str = Field(min_length=1, description="as `arv-tool-0.8` lists it")
+    camera_id: str = Field(min_length=1, description="maker-model-serial, as Aravis lists it")
     pixel_format: Literal["Mono8"] = "Mono8"
     buffers: int = Field(default=16, ge=2, le=256)
 
