@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from analysis.effects.catalogue import CATALOGUE
 from analysis.effects.effect import Effect
 from analysis.errors import ProposalRefusedError
 from analysis.launch.prediction import Limits
@@ -78,8 +79,10 @@ def confirmed(title: str, data: Data, given: Sequence[Effect], file: Path) -> Co
     name = next(iter(known.files), None) or known.faults[0].effect
     effect, chosen_on = known.named(name, "--confirm"), origin(file)
     try:
-        if chosen_on is not None and chosen_on[0] == title:
-            data = without_shots(data, numbers_among(chosen_on[1], data.shots))
+        if chosen_on is not None:
+            given = _beside(chosen_on.beside, given)
+            if chosen_on.campaign == title:
+                data = without_shots(data, numbers_among(chosen_on.shots, data.shots))
         return confirm(data, given, effect)
     except ProposalRefusedError as error:
         raise AnalysisInputError(str(error), part=title) from error
@@ -98,9 +101,32 @@ def confirmed_statement(
     try:
         if stated.campaign == title:
             data = without_shots(data, numbers_among(stated.shots, data.shots))
-        return confirm_stated(data, given, stated)
+        return confirm_stated(data, _beside(stated.beside, given), stated)
     except ProposalRefusedError as error:
         raise AnalysisInputError(str(error), part=title) from error
+
+
+def _beside(names: Sequence[str], given: Sequence[Effect]) -> tuple[Effect, ...]:
+    """Return the effects given, and those of the catalogue that a form was chosen beside.
+
+    Raises
+    ------
+    AnalysisInputError
+        One is neither given nor in the catalogue.
+    """
+    found = {effect.name: effect for effect in given}
+    known = {effect.name: effect for effect in CATALOGUE}
+    for name in names:
+        if name in found:
+            continue
+        if name not in known:
+            raise AnalysisInputError(
+                f"the form was chosen beside {name}, which the catalogue does not hold",
+                part="--confirm",
+                todo=f"name it: --with {name} --effects FOLDER",
+            )
+        found[name] = known[name]
+    return tuple(found.values())
 
 
 def shared_laws(campaigns: Sequence[tuple[str, Data]], given: Sequence[Effect]) -> Json:

@@ -97,11 +97,30 @@ def exchanged(aim: Aim, counts: Floats) -> Floats:
 
 
 def _filled(aim: Aim, enough: Callable[[Floats], bool], most: int, counts: Floats) -> Floats:
-    """Add shots where each is worth most, until there are enough."""
-    counts = counts.copy()
-    while counts.sum() < most and not enough(counts):
-        counts[int(aim.worth_with(counts).argmax())] += 1
-    return counts
+    """Add shots where each is worth most, until there are enough.
+
+    Whether a design is enough costs far more than its next shot, and more shots are never less:
+    numbers of shots are doubled until they are enough, and the fewest is found by halving.
+    """
+    if counts.sum() >= most or enough(counts):
+        return counts.copy()
+    designs, short, step = [counts.copy()], 0, 1
+    while True:
+        room = int(most - counts.sum())
+        while len(designs) <= min(step, room):
+            more = designs[-1].copy()
+            more[int(aim.worth_with(more).argmax())] += 1
+            designs.append(more)
+        reached = len(designs) - 1
+        if enough(designs[reached]):
+            break
+        if reached == room:
+            return designs[reached]
+        short, step = reached, 2 * step
+    while reached - short > 1:
+        middle = (short + reached) // 2
+        short, reached = (short, middle) if enough(designs[middle]) else (middle, reached)
+    return designs[reached]
 
 
 def _without_least(aim: Aim, counts: Floats) -> Floats:

@@ -32,6 +32,8 @@ class Confirmation:
 
     Attributes
     ----------
+    beside
+        Names of the effects that were fitted too.
     shots
         How many were used.
     fall
@@ -45,6 +47,7 @@ class Confirmation:
     """
 
     effect: Effect
+    beside: tuple[str, ...]
     shots: int
     fall: float
     p_value: float
@@ -96,7 +99,7 @@ def confirm_stated(data: Data, given: Sequence[Effect], stated: Statement) -> Co
     after = settled(launch.theory.with_effect(effect), launch)
     errors = errors_left_out(launch, after)
     return _confirmation(
-        effect, len(launch.shots), fall_of(launch, after), errors, after.parameters()
+        (effect, given), len(launch.shots), fall_of(launch, after), errors, after.parameters()
     )
 
 
@@ -108,19 +111,21 @@ def confirm(data: Data, given: Sequence[Effect], effect: Effect) -> Confirmation
     after = stage_of(fitted, fit)
     fall = max((base.fit.chi2 - fit.chi2) / max(fit.chi2_per_dof, 1e-12), 0.0)
     errors = before.error.value, after.error.value
-    return _confirmation(effect, len(base.data.shots), fall, errors, fit.parameters())
+    return _confirmation((effect, given), len(base.data.shots), fall, errors, fit.parameters())
 
 
 def _confirmation(
-    effect: Effect,
+    tested: tuple[Effect, Sequence[Effect]],
     shots: int,
     fall: float,
     errors: tuple[float, float],
     parameters: Mapping[str, Quantity],
 ) -> Confirmation:
+    effect, given = tested
     own = f"{effect.name}."
     return Confirmation(
         effect=effect,
+        beside=tuple(one.name for one in given),
         shots=shots,
         fall=fall,
         p_value=float(chi_squared.chance_of_more(max(fall, 0.0), len(effect.parameters))),

@@ -19,8 +19,8 @@ from analysis.model.proposals.hints import hint_for
 from analysis.model.proposals.launch_search import LaunchProposal
 from analysis.model.proposals.propose import Accepted, Proposed
 from analysis.model.proposals.screen import SMALLEST_P
-from analysis.model.proposals.stated import Statement
-from analysis.model.proposals.together import SharedForm
+from analysis.model.proposals.stated import Origin, Statement
+from analysis.model.proposals.together import Together
 from analysis.model.proposals.wording import formula, latex
 
 Json = dict[str, Any]
@@ -30,6 +30,7 @@ def proposals_document(
     campaign: str, proposed: Proposed, following: Sequence[Repeated] = ()
 ) -> Json:
     """Return the document of `rigctl model propose --json`."""
+    origin = Origin.of(campaign, proposed)
     return {
         "campaign": campaign,
         "shots": len(proposed.evidence.stated.shots),
@@ -45,13 +46,12 @@ def proposals_document(
             for stage in proposed.path
         ],
         "proposals": [
-            _proposal(proposed, one, following if k == 0 else ())
-            | _stated(campaign, proposed, one.form)
+            _proposal(proposed, one, following if k == 0 else ()) | _stated(one.form, origin)
             for k, one in enumerate(proposed.accepted)
         ]
         + [
             _of_launch(one, following if not (proposed.accepted or k) else ())
-            | _stated(campaign, proposed, one.form)
+            | _stated(one.form, origin)
             for k, one in enumerate(proposed.launch)
         ],
         "left_out": [
@@ -69,10 +69,9 @@ def proposals_document(
     }
 
 
-def _stated(campaign: str, proposed: Proposed, form: Form | LaunchForm) -> Json:
+def _stated(form: Form | LaunchForm, origin: Origin) -> Json:
     """Return the form in full: what a test of it on other shots takes."""
-    shots = [int(number) for number in proposed.evidence.stated.shots]
-    return {"form": Statement.of(form, campaign, shots).document()}
+    return {"form": Statement.of(form, origin).document()}
 
 
 def verdict(proposed: Proposed) -> str:
@@ -91,7 +90,7 @@ def _proposal(proposed: Proposed, one: Accepted, following: Sequence[Repeated]) 
         "name": one.name,
         "formula": formula(form),
         "latex": latex(form),
-        "parameters": parameters(one),
+        "parameters": {name: q.to_json() for name, q in one.quantities.items()},
         "p_familywise": one.p_familywise,
         "error_before": one.before.error.value,
         "error_after": one.after.error.value,
@@ -127,17 +126,6 @@ def _of_launch(one: LaunchProposal, following: Sequence[Repeated]) -> Json:
     }
 
 
-def parameters(one: Accepted) -> Json:
-    """Return amplitudes and constants with their standard errors and units."""
-    found = one.freed.parameters()
-    own = f"{one.name}."
-    return {
-        name.removeprefix(own): quantity.to_json()
-        for name, quantity in found.items()
-        if name.startswith(own)
-    }
-
-
 def rises(proposed: Proposed, one: Accepted) -> bool:
     """Whether a coefficient rises with its argument, on the whole of the shots."""
     values = next(a.values for a in one.found.fit.theory.active if a.effect.name == one.name)
@@ -157,6 +145,7 @@ def confirmation_document(campaign: str, found: Confirmation) -> Json:
     return {
         "campaign": campaign,
         "used": found.shots,
+        "with": list(found.beside),
         "effect": found.effect.name,
         "confirmed": found.confirmed,
         "fall": found.fall,
@@ -167,11 +156,15 @@ def confirmation_document(campaign: str, found: Confirmation) -> Json:
     }
 
 
-def together_document(campaigns: Sequence[str], found: Sequence[SharedForm]) -> Json:
+def together_document(campaigns: Sequence[str], found: Together) -> Json:
     """Return the document of several campaigns asked at once."""
     return {
         "campaigns": list(campaigns),
-        "verdict": "proposal" if found else "none",
+        "with": [
+            {"campaign": name, "effects": list(effects)}
+            for name, effects in zip(campaigns, found.effects, strict=True)
+        ],
+        "verdict": "proposal" if found.forms else "none",
         "shared": [
             {
                 "slot": one.slot,
@@ -189,6 +182,6 @@ def together_document(campaigns: Sequence[str], found: Sequence[SharedForm]) -> 
                     for name, (amplitude, sigma) in zip(campaigns, one.each, strict=True)
                 ],
             }
-            for one in found
+            for one in found.forms
         ],
     }

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ast
 import json
-from collections.abc import Sequence
 from pathlib import Path
 from textwrap import fill
 
@@ -18,11 +17,12 @@ from analysis.model.proposals.forms.impulses import IMPULSE_N, IMPULSE_T, TORSIO
 from analysis.model.proposals.forms.launch import LaunchForm
 from analysis.model.proposals.forms.shapes import POWER
 from analysis.model.proposals.propose import Accepted, Proposed
-from analysis.model.proposals.stated import Statement, ranges
+from analysis.model.proposals.stated import Origin, Statement
 from analysis.model.proposals.wording import formula
 
-CAMPAIGN, SHOTS = "PROPOSED_FROM", "SHOTS_SEEN"
-"""Constants of a file: where its form was chosen. A test of it needs other shots."""
+CAMPAIGN, SHOTS, BESIDE = "PROPOSED_FROM", "SHOTS_SEEN", "FITTED_BESIDE"
+"""Constants of a file: where its form was chosen, and beside which effects. A test of it needs
+other shots and the same effects."""
 _HEAD = '''"""{title}.
 
 {told}
@@ -184,35 +184,33 @@ def written(folder: Path, campaign: str, proposed: Proposed) -> list[Path]:
         The folder cannot be written.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    paths, shots = [], [int(number) for number in proposed.evidence.stated.shots]
+    paths, chosen = [], Origin.of(campaign, proposed)
     for one in proposed.accepted:
         path = folder / f"{effect_name(one.form).replace('-', '_')}.py"
-        path.write_text(text_of(campaign, shots, one), encoding="utf-8")
+        path.write_text(text_of(one, chosen), encoding="utf-8")
         paths.append(path)
     for law in proposed.launch:
         path = folder / f"{effect_name(law.form).replace('-', '_')}.json"
         document = {
             "proposed": formula(law.form),
             "parameters": {name: q.to_json() for name, q in law.parameters.items()},
-            "form": Statement.of(law.form, campaign, shots).document(),
+            "form": Statement.of(law.form, chosen).document(),
         }
         path.write_text(json.dumps(document, indent=2) + "\n", encoding="utf-8")
         paths.append(path)
     return paths
 
 
-def text_of(campaign: str, shots: Sequence[int], one: Accepted) -> str:
+def text_of(one: Accepted, chosen: Origin) -> str:
     """Return the file of one proposal, which says from which shots it comes."""
-    form, quantities = one.form, one.freed.parameters()
-    own = f"{one.name}."
+    form = one.form
     found = ", ".join(
-        f"{name.removeprefix(own)} = {q.concise()}{'' if q.unit == '1' else ' ' + q.unit}"
-        for name, q in quantities.items()
-        if name.startswith(own)
+        f"{name} = {q.concise()}{'' if q.unit == '1' else ' ' + q.unit}"
+        for name, q in one.quantities.items()
     )
     told = fill(
-        f"Proposed from what a fit of {campaign} left over: {found}. Its scales are constants of "
-        "this file; what it is multiplied by is fitted again.",
+        f"Proposed from what a fit of {chosen.campaign} left over: {found}. Its scales are "
+        "constants of this file; what it is multiplied by is fitted again.",
         99,
     )
     head = _HEAD.format(
@@ -220,21 +218,25 @@ def text_of(campaign: str, shots: Sequence[int], one: Accepted) -> str:
         told=told,
         imports=_imports(form),
     )
-    seen = f"\n{CAMPAIGN} = {campaign!r}\n{SHOTS} = {ranges(shots)!r}"
+    seen = f"\n{CAMPAIGN} = {chosen.campaign!r}\n{SHOTS} = {chosen.shots!r}"
+    seen += f"\n{BESIDE} = {', '.join(chosen.beside)!r}"
     constants = "".join(f"\n{name} = {value!r}" for name, value in _named(form).items())
-    function = _function(form) + _declaration(form, campaign)
+    function = _function(form) + _declaration(form, chosen.campaign)
     return head.rstrip("\n") + "\n" + seen + constants + "\n" + function
 
 
-def origin(path: Path) -> tuple[str, str] | None:
-    """Return the campaign and the shots, in short, that a file comes from; None: it names none."""
+def origin(path: Path) -> Origin | None:
+    """Return where the form of a file was chosen; None: it names no campaign."""
     found: dict[str, str] = {}
     for node in ast.parse(path.read_text(encoding="utf-8")).body:
         if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name):
             name, value = node.targets[0].id, node.value
-            if name in {CAMPAIGN, SHOTS} and isinstance(value, ast.Constant):
+            if name in {CAMPAIGN, SHOTS, BESIDE} and isinstance(value, ast.Constant):
                 found[name] = str(value.value)
-    return (found[CAMPAIGN], found[SHOTS]) if len(found) == 2 else None
+    if CAMPAIGN not in found or SHOTS not in found:
+        return None
+    beside = tuple(name for name in found.get(BESIDE, "").split(", ") if name)
+    return Origin(found[CAMPAIGN], found[SHOTS], beside)
 
 
 def _imports(form: Form) -> str:

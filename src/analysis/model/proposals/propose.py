@@ -26,6 +26,7 @@ from analysis.model.predict.contact import encounter_of
 from analysis.model.proposals.admissible import FEWEST_SHOTS, Admitted, admitted
 from analysis.model.proposals.blocks import falls_on_blocks
 from analysis.model.proposals.channels import Form, channels_of
+from analysis.model.proposals.forms.impulses import IMPULSES
 from analysis.model.proposals.launch_search import LaunchProposal, propose_launch
 from analysis.model.proposals.refine import (
     CARRIERS,
@@ -41,6 +42,7 @@ from analysis.model.rank.leaders import refitted as refitted_leaders
 from analysis.model.rank.ranking import rank
 from analysis.model.structure.influence import most_carried
 from analysis.model.verdict.part import LEAST_SHARE
+from analysis.quantity import Quantity
 
 MOST_STEPS, MOST_TRIED = 6, 3
 PREFERRED = 2.0
@@ -70,7 +72,8 @@ class Accepted:
     freed
         The fit in which its constants are free: their errors.
     rival
-        The best form of another slot or argument that these shots do not tell from it.
+        The best form of another slot or argument that these shots do not tell from it and others
+        may: none that is an impulse where this is the coefficient that sets it.
     """
 
     found: Refitted
@@ -92,6 +95,26 @@ class Accepted:
     def name(self) -> str:
         """Of its effect in the fit."""
         return self.found.name
+
+    @property
+    def quantities(self) -> dict[str, Quantity]:
+        """Amplitudes and constants by symbol, with their standard errors.
+
+        Where a fit cannot follow a constant, as the place of a step between two shots, its value is
+        the best that was tried.
+        """
+        own = f"{self.name}."
+        found = {
+            name.removeprefix(own): quantity
+            for name, quantity in self.freed.parameters().items()
+            if name.startswith(own)
+        }
+        scales = self.form.freed(self.name).parameters[len(self.form.symbols) :]
+        values = self.form.constants[len(self.form.constants) - len(scales) :]
+        held = zip(scales, values, self.found.promise.widths, strict=False)
+        for scale, value, width in held:
+            found.setdefault(scale.symbol, Quantity(float(value), width, scale.unit))
+        return found
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -144,6 +167,34 @@ def propose(
     ProposalRefusedError
         There are too few shots.
     """
+    found = _searched(data, given, catalogue, progress).proposed()
+    progress("asking the launches")
+    arguments = found.admitted.arguments
+    return replace(found, launch=propose_launch(found.data, found.fit, found.encounter, arguments))
+
+
+def known_effects(
+    data: Data, given: Sequence[Effect], catalogue: Sequence[Effect]
+) -> tuple[str, ...]:
+    """Return the names of the effects given, and of those that the same search takes in.
+
+    Raises
+    ------
+    ProposalRefusedError
+        There are too few shots.
+    """
+    state = _searched(data, given, catalogue, lambda _: None)
+    names = {one.name for one in state.accepted}
+    return tuple(name for name in state.last.effects if name not in names)
+
+
+def _searched(
+    data: Data,
+    given: Sequence[Effect],
+    catalogue: Sequence[Effect],
+    progress: Callable[[str], None],
+) -> _State:
+    """Take in forms and effects of the catalogue for as long as one is asked for."""
     shots = len(data.shots)
     if shots < FEWEST_SHOTS:
         raise ProposalRefusedError(
@@ -158,10 +209,7 @@ def propose(
         if following is None:
             break
         state = _without_idle(following)
-    found = state.proposed()
-    progress("asking the launches")
-    arguments = found.admitted.arguments
-    return replace(found, launch=propose_launch(found.data, found.fit, found.encounter, arguments))
+    return state
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -288,8 +336,14 @@ def _accepted(
         before=before,
         after=after,
         freed=freed,
-        rival=next(iter(others), None),
+        rival=next((form for form in others if not _nearly_the_same(form, found.form)), None),
     )
+
+
+def _nearly_the_same(first: Form, second: Form) -> bool:
+    """Whether an impulse and the coefficient that sets it follow the same: no shots part them."""
+    impulses = sum(form.slot in IMPULSES for form in (first, second))
+    return first.argument == second.argument and impulses == 1
 
 
 def _least_fall(state: _State) -> float:

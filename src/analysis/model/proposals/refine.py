@@ -42,12 +42,15 @@ class Promise:
         These amplitudes.
     carried_share
         Share of the fall that is gone without the two shots that speak loudest for it.
+    widths
+        Of each free constant, half of the range over which the fall stays within 1 of this one.
     """
 
     form: Form
     fall: float
     start: Floats
     carried_share: float
+    widths: tuple[float, ...] = ()
 
     @property
     def worth(self) -> float:
@@ -102,12 +105,26 @@ def promised(channels: Channels, group: tuple[str, str], forms: Sequence[Form]) 
             if shape.name == form.shape.name:
                 spread = spread_of(argument.of(channels.encounter)[:, 0])
                 finer += shaped(channels, form.slot, argument, shape, spread, fine=FINE)
-    best: dict[tuple[str, str], Promise] = {}
+    tried: dict[tuple[str, str], list[Promise]] = {}
     for promise in _promises(channels, finer):
-        key = promise.form.shape_name, _variable(promise.form)
-        if key not in best or promise.fall > best[key].fall:
-            best[key] = promise
-    return sorted(best.values(), key=lambda promise: -promise.worth)[:MOST_SHAPES]
+        tried.setdefault((promise.form.shape_name, _variable(promise.form)), []).append(promise)
+    best = [_with_widths(promises) for promises in tried.values()]
+    return sorted(best, key=lambda promise: -promise.worth)[:MOST_SHAPES]
+
+
+def _with_widths(tried: Sequence[Promise]) -> Promise:
+    """Return the best of the promises of one shape, and how well these shots hold its constants."""
+    best = max(tried, key=lambda promise: promise.fall)
+    count = len(best.form.free)
+    if best.form.free == OF_A_PRODUCT or not count:
+        return best
+    values = np.array([one.form.constants[-count:] for one in tried])
+    near = values[np.array([one.fall > best.fall - 1.0 for one in tried])]
+    # A range that holds one value that is tried alone is no wider than the way to the next.
+    gaps = [np.diff(np.unique(column)) for column in values.T]
+    least = np.array([gap.min() if gap.size else np.inf for gap in gaps])
+    widths = np.maximum(np.ptp(near, axis=0), least) / 2
+    return replace(best, widths=tuple(map(float, widths)))
 
 
 def _is_setting(form: Form) -> bool:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Literal
@@ -34,18 +34,34 @@ from analysis.model.proposals.forms.form import SLOTS, ContactForm
 from analysis.model.proposals.forms.frame import FrameForm, frame_forms
 from analysis.model.proposals.forms.launch import QUANTITIES, LaunchForm
 from analysis.model.proposals.forms.shapes import SHAPES, Shape
+from analysis.model.proposals.propose import Proposed
 
 Json = dict[str, Any]
 
 LAUNCH = "launch"
 _LISTS: Mapping[str, Any] = MappingProxyType(
-    dict.fromkeys(("arguments", "symbols", "columns"), str)
+    dict.fromkeys(("arguments", "symbols", "columns", "beside"), str)
     | dict.fromkeys(("constants", "reach"), int | float)
 )
 _SHORT = re.compile(r"(\d+(-\d+)?(,\d+(-\d+)?)*)?")
 Slot = Literal[
     "e", "mu", "beta0", "torsion", "impulse_n", "impulse_t", "flight", "camera", "clock", "launch"
 ]
+
+
+@dataclass(frozen=True, slots=True)
+class Origin:
+    """Where a form was chosen, as in `Statement`."""
+
+    campaign: str
+    shots: str
+    beside: tuple[str, ...] = ()
+
+    @classmethod
+    def of(cls, campaign: str, proposed: Proposed) -> Origin:
+        """Return where the forms of a campaign were chosen."""
+        numbers = [int(number) for number in proposed.evidence.stated.shots]
+        return cls(campaign, ranges(numbers), proposed.effects)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -70,6 +86,8 @@ class Statement:
         Axes of an error of the camera.
     campaign, shots
         Where it was chosen: numbers of the shots in short, `1-120,122`.
+    beside
+        Names of the effects that were fitted too when it was chosen.
     """
 
     slot: Slot
@@ -83,11 +101,12 @@ class Statement:
     by: int = 0
     campaign: str = ""
     shots: str = ""
+    beside: tuple[str, ...] = ()
 
     @classmethod
-    def of(cls, form: Form | LaunchForm, campaign: str, shots: Sequence[int]) -> Statement:
+    def of(cls, form: Form | LaunchForm, origin: Origin) -> Statement:
         """State a form that was chosen on some shots of a campaign."""
-        from_where: dict[str, Any] = {"campaign": campaign, "shots": ranges(shots)}
+        from_where = asdict(origin)
         if isinstance(form, FlightForm):
             return cls(slot="flight", kind=form.kind, constants=form.constants, **from_where)
         if isinstance(form, FrameForm):

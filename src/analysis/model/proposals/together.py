@@ -1,7 +1,8 @@
 """Several campaigns asked at once: what they share, and what each has for itself.
 
-A campaign is read twice and alone: first where its shots lie, then the sums M and g of all columns
-about its own fit. Both are small and add up, so that many campaigns are a map and a reduce.
+A campaign is read twice and alone: first where its shots lie and which effects of the catalogue it
+has, then the sums M and g of all columns about its own fit. Both are small and add up, so that many
+campaigns are a map and a reduce.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis import chi_squared
+from analysis.effects.catalogue import CATALOGUE
 from analysis.effects.effect import Effect
 from analysis.errors import ProposalRefusedError, counted
 from analysis.model.data.poses import PoseData
@@ -27,6 +29,7 @@ from analysis.model.proposals.channels import Channels, Sums, channels_of
 from analysis.model.proposals.forms.form import ContactForm
 from analysis.model.proposals.forms.impulses import IMPULSES
 from analysis.model.proposals.forms.shapes import Spread
+from analysis.model.proposals.propose import known_effects
 from analysis.model.proposals.refine import OF_IMPULSE
 from analysis.model.proposals.screen import (
     Screen,
@@ -51,10 +54,11 @@ LEAST_DIRECTION = 1e-6
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Placed:
-    """Where the shots of one campaign lie, and how many there are."""
+    """Where the shots of one campaign lie, how many there are, and names of its effects."""
 
     spreads: Spreads
     shots: int
+    effects: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -94,10 +98,27 @@ class SharedForm:
     p_alike: float
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Together:
+    """What several campaigns ask for together.
+
+    Attributes
+    ----------
+    forms
+        One for each slot and argument.
+    effects
+        Of each campaign the names of the effects in its own fit: those given, and those of the
+        catalogue that it has.
+    """
+
+    forms: tuple[SharedForm, ...]
+    effects: tuple[tuple[str, ...], ...]
+
+
 def propose_together(
     campaigns: Sequence[Data], given: Sequence[Effect], mapper: Mapper = map
-) -> list[SharedForm]:
-    """Return the forms that several campaigns ask for together, one for each slot and argument.
+) -> Together:
+    """Return the forms that several campaigns ask for together, beside what each is known to have.
 
     Parameters
     ----------
@@ -118,7 +139,7 @@ def propose_read(
     campaigns: Sequence[T],
     read: Callable[[T], tuple[Data, tuple[Effect, ...]]],
     mapper: Mapper = map,
-) -> list[SharedForm]:
+) -> Together:
     """Return the same of campaigns that are read where they are worked on, so that none travels.
 
     Parameters
@@ -135,8 +156,10 @@ def propose_read(
     spreads = joined(placed)
     if not spreads:
         raise ProposalRefusedError("these campaigns share no argument that changes in all of them")
+    effects = tuple(one.effects for one in placed)
     asked = partial(_sums_read, read=read, spreads=spreads)
-    return shared_forms(list(mapper(asked, campaigns)))
+    sums = list(mapper(asked, list(zip(campaigns, effects, strict=True))))
+    return Together(tuple(shared_forms(sums)), effects)
 
 
 def _beside(data: Data, given: tuple[Effect, ...]) -> tuple[Data, tuple[Effect, ...]]:
@@ -148,16 +171,32 @@ def _place_read(campaign: T, read: Callable[[T], tuple[Data, tuple[Effect, ...]]
 
 
 def _sums_read(
-    campaign: T, read: Callable[[T], tuple[Data, tuple[Effect, ...]]], spreads: Spreads
+    campaign: tuple[T, tuple[str, ...]],
+    read: Callable[[T], tuple[Data, tuple[Effect, ...]]],
+    spreads: Spreads,
 ) -> OwnSums:
-    return own_sums(*read(campaign), spreads)
+    data, given = read(campaign[0])
+    return own_sums(data, _named(given, campaign[1]), spreads)
+
+
+def _named(given: Sequence[Effect], names: Sequence[str]) -> tuple[Effect, ...]:
+    """Return the effects given, and those of the catalogue that have other ones of these names."""
+    known = {effect.name for effect in given}
+    more = (effect for effect in CATALOGUE if effect.name in names and effect.name not in known)
+    return (*given, *more)
 
 
 def place(data: Data, given: tuple[Effect, ...]) -> Placed:
-    """Return where the shots of a campaign lie: the first map."""
-    channels = _about_fit(data, given)
+    """Return where the shots of a campaign lie, and what it is known to have: the first map."""
+    if len(data.shots) < FEWEST_SHOTS:
+        raise ProposalRefusedError(
+            f"a campaign of {counted(len(data.shots), 'shot')} takes no part: at least "
+            f"{FEWEST_SHOTS} are needed"
+        )
+    effects = known_effects(data, given, CATALOGUE)
+    channels = _about_fit(data, _named(given, effects))
     kept = _arguments(data, channels)
-    return Placed(spreads_of(channels, kept), len(channels.encounter.e))
+    return Placed(spreads_of(channels, kept), len(channels.encounter.e), effects)
 
 
 def own_sums(data: Data, given: tuple[Effect, ...], spreads: Spreads) -> OwnSums:
@@ -259,11 +298,6 @@ def _shared(
 
 
 def _about_fit(data: Data, given: tuple[Effect, ...]) -> Channels:
-    if len(data.shots) < FEWEST_SHOTS:
-        raise ProposalRefusedError(
-            f"a campaign of {counted(len(data.shots), 'shot')} takes no part: at least "
-            f"{FEWEST_SHOTS} are needed"
-        )
     found = judged(data, given)
     return channels_of(whole(found.data), found.fit)
 

@@ -11,6 +11,10 @@ from analysis.effects.own.loading import load_effects
 from analysis.errors import ProposalRefusedError
 from analysis.model.proposals.confirm import confirm, without_shots
 from analysis.model.proposals.effect_file import written
+from analysis.model.proposals.propose import propose
+from analysis.model.proposals.stated import Origin, Statement
+from rigctl.errors import AnalysisInputError
+from rigctl.model.proposing import confirmed, confirmed_statement
 from tests.unit.analysis.model.proposals.hidden import campaign, proposed
 
 LAW, AMPLITUDE = "restitution-bump", 0.008
@@ -36,6 +40,24 @@ def test_a_form_that_is_not_there_is_not_confirmed(form: Path) -> None:
     [effect] = load_effects(form, CATALOGUE).effects
     chances = [confirm(campaign({}, seed), (), effect).p_value for seed in range(50, 54)]
     assert min(chances) > 1e-4
+
+
+def test_a_form_is_tested_beside_the_effects_it_was_chosen_beside(tmp_path: Path) -> None:
+    both = {LAW: AMPLITUDE, "image-scale": 0.01}
+    found = propose(campaign(both, seed=4), (), CATALOGUE)
+    assert found.effects == ("image-scale",)
+    path = next(p for p in written(tmp_path, "first", found) if "bump" in p.name)
+    again = confirmed("second", campaign(both, seed=98), (), path)
+    assert again.beside == ("image-scale",)
+    assert again.confirmed
+    assert again.error_after < 1.02
+
+
+def test_an_effect_that_nobody_knows_any_more_is_asked_for(tmp_path: Path) -> None:
+    found = proposed(LAW, AMPLITUDE)[1]
+    stated = Statement.of(found.accepted[0].form, Origin("first", "1-60", ("my-own",)))
+    with pytest.raises(AnalysisInputError, match="chosen beside my-own"):
+        confirmed_statement("second", campaign({}, 5), (), stated)
 
 
 def test_shots_that_the_form_was_chosen_on_are_left_out() -> None:

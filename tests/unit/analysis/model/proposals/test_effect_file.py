@@ -26,6 +26,7 @@ from analysis.model.proposals.forms.form import SLOTS, ContactForm
 from analysis.model.proposals.forms.shapes import LINEAR, Spread
 from analysis.model.proposals.propose import Accepted
 from analysis.model.proposals.screen import shapes_of
+from analysis.model.proposals.stated import Origin
 from tests.unit.analysis.model.proposals.hidden import proposed
 
 
@@ -54,7 +55,7 @@ def test_a_written_file_loads_and_fits_the_shots_as_the_proposal_did(
 def test_a_file_says_from_which_shots_it_comes(tmp_path: Path) -> None:
     data, found = proposed("restitution-bump", 0.008)
     [path] = written(tmp_path, "nylon's own", found)
-    assert origin(path) == ("nylon's own", f"1-{len(data.shots)}")
+    assert origin(path) == Origin("nylon's own", f"1-{len(data.shots)}")
 
 
 def forms() -> list[ContactForm]:
@@ -97,7 +98,7 @@ def test_the_file_of_every_form_does_what_the_form_does() -> None:
 def effect_of_file(one: Accepted, form: ContactForm) -> ContactEffect:
     """Return the effect of the file that is written for a form."""
     accepted = replace(one, found=replace(one.found, promise=replace(one.found.promise, form=form)))
-    text = text_of("nylon", [1], accepted)
+    text = text_of(accepted, Origin("nylon", "1", ("lasting-contact",)))
     ast.parse(text)
     scope: dict[str, object] = {}
     exec(compile(text, "proposal.py", "exec"), scope)

@@ -21,6 +21,7 @@ from analysis.model.proposals.forms.frame import frame_forms
 from analysis.model.proposals.forms.shapes import LINEAR, POWER, spread_of
 from analysis.model.proposals.screen import shapes_of
 from analysis.model.proposals.stated import (
+    Origin,
     Statement,
     numbers_among,
     ranges,
@@ -33,7 +34,7 @@ from tests.unit.analysis.model.proposals.test_launch_search import warm, with_wa
 def again(form: Form) -> Form:
     """Return a form after it was written as JSON and read."""
     data, _ = proposed(None)
-    text = json.dumps(Statement.of(form, "nylon", [1, 2, 3]).document())
+    text = json.dumps(Statement.of(form, Origin("nylon", "1-3", ("drag",))).document())
     return Statement.read(json.loads(text)).form(data)
 
 
@@ -90,7 +91,7 @@ def test_forces_in_flight_and_errors_of_camera_and_clock_come_back_with_their_co
 
 def test_a_stated_law_is_confirmed_on_shots_that_have_it_and_not_on_shots_that_have_not() -> None:
     _, found = proposed("restitution-bump", 0.008)
-    stated = Statement.of(found.accepted[0].form, "first", [1])
+    stated = Statement.of(found.accepted[0].form, Origin("first", "1"))
     there = confirm_stated(campaign({"restitution-bump": 0.008}, 99), (), stated)
     assert there.confirmed
     assert abs(there.parameters["a"].value - 0.008) < 5 * there.parameters["a"].sigma
@@ -129,7 +130,7 @@ def test_a_law_of_the_launch_is_written_and_confirmed_on_other_launches(tmp_path
 )
 def test_what_is_no_form_is_refused_with_what_is_wrong(changed: dict[str, Any], why: str) -> None:
     data, found = proposed("restitution-bump", 0.008)
-    document = Statement.of(found.accepted[0].form, "first", [1]).document() | changed
+    document = Statement.of(found.accepted[0].form, Origin("first", "1")).document() | changed
     with pytest.raises(ProposalRefusedError, match=why):
         Statement.read(document).form(data)
 

@@ -25,7 +25,7 @@ def campaigns(*sizes: float) -> tuple[PoseData, ...]:
 
 def test_a_law_too_faint_for_one_campaign_is_found_in_several() -> None:
     found = propose_together(campaigns(FAINT, FAINT, FAINT, FAINT), ())
-    first = found[0]
+    first = found.forms[0]
     assert (first.slot, first.argument) == ("e", "temperature_c")
     assert abs(first.amplitude - FAINT) < 4 * first.sigma or first.shape != "linear"
     assert first.p_alike > 1e-3
@@ -34,12 +34,19 @@ def test_a_law_too_faint_for_one_campaign_is_found_in_several() -> None:
 
 def test_campaigns_that_differ_are_said_to_have_each_its_own() -> None:
     found = propose_together(campaigns(2e-3, 5e-4, 1.2e-3), ())
-    first = next(one for one in found if one.argument == "temperature_c")
+    first = next(one for one in found.forms if one.argument == "temperature_c")
     assert first.p_alike < 1e-6
 
 
+def test_what_the_catalogue_holds_of_a_campaign_is_no_law_that_they_share() -> None:
+    off = tuple(campaign({LAW: 1e-3, "image-scale": 0.01}, seed) for seed in (41, 42))
+    found = propose_together(off, ())
+    assert found.effects == (("image-scale",), ("image-scale",))
+    assert [(one.slot, one.argument) for one in found.forms] == [("e", "temperature_c")]
+
+
 def test_nothing_is_proposed_where_nothing_is_hidden() -> None:
-    assert propose_together(campaigns(0.0, 0.0), ()) == []
+    assert propose_together(campaigns(0.0, 0.0), ()).forms == ()
 
 
 def test_the_mapper_does_the_work_and_gets_nothing_but_campaigns() -> None:
@@ -51,7 +58,8 @@ def test_the_mapper_does_the_work_and_gets_nothing_but_campaigns() -> None:
 
     given = campaigns(FAINT, FAINT, FAINT, FAINT)
     there, here = propose_together(given, (), mapped), propose_together(given, ())
-    assert [(one.slot, one.argument) for one in there] == [(o.slot, o.argument) for o in here]
+    named = [(one.slot, one.argument) for one in here.forms]
+    assert [(one.slot, one.argument) for one in there.forms] == named
     assert len(seen) == 2
 
 

@@ -10,6 +10,7 @@ from analysis.launch.prediction import Limits
 from analysis.model.proposals.document import proposals_document
 from analysis.model.proposals.following import next_after
 from analysis.model.proposals.words import proposal_sentences
+from analysis.quantity import Quantity
 from tests.unit.analysis.model.proposals.hidden import proposed
 
 
@@ -18,10 +19,41 @@ def test_a_bump_is_said_with_formula_constants_errors_and_units() -> None:
     document = json.loads(json.dumps(proposals_document("nylon", found), allow_nan=False))
     said = " ".join(proposal_sentences(document))
     assert "nylon, 60 shots: a law is proposed." in said
-    assert "e depends on speed_n: e = e0 [1 + a exp(-(v_n - m)^2 / (2 w^2))]" in said
+    assert "e (the coefficient of restitution) depends on speed_n (the normal speed" in said
+    assert "e = e0 [1 + a exp(-(v_n - m)^2 / (2 w^2))]" in said
     assert "m/s" in said
-    assert "confirmed on others" in said
-    assert "pressure_b_kpa takes no part: one and the same as pressure_a_kpa" in said
+    assert "(1 is noise alone)" in said
+    assert "ask with --confirm" in said
+    assert "pressure_b_kpa is not tested: one and the same as pressure_a_kpa" in said
+
+
+@pytest.mark.parametrize(
+    ("value", "sigma", "said"),
+    [
+        (4.89e-4, 6.2e-5, "a = 0.000489 +- 0.000062 K^-1"),
+        (-1.23456e-6, 2.0e-7, "a = (-1.23 +- 0.20) x 10^-6 K^-1"),
+        (5.0012, 0.0141, "a = 5.001 +- 0.014 K^-1"),
+        (1234.5, 67.0, "a = 1234 +- 67 K^-1"),
+    ],
+)
+def test_a_value_has_as_many_digits_as_its_error(value: float, sigma: float, said: str) -> None:
+    document = proposals_document("nylon", proposed("restitution-bump", 0.008)[1])
+    document["proposals"][0]["parameters"] = {"a": Quantity(value, sigma, "K^-1").to_json()}
+    assert said in " ".join(proposal_sentences(document))
+
+
+def test_a_chance_that_no_experiment_knows_is_no_number() -> None:
+    document = proposals_document("nylon", proposed("restitution-bump", 0.008)[1])
+    document["proposals"][0]["p_familywise"] = 1e-300
+    assert "in some form: less than 1e-12" in " ".join(proposal_sentences(document))
+
+
+def test_what_is_missing_and_has_no_form_is_said() -> None:
+    document = proposals_document("nylon", proposed(None)[1])
+    document["path"][-1]["prediction_error"] = 1.3
+    said = " ".join(proposal_sentences(document))
+    assert "no law is proposed" in said
+    assert "something is missing, and it is none of the forms that are tried" in said
 
 
 def test_what_laws_leave_over_is_said_where_it_is_much() -> None:
@@ -29,7 +61,7 @@ def test_what_laws_leave_over_is_said_where_it_is_much() -> None:
     assert "is not all" not in " ".join(proposal_sentences(document))
     document["path"][-1]["prediction_error"] = 1.1764
     said = " ".join(proposal_sentences(document))
-    assert "the error is still 1.1764 of the noise: what is named is not all" in said
+    assert "the error is still 1.176, and 1 is noise alone: what is named is not all" in said
 
 
 def test_a_law_on_a_setting_is_said_to_stand_for_something_else() -> None:
@@ -42,9 +74,9 @@ def test_a_law_on_a_setting_is_said_to_stand_for_something_else() -> None:
 
 def test_nothing_and_a_known_effect_are_said_as_such() -> None:
     nothing = proposal_sentences(proposals_document("nylon", proposed(None)[1]))
-    assert "no law is proposed; these shots ask for none" in nothing[0]
+    assert "no law is proposed." in nothing[0]
     known = proposal_sentences(proposals_document("nylon", proposed("image-scale", 0.005)[1]))
-    assert "image-scale explains it; no new law is needed" in known[0]
+    assert "image-scale of the catalogue is what is missing; no new law is needed" in known[0]
 
 
 @pytest.mark.parametrize(
