@@ -4,6 +4,7 @@ import json
 import subprocess
 import sys
 from collections.abc import Mapping
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -157,6 +158,22 @@ def test_a_question_that_nobody_answers_ends_in_a_sentence(
     monkeypatch.setattr(shot_module, "connected", asked)
     assert cli.run(["shot", "--pressure-kpa", "40", "--offset-mm", "6"]) == code
     assert "a question that was not answered" in capsys.readouterr().err
+
+
+def test_a_fall_without_a_bounce_is_told_as_one(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    document = {
+        "shot": "20260131-000001", "state": "analysed", "failure": None, "simulated": False,
+        "settings": {"pressure_a_kpa": 0.0, "pressure_b_kpa": 0.0, "offset_mm": 0.0},
+        "result": {"impacts": [], "positions": {"frame": list(range(30))}},
+    }  # fmt: skip
+    monkeypatch.setattr(shot_module, "connected", lambda *_: nullcontext())
+    monkeypatch.setattr(shot_module, "fire_and_wait", lambda *_: document)
+    assert cli.run(["shot", "--pressure-kpa", "0", "--offset-mm", "0"]) == 0
+    shown = " ".join(capsys.readouterr().out.split())
+    assert "no bounce: a flight in 30 frames" in shown
+    assert "rigctl qualify drop" in shown
 
 
 def test_without_a_daemon_the_command_says_how_to_start_one(

@@ -59,10 +59,19 @@ def film(
     if json:
         print_json(stands)
     else:
-        print_line("the shot has its film" if path is not None else _WAITS[stands["waits_for"]])
+        print_line(_said(path, records=records, gives_up=gives_up) or _WAITS[stands["waits_for"]])
+
+
+def _said(path: Path | None, *, records: bool, gives_up: bool) -> str:
+    """Return what was brought about: what the shot waits for next may lie some way off."""
+    if path is not None:
+        return "the shot has its film"
+    if records:
+        return "the rig fires: end the film after the shot, then `rigctl film FILE`"
+    return "the shot ends without a film" if gives_up else ""
 
 
 def _bring(daemon: ServiceClient, path: Path) -> None:
     job = daemon.bring_film(path)
     if job["state"] != "done":
-        raise AnalysisInputError(str(job["failure"]), part=path.name)
+        raise AnalysisInputError(str(job["failure"]))

@@ -132,6 +132,13 @@ def _print(document: Mapping[str, Any], *, as_json: bool) -> None:
         highlight=False,
     )
     result = document["result"] or {}
+    if result.get("impacts") == []:
+        seen = len(result["positions"]["frame"])
+        console.print(
+            f"no bounce: a flight in {seen} frames. `rigctl qualify drop --config FILE` takes "
+            "gravity from several.",
+            highlight=False,
+        )
     for impact in result.get("impacts", [result]):
         if rows := _told(impact):
             if "impacts" in result:
