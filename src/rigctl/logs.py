@@ -8,6 +8,7 @@ import sys
 from datetime import UTC, datetime
 from typing import Literal
 
+from rigctl.errors import RigError
 from rigctl.rig.status import Transition
 from rigctl.store.records import ShotRecord
 
@@ -35,13 +36,26 @@ class JsonFormatter(logging.Formatter):
         return json.dumps(line, ensure_ascii=False)
 
 
+class TextFormatter(logging.Formatter):
+    """Writes one line for a person; a trace only of what is no error of the program's own.
+
+    These say what happened, to which part and what to do; JSON lines hold their traces too.
+    """
+
+    def format(self, record: logging.LogRecord) -> str:
+        """Return the line, and the trace of an error that has no name."""
+        if record.exc_info and isinstance(record.exc_info[1], RigError):
+            record = logging.makeLogRecord({**record.__dict__, "exc_info": None, "exc_text": None})
+        return super().format(record)
+
+
 def set_up(form: LogFormat) -> None:
     """Write warnings as text, or warnings and every step of rig and shots as JSON lines."""
     handler = logging.StreamHandler(sys.stderr)
     if form == "json":
         handler.setFormatter(JsonFormatter())
     else:
-        handler.setFormatter(logging.Formatter("rigctl: %(levelname)s: %(message)s"))
+        handler.setFormatter(TextFormatter("rigctl: %(levelname)s: %(message)s"))
     logging.basicConfig(level=logging.WARNING, handlers=[handler])
     _log.setLevel(logging.INFO if form == "json" else logging.WARNING)
 

@@ -12,7 +12,8 @@ from pathlib import Path
 import pytest
 
 from rigctl import logs, systemd
-from rigctl.logs import JsonFormatter
+from rigctl.errors import DeviceAbsentError
+from rigctl.logs import JsonFormatter, TextFormatter
 from rigctl.rig.states import RigState
 from rigctl.rig.status import Transition
 
@@ -82,3 +83,19 @@ def test_an_exception_is_in_its_line(caplog: pytest.LogCaptureFixture) -> None:
         logging.getLogger("rigctl").exception("it failed")
     line = json.loads(JsonFormatter().format(caplog.records[-1]))
     assert "ZeroDivisionError" in line["trace"]
+
+
+@pytest.mark.parametrize(
+    ("error", "traced"),
+    [(ZeroDivisionError("nothing to divide by"), True), (DeviceAbsentError("hung up"), False)],
+)
+def test_a_person_reads_a_trace_only_of_what_has_no_name(
+    error: Exception, traced: bool, caplog: pytest.LogCaptureFixture
+) -> None:
+    try:
+        raise error
+    except type(error):
+        logging.getLogger("rigctl").exception("it failed")
+    assert ("Traceback" in TextFormatter().format(caplog.records[-1])) is traced
+    # What else reads the record still has it.
+    assert "trace" in json.loads(JsonFormatter().format(caplog.records[-1]))

@@ -92,8 +92,10 @@ def shot(
 
 def _local(config: Path | None) -> AbstractContextManager[Operable]:
     # A daemon loads what a command beside one does not need.
+    from rigctl import logs  # noqa: PLC0415
     from rigctl.local import opened  # noqa: PLC0415
 
+    logs.set_up("text")
     return opened(config)
 
 
