@@ -225,6 +225,16 @@ class SlowErrors:
         enlarged = self.common_m / self.position_m if self.position_m > 0 else 1.0
         return enlarged * self.rotation_rad
 
+    @property
+    def between_m(self) -> float:
+        """Size of what the spheres' places share against each other, m: either errs by itself."""
+        return math.sqrt(2.0) * self.common_m
+
+    @property
+    def between_rad(self) -> float:
+        """The same of orientations, rad."""
+        return math.sqrt(2.0) * self.common_rad
+
 
 NO_SLOW_ERRORS = SlowErrors()
 

@@ -27,7 +27,15 @@ def found(
         "stages": [{"quantities": [{"quantity": "normal velocity", "p_familywise": row}]}],
         "cells": [{"p_familywise": cell, "shared": shared}],
         "findings": [{"channel": "spin n", "covariate": covariate, "p_familywise": cell}],
-        "candidates": [{"effect": "drag", "seen": True, "like": [], "p_familywise": effect}],
+        "candidates": [
+            {
+                "effect": "drag",
+                "seen": True,
+                "of_measurement": False,
+                "like": [],
+                "p_familywise": effect,
+            }
+        ],
     }
 
 

@@ -52,6 +52,7 @@ def fits(draw: st.DrawFn, added: tuple[str, ...]) -> Json:
             {
                 "effect": name,
                 "seen": draw(st.booleans()),
+                "of_measurement": draw(st.booleans()),
                 "p_familywise": draw(chance),
                 "like": [other for other in draw(like) if other != name],
             }

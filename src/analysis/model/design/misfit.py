@@ -63,6 +63,7 @@ def to_add_first(
         candidate
         for candidate in rank(data, fit, effects).candidates
         if candidate.seen
+        and not candidate.of_measurement
         and candidate.p_familywise < STRIKING
         and candidate.effect.name not in asked
     ]

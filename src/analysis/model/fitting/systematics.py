@@ -18,6 +18,9 @@ from analysis.effects.effect import Effect, Values
 from analysis.effects.flight.drag import EFFECT as DRAG
 from analysis.setup import SlowErrors
 
+OF_IMAGES: tuple[Effect, ...] = (OUTLINE_OFFSET, MASS_OFFSET, IMAGE_SCALE)
+"""Errors that measuring leaves in the poses of all shots."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Systematic:
@@ -45,11 +48,8 @@ def of_images(slow: SlowErrors) -> tuple[Systematic, ...]:
     learned anew in each shot (no common body frame) has no error that they share. The scale is
     learned once.
     """
-    stated = (
-        (OUTLINE_OFFSET, float(np.sqrt(2.0)) * slow.common_m),
-        (MASS_OFFSET, slow.common_m if slow.one_body_frame else 0.0),
-        (IMAGE_SCALE, slow.scale),
-    )
+    pattern = slow.common_m if slow.one_body_frame else 0.0
+    stated = zip(OF_IMAGES, (slow.between_m, pattern, slow.scale), strict=True)
     return tuple(_off(effect, sigma) for effect, sigma in stated if sigma > 0.0)
 
 

@@ -45,6 +45,9 @@ class Candidate:
         The law that takes the operator's place in a refit, where the effect is its share.
     weight
         By which its chance may be larger than another's and count as much.
+    moved_m, of_measurement
+        Of a stated error of images: by how much at most it would move places, root mean square,
+        and whether slow errors of the images do as much, so that it is no finding.
     """
 
     effect: Effect
@@ -59,6 +62,8 @@ class Candidate:
     carried_share: float
     law: ContactLaw | None = None
     weight: float = 1.0
+    moved_m: float | None = None
+    of_measurement: bool = False
 
     @property
     def score(self) -> float:

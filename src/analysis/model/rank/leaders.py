@@ -82,7 +82,9 @@ def refitted(data: CampaignData, fit: Fit, ranking: Ranking, level: float) -> li
     One is carried if two shots hold most of it and the others alone do not promise enough. Those
     whose likelihood ratio, after the refit, no longer passes are left out.
     """
-    invited = [c for c in ranking.candidates if c.seen and c.p_familywise < level]
+    invited = [
+        c for c in ranking.candidates if c.seen and not c.of_measurement and c.p_familywise < level
+    ]
     threshold, most = ranking.threshold(level), most_carried(len(data.shots))
     leaders: list[Leader] = []
     for c in _worth_it(invited, len(data.shots)):

@@ -19,6 +19,7 @@ from analysis.model.data.stream import CampaignData
 from analysis.model.fitting.fit import Fit
 from analysis.model.predict.theory import Theory
 from analysis.model.rank.candidate import Candidate, Ranking, one_sided, weight_of
+from analysis.model.rank.of_images import with_places_moved
 from analysis.model.rank.scatter import JitterTrial
 from analysis.model.rank.score_test import Beside, Block, Sums, block_of, candidate_sums
 
@@ -114,6 +115,7 @@ def _shifts(
         )
         for i, (places, share) in zip(best, _carried(sums, shown), strict=True)
     ]
+    candidates = with_places_moved(candidates, data, fit.theory, scale)
     return _Shifts(sums, blocks, weights, shown, candidates)
 
 

@@ -26,8 +26,6 @@ from analysis.model.structure.summing import Name, Summed, summed
 from analysis.setup import NO_SLOW_ERRORS, SlowErrors
 
 LEAST_ON_A_LINE = 3
-BOTH = float(np.sqrt(2.0))
-"""Spheres err each by itself: their difference by so much more."""
 OWN_PENALTY = 3.0
 """An effect's own cells have a chance to alarm for each effect accepted: it is a third of the
 level, so that true effects with company are not called unexplained more often than nothing is."""
@@ -183,9 +181,9 @@ def _sized(cell: Cell, sums: Summed, solved: Mapping[Name, Solved], slow: SlowEr
     if name not in sums.lines:
         return cell
     lines = sums.lines[name]
-    stated = slow.common_m if lines.unit == "m" else slow.common_rad
+    stated = slow.between_m if lines.unit == "m" else slow.between_rad
     size = crooked(lines.sums, solved[name].amplitudes)
-    return replace(cell, size=size, stated=BOTH * stated)
+    return replace(cell, size=size, stated=stated)
 
 
 def crooked(sums: Floats, amplitudes: Floats) -> float:

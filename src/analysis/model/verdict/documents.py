@@ -55,6 +55,8 @@ def ranking_document(ranked: Ranking) -> list[Json]:
             "p_value": max(candidate.p_value, SMALLEST_P),
             "p_familywise": candidate.p_familywise,
             "plausible": candidate.plausible if candidate.seen else None,
+            "of_measurement": candidate.of_measurement,
+            "moved_m": candidate.moved_m,
             "amplitude": float(candidate.amplitudes[0]) if candidate.seen else None,
             "unit": candidate.effect.parameters[0].unit,
             "amplitudes": _amplitudes(candidate) if candidate.seen else {},

@@ -78,6 +78,8 @@ def _candidate(candidate: Candidate) -> Json:
         "sigma": float(candidate.sigmas[0]),
         "unit": candidate.effect.parameters[0].unit,
         "plausible": candidate.plausible,
+        "of_measurement": candidate.of_measurement,
+        "moved_m": candidate.moved_m,
         "plausible_range": list(candidate.effect.parameters[0].plausible),
     }
 

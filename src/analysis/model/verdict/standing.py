@@ -102,6 +102,7 @@ def strong_effects(found: Json) -> list[Json]:
         candidate
         for candidate in found["candidates"]
         if candidate["seen"]
+        and not candidate["of_measurement"]
         and candidate["p_familywise"] < SURE
         and candidate["effect"] not in found["with"]
     ]

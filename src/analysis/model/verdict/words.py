@@ -41,7 +41,7 @@ def doubts(document: Json) -> list[str]:
     These are never hidden; plausibility only decides which of two alike is tried first.
     """
     alarms = alarm_sentences(document.get("alarms", ()))
-    return [*alarms, *_of_few(document), *_not_believed(document)]
+    return [*alarms, *_of_few(document), *_not_believed(document), *_of_images(document)]
 
 
 def too_few(used: int) -> str:
@@ -82,6 +82,16 @@ def _not_believed(document: Json) -> list[str]:
         and c["effect"] not in named
         and c["p_familywise"] < STRIKING
         and c["promised_fall"] > COMPARABLE * best
+    ]
+
+
+def _of_images(document: Json) -> list[str]:
+    return [
+        f"{c['effect']} by itself would bring chi-squared down by {c['promised_fall']:.0f}, but "
+        f"moves places by at most {c['moved_m'] * 1e6:.1f} um, as "
+        "slow errors of the images do: it is taken for theirs."
+        for c in document["candidates"]
+        if c["of_measurement"] and c["p_familywise"] < STRIKING
     ]
 
 

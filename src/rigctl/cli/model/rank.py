@@ -77,6 +77,12 @@ def _table(ranked: Ranking) -> Table:
     return table
 
 
+def _remark(candidate: Candidate) -> str:
+    if candidate.of_measurement:
+        return "of the images"
+    return "" if candidate.plausible else "not plausible"
+
+
 def _add_candidate(table: Table, candidate: Candidate, likes: list[str]) -> None:
     if not candidate.seen:
         table.add_row(candidate.effect.name, "", "", "", "cannot be seen with these shots")
@@ -90,6 +96,6 @@ def _add_candidate(table: Table, candidate: Candidate, likes: list[str]) -> None
         f"{candidate.p_familywise:.4f}",
         f"{parameter.symbol} = {amplitude.concise()}",
         unit_word(parameter.unit),
-        "" if candidate.plausible else "not plausible",
+        _remark(candidate),
         ", ".join(likes),
     )

@@ -23,7 +23,7 @@ KEYS = {
 }
 CANDIDATE = {
     *("effect", "score", "p_value", "p_familywise", "promised_fall"),
-    *("amplitude", "sigma", "unit", "plausible", "plausible_range"),
+    *("amplitude", "sigma", "unit", "plausible", "plausible_range", "of_measurement", "moved_m"),
 }
 CELL = {
     *("channel", "covariate", "chi2", "degrees_of_freedom", "p_value", "p_familywise"),
