@@ -6,7 +6,7 @@ import re
 from urllib.parse import quote
 
 import pytest
-from playwright.sync_api import Page, expect
+from playwright.sync_api import Locator, Page, expect
 
 from tests.browser.conftest import Served
 from tests.browser.test_model_page import HIDDEN, LONG_MS, error_now, known_challenge
@@ -20,6 +20,8 @@ MOVED = """(slider, share) => {
   ))));
 }"""
 
+REDRAWN_MS = 2_000
+"""Within which the page changes something, if only to say that it is alive."""
 SHOTS = 60
 """Of the challenge."""
 FIRST_DOT = """(part) => {
@@ -55,6 +57,45 @@ def test_a_hidden_effect_is_moved_added_and_kept_by_a_reload(page: Page, served:
     assert drawing.evaluate("picture => picture.naturalWidth") > 0
 
     without = preview_error(page)
+    the_film_shows_the_gap(page)
+    a_point_moves_the_film(page)
+
+    before = len(sent)
+    half = slider.evaluate(MOVED, 0.5)
+    whole = slider.evaluate(MOVED, 1.0)
+    assert without > preview_error(page)
+    assert max(map(abs, half)) > 0
+    assert all(
+        abs(2 * a - b) <= 1e-3 * max(map(abs, whole)) for a, b in zip(half, whole, strict=True)
+    )
+    assert asked(sent[before:]) == []
+    predicted = preview_error(page)
+    the_thumb_stays_and_keys_move_it(page, slider)
+    keys_lead_through_steps_and_map(page)
+
+    page.get_by_test_id(f"add-{HIDDEN}").click()
+    expect(page.get_by_test_id("story-added")).to_contain_text("The mirror is not at 45°")
+    assert asked(sent[before:]) != []
+    expect(page.get_by_test_id("story-added")).to_contain_text(f"to {predicted:#.3g} times")
+    assert page.evaluate("location.search").endswith(f"effects={HIDDEN}&view=story")
+    page.reload()
+    expect(page.get_by_test_id("story-added")).to_contain_text(
+        f"to {predicted:#.3g} times", timeout=LONG_MS
+    )
+    expect(page.get_by_test_id("guide")).to_have_count(0)
+    added = page.url
+    page.keyboard.press("u")
+    expect(page.get_by_test_id("story-added")).to_have_count(0)
+    assert HIDDEN not in page.url
+    page.goto(added)
+    expect(page.get_by_test_id("story-added")).to_have_count(1, timeout=LONG_MS)
+    page.get_by_test_id("view-tables").click()
+    page.get_by_test_id("error-now").wait_for(timeout=LONG_MS)
+    assert abs(error_now(page) - predicted) < 0.006
+
+
+def the_film_shows_the_gap(page: Page) -> None:
+    """Scrub to before contact, where the gap is small, and take the model's outlines away."""
     frame, said = page.get_by_test_id("ghost-frame"), page.get_by_test_id("ghost-text")
     expect(said).to_contain_text("ms after contact: the model is")
     largest = gap_mm(said.inner_text())
@@ -70,32 +111,38 @@ def test_a_hidden_effect_is_moved_added_and_kept_by_a_reload(page: Page, served:
     assert outlines.count() == 4
     assert loupe.count() == 0
 
-    a_point_moves_the_film(page)
 
-    before = len(sent)
-    half = slider.evaluate(MOVED, 0.5)
-    whole = slider.evaluate(MOVED, 1.0)
-    assert without > preview_error(page)
-    assert max(map(abs, half)) > 0
-    assert all(
-        abs(2 * a - b) <= 1e-3 * max(map(abs, whole)) for a, b in zip(half, whole, strict=True)
-    )
-    assert asked(sent[before:]) == []
-    predicted = preview_error(page)
+def the_thumb_stays_and_keys_move_it(page: Page, slider: Locator) -> None:
+    """Leave the slider alone while the page goes on, then press arrows."""
+    best = float(slider.get_attribute("data-best") or "nan")
+    page.wait_for_timeout(REDRAWN_MS)
+    assert float(slider.input_value()) == pytest.approx(best)
+    step = float(slider.get_attribute("step") or "nan")
+    slider.focus()
+    page.keyboard.press("ArrowUp")
+    assert abs(float(slider.input_value()) - best) == pytest.approx(step, rel=1e-3)
+    page.keyboard.press("ArrowDown")
+    page.keyboard.press("Shift+ArrowUp")
+    assert abs(float(slider.input_value()) - best) == pytest.approx(10 * step, rel=1e-3)
+    page.get_by_test_id("to-best").click()
+    assert float(slider.input_value()) == pytest.approx(best)
 
-    page.get_by_test_id(f"add-{HIDDEN}").click()
-    expect(page.get_by_test_id("story-added")).to_contain_text("The mirror is not at 45°")
-    assert asked(sent[before:]) != []
-    expect(page.get_by_test_id("story-added")).to_contain_text(f"to {predicted:.3f} times")
-    assert page.evaluate("location.search").endswith(f"effects={HIDDEN}&view=story")
-    page.reload()
-    expect(page.get_by_test_id("story-added")).to_contain_text(
-        f"to {predicted:.3f} times", timeout=LONG_MS
-    )
-    expect(page.get_by_test_id("guide")).to_have_count(0)
-    page.get_by_test_id("view-tables").click()
-    page.get_by_test_id("error-now").wait_for(timeout=LONG_MS)
-    assert abs(error_now(page) - predicted) < 0.001
+
+def keys_lead_through_steps_and_map(page: Page) -> None:
+    """Go to a step, read another cell, and open and close the list of keys, by keys alone."""
+    page.keyboard.press("2")
+    assert page.evaluate("document.activeElement.id") == "step-2"
+    chosen = page.get_by_test_id("map").locator("[aria-pressed=true]")
+    before = chosen.get_attribute("aria-label") or ""
+    chosen.focus()
+    page.keyboard.press("ArrowDown")
+    page.keyboard.press("Enter")
+    expect(chosen).not_to_have_attribute("aria-label", before)
+    page.keyboard.press("?")
+    expect(page.locator("#keys")).to_be_visible()
+    expect(page.get_by_test_id("stop")).to_be_enabled()
+    page.keyboard.press("Escape")
+    expect(page.locator("#keys")).to_be_hidden()
 
 
 def a_point_moves_the_film(page: Page) -> None:
@@ -103,7 +150,7 @@ def a_point_moves_the_film(page: Page) -> None:
     film = page.get_by_test_id("ghost").locator("svg").first
     where = page.get_by_test_id("story-where")
     told = where.inner_text()
-    page.get_by_test_id("cell-1").click()
+    page.get_by_test_id("map").locator("[aria-pressed=false]").first.click()
     expect(where).not_to_have_text(told)
     dots = page.get_by_test_id("story-points")
     dots.scroll_into_view_if_needed()

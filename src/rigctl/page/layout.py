@@ -12,6 +12,7 @@ from rigctl.page.desk import Desk, actor
 from rigctl.page.guide.rail import Rail
 from rigctl.page.guide.wish import switch
 from rigctl.page.parts.asking import ask_reason
+from rigctl.page.parts.keys import keys
 from rigctl.page.parts.presence import come_back, every
 from rigctl.page.parts.widgets import button
 from rigctl.plain_text import require_plain
@@ -67,6 +68,7 @@ def sheet(desk: Desk, title: str, place: str) -> Iterator[Rail]:
         stop = button("Stop", lambda: desk.stop("the page's button"), look="stop", testid="stop")
         stop.tooltip("Emergency stop: cuts the power of every actuator now. Key: Ctrl + .")
     ui.keyboard(on_key=lambda event: _on_key(desk, event), ignore=[], repeating=False)
+    keys()
     come_back()
     _watchdog()
     banner = ui.element("div").classes("latched deaf").props("data-testid=latched role=alert")

@@ -21,6 +21,7 @@ from rigctl.page.model.story.cards import drawings_route
 from rigctl.page.own.downloads import downloads_route
 from rigctl.page.own.dropping import dropping_route
 from rigctl.page.own.pages import own_pages
+from rigctl.page.parts.fonts import fonts_route
 from rigctl.page.parts.plotting import plotting_route
 from rigctl.page.parts.readings import Readings
 from rigctl.page.rig.commissioning import commissioning_page
@@ -60,6 +61,7 @@ def with_page(api: FastAPI, daemon: Daemon) -> ASGIApp:
     film_route(shell, desk)
     report_route(shell, desk)
     drawings_route(shell)
+    fonts_route(shell)
     downloads_route(shell, desk)
     dropping_route(shell, desk)
     shot_film_route(shell, desk)

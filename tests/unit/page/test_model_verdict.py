@@ -42,7 +42,7 @@ def found(
 def test_where_no_number_stands_out_all_is_well() -> None:
     lead, rest, good = sentence([found(added="wind")])
     assert (lead, good) == ("With wind nothing stands out.", True)
-    assert "1.500 of the noise" in rest
+    assert "1.50 times the noise" in rest
 
 
 def test_a_cell_that_stands_out_says_where() -> None:

@@ -102,4 +102,4 @@ def test_a_constant_error_is_called_one_and_a_course_is_told_by_its_ends() -> No
     said = where(cell | {"covariate": "always"}, constant, None)
     assert "wrong in all shots alike, by +15.8 mrad on average" in said
     assert "goes wrong" not in said
-    assert "−16 mrad at its least" in where(cell, course, None)
+    assert "measured is 16 mrad below the model where that is least" in where(cell, course, None)

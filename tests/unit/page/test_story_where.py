@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from rigctl.page.model.story.where import CELLS, Cells
+from rigctl.page.model.story.map import Grid
+from rigctl.page.model.story.where import Cells
 
 
 def cell(channel: str, deviation: float) -> dict[str, Any]:
@@ -16,12 +17,13 @@ def test_the_most_striking_cell_is_looked_at_first() -> None:
     assert Cells([first, cell("image y", 5.0)]).chosen == first
 
 
-def test_a_hint_shows_the_first_cell_of_its_place_also_one_that_was_not_listed() -> None:
-    many = [cell("relative velocity n", 20.0 - k) for k in range(CELLS)]
+def test_a_hint_shows_the_first_cell_of_its_place_and_its_map() -> None:
+    many = [cell("relative velocity n", 20.0 - k) for k in range(6)]
     image, other = cell("image y", 3.0), cell("image x", 2.0)
     where = Cells([*many, image, other])
     assert where.look_at("in the camera")
     assert where.chosen == image
+    assert where.here == [image, other]
     assert where.look_at("at the bounce")
     assert where.chosen == many[0]
 
@@ -35,3 +37,16 @@ def test_a_place_without_cells_leaves_what_is_drawn() -> None:
 
 def test_nothing_is_looked_at_before_there_is_an_answer() -> None:
     assert Cells([]).chosen is None
+
+
+def test_the_map_puts_physics_before_settings_and_keeps_the_column_of_an_unknown_name() -> None:
+    cells = [
+        {"channel": "normal velocity", "covariate": name}
+        for name in ("pressure_a_kpa", "ln v_n", "humidity", "always", "contact X")
+    ]
+    assert Grid.of(cells).groups == [
+        ("", ["always"]),
+        ("How it hit", ["ln v_n"]),
+        ("Where", ["contact X"]),
+        ("Set-up", ["humidity", "pressure_a_kpa"]),
+    ]

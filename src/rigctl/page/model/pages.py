@@ -101,7 +101,11 @@ class ModelView:
     def _head(self) -> None:
         state = self._state
         with ui.element("div").classes("head"):
-            ui.html(f"<h2>{state.source.title}</h2>", sanitize=True)
+            if self._view == STORY:
+                ui.html("<h2>What does the model miss?</h2>", sanitize=True)
+                ui.label(state.source.title).classes("pill strong")
+            else:
+                ui.html(f"<h2>{state.source.title}</h2>", sanitize=True)
             if state.present is not None:
                 ui.label(_counted(state.present)).classes("aside").props("data-testid=counted")
             ui.space()
@@ -113,15 +117,18 @@ class ModelView:
                         link.classes("here").props('aria-current="page"')
             ui.label("model").classes("aside")
             ui.label("gravity").classes("pill").tooltip("free flight between frames")
-            ui.label("Walton e, μ, β₀").classes("pill").tooltip(
+            story = self._view == STORY
+            law = ui.label("bounce law" if story else "Walton e, μ, β₀").classes("pill")
+            law.tooltip(
                 "sticking contacts return β₀ of the surface velocity, sliding ones lose μ (1 + e) "
-                "of the normal velocity"
+                "of the normal velocity (Walton)"
             )
             for name in state.effects:
+                said = in_plain(name) if story else name
                 with ui.element("span").classes("pill added"):
-                    ui.label(f"+ {name}")
+                    ui.label(f"+ {said}")
                     rest = tuple(effect for effect in state.effects if effect != name)
-                    undo = ui.element("button").props(f'aria-label="remove {name}"')
+                    undo = ui.element("button").props(f"aria-label='remove {said}'")
                     undo.on("click", lambda rest=rest: self._take(rest))
                     with undo:
                         ui.label("×")

@@ -10,6 +10,7 @@ from analysis.model.fitting.nuisance_words import alarm_sentences
 from analysis.model.structure.influence import FEW
 from analysis.model.verdict.standing import (
     SURE,
+    Standing,
     Word,
     failing_rows,
     standing_of,
@@ -23,6 +24,9 @@ from rigctl.page.model.story.errors import Unseen
 from rigctl.page.model.where import named
 from rigctl.page.parts.waiting import Waiting
 from rigctl.page.parts.widgets import button
+
+MARKS = {True: ("good", "✓"), False: ("bad", "!"), None: ("open", "?")}
+"""Look and mark of a verdict: all is well, something is missing, these shots do not say."""
 
 
 class Verdict:
@@ -69,9 +73,10 @@ class Verdict:
             lead = "Model and measurement were not compared."
         if present is not None:
             lead, rest, good = sentence(self._state.path(), self._state.concluded, self._finding)
-        look = "" if good is None else (" good" if good else " bad")
-        with ui.element("div").classes(f"verdict{look}").props("data-testid=verdict role=status"):
+        look, mark = MARKS[good] if present is not None else ("waits", "…")
+        with ui.element("div").classes(f"verdict {look}").props("data-testid=verdict role=status"):
             with ui.element("div").classes("beside"):
+                ui.label(mark).classes("verdict-mark").props("aria-hidden=true")
                 with ui.element("div").classes("said"):
                     ui.label(self._worded(lead)).classes("lead")
                     ui.label(self._worded(rest))
@@ -147,18 +152,25 @@ def sentence(
             lead = f"{one} or {other}: these shots cannot tell."
             return lead, f"{error}, with either of them; the next shots below would tell.", None
         case Word.MISSING:
-            best = standing.missing[0]
-            also = (
-                f", which these shots do not tell from {standing.tell[1]}," if standing.tell else ""
-            )
-            return _still(added), f"{error}; it shows {where}. {best}{also} lowers it most.", False
+            what, why = _missing(found, standing, where)
+            return _still(added, what), f"{error}; {why}.", False
         case Word.UNEXPLAINED:
             rest = f"{error}; it shows {where}, and no effect that is known explains it."
             return _still(added), rest, False
 
 
-def _still(added: str) -> str:
-    return f"With {added} something is still missing." if added else "Something is missing."
+def _missing(found: Json, standing: Standing, where: str) -> tuple[str, str]:
+    """Return how much is missing, and what shows it; at the floor only all shots together do."""
+    best = standing.missing[0]
+    also = f", which these shots do not tell from {standing.tell[1]}," if standing.tell else ""
+    if failing_rows(found) or found["findings"][0]["p_familywise"] < SURE:
+        return "something", f"it shows {where}. {best}{also} lowers it most"
+    lowers = f"{best}{also} lowers it most, over all shots together"
+    return "something small", f"no single quantity shows it. {lowers}"
+
+
+def _still(added: str, what: str = "something") -> str:
+    return f"With {added} {what} is still missing." if added else f"{what.capitalize()} is missing."
 
 
 def _of_single_shots(where: str) -> str:

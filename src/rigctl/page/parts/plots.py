@@ -47,7 +47,7 @@ def figure(data: Sequence[Json], height: int, file_name: str, **layout: object) 
             "margin": {"l": 56, "r": 12, "t": 12, "b": 44},
             "paper_bgcolor": "rgba(0,0,0,0)",
             "plot_bgcolor": "rgba(0,0,0,0)",
-            "font": {"family": 'system-ui, "Segoe UI", Roboto, sans-serif', "size": 12},
+            "font": {"family": 'Inter, system-ui, "Segoe UI", Roboto, sans-serif', "size": 12},
             "showlegend": False,
             "hovermode": "closest",
             "template": {"layout": {"xaxis": LABELS, "yaxis": LABELS}},

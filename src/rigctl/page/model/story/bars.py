@@ -14,12 +14,16 @@ LEAST_SHARE = 0.01
 
 @dataclass(frozen=True, slots=True)
 class Bar:
-    """A name, a share of the longest, what is said beside it, and whether it fails."""
+    """A name, a share of the longest, what is said beside it, and whether it fails.
+
+    `beside` is said besides, more quietly.
+    """
 
     name: str
     share: float
     said: str
     fails: bool
+    beside: str = ""
 
 
 def bars(
@@ -39,4 +43,7 @@ def bars(
             placed.classes("fails" if row.fails else "")
             bar = ui.element("div").classes("bar fails" if row.fails else "bar fine")
             bar.style(f"width: {100 * max(LEAST_SHARE, row.share):.0f}%").props("aria-hidden=true")
-            ui.label(row.said)
+            with ui.element("div").classes("said-beside"):
+                ui.label(row.said).classes("strong")
+                if row.beside:
+                    ui.label(row.beside).classes("note")

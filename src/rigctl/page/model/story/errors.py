@@ -7,7 +7,8 @@ then states the error in the unit of what was measured, with the scatter of the 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 
 from rigctl.documents import Json
 
@@ -34,17 +35,27 @@ class Unseen:
         row = found["stages"][-1]["quantities"][0]
         return cls(row["size"], row["unit"], None)
 
-    @property
-    def digits(self) -> int:
-        """Decimals of the value in words."""
-        return 3 if self.floor is not None else max(0, 2 - len(str(int(self.value))) + 1)
-
     def said(self) -> str:
-        """Return it in words."""
-        return f"{self.value:.{self.digits}f} {self.unit}"
+        """Return it in words, to three figures."""
+        return f"{three_figures(self.value)} {self.unit}"
 
     def sentence(self) -> str:
         """Return how well shots that were left out are predicted."""
         if self.floor is None:
             return f"Shots left out are predicted to {self.said()}"
-        return f"The error on shots left out is {self.value:.3f} of the noise"
+        return f"The error on shots left out is {three_figures(self.value)} times the noise"
+
+
+def three_figures(value: float) -> str:
+    """Return a number as the slider's script writes it."""
+    return f"{value:.0f}" if value >= 1000 else f"{value:#.3g}".rstrip(".")
+
+
+def falls_to(found: Json, candidate: Json) -> Unseen:
+    """Return about how far the error would fall with an effect, by its promised fall.
+
+    That fall is in units of the noise as it was found, of which each degree of freedom has one.
+    """
+    now = Unseen.of(found)
+    left = 1.0 - candidate["promised_fall"] / found["degrees_of_freedom"]
+    return replace(now, value=max(now.floor or 0.0, now.value * math.sqrt(max(0.0, left))))

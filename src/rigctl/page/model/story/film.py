@@ -83,18 +83,19 @@ class ShotFilm:
     def _choice(self) -> None:
         named = {own["shot"]: name for name, own in zip(FILMED, self._paths, strict=False)}
         with ui.element("div").classes("beside"):
+            ui.label("Film of shot").classes("note")
             for place, (shot, name) in enumerate(named.items()):
                 choice = button(
-                    f"{name}: shot {shot}",
+                    f"{name}: {shot}",
                     lambda shot=shot: self.choose(shot),
                     look="line tab",
                     testid=f"film-{place}",
                 )
                 choice.props(f"aria-pressed={str(shot == self._wanted).lower()}")
             other = ui.number(value=None if self._wanted in named else self._wanted, format="%d")
-            other.props('outlined dense placeholder="other shot" data-testid=film-other')
+            other.props('outlined dense placeholder="another" data-testid=film-other')
             other.props('aria-label="film of the shot with this number" step=1 min=1')
-            other.style("width: 130px")
+            other.style("width: 96px")
             other.on("change", lambda: self._of_number(other.value))
 
     def _of_number(self, number: float | None) -> None:

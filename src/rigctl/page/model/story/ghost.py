@@ -76,9 +76,13 @@ class Scene:
 
     @property
     def plainest(self) -> int:
-        """The frame with the largest gap of those that show the spheres in all views."""
-        seen = [(len(frame["rings"]), frame["gap"] or 0.0) for frame in self.frames]
+        """The frame with the largest gap of those that show most spheres whole."""
+        seen = [(sum(map(self._whole, one["rings"])), one["gap"] or 0.0) for one in self.frames]
         return max(range(len(seen)), key=seen.__getitem__)
+
+    def _whole(self, ring: Sequence[float]) -> bool:
+        x, y, radius = ring[:3]
+        return radius <= x <= self.width - radius and radius <= y <= self.height - radius
 
 
 def ghost_script() -> None:

@@ -16,15 +16,19 @@ from rigctl.page.model.effect_words import in_unit
 from rigctl.page.model.story.cards import Card, card_of
 from rigctl.page.model.story.errors import Unseen
 from rigctl.page.model.story.plots import UNITS_OF_LOGARITHMS, dots_plot, line_plot
-from rigctl.page.model.story.preview import Preview, preview
-from rigctl.page.model.story.words import channel, covariate
+from rigctl.page.model.story.preview import Preview, plainest, preview
+from rigctl.page.model.story.readings import sentence_of
+from rigctl.page.model.story.words import channel, covariate, goes_with
 from rigctl.page.model.where import apart
 from rigctl.page.parts.tables import minus, with_error
 from rigctl.page.parts.widgets import button, plot
 
 FURTHEST = 2.0
 """The slider reaches so many times the best amplitude, and half of it to the other side."""
-STEPS = 200
+STEPS = 100
+"""An arrow key moves by a hundredth; none and the best size are steps."""
+PREFIXES = ((1e-4, 1e6, "µ"), (1e-1, 1e3, "m"))
+"""Of seconds and metres: below a size, so many of the smaller unit, and its prefix."""
 
 
 def drawing(card: Card) -> None:
@@ -57,29 +61,31 @@ def lead_card(
     """
     before, after = fits
     card = card_of(effect)
+    shown = plainest(before, after)
+    sums = None
     points = parsed(cell["points"])
-    sums = None if after is None else _preview(effect, before, after, cell)
+    if shown is not None and after is not None:
+        cell, points, gained = shown
+        sums = preview(before, after, effect["effect"], (points, gained))
     with ui.element("div").classes("lead-card").props("data-testid=lead"):
         with ui.element("div").classes("stack"):
             drawing(card)
             _said(card)
         with ui.element("div").classes("stack"):
-            ui.label("Dots: what the model lacks. Line: what it gains from this effect.").classes(
-                "note"
-            )
             drawn = apart(points)
+            ui.label(f"{channel(cell['channel']).capitalize()}, {goes_with(cell)}").classes(
+                "strong"
+            )
             with ui.element("div").classes("layers"):
                 plot(dots_plot(cell, drawn))
                 if sums is not None:
                     plot(line_plot(cell, drawn, (sums.x, [0.0] * len(sums.x)))).classes("over")
+            ui.label("Dots: what the model lacks. Line: what it gains from this effect.").classes(
+                "note"
+            )
             if sums is not None:
-                _slider(
-                    card,
-                    effect["parameters"][0],
-                    sums,
-                    said_of(cell, sums, points["unit"], points["x_label"]),
-                    Unseen.of(before),
-                )
+                said = said_of(cell, sums, points["unit"], points["x_label"])
+                _slider(card, effect["parameters"][0], sums, said, before)
             elif not wait():
                 ui.label("These shots do not determine its size.").classes("note")
         with ui.element("div").classes("stack outcome"):
@@ -87,6 +93,9 @@ def lead_card(
             button(
                 "Add it", lambda: add(card.effect), look="fill", testid=f"add-{card.effect}"
             ).props(f'aria-label="Add {card.title}"')
+            if sums is not None:
+                best = button("Set to best", lambda: None, testid="to-best")
+                best.on("click", js_handler="(event) => window.toBest(event.target)")
 
 
 def _said(card: Card) -> None:
@@ -104,27 +113,18 @@ def _said(card: Card) -> None:
     )
 
 
-def _preview(effect: Json, before: Json, after: Json, cell: Json) -> Preview | None:
-    name = (cell["channel"], cell["covariate"])
-    same = next((c for c in after["findings"] if (c["channel"], c["covariate"]) == name), None)
-    if same is None:
-        return None
-    points = parsed(cell["points"]), parsed(same["points"])
-    return preview(before, after, effect["effect"], points)
-
-
 def said_of(cell: Json, sums: Preview, unit: str, label: str) -> Json:
     """Return the words with which the slider describes what an amplitude changes."""
     name = cell["covariate"]
     ends = [math.exp(x) if name.startswith("ln ") else x for x in (sums.x[0], sums.x[-1])]
-    in_unit_of = unit_of(label)
+    in_unit_of, plain = unit_of(label), covariate(name).partition(" (")[0]
     if name in UNITS_OF_LOGARITHMS:
         in_unit_of = f" {UNITS_OF_LOGARITHMS[name]}".rstrip()
     return {
         "row": channel(cell["channel"]),
         "row_unit": unit,
         "always": name == ALWAYS,
-        "ends": [f"{covariate(name)} {minus(f'{end:.3g}')}{in_unit_of}" for end in ends],
+        "ends": [f"{plain} {minus(f'{end:.3g}')}{in_unit_of}" for end in ends],
     }
 
 
@@ -134,8 +134,8 @@ def unit_of(label: str) -> str:
     return f" {unit}" if comma else ""
 
 
-def _expected(low: float, high: float, ends: Sequence[float], best: float) -> None:
-    """Place the scale under the slider: the expected range of its size, and the best value."""
+def _believed(low: float, high: float, ends: Sequence[float], best: float) -> None:
+    """Place the scale under the slider: the believed range of its size, and the best value."""
 
     def place(value: float) -> float:
         share = min(1.0, max(0.0, (value - ends[0]) / (ends[1] - ends[0])))
@@ -148,33 +148,50 @@ def _expected(low: float, high: float, ends: Sequence[float], best: float) -> No
         ui.element("i").classes("at-best").style(f"left: {place(best):.1f}%")
 
 
-def _slider(card: Card, parameter: Json, sums: Preview, said: Json, error: Unseen) -> None:
-    unit = in_unit(parameter)
+def _slider(card: Card, parameter: Json, sums: Preview, said: Json, before: Json) -> None:
+    error, (factor, unit) = Unseen.of(before), shown_in(parameter, sums.best)
     ends = sorted((-0.5 * sums.best, FURTHEST * sums.best))
-    about = {"symbol": parameter["symbol"], "unit": unit, **said}
-    about |= {"error_unit": error.unit, "digits": error.digits, "floor": error.floor or 0.0}
+    step = (ends[1] - ends[0]) / STEPS
+    low, high = parameter["plausible"]
+    bounce = before["parameters"].get("e", {}).get("value") or 0.0
+    about = {"symbol": parameter["symbol"], "unit": unit, "factor": factor, **said}
+    about |= {"error_unit": error.unit, "floor": error.floor or 0.0}
+    about |= {"believed": [low, high], "low": ends[0], "step": step}
+    about["does"] = [sentence_of(card.effect, ends[0] + k * step, bounce) for k in range(STEPS + 1)]
     document = json.dumps({**sums.document(), **about})
     slider = ui.element("input").classes("amount")
     slider.props(
-        f"type=range min={ends[0]} max={ends[1]} step={(ends[1] - ends[0]) / STEPS} value=0 "
+        f"type=range min={ends[0]} max={ends[1]} step={step} "
         f"dir={'ltr' if sums.best > 0 else 'rtl'} "
-        f'aria-label="size of: {escape(card.title)}" data-testid=amount data-best={sums.best}'
+        f'aria-label="size of: {escape(card.title)}" data-testid=amount '
+        # As a value it would be set anew with every other change of the page.
+        f"data-best={sums.best} defaultValue=0"
     )
     slider.on("input", js_handler=f"(event) => window.slidePreview(event.target, {document})")
-    low, high = parameter["plausible"]
-    _expected(low, high, ends, sums.best)
+    slider.on("keydown", js_handler="(event) => window.stepSlider(event)")
+    _believed(low, high, ends, sums.best)
     ui.label("Move it: the line and the error follow.").classes("effect-text")
-    best = {"value": sums.best, "sigma": sums.sigma}
-    with ui.element("div").classes("beside"):
+    ui.label().classes("does")
+    best = {"value": factor * sums.best, "sigma": factor * sums.sigma}
+    with ui.element("div").classes("beside sizes"):
         ui.label(f"{parameter['symbol']} = 0{unit}").classes("strong amplitude")
         ui.label(f"best {with_error(best)}{unit}").classes("best")
-        ui.space()
         inside = low <= sums.best <= high
-        expected = ui.label(minus(f"expected {low:g} to {high:g}{unit}"))
-        expected.classes("note" if inside else "note fails")
+        believed = minus(f"believed from {factor * low:g} to {factor * high:g}{unit}")
+        ui.label(believed).classes("note" if inside else "note fails")
     ui.label(f"{parameter['symbol']}: {parameter['meaning']}. Preview; Add fits in full.").classes(
         "note"
     )
+
+
+def shown_in(parameter: Json, size: float) -> tuple[float, str]:
+    """Return by what a size is multiplied to be read, and its unit with a space before it."""
+    unit = in_unit(parameter)
+    if parameter["unit"] in {"s", "m"}:
+        for below, factor, prefix in PREFIXES:
+            if abs(size) < below:
+                return factor, f" {prefix}{parameter['unit']}"
+    return 1.0, unit
 
 
 def _gauge(before: Json) -> None:
@@ -186,4 +203,4 @@ def _gauge(before: Json) -> None:
     )
     ui.label(error.said()).classes("gauge-number").props("data-testid=preview-error")
     if error.floor is not None:
-        ui.label("1.000 × is the floor: the noise").classes("note")
+        ui.label("1.00 × is the floor: the noise").classes("note")

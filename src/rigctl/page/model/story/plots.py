@@ -27,7 +27,8 @@ def cell_plot(
     drawn = [_shots(points, MEASURED, 0.6), _line(curve)]
     own = [k for k, shot in enumerate(points["shots"]) if shot == ringed]
     if own:
-        drawn.append(_ring([points["x"][k] for k in own], [points["residual"][k] for k in own]))
+        at = [points["x"][k] for k in own], [points["residual"][k] for k in own]
+        drawn.append(_ring(*at, by_shot=len(own) == 1))
     return _plot(drawn, cell, points)
 
 
@@ -71,7 +72,8 @@ def staircase(labels: Sequence[str], errors: Sequence[Unseen], tried: Unseen | N
     texts[1::3] = [f"<b>{error.said()}</b>" for error in errors]
     drawn = [
         {**step, "x": x, "y": y, "text": texts, "textposition": "top center"}
-        | {"line": {"color": MEASURED, "width": 4}},
+        | {"line": {"color": MEASURED, "width": 4}, "textfont": {"size": 15}}
+        | {"fill": "tozeroy", "fillcolor": "rgba(0, 114, 178, 0.08)"},
     ]
     names = list(labels)
     if tried is not None:
@@ -105,10 +107,14 @@ def staircase(labels: Sequence[str], errors: Sequence[Unseen], tried: Unseen | N
     )
 
 
-def before_after(cell: Json, before: Json, after: Json) -> Json:
-    """Return both on the same axes: grey without the effect, blue with it."""
-    both = {**before, **{key: [*before[key], *after[key]] for key in ("x", "residual")}}
-    return _plot([_shots(before, GREY, 0.4), _shots(after, MEASURED, 0.7)], cell, both)
+def before_after(cell: Json, before: Json, after: Json | None) -> Json:
+    """Return what the model lacks, on the axes of `before`: without an effect, or with it.
+
+    With it the points without it stand behind, grey.
+    """
+    if after is None:
+        return _plot([_shots(before, FAILS, 0.6)], cell, before)
+    return _plot([_shots(before, GREY, 0.25), _shots(after, MEASURED, 0.7)], cell, before)
 
 
 def _plot(traces: list[Json], cell: Json, points: Json) -> Json:
@@ -148,18 +154,15 @@ def _line(curve: tuple[Sequence[float], Sequence[float]]) -> Json:
     }
 
 
-def _ring(x: list[float], y: list[float]) -> Json:
+def _ring(x: list[float], y: list[float], *, by_shot: bool) -> Json:
+    """Return what marks a shot: a ring round its one point, or its many frames filled."""
+    ring = {"symbol": "circle-open", "size": 15, "line": {"width": 2.5}}
     return {
         "type": "scatter",
         "mode": "markers",
         "x": x,
         "y": y,
-        "marker": {
-            "symbol": "circle-open",
-            "size": 15,
-            "color": FAILS,
-            "line": {"width": 2.5},
-        },
+        "marker": {"color": FAILS, **(ring if by_shot else {"size": 6})},
         "hoverinfo": "skip",
     }
 

@@ -7,10 +7,14 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
+from analysis.model.structure.findings import ALWAYS
 from rigctl.documents import Json
+from rigctl.page.model.compare import parsed
 from rigctl.page.model.story.errors import Unseen
 
 POINTS = 60
+LOOKED_AT = 12
+"""Of the cells that show most: the points of one are thousands of characters to read."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,3 +76,32 @@ def preview(before: Json, after: Json, effect: str, points: tuple[Json, Json]) -
         without=Unseen.of(before).value,
         with_it=Unseen.of(after).value,
     )
+
+
+def plainest(before: Json, after: Json | None) -> tuple[Json, Json, Json] | None:
+    """Return the cell whose points an effect's curve explains best, and its points in both fits.
+
+    None without a second fit, or if both have no cell in common.
+    """
+    after_cells = {} if after is None else {_name(cell): cell for cell in after["findings"]}
+    best, most = None, -math.inf
+    for cell in before["findings"][:LOOKED_AT]:
+        if cell["covariate"] == ALWAYS or _name(cell) not in after_cells:
+            continue
+        points = parsed(cell["points"]), parsed(after_cells[_name(cell)]["points"])
+        if (share := _explained(*points)) > most:
+            best, most = (cell, *points), share
+    return best
+
+
+def _explained(before: Json, after: Json) -> float:
+    """Return the share of the residuals' variance that goes with the difference of the means."""
+    first, second = before["trend"], after["trend"]
+    x, residual = np.asarray(before["x"]), np.asarray(before["residual"])
+    curve = np.interp(x, first["x"], first["mean"]) - np.interp(x, second["x"], second["mean"])
+    whole = float(np.var(residual))
+    return 1.0 - float(np.var(residual - curve)) / whole if whole > 0 else 0.0
+
+
+def _name(cell: Json) -> tuple[str, str]:
+    return cell["channel"], cell["covariate"]

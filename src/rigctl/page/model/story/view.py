@@ -11,15 +11,16 @@ from nicegui import ui
 from analysis.model.verdict.standing import SURE
 from rigctl.documents import Json
 from rigctl.page.desk import Desk
-from rigctl.page.model.compare import parsed
 from rigctl.page.model.effect_words import described, left_out
 from rigctl.page.model.state import Effects, ModelState
 from rigctl.page.model.story.bars import Bar, bars
 from rigctl.page.model.story.cards import card_of, in_plain
-from rigctl.page.model.story.errors import Unseen
+from rigctl.page.model.story.errors import Unseen, falls_to, three_figures
 from rigctl.page.model.story.film import ShotFilm, into_view
+from rigctl.page.model.story.law import law
 from rigctl.page.model.story.lead import drawing, lead_card
 from rigctl.page.model.story.plots import before_after, staircase
+from rigctl.page.model.story.preview import plainest
 from rigctl.page.model.story.where import WhereItFails
 from rigctl.page.model.story.words import (
     channel,
@@ -36,6 +37,8 @@ BARS = 8
 LEAST_SPAN = 1.5
 """Errors in units of the noise up to which the scale of the bars goes at least."""
 OTHERS = 4
+AT_FLOOR = 1.01
+"""An error, × the noise, from which on nothing could be done better."""
 
 
 class Story:
@@ -117,7 +120,10 @@ class Story:
             with ui.element("div").classes("columns compared"):
                 self._film.place()
                 with ui.element("div").classes("stack"):
+                    ui.label("How wrong, for each thing that is measured").classes("strong")
                     _bars(failing(found)[:BARS], estimated=bool(found.get("estimated")))
+                    _counted(failing(found))
+                    law(found)
 
     @ui.refreshable_method
     def _others(self) -> None:
@@ -145,9 +151,13 @@ class Story:
         )
         with ui.element("nav").classes("rail").props('aria-label="steps"'):
             for number, (name, result) in enumerate(results, start=1):
-                with ui.link(target=f"#step-{number}").classes("stop-by"):
-                    ui.label(f"{number} {name}").classes("strong")
-                    ui.label(result).classes("note")
+                done = number < 4 or len(path) > 1
+                look = "stop-by done" if done else "stop-by"
+                with ui.link(target=f"#step-{number}").classes(look):
+                    ui.label(str(number)).classes("step-number").props("aria-hidden=true")
+                    with ui.element("div"):
+                        ui.label(name).classes("strong")
+                        ui.label(result).classes("note")
 
     def _missing(self, found: Json, cell: Json) -> None:
         known, seen, standing = described(found), self._seen(found), self._state.standing
@@ -168,9 +178,13 @@ class Story:
         if alike:
             with ui.element("div").classes("bracket").props("data-testid=look-alikes"):
                 ui.label("Look-alikes: they do the same to these shots.").classes("strong")
-                self._cards(alike, known, seen)
+                ui.label(
+                    "They bend the points in almost the same way. What tells each apart stands "
+                    "below it."
+                ).classes("note")
+                self._cards(alike, found)
         ui.label(f"Also looked at, of {len(seen)} effects").classes("strong")
-        self._cards(others, known, seen)
+        self._cards(others, found)
         left_out(found)
 
     def _wait(self) -> bool:
@@ -181,8 +195,8 @@ class Story:
         Waiting(self._desk, title, lambda: self._waits, "trying")
         return True
 
-    def _cards(self, candidates: Sequence[Json], known: dict[str, Json], seen: list[Json]) -> None:
-        most = max((c["promised_fall"] for c in seen), default=1.0) or 1.0
+    def _cards(self, candidates: Sequence[Json], found: Json) -> None:
+        known, error = described(found), Unseen.of(found)
         with ui.element("div").classes("cards"):
             for candidate in candidates:
                 card = card_of(known[candidate["effect"]])
@@ -190,9 +204,15 @@ class Story:
                     drawing(card)
                     ui.label(card.title).classes("strong")
                     ui.label(card.notice).classes("note")
-                    share = max(0.0, min(1.0, candidate["promised_fall"] / most))
-                    bar = ui.element("div").classes("bar").props("aria-hidden=true")
-                    bar.style(f"width: {100 * share:.0f}%")
+                    if error.floor is not None and error.value <= AT_FLOOR:
+                        ui.label("the error would hardly change").classes("note")
+                    elif error.floor is not None:
+                        falls = falls_to(found, candidate)
+                        share = 1.0 - (falls.value - 1.0) / max(error.value - 1.0, 1e-9)
+                        with ui.element("div").classes("track").props("aria-hidden=true"):
+                            bar = ui.element("div").classes("bar")
+                            bar.style(f"width: {100 * max(0.0, min(1.0, share)):.0f}%")
+                        ui.label(f"error would fall to about {falls.said()}").classes("note")
                     look = button(
                         "Look at it",
                         lambda name=card.effect: self._try(name),
@@ -205,20 +225,23 @@ class Story:
         if found["with"] and len(path) > 1:
             before, after = path[-2], path[-1]
             title = card_of(described(found)[found["with"][-1]]).title
-            _lede(
-                _fell(title, Unseen.of(before), Unseen.of(after)),
-                "story-added",
-            )
+            _lede(_fell(title, Unseen.of(before), Unseen.of(after)), "story-added")
             _changed(before, after)
+        else:
+            ui.label(
+                "Nothing is added yet. “Add it” in step 3 puts the effect into the model and fits "
+                "all of it anew."
+            ).classes("lede")
         labels = ["model", *(f"+ {in_plain(name)}" for name in found["with"])][: len(path)]
         errors = [Unseen.of(stage) for stage in path]
         tried = None if self._after is None else Unseen.of(self._after)
         plot(staircase(labels, errors, tried)).props("data-testid=staircase")
         floor = "" if errors[0].floor is None else "Green: the floor, the noise itself. "
-        ui.label(f"{floor}Grey: the effect that is looked at.").classes("note")
-        with ui.element("div").classes("beside"):
-            undo = button("Undo", lambda: self._take(self._state.effects[:-1]), testid="undo")
-            undo.set_enabled(bool(self._state.effects))
+        looked = "" if tried is None else "Grey: the effect that is looked at in step 3, if added."
+        ui.label(f"{floor}{looked}").classes("note")
+        if self._state.effects:
+            with ui.element("div").classes("beside"):
+                button("Undo", lambda: self._take(self._state.effects[:-1]), testid="undo")
 
     def _add(self, name: str) -> None:
         self._take((*self._state.effects, name))
@@ -228,7 +251,10 @@ def _worst_of(found: Json, worst: Json) -> str:
     """Return how wrong the worst quantity is, in some words."""
     if found.get("estimated"):
         return f"off by {worst['size']:.3g} {worst['unit']}"
-    return f"worst: {worst['error']:.3g} × the noise"
+    if worst["p_familywise"] >= SURE:
+        return "within the noise"
+    times = three_figures(worst["error"])
+    return f"off by {worst['size']:.3g} {worst['unit']}, {times} × the noise"
 
 
 def _fell(title: str, before: Unseen, after: Unseen) -> str:
@@ -236,20 +262,31 @@ def _fell(title: str, before: Unseen, after: Unseen) -> str:
     lead = f"With “{title}” the error on shots that the model has not seen goes from "
     if after.floor is None:
         return f"{lead}{before.said()} to {after.said()}."
-    return f"{lead}{before.value:.3f} to {after.value:.3f} times the noise; 1.000 is the floor."
+    told = f"{lead}{three_figures(before.value)} to {three_figures(after.value)} times the noise"
+    if after.value <= AT_FLOOR:
+        return f"{told}. Nothing can do better: this is the floor."
+    return f"{told}; the floor is 1.00."
 
 
 def _changed(before: Json, after: Json) -> None:
-    cell = before["findings"][0]
-    name = (cell["channel"], cell["covariate"])
-    same = next((c for c in after["findings"] if (c["channel"], c["covariate"]) == name), None)
-    if same is not None:
-        ui.label(f"The {channel(cell['channel'])}: grey before, blue after, on the same axes.")
-        plot(before_after(cell, apart(parsed(cell["points"])), apart(parsed(same["points"]))))
+    """Place the points without and with the effect beside each other, on the same axes."""
+    shown = plainest(before, after)
+    if shown is None:
+        return
+    cell, first, second = shown
+    first, second = apart(first), apart(second)
+    row = channel(cell["channel"])
+    with ui.element("div").classes("columns half"):
+        with ui.element("div"):
+            ui.label(f"Before: the {row}").classes("strong fails")
+            plot(before_after(cell, first, None))
+        with ui.element("div"):
+            ui.label("After, on the same axes").classes("strong chosen")
+            plot(before_after(cell, first, second)).props("data-testid=after")
 
 
 def _step(number: int, title: str) -> ui.element:
-    panel = ui.element("section").classes("panel step-panel").props(f"id=step-{number}")
+    panel = ui.element("section").classes("panel step-panel").props(f"id=step-{number} tabindex=-1")
     with panel, ui.element("div").classes("title"):
         ui.label(str(number)).classes("step-number").props("aria-hidden=true")
         ui.html(escape(title), sanitize=False, tag="h3")
@@ -275,13 +312,19 @@ def _bars(rows: Sequence[Json], *, estimated: bool) -> None:
             Bar(
                 channel(row["quantity"]),
                 math.log(max(1.0, row["error"])) / most,
-                f"{row['error']:.2f} × ({row['size']:.3g} {row['unit']})",
+                f"{three_figures(row['error'])} ×",
                 fails=row["p_familywise"] < SURE,
+                beside=f"{row['size']:.3g} {row['unit']}",
             )
             for row in rows
         ]
     )
+
+
+def _counted(rows: Sequence[Json]) -> None:
+    """Say how many quantities disagree, and how the bars are read."""
+    wrong = sum(row["p_familywise"] < SURE for row in rows)
     ui.label(
-        "× the noise. Bars begin at 1, the floor: nothing can be predicted better. Green may be "
-        "chance alone."
+        f"{wrong} of {len(rows)} quantities disagree. Error on shots that the model has not seen, "
+        "as a multiple of the noise; bars begin at 1, the floor. Green may be chance alone."
     ).classes("note")

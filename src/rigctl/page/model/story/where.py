@@ -11,10 +11,11 @@ from rigctl.documents import Json
 from rigctl.page.model.compare import parsed
 from rigctl.page.model.state import ModelState
 from rigctl.page.model.story.bars import Bar, bars
+from rigctl.page.model.story.map import place_map
 from rigctl.page.model.story.plots import cell_plot
 from rigctl.page.model.story.words import channel, goes_with, where
 from rigctl.page.model.where import apart, block_of
-from rigctl.page.parts.widgets import plot
+from rigctl.page.parts.widgets import button, plot
 
 CELLS = 6
 PLACES = {"at the bounce": "contact", "in the air": "flight", "in the camera": "camera"}
@@ -22,32 +23,41 @@ PLACES = {"at the bounce": "contact", "in the air": "flight", "in the camera": "
 
 
 class Cells:
-    """The cells of one answer, ordered by how much they show; `at` is the place of the chosen one.
+    """The cells of one answer, ordered by how much they show; one is chosen.
 
     Attributes
     ----------
-    listed
-        Those that are offered, at most `CELLS`.
+    chosen
+        The cell whose points are drawn; None where there are none.
     """
 
     def __init__(self, cells: Sequence[Json]) -> None:
-        self._all = cells
-        self.listed = list(cells[:CELLS])
-        self.at = 0
+        self._all = list(cells)
+        self.chosen: Json | None = self._all[0] if self._all else None
 
     @property
-    def chosen(self) -> Json | None:
-        """The cell whose points are drawn; None where there are none."""
-        return self.listed[self.at] if self.listed else None
+    def place(self) -> str:
+        """The one of `PLACES` in which the chosen cell lies."""
+        return next(name for name in PLACES if self._of(name) and self.chosen in self._of(name))
+
+    @property
+    def here(self) -> list[Json]:
+        """The cells of the chosen one's place."""
+        return self._of(self.place)
+
+    @property
+    def places(self) -> dict[str, Json]:
+        """Each place that has cells, with the cell of it that shows most."""
+        return {name: found[0] for name in PLACES if (found := self._of(name))}
 
     def look_at(self, place: str) -> bool:
-        """Choose the first cell of one of `PLACES`, listed or not; say whether it has one."""
-        first = next((cell for cell in self._all if block_of(cell) == PLACES[place]), None)
-        if first is None:
-            return False
-        self.listed = [first, *(cell for cell in self.listed if cell is not first)][:CELLS]
-        self.at = 0
-        return True
+        """Choose the first cell of one of `PLACES`; say whether it has one."""
+        first = self.places.get(place)
+        self.chosen = first or self.chosen
+        return first is not None
+
+    def _of(self, place: str) -> list[Json]:
+        return [cell for cell in self._all if block_of(cell) == PLACES[place]]
 
 
 class WhereItFails:
@@ -85,21 +95,54 @@ class WhereItFails:
         points = parsed(cell["points"])
         trend = points["trend"]
         said = where(cell, points, self._state.standing)
+        self._choice()
         ui.label(said).classes("lede").props("data-testid=story-where")
         with ui.element("div").classes("columns where"):
             with ui.element("div").classes("stack"):
+                self._offer(self._cells.here, cell)
+            with ui.element("div").classes("stack"):
+                ui.label(f"{channel(cell['channel']).capitalize()}, {goes_with(cell)}").classes(
+                    "strong"
+                )
                 curve = (trend["x"], trend["mean"])
                 drawn = plot(cell_plot(cell, apart(points), curve, self._filmed()))
                 drawn.on("plotly_click", self._on_point).props("data-testid=story-points")
                 ui.label("Click a dot: the film above shows its shot, ringed here.").classes("note")
-            with ui.element("div").classes("stack"):
-                ui.label("What the error goes with, and how surely").classes("strong")
-                listed = self._cells.listed
-                most = max(own["deviation"] for own in listed)
-                bars([_bar(own, most) for own in listed], self._choose, self._cells.at)
 
-    def _choose(self, place: int) -> None:
-        self._cells.at = place
+    def _choice(self) -> None:
+        """Offer the places that have cells; a tick where nothing errs."""
+        with ui.element("div").classes("beside").props('role=group aria-label="place"'):
+            for name, most in self._cells.places.items():
+                fine = "" if most["p_familywise"] < SURE else " ✓"
+                choice = button(
+                    f"{name.capitalize()}{fine}",
+                    lambda name=name: self.look_at(name),
+                    look="line tab",
+                    testid=f"place-{PLACES[name]}",
+                )
+                choice.props(f"aria-pressed={str(name == self._cells.place).lower()}")
+
+    def _offer(self, cells: Sequence[Json], chosen: Json) -> None:
+        """Offer the cells of one place: as a map, and as a list where the screen is narrow."""
+        at = next(k for k, cell in enumerate(cells) if cell is chosen)
+        with ui.element("div").classes("stack wide-only"):
+            place_map(cells, at, lambda place: self._choose(cells[place]))
+            ui.label(
+                "Number: how surely the error of the row changes with the column, in standard "
+                "deviations; a dot: not at all. Click one, or use the arrow keys."
+            ).classes("note")
+        with ui.element("div").classes("stack narrow-only"):
+            ui.label("What the error goes with, and how surely").classes("strong")
+            listed = list(cells[:CELLS])
+            most = max(own["deviation"] for own in listed)
+            bars(
+                [_bar(own, most) for own in listed],
+                lambda place: self._choose(listed[place]),
+                at if at < len(listed) else None,
+            )
+
+    def _choose(self, cell: Json) -> None:
+        self._cells.chosen = cell
         self.place.refresh()
 
     def _on_point(self, event: events.GenericEventArguments) -> None:
@@ -113,6 +156,6 @@ def _bar(cell: Json, most: float) -> Bar:
     return Bar(
         f"{channel(cell['channel'])}, {goes_with(cell)}",
         cell["deviation"] / max(most, 1e-9),
-        f"{cell['deviation']:.0f} σ",
+        f"{cell['deviation']:.0f}",
         fails=cell["p_familywise"] < SURE,
     )

@@ -72,6 +72,28 @@ def covariate(name: str) -> str:
     return COVARIATES.get(name, name.replace("_", " "))
 
 
+HEADINGS = {
+    ALWAYS: "always",
+    "contact X": "height",
+    "contact Y": "left–right",
+    "contact Z": "depth",
+    "field X": "height",
+    "field Y": "left–right",
+    "field Z": "depth",
+    "pressure_a_kpa": "pressure a",
+    "pressure_b_kpa": "pressure b",
+    "offset_mm": "offset",
+    "spin along v_t x n": "rolling spin",
+    "spin about n": "twist",
+}
+"""Shorter words for a column that stands below the name of its group."""
+
+
+def heading(name: str) -> str:
+    """Return what an error goes with as the head of a column."""
+    return HEADINGS.get(name, covariate(name))
+
+
 def goes_with(finding: Json) -> str:
     """Return what the error of a finding goes with, in some words."""
     if finding["covariate"] == ALWAYS:
@@ -150,8 +172,14 @@ def where(cell: Json, points: Json, standing: Standing | None) -> str:
             f"{_signed(mean.mean())} {unit} on average."
         )
     places = {"first": 0, "middle": len(mean) // 2, "last": len(mean) - 1}
-    least, middle, most = (_signed(mean[place]) for place in places.values())
+    least, middle, most = (_beside(mean[place], unit) for place in places.values())
     return (
-        f"The {channel(cell['channel'])} goes wrong with {covariate(cell['covariate'])}: measured "
-        f"less model is {least} {unit} at its least, {middle} in the middle, {most} at its most."
+        f"The {channel(cell['channel'])} goes wrong with the {covariate(cell['covariate'])}: "
+        f"measured is {least} where that is least, {middle} in the middle, {most} where it is most."
     )
+
+
+def _beside(value: float, unit: str) -> str:
+    """Return how far what was measured lies above or below the model."""
+    side = "above" if value >= 0 else "below"
+    return f"{abs(value):.3g} {unit} {side} the model"

@@ -1,0 +1,58 @@
+// Keys of every page; nothing is done while something is being typed.
+(() => {
+  const typed = (target) => target.closest("input:not([type=range]):not([type=checkbox]), textarea, select, [contenteditable]");
+  const press = (name) => {
+    const found = document.querySelector(`[data-testid=${name}]`);
+    if (!found || found.disabled) return false;
+    found.click();
+    return true;
+  };
+  const step = (number) => {
+    const at = document.getElementById(`step-${number}`);
+    if (!at) return false;
+    at.scrollIntoView({ behavior: matchMedia("(prefers-reduced-motion: reduce)").matches ? "auto" : "smooth" });
+    at.focus({ preventScroll: true });
+    return true;
+  };
+  document.addEventListener("keydown", (event) => {
+    const help = document.getElementById("keys");
+    if (event.ctrlKey || event.altKey || event.metaKey || typed(event.target)) return;
+    if (document.querySelector(".q-dialog")) return;
+    let done = false;
+    if (event.key === "?") {
+      // Not as a modal window: the stop can be pressed while the list is open.
+      if (help.open) help.close();
+      else help.show();
+      done = true;
+    } else if (event.key === "Escape" && help?.open) {
+      help.close();
+      done = true;
+    } else if (/^[1-4]$/.test(event.key)) done = step(event.key);
+    else if (event.key === "u" || event.key === "U") done = press("undo");
+    else if (event.key === " " && !event.target.closest("button, a, summary, [role=button], input, [role=checkbox]"))
+      done = press("ghost-play") || press("play");
+    if (done) event.preventDefault();
+  });
+
+  // Arrows go from cell to cell of a map; the one that has the focus alone is reached by the tabulator.
+  window.moveInMap = (event) => {
+    const cell = event.target.closest("[data-cell]");
+    const way = { ArrowLeft: [0, -1], ArrowRight: [0, 1], ArrowUp: [-1, 0], ArrowDown: [1, 0] }[event.key];
+    if (!cell || !way) return;
+    event.preventDefault();
+    const rows = [...cell.closest("tbody").rows];
+    let [row, column] = [rows.indexOf(cell.closest("tr")), cell.closest("td").cellIndex];
+    for (;;) {
+      row += way[0];
+      column += way[1];
+      const place = rows[row]?.cells[column];
+      if (!place) return;
+      const next = place.querySelector("[data-cell]");
+      if (!next) continue;
+      cell.tabIndex = -1;
+      next.tabIndex = 0;
+      next.focus();
+      return;
+    }
+  };
+})();
