@@ -18,6 +18,7 @@ from analysis.effects.catalogue import CATALOGUE
 from analysis.model.data.poses import PoseData
 from analysis.model.proposals.propose import Proposed, propose
 from benchmarks.discovery.campaigns import STATED, posed
+from benchmarks.discovery.lasting import PLAIN, lasting_campaign
 from simulators.challenge.campaign import run_campaign
 from simulators.challenge.launch import Settings, Touch
 from simulators.challenge.nature import Nature
@@ -26,6 +27,10 @@ from simulators.challenge.unnamed import Dependence, Law
 Floats = NDArray[np.float64]
 Change = Callable[[Settings, Touch, float], Floats]
 Group = tuple[str, str]
+
+HARD = Nature()
+LASTING = frozenset({"lasting-contact"})
+"""Of contacts that last, beside which a law is hidden."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,6 +50,8 @@ class World:
         Names of effects of the catalogue that say the same.
     warmth
         By what the swings of the room's temperature are multiplied.
+    nature
+        What the spheres obey beside it.
     """
 
     told: str
@@ -52,6 +59,7 @@ class World:
     true: frozenset[Group] = frozenset()
     effects: frozenset[str] = frozenset()
     warmth: float = 1.0
+    nature: Nature = HARD
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,6 +81,11 @@ def _slip(touch: Touch, radius_m: float) -> Floats:
 
 def _warm(settings: Settings) -> Floats:
     return np.asarray(settings.temperature_c - 23.0)
+
+
+def _whirl(touch: Touch) -> Floats:
+    relative = np.einsum("si,si->s", touch.spin[:, 1] - touch.spin[:, 0], touch.normal)
+    return np.asarray(np.abs(relative))
 
 
 def _angle(touch: Touch) -> Floats:
@@ -139,6 +152,38 @@ WORLDS: Mapping[str, World] = MappingProxyType(
             frozenset({_E_SPEED, ("e", "speed_s"), ("e", "speed_n*speed_s")}),
             _SAME_SPEEDS,
         ),
+        "spin-saturates": World(
+            "mu falls as 1 / (1 + |w_n| / (60 rad/s))",
+            {"mu": lambda s, t, r: 0.3 / (1.0 + _whirl(t) / 60.0)},
+            frozenset({("mu", "spin")}),
+        ),
+        "warm-and-fast": World(
+            "e follows the temperature times ln(v_n / (1 m/s)), which is never zero",
+            {"e": lambda s, t, r: 0.002 * _warm(s) * np.log(t.approach)},
+            frozenset({("e", "speed_n*temperature_c")}),
+        ),
+        "lasting-temperature": World(
+            "e follows the temperature in contacts that last",
+            {"e": lambda s, t, r: 0.004 * _warm(s)},
+            frozenset({_E_TEMPERATURE}),
+            LASTING,
+            nature=PLAIN,
+        ),
+        "lasting-bump": World(
+            "e follows speed in a bump in contacts that last",
+            {"e": lambda s, t, r: 0.01 * np.exp(-0.5 * ((t.approach - 4.0) / 0.7) ** 2)},
+            frozenset({_E_SPEED}),
+            LASTING,
+            nature=PLAIN,
+        ),
+        "lasting-spin": World(
+            "mu falls as 1 / (1 + |w_n| / (60 rad/s)) in contacts that last",
+            {"mu": lambda s, t, r: 0.3 / (1.0 + _whirl(t) / 60.0)},
+            frozenset({("mu", "spin")}),
+            LASTING,
+            nature=PLAIN,
+        ),
+        "lasting-nothing": World("nothing is missing but that contacts last", {}, nature=PLAIN),
         "nothing": World("nothing is missing", {}),
     }
 )
@@ -156,7 +201,10 @@ def fired(world: World, seed: int, shots: int) -> PoseData:
     if world.warmth != 1.0:
         calm = {slot: _calmed(change, world.warmth) for slot, change in calm.items()}
     follows = Follows(law, 0.0, calm)
-    data = posed(run_campaign(Nature(dependence=follows), seed, shots=shots, noise=STATED))
+    nature = replace(world.nature, dependence=follows)
+    if world.nature.forces is not None:
+        return lasting_campaign(nature, seed, shots)
+    data = posed(run_campaign(nature, seed, shots=shots, noise=STATED))
     if world.warmth != 1.0:
         warm = data.covariates["temperature_c"]
         noted = {**data.covariates, "temperature_c": 23.0 + world.warmth * (warm - 23.0)}
@@ -183,9 +231,9 @@ def claimed(data: PoseData) -> tuple[Proposed, list[Group], list[set[Group]]]:
 
 def is_true(world: World, found: Proposed, meant: list[set[Group]]) -> bool:
     """Whether every claim holds in this world, and what is hidden was not passed over."""
-    if not world.changes:
-        return not meant and not found.effects
     known = set(found.effects)
-    if not meant and not known:
+    if not world.changes:
+        return not meant and known <= (LASTING if world.nature.forces else set())
+    if not meant and not known - LASTING:
         return False
     return all(groups & world.true for groups in meant) and known <= world.effects

@@ -33,11 +33,15 @@ LEAST_PLACES = 3
 
 @dataclass(frozen=True, slots=True)
 class LeftOut:
-    """An argument that takes no part: why, and which shots would bring it in."""
+    """An argument that takes no part: why, and which shots would bring it in.
+
+    `copy_of` names the argument that it is one and the same as in these shots, if it is.
+    """
 
     argument: str
     reason: str
     todo: str
+    copy_of: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +60,16 @@ class Admitted:
     arguments: tuple[Argument, ...]
     left_out: tuple[LeftOut, ...]
     confounded: tuple[Confounded, ...]
+
+    def copies(self, argument: str) -> list[str]:
+        """Return what an argument, or a product of two, may be called as well in these shots."""
+        parts = argument.split("*")
+        found = []
+        for one in self.left_out:
+            if one.copy_of in parts:
+                named = [one.argument if part == one.copy_of else part for part in parts]
+                found.append("*".join(sorted(named)))
+        return found
 
 
 def admitted(
@@ -123,6 +137,7 @@ def _copy(
                     argument.name,
                     f"one and the same as {other.name} in all shots",
                     f"fire shots in which {argument.name} changes and {other.name} does not",
+                    other.name,
                 )
     return None
 

@@ -196,6 +196,11 @@ def column_argument(name: str, values: Floats) -> Argument:
     )
 
 
+def _rank(name: str) -> tuple[bool, bool, str]:
+    """Order columns: of two that are one and the same, the first is the one that is tested."""
+    return name != ORDER, name.rpartition("_")[2] not in _UNITS, name
+
+
 def is_column(argument: Argument) -> bool:
     """Whether an argument is a numeric column of the shot list, or the order of firing."""
     return argument.codes[0].startswith("encounter.covariates")
@@ -218,5 +223,5 @@ def known_arguments(encounter: Encounter, *, scalars: bool, one_frame: bool) -> 
         found += OF_PLACES
     if encounter.rotation is not None and one_frame:
         found += ON_BODIES
-    columns: Sequence[str] = sorted(encounter.covariates)
+    columns: Sequence[str] = sorted(encounter.covariates, key=_rank)
     return found + [column_argument(name, encounter.covariates[name]) for name in columns]

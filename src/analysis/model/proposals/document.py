@@ -50,7 +50,7 @@ def proposals_document(
             for k, one in enumerate(proposed.accepted)
         ]
         + [
-            _of_launch(one, following if not (proposed.accepted or k) else ())
+            _of_launch(proposed, one, following if not (proposed.accepted or k) else ())
             | _stated(one.form, origin)
             for k, one in enumerate(proposed.launch)
         ],
@@ -94,7 +94,7 @@ def _proposal(proposed: Proposed, one: Accepted, following: Sequence[Repeated]) 
         "p_familywise": one.p_familywise,
         "error_before": one.before.error.value,
         "error_after": one.after.error.value,
-        "alike": [{"slot": slot, "argument": argument} for slot, argument in one.alike],
+        "alike": _alike(proposed, form, one.alike),
         "alike_effects": list(one.alike_effects),
         "shapes": list(one.shapes),
         "within": ALIAS_WITHIN,
@@ -103,7 +103,15 @@ def _proposal(proposed: Proposed, one: Accepted, following: Sequence[Repeated]) 
     }
 
 
-def _of_launch(one: LaunchProposal, following: Sequence[Repeated]) -> Json:
+def _alike(
+    proposed: Proposed, form: Form | LaunchForm, groups: Sequence[tuple[str, str]]
+) -> list[Json]:
+    """Return what else may be meant: the argument by its other names, then other groups."""
+    copies = [(form.slot, name) for name in proposed.admitted.copies(form.argument)]
+    return [{"slot": slot, "argument": argument} for slot, argument in (*copies, *groups)]
+
+
+def _of_launch(proposed: Proposed, one: LaunchProposal, following: Sequence[Repeated]) -> Json:
     """Return a form of the launch; shots of the contact tell nothing of it, nor its effects."""
     form, rising = one.form, next(iter(one.parameters.values())).value > 0
     return {
@@ -117,7 +125,7 @@ def _of_launch(one: LaunchProposal, following: Sequence[Repeated]) -> Json:
         "p_familywise": one.p_familywise,
         "error_before": one.error_before,
         "error_after": one.error_after,
-        "alike": [{"slot": slot, "argument": argument} for slot, argument in one.alike],
+        "alike": _alike(proposed, form, one.alike),
         "alike_effects": [],
         "shapes": list(one.shapes),
         "within": ALIAS_WITHIN,

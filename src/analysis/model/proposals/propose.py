@@ -28,6 +28,7 @@ from analysis.model.proposals.blocks import falls_on_blocks
 from analysis.model.proposals.channels import Form, channels_of
 from analysis.model.proposals.forms.impulses import IMPULSES
 from analysis.model.proposals.launch_search import LaunchProposal, propose_launch
+from analysis.model.proposals.products import main_groups
 from analysis.model.proposals.refine import (
     CARRIERS,
     Promise,
@@ -288,7 +289,7 @@ def _step(state: _State) -> _State | None:
     if leader is not None and (not rivals or leader[0].unbiased_fall > rivals[0].worth - PREFERRED):
         return _moved(state, leader[1], whole(leader[0].data))
     passing = {g for g, z in screen.groups().items() if z >= screen.threshold(state.level)}
-    leading = [one for one in apart(rivals) if one.form.group in passing]
+    leading = [one for one in apart(rivals) if passing & _told_by(one)]
     for found in leading[:MOST_TRIED]:
         accepted = _accepted(state, found, rivals, screen)
         if accepted is not None:
@@ -326,7 +327,8 @@ def _accepted(
     near = [one for one in rivals if one.worth > least]
     own = [one.form.shape_name for one in near if one.form.group == found.form.group]
     others = [one.form for one in near if one.form.group != found.form.group]
-    score = max(screen.groups()[found.form.group], 0.0)
+    groups = screen.groups()
+    score = max((groups.get(group, 0.0) for group in _told_by(found)), default=0.0)
     return Accepted(
         found=found,
         shapes=tuple(dict.fromkeys([found.form.shape_name, *own])),
@@ -338,6 +340,12 @@ def _accepted(
         freed=freed,
         rival=next((form for form in others if not _nearly_the_same(form, found.form)), None),
     )
+
+
+def _told_by(found: Refitted) -> set[tuple[str, str]]:
+    """Return the groups whose scores tell of a form: of a freed product its arguments' too."""
+    own = {found.form.group}
+    return own | main_groups(found.form) if found.promise.zeros_sought else own
 
 
 def _nearly_the_same(first: Form, second: Form) -> bool:

@@ -27,6 +27,9 @@ OF_FADING = 4.0
 """Charged to a force that fades exponentially: one without a length of its own goes first."""
 OF_IMPULSE = 4.0
 """Charged to an impulse that changes by itself: where a coefficient does it, that is named."""
+OF_ZEROS = 14.0
+"""Charged to a product whose zeros are free, and so is its partner: one of the two arguments alone
+goes first unless the other is seen beside it, as 1 in 1000 pairs of arguments is by chance."""
 CARRIERS = 2
 
 
@@ -44,6 +47,8 @@ class Promise:
         Share of the fall that is gone without the two shots that speak loudest for it.
     widths
         Of each free constant, half of the range over which the fall stays within 1 of this one.
+    zeros_sought
+        Whether the zeros of a product were fitted before it was compared.
     """
 
     form: Form
@@ -51,6 +56,7 @@ class Promise:
     start: Floats
     carried_share: float
     widths: tuple[float, ...] = ()
+    zeros_sought: bool = False
 
     @property
     def worth(self) -> float:
@@ -64,6 +70,7 @@ class Promise:
         charge = OF_SETTING if _is_setting(self.form) else 0.0
         charge += OF_FADING if _fades(self.form) else 0.0
         charge += OF_IMPULSE if self.form.slot in IMPULSES else 0.0
+        charge += OF_ZEROS if self.zeros_sought else 0.0
         return self.fall - PENALTY * sought - charge
 
 

@@ -10,6 +10,7 @@ from analysis.model.fitting.fit import Fit
 from analysis.model.proposals.channels import Channels, Form
 from analysis.model.proposals.forms.form import ContactForm
 from analysis.model.proposals.forms.impulses import IMPULSES
+from analysis.model.proposals.products import freed_products
 from analysis.model.proposals.refine import (
     MOST_GROUPS,
     Promise,
@@ -22,6 +23,7 @@ from analysis.model.proposals.screen import Screen
 
 SLACK = 8.0
 """Deviance by which finer constants and a refit may bring a group nearer to the best."""
+MOST_FREED = 2
 REFIT_SHARE = 0.1
 """Of the best promise, by which a refit may differ from it: promises are straight lines."""
 
@@ -44,7 +46,19 @@ def rivals_of(
         least = promises[0].worth - ALIAS_WITHIN - 2.0 if promises else 0.0
         chosen = [p for p in promises if p.worth > least and _may_reach(p, top - reach)]
         found += [_refit(fitted, promise) for promise in chosen]
+    freed = freed_products(channels, forms)[:MOST_FREED]
+    found += _with_zeros(fitted, [p for p in freed if _may_reach(p, top - reach)], found)
     return sorted(found, key=lambda one: -one.worth)
+
+
+def _with_zeros(
+    fitted: tuple[Data, Fit, str], promises: Sequence[Promise], others: Sequence[Refitted]
+) -> list[Refitted]:
+    """Refit products with their zeros free, and return those that are better than all else."""
+    data, fit, name = fitted
+    top = max((one.worth for one in others), default=0.0)
+    freed = [with_free_constants(data, refitted(data, fit, p, name))[0] for p in promises]
+    return [one for one in freed if one.worth > top]
 
 
 def _nearest(screen: Screen) -> list[tuple[str, str]]:

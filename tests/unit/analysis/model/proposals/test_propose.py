@@ -90,6 +90,15 @@ def test_a_column_that_copies_another_or_never_changes_is_named_with_what_would_
     assert "pressure_a_kpa" in said["pressure_b_kpa"].todo
 
 
+def test_a_law_on_a_column_with_a_copy_names_the_copy_beside_it() -> None:
+    data = campaign({"restitution-temperature": 2e-3}, 4)
+    more = {"room_k": data.covariates["temperature_c"] + 273.15}
+    found = propose(replace(data, covariates={**data.covariates, **more}), (), CATALOGUE)
+    [first] = proposals_document("nylon", found)["proposals"]
+    named = {first["argument"], *(one["argument"] for one in first["alike"])}
+    assert {"room_k", "temperature_c"} <= named
+
+
 def test_arguments_that_run_together_are_named_with_shots_that_would_part_them() -> None:
     data = campaign({}, 1)
     near = data.covariates["temperature_c"] + np.random.default_rng(0).normal(0, 0.03, SHOTS)

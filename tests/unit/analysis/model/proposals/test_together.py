@@ -38,6 +38,7 @@ def test_campaigns_that_differ_are_said_to_have_each_its_own() -> None:
     assert first.p_alike < 1e-6
 
 
+@pytest.mark.long
 def test_what_the_catalogue_holds_of_a_campaign_is_no_law_that_they_share() -> None:
     off = tuple(campaign({LAW: 1e-3, "image-scale": 0.01}, seed) for seed in (41, 42))
     found = propose_together(off, ())
