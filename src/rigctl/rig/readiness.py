@@ -34,13 +34,15 @@ class Readiness:
         """
         with self._standing.lock:
             self.withdraw_expired()
-            running = self._standing.status().running
-            if self._standing.state not in _ARMABLE or running is not None:
-                latched = self._standing.state in LATCHED
+            status = self._standing.status()
+            if status.state not in _ARMABLE or status.running is not None:
+                latched = status.state in LATCHED
+                why = f" ({status.reason})" if latched else ""
+                release = "look at it, then `rigctl release` it with a reason, the daemon running"
                 raise RefusedError(
-                    f"the rig is {self._standing.state} and cannot be armed",
-                    todo="release the rig with a reason" if latched else "wait for the shot's end",
-                    shot=running,
+                    f"the rig is {status.state}{why} and cannot be armed",
+                    todo=release if latched else "wait for the shot's end",
+                    shot=status.running,
                 )
             self.disarm(actor, "the rig is armed anew")
             self._standing.armed_for(settings)
