@@ -85,9 +85,11 @@ class RealRig:
             trust_env=False,
         )
 
-    def command(self, *words: str, typed: str = "") -> subprocess.CompletedProcess[str]:
+    def command(
+        self, *words: str, typed: str = "", config: str = "rig.toml"
+    ) -> subprocess.CompletedProcess[str]:
         return subprocess.run(
-            [*RIGCTL, *words, "--config", "rig.toml"],
+            [*RIGCTL, *words, "--config", config],
             cwd=self.folder,
             env={**os.environ, "RIGCTL_KEY": KEY},
             input=typed,

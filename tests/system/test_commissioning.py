@@ -112,6 +112,26 @@ def test_a_real_rig_fires_nothing_and_names_step_and_command(fresh: RealRig) -> 
     assert "rigctl commission" in " ".join(fresh.ask("GET", "/rig").json()["warnings"])
 
 
+@pytest.mark.long
+@pytest.mark.parametrize(
+    ("store", "said"),
+    [("data", "another process owns the store"), ("other-store", "is held by another program")],
+)
+def test_a_second_daemon_on_the_same_rig_is_refused_by_name_and_moves_nothing(
+    fresh: RealRig, store: str, said: str
+) -> None:
+    text = (fresh.folder / "rig.toml").read_text()
+    assert str(fresh.folder / "data") in text
+    second = text.replace(str(fresh.folder / "data"), str(fresh.folder / store))
+    (fresh.folder / "second.toml").write_text(second)
+    before = fresh.state()
+    refused = fresh.command("serve", "--port", "0", config="second.toml")
+    assert refused.returncode == 3
+    assert said in refused.stderr
+    assert fresh.state() == before
+    assert fresh.ask("GET", "/rig").json()["state"] == "idle"
+
+
 def test_nothing_moves_for_a_step_before_the_cut_off_was_seen(fresh: RealRig) -> None:
     refused = fresh.ask("POST", f"{WALK}/pulses/act")
     assert refused.status_code == 409
