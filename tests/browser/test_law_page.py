@@ -51,7 +51,7 @@ def test_a_law_is_proposed_beside_unexplained_and_two_clicks_fire_the_shots_that
     )
     page.get_by_test_id("propose").click(timeout=LONG_MS)
     said = page.get_by_test_id("proposed")
-    expect(said).to_contain_text("e depends on speed_n", timeout=LONG_MS)
+    expect(said).to_contain_text("depends on speed_n", timeout=LONG_MS)
     expect(said).to_contain_text("hint, not a finding")
     page.get_by_test_id("law-into-sweep").click()
     page.wait_for_url(re.compile(r"/sweeps\?form="))

@@ -109,6 +109,7 @@ class StatedForm(StrictModel):
     shots: Annotated[
         str, StringConstraints(pattern=r"^([0-9]{1,9}(-[0-9]{1,9})?(,[0-9]{1,9}(-[0-9]{1,9})?)*)?$")
     ] = ""
+    beside: list[Words] = Field(default_factory=list, max_length=64)
 
 
 class LawOrder(StrictModel):

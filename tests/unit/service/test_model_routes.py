@@ -8,7 +8,9 @@ from typing import Any
 import pytest
 
 from analysis.effects.catalogue import CATALOGUE
+from analysis.model.proposals.stated import Statement
 from rigctl.jobs import Jobs
+from rigctl.service.campaign_models import StatedForm
 from rigctl.service.routes import model as routes_model
 from rigctl.store import Change, ShotState, Store
 
@@ -207,6 +209,10 @@ FORM = {
     "campaign": "nylon",
     "shots": "1-3,5",
 }
+
+
+def test_an_order_takes_all_that_a_form_states() -> None:
+    assert tuple(StatedForm.model_fields) == Statement.__slots__
 
 
 def test_one_form_is_asked_to_be_confirmed_as_a_proposal_states_it(
