@@ -104,7 +104,8 @@ class ServiceClient:
     def do_step(self, step: str) -> dict[str, Any]:
         """Have the daemon do its part of a step; return what it saw."""
         path = f"/rig/commissioning/{step}/act"
-        return self._ask("POST", path, timeout_s=_ARM_TIMEOUT_S)
+        # A shot of it may wait for a film that is brought by hand.
+        return self._ask("POST", path, timeout_s=_FILM_TIMEOUT_S)
 
     def answer_step(
         self, step: str, people: Sequence[str], note: str | None, *, seen: bool

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from rigctl.commissioning.step import Act, Part, Step, lowest
-from rigctl.config import SIMULATED, Configuration, EktaproCamera, TriggerBox
+from rigctl.config import SIMULATED, Configuration, EktaproCamera, FilmCamera, TriggerBox
 from rigctl.rig.stopping.box_watch import MADE_SAFE
 from rigctl.rig.stopping.dead_man import CUT_BY_DEAD_MAN
 
@@ -220,17 +220,36 @@ def _slide(rig: Configuration) -> Iterator[Step]:
 def _camera(rig: Configuration) -> Iterator[Step]:
     part, low = Part.CAMERA, lowest(rig)
     before = rig.camera.frames_before_mark
+    by_hand = isinstance(rig.camera, FilmCamera)
+    film = (
+        " once you have started the film and said so (`rigctl film --records` in another terminal,"
+        " or the page Film); bring the film"
+    )
     yield Step(
         "frames",
         part,
         "Frames about the pulse",
-        "Put a lamp on output a into the picture. The daemon fires once; look at the shot.",
+        "Put a lamp on output a into the picture. The daemon fires once"
+        f"{film if by_hand else ''}; look at the shot.",
         f"The lamp lights up in frame {before}, one frame more or less, in both views.",
         Act.FIRE,
         low,
         sections=("camera",),
         firmware=True,
     )
+    if by_hand:
+        # It has no cable, and answers nobody: only the word of a person can be missing.
+        yield Step(
+            "nobody-films",
+            part,
+            "Nobody says that the camera records",
+            "Let the daemon wait, or end its wait with `rigctl film --gives-up`. It tries to fire.",
+            "No output gave a pulse.",
+            Act.UNRECORDED,
+            low,
+            sections=("camera",),
+        )
+        return
     words = ("camera", "recorder")
     yield from _line(rig, part, "camera", words, ("camera",))
     if isinstance(rig.camera, EktaproCamera) and rig.camera.remote_trigger is not None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
@@ -55,6 +56,23 @@ def test_the_release_apparatus_has_no_watch_that_would_drop_its_spheres() -> Non
     found = names(configuration)
     assert not {"pressure", "offset", "dead-man", "heartbeat"} & set(found)
     assert "drop" in next(iter(steps_of(configuration))).do
+
+
+def test_a_telephone_has_no_cable_to_pull_and_nothing_fires_without_a_persons_word() -> None:
+    document = rig("pusher").model_dump(mode="json")
+    document["camera"] = {
+        "kind": "film", "frame_rate_hz": 240.0, "rows": 720, "columns": 400,
+        "start_timeout_s": 120.0, "collect_timeout_s": 600.0,
+        "frames_before_mark": 5, "frames_after_mark": 240,
+    }  # fmt: skip
+    steps = {
+        step.name: step
+        for step in steps_of(Configuration.model_validate_json(json.dumps(document)))
+        if step.part is Part.CAMERA
+    }
+    assert set(steps) == {"frames", "nobody-films"}
+    assert "rigctl film --records" in steps["frames"].do
+    assert steps["nobody-films"].act is Act.UNRECORDED
 
 
 def test_every_kind_of_act_is_asked_for_by_some_rig() -> None:
