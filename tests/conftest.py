@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import gc
 import os
+import sys
+
+import pytest
 
 # As in every command: beside other workers more threads wait for each other, at full load. Read
 # where NumPy is loaded, below.
@@ -17,3 +21,29 @@ __all__ = ["replayed_migrations"]
 # An example that compiles a function takes seconds, once; each test has a time-out of its own.
 settings.register_profile("compiling", deadline=None)
 settings.load_profile("compiling")
+
+NEW_MODULES = 50
+"""Once a test has loaded so many, what is loaded now is put aside."""
+
+_put_aside = 0
+
+
+def _put_aside_what_is_loaded() -> None:
+    """Take what modules hold out of the collector's sight: it would look through all of it often.
+
+    A quarter of the time of tests of the service went into that.
+    """
+    global _put_aside  # noqa: PLW0603 - one process, one collector
+    if len(sys.modules) - _put_aside >= NEW_MODULES:
+        _put_aside = len(sys.modules)
+        gc.collect()
+        gc.freeze()
+
+
+def pytest_collection_finish() -> None:
+    _put_aside_what_is_loaded()
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_runtest_teardown() -> None:
+    _put_aside_what_is_loaded()

@@ -11,6 +11,7 @@ from datetime import UTC, datetime
 from types import SimpleNamespace
 from typing import Any
 
+import fastapi.dependencies.models
 import httpx
 import numpy as np
 import pytest
@@ -168,7 +169,7 @@ def app(
     jobs: Jobs,
     handed_over: list[str],
     configuration: Configuration,
-) -> Any:
+) -> Iterator[Any]:
     daemon = SimpleNamespace(
         configuration=configuration,
         rig=rig,
@@ -179,7 +180,12 @@ def app(
         analyse=handed_over.append,
         analyse_by=lambda shot, method: handed_over.append(f"{shot} by {method}"),
     )
-    return create_app(daemon, KEY, hub)  # type: ignore[arg-type]
+    yield create_app(daemon, KEY, hub)  # type: ignore[arg-type]
+    # Routes of every application are kept there, and through them all of it: a quarter of the time
+    # of these tests went into looking for garbage among applications of tests before.
+    for kept in vars(fastapi.dependencies.models).values():
+        if hasattr(kept, "cache_clear"):
+            kept.cache_clear()
 
 
 @pytest.fixture
