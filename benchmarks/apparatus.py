@@ -3,8 +3,9 @@
 Each configuration fires shots over its range through the real drivers; what is measured of each
 shot by itself is held against what the simulated world wrote down of it. Prints, for e, v_n and
 beta, how far they lie off the truth in their own standard errors (root mean square, and the worst),
-and their median errors; every refused shot with its reason; and what processor time a shot took,
-the start of the daemon and its workers among it.
+and their median errors; below, the same in the part of these errors that belongs to the shot
+alone, without what all shots share (scale, drag); every refused shot with its reason; and what
+processor time a shot took, the start of the daemon and its workers among it.
 Ends 1 if a number is off by more than four of its errors, or no shot of an apparatus was measured.
 """
 
@@ -22,6 +23,7 @@ from typing import Any
 
 import numpy as np
 
+from rigctl import logs
 from rigctl.config import Configuration, StoreSection, load
 from rigctl.daemon import Daemon, open_daemon
 from rigctl.errors import RigError
@@ -71,6 +73,8 @@ class Found:
 
     off: dict[str, list[float]] = field(default_factory=lambda: {name: [] for name in NAMES})
     sigma: dict[str, list[float]] = field(default_factory=lambda: {name: [] for name in NAMES})
+    own_off: dict[str, list[float]] = field(default_factory=lambda: {name: [] for name in NAMES})
+    own_sigma: dict[str, list[float]] = field(default_factory=lambda: {name: [] for name in NAMES})
     measured: int = 0
     refused: list[str] = field(default_factory=list)
     cpu_s: float = 0.0
@@ -81,9 +85,15 @@ class Found:
         beta = -truth["v_s_after"] / truth["v_s"] if truth["v_s"] else np.nan
         for name, true in (("e", e), ("v_n", truth["v_n"]), ("beta", beta)):
             own = impact.get(name) or {}
-            if own.get("value") is not None:
-                self.off[name].append((own["value"] - true) / own["sigma"])
-                self.sigma[name].append(own["sigma"])
+            if own.get("value") is None:
+                continue
+            for sigma, off, errors in (
+                (own["sigma"], self.off, self.sigma),
+                (own.get("sigma_own"), self.own_off, self.own_sigma),
+            ):
+                if sigma:
+                    off[name].append((own["value"] - true) / sigma)
+                    errors[name].append(sigma)
 
     @property
     def holds(self) -> bool:
@@ -132,16 +142,23 @@ def _cpu_s() -> float:
 
 
 def line(name: str, count: int, found: Found) -> str:
-    """Return one line of the table."""
-    cells = []
-    for own in NAMES:
-        off = np.abs(found.off[own])
-        cells.append(
-            f"{np.sqrt(np.mean(off**2)):5.2f} {off.max():5.2f} {np.median(found.sigma[own]):8.5f}"
+    """Return the two lines of an apparatus."""
+    whole, own = cells(found.off, found.sigma), cells(found.own_off, found.own_sigma)
+    measured = f"{found.measured:3d}/{count:<3d}"
+    return f"{name:<18} {measured}  {whole}   {found.cpu_s:5.1f}\n{'  alone':<18} {'':7}  {own}"
+
+
+def cells(offs: Mapping[str, list[float]], sigmas: Mapping[str, list[float]]) -> str:
+    """Return, for each quantity, rms and worst of what it is off, and the median error, as text."""
+    told = []
+    for name in NAMES:
+        off = np.abs(offs[name])
+        told.append(
+            f"{np.sqrt(np.mean(off**2)):5.2f} {off.max():5.2f} {np.median(sigmas[name]):8.5f}"
             if off.size
             else f"{'-':>5} {'-':>5} {'-':>8}"
         )
-    return f"{name:<18} {found.measured:3d}/{count:<3d}  {'   '.join(cells)}   {found.cpu_s:5.1f}"
+    return "   ".join(told)
 
 
 def main() -> int:
@@ -150,6 +167,7 @@ def main() -> int:
     asked.add_argument("--shots", type=int, default=6)
     asked.add_argument("--only", choices=APPARATUS)
     options = asked.parse_args()
+    logs.set_up("text")
     heads = "   ".join(f"{name + ': rms, worst, σ':>20}" for name in NAMES)
     print(f"{'apparatus':<18} measured {heads}   CPU s a shot")
     all_found: dict[str, Found] = {}
@@ -180,7 +198,10 @@ def _settings(
 
 
 def _in_store(configuration: Configuration, folder: Path) -> Configuration:
-    return configuration.model_copy(update={"store": StoreSection(folder=str(folder))})
+    """Return a configuration with its store in a folder, and time for a world on a busy host."""
+    camera = configuration.camera.model_copy(update={"collect_timeout_s": WAIT_S / 4})
+    store = StoreSection(folder=str(folder))
+    return configuration.model_copy(update={"store": store, "camera": camera})
 
 
 def _unseen(*_: object) -> None:
