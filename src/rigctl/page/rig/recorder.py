@@ -9,7 +9,7 @@ from functools import partial
 from nicegui import ui
 
 from rigctl.cameras.keypad import Keypad, KeypadStatus
-from rigctl.errors import RigError
+from rigctl.errors import RigError, SettingsError
 from rigctl.page.desk import Desk, actor
 from rigctl.page.layout import sheet
 from rigctl.page.parts.asking import ask_again
@@ -140,16 +140,26 @@ class Keys:
 
     async def _search(self) -> None:
         kind, place, session = str(self._kind.value), self._place.value, self._session.value
-        chosen = {} if kind == "none" or place is None else {kind: place}
-        if "time_s" not in chosen:
-            chosen = {name: int(value) for name, value in chosen.items()}
-        number = None if session is None else int(session)
-        await self._press(lambda: self._keypad.search(session=number, **chosen))
+
+        def key() -> None:
+            chosen = {} if kind == "none" or place is None else {kind: place}
+            if "time_s" not in chosen:
+                chosen = {name: _whole(name, value) for name, value in chosen.items()}
+            number = None if session is None else _whole("session", session)
+            self._keypad.search(session=number, **chosen)
+
+        await self._press(key)
         await self._still()
 
     async def _set_gamma(self) -> None:
-        exponent = float(self._gamma.value or 1.0)
-        await self._press(lambda: self._keypad.gamma(exponent))
+        asked = self._gamma.value
+
+        def key() -> None:
+            if asked is None:
+                raise SettingsError("is empty", part="gamma", todo="enter 0.1 to 1")
+            self._keypad.gamma(float(asked))
+
+        await self._press(key)
 
     def _ask_erase(self) -> None:
         who, store = actor(), self._desk.daemon.store
@@ -166,3 +176,12 @@ class Keys:
             data = base64.b64encode(png(frames.pixels[0])).decode()
             self._picture.set_source(f"data:image/png;base64,{data}")
             self._picture.set_visibility(True)
+
+
+def _whole(name: str, value: float) -> int:
+    """Return a whole number; raise `SettingsError` for any other."""
+    if value != int(value):
+        raise SettingsError(
+            "is no whole number", part=name, value=f"{value:g}", todo="correct the number"
+        )
+    return int(value)
