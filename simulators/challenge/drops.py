@@ -11,12 +11,15 @@ Cundall, Strack, Geotechnique 29 (1979) 47-65; Tsuji, Tanaka, Ishida, Powder Tec
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
+
+from simulators.challenge.vectors import cross
 
 Floats = NDArray[np.float64]
 
@@ -117,20 +120,20 @@ def bounce(drop: Drop, met: Body) -> tuple[Body, float]:
             break
         push = max(k * depth**1.5 + c * depth**power * into, 0.0)
         arm = r - depth
-        slip = velocity - into * n + np.cross(spin, arm * n)
-        stiff = drop.stiffness_ratio * 1.5 * k * np.sqrt(depth)
+        slip = velocity - into * n + cross(spin, arm * n)
+        stiff = drop.stiffness_ratio * 1.5 * k * math.sqrt(depth)
         spring = spring + step * slip
-        length = float(np.linalg.norm(spring))
+        length = math.sqrt(spring @ spring)
         if stiff * length > drop.friction * push:
             spring = spring * (drop.friction * push / (stiff * length))
-        damped = 2.0 * drop.tangential_damping * np.sqrt(stiff * tangential)
+        damped = 2.0 * drop.tangential_damping * math.sqrt(stiff * tangential)
         drag = -stiff * spring - damped * slip
-        size = float(np.linalg.norm(drag))
+        size = math.sqrt(drag @ drag)
         if size > drop.friction * push:
             drag = drag * (drop.friction * push / size)
         velocity = velocity + step / m * (drag - push * n)
         velocity[0] += step * GRAVITY
-        spin = spin + step / inertia * np.cross(arm * n, drag)
+        spin = spin + step / inertia * cross(arm * n, drag)
         place, angle, time = place + step * velocity, angle + step * spin, time + step
     return Body(place, velocity, spin, Rotation.from_rotvec(angle) * met.turned), time
 

@@ -11,11 +11,14 @@ Cundall, Strack, Geotechnique 29 (1979) 47-65; Tsuji, Tanaka, Ishida, Powder Tec
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
+
+from simulators.challenge.vectors import cross
 
 Floats = NDArray[np.float64]
 
@@ -95,25 +98,26 @@ def contact(pair: Pair, touch: Motion) -> tuple[Motion, float]:
     step = pair.duration_s / _STEPS
     while True:
         gap = x[1] - x[0]
-        n = gap / np.linalg.norm(gap)
-        depth = radii.sum() - float(np.linalg.norm(gap))
+        distance = math.sqrt(gap @ gap)
+        n = gap / distance
+        depth = radii.sum() - distance
         if depth < 0.0:
             break
         relative = v[1] - v[0]
         opening = float(relative @ n)
         arms = radii - 0.5 * depth
-        slip = relative - opening * n - np.cross(arms[0] * w[0] + arms[1] * w[1], n)
+        slip = relative - opening * n - cross(arms[0] * w[0] + arms[1] * w[1], n)
         push = max(stiffness * depth**1.5 - dashpot * depth**0.25 * opening, 0.0)
-        stiff = pair.stiffness_ratio * 1.5 * stiffness * np.sqrt(depth)
+        stiff = pair.stiffness_ratio * 1.5 * stiffness * math.sqrt(depth)
         spring = spring + step * slip
         spring = spring - (spring @ n) * n
         spring = _cut(spring, pair.friction * push / stiff) if stiff > 0.0 else 0.0 * spring
-        damped = 2.0 * pair.tangential_damping * np.sqrt(stiff * tangential)
+        damped = 2.0 * pair.tangential_damping * math.sqrt(stiff * tangential)
         drag = _cut(-stiff * spring - damped * slip, pair.friction * push)
         force = push * n + drag
         v = v + step * np.array([-force / masses[0], force / masses[1]])
         v[:, 0] += step * GRAVITY
-        torque = np.cross(n, drag)
+        torque = cross(n, drag)
         # The force on a acts at + arm n of its centre and is -drag; that on b at - arm n.
         w = w - step * (arms / inertias)[:, None] * torque
         x, turned, time = x + step * v, turned + step * w, time + step
@@ -124,7 +128,7 @@ def contact(pair: Pair, touch: Motion) -> tuple[Motion, float]:
 
 
 def _cut(vector: Floats, longest: float) -> Floats:
-    length = float(np.linalg.norm(vector))
+    length = math.sqrt(vector @ vector)
     return vector if length <= longest else vector * (longest / length)
 
 

@@ -16,7 +16,7 @@ from analysis.model.data.poses import PoseData
 from analysis.model.data.reading import stream_poses
 from analysis.model.fitting.fit import fit_campaign
 from analysis.model.fitting.robust_fit import judged
-from analysis.model.verdict.selection import explain
+from analysis.model.verdict.selection import Verdict, explain
 from simulators.challenge.drops import Drop
 from tests.unit.analysis.model.dropped import write_drops
 
@@ -80,10 +80,16 @@ def test_law_air_and_tilt_are_those_of_the_simulated_ball(marked: Path) -> None:
         assert abs(shared[name].value - value) < 4 * shared[name].sigma + 1e-4, name
 
 
+@pytest.fixture(scope="module")
+def explained(plain: Path) -> Verdict:
+    """The verdict on the ball without markers."""
+    return explain(posed(plain), CATALOGUE)
+
+
 def test_a_ball_without_markers_shows_air_and_restitution_that_falls_with_speed(
-    plain: Path,
+    explained: Verdict,
 ) -> None:
-    verdict = explain(posed(plain), CATALOGUE)
+    verdict = explained
     assert (verdict.verdict, verdict.effects) == ("effect", ("restitution-viscoelastic",))
     drag = verdict.fit.systematics()["drag.Cd"]
     assert drag.sigma < 0.05
@@ -98,9 +104,8 @@ def test_streamed_bounces_give_the_same_numbers(marked: Path) -> None:
     assert memory.chi2 == stream.chi2
 
 
-def test_what_makes_no_sense_on_a_plate_is_not_offered(plain: Path) -> None:
-    verdict = explain(posed(plain), CATALOGUE)
-    offered = {c.effect.name for c in verdict.ranking.candidates}
+def test_what_makes_no_sense_on_a_plate_is_not_offered(explained: Verdict) -> None:
+    offered = {c.effect.name for c in explained.ranking.candidates}
     assert not offered & {"mass-mismatch", "radius-mismatch"}
     assert {"wind", "gravity-value", "magnus-lift"} <= offered
 

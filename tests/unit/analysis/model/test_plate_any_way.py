@@ -36,11 +36,13 @@ SLOPE = Meeting((0.8, 0.3, 0.52), 0.1, (0.0, 1.0))
 CEILING = Meeting((-1.0, 0.0, 0.0), 0.05, (2.5, 4.0), 1.2)
 
 
-def thrown(folder: Path, meeting: Meeting, *, friction: float = 0.15, plate: str = "") -> Path:
+def thrown(
+    folder: Path, meeting: Meeting, *, friction: float = 0.15, plate: str = "", shots: int = 8
+) -> Path:
     return write_drops(
         folder,
         Drop(drag_coefficient=0.45, friction=friction, into=meeting.into, tilt=(0.0, 0.003)),
-        shots=8,
+        shots=shots,
         seed=3,
         sigma_m=2e-5,
         sideways=meeting.sideways,
@@ -115,7 +117,7 @@ def test_streamed_poses_of_a_wall_are_those_of_memory(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("normal", ["[0, 0, 0]", "[1.0, 0.0]", '"down"'])
 def test_a_normal_without_a_direction_is_refused_by_its_name(normal: str, tmp_path: Path) -> None:
-    folder = thrown(tmp_path, WALL, plate=f"normal = {normal}")
+    folder = thrown(tmp_path, WALL, shots=1, plate=f"normal = {normal}")
     with pytest.raises(InputError, match="normal"):
         gather(folder)
 
