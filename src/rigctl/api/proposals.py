@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -104,7 +105,12 @@ class Proposals(Pictured):
 
     def plot(self) -> Axes:
         """Draw the error on shots left out on the way to the proposals."""
-        return ErrorPath(self.campaign, self._found.path).plot()
+        said = {one.name: " on ".join(one.form.group) for one in self._found.accepted}
+        stages = [
+            replace(stage, effects=tuple(said.get(name, name) for name in stage.effects))
+            for stage in self._found.path
+        ]
+        return ErrorPath(self.campaign, stages).plot()
 
     def to_dict(self) -> Json:
         """Return the document of `rigctl model propose --json`."""
