@@ -14,7 +14,13 @@ import pytest
 from rigctl.cameras.keypad import Keypad
 from rigctl.config import StoreSection, load
 from rigctl.daemon import Daemon, open_daemon
-from rigctl.errors import DeviceAnswerError, InterlockError, RefusedError, SettingsError
+from rigctl.errors import (
+    DeviceAnswerError,
+    DeviceError,
+    InterlockError,
+    RefusedError,
+    SettingsError,
+)
 from rigctl.settings import ShotSettings
 from tests.system.real_rig import KEY, RealRig, real_rig, until
 
@@ -196,3 +202,28 @@ def test_the_keypad_by_command_and_rest_and_an_erasure_stands_in_the_audit(rig: 
     assert rig.ask("GET", "/rig/recorder").json()["sessions"] == []
     for order in ({"key": "jog"}, {"key": "live", "speed": 3}, {"key": "fly"}, {"key": "search"}):
         assert rig.ask("POST", "/rig/recorder", order).status_code == 422, order
+
+
+@pytest.mark.parametrize(
+    ("fault", "said"), [("unplug", "cannot be opened"), ("wrong-device", "something else")]
+)
+def test_a_recorder_that_is_lost_while_it_runs_is_named_and_obeys_again_once_it_is_back(
+    daemon: Daemon, keypad: Keypad, fault: str, said: str
+) -> None:
+    laboratory: Any = daemon.laboratory
+    record(keypad, 50)
+    for press, mode in (
+        (keypad.record, "RECORD"),
+        (keypad.replay, "REPLAY"),
+        (lambda: keypad.jog(1), "JOG"),
+        (keypad.stop, "STOP"),
+    ):
+        press()
+        until(lambda mode=mode: keypad.status().mode == mode)  # type: ignore[misc]
+        laboratory.fault("recorder", fault)
+        with pytest.raises(DeviceError, match=said):
+            keypad.status()
+        laboratory.clear_faults()
+        assert keypad.status().mode in {mode, "STOP"}
+        keypad.stop()
+    assert len(keypad.status().sessions) == 2
