@@ -7,6 +7,7 @@ import argparse
 from benchmarks.discovery import (
     air,
     blind,
+    foreign,
     frames,
     lasting,
     memory,
@@ -30,6 +31,7 @@ SECTIONS = {
     "removed": removed.run,
     "frames": frames.run,
     "lasting": lasting.run,
+    "foreign": foreign.run,
     "air": air.run,
     "speed": speed.run,
     "memory": memory.run,

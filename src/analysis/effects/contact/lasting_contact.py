@@ -47,9 +47,9 @@ def law_of(force: ForceLaw, values: Values, steps: int | None = None) -> Operato
 
     def operator(encounter: Encounter) -> Outcome:
         # Compiled functions are loaded only where contacts are integrated.
-        from analysis.collision.lasting import STEPS, Stiffness, lasting  # noqa: PLC0415
+        from analysis.collision.lasting import Stiffness, lasting  # noqa: PLC0415
 
-        return lasting(encounter, force, Stiffness(duration, ratio, damping), steps or STEPS)
+        return lasting(encounter, force, Stiffness(duration, ratio, damping), steps)
 
     return operator
 
