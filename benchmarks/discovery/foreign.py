@@ -21,6 +21,7 @@ from analysis.model.verdict.selection import Verdict, explain
 from benchmarks.discovery.campaigns import FRAMES, posed
 from benchmarks.discovery.lasting import AIR, RIG_NOISE, STATED_DRAG
 from benchmarks.discovery.options import Options
+from benchmarks.discovery.pulls import left_head_on
 from simulators.challenge.campaign import FRAME_RATE_HZ, run_campaign
 from simulators.challenge.force_choice import Forces
 from simulators.challenge.nature import Nature
@@ -89,7 +90,7 @@ def _truth(nature: Nature) -> dict[str, float]:
     forces = nature.forces
     assert forces is not None
     return {
-        "e": nature.restitution,
+        "e": left_head_on(nature),
         "mu": nature.friction,
         "lasting-contact.t": forces.duration_s,
         "lasting-contact.kappa": forces.stiffness_ratio,

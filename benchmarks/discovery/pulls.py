@@ -23,6 +23,7 @@ from simulators.challenge.bodies import Bodies
 from simulators.challenge.coefficients import Coefficients
 from simulators.challenge.forces import press_by
 from simulators.challenge.launch import Touch
+from simulators.challenge.nature import Nature
 from simulators.world.description import Sphere
 
 FIRST_SEED = 600_000
@@ -30,12 +31,13 @@ STATED_ERROR = 0.2
 LEAST, MOST = 0.8, 1.25
 
 
-def left_head_on() -> float:
+def left_head_on(nature: Nature = PLAIN) -> float:
     """Return what the world's contact, in its steps, leaves of 2 m/s: 2e-5 less than is asked."""
     along, still = np.array([[[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0]]]), np.zeros((1, 2, 3))
     touch = Touch(still[:, 0], along[:, 0], along, still)
-    held = Coefficients(*(np.array([own]) for own in (PLAIN.restitution, PLAIN.friction, 0.0)))
-    parted = press_by(RIG, touch, held, Bodies.of(Sphere(), PLAIN), lambda *_: still)
+    held = Coefficients(*(np.array([own]) for own in (nature.restitution, nature.friction, 0.0)))
+    forces = RIG if nature.forces is None else nature.forces
+    parted = press_by(forces, touch, held, Bodies.of(Sphere(), nature), lambda *_: still)
     return float((parted.velocity[0, 1] - parted.velocity[0, 0])[0] / 2.0)
 
 

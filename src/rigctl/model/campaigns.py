@@ -13,7 +13,7 @@ from analysis.campaign import FRAMES, POSES
 from analysis.exchange.pose_table import Spheres
 from analysis.exchange.shot_list import EXCLUDED, ShotRow
 from analysis.model.data.columns import ShotColumns
-from analysis.model.data.gather import gather, gather_poses, pose_data
+from analysis.model.data.gather import gather, gather_poses, nothing_seen, pose_data, usable
 from analysis.model.data.parts import SHOTS_AT_ONCE
 from analysis.model.data.poses import PoseData
 from analysis.model.data.reading import Reading, stream_poses
@@ -119,7 +119,10 @@ def poses_from(name: str, files: Sequence[MeasuredFiles]) -> PoseData:
     require_one_setup(name, setups)
     slow = [shot.slow for shot in shots if shot.slow is not None]
     setup = typical(shots[0].setup, slow)
-    return pose_data({s.row.shot: s.spheres for s in shots}, [s.row for s in shots], setup)
+    data = pose_data({s.row.shot: s.spheres for s in shots}, [s.row for s in shots], setup)
+    if len(usable(data).shots) == 0:
+        raise AnalysisInputError(nothing_seen(setup), part=f"campaign {name}")
+    return data
 
 
 @dataclass(frozen=True, slots=True)
@@ -234,7 +237,7 @@ def stream_from(name: str, files: Iterable[MeasuredFiles]) -> PoseStream:
         if len(stream.shots) > 0:
             return stream
     raise NotFoundError(
-        "no shot of this campaign has frames that show both spheres",
+        nothing_seen(first.setup) if first is not None else "no shot of this campaign is measured",
         part=f"campaign {name}",
         todo="look at why its shots were refused",
     )

@@ -28,13 +28,16 @@ from analysis.model.data.poses import PoseData
 from analysis.model.data.tables import ContactTable, Data
 from analysis.model.data.tables_build import contacts_table, impacts_table
 from analysis.model.data.tables_noise import with_scatter_as_noise
-from analysis.model.predict.start import LEAST_FRAMES
+from analysis.model.predict.start import LEAST_FOR_A_LINE, LEAST_FRAMES
 from analysis.scene import bodies_of
 from analysis.setup import Setup, SlowErrors
 from analysis.shot import AnalysisOptions, MeasuredShot
 from analysis.slow_errors import typical
 
 POSES, CONTACTS, IMPACTS = "poses.csv", "contacts.csv", "impacts.csv"
+LEAST_OF_PAIRS, LEAST_APART = 2 * LEAST_FOR_A_LINE, 0.5
+"""Frames of two spheres: a line before the contact and one after it. Centres nearer than this share
+of what touching spheres have are those of one sphere, or of none."""
 GUESSES = 2e-5, 8e-3
 """m and rad, for errors that nobody stated: what images of 40 px a sphere give."""
 
@@ -98,7 +101,7 @@ def gather_poses(folder: Path) -> tuple[str, PoseData]:
         shots, setup = _measured_now(folder, setup)
     counting = set(shots) - {row.shot for row in rows if row.is_excluded}
     data = pose_data(shots, rows, setup) if counting else None
-    if data is None or not data.seen.any():
+    if data is None or len(usable(data).shots) == 0:
         raise InputError(folder, nothing_seen(setup))
     return name, data
 
@@ -110,7 +113,9 @@ def nothing_seen(setup: Setup) -> str:
             "no shot of this campaign shows sphere a coming near a plate and leaving it; where it "
             "does not lie below the sphere, state its normal: spheres, b, normal = [x, y, z]"
         )
-    return "no shot of this campaign has frames that show both spheres"
+    return (
+        f"no shot of this campaign has {LEAST_OF_PAIRS} frames or more that show both spheres apart"
+    )
 
 
 def _measured_now(folder: Path, setup: Setup) -> tuple[Shots, Setup]:
@@ -248,8 +253,14 @@ def _table(path: Path, table: ContactTable, excluded: tuple[int, ...]) -> Contac
 
 
 def usable(data: PoseData) -> PoseData:
-    """Leave out shots without frames that show both spheres; their numbers are kept."""
-    shown = data.seen.sum(axis=1) >= LEAST_FRAMES
+    """Leave out shots without frames that show both spheres apart; their numbers are kept."""
+    seen, least = data.seen, LEAST_FRAMES
+    if not data.on_plate:
+        least = LEAST_OF_PAIRS
+        apart = np.linalg.norm(data.position[:, :, 1] - data.position[:, :, 0], axis=2)
+        reach = data.bodies[0].radius + data.bodies[1].radius
+        seen = seen & ~(apart < LEAST_APART * reach)
+    shown = seen.sum(axis=1) >= least
     return replace(data.of_shots(shown), unusable=tuple(int(n) for n in data.shots[~shown]))
 
 

@@ -22,8 +22,8 @@ COMPARABLE = 0.5
 def verdict_sentence(document: Json) -> str:
     """Say the verdict."""
     name, used = document["campaign"], document["used"]
-    if document["verdict"] == "none" and used < FEWEST:
-        return f"{name}: {too_few(used)}"
+    if used < FEWEST:
+        return f"{name}: {too_few(used)}{_would_explain(document)}"
     if document["verdict"] == "none":
         return f"{name}: {_nothing(document)}"
     if document["verdict"] == "effect":
@@ -33,6 +33,13 @@ def verdict_sentence(document: Json) -> str:
     if document["verdict"] == "alias":
         return f"{name}: {_alike(document)}: these shots cannot tell; {_fall(document)}."
     return _unexplained(document)
+
+
+def _would_explain(document: Json) -> str:
+    """Say what so few shots would be explained by, where anything explains them."""
+    if not document["effects"]:
+        return ""
+    return f" {_listed(document['effects'])} would explain it as well."
 
 
 def doubts(document: Json) -> list[str]:
@@ -57,8 +64,6 @@ def too_few(used: int) -> str:
 def _of_few(document: Json) -> list[str]:
     """Say what to think of what a few shots leave over where the verdict does not count it."""
     used, verdict = document["used"], document["verdict"]
-    if used < FEWEST and verdict != "none":
-        return [f"But {too_few(used)}"]
     if used > FEW or used < FEWEST or verdict == "unexplained" or not document["structure"]:
         return []
     where = document["structure"][0]

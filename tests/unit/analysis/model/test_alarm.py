@@ -79,3 +79,16 @@ def test_what_two_of_ten_shots_leave_over_is_told_beside_the_verdict() -> None:
     assert (
         "relative position t against time, but two of the 10 shots carry it" in doubts(document)[0]
     )
+
+
+def test_of_one_shot_what_would_explain_it_comes_after_that_it_is_too_few() -> None:
+    document = {
+        "campaign": "nylon",
+        "verdict": "effect",
+        "used": 1,
+        "structure": [],
+        "effects": ["finite-contact"],
+    }
+    said = verdict_sentence(document)
+    assert said.startswith("nylon: 1 shot is too few to tell what is missing")
+    assert said.endswith("finite-contact would explain it as well.")
