@@ -76,6 +76,7 @@ def test_one_shot_is_told_how_many_more_to_fire() -> None:
 def test_what_two_of_ten_shots_leave_over_is_told_beside_the_verdict() -> None:
     left = {"channel": "relative position t", "covariate": "time"}
     document = {"campaign": "n", "verdict": "none", "used": 10, "structure": [left], "effects": []}
+    document["candidates"] = []
     assert (
         "relative position t against time, but two of the 10 shots carry it" in doubts(document)[0]
     )
