@@ -42,7 +42,9 @@ def freed_products(channels: Channels, forms: Sequence[Form]) -> list[Promise]:
         if not sums.seen[rows].all():
             continue
         block = sums.of(rows)
-        solved = np.linalg.lstsq(block.matrix, block.gradient, rcond=1e-10)[0]
+        solved: Floats = np.asarray(
+            np.linalg.lstsq(block.matrix, block.gradient, rcond=1e-10)[0], np.float64
+        )
         moved = _at_zeros(form, solved, channels)
         if moved is not None:
             fall = float(block.gradient @ solved) / channels.noise_scale**2
