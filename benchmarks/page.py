@@ -32,10 +32,12 @@ from playwright.sync_api import Browser, Page, sync_playwright
 from benchmarks.page_waits import (
     Waited,
     cancelled,
+    cell_shown,
     first_coefficients,
     first_numbers,
     ninth_of_ten,
     refused_share,
+    undone,
 )
 
 OUT = Path("out/page.json")
@@ -284,6 +286,12 @@ def story_page(browser: Browser, daemon: Served, folder: Path) -> Iterator[Numbe
     taken = sorted(slider.evaluate(SLIDE, MOVES))
     yield Number("slider moved: redrawn, median", statistics.median(taken), "ms", 50.0)
     yield Number("  of 20 moves 19 are faster than", taken[-MOVES // 20], "ms")
+    asked = (("a cell chosen: its points drawn", cell_shown, 200.0), ("undone", undone, 300.0))
+    for what, wait, most_ms in asked:
+        waited = wait(page, daemon)
+        yield Number(what, 1e3 * waited.seconds, "ms", most_ms)
+        spent = 1e3 * (waited.daemon_s + waited.browser_s)
+        yield Number("  CPU time of daemon and browser within it", spent, "ms", most_ms)
 
 
 def waits(browser: Browser, daemon: Served, small: Path) -> dict[str, Callable[[], list[Number]]]:

@@ -41,6 +41,11 @@ GONE = """() => {
   return !seen(document.querySelector("[data-testid=explaining]"));
 }"""
 
+NEW_POINTS = """before => {
+  const now = document.querySelector("[data-testid=story-points] .main-svg");
+  return now && now !== before;
+}"""
+
 
 class Daemon(Protocol):
     """What of a running daemon is used."""
@@ -112,6 +117,28 @@ def settle(daemon: Daemon) -> None:
         if spent - before < AT_REST * REST_S:
             return
     raise RuntimeError("the daemon does not come to rest")
+
+
+def cell_shown(page: Page, daemon: Daemon) -> Waited:
+    """Choose another cell of the story's map; return the wait until its points are drawn."""
+    settle(daemon)
+    points = page.get_by_test_id("story-points").locator(".main-svg").first.element_handle()
+    cell = page.get_by_test_id("map").locator("[aria-pressed=false]").first
+    meter = Meter(daemon)
+    cell.click()
+    page.wait_for_function(NEW_POINTS, arg=points)
+    return meter.read()
+
+
+def undone(page: Page, daemon: Daemon) -> Waited:
+    """Add the story's effect, then take it back by key; return the wait until that is shown."""
+    page.locator("[data-testid^=add-]").first.click()
+    page.get_by_test_id("story-added").wait_for(timeout=LONG_MS)
+    settle(daemon)
+    meter = Meter(daemon)
+    page.keyboard.press("u")
+    page.get_by_test_id("story-added").wait_for(state="detached")
+    return meter.read()
 
 
 def first_coefficients(page: Page, daemon: Daemon) -> Waited:

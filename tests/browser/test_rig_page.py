@@ -41,7 +41,7 @@ def test_from_the_first_start_to_the_first_measured_shot(page: Page) -> None:
     page.get_by_test_id("fire").click()
     coefficients = page.get_by_test_id("coefficients")
     coefficients.wait_for(timeout=FIRST_USE_MS)
-    restitution = coefficients.get_by_role("row").filter(has_text=re.compile("^e"))
+    restitution = coefficients.get_by_role("row").filter(has_text=re.compile("^bounce e"))
     value = float(restitution.get_by_role("cell").nth(1).inner_text().partition(" ")[0])
     assert abs(value - 0.74) < 0.01
     expect(page.get_by_test_id("film")).to_be_visible()

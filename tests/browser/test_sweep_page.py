@@ -117,7 +117,7 @@ def started(page: Page, repeat: int) -> None:
         expect(page.get_by_test_id(field)).to_have_value(str(value))
     expect(page.get_by_test_id("sweep-text")).to_have_text(f"{4 * repeat} shots")
     preview = page.get_by_test_id("preview")
-    expect(preview).to_contain_text("v_s/v_n from about 0.24 to 0.33")
+    expect(preview).to_contain_text("sliding ÷ approach from about 0.24 to 0.33")
     expect(preview.locator(".scatterlayer .point")).to_have_count(4)
     page.get_by_test_id("start-sweep").click()
     page.wait_for_url(re.compile(r"/sweeps/\d{8}-s\d{4}$"))

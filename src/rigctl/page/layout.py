@@ -20,12 +20,13 @@ from rigctl.rig.states import LATCHED, RigState
 from rigctl.rig.status import RigStatus
 
 PLACES = (
-    ("Rig", "/"),
-    ("Shots", "/shots"),
-    ("Sweeps", "/sweeps"),
-    ("Campaigns", "/campaigns"),
-    ("Model", "/model"),
+    ("Rig", "/", "adjust"),
+    ("Shots", "/shots", "smart_display"),
+    ("Sweeps", "/sweeps", "timeline"),
+    ("Campaigns", "/campaigns", "folder_open"),
+    ("Model", "/model", "show_chart"),
 )
+"""Name, address, and the picture over the name where the places are tabs below a narrow screen."""
 TICK_S = 0.1
 BEATS = ("beat-a", "beat-b")
 """Classes that change places every 1.5 s. Each starts the same countdown anew; when none comes for
@@ -44,15 +45,18 @@ def sheet(desk: Desk, title: str, place: str) -> Iterator[Rail]:
     dark = ui.dark_mode(None)
     with ui.header().classes("top deaf") as header:
         ui.label("rigctl").classes("brand")
-        with ui.element("nav").classes("places"):
-            for name, target in PLACES:
+        ui.label(title).classes("on-page").props("aria-hidden=true")
+        with ui.element("nav").classes("places").props('aria-label="places"'):
+            for name, target, picture in PLACES:
                 link = ui.link(name, target).classes("place")
                 if target == place:
                     link.classes("here").props('aria-current="page"')
+                with link:
+                    ui.icon(picture).classes("tab-picture")
         ui.space()
         state = ui.label().classes("chip").props("data-testid=state role=status")
         kind = "simulated rig" if status.simulated else "REAL RIG"
-        about = ui.label(kind).classes("chip " + ("simulated" if status.simulated else "real"))
+        about = ui.label(kind).classes("chip kind " + ("simulated" if status.simulated else "real"))
         about.props("data-testid=kind")
         about.tooltip(
             f"{status.name}: nothing real moves"
@@ -64,7 +68,9 @@ def sheet(desk: Desk, title: str, place: str) -> Iterator[Rail]:
         contrast.tooltip("dark or light")
         guide = ui.button(icon="help_outline", on_click=lambda: switch(shown=True), color=None)
         guide.props('flat round dense aria-label="show the guide" data-testid=show-guide')
-        guide.classes("quiet").tooltip("what this is and what to do, step by step")
+        guide.classes("quiet help").tooltip(
+            "what this is and what to do, step by step; the key ? lists the keys"
+        )
         stop = button("Stop", lambda: desk.stop("the page's button"), look="stop", testid="stop")
         stop.tooltip("Emergency stop: cuts the power of every actuator now. Key: Ctrl + .")
     ui.keyboard(on_key=lambda event: _on_key(desk, event), ignore=[], repeating=False)

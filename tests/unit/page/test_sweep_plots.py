@@ -32,7 +32,7 @@ def test_the_incidence_is_the_tangent_of_the_angle_between_flight_and_normal(ang
 
 def test_what_a_sweep_covers_is_said_from_its_least_to_its_largest_offset() -> None:
     said = covers([settings(40, 0), settings(40, 25.4 * math.sin(math.pi / 4))])
-    assert said.startswith("2 shots, v_s/v_n from about 0.00 to 1.00")
+    assert said.startswith("2 shots, sliding ÷ approach from about 0.00 to 1.00")
 
 
 def test_a_setting_that_is_repeated_is_one_point_that_says_how_often() -> None:

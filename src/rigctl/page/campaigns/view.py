@@ -117,12 +117,12 @@ class CampaignView:
                 self._plane()
                 Waiting(desk, "Fitting the law", lambda: self._fitted.running or "", "fitting")
             with ui.element("div").classes("panel"):
-                self._titled("Restitution over approach speed", "restitution", SPEED)
+                self._titled("Bounce over approach speed", "restitution", SPEED)
                 self._speed = plot(over_speed([], campaign, READING)).props(
                     "data-testid=restitution"
                 )
             with ui.element("div").classes("panel"):
-                self._titled("Tangential restitution over incidence", "tangential", INCIDENCE)
+                self._titled("Spin-back over sliding", "tangential", INCIDENCE)
                 self._incidence = plot(over_incidence([], campaign, READING))
         with ui.element("div").classes("panel"):
             self._titled("Shots", "coefficients", "A click opens one.")

@@ -26,11 +26,11 @@ def over_speed(found: Sequence[Impact], title: str, none: str = NO_SHOTS) -> Jso
         HEIGHT,
         f"{title}-restitution",
         xaxis={
-            "title": {"text": "|v_n| before contact, m/s"},
+            "title": {"text": "approach speed |v_n|, m/s"},
             "zeroline": False,
             "range": _span([abs(v) for _, v, _, _ in told]),
         },
-        yaxis={"title": {"text": "normal restitution e"}, "zeroline": False, "automargin": True},
+        yaxis={"title": {"text": "bounce e"}, "zeroline": False, "automargin": True},
     )
 
 
@@ -51,9 +51,9 @@ def over_incidence(found: Sequence[Impact], title: str, none: str = NO_SHOTS) ->
         HEIGHT,
         f"{title}-tangential",
         shapes=[_level(-1.0)],
-        xaxis={"title": {"text": "v_s / |v_n| before contact"}, "rangemode": "tozero"},
+        xaxis={"title": {"text": "sliding ÷ approach, v_s / |v_n|"}, "rangemode": "tozero"},
         yaxis={
-            "title": {"text": "tangential restitution β"},
+            "title": {"text": "spin-back β"},
             "range": [-1.1, 0.1 + max(0.9, *(beta for _, _, beta, _ in told))],
             "zeroline": False,
             "automargin": True,

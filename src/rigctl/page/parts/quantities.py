@@ -22,33 +22,35 @@ class Quantity:
 
 
 COEFFICIENTS = {
+    "e": Quantity("bounce e", "", "Normal restitution, -v_n′ / v_n: 1 loses nothing, 0 sticks."),
+    "beta": Quantity(
+        "spin-back β",
+        "",
+        "Tangential restitution, -v_s′ / v_s: 1 reverses the sliding, -1 leaves it.",
+    ),
     "v_n": Quantity(
-        "v_n",
+        "approach v_n",
         "m/s",
         "Normal relative velocity before contact, (V_b - V_a) · n at the point of contact, with n "
         "from a to b: negative while the spheres approach (section 7.1).",
     ),
+    "v_n_after": Quantity(
+        "parting v_n′", "m/s", "Normal relative velocity after contact; positive while they part."
+    ),
     "v_s": Quantity(
-        "v_s",
+        "sliding v_s",
         "m/s",
         "Surface velocity before contact: how fast the two surfaces slide over each other at the "
         "point of contact, spin included; a length (section 7.1).",
     ),
-    "v_n_after": Quantity(
-        "v_n′", "m/s", "Normal relative velocity after contact; positive while they part."
-    ),
     "v_s_after": Quantity(
-        "v_s′",
+        "sliding v_s′",
         "m/s",
         "Surface velocity after contact along the direction it had before; negative when the "
         "surfaces have turned their sliding about.",
     ),
-    "e": Quantity("e", "", "Normal restitution, -v_n′ / v_n: 1 loses nothing, 0 sticks."),
-    "beta": Quantity(
-        "β", "", "Tangential restitution, -v_s′ / v_s: 1 reverses the sliding, -1 leaves it."
-    ),
     "contact_duration": Quantity(
-        "T",
+        "contact T",
         "µs",
         "Duration of contact: from first touch on the paths before it to the parting on the paths "
         "after it. The tracks' kink lies e / (1 + e) of it after first touch.",

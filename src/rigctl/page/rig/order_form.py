@@ -10,6 +10,7 @@ from nicegui import ui
 from rigctl.page.desk import Desk, actor
 from rigctl.page.parts.fields import CampaignField, NumberField, setting_fields
 from rigctl.page.parts.widgets import button
+from rigctl.page.rig.expected import expected, sentence
 from rigctl.rig.arming import Armed
 from rigctl.rig.states import LATCHED, RigState
 from rigctl.rig.status import RigStatus
@@ -43,12 +44,14 @@ class OrderForm:
         )
         last = self._rig.status().last_shot
         self._campaign = CampaignField("first" if last is None else last.campaign or "")
+        self._expected = ui.label().classes("expectation").props("data-testid=expected")
         self._said = ui.label().classes("note").props("data-testid=arming role=status")
-        self._arm = button(
-            "Arm: check and make ready", self._on_arm, look="main fill", testid="arm"
-        )
-        self._fire = button("Fire", self._on_fire, look="main fire", testid="fire")
-        self._disarm = button("Disarm", self._on_disarm, look="main line", testid="disarm")
+        with ui.element("div").classes("order-actions"):
+            self._arm = button(
+                "Arm: check and make ready", self._on_arm, look="main fill", testid="arm"
+            )
+            self._fire = button("Fire", self._on_fire, look="main fire", testid="fire")
+            self._disarm = button("Disarm", self._on_disarm, look="main line", testid="disarm")
 
     def show(self, status: RigStatus) -> None:
         """Say where arming stands and offer what can be done now."""
@@ -57,6 +60,9 @@ class OrderForm:
         armed = status.state is RigState.ARMED
         valid = self._campaign.valid and all(field.valid for field in self._fields.values())
         self._said.set_text(self._sentence(status))
+        told = self._expectation(status) if valid else ""
+        self._expected.set_text(told)
+        self._expected.set_visibility(bool(told))
         self._arm.set_visibility(not armed)
         self._fire.set_visibility(armed)
         self._disarm.set_visibility(armed)
@@ -66,6 +72,24 @@ class OrderForm:
         self._campaign.set_enabled(enabled=free)
         for field in self._fields.values():
             field.set_enabled(enabled=free)
+
+    def _expectation(self, status: RigStatus) -> str:
+        """Say how the shot will hit, by the last one; nothing before one was measured."""
+        last, configuration = status.last_shot, self._desk.daemon.configuration
+        if last is None or last.settings is None or configuration.apparatus != "pusher":
+            return ""
+        measured = self._desk.readings.of([last])
+        if not measured:
+            return ""
+        found = expected(
+            measured[0], last.settings, self._settings(), 1e3 * configuration.spheres[0].diameter_m
+        )
+        return "" if found is None else sentence(last.number, *found)
+
+    def _settings(self) -> ShotSettings:
+        return ShotSettings.model_validate(
+            {name: field.value for name, field in self._fields.items()}
+        )
 
     def _sentence(self, status: RigStatus) -> str:
         if self._arming:
@@ -83,8 +107,7 @@ class OrderForm:
         return f"Armed{for_what}: {left:.0f} s left."
 
     async def _on_arm(self) -> None:
-        values = {name: field.value for name, field in self._fields.items()}
-        settings, who = ShotSettings.model_validate(values), actor()
+        settings, who = self._settings(), actor()
         self._arming = True
         try:
             armed = await self._desk.act(lambda: self._rig.arm(settings, who), moves=True)

@@ -91,7 +91,7 @@ class LastShot:
     @ui.refreshable_method
     def beside(self) -> None:
         """Place its coefficients."""
-        ui.label("Coefficients").classes("title")
+        ui.label("What was measured").classes("title")
         if self._shot is None:
             ui.label("Measured a few seconds after the first shot.").classes("empty")
             return
@@ -138,9 +138,14 @@ def _order(desk: Desk, filled: ShotSettings | None) -> None:
 def _interlocks(desk: Desk) -> None:
     limits = desk.daemon.configuration.limits
     with ui.element("div").classes("panel"):
-        ui.label("Interlocks").classes("title")
+        ui.label("Checks before a fire").classes("title").tooltip("interlocks")
+        with ui.element("details").classes("wide").props("data-testid=checks") as listed:
+            with ui.element("summary"):
+                count = ui.label().classes("strong").props("data-testid=checks-hold")
+            table = (
+                ui.html("", sanitize=False).props("data-testid=interlocks").classes("wide names")
+            )
         said = ui.label().classes("note")
-        table = ui.html("", sanitize=False).props("data-testid=interlocks").classes("wide names")
         with ui.element("div").classes("beside"):
             ui.link("Commissioning", WALK).classes("aside").props("data-testid=commissioning")
             if desk.daemon.keypad is not None:
@@ -151,10 +156,21 @@ def _interlocks(desk: Desk) -> None:
     def show() -> None:
         status = desk.daemon.rig.status()
         said.set_text(_read_when(status, limits))
+        listed.set_visibility(bool(status.interlocks))
+        count.set_text(_hold(status))
         table.set_content(_interlock_table(status) if status.interlocks else "")
+        if any(not each.holds for each in status.interlocks):
+            listed.props("open")
 
     show()
     every(TICK_S * 5, show)
+
+
+def _hold(status: RigStatus) -> str:
+    """Say how many conditions hold."""
+    hold, count = sum(each.holds for each in status.interlocks), len(status.interlocks)
+    mark = "✓" if hold == count else "▲"
+    return f"{mark} {hold} of {count} hold"
 
 
 def _read_when(status: RigStatus, limits: Limits) -> str:

@@ -91,7 +91,12 @@ class Player:
     def _said(self) -> str:
         words = f"frame {self._frame} of 0–{self._count - 1}"
         since = self._since(self._frame)
-        return words if since is None else f"{words}, {since:+.1f} ms from contact"
+        if since is None:
+            return words
+        if self._frame == self._contact:
+            return f"{words}, at contact"
+        side = "after" if since > 0 else "before"
+        return f"{words}, {abs(since):.1f} ms {side} contact"
 
     def _since(self, frame: int) -> float | None:
         """Return the time of a frame from that of the contact, ms; None where no contact is known.

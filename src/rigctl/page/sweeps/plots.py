@@ -38,7 +38,7 @@ def covers(steps: Sequence[ShotSettings]) -> str:
     """Say in words which incidence the offsets mean."""
     found = [incidence(step.offset_mm) for step in steps]
     return (
-        f"{len(steps)} shots, v_s/v_n from about {min(found):.2f} to {max(found):.2f} "
+        f"{len(steps)} shots, sliding ÷ approach from about {min(found):.2f} to {max(found):.2f} "
         "before they fall"
     )
 
@@ -113,7 +113,7 @@ def _plane(traces: list[Json], limits: Limits, name: str) -> Json:
         },
         yaxis={"title": {"text": "offset, mm"}, **vertical},
         yaxis2={
-            "title": {"text": "v_s / v_n, about"},
+            "title": {"text": "sliding ÷ approach, about"},
             **vertical,
             "overlaying": "y",
             "side": "right",

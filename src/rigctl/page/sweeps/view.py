@@ -112,10 +112,10 @@ class SweepView:
                 ui.label("Where it is").classes("title")
                 self._plane = plot(progress(self._by_fate(), self._limits))
             with ui.element("div").classes("panel"):
-                self._titled("Restitution over approach speed", "restitution", SPEED)
+                self._titled("Bounce over approach speed", "restitution", SPEED)
                 self._speed = plot(over_speed([], sweep, READING)).props("data-testid=grows")
             with ui.element("div").classes("panel"):
-                self._titled("Tangential restitution over incidence", "tangential", INCIDENCE)
+                self._titled("Spin-back over sliding", "tangential", INCIDENCE)
                 self._incidence = plot(over_incidence([], sweep, READING))
         with ui.element("div").classes("panel"):
             ui.label("Steps").classes("title")
