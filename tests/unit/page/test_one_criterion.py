@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from analysis.model.verdict.standing import Word, standing_of
@@ -13,6 +13,7 @@ from rigctl.page.model.story.words import missing_words, where
 from rigctl.page.model.verdict import sentence
 
 Json = dict[str, Any]
+CHALLENGES = 200
 NAMES = ("drag", "wind", "magnus-lift")
 POINTS = {"unit": "mm/s", "trend": {"mean": [-3.0, 0.0, 3.0]}}
 chance = st.sampled_from([1e-12, 0.004, 0.009, 0.011, 0.04, 0.06, 1.0])
@@ -74,6 +75,7 @@ def ways(draw: st.DrawFn) -> tuple[list[Json], Json | None]:
     return path, draw(st.sampled_from([None, concluded]))
 
 
+@settings(max_examples=CHALLENGES)
 @given(ways())
 def test_what_the_verdict_calls_missing_is_missing_in_story_and_next_shots(
     way: tuple[list[Json], Json | None],
@@ -96,6 +98,7 @@ def test_what_the_verdict_calls_missing_is_missing_in_story_and_next_shots(
         assert named not in path[-1]["with"]
 
 
+@settings(max_examples=CHALLENGES)
 @given(ways())
 def test_shots_are_chosen_exactly_where_the_verdict_leaves_two_open(
     way: tuple[list[Json], Json | None],

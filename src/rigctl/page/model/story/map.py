@@ -80,10 +80,7 @@ def _table(cells: Sequence[Json], chosen: int) -> str:
     grid = Grid.of(cells)
     most = max((cell["deviation"] for cell in cells), default=LEAST)
     at = cells[chosen]["channel"], cells[chosen]["covariate"]
-    groups = "".join(
-        f'<th colspan="{len(columns)}" scope="colgroup"><span>{escape(name)}</span></th>'
-        for name, columns in grid.groups
-    )
+    groups = "".join(_group(name, len(columns)) for name, columns in grid.groups)
     columns = [column for _, columns in grid.groups for column in columns]
     first = {columns[0] for _, columns in grid.groups}
     heads = "".join(
@@ -106,6 +103,13 @@ def _table(cells: Sequence[Json], chosen: int) -> str:
         f'<tr class="groups"><td></td>{groups}</tr><tr class="heads"><td></td>{heads}</tr>'
         f"</thead><tbody>{''.join(lines)}</tbody></table>"
     )
+
+
+def _group(name: str, count: int) -> str:
+    """Return the head over the columns of a group; one without a name is no head."""
+    if not name:
+        return f'<td colspan="{count}"></td>'
+    return f'<th colspan="{count}" scope="colgroup"><span>{escape(name)}</span></th>'
 
 
 def _cell(cells: Sequence[Json], place: int | None, chosen: int, most: float) -> str:

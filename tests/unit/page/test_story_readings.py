@@ -1,0 +1,72 @@
+"""What the slider says of a size, against the law that the effect itself wraps round a contact."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+
+from analysis.collision.operator import Body, Encounter, Outcome, States
+from rigctl.model.known_effects import ALL_EFFECTS
+from rigctl.page.model.story.readings import FAST, READINGS, SLOW, sentence_of
+
+EFFECTS = {effect.name: effect for effect in ALL_EFFECTS}
+BOUNCE = 0.74
+
+
+def bounces(effect: str, amplitude: float) -> list[float]:
+    """Return e at the two speeds that are read, from the effect's own law."""
+    speeds = np.array([SLOW, FAST])
+    still, body = np.zeros((2, 3)), Body.sphere(0.0254, 1150.0, 0.4)
+    coming = np.column_stack([still[:, 0], -speeds, still[:, 0]])
+    before = States(still, coming, still, still)
+    normal = np.tile([0.0, 1.0, 0.0], (2, 1))
+    seen: list[Encounter] = []
+
+    class SeenError(Exception):
+        """The law has changed the contact: no need to go through it."""
+
+    def operator(encounter: Encounter) -> Outcome:
+        seen.append(encounter)
+        raise SeenError
+
+    whole = np.full(2, BOUNCE)
+    contact = Encounter(before, normal, (body, body), whole, 0.1 * whole, 0.5 * whole, {})
+    with pytest.raises(SeenError):
+        EFFECTS[effect].wrap(operator, np.array([amplitude]))(contact)
+    return [float(value) for value in seen[0].e]
+
+
+@pytest.mark.parametrize(
+    ("effect", "amplitude"),
+    [
+        ("restitution-plastic", 0.08),
+        ("restitution-yield-knee", 0.1),
+        pytest.param("restitution-viscoelastic", 0.05, marks=pytest.mark.long),
+    ],
+)
+def test_the_bounce_that_is_said_is_that_of_the_law(effect: str, amplitude: float) -> None:
+    said = sentence_of(effect, amplitude, BOUNCE)
+    slow, fast = map(float, re.findall(r"0\.\d\d", said))
+    assert [slow, fast] == pytest.approx(bounces(effect, amplitude), abs=0.011)
+
+
+def test_a_size_that_is_said_is_in_the_unit_of_the_sentence() -> None:
+    assert sentence_of("velocity-offset", -0.02, BOUNCE) == "Every rebound is 20 mm/s slower."
+    assert sentence_of("mirror-angle", 0.01, BOUNCE).startswith("The mirror stands at 45.57°")
+    assert sentence_of("lasting-contact", 1.9e-4, BOUNCE) == "A contact at 1 m/s lasts 0.19 ms."
+
+
+@pytest.mark.parametrize("effect", sorted(READINGS))
+def test_a_sentence_names_no_slug_and_no_power_of_ten(effect: str) -> None:
+    assert effect in EFFECTS
+    for share in (-1.0, 0.0, 0.3, 1.0):
+        said = sentence_of(effect, share * EFFECTS[effect].parameters[0].plausible[1], BOUNCE)
+        assert said.endswith(".")
+        assert not re.search(r"\de[-+]?\d", said)
+        assert "-" not in said.replace("head-on", "")
+
+
+def test_of_an_effect_of_ones_own_nothing_is_said() -> None:
+    assert sentence_of("restitution-warmth", 0.1, BOUNCE) == ""
