@@ -41,10 +41,9 @@ GONE = """() => {
   return !seen(document.querySelector("[data-testid=explaining]"));
 }"""
 
-NEW_POINTS = """before => {
-  const now = document.querySelector("[data-testid=story-points] .main-svg");
-  return now && now !== before;
-}"""
+POINTS = """document.querySelector("[data-testid=story-points] .js-plotly-plot, "
+  + "[data-testid=story-points].js-plotly-plot")?._fullData?.[0].y.join()"""
+NEW_POINTS = f"before => {{ const now = {POINTS}; return now && now !== before; }}"
 
 
 class Daemon(Protocol):
@@ -122,7 +121,7 @@ def settle(daemon: Daemon) -> None:
 def cell_shown(page: Page, daemon: Daemon) -> Waited:
     """Choose another cell of the story's map; return the wait until its points are drawn."""
     settle(daemon)
-    points = page.get_by_test_id("story-points").locator(".main-svg").first.element_handle()
+    points = page.evaluate(POINTS)
     cell = page.get_by_test_id("map").locator("[aria-pressed=false]").first
     meter = Meter(daemon)
     cell.click()

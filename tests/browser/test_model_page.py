@@ -90,7 +90,7 @@ def test_a_hidden_effect_is_found_added_answered_and_revealed(page: Page, served
     expect(page.get_by_test_id("ask-again")).to_contain_text("neither be changed nor taken back")
     page.get_by_test_id("commit-now").click()
     page.get_by_test_id("reveal").click()
-    expect(page.get_by_test_id("truth")).to_contain_text(f"({HIDDEN})")
+    expect(page.get_by_test_id("truth")).to_contain_text("The mirror is not at 45°")
     page.get_by_test_id("undo").click()
     expect(page.get_by_test_id("error-now")).to_contain_text(f"{before:.3f}")
 

@@ -11,7 +11,7 @@ from nicegui import ui
 from rigctl import challenge
 from rigctl.game import Clue
 from rigctl.model.known_effects import ALL_EFFECTS, effect_document
-from rigctl.page.model.story.cards import Card, card_of, named
+from rigctl.page.model.story.cards import Card, card_of
 from rigctl.page.model.story.lead import drawing
 from rigctl.page.parts.tables import minus, with_error
 
@@ -27,7 +27,9 @@ NOTHING = {"none": "Nothing", "unexplained": "Something that is in no catalogue"
 
 def in_titles(names: Sequence[str]) -> str:
     """Return the names of an answer in words."""
-    return " and ".join(NOTHING.get(name, named(name)) for name in names)
+    known = cards()
+    titles = {name: f"“{card.title}”" for name, card in known.items()} | NOTHING
+    return " and ".join(titles.get(name, name) for name in names)
 
 
 def cards() -> dict[str, Card]:

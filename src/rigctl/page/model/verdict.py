@@ -104,7 +104,9 @@ class Verdict:
         if self._asked.failure:
             ui.label(self._asked.failure).classes("note")
         if self._asked.answer is not None:
-            said = f"By itself: {verdict_sentence(self._asked.answer)}"
+            answer = self._asked.answer
+            told = verdict_sentence(answer).removeprefix(f"{answer['campaign']}: ")
+            said = f"Found by itself: {told}"
             ui.label(self._worded(said)).props("data-testid=explained")
             for doubt in doubts(self._asked.answer):
                 ui.label(doubt).classes("note")

@@ -34,6 +34,21 @@
     if (done) event.preventDefault();
   });
 
+  // Marks the cell of a map that was clicked, and returns its place.
+  window.chooseInMap = (event) => {
+    const cell = event.target.closest("[data-cell]");
+    if (!cell) return "";
+    const table = cell.closest("table");
+    for (const other of table.querySelectorAll("[data-cell]")) {
+      other.setAttribute("aria-pressed", String(other === cell));
+      other.tabIndex = other === cell ? 0 : -1;
+    }
+    for (const head of table.querySelectorAll(".heads th, tbody th")) head.classList.remove("here");
+    cell.closest("tr").cells[0].classList.add("here");
+    table.querySelector(".heads").cells[cell.closest("td").cellIndex].classList.add("here");
+    return cell.dataset.cell;
+  };
+
   // Arrows go from cell to cell of a map; the one that has the focus alone is reached by the tabulator.
   window.moveInMap = (event) => {
     const cell = event.target.closest("[data-cell]");

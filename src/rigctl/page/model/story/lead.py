@@ -10,6 +10,7 @@ from html import escape
 from nicegui import ui
 
 from analysis.model.structure.findings import ALWAYS
+from analysis.model.verdict.standing import AT_THE_FLOOR
 from rigctl.documents import Json
 from rigctl.page.model.compare import parsed
 from rigctl.page.model.effect_words import in_unit
@@ -197,7 +198,7 @@ def shown_in(parameter: Json, size: float) -> tuple[float, str]:
 def _gauge(before: Json) -> None:
     ui.label("error on unseen shots").classes("note")
     error = Unseen.of(before)
-    level = 100 if error.value > (error.floor or 0.0) else 0
+    level = 100 if error.floor is None or error.value > AT_THE_FLOOR else 4
     ui.html(f'<i style="height: {level}%"></i>', sanitize=False).classes("gauge").props(
         "aria-hidden=true"
     )

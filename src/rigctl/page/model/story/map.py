@@ -70,8 +70,7 @@ def place_map(cells: Sequence[Json], chosen: int, choose: Callable[[int], None])
     drawn.on(
         "click",
         on_click,
-        js_handler="(e) => { const cell = e.target.closest('[data-cell]'); "
-        "if (cell) emit(cell.dataset.cell); }",
+        js_handler="(e) => { const cell = window.chooseInMap(e); if (cell) emit(cell); }",
     )
     drawn.on("keydown", js_handler="(event) => window.moveInMap(event)")
 

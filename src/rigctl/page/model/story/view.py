@@ -8,7 +8,7 @@ from html import escape
 
 from nicegui import ui
 
-from analysis.model.verdict.standing import SURE
+from analysis.model.verdict.standing import AT_THE_FLOOR, SURE
 from rigctl.documents import Json
 from rigctl.page.desk import Desk
 from rigctl.page.model.effect_words import described, left_out
@@ -37,14 +37,13 @@ BARS = 8
 LEAST_SPAN = 1.5
 """Errors in units of the noise up to which the scale of the bars goes at least."""
 OTHERS = 4
-AT_FLOOR = 1.01
-"""An error, × the noise, from which on nothing could be done better."""
 
 
 class Story:
     """Four steps, drawn anew with each answer; `take` has the model taken with other effects.
 
-    The first is drawn at once, the others with `rank`: a browser needs a second for all of them.
+    The first and the last are drawn at once, the others with `rank`: a browser needs a second for
+    all of them.
     `last` is where more can be placed after them.
     """
 
@@ -59,6 +58,7 @@ class Story:
         with ui.element("div").classes("stack story"):
             self._first()
             self._others()
+            self._fourth()
             self.last = ui.element("div").classes("stack")
         self.show()
 
@@ -72,7 +72,9 @@ class Story:
             self._effect = seen[0]["effect"] if seen else ""
             if self._effect:
                 self._state.ask_trial(self._effect)
+            self._after = None
             self._first.refresh()
+            self._fourth.refresh()
             self._is_behind = True
 
     def rank(self) -> None:
@@ -89,7 +91,7 @@ class Story:
     def _film_chosen(self) -> None:
         """Ring the shot of the film among the points, unless they are drawn anew anyway."""
         if not self._is_behind:
-            self._where.place.refresh()
+            self._where.ring()
 
     def _to_film(self, shot: int) -> None:
         self._film.choose(shot)
@@ -105,6 +107,8 @@ class Story:
         self._after = self._state.tried(self._effect) if self._effect else None
         self._waits = self._state.tries(self._effect)
         self._others.refresh()
+        if self._after is not None:
+            self._fourth.refresh()
 
     def _seen(self, found: Json) -> list[Json]:
         return [c for c in found["candidates"] if c["seen"] and c["effect"] not in found["with"]]
@@ -134,8 +138,12 @@ class Story:
             self._where.place()
         with _step(3, "What is missing"):
             self._missing(found, found["findings"][0])
-        with _step(4, "Add it"):
-            self._added(found)
+
+    @ui.refreshable_method
+    def _fourth(self) -> None:
+        if (found := self._shown) is not None:
+            with _step(4, "Add it"):
+                self._added(found)
 
     def _rail(self, found: Json, cell: Json) -> None:
         """Place the four steps, each with its result in some words and a link to it."""
@@ -204,7 +212,7 @@ class Story:
                     drawing(card)
                     ui.label(card.title).classes("strong")
                     ui.label(card.notice).classes("note")
-                    if error.floor is not None and error.value <= AT_FLOOR:
+                    if error.floor is not None and error.value <= AT_THE_FLOOR:
                         ui.label("the error would hardly change").classes("note")
                     elif error.floor is not None:
                         falls = falls_to(found, candidate)
@@ -263,7 +271,7 @@ def _fell(title: str, before: Unseen, after: Unseen) -> str:
     if after.floor is None:
         return f"{lead}{before.said()} to {after.said()}."
     told = f"{lead}{three_figures(before.value)} to {three_figures(after.value)} times the noise"
-    if after.value <= AT_FLOOR:
+    if after.value <= AT_THE_FLOOR:
         return f"{told}. Nothing can do better: this is the floor."
     return f"{told}; the floor is 1.00."
 

@@ -15,7 +15,7 @@ from rigctl.page.model.story.map import place_map
 from rigctl.page.model.story.plots import cell_plot
 from rigctl.page.model.story.words import channel, goes_with, where
 from rigctl.page.model.where import apart, block_of
-from rigctl.page.parts.widgets import button, plot
+from rigctl.page.parts.widgets import button, plot, redraw
 
 CELLS = 6
 PLACES = {"at the bounce": "contact", "in the air": "flight", "in the camera": "camera"}
@@ -88,26 +88,42 @@ class WhereItFails:
 
     @ui.refreshable_method
     def place(self) -> None:
-        """Place sentence, plot and cells."""
-        cell = self._cells.chosen
-        if cell is None:
+        """Place sentence, map and plot."""
+        if self._cells.chosen is None:
             return
-        points = parsed(cell["points"])
-        trend = points["trend"]
-        said = where(cell, points, self._state.standing)
         self._choice()
-        ui.label(said).classes("lede").props("data-testid=story-where")
+        self._told()
         with ui.element("div").classes("columns where"):
             with ui.element("div").classes("stack"):
-                self._offer(self._cells.here, cell)
+                self._offer(self._cells.here, self._cells.chosen)
             with ui.element("div").classes("stack"):
-                ui.label(f"{channel(cell['channel']).capitalize()}, {goes_with(cell)}").classes(
-                    "strong"
-                )
-                curve = (trend["x"], trend["mean"])
-                drawn = plot(cell_plot(cell, apart(points), curve, self._filmed()))
-                drawn.on("plotly_click", self._on_point).props("data-testid=story-points")
+                self._named = ui.label(self._name()).classes("strong")
+                self._plot = plot(self._figure())
+                self._plot.on("plotly_click", self._on_point).props("data-testid=story-points")
                 ui.label("Click a dot: the film above shows its shot, ringed here.").classes("note")
+
+    @ui.refreshable_method
+    def _told(self) -> None:
+        if (cell := self._cells.chosen) is not None:
+            said = where(cell, parsed(cell["points"]), self._state.standing)
+            ui.label(said).classes("lede").props("data-testid=story-where")
+
+    def ring(self) -> None:
+        """Ring the shot whose film is shown."""
+        if self._cells.chosen is not None:
+            redraw(self._plot, self._figure())
+
+    def _name(self) -> str:
+        cell = self._cells.chosen
+        return "" if cell is None else f"{channel(cell['channel']).capitalize()}, {goes_with(cell)}"
+
+    def _figure(self) -> Json:
+        cell = self._cells.chosen
+        if cell is None:
+            return {}
+        points = parsed(cell["points"])
+        trend = points["trend"]["x"], points["trend"]["mean"]
+        return cell_plot(cell, apart(points), trend, self._filmed())
 
     def _choice(self) -> None:
         """Offer the places that have cells; a tick where nothing errs."""
@@ -131,19 +147,24 @@ class WhereItFails:
                 "Number: how surely the error of the row changes with the column, in standard "
                 "deviations; a dot: not at all. Click one, or use the arrow keys."
             ).classes("note")
+        self._listed()
+
+    @ui.refreshable_method
+    def _listed(self) -> None:
+        listed = self._cells.here[:CELLS]
+        at = next((k for k, cell in enumerate(listed) if cell is self._cells.chosen), None)
         with ui.element("div").classes("stack narrow-only"):
             ui.label("What the error goes with, and how surely").classes("strong")
-            listed = list(cells[:CELLS])
             most = max(own["deviation"] for own in listed)
-            bars(
-                [_bar(own, most) for own in listed],
-                lambda place: self._choose(listed[place]),
-                at if at < len(listed) else None,
-            )
+            bars([_bar(own, most) for own in listed], lambda k: self._choose(listed[k]), at)
 
     def _choose(self, cell: Json) -> None:
+        """Draw a cell over the one before: a plot made anew takes twice as long, a map as well."""
         self._cells.chosen = cell
-        self.place.refresh()
+        self._told.refresh()
+        self._named.set_text(self._name())
+        redraw(self._plot, self._figure())
+        self._listed.refresh()
 
     def _on_point(self, event: events.GenericEventArguments) -> None:
         points = event.args.get("points") if isinstance(event.args, dict) else None
