@@ -21,6 +21,7 @@ def commissioning_page(desk: Desk) -> None:
     @kept_page(PLACE)
     def page() -> None:
         with sheet(desk, "Commissioning", "/"):
+            ui.html("Commissioning", sanitize=False, tag="h2").classes("own-heading")
             ui.label(_why(desk)).classes("note")
             Walk(desk)
 

@@ -37,6 +37,7 @@ def film_page(desk: Desk) -> None:
     @kept_page(PLACE)
     def page(job: str = "") -> None:
         with sheet(desk, "Film", "/"):
+            ui.html("Film of a telephone", sanitize=False, tag="h2").classes("own-heading")
             if desk.daemon.film is None:
                 ui.label("This rig works its camera itself.").classes("empty")
                 return

@@ -29,6 +29,7 @@ def recorder_page(desk: Desk) -> None:
     @kept_page(PLACE)
     def page() -> None:
         with sheet(desk, "Recorder", "/"):
+            ui.html("Recorder", sanitize=False, tag="h2").classes("own-heading")
             keypad = desk.daemon.keypad
             if keypad is None:
                 ui.label("This rig's camera is no tape recorder.").classes("empty")
