@@ -1,4 +1,4 @@
-"""What an object of JSON is in Python; its form is in the page of whoever writes or reads it."""
+"""What an object of JSON is in Python; its form is defined where it is written or read."""
 
 from __future__ import annotations
 

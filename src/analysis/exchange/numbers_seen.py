@@ -10,7 +10,7 @@ import numpy as np
 class NumbersSeen:
     """The numbers of the shots of a table that is read a row at a time.
 
-    Rows usually stand in the order of their shots; only a number that is out of order is looked up.
+    Rows are usually in the order of their shots; only a number that is out of order is looked up.
     """
 
     def __init__(self) -> None:

@@ -177,7 +177,7 @@ def _alone(
 
 
 def _places(theory: LaunchTheory) -> dict[str, NDArray[np.intp]]:
-    """Return where the parameters of each effect stand in the theory's vector."""
+    """Return the indices of each effect's parameters in the theory's vector."""
     places, start = {}, len(LAW_NAMES)
     for active in theory.active:
         stop = start + len(active.values)

@@ -20,7 +20,7 @@ class Kind:
     name, unit
         As a table shows it; in that unit a number is `factor` times its SI value.
     columns
-        Where they stand in the row of a muzzle.
+        Their indices in the row of a muzzle.
     relative
         They scatter in proportion to the speed.
     """

@@ -12,7 +12,7 @@ from rigctl.errors import ConfigurationError
 
 SHORTEST = 16
 VARIABLE = "RIGCTL_KEY"
-WARNING = f"--key stands in the list of processes; take --key-file, or {VARIABLE}"
+WARNING = f"--key is visible in the list of processes; use --key-file, or {VARIABLE}"
 
 
 @dataclass(frozen=True, slots=True)

@@ -61,7 +61,7 @@ class Gate:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What the operator is told as long as the rig refuses; as last found."""
+        """Why the rig refuses, for the operator; as last found."""
         return self._said
 
     def firmware(self) -> dict[str, str]:

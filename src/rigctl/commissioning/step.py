@@ -22,7 +22,7 @@ class Part(StrEnum):
 
 
 class Act(StrEnum):
-    """What the daemon does for a step, when it is told to.
+    """What the daemon does for a step, on request.
 
     `release`: releases a latched rig. `stop`: an emergency stop. `stop-release`: both. `refused`:
     arms, which the rig must refuse in the step's own words. `latched`: the rig must have stopped by

@@ -172,6 +172,6 @@ def _entry(standing: Standing) -> dict[str, Any]:
 
 def _require_said(people: Sequence[str], note: str, *, needed: bool) -> None:
     if not people or not all(name.strip() for name in people):
-        raise SettingsError("is empty", part="people", todo="name whoever has looked")
+        raise SettingsError("is empty", part="people", todo="name the person who has looked")
     if needed and not note.strip():
         raise SettingsError("is empty", part="note", todo="say what was seen or done")

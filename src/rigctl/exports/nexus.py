@@ -175,7 +175,7 @@ def _left_out(group: h5py.Group, source: Source, found: Results) -> None:
 
 
 def _described(group: h5py.Group, facts: tuple[Facts, ...]) -> None:
-    """Write the apparatus as it was described, as text; units stand in the names."""
+    """Write the apparatus as it was described, as text; names end in their units."""
     for part in facts:
         below = _group(group, part.heading.replace(" ", "_"), "NXcollection")
         for name, value in part.rows:

@@ -89,7 +89,7 @@ def utc_now() -> datetime:
 
 
 class Register:
-    """Table of jobs. Any thread may call any method; `listeners` are told of every change.
+    """Table of jobs. Any thread may call any method; `listeners` are called at every change.
 
     Parameters
     ----------

@@ -72,7 +72,7 @@ class Jobs:
 
     @property
     def listeners(self) -> Listeners[Job]:
-        """Callbacks that are told of every change of a job."""
+        """Callbacks, called at every change of a job."""
         return self._register.listeners
 
     def prepare(self, module: str) -> None:

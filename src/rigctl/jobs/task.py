@@ -1,4 +1,4 @@
-"""What a piece of long work is, and the thread in which a job speaks and hears."""
+"""What a piece of long work is, and how it reports progress and is cancelled."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from rigctl.progress import Progress
 
 
 class Task:
-    """A running job as its work sees it: it says how far it is, and hears when it is not wanted.
+    """A running job as its work sees it: it takes progress, and passes on a cancellation.
 
     Any thread may call any of its methods.
 

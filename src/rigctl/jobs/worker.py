@@ -127,7 +127,7 @@ def _answer(function: str, arguments: Json, progress: Progress) -> tuple[str | N
         return "done", json.dumps(call(arguments, progress), allow_nan=False)
     except RigError as error:
         return "failed", error.sentence(), error.code, ""
-    except Exception as error:  # noqa: BLE001 - whatever breaks is told, not lost
+    except Exception as error:  # noqa: BLE001 - sent to the daemon, not lost
         return "failed", f"{type(error).__name__}: {error}", None, traceback.format_exc()
 
 

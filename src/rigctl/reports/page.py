@@ -219,7 +219,7 @@ def _rebound(found: Results, columns: dict[str, Table]) -> str:
     )
     caption = (
         "Figure 7.4: rebound of the surface velocity; left where the lines meet, right all shots. "
-        "Bars are standard errors in both coordinates; their correlation stands in the table."
+        "Bars are standard errors in both coordinates; their correlation is in the table."
     )
     links = [download(name, columns[name]) for name in ("figure-7-4", "figure-7-4-curves")]
     return section("Rebound of the surface velocity", picture(svg, caption, links))

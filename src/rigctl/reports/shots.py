@@ -75,7 +75,7 @@ def every_shot(found: Results, columns: dict[str, Table]) -> str:
     note = (
         "vₙ is negative before contact, vₛ a length, vₛ′ its component along the incident "
         "direction. β = −vₛ′/vₛ. f is the impulse across over that along the normal, μ where the "
-        "contact slides. All errors with their correlations stand in the file."
+        "contact slides. The file has all errors with their correlations."
     )
     link = f'<p class="download aside">{download("coefficients", columns["coefficients"])}</p>'
     body = table(headings, rows)

@@ -141,7 +141,7 @@ def _on_workers(
     scheduler: str | None,
     workers: int | None,
 ) -> dict[str, Any]:
-    """Ask the same where each campaign is read and worked on by whoever is free."""
+    """Ask the same; each campaign is read and worked on by the next free worker."""
     places = [campaign.resolve() if campaign.exists() else campaign for campaign in campaigns]
     titles = [place.name for place in places]
     with faults_refused(), pool(scheduler, workers) as workshop, progress() as say:

@@ -75,7 +75,7 @@ def commission(
 def _people(given: list[str] | None) -> list[str]:
     people = given or [name.strip() for name in typer.prompt("Who looks?").split(",")]
     if not all(people):
-        raise SettingsError("is empty", part="person", todo="name whoever looks")
+        raise SettingsError("is empty", part="person", todo="name the person who looks")
     return people
 
 

@@ -14,7 +14,7 @@ STOP_PORT_ABOVE = 1000
 
 
 def listen(section: ServiceSection, port: int | None) -> socket.socket:
-    """Return the socket of the service; `port` stands in the place of the configuration's.
+    """Return the socket of the service; `port` replaces that of the configuration.
 
     Raises
     ------

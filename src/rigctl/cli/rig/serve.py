@@ -180,12 +180,12 @@ def _server(
         log_level="warning",
         access_log=False,
         server_header=False,
-        # Who asks is told by the connection; by a header only where a proxy is named.
+        # The client's address is that of the connection; of a header only where a proxy is named.
         proxy_headers=False,
         ssl_certfile=section.tls_certificate,
         ssl_keyfile=section.tls_key,
         timeout_graceful_shutdown=END_WITHIN_S,
-        # Packing what each open page is told holds the event loop, and with it a fire request.
+        # Compressing messages to open pages holds up the event loop, and with it a fire request.
         ws_per_message_deflate=False,
     )
     return _Server(settings, hub)

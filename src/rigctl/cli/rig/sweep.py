@@ -86,7 +86,7 @@ def run(
     key_file: KeyFile = None,
     json: Json = False,
 ) -> None:
-    """Run what a file or ranges ask for; whoever stops watching leaves the sweep running.
+    """Run what a file or ranges ask for; the sweep goes on when nobody watches it any more.
 
     Raises
     ------

@@ -118,7 +118,7 @@ def recorder_routes(daemon: Daemon, lanes: Lanes) -> APIRouter:
 
     @router.post("", responses=documented(401, 404, 405, 409, 411, 413, 422, 503))
     async def press(order: KeyOrder, request: Request) -> RecorderView:
-        """Press one key; refused while a shot is under way. What is erased stands in the audit."""
+        """Press one key; refused while a shot is under way. The audit records what is erased."""
         keypad, who = require_keypad(daemon), request.state.actor
         await lanes.control(lambda: pressed(daemon, keypad, order, who))
         return await lanes.control(lambda: RecorderView.of(keypad))
@@ -150,7 +150,7 @@ def require_keypad(daemon: Daemon) -> Keypad:
 
 
 def pressed(daemon: Daemon, keypad: Keypad, order: KeyOrder, actor: str) -> None:
-    """Press a key; what it has erased stands in the audit."""
+    """Press a key; the audit records what it has erased."""
     if order.key == "erase":
         erase_tape(keypad, daemon.store, actor)
     else:
