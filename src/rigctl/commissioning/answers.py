@@ -1,4 +1,7 @@
-"""What people said of the steps: sealed with the key of the store's audit, and kept in it."""
+"""What people said of the steps: sealed with the key of the store's audit, and kept in it.
+
+The record of all of it is a file with a signature, written and read here too.
+"""
 
 from __future__ import annotations
 
@@ -8,10 +11,12 @@ import logging
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass
 from datetime import datetime
+from pathlib import Path
+from typing import Any
 
 from rigctl.commissioning.step import Step
 from rigctl.config import Configuration
-from rigctl.errors import StoreError
+from rigctl.errors import SettingsError, StoreError
 from rigctl.store.edits import COMMISSIONING
 from rigctl.store.integrity.seal import Seal, read_seal
 from rigctl.store.store import Store
@@ -125,3 +130,38 @@ def _at(document: object, path: str) -> object:
 def _digest(value: object) -> str:
     text = json.dumps(value, sort_keys=True, separators=(",", ":"))
     return hashlib.sha256(text.encode()).hexdigest()
+
+
+def write_record(path: Path, document: Mapping[str, Any]) -> None:
+    """Write a record; raise `StoreError` if the disk refuses."""
+    try:
+        path.write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")
+    except OSError as error:
+        raise StoreError(
+            f"the record cannot be written: {error.strerror}",
+            part=str(path),
+            todo="name a file that can be written",
+        ) from error
+
+
+def read_record(path: Path, store: Path) -> tuple[dict[str, Any], str, str]:
+    """Return a record without its signature, that signature, and the one the store would give.
+
+    Raises
+    ------
+    SettingsError
+        The file is no record.
+    StoreError
+        The store's key is missing or cannot be read.
+    """
+    try:
+        document = dict(json.loads(path.read_text(encoding="utf-8")))
+        given = str(document.pop("signature"))
+    except (OSError, ValueError, TypeError, KeyError) as error:
+        raise SettingsError(
+            f"is no record of a commissioning: {error}", part=str(path), todo="name another file"
+        ) from error
+    seal = read_seal(store)
+    if seal is None:
+        raise StoreError("the key of the audit is missing", part=str(store), todo="name the store")
+    return document, given, signature(seal, document)

@@ -83,7 +83,7 @@ def findings_document(found: Structure) -> list[Json]:
             "channel": one.channel,
             "covariate": one.covariate,
             "deviation": one.deviation,
-            "p_familywise": max(one.p_value, SMALLEST_P),
+            "p_familywise": max(one.p_holm, SMALLEST_P),
             "points": json.dumps(drawn(_behind(found, one))),
         }
         for one in findings(found.cells, found.covariates)

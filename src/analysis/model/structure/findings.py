@@ -39,14 +39,14 @@ class Finding:
     ----------
     deviation
         Standard deviations of the course without the channel's mean, or of that mean.
-    p_value
+    p_holm
         Chance of that, with all cells, or all channels, looked at.
     """
 
     channel: str
     covariate: str
     deviation: float
-    p_value: float
+    p_holm: float
 
 
 def findings(cells: Sequence[Cell], covariates: Mapping[str, Floats]) -> tuple[Finding, ...]:

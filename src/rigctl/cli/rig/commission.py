@@ -12,7 +12,7 @@ import typer
 from rigctl.cli.options import Config, Json, Key, KeyFile, given_key
 from rigctl.cli.output import print_json, print_line
 from rigctl.client import ServiceClient, connected
-from rigctl.commissioning.record_file import read_record, write_record
+from rigctl.commissioning.answers import read_record, write_record
 from rigctl.config import load
 from rigctl.errors import RefusedError, SettingsError
 
