@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-DIMENSIONS = ("length", "time", "mass", "temperature")
 _BASE: dict[str, tuple[float, float, float, float]] = {
     "1": (0, 0, 0, 0),
     "rad": (0, 0, 0, 0),
