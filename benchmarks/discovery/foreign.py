@@ -22,7 +22,7 @@ from benchmarks.discovery.campaigns import FRAMES, posed
 from benchmarks.discovery.lasting import AIR, RIG_NOISE, STATED_DRAG
 from benchmarks.discovery.options import Options
 from benchmarks.discovery.pulls import left_head_on
-from simulators.challenge.campaign import FRAME_RATE_HZ, run_campaign
+from simulators.challenge.campaign import FRAME_RATE_HZ, Noise, run_campaign
 from simulators.challenge.force_choice import Forces
 from simulators.challenge.nature import Nature
 from simulators.challenge.unlike import Motion, Pair, contact, film
@@ -66,8 +66,8 @@ def run(options: Options) -> None:
     print(f"{'world':20} chi2   left out  seconds  verdict, and pulls")
     for seed in range(FIRST_SEED, FIRST_SEED + max(options.campaigns // 100, 1)):
         for name, world in WORLDS.items():
-            noise = {"noise": RIG_NOISE} if world.filmed else {}
-            fired = run_campaign(world.nature, seed, shots=options.shots, **noise)
+            noise = RIG_NOISE if world.filmed else Noise()
+            fired = run_campaign(world.nature, seed, shots=options.shots, noise=noise)
             data = _stated(posed(fired), world)
             _tell(name, data, _truth(world.nature))
         for name, pair in PAIRS.items():
