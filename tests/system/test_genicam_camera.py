@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import fcntl
 import shutil
 import subprocess
+import tempfile
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -72,6 +75,14 @@ def test_frames_about_a_mark_come_with_numbers_and_times_of_the_camera() -> None
     assert np.median(steps) == pytest.approx(1 / RATE_HZ, rel=0.1)
 
 
+@pytest.fixture
+def alone() -> Iterator[None]:
+    """The network's camera is nobody else's meanwhile, in whichever process tests run besides."""
+    with (Path(tempfile.gettempdir()) / "rigctl-gige.lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        yield
+
+
 @contextmanager
 def gige_camera(*options: str) -> Iterator[subprocess.Popen[bytes]]:
     """The library's camera on the network of this host."""
@@ -96,9 +107,10 @@ def is_there(capture: LiveCapture) -> bool:
 
 
 @needs_gige
+@pytest.mark.usefixtures("alone")
 @pytest.mark.parametrize("dropped", [0, 10])
 def test_every_frame_of_a_gige_camera_comes_or_is_named_lost(dropped: int) -> None:
-    asked = section(camera_id="Aravis-RIGFAKE", frame_rate_hz=60.0, frames_after_mark=60)
+    asked = section(camera_id="Aravis-RIGFAKE", frames_after_mark=40)
     capture = LiveCapture(asked, Genicam(asked, ARAVIS))
     # Of a thousand packets; a frame has some thirty.
     with gige_camera("-r", str(dropped)):
@@ -110,11 +122,12 @@ def test_every_frame_of_a_gige_camera_comes_or_is_named_lost(dropped: int) -> No
         finally:
             capture.close()
     numbers = [*frames.sequence.tolist(), *frames.lost]
-    assert sorted(numbers) == list(range(min(numbers), min(numbers) + 65))
+    assert sorted(numbers) == list(range(min(numbers), min(numbers) + 45))
     assert frames.lost or not dropped
 
 
 @needs_gige
+@pytest.mark.usefixtures("alone")
 @pytest.mark.long
 def test_a_gige_camera_whose_cable_was_pulled_is_named_and_records_again_once_it_is_back() -> None:
     asked = section(camera_id="Aravis-RIGFAKE", collect_timeout_s=2.0)
