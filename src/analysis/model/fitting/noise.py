@@ -14,6 +14,7 @@ from analysis.arrays import Floats
 from analysis.model.data.stream import CampaignData
 from analysis.model.data.tables import ContactTable
 from analysis.model.fitting.fit import Fit, parts_of
+from analysis.model.fitting.nuisance import MOST_PULL
 from analysis.model.loops import plain
 from analysis.model.loops.blocks import whitenings
 from analysis.model.predict.comparison import Comparison, compare
@@ -35,13 +36,15 @@ UNTOLD = NoiseScale(1.0, np.inf)
 def noise_scales(data: CampaignData, fit: Fit) -> tuple[NoiseScale, NoiseScale]:
     """Return by what to multiply the stated sigmas of positions and of orientations.
 
-    1 with an infinite error where nothing is left over to tell, as in a table of contacts.
+    1 with an infinite error where nothing is left over to tell, as in a table of contacts. Air that
+    a wrong law pulls far from what is stated is left as stated: flights would scatter about it.
     """
     if isinstance(data, ContactTable):
         return UNTOLD, UNTOLD
     squares, freedom = np.zeros((2, 2))
+    theory = fit.theory.unstrained(MOST_PULL)
     for part, states in parts_of(data, fit):
-        line, _ = compare(part, states, fit.theory)
+        line, _ = compare(part, states, theory)
         left, free = free_flight_misfit(line)
         squares += left
         freedom += free

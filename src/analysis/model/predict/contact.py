@@ -116,7 +116,10 @@ def differentiated_contact(data: Observations, states: ShotStates, theory: Theor
     derivative = np.moveaxis(by_state, 0, 2)
     if states.kick is not None:
         rows, unknown = states.kick.shots, states.kick.unknown
-        kicks = _by_kick(data, theory.leaning(states.normal[rows]), unknown[rows])
+        normal = states.normal[rows]
+        # Of a step's kick only what lies across the normal is taken (`Kick.taken`).
+        taken = np.eye(3) - normal[:, :, None] * normal[:, None, :]
+        kicks = _by_kick(data, theory.leaning(normal), unknown[rows]) @ taken
         for k in range(3):
             derivative[rows, :, _FIRST_SPIN + 3 * states.kick.sphere + k] = kicks[..., k]
     # Without a law that is integrated both are the same.

@@ -138,6 +138,22 @@ class Theory:
         off = [((s.values - s.stated) / s.sigma) ** 2 for s in self.systematics]
         return float(sum(part.sum() for part in off))
 
+    def unstrained(self, most_pull: float) -> Theory:
+        """Return the theory with systematics that are pulled farther than that just as stated.
+
+        Parameters
+        ----------
+        most_pull
+            In stated errors.
+        """
+        kept = (
+            s
+            if (np.abs(s.values - s.stated) <= most_pull * s.sigma).all()
+            else replace(s, values=s.stated)
+            for s in self.systematics
+        )
+        return replace(self, systematics=tuple(kept))
+
     def at(self, vector: Floats) -> Theory:
         """Return the same theory at other values, shape (P,)."""
         sizes = np.cumsum([len(a.values) for a in self.parts])

@@ -226,10 +226,13 @@ def smallest_by_chance(
 ) -> Floats:
     """Return the smallest p over weight of many campaigns with nothing missing, shape (draws,).
 
-    Scores of such a campaign are Gaussian with the correlation of the columns.
+    Scores of such a campaign are Gaussian with the correlation of the columns. Columns are brought
+    to unit length first: the rounding of the largest would be noise in those that are hardly felt.
     """
-    values, vectors = np.linalg.eigh(matrix)
-    root = vectors * np.sqrt(np.clip(values, 0.0, None))
+    size = np.sqrt(np.maximum(np.diag(matrix), 0.0))
+    unit = np.where(size > 0.0, size, 1.0)
+    values, vectors = np.linalg.eigh(matrix / unit[:, None] / unit)
+    root = size[:, None] * vectors * np.sqrt(np.clip(values, 0.0, None))
     draws = rng.standard_normal((DRAWS, len(matrix))) @ root.T
     # The smallest p of blocks that share a distribution is that of the largest fall.
     alike: dict[tuple[int, bool, float], list[Block]] = {}

@@ -14,8 +14,12 @@ from analysis.model.data.bounces import bounces_of
 from analysis.model.data.gather import gather
 from analysis.model.data.poses import PoseData
 from analysis.model.data.reading import stream_poses
-from analysis.model.fitting.fit import fit_campaign
+from analysis.model.fitting.fit import START, fit_campaign
 from analysis.model.fitting.robust_fit import judged
+from analysis.model.predict.contact import contact_outcome, differentiated_contact
+from analysis.model.predict.start import first_states
+from analysis.model.predict.state import MOTION, SIZE, TILT
+from analysis.model.predict.theory import Theory
 from analysis.model.verdict.selection import Verdict, explain
 from simulators.challenge.drops import Drop
 from tests.unit.analysis.model.dropped import write_drops
@@ -96,6 +100,31 @@ def test_a_ball_without_markers_shows_air_and_restitution_that_falls_with_speed(
     assert abs(drag.value - 0.45) < 4 * drag.sigma
     # What was not seen is not determined.
     assert np.isnan(verdict.fit.parameters()["mu"].value)
+
+
+def test_a_law_that_is_far_off_makes_no_flight_look_noisy(plain: Path) -> None:
+    """The drag is pulled by eighty stated errors; about it flights would scatter nine times."""
+    assert judged(posed(plain)).evidence.noise[0] < 1.3
+
+
+def test_slopes_by_a_kick_are_those_of_states_that_are_moved(plain: Path) -> None:
+    """Beside a plate that leans; central differences of the outcome itself are the oracle."""
+    data = posed(plain)
+    states = first_states(data)
+    flat = Theory(START, data.systematics)
+    lean = [0.02 if name.startswith("plate-tilt") else 0.0 for name in flat.names]
+    theory = flat.at(flat.vector + np.array(lean))
+    assert states.kick is not None
+    places = MOTION.start + 6 + 3 * states.kick.sphere[0] + np.arange(3)
+    slopes = differentiated_contact(data, states, theory).by_state
+    for place in places:
+        step = np.zeros((data.count, SIZE))
+        step[:, place] = 1e-3
+        ahead, behind = (
+            contact_outcome(data, states.moved(sign * step), theory) for sign in (1.0, -1.0)
+        )
+        found = slopes[:, :, place - TILT.start]
+        assert found == pytest.approx((ahead - behind) / 2e-3, abs=1e-6)
 
 
 def test_streamed_bounces_give_the_same_numbers(marked: Path) -> None:

@@ -46,6 +46,22 @@ def test_a_weighted_look_costs_the_family_what_it_counts_for() -> None:
         assert expected == pytest.approx(level, abs=4 * np.sqrt(level / len(smallest)))
 
 
+def test_an_effect_that_hardly_shows_makes_no_other_less_sure() -> None:
+    """Rounding of the largest column is no noise of the smallest: thirty looks cost thirty."""
+    rng = np.random.default_rng(3)
+    size = 10.0 ** np.linspace(-5.0, 5.0, 30)
+    draws = rng.standard_normal((200, 30))
+    matrix = draws.T @ draws / 200 * size[:, None] * size
+    blocks = [
+        Block(np.array([k]), np.array([[matrix[k, k] ** -0.5]]), one_sided=False) for k in range(30)
+    ]
+    smallest = smallest_by_chance(matrix, blocks, [1.0] * 30, np.random.default_rng(4))
+    # No more than thirty independent looks make of it, and with some correlation hardly less.
+    t = float(np.quantile(smallest, 0.1))
+    assert 1 - (1 - t) ** 30 == pytest.approx(0.1, abs=0.04)
+    assert smallest.min() > 1e-7
+
+
 def test_only_an_effect_of_the_flight_that_is_stated_is_asked_for_by_itself() -> None:
     assert weight_of(DRAG, stated=True) == STATED_WEIGHT
     assert weight_of(DRAG, stated=False) == 1.0
