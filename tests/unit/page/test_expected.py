@@ -19,13 +19,13 @@ def settings(pressure: float, offset: float) -> ShotSettings:
 
 def test_four_times_the_pressure_meets_twice_as_fast() -> None:
     found = expected(HEAD_ON, settings(20, 0), settings(80, 0), 25.4)
-    assert found == (pytest.approx(6.0), 0.0)
+    assert found == pytest.approx((6.0, 0.0))
 
 
 def test_an_offset_of_half_a_diameter_meets_thirty_degrees_off_head_on() -> None:
     found = expected(HEAD_ON, settings(20, 0), settings(20, 12.7), 25.4)
     assert found is not None
-    assert found == (pytest.approx(3.0 * 3**0.5 / 2), pytest.approx(30.0))
+    assert found == pytest.approx((3.0 * 3**0.5 / 2, 30.0))
     assert "2.6 m/s, 30° off head on" in sentence(3, *found)
 
 

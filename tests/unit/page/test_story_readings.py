@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from analysis.collision.operator import Body, Encounter, Outcome, States
+from analysis.effects.effect import ContactEffect
 from rigctl.model.known_effects import ALL_EFFECTS
 from rigctl.page.model.story.readings import FAST, READINGS, SLOW, sentence_of
 
@@ -33,8 +34,10 @@ def bounces(effect: str, amplitude: float) -> list[float]:
 
     whole = np.full(2, BOUNCE)
     contact = Encounter(before, normal, (body, body), whole, 0.1 * whole, 0.5 * whole, {})
+    law = EFFECTS[effect]
+    assert isinstance(law, ContactEffect)
     with pytest.raises(SeenError):
-        EFFECTS[effect].wrap(operator, np.array([amplitude]))(contact)
+        law.wrap(operator, np.array([amplitude]))(contact)
     return [float(value) for value in seen[0].e]
 
 
