@@ -47,7 +47,8 @@ def rivals_of(
         chosen = [p for p in promises if p.worth > least and _may_reach(p, top - reach)]
         found += [_refit(fitted, promise) for promise in chosen]
     freed = freed_products(channels, forms)[:MOST_FREED]
-    found += _with_zeros(fitted, [p for p in freed if _may_reach(p, top - reach)], found)
+    least = (1.0 - REFIT_SHARE) * top
+    found += _with_zeros(fitted, [p for p in freed if _may_reach(p, least)], found)
     return sorted(found, key=lambda one: -one.worth)
 
 
