@@ -17,7 +17,8 @@ from analysis.balls.flight.known import Ball, Known, View
 from analysis.balls.searching import Search, search
 from analysis.balls.seen.arcs import Chain
 from analysis.balls.seen.looks import Looks
-from analysis.balls.seen.placing import Motion, Placed, Placer, Seen, Window, cut_windows
+from analysis.balls.seen.placing import Placed, Placer
+from analysis.balls.seen.windows import Motion, Seen, Window, cut_windows
 from analysis.balls.systematics import apart_sigmas, shifts, systematic_e, whole_sigmas
 
 REPEATS, MOST_REPEATS = 3, 5

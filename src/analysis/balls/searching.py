@@ -37,9 +37,11 @@ MOST_FAMILIES = 4
 LEAST_FRAMES = 6
 LEAST_BALL_FRAMES = 6
 MUCH_MORE = 1.25
-"""Frames of flights of discs with a less sure rim, over those of a surer one's, that win."""
+"""Frames of flights that bend alike of less sure discs, over those of surer ones, that win."""
 FALL_SHARE = (0.5, 2.0)
 """Of the fall that follows from the ball's size: between these a ball flies."""
+BEND_SHARE, BEND_SIGMAS = 0.12, 2.0
+"""Flights of one ball bend alike: up to what drag and perspective change, and errors of places."""
 LEAST_BEND = 1.5
 """In errors of a place: how far a flight lies off its chord, where it says anything."""
 NEAR_RADII = 0.5
@@ -113,6 +115,7 @@ def search(film: Film, times_s: Floats, ball: Ball) -> Search:
             "camera stands still",
         )
     best: Search | None = None
+    most = 0
     refused: NotFlyingError | None = None
     sought = [looks_of(family, samples, ground, film.head) for family in groups[:MOST_FAMILIES]]
     all_seen, gains = _seen(film, sought, read, ground)
@@ -129,7 +132,9 @@ def search(film: Film, times_s: Floats, ball: Ball) -> Search:
         if linked:
             chain = flown(_flying(linked[0], looks, fall), looks.radius_px)
         # The surest rims come first; the strengths of families are each in units of its own.
-        if chain and (best is None or _frames(chain) > MUCH_MORE * _frames(best.chain)):
+        flies = 0 if chain is None else _agreeing(chain, looks, fall)
+        if chain and (best is None or flies > MUCH_MORE * most):
+            most = flies
             others = tuple((c, _round(c, looks)) for c in linked[1:] if _beside(c, chain))
             beyond = _unexplained(seen, linked, chain)
             best = Search(looks, chain, fall, others, beyond, repeated, gains, about)
@@ -175,8 +180,22 @@ def _seen(
     return list(zip(places, about, strict=True)), np.array(gains)
 
 
-def _frames(chain: Chain) -> int:
-    return sum(len(arc.frames) for arc in chain.arcs)
+def _agreeing(chain: Chain, looks: Looks, fall: Floats) -> int:
+    """Return in how many frames the flights of a chain bend alike, as those of one ball do.
+
+    What is no ball goes through pieces of falls too, each of which bends in its own way.
+    """
+    told = [(arc, _bend([arc], looks, fall)) for arc in chain.arcs]
+    known = [(arc, *bend) for arc, bend in told if bend is not None]
+    most = 0
+    for _, middle, _ in known:
+        alike = [
+            arc
+            for arc, bend, sigma in known
+            if abs(bend - middle) < BEND_SHARE * middle + BEND_SIGMAS * sigma
+        ]
+        most = max(most, len({int(frame) for arc in alike for frame in arc.frames}))
+    return most
 
 
 def _radii_px(ground: Picture) -> tuple[float, float]:

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from analysis.arrays import Floats
 from analysis.balls.flight.flights import Flights
-from analysis.balls.seen.placing import Motion, Placed, Placer, Window
+from analysis.balls.seen.placing import Placed, Placer
+from analysis.balls.seen.windows import Motion, Window
 
 RADIUS_STEP = 0.003
 """Of the radius: places follow it in proportion so far."""

@@ -38,6 +38,8 @@ LEAST_OUTER, MOST_OUTER = 1.04, 1.7
 """How much larger than the border of its lit part a ball may be."""
 PRINT = 0.45
 """A disc on a larger one, smaller than this share of it, is its gloss or a print."""
+WITHIN = 1.05
+"""In radii: a circle within another reaches no further."""
 BLOTCH = 0.4
 """Width of the ellipse that takes blotches off, in radii."""
 
@@ -145,6 +147,8 @@ def _of_versions(values: Singles, sought: _Sought, versions: tuple[int | None, .
             rest.append(_Candidate(other.level, again))
         waiting = rest
     whole = [disc for disc in accepted if not any(_on(disc, other) for other in accepted)]
+    # The border of what is lit, or saturated, on a sphere is a circle too, next to its rim or not.
+    whole = [disc for disc in whole if not any(_less_sure_ring(disc, other) for other in whole)]
     return [_with_errors(_refined(values, disc, sought.sigma_px)) for disc in whole]
 
 
@@ -181,13 +185,24 @@ def _holds(outer: Disc, inner: Disc) -> bool:
     """Return whether a circle lies within another of much the same size, and is not the same."""
     apart = math.hypot(outer.row - inner.row, outer.column - inner.column)
     larger = outer.radius / inner.radius
-    return LEAST_OUTER < larger < MOST_OUTER and apart + inner.radius < 1.05 * outer.radius
+    return LEAST_OUTER < larger < MOST_OUTER and apart + inner.radius < WITHIN * outer.radius
 
 
 def _on(small: Disc, large: Disc) -> bool:
     """Return whether a disc is the gloss or a print on another."""
     apart = math.hypot(small.row - large.row, small.column - large.column)
     return small.radius < PRINT * large.radius and apart < large.radius
+
+
+def _less_sure_ring(disc: Disc, other: Disc) -> bool:
+    """Return whether of two circles, one within the other, this is the less sure one.
+
+    Where a sphere of such a size would be wholly in front of another, it hides most of it.
+    """
+    small, large = sorted((disc, other), key=lambda each: each.radius)
+    apart = math.hypot(small.row - large.row, small.column - large.column)
+    within = apart + small.radius < WITHIN * large.radius
+    return within and disc.log_alarms > other.log_alarms
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -24,8 +24,10 @@ MOST_SHARE = 0.35
 """Largest radius, of the picture's smaller side."""
 LEAST_SHARE = 0.006
 """Smallest radius, of the picture's smaller side."""
-MOST_SEARCHED = 16
-"""Frames in which discs are sought before the ball is known."""
+MOST_SEARCHED, LEAST_SEARCHED = 16, 8
+"""Frames in which discs are sought before the ball is known, those with the least motion first."""
+MOST_SOUGHT_PX = 3e6
+"""Of what moves in them: what is enough once so many frames at least were searched."""
 SEEN_LINES = 240
 CHANGED_SIGMAS = 6.0
 LEAST_CHANGED = 20
@@ -97,8 +99,16 @@ def find_discs_that_move(
     low, high = radii_px or (max(LEAST_RADIUS_PX, LEAST_SHARE * side), MOST_SHARE * side)
     found: list[tuple[int, Disc]] = []
     every = -(-len(samples) // MOST_SEARCHED)
+    sought = []
     for number, picture in list(samples.items())[::every]:
-        for window in _changed(changes_of(picture, ground) > CHANGED_SIGMAS * noise, low):
+        windows = _changed(changes_of(picture, ground) > CHANGED_SIGMAS * noise, low)
+        if windows:
+            sought.append((sum(map(_area, windows)), number, picture, windows))
+    sought.sort(key=lambda each: each[:2])
+    spent = np.cumsum([area for area, *_ in sought])
+    enough = max(LEAST_SEARCHED, int((spent < MOST_SOUGHT_PX).sum()))
+    for _, number, picture, windows in sought[:enough]:
+        for window in windows:
             own = picture[window].astype(np.float32) - ground[window].astype(np.float32)
             largest = min(high, 0.6 * max(own.shape[:2]))
             if largest <= low:
@@ -108,6 +118,11 @@ def find_discs_that_move(
                 moved = replace(disc, row=disc.row + top, column=disc.column + left)
                 found.append((number, moved))
     return found
+
+
+def _area(window: tuple[slice, slice]) -> int:
+    rows, columns = window
+    return int((rows.stop - rows.start) * (columns.stop - columns.start))
 
 
 def changes_of(picture: Picture, ground: Picture) -> Picture:

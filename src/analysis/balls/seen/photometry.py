@@ -15,8 +15,9 @@ from analysis.compiled import compiled, part
 
 TERMS = 6
 """Of the smooth shading: 1, u, v, u v, u^2 - v^2, u^2 + v^2 in radii from the centre."""
-STEP_PX = 0.7
-"""Of the ball along its smear; finer steps change a cover by less than 0.001."""
+STEP_PX, STEP_SIGMAS, MOST_STEP_RADII = 0.7, 1.75, 0.1
+"""Of the ball along its smear: the more its rim is blurred, the longer they may be; finer steps
+change a cover by less than 0.001."""
 FURTHEST_SIGMAS = 4.0
 MAP_STEPS = 24
 """Cells of the learned light from the centre to MAP_REACH radii."""
@@ -70,7 +71,8 @@ def _span(half: float, middle: float, most: int) -> tuple[int, int]:
 @part
 def _steps(pose: NDArray[np.float64]) -> int:
     """Return at how many instants of the exposure the ball is drawn."""
-    return 1 + int(math.sqrt(pose[WAY] ** 2 + pose[WAY + 1] ** 2) / STEP_PX)
+    step = max(STEP_PX, min(STEP_SIGMAS * pose[BLUR], MOST_STEP_RADII * pose[RADIUS]))
+    return 1 + int(math.sqrt(pose[WAY] ** 2 + pose[WAY + 1] ** 2) / step)
 
 
 @part

@@ -9,10 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.arrays import Floats
-from analysis.balls.films.film import Film, FilmHead, Picture
-from analysis.balls.films.tone import light
-from analysis.balls.seen.background import background_without
-from analysis.balls.seen.looks import Looks
 from analysis.balls.seen.photometry import (
     LAYERS,
     MAP_SIDE,
@@ -22,13 +18,10 @@ from analysis.balls.seen.photometry import (
     cover,
     fit_place,
 )
-from analysis.balls.seen.surroundings import Box, Surroundings
+from analysis.balls.seen.windows import Motion, Window
 
 Ints = NDArray[np.intp]
-Singles = NDArray[np.float32]
 
-MARGIN_RADII = 0.35
-MARGIN_PX = 6.0
 BLURS = (0.4, 0.6, 0.85, 1.2, 1.7, 2.4)
 RADII = (0.8, 0.88, 0.94, 1.0, 1.06, 1.13, 1.22, 1.32)
 """In radii of the rim; what a smooth shading can hide lies between."""
@@ -50,39 +43,6 @@ MOST_GROUNDS = 60
 """Half of the frames, at most, that tell what stands still."""
 SATURATED = 0.998
 """Of the largest value of the file's kind."""
-
-
-_Cuts = tuple[dict[int, Picture], dict[int, Picture]]
-"""The ball's surroundings in each frame, and in some frames the part where it is in any."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Window:
-    """A ball's surroundings in one frame: light of the ball's channel, ground and weights.
-
-    Attributes
-    ----------
-    frame
-        Its number.
-    top, left
-        Of its first pixel.
-    pixels
-        Light, ground, weight, and what a fit leaves of the light; shape (4, rows, columns).
-    """
-
-    frame: int
-    top: int
-    left: int
-    pixels: Floats
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Motion:
-    """Where a ball is expected and how fast it moves, px and px/s (row, column), shape (N, 2)."""
-
-    frames: Ints
-    places: Floats
-    speeds: Floats
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -108,120 +68,6 @@ class Placed:
         return Placed(self.frames[chosen], *(each[chosen] for each in parts))
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Seen:
-    """What the search has seen of a film.
-
-    Attributes
-    ----------
-    gains
-        Light of each frame over that of what stands still, shape (frames,); None: all alike.
-    about
-        What it has kept of the pictures; None: nothing.
-    """
-
-    gains: Floats | None = None
-    about: Surroundings | None = None
-
-
-NOTHING = Seen()
-
-
-def cut_windows(
-    film: Film, looks: Looks, motion: Motion, exposure_s: float, known: Seen = NOTHING
-) -> list[Window]:
-    """Return the surroundings of the ball in each frame, all as bright as one another.
-
-    The film is read once more, but where the search has kept all that is needed. What stands still
-    is learned again from frames in which the ball is elsewhere.
-    """
-    boxes = {
-        int(frame): _box(film.head, looks, motion, k, exposure_s)
-        for k, frame in enumerate(motion.frames)
-    }
-    top, left = (min(box[side] for box in boxes.values()) for side in (0, 1))
-    bottom, right = (max(box[side] for box in boxes.values()) for side in (2, 3))
-    whole = top, left, bottom, right
-    cuts, samples = _kept(boxes, whole, known.about) or _read(film, boxes, whole)
-
-    def shown(number: int, picture: Picture) -> Singles:
-        gain = 1.0 if known.gains is None else float(known.gains[number])
-        return np.asarray(_channel(picture, looks, film.head) / gain, dtype=np.float32)
-
-    hidden = [_hidden(whole, boxes.get(number)) for number in samples]
-    still = background_without([shown(*each) for each in samples.items()], hidden)
-    windows = []
-    for number, cut in cuts.items():
-        a, b, c, d = boxes[number]
-        behind = still[a - top : c - top, b - left : d - left]
-        windows.append(_window(number, (a, b), cut, (shown(number, cut), behind)))
-    return windows
-
-
-def _kept(boxes: dict[int, Box], whole: Box, about: Surroundings | None) -> _Cuts | None:
-    """Return each frame's box, and samples of all boxes together; None where some were not kept."""
-    if about is None:
-        return None
-    cuts: dict[int, Picture] = {}
-    for number, box in boxes.items():
-        cut = about.cut(number, box)
-        if cut is None:
-            return None
-        cuts[number] = cut
-    return cuts, {number: _of(picture, whole) for number, picture in about.samples.items()}
-
-
-def _read(film: Film, boxes: dict[int, Box], whole: Box) -> _Cuts:
-    cuts: dict[int, Picture] = {}
-    samples: dict[int, Picture] = {}
-    every = max(1, film.head.frames // MOST_GROUNDS)
-    for number, picture in enumerate(film.pictures()):
-        if number in boxes:
-            cuts[number] = _of(picture, boxes[number]).copy()
-        if number % every == 0:
-            samples[number] = _of(picture, whole).copy()
-    return cuts, samples
-
-
-def _of(picture: Picture, box: Box) -> Picture:
-    return picture[box[0] : box[2], box[1] : box[3]]
-
-
-def _hidden(whole: Box, box: Box | None) -> NDArray[np.bool_]:
-    """Return where the ball's own box lies in the box of all."""
-    top, left, bottom, right = whole
-    mask = np.zeros((bottom - top, right - left), dtype=bool)
-    if box is not None:
-        mask[box[0] - top : box[2] - top, box[1] - left : box[3] - left] = True
-    return mask
-
-
-def _box(head: FilmHead, looks: Looks, motion: Motion, k: int, exposure_s: float) -> Box:
-    reach = looks.radius_px * (1 + MARGIN_RADII) + MARGIN_PX
-    reach_both = reach + 0.5 * exposure_s * np.abs(motion.speeds[k])
-    low = np.floor(motion.places[k] - reach_both).astype(int)
-    high = np.ceil(motion.places[k] + reach_both).astype(int) + 1
-    return (
-        int(np.clip(low[0], 0, head.height - 1)),
-        int(np.clip(low[1], 0, head.width - 1)),
-        int(np.clip(high[0], 1, head.height)),
-        int(np.clip(high[1], 1, head.width)),
-    )
-
-
-def _channel(picture: Picture, looks: Looks, head: FilmHead) -> Floats:
-    return np.asarray(light(picture, head) @ looks.light_weights, dtype=np.float64)
-
-
-def _window(
-    frame: int, corner: tuple[int, int], cut: Picture, light_and_ground: tuple[Singles, Singles]
-) -> Window:
-    most = SATURATED * np.iinfo(cut.dtype).max
-    weight = (cut.max(axis=2) < most).astype(np.float64)
-    layers = [*light_and_ground, weight, np.zeros(weight.shape)]
-    return Window(frame, *corner, np.stack(layers).astype(np.float64))
-
-
 @dataclass(slots=True, eq=False)
 class Placer:
     """Fits places of one ball in windows; it learns blur, exposure and the ball's own light.
@@ -231,7 +77,7 @@ class Placer:
     radius_px
         Held.
     blur_px
-        Of a rim.
+        Of a rim, in pixels of the windows.
     exposure_s
         Time the shutter is open.
     table
@@ -331,11 +177,11 @@ class Placer:
         """Fit the ball in each window; frames in which it is not where it is expected drop out."""
         frames, places, sigmas, misfits = [], [], [], []
         for window, fit, _ in self._fits(windows, motion, row_time_s):
-            if fit[5] <= 0 or fit[6] > FURTHEST_RADII * self.radius_px:
+            if fit[5] <= 0 or window.factor * fit[6] > FURTHEST_RADII * self.radius_px:
                 continue
             frames.append(window.frame)
-            places.append((fit[0] + window.top, fit[1] + window.left))
-            sigmas.append((fit[2], fit[3]))
+            places.append(window.outward(fit[:2]))
+            sigmas.append(window.factor * fit[2:4])
             misfits.append(fit[4])
         return Placed(
             np.array(frames, dtype=np.intp),
@@ -351,7 +197,7 @@ class Placer:
         sums = np.zeros((2, MAP_SIDE, MAP_SIDE))
         some = windows[:: max(1, len(windows) // TEACHING_FRAMES)]
         for window, fit, pose in self._fits(some, motion, row_time_s):
-            if fit[5] <= 0 or fit[6] > FURTHEST_RADII * self.radius_px:
+            if fit[5] <= 0 or window.factor * fit[6] > FURTHEST_RADII * self.radius_px:
                 continue
             covered = np.empty((LAYERS, *window.pixels.shape[1:]))
             pose[:2] = fit[:2]
@@ -368,10 +214,10 @@ class Placer:
         found = []
         for window in windows:
             k = index[window.frame]
-            place = motion.places[k] - (window.top, window.left)
             later = float(np.clip(row_time_s * motion.speeds[k, 0], -0.5, 0.5))
-            shape = [self.radius_px, self.blur_px, 1.0 / (1.0 - later)]
-            pose = np.array([*place, *shape, *(self.exposure_s * motion.speeds[k])])
+            shape = [self.radius_px / window.factor, self.blur_px, 1.0 / (1.0 - later)]
+            way = self.exposure_s / window.factor * motion.speeds[k]
+            pose = np.array([*window.inward(motion.places[k]), *shape, *way])
             found.append((window, fit_place(window.pixels, pose, self.table), pose))
         return found
 

@@ -38,6 +38,12 @@ def test_bright_dark_and_overlapping_discs_are_found_where_they_were_drawn() -> 
         assert disc.radius == pytest.approx(radius, abs=0.3)
 
 
+def test_the_border_of_what_is_lit_on_a_ball_is_no_ball_of_its_own() -> None:
+    ball, lit = (80.0, 120.0, 36.0, 150.0), (72.0, 118.0, 24.0, 235.0)
+    (found,) = find_balls(drawn([ball, lit]), (10.0, 45.0))
+    assert (found.row, found.column, found.radius) == pytest.approx(ball[:3], abs=0.3)
+
+
 def test_a_disc_cut_by_the_picture_s_edge_is_found() -> None:
     (found,) = find_balls(drawn([(80.0, 5.0, 25.0, 200.0)]), (15.0, 35.0))
     assert (found.row, found.column) == pytest.approx((80.0, 5.0), abs=0.5)

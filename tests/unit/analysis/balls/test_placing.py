@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.balls.seen.photometry import MAP_SIDE, fit_place
-from analysis.balls.seen.placing import Motion, Placer, Window
+from analysis.balls.seen.placing import Placer
+from analysis.balls.seen.windows import Motion, Window
 
 Floats = NDArray[np.float64]
 
@@ -81,3 +82,21 @@ def test_the_rim_of_a_sharp_film_is_not_taken_for_a_wide_one() -> None:
     placer = Placer.new(RADIUS, 0.0)
     placer.learn_blur(windows, motion)
     assert placer.blur_px < 0.7
+
+
+def test_a_ball_is_placed_in_blocks_of_pixels_where_it_is_in_the_pixels() -> None:
+    windows, motion = falling(0.3 * PERIOD_S, 0.0)
+    coarse = [
+        Window(each.frame, 4, 6, _blocks(each.pixels[:, 4:, 6:], factor=2), 2) for each in windows
+    ]
+    fine, rough = (Placer.new(RADIUS, 0.3 * PERIOD_S) for _ in range(2))
+    for placer, own in ((fine, windows), (rough, coarse)):
+        placer.learn_blur(own, motion)
+    places = [placer.place(w, motion).places for placer, w in ((fine, windows), (rough, coarse))]
+    np.testing.assert_allclose(places[1], places[0], atol=0.08)
+
+
+def _blocks(layers: Floats, factor: int) -> Floats:
+    rows, columns = (side // factor for side in layers.shape[1:])
+    starts = [layers[:, i::factor, j::factor] for i in range(factor) for j in range(factor)]
+    return np.asarray(np.mean([each[:, :rows, :columns] for each in starts], axis=0))

@@ -8,8 +8,8 @@ import numpy as np
 
 from analysis.balls.films.film import HeldFilm
 from analysis.balls.seen.looks import Looks
-from analysis.balls.seen.placing import Motion, Seen, cut_windows
 from analysis.balls.seen.surroundings import Surroundings
+from analysis.balls.seen.windows import Motion, Seen, cut_windows
 
 RADIUS = 8.0
 
