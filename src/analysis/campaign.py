@@ -13,9 +13,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, overload
 
 import numpy as np
-from numpy.typing import NDArray
 
-from analysis.arrays import Floats
+from analysis.arrays import Floats, Grey
 from analysis.errors import InputError, ShotRefusedError
 from analysis.exchange.description import read_description
 from analysis.exchange.shot_list import EXPOSURE, ShotRow, each_shot_row
@@ -230,13 +229,13 @@ def analyse_job(
     return result, len(pixels)
 
 
-def read_job(job: ShotJob) -> tuple[NDArray[np.uint8], Floats, tuple[str, ...]]:
+def read_job(job: ShotJob) -> tuple[Grey, Floats, tuple[str, ...]]:
     """Read the frames of a shot, their times in s, and notes on them."""
     stack = read_stack(job.frames)
     times = stack.times_s
     if times is None:
         times = np.arange(len(stack.pixels)) / job.setup.camera.frame_rate_hz
-    return stack.pixels, times, tuple(stack.notes)
+    return stack.light, times, tuple(stack.notes)
 
 
 def training_jobs(jobs: Sequence[ShotJob]) -> dict[Setup, list[ShotJob]]:

@@ -6,9 +6,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-from analysis.arrays import Floats
+from analysis.arrays import Floats, Grey
 from analysis.collision.coefficients import Impact
 from analysis.collision.operator import Body
 from analysis.errors import ShotRefusedError
@@ -156,7 +155,7 @@ class RefusedShot:
 
 
 def analyse_shot(
-    frames: NDArray[np.uint8],
+    frames: Grey,
     times_s: Floats,
     setup: Setup,
     options: AnalysisOptions | None = None,
@@ -169,7 +168,7 @@ def analyse_shot(
     Parameters
     ----------
     frames
-        Grey levels, 8 bit, shape (frames, rows, columns), at least 6.
+        Grey levels on the scale of 8 bits, shape (frames, rows, columns), at least 6.
     times_s
         Time of each frame, s, increasing from any start, shape (frames,).
     setup
@@ -223,7 +222,7 @@ def analyse_shot(
 
 
 def _rendered(
-    frames: NDArray[np.uint8],
+    frames: Grey,
     elapsed_s: Floats,
     setup: Setup,
     known: Appearance | None,
@@ -254,7 +253,7 @@ def _odd_times(times_s: Floats, setup: Setup) -> tuple[str, ...]:
     )
 
 
-def check_frames(frames: NDArray[np.uint8], times_s: Floats, setup: Setup) -> None:
+def check_frames(frames: Grey, times_s: Floats, setup: Setup) -> None:
     """Refuse frames of the wrong depth, size or count, or without increasing times.
 
     Raises
@@ -263,10 +262,10 @@ def check_frames(frames: NDArray[np.uint8], times_s: Floats, setup: Setup) -> No
         With what was found and what is needed.
     """
     expected = (setup.camera.height_px, setup.camera.width_px)
-    if frames.ndim != 3 or frames.dtype != np.uint8:
+    if frames.ndim != 3 or frames.dtype not in {np.dtype(np.uint8), np.dtype(np.float32)}:
         raise ShotRefusedError(
             "frames",
-            f"a stack of shape {frames.shape} and type {frames.dtype}; 8-bit grey frames "
+            f"a stack of shape {frames.shape} and type {frames.dtype}; grey frames "
             "(frames, rows, columns) are needed",
         )
     if frames.shape[1:] != expected:

@@ -7,9 +7,8 @@ from dataclasses import dataclass, field, replace
 from typing import Literal, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
-from analysis.arrays import Floats
+from analysis.arrays import Floats, Grey
 from analysis.errors import ShotRefusedError
 from analysis.imaging.assignment import LEAST_COVERAGE, follow
 from analysis.imaging.discs import common_radius
@@ -100,7 +99,7 @@ SCALE_SIGMA_FROM_IMAGES = 0.003
 
 
 def track_spheres(
-    frames: NDArray[np.uint8],
+    frames: Grey,
     times_s: Floats,
     setup: Setup,
     settings: EdgeSettings,
@@ -164,7 +163,7 @@ class Sighting:
         return marker_angle(self.markers, self.radii)
 
 
-def film_edges(frames: NDArray[np.uint8], settings: EdgeSettings) -> FilmEdges:
+def film_edges(frames: Grey, settings: EdgeSettings) -> FilmEdges:
     """Return the edges of a film above its noise; each frame's are found at their first use."""
     least = settings.least_strength or gradient_threshold(noise_sd(frames), settings.sigma_px)
     return FilmEdges(frames, settings, least)
@@ -217,7 +216,7 @@ def tracking_of(
     )
 
 
-def refuse_repeats(frames: NDArray[np.uint8], discs: FilmDiscs) -> None:
+def refuse_repeats(frames: Grey, discs: FilmDiscs) -> None:
     """Refuse frames that repeat the one before while a sphere flies: their times cannot be true.
 
     Raises

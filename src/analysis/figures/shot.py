@@ -10,8 +10,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle as CirclePatch
 from matplotlib.patheffects import withStroke
-from numpy.typing import NDArray
 
+from analysis.arrays import Grey
 from analysis.figures.palette import FAILS, GREY, SPHERES
 from analysis.imaging.views import View
 from analysis.quantity import Quantity
@@ -21,7 +21,7 @@ FRAMES_EACH_SIDE = 3
 BRIGHTEST_PERCENTILE = 99.8
 
 
-def draw_shot(path: Path, title: str, frames: NDArray[np.uint8], shot: MeasuredShot) -> None:
+def draw_shot(path: Path, title: str, frames: Grey, shot: MeasuredShot) -> None:
     """Write the picture of a measured shot as PNG (as figures 7.2 and 7.3 of the thesis).
 
     Six frames about the contact with outlines and matched markers; the whole way of both spheres
@@ -54,7 +54,7 @@ def _spread(count: int) -> list[int]:
     return [int(i) for i in np.linspace(0, count - 1, FRAMES_EACH_SIDE).round()]
 
 
-def _frame(axes: Axes, frame: NDArray[np.uint8], white: float) -> None:
+def _frame(axes: Axes, frame: Grey, white: float) -> None:
     axes.imshow(frame, cmap="gray", vmin=0, vmax=white, interpolation="nearest")
     axes.set_xlim(-0.5, frame.shape[1] - 0.5)
     axes.set_ylim(frame.shape[0] - 0.5, -0.5)
@@ -92,7 +92,7 @@ def _overlay(axes: Axes, shot: MeasuredShot, k: int) -> None:
                 )
 
 
-def _tracks(axes: Axes, frames: NDArray[np.uint8], white: float, shot: MeasuredShot) -> None:
+def _tracks(axes: Axes, frames: Grey, white: float, shot: MeasuredShot) -> None:
     nearest = int(np.abs(shot.times_s - shot.times_s[0] - shot.impact.contact_time.value).argmin())
     _frame(axes, frames[nearest], white)
     for i, colour in enumerate(SPHERES):

@@ -8,7 +8,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.arrays import Floats
+from analysis.arrays import Floats, Grey
 from analysis.compiled import compiled, part
 from analysis.imaging.discs import peaks_near
 from analysis.imaging.edge.windows import Filters, Integers, edges_about
@@ -153,7 +153,7 @@ def look_about(edges: Edges, discs: Floats, reach_px: float, rules: Rules) -> tu
 
 @part
 def look_within(
-    frame: NDArray[np.uint8],
+    frame: Grey,
     filters: Filters,
     discs: Floats,
     search: tuple[float, NDArray[np.bool_]],
@@ -182,7 +182,7 @@ def look_within(
 
 @part
 def look(
-    frame: NDArray[np.uint8], filters: Filters, discs: Floats, far: Floats, rules: Rules
+    frame: Grey, filters: Filters, discs: Floats, far: Floats, rules: Rules
 ) -> tuple[Floats, Integers, Look]:
     """Find the edges of a frame about some places, and the outlines that hold.
 
@@ -230,7 +230,7 @@ def keep(found: Look, own: Indices, k: int, outlines: Outlines, size: int) -> tu
 
 @compiled
 def follow_discs(
-    frames: NDArray[np.uint8],
+    frames: Grey,
     filters: Filters,
     start: tuple[int, Floats],
     rules: Rules,

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Grey
 from analysis.errors import ShotRefusedError
 from analysis.imaging.assignment import KEEP_OFF_SIGMAS
 from analysis.imaging.edge.frame import EdgeSettings, filters, gradient_threshold
@@ -72,7 +72,7 @@ def shared_radii(
 
 
 def filter_bias(
-    frames: NDArray[np.uint8],
+    frames: Grey,
     discs: FilmDiscs,
     settings: EdgeSettings,
     noise: float,

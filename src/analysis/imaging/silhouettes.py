@@ -10,6 +10,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Grey
+
 STILL_SHARE = 1 / 3
 """Of the frames: a sphere may cover the scene behind it in all others."""
 SMOOTHED_PX = 0.7
@@ -20,7 +22,7 @@ SOFTENED_PX = 1.0
 BRIGHT = 200.0
 
 
-def silhouettes(frames: NDArray[np.uint8], noise_grey: float) -> NDArray[np.uint8]:
+def silhouettes(frames: Grey, noise_grey: float) -> NDArray[np.uint8]:
     """Return pictures that are bright where the frames differ from what stands still.
 
     Parameters
@@ -34,7 +36,7 @@ def silhouettes(frames: NDArray[np.uint8], noise_grey: float) -> NDArray[np.uint
     # Smoothed over more than its own width, noise is that much smaller.
     noise = noise_grey / max(1.0, np.sqrt(4 * np.pi) * SMOOTHED_PX)
     kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (CLOSED_PX, CLOSED_PX))
-    seen = np.empty_like(frames)
+    seen = np.empty(frames.shape, np.uint8)
     for k, frame in enumerate(frames):
         off = cv2.GaussianBlur(frame.astype(np.float32) - still, (0, 0), SMOOTHED_PX)
         other = (np.abs(off) > LEAST_NOISES * noise).astype(np.uint8)
@@ -45,7 +47,7 @@ def silhouettes(frames: NDArray[np.uint8], noise_grey: float) -> NDArray[np.uint
     return seen
 
 
-def still_scene(frames: NDArray[np.uint8]) -> NDArray[np.float32]:
+def still_scene(frames: Grey) -> NDArray[np.float32]:
     """Return the grey level that each pixel shows most often, shape (rows, columns).
 
     The mean of the narrowest interval that holds a third of a pixel's values (the shorth's

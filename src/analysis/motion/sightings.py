@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Grey
 from analysis.imaging.film_discs import FilmDiscs
 from analysis.imaging.film_following import FilmCurves
 from analysis.imaging.film_passes import film_ellipses
@@ -42,7 +43,7 @@ def _of_sphere(every: Markers, frame: NDArray[np.intp], shown: NDArray[np.bool_]
 
 
 def markers_by_darkness(
-    frames: NDArray[np.uint8],
+    frames: Grey,
     views: tuple[ViewGeometry, ...],
     discs: FilmDiscs,
     radii: Radii,

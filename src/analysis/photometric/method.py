@@ -6,9 +6,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from analysis.arrays import Floats
+from analysis.arrays import Floats, Grey
 from analysis.compiled import kept_on_disk
 from analysis.errors import ShotRefusedError
 from analysis.imaging.edge.frame import noise_sd
@@ -43,7 +42,7 @@ STANDARD_GRAVITY = 9.80665
 NOISE_FRAMES = 3
 """Of the first guess of the noise."""
 
-Taught = tuple[NDArray[np.uint8], Floats, Setup]
+Taught = tuple[Grey, Floats, Setup]
 """Grey levels (frames, rows, columns) and times, s (frames,), of one shot, and its set-up."""
 
 
@@ -99,14 +98,12 @@ def _sharper(films: Sequence[Film], known: Appearance, *, hold_scale: bool) -> A
     return known
 
 
-def noise_of(frames: NDArray[np.uint8]) -> float:
+def noise_of(frames: Grey) -> float:
     """Return a first guess of the noise of a pixel, grey levels."""
     return noise_sd(frames[:: max(1, len(frames) // NOISE_FRAMES)])
 
 
-def learned_film(
-    frames: NDArray[np.uint8], times_s: Floats, setup: Setup
-) -> tuple[Film, Appearance]:
+def learned_film(frames: Grey, times_s: Floats, setup: Setup) -> tuple[Film, Appearance]:
     """Learn how a pair looks from one shot; outlines and markers give the start.
 
     Raises
@@ -145,7 +142,7 @@ def refuse_faint(known: Appearance) -> None:
 
 
 def followed_film(
-    frames: NDArray[np.uint8],
+    frames: Grey,
     times_s: Floats,
     known: Appearance,
     exposure_s: float | None = None,
@@ -233,7 +230,7 @@ def refuse_few(film: Film) -> None:
 
 
 def measure_poses(
-    frames: NDArray[np.uint8],
+    frames: Grey,
     times_s: Floats,
     setup: Setup,
     known: Appearance | None,

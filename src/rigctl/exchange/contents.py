@@ -136,6 +136,10 @@ def _frames(
         except InputError as error:
             faults.append(f"shot {row.shot}: {error}")
             continue
+        if stack.light is not stack.pixels:
+            deep = "has more than 8 bits, which stored frames have; rigctl analyse measures it"
+            faults.append(f"shot {row.shot}: {path.name} {deep} where it lies")
+            continue
         times = stack.times_s
         if times is None:
             times = np.arange(len(stack.pixels)) / setup.camera.frame_rate_hz

@@ -1,14 +1,17 @@
 import json
 import re
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+import tifffile
 from rendered import setup_of, shot
 
 from analysis.document import overlay_document, shot_document
 from analysis.imaging.edge.frame import EdgeSettings
+from analysis.imaging.files.stack import read_stack
 from analysis.setup import Setup
 from analysis.shot import AnalysisOptions, MeasuredShot, RefusedShot, analyse_shot
 from simulators.world import RenderedShot, WorldDescription
@@ -58,6 +61,24 @@ def test_a_rendered_shot_is_measured(measured: MeasuredShot, rendered: RenderedS
     assert rendered.times_s[measured.used_before[-1]] < contact
     assert rendered.times_s[measured.used_after[0]] > contact
     assert len(measured.used_before) + len(measured.used_after) >= 17
+
+
+@pytest.mark.long
+def test_twelve_bits_are_measured_as_eight_are(
+    measured: MeasuredShot, rendered: RenderedShot, tmp_path: Path
+) -> None:
+    """Bits below the eighth are drawn, so that they hold nothing: their rounding is noise."""
+    below = np.random.default_rng(1).integers(0, 16, rendered.frames.shape)
+    tifffile.imwrite(
+        tmp_path / "0001.tiff", (16 * rendered.frames.astype(int) + below).astype(np.uint16)
+    )
+    stack = read_stack(tmp_path / "0001.tiff")
+    assert stack.light.dtype == np.float32
+    deep = found(analyse_shot(stack.light, rendered.times_s, SETUP))
+    assert_true(deep, rendered.truth)
+    for one, other in ((deep.impact.v_n, measured.impact.v_n), (deep.impact.e, measured.impact.e)):
+        assert one.value == pytest.approx(other.value, abs=other.sigma)
+        assert one.sigma == pytest.approx(other.sigma, rel=0.2)
 
 
 def test_the_centres_of_every_frame_are_those_of_the_truth(
@@ -159,8 +180,8 @@ def with_times(values: list[float]) -> np.ndarray:
     ("frames", "times", "said"),
     [
         (np.zeros((8, 100, 240), np.uint8), None, "100 x 240 pixels .* set up for 192 x 240"),
-        (np.zeros((8, 192, 240), np.uint16), None, "uint16; 8-bit grey"),
-        (np.zeros((192, 240), np.uint8), None, r"\(192, 240\).*8-bit grey"),
+        (np.zeros((8, 192, 240), np.uint16), None, "uint16; grey frames"),
+        (np.zeros((192, 240), np.uint8), None, r"\(192, 240\).*grey frames"),
         (np.zeros((5, 192, 240), np.uint8), None, "5 frames; at least 6"),
         (np.zeros((8, 192, 240), np.uint8), with_times([0, 1, 2]), "3 times for 8 frames"),
     ],

@@ -58,8 +58,8 @@ FAULTS: dict[str, tuple[Callable[[Path], object], str]] = {
         r"shot 7: .*1 time for 6 frames",
     ),
     "frames of another depth": (
-        lambda f: np.save(f / "frames" / "0007.npy", np.zeros((6, 16, 24), np.uint16)),
-        r"shot 7: .*8-bit grey",
+        lambda f: np.save(f / "frames" / "0007.npy", np.full((6, 16, 24), 999, np.uint16)),
+        r"shot 7: .*more than 8 bits",
     ),
     "a later format": (
         lambda f: (f / "campaign.toml").write_text("format = 2\nname = 'x'\nlaser = true\n"),

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.arrays import Floats
+from analysis.arrays import Floats, Grey
 from analysis.compiled import compiled
 from analysis.imaging.edge.edges import half_kernels
 from analysis.imaging.edge.facet import BORDER_SIGMAS, EdgePoints
@@ -50,9 +50,7 @@ class FrameEdges:
 class FilmEdges:
     """Edges of a film's frames, found when they are asked for."""
 
-    def __init__(
-        self, frames: NDArray[np.uint8], settings: EdgeSettings, least_strength: float
-    ) -> None:
+    def __init__(self, frames: Grey, settings: EdgeSettings, least_strength: float) -> None:
         self.frames, self.settings, self.least_strength = frames, settings, least_strength
         self._whole: dict[int, FrameEdges] = {}
 
@@ -66,7 +64,7 @@ class FilmEdges:
         return self._whole[k]
 
 
-def noise_sd(frames: NDArray[np.uint8]) -> float:
+def noise_sd(frames: Grey) -> float:
     """Estimate the read noise in grey levels from the pixels' differences across a diagonal.
 
     The mixed second difference of four neighbouring pixels vanishes on any linear shading and has
@@ -79,7 +77,7 @@ def noise_sd(frames: NDArray[np.uint8]) -> float:
 
 
 @compiled
-def block_squares(frames: NDArray[np.uint8]) -> Floats:
+def block_squares(frames: Grey) -> Floats:
     """Return the mean squares of the mixed second differences over blocks of frames, flat."""
     count, rows, columns = frames.shape
     down, across = (rows - 1) // NOISE_BLOCK_PX, (columns - 1) // NOISE_BLOCK_PX
@@ -117,9 +115,7 @@ def filters(settings: EdgeSettings, least_strength: float) -> Filters:
     return half_kernels(settings.sigma_px), limits
 
 
-def find_edges(
-    frame: NDArray[np.uint8], settings: EdgeSettings, least_strength: float
-) -> FrameEdges:
+def find_edges(frame: Grey, settings: EdgeSettings, least_strength: float) -> FrameEdges:
     """Filter a whole frame, find its edge points and label its curves."""
     rows, columns = frame.shape
     everywhere = np.array([[rows / 2, columns / 2, max(rows, columns)]])

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Grey
 from analysis.errors import InputError, counted
 from analysis.files import FrameBudget, read_json
 from analysis.imaging.files.npy_file import read_npy
@@ -18,6 +18,8 @@ from analysis.imaging.files.video_file import read_video
 
 TIFF_SUFFIXES = (".tif", ".tiff")
 VIDEO_SUFFIXES = (".avi", ".mkv", ".mp4")
+USUAL_BITS = (8, 10, 12, 14, 16)
+"""Of a pixel that a camera gives."""
 SUFFIXES = (*TIFF_SUFFIXES, ".npy", *VIDEO_SUFFIXES)
 
 
@@ -29,6 +31,8 @@ class FrameStack:
     ----------
     pixels
         8-bit grey levels, shape (frames, rows, columns).
+    light
+        The same with fractions, where the file has more bits; `pixels` itself where it has 8.
     times_s
         Recorded time of each frame counted from the first, where a file beside the frames holds
         it, else None.
@@ -37,6 +41,7 @@ class FrameStack:
     """
 
     pixels: NDArray[np.uint8]
+    light: Grey
     times_s: NDArray[np.float64] | None
     notes: tuple[str, ...] = ()
 
@@ -50,9 +55,9 @@ def read_stack(path: Path) -> FrameStack:
     Raises
     ------
     InputError
-        The file is absent, of another kind, damaged, shorter than it says, or does not hold 8-bit
-        grey frames; with the frame where one is at fault. The PNG of a folder whose names give no
-        order. More than `file_limits` allow.
+        The file is absent, of another kind, damaged, shorter than it says, or does not hold grey
+        frames of 8 to 16 bits; with the frame where one is at fault. The PNG of a folder whose
+        names give no order. More than `file_limits` allow.
     """
     if not path.exists():
         raise InputError(path, "no such file or folder")
@@ -60,18 +65,36 @@ def read_stack(path: Path) -> FrameStack:
         pixels, notes = _read(path)
     except OSError as error:
         raise InputError(path, f"cannot be read: {error.strerror or error}") from error
-    if pixels.ndim != 3 or pixels.dtype != np.uint8:
+    if pixels.ndim != 3 or pixels.dtype not in {np.dtype(np.uint8), np.dtype(np.uint16)}:
         raise InputError(
             path,
-            f"holds {pixels.dtype} values of shape {pixels.shape}; 8-bit grey frames (frames, "
-            "rows, columns) are needed",
+            f"holds {pixels.dtype} values of shape {pixels.shape}; grey frames (frames, rows, "
+            "columns) of 8 to 16 bits are needed",
         )
     if pixels.size == 0:
         raise InputError(path, "holds no frames")
-    return FrameStack(np.ascontiguousarray(pixels), _recorded_times(path, len(pixels)), notes)
+    times_s = _recorded_times(path, len(pixels))
+    if pixels.dtype == np.uint8:
+        whole = np.ascontiguousarray(pixels)
+        return FrameStack(whole, whole, times_s, notes)
+    light, note = _on_scale_of_8_bits(pixels)
+    return FrameStack(np.rint(light).astype(np.uint8), light, times_s, (*notes, note))
 
 
-def _read(path: Path) -> tuple[NDArray[np.uint8], tuple[str, ...]]:
+def _on_scale_of_8_bits(pixels: NDArray[np.generic]) -> tuple[NDArray[np.float32], str]:
+    """Return values of more bits as grey levels from 0 to 255, fractions kept, and a note on it.
+
+    A camera's bits are the fewest usual ones that hold its largest value. Bits below, which some
+    cameras leave empty, do not matter.
+    """
+    largest = int(pixels.max())
+    bits = next(b for b in USUAL_BITS if largest < 1 << b)
+    scale = np.float32(255.0 / ((1 << bits) - 1))
+    note = f"values of up to {largest} are taken for those of {bits} bits; grey levels keep them"
+    return np.asarray(pixels, dtype=np.float32) * scale, note
+
+
+def _read(path: Path) -> tuple[NDArray[np.generic], tuple[str, ...]]:
     budget, suffix = FrameBudget(path), path.suffix.lower()
     if path.is_dir():
         return _stacked(path, read_pngs(path, budget)), ()
@@ -85,7 +108,7 @@ def _read(path: Path) -> tuple[NDArray[np.uint8], tuple[str, ...]]:
     raise InputError(path, f"frames are read from {', '.join(SUFFIXES)} or a folder of PNG")
 
 
-def _stacked(path: Path, pages: list[NDArray[np.generic]]) -> NDArray[np.uint8]:
+def _stacked(path: Path, pages: list[NDArray[np.generic]]) -> NDArray[np.generic]:
     if not pages:
         raise InputError(path, "holds no frames")
     for index, page in enumerate(pages):
@@ -95,12 +118,12 @@ def _stacked(path: Path, pages: list[NDArray[np.generic]]) -> NDArray[np.uint8]:
                 f"frame {index} is {page.dtype} of shape {page.shape}, the first is "
                 f"{pages[0].dtype} of shape {pages[0].shape}",
             )
-    stacked = np.empty((len(pages), *pages[0].shape), dtype=pages[0].dtype)
+    stacked: NDArray[np.generic] = np.empty((len(pages), *pages[0].shape), dtype=pages[0].dtype)
     # Each page is let go once it is copied: frames are never held twice.
     while pages:
         page = pages.pop()
         stacked[len(pages)] = page
-    return cast("NDArray[np.uint8]", stacked)
+    return stacked
 
 
 def _recorded_times(path: Path, frames: int) -> NDArray[np.float64] | None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.arrays import Floats
+from analysis.arrays import Floats, Grey
 from analysis.compiled import compiled
 
 Singles = NDArray[np.float32]
@@ -16,7 +16,7 @@ LEAST_SHARE = 1e-3
 
 @compiled
 def free_light(
-    frame: NDArray[np.uint8], corner: tuple[int, int], discs: Floats, free: Singles, light: Singles
+    frame: Grey, corner: tuple[int, int], discs: Floats, free: Singles, light: Singles
 ) -> bool:
     """Mark the free pixels of a patch and take their light; tell whether there are any.
 

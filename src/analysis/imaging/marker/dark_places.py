@@ -16,7 +16,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.arrays import Floats
+from analysis.arrays import Floats, Grey
 from analysis.imaging.marker.dark_patches import free_light, lacking, over_share, weigh_places
 from analysis.imaging.marker.marker_curves import FURTHEST_CENTRE
 from analysis.imaging.marker.markers import Markers, SeenDisc, joined
@@ -43,7 +43,7 @@ FEWEST_PX = 4
 
 
 def find_dark_places(
-    frame: NDArray[np.uint8],
+    frame: Grey,
     discs: Sequence[SeenDisc],
     others: Sequence[Place] = (),
     *,
@@ -76,7 +76,7 @@ def find_dark_places(
 
 
 def _in_disc(
-    frame: NDArray[np.uint8], disc: SeenDisc, others: Sequence[Place], least: tuple[float, float]
+    frame: Grey, disc: SeenDisc, others: Sequence[Place], least: tuple[float, float]
 ) -> Markers:
     radius_px = disc.radius_px
     place = *disc.place()[:2], radius_px

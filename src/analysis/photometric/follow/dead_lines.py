@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-Grey = NDArray[np.uint8]
+from analysis.arrays import Grey, grey_like
 
 FEW = 9
 """Frames that are looked at."""
@@ -75,4 +75,4 @@ def _fill(frames: Grey, dead: NDArray[np.intp]) -> None:
         low, high = live[after - 1], live[after]
         share = (row - low) / (high - low)
         mixed = (1.0 - share) * frames[:, low] + share * frames[:, high]
-        frames[:, row] = np.rint(mixed).astype(np.uint8)
+        frames[:, row] = grey_like(mixed, frames)

@@ -9,7 +9,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.arrays import Floats
+from analysis.arrays import Floats, Grey
 from analysis.photometric.follow.cast_shadows import mark_shadows
 from analysis.photometric.follow.confirmation import confirmed
 from analysis.photometric.follow.whereabouts import whereabouts
@@ -71,7 +71,7 @@ class Film:
         Frames of each sphere that show it and hold no reliable pose, with the reason.
     """
 
-    frames: NDArray[np.uint8]
+    frames: Grey
     background: Floats
     noise: float
     shadowed: NDArray[np.bool_]
@@ -88,13 +88,14 @@ class Film:
     left_out: tuple[dict[int, str], dict[int, str]]
 
     @classmethod
-    def blank(cls, frames: NDArray[np.uint8], views: int, times_s: Floats, gravity: float) -> Film:
+    def blank(cls, frames: Grey, views: int, times_s: Floats, gravity: float) -> Film:
         """Return a film without poses."""
         count = len(frames)
+        whole: Grey = np.ascontiguousarray(frames)
         lights = np.zeros((2, count, views, LIGHTS))
         lights[..., 1] = 1.0
         return cls(
-            frames=np.ascontiguousarray(frames),
+            frames=whole,
             background=np.zeros(frames.shape[1:]),
             noise=1.0,
             shadowed=np.zeros(frames.shape, dtype=np.bool_),

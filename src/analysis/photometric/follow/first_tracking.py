@@ -9,10 +9,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
-from numpy.typing import NDArray
-
-from analysis.arrays import Floats
+from analysis.arrays import Floats, Grey
 from analysis.errors import ShotRefusedError
 from analysis.imaging.edge.frame import EdgeSettings, FilmEdges, gradient_threshold, noise_sd
 from analysis.imaging.film_discs import FilmDiscs
@@ -40,7 +37,7 @@ LIMB_SCALE_SIGMA = 0.005
 """Light from one side makes a radius 0.3 to 0.8 % too small where no markers contradict it."""
 
 
-def first_tracking(frames: NDArray[np.uint8], times_s: Floats, setup: Setup) -> Tracking:
+def first_tracking(frames: Grey, times_s: Floats, setup: Setup) -> Tracking:
     """Find both spheres in every frame that shows them, and their markers as dark places.
 
     Raises
@@ -73,7 +70,7 @@ def first_tracking(frames: NDArray[np.uint8], times_s: Floats, setup: Setup) -> 
     return tracking_of(refined, seen, setup, settings, filter_bias(frames, discs, settings, noise))
 
 
-def track_unmarked(frames: NDArray[np.uint8], setup: Setup, reason: str) -> Tracking:
+def track_unmarked(frames: Grey, setup: Setup, reason: str) -> Tracking:
     """Measure where both spheres are by their outlines alone: spheres without markers have no spin.
 
     Their radii are held in the ratio of the diameters, and centres are those of the edge filter.

@@ -8,7 +8,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.arrays import Floats
+from analysis.arrays import Floats, Grey
 from analysis.errors import ShotRefusedError
 from analysis.imaging.marker.markers import FilmMarkers
 from analysis.imaging.views import View
@@ -33,7 +33,7 @@ AROUND, POINTS = 2.2, 12
 """Radii of a marker at which the surface beside it is looked at, and in how many places."""
 
 
-def first_darkness(frames: NDArray[np.uint8], markers: tuple[FilmMarkers, ...]) -> float | None:
+def first_darkness(frames: Grey, markers: tuple[FilmMarkers, ...]) -> float | None:
     """Return the share of the light that the middles of the markers lack, the median of all.
 
     None where no marker faces a view. Blur makes it less than it is on spheres of a few pixels.
@@ -49,7 +49,7 @@ def first_darkness(frames: NDArray[np.uint8], markers: tuple[FilmMarkers, ...]) 
     return float(np.median(shares)) if shares.size else None
 
 
-def _shares(frames: NDArray[np.uint8], markers: FilmMarkers) -> Floats:
+def _shares(frames: Grey, markers: FilmMarkers) -> Floats:
     facing = markers.every.facing > FACING
     frame = markers.frames[markers.frame_of_each()[facing]]
     row, column, wide = markers.every.ellipses[facing, :3].T
@@ -67,9 +67,7 @@ def _shares(frames: NDArray[np.uint8], markers: FilmMarkers) -> Floats:
     return np.asarray(1.0 - np.mean(middle, axis=0) / np.maximum(surface, 1.0))
 
 
-def _grey(
-    frames: NDArray[np.uint8], frame: NDArray[np.intp], row: Floats, column: Floats
-) -> Floats:
+def _grey(frames: Grey, frame: NDArray[np.intp], row: Floats, column: Floats) -> Floats:
     """Return the grey levels of the nearest pixels, at the border those of the frame's rim."""
     last = frames.shape[1] - 1, frames.shape[2] - 1
     y = np.clip(np.rint(row), 0, last[0]).astype(np.intp)
@@ -82,7 +80,7 @@ MOST_FULL = 0.5
 limb shifts by some tenths of a pixel, and the residuals do not show it."""
 
 
-def refuse_full(frames: NDArray[np.uint8]) -> None:
+def refuse_full(frames: Grey) -> None:
     """Refuse frames in which most of what is bright has one and the same grey level.
 
     Raises
@@ -90,7 +88,7 @@ def refuse_full(frames: NDArray[np.uint8]) -> None:
     ShotRefusedError
         With the share and the grey level.
     """
-    counts = np.bincount(frames.ravel(), minlength=256)
+    counts = np.bincount(np.rint(frames).astype(np.uint8).ravel(), minlength=256)
     top = int(np.flatnonzero(counts)[-1])
     middle = int(np.searchsorted(counts.cumsum(), frames.size / 2))
     bright = int(counts[(top + middle) // 2 + 1 :].sum())
@@ -118,7 +116,7 @@ LEAST_TURNED = 2
 
 
 def first_film(
-    frames: NDArray[np.uint8], times_s: Floats, tracking: Tracking, setup: Setup
+    frames: Grey, times_s: Floats, tracking: Tracking, setup: Setup
 ) -> tuple[Film, Appearance]:
     """Return a film with the tracking's poses, gaps filled, and a first guess of the spheres.
 

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.arrays import Floats
+from analysis.arrays import Floats, Grey
 from analysis.compiled import compiled
 
 Single = NDArray[np.float32]
@@ -45,7 +45,7 @@ def cast(rows: Single, columns: Single, least: float, radius: float, votes: Sing
                     votes[y, x] += 1.0
 
 
-def vote_map(frame: NDArray[np.uint8], background: Floats, noise: float, radius: float) -> Single:
+def vote_map(frame: Grey, background: Floats, noise: float, radius: float) -> Single:
     """Return the votes for a disc's centre at each pixel as a share of a whole outline's."""
     off = np.abs(frame.astype(np.float32) - background.astype(np.float32))
     smooth = cv2.GaussianBlur(off, (0, 0), SMOOTH_PX)

@@ -304,22 +304,35 @@ def test_objects_in_an_npy_are_never_unpacked(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("frames", "found"),
     [
-        (FRAMES.astype(np.uint16), "uint16"),
+        (FRAMES.astype(np.int32), "int32"),
         (FRAMES[0], r"\(48, 64\)"),
         (np.repeat(FRAMES[..., None], 3, axis=3), r"\(5, 48, 64, 3\)"),
         (FRAMES.astype(np.float64), "float64"),
     ],
 )
-def test_frames_that_are_not_8_bit_grey_are_refused_with_what_they_are(
+def test_frames_that_are_not_grey_of_8_to_16_bits_are_refused_with_what_they_are(
     tmp_path: Path, frames: np.ndarray, found: str
 ) -> None:
-    with pytest.raises(InputError, match=rf"{found}.*8-bit grey frames"):
+    with pytest.raises(InputError, match=rf"{found}.*grey frames"):
         read_stack(npy(tmp_path / "0001.npy", frames))
 
 
-def test_a_16_bit_tiff_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"uint16.*8-bit grey"):
-        read_stack(tiff(tmp_path / "0001.tiff", FRAMES.astype(np.uint16)))
+@pytest.mark.parametrize(("bits", "seen"), [(10, 10), (12, 12), (14, 14), (16, 16), (11, 12)])
+def test_more_bits_are_grey_levels_of_eight_with_their_fractions(
+    tmp_path: Path, bits: int, seen: int
+) -> None:
+    values = np.random.default_rng(bits).integers(0, 1 << bits, FRAMES.shape)
+    values[0, 0, 0] = (1 << bits) - 1
+    stack = read_stack(tiff(tmp_path / "0001.tiff", values.astype(np.uint16)))
+    assert stack.light == pytest.approx(values * 255.0 / ((1 << seen) - 1), rel=1e-6)
+    assert np.abs(stack.pixels - stack.light.astype(float)).max() <= 0.5
+    assert f"{seen} bits" in " ".join(stack.notes)
+
+
+def test_eight_bits_are_what_they_are(tmp_path: Path) -> None:
+    stack = read_stack(tiff(tmp_path / "0001.tiff", FRAMES))
+    assert stack.light is stack.pixels
+    np.testing.assert_array_equal(stack.pixels, FRAMES)
 
 
 def test_a_colour_tiff_and_colour_pngs_are_refused(tmp_path: Path) -> None:
@@ -327,7 +340,7 @@ def test_a_colour_tiff_and_colour_pngs_are_refused(tmp_path: Path) -> None:
     path = tmp_path / "0001.tiff"
     tifffile.imwrite(path, colour, photometric="rgb", metadata=None)
     for place in (path, pngs(tmp_path / "frames", colour)):
-        with pytest.raises(InputError, match="8-bit grey"):
+        with pytest.raises(InputError, match="grey frames"):
             read_stack(place)
 
 
