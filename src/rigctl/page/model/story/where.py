@@ -159,12 +159,9 @@ class WhereItFails:
             bars([_bar(own, most) for own in listed], lambda k: self._choose(listed[k]), at)
 
     def _choose(self, cell: Json) -> None:
-        """Draw a cell over the one before: a plot made anew takes twice as long, a map as well."""
+        """Draw another cell."""
         self._cells.chosen = cell
-        self._told.refresh()
-        self._named.set_text(self._name())
-        redraw(self._plot, self._figure())
-        self._listed.refresh()
+        self.place.refresh()
 
     def _on_point(self, event: events.GenericEventArguments) -> None:
         points = event.args.get("points") if isinstance(event.args, dict) else None
