@@ -91,7 +91,7 @@ class Film:
     def blank(cls, frames: Grey, views: int, times_s: Floats, gravity: float) -> Film:
         """Return a film without poses."""
         count = len(frames)
-        whole: Grey = np.ascontiguousarray(frames)
+        whole = frames if frames.flags.c_contiguous else frames.copy()
         lights = np.zeros((2, count, views, LIGHTS))
         lights[..., 1] = 1.0
         return cls(
