@@ -50,6 +50,9 @@ SEEN_RADII, SEEN_PX = 0.03, 0.3
 """Error of a place as seen first."""
 STEADY_RADII = 0.5
 """A ball that stays within so many radii for all its frames is not in flight."""
+HARDLY, LEAST_STEP_PX = 0.15, 2.0
+"""Share of the steps beside it that the disc of a picture shown twice moves at most, and the least
+of these steps, px."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -289,12 +292,24 @@ def _round(chain: Chain, looks: Looks) -> bool:
 
 
 def _repeated(places: Sequence[Floats]) -> tuple[int, ...]:
-    """Return frames in which all that is seen is where it was in the frame before, to the bit."""
-    return tuple(
-        k
+    """Return frames that show the picture before them once more.
+
+    All that is seen in such a frame is where it was, to the bit. Where a codec has coded the second
+    picture anew, the surest disc has moved by a small share of its steps before and after, which
+    point the same way: at the top of a flight and on the plate they do not.
+    """
+    again = [
+        len(places[k]) > 0 and np.array_equal(places[k], places[k - 1])
         for k in range(1, len(places))
-        if len(places[k]) and np.array_equal(places[k], places[k - 1])
-    )
+    ]
+    middle = np.array([p[0, :2] if len(p) else (np.nan, np.nan) for p in places]).reshape(-1, 2)
+    steps = np.diff(middle, axis=0)
+    sizes = np.hypot(*steps.T)
+    beside = np.minimum(sizes[:-2], sizes[2:])
+    onward = (steps[:-2] * steps[2:]).sum(axis=1) > 0
+    hardly = (sizes[1:-1] < HARDLY * beside) & (beside > LEAST_STEP_PX) & onward
+    nearly = {2 + int(k) for k in np.flatnonzero(hardly)}
+    return tuple(k for k in range(1, len(places)) if again[k - 1] or k in nearly)
 
 
 def _unexplained(seen: Sightings, linked: Sequence[Chain], chain: Chain) -> Floats:

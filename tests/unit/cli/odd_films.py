@@ -85,12 +85,19 @@ def rolls_away() -> tuple[list[Drawn], int]:
     return [picture(row, column) for row, column in places], first
 
 
-def frames_twice() -> tuple[list[Drawn], list[int]]:
-    """Draw a film in which every ninth picture is the one before it once more."""
-    shown = [picture(row) for row in bouncing()]
+def frames_twice(*, off_px: float = 0.0) -> tuple[list[Drawn], list[int]]:
+    """Draw a film in which every ninth picture is the one before it once more.
+
+    Parameters
+    ----------
+    off_px
+        By which a codec has moved the ball in the second one.
+    """
+    rows = bouncing()
+    shown = [picture(row) for row in rows]
     twice = list(range(9, 100, 9))
     for k in twice:
-        shown[k] = shown[k - 1]
+        shown[k] = picture(rows[k - 1] + off_px) if off_px else shown[k - 1]
     return shown, twice
 
 
