@@ -116,7 +116,7 @@ def test_a_table_is_told_what_its_columns_are_and_compared_with_the_model(
     expect(page.get_by_test_id("story-compare")).to_contain_text(
         "taken from the scatter", timeout=FIRST_USE_MS
     )
-    expect(page.get_by_test_id("story-where")).to_contain_text("with approach speed")
+    expect(page.get_by_test_id("story-where")).to_contain_text("with the approach speed")
     page.get_by_test_id("amount").wait_for(timeout=FIRST_USE_MS)
     # Falls of 4 to 160 cm end at 0.886 and 5.60 m/s; the fit moves speeds within their scatter.
     said = page.get_by_test_id("next-text").inner_text()

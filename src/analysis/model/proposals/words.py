@@ -28,7 +28,7 @@ _MEANINGS = {
     "flight": "a force in flight",
     "camera": "an error of the camera",
     "clock": "an error of the frame times",
-    "launch": "the launch",
+    "launch": "how the spheres leave their tubes",
     "speed_n": "the normal speed of approach v_n",
     "speed_s": "the sliding speed v_s",
     "obliquity": "v_s/v_n",
