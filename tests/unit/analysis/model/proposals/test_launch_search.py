@@ -64,7 +64,9 @@ def test_a_form_of_the_launch_stands_in_the_document_as_any_other() -> None:
     assert (one["slot"], one["argument"]) == ("launch", "temperature_c")
     assert one["formula"].startswith("speed = speed by the settings x [1 + ")
     assert sum(shot["repeat"] for shot in one["next_shots"]) >= 8
-    assert "how the spheres leave their tubes) depends on temperature_c" in " ".join(proposal_sentences(document))
+    assert "how the spheres leave their tubes) depends on temperature_c" in " ".join(
+        proposal_sentences(document)
+    )
 
 
 @pytest.mark.parametrize("seed", range(4))
