@@ -15,18 +15,20 @@ LONG_MS = 60_000
 
 
 def test_a_sweep_is_previewed_watched_paused_resumed_and_aborted(page: Page) -> None:
-    started(page, repeat=3)
+    started(page, repeat=6)
+    state = page.get_by_test_id("sweep-state")
+    expect(state).to_contain_text(re.compile(r"[1-9]\d* of 24 shots"), timeout=LONG_MS)
+    # Before points are waited for: shots are fired faster than a busy host measures them.
+    page.get_by_test_id("pause").click()
+    expect(state).to_contain_text("paused", timeout=LONG_MS)
+    fired = done(page)
+    assert 1 <= fired < 24
     expect(page.get_by_test_id("grows").locator(".scatterlayer .point")).not_to_have_count(
         0, timeout=LONG_MS
     )
-    page.get_by_test_id("pause").click()
-    state = page.get_by_test_id("sweep-state")
-    expect(state).to_contain_text("paused", timeout=LONG_MS)
-    fired = done(page)
-    assert 1 <= fired < 12
     page.get_by_test_id("resume").click()
     expect(state).to_contain_text("running")
-    expect(state).to_contain_text(f"{fired + 1} of 12 shots", timeout=LONG_MS)
+    expect(state).to_contain_text(f"{fired + 1} of 24 shots", timeout=LONG_MS)
     page.get_by_test_id("abort").click()
     page.get_by_test_id("abort-now").click()
     expect(state).to_contain_text("aborted", timeout=LONG_MS)
