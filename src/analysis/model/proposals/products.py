@@ -59,7 +59,7 @@ def main_groups(form: Form) -> set[tuple[str, str]]:
 
 
 def _alone(form: ContactForm, place: int) -> ContactForm:
-    """Return one argument of a product by itself, scaled as it is within the product."""
+    """Return one argument of a product by itself, with the zero that it has in the product."""
     argument, zero = form.arguments[place], form.constants[place]
     shape = POWER if argument.positive else LINEAR
     return ContactForm(form.slot, (argument,), shape, (zero,), (1.0,))
