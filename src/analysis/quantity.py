@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -50,6 +52,26 @@ class Quantity:
         """Return the same quantity in another unit: `factor` of these are one of the present."""
         common = None if self.common is None else factor * self.common
         return Quantity(factor * self.value, factor * self.sigma, unit, common)
+
+    @classmethod
+    def from_json(cls, document: Mapping[str, Any]) -> Quantity:
+        """Return the quantity that a document holds; null is what is not determined.
+
+        Raises
+        ------
+        KeyError, TypeError, ValueError
+            The document has another form.
+        """
+        unit, value, sigma = str(document["unit"]), document["value"], document["sigma"]
+        if value is None:
+            return cls.undetermined(unit)
+        common = document.get("sigma_common")
+        return cls(
+            float(value),
+            math.inf if sigma is None else float(sigma),
+            unit,
+            None if common is None else float(common),
+        )
 
     def to_json(self) -> dict[str, float | str | None]:
         """Return the form of the exchange documents; what is not determined is null."""

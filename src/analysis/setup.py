@@ -7,18 +7,14 @@ cannot be made at all.
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import (
-    AliasChoices,
-    ConfigDict,
     Field,
     SerializerFunctionWrapHandler,
-    TypeAdapter,
     ValidationInfo,
     field_validator,
     model_serializer,
@@ -27,8 +23,7 @@ from pydantic import (
 from pydantic.dataclasses import dataclass
 
 from analysis.material import StatedMaterial
-
-STRICT = ConfigDict(strict=True, extra="forbid", allow_inf_nan=False)
+from analysis.schema.codec import STRICT, named, read, written
 
 HOLLOW_SHELL = 0.667
 """I / (m r^2) with all mass at the surface, 2/3 as it is written down; no sphere has more."""
@@ -175,10 +170,6 @@ MEMORY_RAD = 0.3
 """Of the thesis's markers, 4 mm on a sphere of an inch."""
 
 
-def _named(key: str, field: str) -> Any:  # noqa: ANN401 - what a field is made of has no type
-    return Field(validation_alias=AliasChoices(key, field), serialization_alias=key)
-
-
 @dataclass(frozen=True, slots=True, config=STRICT)
 class SlowErrors:
     """Errors of poses that last for a flight or a campaign, so that no scatter shows them.
@@ -202,12 +193,12 @@ class SlowErrors:
         are wide.
     """
 
-    position_m: Annotated[float, Field(ge=0), _named("slow_position_m", "position_m")] = 0.0
-    rotation_rad: Annotated[float, Field(ge=0), _named("slow_rotation_rad", "rotation_rad")] = 0.0
-    shared_m: Annotated[float, Field(ge=0), _named("slow_shared_m", "shared_m")] = 0.0
-    scale: Annotated[float, Field(ge=0), _named("scale_sigma", "scale")] = 0.0
+    position_m: Annotated[float, Field(ge=0), named("slow_position_m", "position_m")] = 0.0
+    rotation_rad: Annotated[float, Field(ge=0), named("slow_rotation_rad", "rotation_rad")] = 0.0
+    shared_m: Annotated[float, Field(ge=0), named("slow_shared_m", "shared_m")] = 0.0
+    scale: Annotated[float, Field(ge=0), named("scale_sigma", "scale")] = 0.0
     one_body_frame: bool = True
-    memory_rad: Annotated[float, Field(gt=0), _named("slow_memory_rad", "memory_rad")] = MEMORY_RAD
+    memory_rad: Annotated[float, Field(gt=0), named("slow_memory_rad", "memory_rad")] = MEMORY_RAD
 
     @property
     def stated(self) -> bool:
@@ -283,7 +274,6 @@ class Setup:
 
 SAME_DENSITY = 0.05
 """Relative: a sphere's density, weighed, and that of its material as tables have it."""
-_SETUP = TypeAdapter(Setup)
 
 
 def setup_of(document: Mapping[str, Any]) -> Setup:
@@ -294,15 +284,12 @@ def setup_of(document: Mapping[str, Any]) -> Setup:
     pydantic.ValidationError
         A key is unknown, missing, or out of its range.
     """
-    return _SETUP.validate_json(json.dumps(document))
+    return read(Setup, document)
 
 
 def setup_document(setup: Setup) -> dict[str, Any]:
     """Return a set-up as documents hold it, without fields that are not known."""
-    document: dict[str, Any] = _SETUP.dump_python(
-        setup, mode="json", by_alias=True, exclude_none=True
-    )
-    return document
+    return written(setup, leave_out_none=True)
 
 
 def without_exposure(setup: Setup) -> Setup:

@@ -10,7 +10,8 @@ from pydantic import BaseModel, Field, ValidationError
 from analysis.errors import InputError
 from analysis.exchange.faults import fault
 from analysis.files import read_toml, toml_text
-from analysis.setup import STRICT, Setup, setup_document, setup_of
+from analysis.schema.codec import STRICT
+from analysis.setup import Setup, setup_document, setup_of
 
 FORMAT = 1
 

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from analysis.effects.effect import Effect
 from analysis.model.data.tables import Data
-from analysis.model.design.between import Telling
-from analysis.model.design.undecided import next_after
-from analysis.model.verdict.report import verdict_document
+from analysis.model.design.undecided import explain_with_next
+from analysis.model.verdict.documents import verdict_report
 from analysis.model.verdict.selection import Verdict as Found
-from analysis.model.verdict.selection import explain
 from analysis.model.verdict.words import doubts, verdict_sentence
 from analysis.quantity import Quantity
+from analysis.schema.codec import written
+from analysis.schema.verdict import VerdictReport
 from rigctl.api.own_effects import KnownEffects
 from rigctl.api.pictured import Pictured
 from rigctl.api.progress import stating
@@ -26,15 +25,9 @@ if TYPE_CHECKING:
 
 def explained(campaign: str, data: Data, known: KnownEffects) -> Verdict:
     """Go the whole way to a verdict; choose the shots that would end its doubts."""
-
-    def explained(effects: Sequence[Effect]) -> tuple[Found, Telling | None]:
-        found = explain(data, effects, report)
-        report("choosing shots")
-        return found, next_after(found, effects)
-
     with stating() as report:
-        found, following = known.all_in(explained)
-    return Verdict(campaign, found, verdict_document(campaign, data, found, following))
+        found, following = known.all_in(lambda left: explain_with_next(data, left, report))
+    return Verdict(campaign, found, verdict_report(campaign, data, found, following))
 
 
 class Verdict(Pictured):
@@ -46,8 +39,9 @@ class Verdict(Pictured):
         The document of `rigctl model explain --json`.
     """
 
-    def __init__(self, campaign: str, found: Found, document: Json) -> None:
-        self.campaign, self._found, self.numbers = campaign, found, document
+    def __init__(self, campaign: str, found: Found, report: VerdictReport) -> None:
+        self.campaign, self._found, self._report = campaign, found, report
+        self.numbers = written(report)
 
     @property
     def verdict(self) -> str:
@@ -62,12 +56,12 @@ class Verdict(Pictured):
     @property
     def sentence(self) -> str:
         """The verdict in words."""
-        return verdict_sentence(self.numbers)
+        return verdict_sentence(self._report)
 
     @property
     def doubts(self) -> list[str]:
         """Open questions of few shots, and implausible results."""
-        return doubts(self.numbers)
+        return doubts(self._report)
 
     @property
     def parameters(self) -> Mapping[str, Quantity]:

@@ -14,7 +14,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from analysis.effects.effect import Effect
 from analysis.effects.own.dropping import without_faulty
 from analysis.effects.own.fault import Fault
 from analysis.errors import LaunchRefusedError
@@ -31,8 +30,7 @@ from analysis.model.agreement.predicted_paths import paths_document
 from analysis.model.agreement.table import Stage
 from analysis.model.data.stream import whole
 from analysis.model.data.tables import Data
-from analysis.model.design.between import Telling
-from analysis.model.design.undecided import next_after
+from analysis.model.design.undecided import explain_with_next
 from analysis.model.fitting.fit import Fit
 from analysis.model.fitting.robust_fit import judged
 from analysis.model.plane import impact_plane
@@ -40,9 +38,7 @@ from analysis.model.proposals.document import confirmation_document
 from analysis.model.proposals.stated import Statement
 from analysis.model.rank.ranking import rank
 from analysis.model.structure.structure import structure
-from analysis.model.verdict.documents import fit_document, ranking_document
-from analysis.model.verdict.report import verdict_document
-from analysis.model.verdict.selection import Verdict, explain
+from analysis.model.verdict.documents import fit_document, ranking_document, verdict_document
 from rigctl.documents import Json
 from rigctl.errors import AnalysisInputError
 from rigctl.input_errors import as_analysis_errors
@@ -90,13 +86,10 @@ def explain_job(asked: Json, progress: Progress) -> Json:
     """Go the whole way to a verdict."""
     known = _known(asked)
     data = _data(asked, progress)
-
-    def judge(effects: Sequence[Effect]) -> tuple[Verdict, Telling | None]:
-        verdict = explain(data, effects, lambda text: progress(text, None))
-        progress("choosing shots", None)
-        return verdict, next_after(verdict, effects)
-
-    (verdict, following), dropped = without_faulty(known.effects, judge)
+    (verdict, following), dropped = without_faulty(
+        known.effects,
+        lambda left: explain_with_next(data, left, lambda text: progress(text, None)),
+    )
     document = verdict_document(asked["campaign"], data, verdict, following)
     return {**document, "faults": _told(known, dropped)}
 

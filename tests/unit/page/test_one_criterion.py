@@ -8,9 +8,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from analysis.model.verdict.standing import Word, standing_of
+from analysis.schema.verdict import VerdictReport
 from rigctl.page.model.next import asked_for
 from rigctl.page.model.story.words import missing_words, where
 from rigctl.page.model.verdict import sentence
+from tests.unit.analysis.model.reported import reported
 
 Json = dict[str, Any]
 CHALLENGES = 200
@@ -63,22 +65,22 @@ def fits(draw: st.DrawFn, added: tuple[str, ...]) -> Json:
 
 
 @st.composite
-def ways(draw: st.DrawFn) -> tuple[list[Json], Json | None]:
+def ways(draw: st.DrawFn) -> tuple[list[Json], VerdictReport | None]:
     """Return the fits on a way to some effects, and perhaps the verdict of the whole way."""
     added = draw(st.lists(st.sampled_from(NAMES), unique=True, max_size=2))
     path = [draw(fits(tuple(added[:count]))) for count in range(len(added) + 1)]
-    concluded = {
-        "verdict": draw(st.sampled_from(["none", "effect", "alias", "unexplained"])),
-        "effects": draw(st.sampled_from([added, [], ["wind"]])),
-        "alias_set": draw(st.sampled_from([[], ["wind"], ["wind", "drag"]])),
-    }
+    concluded = reported(
+        verdict=draw(st.sampled_from(["none", "effect", "alias", "unexplained"])),
+        effects=draw(st.sampled_from([added, [], ["wind"]])),
+        alias_set=draw(st.sampled_from([[], ["wind"], ["wind", "drag"]])),
+    )
     return path, draw(st.sampled_from([None, concluded]))
 
 
 @settings(max_examples=CHALLENGES)
 @given(ways())
 def test_what_the_verdict_calls_missing_is_missing_in_story_and_next_shots(
-    way: tuple[list[Json], Json | None],
+    way: tuple[list[Json], VerdictReport | None],
 ) -> None:
     path, concluded = way
     standing = standing_of(path, concluded)
@@ -101,7 +103,7 @@ def test_what_the_verdict_calls_missing_is_missing_in_story_and_next_shots(
 @settings(max_examples=CHALLENGES)
 @given(ways())
 def test_shots_are_chosen_exactly_where_the_verdict_leaves_two_open(
-    way: tuple[list[Json], Json | None],
+    way: tuple[list[Json], VerdictReport | None],
 ) -> None:
     path, concluded = way
     standing = standing_of(path, concluded)
@@ -117,6 +119,6 @@ def test_the_verdict_of_the_whole_way_holds_for_its_own_effects_alone() -> None:
     row = {"quantities": [{"quantity": "spin", "p_familywise": 1e-9}]}
     found: Json = {"shots": 40, "prediction_error": 2.0, "with": [], "stages": [row]}
     found |= {"cells": [], "findings": [], "candidates": []}
-    concluded = {"verdict": "effect", "effects": ["drag"], "alias_set": ["drag"]}
+    concluded = reported(verdict="effect", effects=["drag"], alias_set=["drag"])
     assert standing_of([found], concluded).word is Word.UNEXPLAINED
     assert standing_of([found, found | {"with": ["drag"]}], concluded).word is Word.FLOOR

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
-from pydantic import Field, TypeAdapter, ValidationError
+from pydantic import Field, ValidationError
 from pydantic.dataclasses import dataclass
 
 from analysis.arrays import Floats
 from analysis.errors import InputError
 from analysis.exchange.faults import fault
 from analysis.files import read_toml, toml_text
-from analysis.setup import STRICT, Pixel
+from analysis.schema.codec import STRICT, read, written
+from analysis.setup import Pixel
 
 FORMAT = 1
 Length = Annotated[float, Field(gt=0, le=1e7)]
@@ -69,18 +69,9 @@ class Lens:
         return np.array([self.k1, self.k2, 0.0, 0.0])
 
 
-_LENS = TypeAdapter(Lens)
-
-
-def lens_document(lens: Lens) -> dict[str, Any]:
-    """Return a lens as lens.toml and JSON hold it."""
-    document: dict[str, Any] = _LENS.dump_python(lens, mode="json")
-    return document
-
-
 def write_lens(path: Path, lens: Lens) -> None:
     """Write lens.toml."""
-    path.write_text(toml_text({"format": FORMAT, **lens_document(lens)}), encoding="utf-8")
+    path.write_text(toml_text({"format": FORMAT, **written(lens)}), encoding="utf-8")
 
 
 def read_lens(path: Path) -> Lens:
@@ -96,6 +87,6 @@ def read_lens(path: Path) -> Lens:
     if found != FORMAT:
         raise InputError(path, f"format {found!r}; this program reads format {FORMAT} of a lens")
     try:
-        return _LENS.validate_json(json.dumps(table))
+        return read(Lens, table)
     except ValidationError as error:
         raise InputError(path, "; ".join(map(fault, error.errors()))) from error

@@ -15,7 +15,7 @@ from analysis.model.structure.covariates import covariate_label
 from analysis.model.structure.findings import ALWAYS, Finding, findings
 from analysis.model.structure.lackoffit import Cell
 from analysis.model.structure.structure import CellResiduals, Structure, Trend
-from analysis.model.verdict.documents import SMALLEST_P
+from analysis.schema.codec import SMALLEST_P
 
 Json = dict[str, Any]
 

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 from analysis.model.design.between import Repeated, Telling
 from analysis.model.design.sharpen import Sharpening
-
-Json = dict[str, Any]
+from analysis.schema.codec import Json, written
+from analysis.schema.verdict import NextShot
 
 NONE = "none"
 """What the base model is called where an effect could stand."""
@@ -44,13 +43,11 @@ def sharpening_document(found: Sharpening) -> Json:
 
 
 def shots_document(shots: Sequence[Repeated]) -> list[Json]:
+    """Return the JSON of settings and how often to fire each."""
+    return [written(shot) for shot in next_shots(shots)]
+
+
+def next_shots(shots: Sequence[Repeated]) -> tuple[NextShot, ...]:
     """Return settings and how often to fire each."""
-    return [
-        {
-            "pressure_a_kpa": one.setting.pressure_a_kpa,
-            "pressure_b_kpa": one.setting.pressure_b_kpa,
-            "offset_mm": one.setting.offset_mm,
-            "repeat": one.repeat,
-        }
-        for one in shots
-    ]
+    settings = ((one.setting, one.repeat) for one in shots)
+    return tuple(NextShot(s.pressure_a_kpa, s.pressure_b_kpa, s.offset_mm, n) for s, n in settings)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -12,12 +12,21 @@ from analysis.launch.fit import fit_launch
 from analysis.launch.prediction import Limits
 from analysis.launch.settings import OFFSET, PRESSURES
 from analysis.model.data.poses import PoseData
-from analysis.model.data.stream import whole
+from analysis.model.data.stream import CampaignData, whole
 from analysis.model.design.between import Telling, tell_apart
 from analysis.model.design.candidates import grid
 from analysis.model.design.misfit import MisfitError
 from analysis.model.fitting.fit import fit_campaign
-from analysis.model.verdict.selection import Verdict
+from analysis.model.verdict.selection import Verdict, explain
+
+
+def explain_with_next(
+    data: CampaignData, effects: Sequence[Effect], report: Callable[[str], None]
+) -> tuple[Verdict, Telling | None]:
+    """Come to a verdict, and choose the shots that would end its doubts."""
+    verdict = explain(data, effects, report)
+    report("choosing shots")
+    return verdict, next_after(verdict, effects)
 
 
 def next_after(

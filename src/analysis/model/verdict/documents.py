@@ -1,67 +1,161 @@
-"""A fit and a ranking as other programs read them."""
+"""A fit, a ranking and a verdict as the models that other programs read."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
+from analysis.model.data.stream import CampaignData
+from analysis.model.design.between import Telling
+from analysis.model.design.document import next_shots
 from analysis.model.fitting.account import Accounted
 from analysis.model.fitting.nuisance import alarms_of, nuisances
 from analysis.model.rank.candidate import Candidate, Ranking
+from analysis.model.structure.alarm import UNEXPLAINED_LEVEL, is_shared
+from analysis.model.structure.lackoffit import Cell
+from analysis.model.verdict.selection import Verdict
 from analysis.quantity import Quantity
+from analysis.schema.codec import SMALLEST_P, Json, written
+from analysis.schema.verdict import (
+    FitReport,
+    LeftCell,
+    NoiseFactors,
+    PathStage,
+    RankedCandidate,
+    SeenCandidate,
+    VerdictReport,
+)
 
-Json = dict[str, Any]
-
-SMALLEST_P = 1e-300
-"""No chance is less than this in a document: some readers take a smaller number for none."""
 SHOWN_ALIAS = 0.9
 """Effects whose traces in the residuals correlate more than this are named as alike."""
 
 
 def fit_document(title: str, names: Sequence[str], found: Accounted) -> Json:
+    """Return the JSON of a campaign's fit with the effects that were added, by name."""
+    return written(fit_report(title, names, found))
+
+
+def fit_report(title: str, names: Sequence[str], found: Accounted) -> FitReport:
     """Return a campaign's fit with the effects that were added, by name."""
     fit, account = found.fit, found.account
-    return {
-        "campaign": title,
-        "shots": len(fit.shot_chi2),
-        "excluded": account.excluded,
-        "rejected": account.rejected,
-        "rejected_frames": [list(frame) for frame in account.frames],
-        "torn_tracks": [list(track) for track in account.torn],
-        "noise": noise_document(account.noise),
-        "with": list(names),
-        "chi2_per_dof": fit.chi2_per_dof,
-        "degrees_of_freedom": fit.freedom,
-        "converged": fit.converged,
-        "parameters": {name: q.to_json() for name, q in fit.parameters().items()},
-        "nuisances": [one.to_json() for one in nuisances(fit)],
-        "alarms": alarms_of(fit),
-    }
+    return FitReport(
+        campaign=title,
+        shots=len(fit.shot_chi2),
+        excluded=tuple(account.excluded),
+        rejected=tuple(account.rejected),
+        rejected_frames=account.frames,
+        torn_tracks=account.torn,
+        noise=NoiseFactors(*account.noise),
+        effects=tuple(names),
+        chi2_per_dof=fit.chi2_per_dof,
+        degrees_of_freedom=fit.freedom,
+        converged=fit.converged,
+        parameters=fit.parameters(),
+        nuisances=nuisances(fit),
+        alarms=alarms_of(fit),
+    )
 
 
-def noise_document(noise: tuple[float, float]) -> Json:
-    """Return by what stated sigmas were multiplied."""
-    return {"position": noise[0], "orientation": noise[1]}
+def verdict_document(
+    campaign: str, data: CampaignData, verdict: Verdict, following: Telling | None = None
+) -> Json:
+    """Return the JSON of a verdict, as `rigctl model explain --json` prints it."""
+    return written(verdict_report(campaign, data, verdict, following))
+
+
+def verdict_report(
+    campaign: str, data: CampaignData, verdict: Verdict, following: Telling | None = None
+) -> VerdictReport:
+    """Return what is concluded of a campaign, with the shots that would end the doubts."""
+    kept, fit = verdict.cleaned.kept, verdict.fit
+    used = int(kept.sum())
+    return VerdictReport(
+        campaign=campaign,
+        shots=len(data.shots) + len(data.unusable),
+        used=used,
+        excluded=tuple(data.excluded),
+        rejected=tuple(sorted([*data.unusable, *map(int, data.shots[~kept])])),
+        rejected_frames=verdict.cleaned.frames,
+        torn_tracks=verdict.torn,
+        verdict=verdict.verdict,
+        effects=verdict.effects,
+        alias_set=verdict.alias_set,
+        alias_sets=verdict.alias_sets,
+        unexplained=verdict.verdict == "unexplained",
+        chi2_per_dof=fit.chi2_per_dof,
+        p_chi2=max(fit.p_chi2, SMALLEST_P),
+        path=tuple(
+            PathStage(stage.effects, stage.fit.chi2_per_dof, stage.error.value)
+            for stage in verdict.path
+        ),
+        parameters=fit.parameters(),
+        nuisances=nuisances(fit),
+        alarms=alarms_of(fit),
+        candidates=tuple(_seen(one) for one in verdict.first_ranking.candidates if one.seen),
+        noise=NoiseFactors(*verdict.noise),
+        structure=tuple(map(_left_cell, _left(verdict, used))),
+        next_shots=() if following is None else next_shots(following.shots),
+    )
+
+
+def _left(verdict: Verdict, shots: int) -> list[Cell]:
+    """Return the cells that stand out, those first that more than two shots carry."""
+    left = [cell for cell in verdict.cells if cell.p_holm < UNEXPLAINED_LEVEL]
+    return sorted(left, key=lambda cell: (cell.of_measurement, not is_shared(cell, shots)))
+
+
+def _left_cell(cell: Cell) -> LeftCell:
+    return LeftCell(
+        channel=cell.channel,
+        covariate=cell.covariate,
+        chi2=cell.chi2,
+        degrees_of_freedom=cell.freedom,
+        p_value=max(cell.p_value, SMALLEST_P),
+        p_familywise=max(cell.p_holm, SMALLEST_P),
+        of_measurement=cell.of_measurement,
+    )
+
+
+def _seen(candidate: Candidate) -> SeenCandidate:
+    first = candidate.effect.parameters[0]
+    return SeenCandidate(
+        effect=candidate.effect.name,
+        score=candidate.score,
+        p_value=max(candidate.p_value, SMALLEST_P),
+        p_familywise=candidate.p_familywise,
+        delta_chi2=candidate.fall,
+        amplitude=float(candidate.amplitudes[0]),
+        sigma=float(candidate.sigmas[0]),
+        unit=first.unit,
+        plausible=candidate.plausible,
+        of_measurement=candidate.of_measurement,
+        moved_m=candidate.moved_m,
+        plausible_range=first.plausible,
+    )
 
 
 def ranking_document(ranked: Ranking) -> list[Json]:
+    """Return the JSON of all candidates, the most promising first."""
+    return [written(one) for one in ranked_candidates(ranked)]
+
+
+def ranked_candidates(ranked: Ranking) -> list[RankedCandidate]:
     """Return all candidates, the most promising first; what cannot be seen has no numbers."""
     return [
-        {
-            "effect": candidate.effect.name,
-            "seen": candidate.seen,
-            "score": candidate.score if candidate.seen else None,
-            "promised_fall": candidate.fall,
-            "p_value": max(candidate.p_value, SMALLEST_P),
-            "p_familywise": candidate.p_familywise,
-            "plausible": candidate.plausible if candidate.seen else None,
-            "of_measurement": candidate.of_measurement,
-            "moved_m": candidate.moved_m,
-            "amplitude": float(candidate.amplitudes[0]) if candidate.seen else None,
-            "unit": candidate.effect.parameters[0].unit,
-            "amplitudes": _amplitudes(candidate) if candidate.seen else {},
-            "like": alike(ranked, k),
-        }
+        RankedCandidate(
+            effect=candidate.effect.name,
+            seen=candidate.seen,
+            score=candidate.score if candidate.seen else None,
+            delta_chi2=candidate.fall,
+            p_value=max(candidate.p_value, SMALLEST_P),
+            p_familywise=candidate.p_familywise,
+            plausible=candidate.plausible if candidate.seen else None,
+            of_measurement=candidate.of_measurement,
+            moved_m=candidate.moved_m,
+            amplitude=float(candidate.amplitudes[0]) if candidate.seen else None,
+            unit=candidate.effect.parameters[0].unit,
+            amplitudes=_amplitudes(candidate) if candidate.seen else {},
+            like=tuple(alike(ranked, k)),
+        )
         for k, candidate in enumerate(ranked.candidates)
     ]
 
@@ -75,6 +169,6 @@ def alike(ranked: Ranking, k: int) -> list[str]:
     ]
 
 
-def _amplitudes(candidate: Candidate) -> Json:
+def _amplitudes(candidate: Candidate) -> dict[str, Quantity]:
     rows = zip(candidate.effect.parameters, candidate.amplitudes, candidate.sigmas, strict=True)
-    return {p.symbol: Quantity(float(a), float(s), p.unit).to_json() for p, a, s in rows}
+    return {p.symbol: Quantity(float(a), float(s), p.unit) for p, a, s in rows}

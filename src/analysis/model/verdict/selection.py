@@ -30,6 +30,7 @@ from analysis.model.structure.lackoffit import Cell, lack_of_fit
 from analysis.model.verdict.exchange import AliasSets, exchanged, fits_without
 from analysis.model.verdict.forward import Found, forward
 from analysis.model.verdict.part import what_explains
+from analysis.schema.verdict import Verdicts
 
 DROP_LEVEL = 0.0005
 
@@ -61,7 +62,7 @@ class Verdict:
         By what stated sigmas of positions and orientations were multiplied; 1: as stated.
     """
 
-    verdict: str
+    verdict: Verdicts
     effects: tuple[str, ...]
     alias_sets: Mapping[str, tuple[str, ...]]
     path: tuple[Stage, ...]
@@ -174,7 +175,7 @@ def _alarmed(found: Found, cells: Sequence[Cell]) -> bool:
     return any(alarms(cell, len(found.evidence.data.shots)) for cell in cells)
 
 
-def _word(alias_sets: AliasSets) -> str:
+def _word(alias_sets: AliasSets) -> Verdicts:
     if not alias_sets:
         return "none"
     return "alias" if any(len(alike) > 1 for alike in alias_sets.values()) else "effect"

@@ -14,6 +14,7 @@ from typing import Any
 
 from analysis.model.structure.alarm import FEWEST
 from analysis.model.structure.influence import FEW
+from analysis.schema.verdict import VerdictReport
 
 Json = dict[str, Any]
 SURE = 0.01
@@ -67,7 +68,7 @@ class Standing:
         return self.word in OPEN
 
 
-def standing_of(path: Sequence[Json], concluded: Json | None = None) -> Standing:
+def standing_of(path: Sequence[Json], concluded: VerdictReport | None = None) -> Standing:
     """Return how the last of some fits stands.
 
     Parameters
@@ -81,7 +82,7 @@ def standing_of(path: Sequence[Json], concluded: Json | None = None) -> Standing
     found = path[-1]
     if found["shots"] < FEWEST:
         return Standing(Word.FEW)
-    if concluded is not None and set(concluded["effects"]) == set(found["with"]):
+    if concluded is not None and set(concluded.effects) == set(found["with"]):
         return _concluded(concluded)
     strong = strong_effects(found)
     fails, left = failing_rows(found), left_cells(found)
@@ -119,11 +120,11 @@ def left_cells(found: Json) -> list[Json]:
     return [cell for cell in found["cells"] if cell["p_familywise"] < SURE]
 
 
-def _concluded(verdict: Json) -> Standing:
-    if verdict["verdict"] == "unexplained":
+def _concluded(verdict: VerdictReport) -> Standing:
+    if verdict.unexplained:
         return Standing(Word.UNEXPLAINED)
-    alike: list[str] = verdict["alias_set"]
-    if verdict["verdict"] == "alias" and len(alike) > 1:
+    alike = verdict.alias_set
+    if verdict.verdict == "alias" and len(alike) > 1:
         return Standing(Word.ALIKE, tell=(alike[0], alike[1]))
     return Standing(Word.FLOOR)
 

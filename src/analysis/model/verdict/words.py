@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
 
 from analysis.model.fitting.nuisance_words import alarm_sentences
 from analysis.model.structure.alarm import FEWEST
 from analysis.model.structure.influence import FEW
 from analysis.quantity import Quantity
-
-Json = dict[str, Any]
+from analysis.schema.verdict import SeenCandidate, VerdictReport
 
 STRIKING = 0.01
 """Chance below which a candidate's promise is worth a word."""
@@ -19,36 +18,36 @@ COMPARABLE = 0.5
 """A candidate that is not believed is spoken of if it promises this share of what the best does."""
 
 
-def verdict_sentence(document: Json) -> str:
+def verdict_sentence(found: VerdictReport) -> str:
     """Say the verdict."""
-    name, used = document["campaign"], document["used"]
+    name, used = found.campaign, found.used
     if used < FEWEST:
-        return f"{name}: {too_few(used)}{_would_explain(document)}"
-    if document["verdict"] == "none":
-        return f"{name}: {_nothing(document)}"
-    if document["verdict"] == "effect":
-        several = len(document["effects"]) > 1
+        return f"{name}: {too_few(used)}{_would_explain(found)}"
+    if found.verdict == "none":
+        return f"{name}: {_nothing(found)}"
+    if found.verdict == "effect":
+        several = len(found.effects) > 1
         what = "missing effects are" if several else "missing effect is"
-        return f"{name}: the {what} {_listed(document['effects'])}; {_fall(document)}."
-    if document["verdict"] == "alias":
-        return f"{name}: {_alike(document)}: these shots cannot tell; {_fall(document)}."
-    return _unexplained(document)
+        return f"{name}: the {what} {_listed(found.effects)}; {_fall(found)}."
+    if found.verdict == "alias":
+        return f"{name}: {_alike(found)}: these shots cannot tell; {_fall(found)}."
+    return _unexplained(found)
 
 
-def _would_explain(document: Json) -> str:
+def _would_explain(found: VerdictReport) -> str:
     """Say what so few shots would be explained by, where anything explains them."""
-    if not document["effects"]:
+    if not found.effects:
         return ""
-    return f" {_listed(document['effects'])} would explain it as well."
+    return f" {_listed(found.effects)} would explain it as well."
 
 
-def doubts(document: Json) -> list[str]:
+def doubts(found: VerdictReport) -> list[str]:
     """Say what few shots leave open, what is promised at unbelievable sizes, and what alarms.
 
     These are never hidden; plausibility only decides which of two alike is tried first.
     """
-    alarms = alarm_sentences(document.get("alarms", ()))
-    return [*alarms, *_of_few(document), *_not_believed(document), *_of_images(document)]
+    alarms = alarm_sentences(found.alarms)
+    return [*alarms, *_of_few(found), *_not_believed(found), *_of_images(found)]
 
 
 def too_few(used: int) -> str:
@@ -61,72 +60,72 @@ def too_few(used: int) -> str:
     )
 
 
-def _of_few(document: Json) -> list[str]:
+def _of_few(found: VerdictReport) -> list[str]:
     """Say what to think of what a few shots leave over where the verdict does not count it."""
-    used, verdict = document["used"], document["verdict"]
-    if used > FEW or used < FEWEST or verdict == "unexplained" or not document["structure"]:
+    used, verdict = found.used, found.verdict
+    if used > FEW or used < FEWEST or verdict == "unexplained" or not found.structure:
         return []
-    where = document["structure"][0]
+    where = found.structure[0]
     return [
-        f"What is left shows most in {where['channel']} against {where['covariate']}, but two of "
+        f"What is left shows most in {where.channel} against {where.covariate}, but two of "
         f"the {used} shots carry it: an error of their own, or something that more than {FEW} "
         "shots would tell."
     ]
 
 
-def _not_believed(document: Json) -> list[str]:
-    if document["verdict"] not in {"effect", "alias"}:
+def _not_believed(found: VerdictReport) -> list[str]:
+    if found.verdict not in {"effect", "alias"}:
         return []
-    falls = {c["effect"]: c["promised_fall"] for c in document["candidates"]}
-    named = {*document["effects"], *document["alias_set"]}
+    falls = {c.effect: c.delta_chi2 for c in found.candidates}
+    named = {*found.effects, *found.alias_set}
     best = max((falls.get(name, 0.0) for name in named), default=0.0)
     return [
         _doubt(c)
-        for c in document["candidates"]
-        if not c["plausible"]
-        and c["effect"] not in named
-        and c["p_familywise"] < STRIKING
-        and c["promised_fall"] > COMPARABLE * best
+        for c in found.candidates
+        if not c.plausible
+        and c.effect not in named
+        and c.p_familywise < STRIKING
+        and c.delta_chi2 > COMPARABLE * best
     ]
 
 
-def _of_images(document: Json) -> list[str]:
+def _of_images(found: VerdictReport) -> list[str]:
     return [
-        f"{c['effect']} by itself would bring chi-squared down by {c['promised_fall']:.0f}, but "
-        f"moves places by at most {c['moved_m'] * 1e6:.1f} um, as "
+        f"{c.effect} by itself would bring chi-squared down by {c.delta_chi2:.0f}, but "
+        f"moves places by at most {c.moved_m * 1e6:.1f} um, as "
         "slow errors of the images do: it is taken for theirs."
-        for c in document["candidates"]
-        if c["of_measurement"] and c["p_familywise"] < STRIKING
+        for c in found.candidates
+        if c.moved_m is not None and c.of_measurement and c.p_familywise < STRIKING
     ]
 
 
-def _doubt(candidate: Json) -> str:
-    unit = "" if candidate["unit"] == "1" else f" {candidate['unit']}"
-    size = Quantity(candidate["amplitude"], candidate["sigma"], candidate["unit"]).concise()
-    low, high = candidate["plausible_range"]
+def _doubt(candidate: SeenCandidate) -> str:
+    unit = "" if candidate.unit == "1" else f" {candidate.unit}"
+    size = Quantity(candidate.amplitude, candidate.sigma, candidate.unit).concise()
+    low, high = candidate.plausible_range
     return (
-        f"{candidate['effect']} by itself would promise as much, but with {size}{unit}, where "
+        f"{candidate.effect} by itself would promise as much, but with {size}{unit}, where "
         f"{low:g} to {high:g}{unit} is believed."
     )
 
 
-def _nothing(document: Json) -> str:
+def _nothing(found: VerdictReport) -> str:
     """Say that nothing is missing, or, where more is left than noise, only that none was found."""
-    used, chance = document["used"], document["p_chi2"]
+    used, chance = found.used, found.p_chi2
     if chance > RARE:
         return f"nothing is missing, as far as {used} shots can tell."
     return (
         f"no effect that {used} shots tell is missing, but chi-squared is "
-        f"{document['chi2_per_dof']:.3g} per degree of freedom, which noise of the stated size "
+        f"{found.chi2_per_dof:.3g} per degree of freedom, which noise of the stated size "
         f"exceeds with a chance of {chance:.2g}: the stated errors are too small, or something is "
         "missing that more shots would show."
     )
 
 
-def _alike(document: Json) -> str:
+def _alike(found: VerdictReport) -> str:
     """Say what is sure, and of what is not which one of which."""
-    sets = document["alias_sets"]
-    sure = [name for name in document["effects"] if len(sets[name]) == 1]
+    sets = found.alias_sets
+    sure = [name for name in found.effects if len(sets[name]) == 1]
     open_ = [f"one of {' or '.join(alike)}" for alike in sets.values() if len(alike) > 1]
     if not sure:
         verb = "are" if len(open_) > 1 else "is"
@@ -134,42 +133,42 @@ def _alike(document: Json) -> str:
     return f"{_listed(sure)} {'are' if len(sure) > 1 else 'is'} missing, and {_listed(open_)}"
 
 
-def _fall(document: Json) -> str:
-    first, last = document["path"][0], document["path"][-1]
-    it = "them" if len(document["effects"]) > 1 else "it"
+def _fall(found: VerdictReport) -> str:
+    first, last = found.path[0], found.path[-1]
+    it = "them" if len(found.effects) > 1 else "it"
     return (
-        f"with {it} the error on shots left out falls from {first['prediction_error']:.3f} to "
-        f"{last['prediction_error']:.3f} of the noise{_each(document)}"
+        f"with {it} the error on shots left out falls from {first.prediction_error:.3f} to "
+        f"{last.prediction_error:.3f} of the noise{_each(found)}"
     )
 
 
-def _each(document: Json) -> str:
+def _each(found: VerdictReport) -> str:
     """Say where several effects leave the error, one after the other."""
     steps, before = [], set[str]()
-    for stage in document["path"][1:]:
-        new = [name for name in stage["with"] if name not in before]
-        before = set(stage["with"])
-        if len(new) == 1 and new[0] in document["effects"]:
-            steps.append(f"{stage['prediction_error']:.3f} with {new[0]}")
+    for stage in found.path[1:]:
+        new = [name for name in stage.effects if name not in before]
+        before = set(stage.effects)
+        if len(new) == 1 and new[0] in found.effects:
+            steps.append(f"{stage.prediction_error:.3f} with {new[0]}")
     return f" ({', '.join(steps)})" if len(steps) > 1 else ""
 
 
-def _unexplained(document: Json) -> str:
-    names = _listed(document["effects"])
-    verb = "explain" if len(document["effects"]) > 1 else "explains"
+def _unexplained(found: VerdictReport) -> str:
+    names = _listed(found.effects)
+    verb = "explain" if len(found.effects) > 1 else "explains"
     part = f" {names} {verb} part of it." if names else ""
-    if not document["structure"]:
+    if not found.structure:
         return (
-            f"{document['campaign']}: chi-squared is {document['chi2_per_dof']:.3g} per degree of "
-            f"freedom, where 1 is the noise, and no effect that {document['used']} shots tell "
+            f"{found.campaign}: chi-squared is {found.chi2_per_dof:.3g} per degree of "
+            f"freedom, where 1 is the noise, and no effect that {found.used} shots tell "
             f"explains it.{part} The stated errors are too small, or more shots are needed to see "
             "what is missing."
         )
-    where = document["structure"][0]
+    where = found.structure[0]
     return (
-        f"{document['campaign']}: something is missing that the catalogue does not hold.{part} "
-        f"What is left shows most in {where['channel']} against {where['covariate']}"
-        f"{_kind(where['channel'])}."
+        f"{found.campaign}: something is missing that the catalogue does not hold.{part} "
+        f"What is left shows most in {where.channel} against {where.covariate}"
+        f"{_kind(where.channel)}."
     )
 
 
@@ -182,5 +181,5 @@ def _kind(channel: str) -> str:
     return ""
 
 
-def _listed(names: list[str]) -> str:
+def _listed(names: Sequence[str]) -> str:
     return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)

@@ -277,4 +277,4 @@ def _print(document: Json) -> None:
 
 
 def _concise(quantity: Json) -> str:
-    return Quantity(quantity["value"], quantity["sigma"], quantity["unit"]).concise()
+    return Quantity.from_json(quantity).concise()

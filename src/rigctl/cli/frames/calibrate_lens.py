@@ -12,9 +12,10 @@ from rich.table import Table
 
 from analysis.balls.lens.board import Board
 from analysis.balls.lens.calibration import LensCalibration, calibrate_lens
-from analysis.balls.lens.lens import lens_document, write_lens
+from analysis.balls.lens.lens import write_lens
 from analysis.errors import InputError
 from analysis.quantity import Quantity
+from analysis.schema.codec import written
 from rigctl.cli.output import print_json
 from rigctl.errors import AnalysisInputError, SettingsError
 
@@ -86,7 +87,7 @@ def _document(path: Path, result: LensCalibration) -> dict[str, object]:
         "used": list(result.used),
         "rms_px": result.rms_px,
         "covered": result.covered,
-        "lens": lens_document(result.lens),
+        "lens": written(result.lens),
     }
 
 

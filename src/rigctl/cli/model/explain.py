@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
 
 from rich.console import Console
 from rich.table import Table
 
-from analysis.effects.effect import Effect
 from analysis.effects.own.dropping import without_faulty
-from analysis.model.data.stream import CampaignData
-from analysis.model.design.between import Telling
-from analysis.model.design.undecided import next_after
+from analysis.model.design.undecided import explain_with_next
 from analysis.model.fitting.nuisance_words import nuisance_lines
-from analysis.model.verdict.report import verdict_document
-from analysis.model.verdict.selection import Verdict, explain
+from analysis.model.verdict.documents import verdict_report
 from analysis.model.verdict.words import doubts, verdict_sentence
+from analysis.schema.codec import written
+from analysis.schema.verdict import VerdictReport
 from rigctl.cli.model.reading import opened_in_parts, report_faults
 from rigctl.cli.options import Campaign, Config, Json, OwnEffects, Pictures, Streamed
 from rigctl.cli.output import TABLE_WIDTH, print_json, progress, unit_word
@@ -48,14 +44,15 @@ def explaining(
     known = available(folder)
     title, data = opened_in_parts(campaign, config, stream=stream)
     with progress() as report, temporary_room():
-        found, dropped = without_faulty(known.effects, lambda left: _verdict(data, left, report))
-    verdict, following = found
+        (verdict, following), dropped = without_faulty(
+            known.effects, lambda left: explain_with_next(data, left, report)
+        )
     faults = report_faults([*known.faults, *dropped])
-    document = {**verdict_document(title, data, verdict, following), "faults": faults}
+    found = verdict_report(title, data, verdict, following)
     if json:
-        print_json(document)
+        print_json({**written(found), "faults": faults})
     else:
-        _print(campaign, verdict, document)
+        _print(campaign, found)
     if out is not None:
         # Without pictures nothing waits for what draws them.
         from rigctl.cli.model.pictures import draw_explanation  # noqa: PLC0415
@@ -63,33 +60,24 @@ def explaining(
         draw_explanation(out, title, verdict)
 
 
-def _print(campaign: Path, verdict: Verdict, document: dict[str, Any]) -> None:
+def _print(campaign: Path, found: VerdictReport) -> None:
     console = Console(width=TABLE_WIDTH)
-    for sentence in (verdict_sentence(document), *doubts(document)):
+    for sentence in (verdict_sentence(found), *doubts(found)):
         console.print(sentence, highlight=False)
     table = Table(title="error path", title_justify="left", box=None)
     for heading in ("with", "chi-squared per dof", "prediction error"):
         table.add_column(heading, justify="left" if heading == "with" else "right")
-    for stage in document["path"]:
-        name = ", ".join(stage["with"]) or "the base model"
-        table.add_row(name, f"{stage['chi2_per_dof']:.4f}", f"{stage['prediction_error']:.4f}")
+    for stage in found.path:
+        name = ", ".join(stage.effects) or "the base model"
+        table.add_row(name, f"{stage.chi2_per_dof:.4f}", f"{stage.prediction_error:.4f}")
     table.caption = "prediction error: on shots left out, in units of the noise; 1 is the floor"
     console.print(table)
-    for name, quantity in verdict.fit.parameters().items():
+    for name, quantity in found.parameters.items():
         value = f"{quantity.concise()} {unit_word(quantity.unit)}".rstrip()
         console.print(f"{name} = {value}", highlight=False)
-    for line in nuisance_lines(document["nuisances"]):
+    for line in nuisance_lines(found.nuisances):
         console.print(line, highlight=False)
-    if document["next_shots"]:
+    if found.next_shots:
         console.print(f"what to fire next: rigctl model next {campaign}", highlight=False)
-    if document["rejected"]:
-        console.print(f"shots rejected: {document['rejected']}", highlight=False)
-
-
-def _verdict(
-    data: CampaignData, effects: Sequence[Effect], report: Callable[[str], None]
-) -> tuple[Verdict, Telling | None]:
-    """Come to a verdict, and choose the shots that would end its doubts."""
-    verdict = explain(data, effects, report)
-    report("choosing shots")
-    return verdict, next_after(verdict, effects)
+    if found.rejected:
+        console.print(f"shots rejected: {list(found.rejected)}", highlight=False)

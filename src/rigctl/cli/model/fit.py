@@ -50,5 +50,5 @@ def fit(
     for name, quantity in found.judged.fit.parameters().items():
         table.add_row(name, quantity.concise(), unit_word(quantity.unit))
     console.print(table)
-    for line in nuisance_lines([one.to_json() for one in nuisances(found.judged.fit)]):
+    for line in nuisance_lines(nuisances(found.judged.fit)):
         console.print(line, highlight=False)

@@ -23,8 +23,8 @@ from analysis.launch.settings import read_settings, settings_of
 from analysis.model.data.inside import without_contact_frames
 from analysis.model.data.stream import whole
 from analysis.model.fitting.outliers import clean
-from analysis.model.verdict.documents import SMALLEST_P
 from analysis.quantity import Quantity
+from analysis.schema.codec import SMALLEST_P
 from rigctl.cli.options import Campaign, Config, Json, With
 from rigctl.cli.output import TABLE_WIDTH, plain_table, print_json, unit_word
 from rigctl.errors import AnalysisInputError, NotFoundError

@@ -14,7 +14,7 @@ from analysis.effects.catalogue import CATALOGUE
 from analysis.figures.error_path import error_path_figure
 from analysis.figures.sheet import write
 from analysis.figures.shot import draw_shot
-from analysis.model.verdict.report import verdict_document
+from analysis.model.verdict.documents import verdict_report
 from analysis.model.verdict.selection import Verdict, explain
 from analysis.shot import AnalysisOptions, MeasuredShot, analyse_shot
 from rigctl.challenge import commit
@@ -83,9 +83,9 @@ def demo(
         report("drawing")
         figure = error_path_figure(f"{CAMPAIGN}: the error falls", verdict.path)
         pictures = [*_draw(daemon, records, out / "shot.png"), *write(figure, out, "error-path")]
-    document = verdict_document(CAMPAIGN, data, verdict)
+    found = verdict_report(CAMPAIGN, data, verdict)
     answer = commit(truth, ",".join(answer_of(verdict)), known=[each.name for each in CATALOGUE])
-    print_story(Story(records, document, answer, truth), pictures, folder)
+    print_story(Story(records, found, answer, truth), pictures, folder)
 
 
 def _configuration(folder: Path, seed: int) -> Configuration:

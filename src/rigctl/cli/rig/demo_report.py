@@ -13,6 +13,7 @@ from rich.table import Table
 
 from analysis.model.verdict.words import verdict_sentence
 from analysis.quantity import Quantity
+from analysis.schema.verdict import VerdictReport
 from rigctl.challenge import reveal, summary
 from rigctl.documents import Json
 
@@ -30,8 +31,8 @@ class Story:
     ----------
     records
         Shots as the service shows them, each with its result.
-    document
-        The verdict, as `rigctl model explain --json` has it.
+    verdict
+        What was concluded, before anything of the truth was seen.
     answer
         Names that were committed to.
     truth
@@ -39,7 +40,7 @@ class Story:
     """
 
     records: Sequence[Json]
-    document: Json
+    verdict: VerdictReport
     answer: Sequence[str]
     truth: Path
 
@@ -49,11 +50,11 @@ def print_story(story: Story, pictures: Sequence[Path], folder: Path) -> None:
     console = Console(width=WIDTH, highlight=False)
     console.print(_shots(story))
     console.print()
-    console.print(_ranking(story.document))
+    console.print(_ranking(story.verdict))
     console.print()
-    console.print(_path(story.document))
+    console.print(_path(story.verdict))
     console.print()
-    console.print(verdict_sentence(story.document))
+    console.print(verdict_sentence(story.verdict))
     console.print(_committed(story))
     console.print(summary(*reveal(story.truth), as_json=False))
     console.print(f"Pictures: {', '.join(map(str, pictures))}", soft_wrap=True)
@@ -63,7 +64,7 @@ def print_story(story: Story, pictures: Sequence[Path], folder: Path) -> None:
 def _committed(story: Story) -> str:
     """Say what was answered, and what to think of an error that did not reach its floor."""
     said = f"Committed: {', '.join(story.answer)}."
-    if not story.document["unexplained"]:
+    if not story.verdict.unexplained:
         return said
     return (
         f"{said} Errors of the images that differ from shot to shot, but hardly from frame to "
@@ -103,21 +104,21 @@ def _coefficients(truth: Json) -> list[str]:
 def _cell(quantity: Mapping[str, Any] | None) -> str:
     if quantity is None:
         return "-"
-    return Quantity(quantity["value"], quantity["sigma"], quantity["unit"]).concise()
+    return Quantity.from_json(quantity).concise()
 
 
-def _ranking(document: Json) -> Table:
+def _ranking(verdict: VerdictReport) -> Table:
     table = Table(title="Compare and find", title_justify="left", box=None)
     for heading in ("candidate", "score", "chance", "amplitude", "unit"):
         table.add_column(heading, justify="left" if heading in {"candidate", "unit"} else "right")
-    for candidate in document["candidates"][:CANDIDATES]:
-        amplitude = Quantity(candidate["amplitude"], candidate["sigma"], candidate["unit"])
+    for candidate in verdict.candidates[:CANDIDATES]:
+        amplitude = Quantity(candidate.amplitude, candidate.sigma, candidate.unit)
         table.add_row(
-            candidate["effect"],
-            f"{candidate['score']:.1f}",
-            f"{candidate['p_familywise']:.1g}",
+            candidate.effect,
+            f"{candidate.score:.1f}",
+            f"{candidate.p_familywise:.1g}",
             amplitude.concise(),
-            candidate["unit"],
+            candidate.unit,
         )
     table.caption = (
         "effects that are not in the fit, the largest expected drop of chi-squared first"
@@ -125,12 +126,12 @@ def _ranking(document: Json) -> Table:
     return table
 
 
-def _path(document: Json) -> Table:
+def _path(verdict: VerdictReport) -> Table:
     table = Table(title="Add, and see the error fall", title_justify="left", box=None)
     for heading in ("with", "chi-squared per dof", "error on shots left out"):
         table.add_column(heading, justify="left" if heading == "with" else "right")
-    for stage in document["path"]:
-        name = ", ".join(stage["with"]) or "the base model"
-        table.add_row(name, f"{stage['chi2_per_dof']:.3f}", f"{stage['prediction_error']:.3f}")
+    for stage in verdict.path:
+        name = ", ".join(stage.effects) or "the base model"
+        table.add_row(name, f"{stage.chi2_per_dof:.3f}", f"{stage.prediction_error:.3f}")
     table.caption = "errors in units of the noise; 1 is the floor"
     return table

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 
 from analysis.model.verdict.standing import Standing, standing_of
+from analysis.schema.verdict import VerdictReport
 from rigctl.documents import Json
 from rigctl.errors import RigError
 from rigctl.jobs import ENDED, Job, JobState
@@ -40,7 +41,7 @@ class ModelState:
     effects: Effects = ()
     cell: tuple[str, str] | None = None
     failure: str = ""
-    concluded: Json | None = None
+    concluded: VerdictReport | None = None
     _answers: dict[Effects, Json] = field(default_factory=dict)
     _jobs: dict[Effects, str] = field(default_factory=dict)
 

@@ -16,6 +16,8 @@ from analysis.model.verdict.standing import (
     standing_of,
 )
 from analysis.model.verdict.words import doubts, too_few, verdict_sentence
+from analysis.schema.codec import read
+from analysis.schema.verdict import Nuisance, VerdictReport
 from rigctl.documents import Json
 from rigctl.page.desk import Desk
 from rigctl.page.model.law import ProposedLaw
@@ -55,11 +57,11 @@ class Verdict:
 
     def follow(self) -> None:
         """Show the answer once it has come."""
-        if self._asked.follow() | self._law.follow():
-            answer = self._asked.answer
-            if answer is not None and answer is not self._state.concluded:
-                self._state.concluded = answer
-                ends = tuple(answer["path"][-1]["with"])
+        came = self._asked.follow()
+        if self._law.follow() or came:
+            if came and self._asked.answer is not None:
+                found = self._state.concluded = read(VerdictReport, self._asked.answer)
+                ends = found.path[-1].effects
                 if ends != self._state.effects:
                     self._take(ends)
             self.show.refresh()
@@ -80,11 +82,11 @@ class Verdict:
                 with ui.element("div").classes("said"):
                     ui.label(self._worded(lead)).classes("lead")
                     ui.label(self._worded(rest))
-                    self._alarms((present or {}).get("alarms", ()))
+                    self._alarms([read(Nuisance, one) for one in (present or {}).get("alarms", ())])
                 self._offer()
             self._found()
 
-    def _alarms(self, alarms: Sequence[Json]) -> None:
+    def _alarms(self, alarms: Sequence[Nuisance]) -> None:
         """Say which stated numbers the fit pulls away, folded up: a remark, no verdict."""
         if not alarms:
             return
@@ -103,21 +105,21 @@ class Verdict:
     def _found(self) -> None:
         if self._asked.failure:
             ui.label(self._asked.failure).classes("note")
-        if self._asked.answer is not None:
-            answer = self._asked.answer
-            told = verdict_sentence(answer).removeprefix(f"{answer['campaign']}: ")
+        found = self._state.concluded
+        if found is not None and self._asked.answer is not None:
+            told = verdict_sentence(found).removeprefix(f"{found.campaign}: ")
             said = f"Found by itself: {told}"
             ui.label(self._worded(said)).props("data-testid=explained")
-            for doubt in doubts(self._asked.answer):
+            for doubt in doubts(found):
                 ui.label(doubt).classes("note")
         if self._is_unexplained():
             self._law.show()
 
     def _is_unexplained(self) -> bool:
         """Whether the whole way, or before it the fit at hand, says that nothing known explains."""
-        answer, standing = self._asked.answer, self._state.standing
-        if answer is not None:
-            return bool(answer["unexplained"])
+        found, standing = self._state.concluded, self._state.standing
+        if found is not None and self._asked.answer is not None:
+            return found.unexplained
         return standing is not None and standing.word is Word.UNEXPLAINED
 
     def _start(self) -> None:
@@ -127,7 +129,7 @@ class Verdict:
 
 def sentence(
     path: Sequence[Json],
-    concluded: Json | None = None,
+    concluded: VerdictReport | None = None,
     finding: Callable[[Json], str] = named,
 ) -> tuple[str, str, bool | None]:
     """Say how the last fit of a path stands: the point, what goes with it, whether all is well.

@@ -70,8 +70,7 @@ class MeasuredFilms:
             for number, each in enumerate(answer["impacts"], start=1):
                 when = Quantity(each["contact_time_s"], each["contact_time_sigma_s"], "s").concise()
                 numbers = [
-                    Quantity(each[key]["value"], each[key]["sigma"], each[key]["unit"]).concise()
-                    for key in ("v_n", "v_n_after", "e")
+                    Quantity.from_json(each[key]).concise() for key in ("v_n", "v_n_after", "e")
                 ]
                 name = str(number) if len(self.names) == 1 else f"{film + 1} / {number}"
                 lines.append(Line([name, f"{when} s", *numbers]))

@@ -10,11 +10,12 @@ import pytest
 from analysis.model.data.tables import Data
 from analysis.model.structure.alarm import alarms
 from analysis.model.structure.lackoffit import Cell
-from analysis.model.verdict.report import verdict_document
+from analysis.model.verdict.documents import verdict_report
 from analysis.model.verdict.selection import explain
 from analysis.model.verdict.words import doubts, verdict_sentence
 from tests.unit.analysis.model.chosen import EFFECTS
 from tests.unit.analysis.model.hard_spheres import Hidden, campaign
+from tests.unit.analysis.model.reported import reported
 
 SWAYING_M = 6e-5
 """Of this size two of ten shots alarm with less than 0.85 of it, and no shot is thrown out."""
@@ -55,9 +56,9 @@ def swaying(shots: tuple[int, ...]) -> Data:
 
 def test_what_sways_in_two_of_ten_shots_is_theirs_and_said_to_be() -> None:
     data = swaying((1, 4))
-    document = verdict_document("nylon", data, explain(data, EFFECTS))
-    assert not document["unexplained"]
-    assert "two of the 10 shots carry it" in doubts(document)[0]
+    found = verdict_report("nylon", data, explain(data, EFFECTS))
+    assert not found.unexplained
+    assert "two of the 10 shots carry it" in doubts(found)[0]
 
 
 def test_what_acts_in_all_of_ten_shots_is_unexplained() -> None:
@@ -66,30 +67,23 @@ def test_what_acts_in_all_of_ten_shots_is_unexplained() -> None:
 
 
 def test_one_shot_is_told_how_many_more_to_fire() -> None:
-    document = {"campaign": "nylon", "verdict": "none", "used": 1, "structure": [], "effects": []}
-    assert verdict_sentence(document) == (
+    assert verdict_sentence(reported(used=1)) == (
         "nylon: 1 shot is too few to tell what is missing: what stands out may be an error of its "
         "own. Fire 4 more at least, and better 12, at several pressures and offsets."
     )
 
 
 def test_what_two_of_ten_shots_leave_over_is_told_beside_the_verdict() -> None:
-    left = {"channel": "relative position t", "covariate": "time"}
-    document = {"campaign": "n", "verdict": "none", "used": 10, "structure": [left], "effects": []}
-    document["candidates"] = []
-    assert (
-        "relative position t against time, but two of the 10 shots carry it" in doubts(document)[0]
-    )
+    left = {
+        **{"channel": "relative position t", "covariate": "time", "chi2": 40.0},
+        **{"degrees_of_freedom": 5, "p_value": 1e-7, "p_familywise": 1e-5},
+        "of_measurement": False,
+    }
+    (said,) = doubts(reported(used=10, structure=[left]))
+    assert "relative position t against time, but two of the 10 shots carry it" in said
 
 
 def test_of_one_shot_what_would_explain_it_comes_after_that_it_is_too_few() -> None:
-    document = {
-        "campaign": "nylon",
-        "verdict": "effect",
-        "used": 1,
-        "structure": [],
-        "effects": ["finite-contact"],
-    }
-    said = verdict_sentence(document)
+    said = verdict_sentence(reported(used=1, verdict="effect", effects=["finite-contact"]))
     assert said.startswith("nylon: 1 shot is too few to tell what is missing")
     assert said.endswith("finite-contact would explain it as well.")

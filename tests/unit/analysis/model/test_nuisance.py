@@ -35,15 +35,15 @@ def fitted(drag: float, longer: float = 1.0) -> Judged:
 def test_what_is_stated_rightly_raises_no_alarm() -> None:
     found = fitted(0.4)
     assert {one.name for one in nuisances(found.fit)} >= {"drag.Cd", "image-scale.s"}
-    assert alarms_of(found.fit) == []
+    assert alarms_of(found.fit) == ()
 
 
 def test_a_drag_far_from_what_is_stated_is_an_alarm() -> None:
     (alarm,) = alarms_of(fitted(2.0).fit)
-    assert alarm["nuisance"] == "drag.Cd"
-    assert alarm["stated"]["value"] == pytest.approx(0.42)
-    assert alarm["found"]["value"] > 1.0
-    assert alarm["pull"] > MOST_PULL
+    assert alarm.name == "drag.Cd"
+    assert alarm.stated.value == pytest.approx(0.42)
+    assert alarm.found.value > 1.0
+    assert alarm.pull > MOST_PULL
     (sentence,) = alarm_sentences([alarm])
     assert "pulls it to" in sentence
     assert "measure it anew" in sentence
@@ -51,8 +51,8 @@ def test_a_drag_far_from_what_is_stated_is_an_alarm() -> None:
 
 def test_a_scale_far_from_what_is_stated_is_an_alarm() -> None:
     """Lengths 0.5 % too long where 0.05 % is stated."""
-    named = {alarm["nuisance"]: alarm for alarm in alarms_of(fitted(0.4, 1.005).fit)}
-    assert 2e-3 < named["image-scale.s"]["found"]["value"] < 5.5e-3
+    named = {alarm.name: alarm for alarm in alarms_of(fitted(0.4, 1.005).fit)}
+    assert 2e-3 < named["image-scale.s"].found.value < 5.5e-3
 
 
 def test_a_law_that_lacks_something_is_seen_by_what_it_does_to_the_nuisances() -> None:
@@ -64,8 +64,8 @@ def test_several_alarms_are_one_sentence_the_farthest_first() -> None:
     alarms = alarms_of(judged(poses(0.4)).fit)
     (sentence,) = alarm_sentences(alarms)
     assert len(alarms) > 1
-    assert sentence.startswith(f"Alarm: {alarms[0]['nuisance']} is stated")
-    assert all(sentence.count(alarm["nuisance"]) == 1 for alarm in alarms)
+    assert sentence.startswith(f"Alarm: {alarms[0].name} is stated")
+    assert all(sentence.count(alarm.name) == 1 for alarm in alarms)
     assert alarm_sentences([]) == []
 
 

@@ -15,6 +15,7 @@ from analysis.model.verdict.words import doubts
 from analysis.setup import SlowErrors
 from simulators.challenge.nature import Nature
 from tests.unit.analysis.model.design.at_settings import drawn_settings, fired
+from tests.unit.analysis.model.reported import reported
 
 NAME = "mass-offset"
 EFFECTS = [effect for effect in CATALOGUE if effect.name in {NAME, "image-scale", "wind"}]
@@ -84,17 +85,11 @@ def test_what_is_taken_for_the_images_own_stands_below_the_verdict() -> None:
         "p_familywise": 0.001,
         "promised_fall": 28.3,
         "plausible": True,
+        **{"score": 5.3, "p_value": 1e-7, "amplitude": 1e-5, "sigma": 2e-6, "unit": "m"},
+        "plausible_range": [-1e-4, 1e-4],
     }
-    document = {
-        "verdict": "none",
-        "used": 20,
-        "structure": [],
-        "effects": [],
-        "alias_set": [],
-        "candidates": [candidate],
-    }
-    (sentence,) = doubts(document)
+    (sentence,) = doubts(reported(candidates=[candidate]))
     assert sentence.startswith("mass-offset by itself")
     assert "0.8 um" in sentence
     candidate["of_measurement"] = False
-    assert doubts(document) == []
+    assert doubts(reported(candidates=[candidate])) == []

@@ -8,10 +8,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from pydantic import ValidationError
 
-from analysis.model.verdict.report import verdict_document
+from analysis.model.verdict.documents import verdict_document
 from analysis.model.verdict.selection import explain
 from analysis.model.verdict.words import doubts, verdict_sentence
+from analysis.schema.codec import read, written
+from analysis.schema.verdict import VerdictReport
 from tests.unit.analysis.model.chosen import WIDELY_BELIEVED
 from tests.unit.analysis.model.hard_spheres import Hidden, campaign
 
@@ -34,7 +37,8 @@ CELL = {
 def document(data: Any) -> dict[str, Any]:
     made = verdict_document("nylon", data, explain(data, WIDELY_BELIEVED))
     # Out and in again: what is not JSON, or is not a number, cannot pass.
-    return json.loads(json.dumps(made, allow_nan=False))
+    plain: dict[str, Any] = json.loads(json.dumps(made, allow_nan=False))
+    return plain
 
 
 @pytest.fixture(scope="module")
@@ -67,6 +71,21 @@ def test_every_verdict_has_the_keys_of_the_contract(
     assert all(set(q) == {"value", "sigma", "unit"} for q in found["parameters"].values())
     assert found["path"][-1]["chi2_per_dof"] == found["chi2_per_dof"]
     assert all(0 < c["p_value"] <= 1 for c in found["candidates"])
+
+
+@pytest.mark.parametrize("word", ["none", "effect", "alias", "unexplained"])
+def test_a_verdict_that_is_read_and_written_again_is_the_same_document(
+    documents: dict[str, dict[str, Any]], word: str
+) -> None:
+    again = written(read(VerdictReport, documents[word]))
+    assert json.loads(json.dumps(again)) == documents[word]
+
+
+def test_a_verdict_that_is_none_is_refused_by_field(documents: dict[str, dict[str, Any]]) -> None:
+    with pytest.raises(ValidationError, match="p_chi2"):
+        read(VerdictReport, {**documents["none"], "p_chi2": 1.5})
+    with pytest.raises(ValidationError, match="verdict"):
+        read(VerdictReport, {**documents["none"], "verdict": "perhaps"})
 
 
 def test_what_was_taken_out_is_listed_by_the_numbers_of_the_shots(
@@ -106,7 +125,7 @@ def test_the_candidates_stand_in_the_order_of_what_they_promise(
 
 
 def test_a_sentence_says_the_verdict(documents: dict[str, dict[str, Any]]) -> None:
-    said = {word: verdict_sentence(found) for word, found in documents.items()}
+    said = {word: verdict_sentence(read(VerdictReport, found)) for word, found in documents.items()}
     assert said["none"] == "nylon: nothing is missing, as far as 30 shots can tell."
     assert "the missing effect is image-scale; with it the error" in said["effect"]
     assert "frame-rate" in said["alias"]
@@ -119,7 +138,9 @@ def test_a_sentence_says_the_verdict(documents: dict[str, dict[str, Any]]) -> No
 def test_more_left_than_noise_is_never_said_to_be_nothing(
     documents: dict[str, dict[str, Any]],
 ) -> None:
-    said = verdict_sentence({**documents["none"], "chi2_per_dof": 1.247, "p_chi2": 0.053})
+    said = verdict_sentence(
+        read(VerdictReport, {**documents["none"], "chi2_per_dof": 1.247, "p_chi2": 0.053})
+    )
     assert "nothing is missing" not in said
     assert "no effect that 30 shots tell is missing, but chi-squared is 1.25" in said
     assert "with a chance of 0.053" in said
@@ -130,7 +151,9 @@ def test_an_effect_that_is_sure_is_said_beside_those_that_are_not(
 ) -> None:
     found = documents["alias"]
     sets = {"drag": ["drag"], **found["alias_sets"]}
-    said = verdict_sentence({**found, "effects": list(sets), "alias_sets": sets})
+    said = verdict_sentence(
+        read(VerdictReport, {**found, "effects": list(sets), "alias_sets": sets})
+    )
     assert said.startswith("nylon: drag is missing, and one of ")
 
 
@@ -138,7 +161,9 @@ def test_two_effects_that_both_have_company_are_said_each_with_its_own(
     documents: dict[str, dict[str, Any]],
 ) -> None:
     sets = {"drag": ["drag", "wind"], "frame-rate": ["frame-rate", "gravity-value"]}
-    said = verdict_sentence({**documents["alias"], "effects": list(sets), "alias_sets": sets})
+    said = verdict_sentence(
+        read(VerdictReport, {**documents["alias"], "effects": list(sets), "alias_sets": sets})
+    )
     whole = "the missing effects are one of drag or wind and one of frame-rate or gravity-value"
     assert whole in said
 
@@ -154,14 +179,14 @@ def test_a_candidate_of_a_size_that_is_not_believed_is_said_and_not_hidden(
         **{"plausible": False, "plausible_range": [-0.03, 0.03]},
     }
     faint = {**other, "effect": "drag", "promised_fall": 0.1 * best["promised_fall"]}
-    assert doubts({**found, "candidates": [best, other, faint]}) == [
+    assert doubts(read(VerdictReport, {**found, "candidates": [best, other, faint]})) == [
         "gravity-value by itself would promise as much, but with 0.310(20) m/s^2, where -0.03 to "
         "0.03 m/s^2 is believed."
     ]
-    assert doubts({**found, "candidates": [best]}) == []
+    assert doubts(read(VerdictReport, {**found, "candidates": [best]})) == []
 
 
 def test_two_effects_are_said_in_the_plural(documents: dict[str, dict[str, Any]]) -> None:
     found = {**documents["effect"], "effects": ["image-scale", "drag"]}
-    said = verdict_sentence(found)
+    said = verdict_sentence(read(VerdictReport, found))
     assert "the missing effects are image-scale and drag; with them the error" in said

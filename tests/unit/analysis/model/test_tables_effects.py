@@ -19,7 +19,7 @@ from analysis.model.plane import impact_plane
 from analysis.model.rank.ranking import rank
 from analysis.model.rank.scatter import timing_jitter
 from analysis.model.structure.structure import structure
-from analysis.model.verdict.report import verdict_document
+from analysis.model.verdict.documents import verdict_report
 from analysis.model.verdict.selection import explain
 from analysis.model.verdict.words import verdict_sentence
 from tests.unit.analysis.model.chosen import chosen
@@ -108,8 +108,8 @@ def test_friction_that_depends_on_the_speed_is_found_at_its_size(tmp_path: Path)
     assert verdict.effects == ("friction-speed",)
     found = verdict.fit.parameters()["friction-speed.a"]
     assert found.value == pytest.approx(0.12, abs=4 * found.sigma)
-    document = verdict_document("published", data, verdict)
-    assert document["used"] == 60
+    document = verdict_report("published", data, verdict)
+    assert document.used == 60
     assert "published: the missing effect is friction-speed" in verdict_sentence(document)
 
 

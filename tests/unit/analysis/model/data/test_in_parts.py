@@ -19,7 +19,7 @@ from analysis.model.fitting.fit import Fit, fit_campaign
 from analysis.model.fitting.robust_fit import Judged, judged
 from analysis.model.rank.candidate import Ranking
 from analysis.model.rank.ranking import rank
-from analysis.model.verdict.report import verdict_document
+from analysis.model.verdict.documents import verdict_document
 from analysis.model.verdict.selection import Verdict, explain
 from benchmarks.discovery.campaigns import posed
 from simulators.challenge.campaign import run_campaign

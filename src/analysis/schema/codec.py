@@ -1,0 +1,66 @@
+"""The one way from a model to its JSON and back, for every model of a document."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Annotated, Any, TypeVar
+
+from pydantic import AliasChoices, ConfigDict, Field, PlainSerializer, PlainValidator, TypeAdapter
+
+from analysis.quantity import Quantity
+
+Json = dict[str, Any]
+Model = TypeVar("Model")
+
+SMALLEST_P = 1e-300
+"""No chance is less than this in a document: some readers take a smaller number for none."""
+STRICT = ConfigDict(strict=True, extra="forbid", allow_inf_nan=False)
+BESIDE = ConfigDict(strict=True, extra="ignore", allow_inf_nan=False)
+"""Of a model whose document may hold further keys, those of what else was asked."""
+
+
+def named(key: str, field: str) -> Any:  # noqa: ANN401 - what a field is made of has no type
+    """Return a field whose key in JSON is another than its name."""
+    return Field(validation_alias=AliasChoices(key, field), serialization_alias=key)
+
+
+def _quantity(value: object) -> Quantity:
+    if isinstance(value, Quantity):
+        return value
+    if not isinstance(value, Mapping):
+        raise ValueError(f"{value!r} is no quantity with value, sigma and unit")
+    return Quantity.from_json(value)
+
+
+Measured = Annotated[Quantity, PlainValidator(_quantity), PlainSerializer(Quantity.to_json)]
+"""A quantity in a model: value, standard error and unit."""
+
+
+def written(model: object, *, leave_out_none: bool = False) -> Json:
+    """Return the JSON of a model, as plain objects."""
+    document: Json = _adapter(type(model)).dump_python(
+        model, mode="json", by_alias=True, exclude_none=leave_out_none
+    )
+    return document
+
+
+def read(kind: type[Model], document: Mapping[str, Any]) -> Model:
+    """Return the model that a document holds; arrays may be lists.
+
+    Raises
+    ------
+    pydantic.ValidationError
+        A key is unknown, missing, or out of its range.
+    """
+    model: Model = _adapter(kind).validate_json(json.dumps(document))
+    return model
+
+
+_ADAPTERS: dict[object, TypeAdapter[Any]] = {}
+
+
+def _adapter(kind: Any) -> TypeAdapter[Any]:  # noqa: ANN401 - classes of any kind
+    if kind not in _ADAPTERS:
+        _ADAPTERS[kind] = TypeAdapter(kind)
+    return _ADAPTERS[kind]
