@@ -1,7 +1,7 @@
 import pytest
 from scipy.stats import norm
 
-from analysis.model.design.probability import LEVEL, named_over_none
+from analysis.model.design.duel import LEVEL, named_over_none
 
 
 def test_an_effect_of_no_size_is_named_as_often_as_chance_allows() -> None:
