@@ -2,70 +2,60 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
+from analysis.arrays import Floats
 from analysis.collision.force_law import hertz_duration, stated_modulus, yield_speed
 from analysis.collision.operator import Body
 from analysis.imaging.marker.markers import Markers
 from analysis.imaging.views import View
-from analysis.quantity import Quantity
+from analysis.schema.codec import Json, written
+from analysis.schema.shot import Expected, MeasuredResult, RefusedResult
 from analysis.shot import MeasuredShot, RefusedShot
 from analysis.tracking import Tracking
 
-Json = dict[str, Any]
-
 
 def shot_document(shot: MeasuredShot | RefusedShot) -> Json:
-    """Return the result of a shot without its number: measured, or refused with the reason.
+    """Return the JSON of a shot's result without its number: measured, or refused."""
+    return written(shot_result(shot))
 
-    `contact_time_s` counts from the shot's first frame; `contact_duration` reaches from there to
-    the parting, null where the paths after contact do not show it. Signs as in section 7.1 of the
-    thesis.
-    """
+
+def shot_result(shot: MeasuredShot | RefusedShot) -> MeasuredResult | RefusedResult:
+    """Return the result of a shot without its number: measured, or refused with the reason."""
     if isinstance(shot, RefusedShot):
-        refused: Json = {"status": "refused", "step": shot.step}
-        if shot.frame is not None:
-            refused["frame"] = shot.frame
-        return {**refused, "reason": shot.reason}
+        return RefusedResult(step=shot.step, frame=shot.frame, reason=shot.reason)
     impact = shot.impact
-    return {
-        "status": "measured",
-        "contact_time_s": impact.contact_time.value,
-        "contact_time_sigma_s": impact.contact_time.sigma,
-        "contact_duration": _value(impact.duration),
-        "normal": [float(n) for n in impact.normal],
-        "normal_sigma": [float(n) for n in impact.normal_sigma],
-        "v_n": impact.v_n.to_json(),
-        "v_s": _value(impact.v_s),
-        "v_n_after": impact.v_n_after.to_json(),
-        "v_s_after": _value(impact.v_s_after),
-        "e": impact.e.to_json(),
-        "beta": _value(impact.beta),
-        "frames_before": list(shot.used_before),
-        "frames_after": list(shot.used_after),
-        "scale_px_per_m": {v.value: s for v, s in shot.tracking.scales_px_per_m.items()},
-        "notes": list(shot.notes),
-        **expected_document(shot.bodies, impact.v_n.value),
-    }
+    return MeasuredResult(
+        contact_time_s=impact.contact_time.value,
+        contact_time_sigma_s=impact.contact_time.sigma,
+        contact_duration=impact.duration,
+        normal=_three(impact.normal),
+        normal_sigma=_three(impact.normal_sigma),
+        v_n=impact.v_n,
+        v_s=impact.v_s,
+        v_n_after=impact.v_n_after,
+        v_s_after=impact.v_s_after,
+        e=impact.e,
+        beta=impact.beta,
+        frames_before=shot.used_before,
+        frames_after=shot.used_after,
+        scale_px_per_m={v.value: s for v, s in shot.tracking.scales_px_per_m.items()},
+        notes=shot.notes,
+        expected=expected(shot.bodies, impact.v_n.value),
+    )
 
 
-def expected_document(bodies: tuple[Body, Body], v_n: float) -> Json:
-    """Return what the stated material makes expect of an impact at v_n, m/s; nothing without one.
-
-    Under `expected`: `contact_duration_s` by Hertz, elastic, and `yield_speed_m_per_s`, null where
-    no yield is stated.
-    """
+def expected(bodies: tuple[Body, Body], v_n: float) -> Expected | None:
+    """Return what the stated material makes expect of an impact at v_n, m/s; None without one."""
     modulus = stated_modulus(bodies)
     if modulus is None or v_n == 0.0:
-        return {}
-    lasts = hertz_duration(modulus, bodies) * abs(v_n) ** -0.2
-    return {"expected": {"contact_duration_s": lasts, "yield_speed_m_per_s": yield_speed(bodies)}}
+        return None
+    return Expected(hertz_duration(modulus, bodies) * abs(v_n) ** -0.2, yield_speed(bodies))
 
 
-def _value(quantity: Quantity | None) -> Json | None:
-    return None if quantity is None else quantity.to_json()
+def _three(values: Floats) -> tuple[float, float, float]:
+    x, y, z = map(float, values)
+    return x, y, z
 
 
 def overlay_document(tracking: Tracking, count: int) -> list[Json]:

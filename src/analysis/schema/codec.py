@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, TypeVar
 
 from pydantic import AliasChoices, ConfigDict, Field, PlainSerializer, PlainValidator, TypeAdapter
@@ -55,6 +55,22 @@ def read(kind: type[Model], document: Mapping[str, Any]) -> Model:
     """
     model: Model = _adapter(kind).validate_json(json.dumps(document))
     return model
+
+
+def read_all(kind: type[Model], documents: Sequence[Mapping[str, Any]]) -> list[Model]:
+    """Return the models that a list holds; raises as `read`."""
+    models: list[Model] = _adapter(list[kind]).validate_json(  # type: ignore[valid-type]
+        json.dumps(documents)
+    )
+    return models
+
+
+def written_all(kind: type[Model], models: Sequence[Model]) -> list[Json]:
+    """Return the JSON of models of one kind, as plain objects."""
+    documents: list[Json] = _adapter(list[kind]).dump_python(  # type: ignore[valid-type]
+        models, mode="json", by_alias=True
+    )
+    return documents
 
 
 _ADAPTERS: dict[object, TypeAdapter[Any]] = {}

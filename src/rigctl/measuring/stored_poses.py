@@ -13,6 +13,8 @@ from typing import Any
 
 from analysis.document import shot_document
 from analysis.exchange.pose_table import PoseRow, measured_poses
+from analysis.schema.codec import read, read_all, written_all
+from analysis.schema.shot import Pose
 from analysis.setup import SlowErrors
 from analysis.shot import MeasuredShot, RefusedShot
 from rigctl.documents import Json
@@ -31,25 +33,18 @@ def measured_document(shot: MeasuredShot | RefusedShot) -> Json:
 
 
 def poses_document(spheres: Mapping[str, Sequence[PoseRow]]) -> list[Json]:
-    """Return the poses of spheres a and b as JSON.
+    """Return the JSON of the poses of spheres a and b."""
+    return written_all(Pose, [_pose(name, row) for name, rows in spheres.items() for row in rows])
 
-    Each object has `sphere`, `frame`, `t_s` from the shot's first frame, `position_m` and
-    `sigma_m` along X, Y, Z of the rig, `quaternion` (scalar first, body to rig axes) and
-    `sigma_rot_rad` about each axis.
-    """
-    return [
-        {
-            "sphere": sphere,
-            "frame": row.frame,
-            "t_s": row.t_s,
-            "position_m": [_finite(x) for x in row.position],
-            "sigma_m": [_sigma(x) for x in row.position_sigma],
-            "quaternion": None if row.quaternion is None else list(row.quaternion),
-            "sigma_rot_rad": None if row.quaternion is None else _sigma(row.rotation_sigma),
-        }
-        for sphere, rows in spheres.items()
-        for row in rows
-    ]
+
+def _pose(sphere: str, row: PoseRow) -> Pose:
+    x, y, z = map(_finite, row.position)
+    u, v, w = map(_sigma, row.position_sigma)
+    turned = row.quaternion
+    error = None if turned is None else _sigma(row.rotation_sigma)
+    return Pose(
+        "b" if sphere == "b" else "a", row.frame, row.t_s, (x, y, z), (u, v, w), turned, error
+    )
 
 
 def poses_of(
@@ -59,24 +54,17 @@ def poses_of(
 
     Raises
     ------
-    KeyError, TypeError, ValueError
+    ValueError
         The document has another form.
     """
     spheres: dict[str, list[PoseRow]] = {"a": [], "b": []}
-    for row in document:
-        x, y, z = (math.nan if v is None else float(v) for v in row["position_m"])
-        u, v, w = (_stated(s) for s in row["sigma_m"])
-        turned = row["quaternion"]
-        spheres[row["sphere"]].append(
-            PoseRow(
-                frame=int(row["frame"]),
-                t_s=float(row["t_s"]),
-                position=(x, y, z),
-                position_sigma=(u, v, w),
-                quaternion=None if turned is None else _four(turned),
-                rotation_sigma=_stated(row["sigma_rot_rad"]),
-                slow=None if slow is None else (slow.position_m, slow.rotation_rad),
-            )
+    own = None if slow is None else (slow.position_m, slow.rotation_rad)
+    for pose in read_all(Pose, document):
+        x, y, z = (math.nan if v is None else v for v in pose.position_m)
+        u, v, w = map(_stated, pose.sigma_m)
+        turn_error = _stated(pose.sigma_rot_rad)
+        spheres[pose.sphere].append(
+            PoseRow(pose.frame, pose.t_s, (x, y, z), (u, v, w), pose.quaternion, turn_error, own)
         )
     return spheres
 
@@ -89,16 +77,9 @@ def _sigma(value: float) -> float | None:
     return 0.0 if math.isnan(value) else _finite(value)
 
 
-def _stated(value: object) -> float:
+def _stated(value: float | None) -> float:
     """Return a standard error: infinite where nothing was measured, NaN where none is stated."""
-    if value is None:
-        return math.inf
-    return float(str(value)) or math.nan
-
-
-def _four(values: Sequence[float]) -> tuple[float, float, float, float]:
-    w, x, y, z = map(float, values)
-    return w, x, y, z
+    return math.inf if value is None else value or math.nan
 
 
 def slow_errors_document(slow: SlowErrors) -> Json:
@@ -114,4 +95,4 @@ def slow_errors_of(document: Mapping[str, Any]) -> SlowErrors:
     ValueError
         The document has another form.
     """
-    return SlowErrors(**document)
+    return read(SlowErrors, document)

@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 
 from analysis.collision.contact_frames import longest_contact
 from analysis.collision.force_law import stated_modulus, yield_speed
-from analysis.document import expected_document
+from analysis.document import expected
 from analysis.scene import bodies_of
 from analysis.setup import Setup, setup_document, setup_of
 
@@ -72,9 +72,10 @@ def test_steel_touches_as_long_as_its_integrated_contact(plate: bool) -> None:
     done = solve_ivp(motion, (0, 1e-3), [0.0, 2.0], events=parted, rtol=1e-9, atol=1e-18)
     [closed] = longest_contact(np.array([2.0]), bodies)
     assert closed == pytest.approx(float(done.t[-1]), rel=2e-3)
-    expected = expected_document(bodies, -2.0)["expected"]
-    assert expected["contact_duration_s"] == pytest.approx(closed, rel=1e-9)
-    assert expected["yield_speed_m_per_s"] is None
+    made = expected(bodies, -2.0)
+    assert made is not None
+    assert made.contact_duration_s == pytest.approx(closed, rel=1e-9)
+    assert made.yield_speed_m_per_s is None
 
 
 def test_without_a_material_contacts_last_as_soft_nylons_and_nothing_is_expected() -> None:
@@ -82,7 +83,7 @@ def test_without_a_material_contacts_last_as_soft_nylons_and_nothing_is_expected
     speed = np.array([1.0])
     assert longest_contact(speed, nobody) == pytest.approx(longest_contact(speed, nylon))
     assert stated_modulus(nobody) is None
-    assert expected_document(nobody, -1.0) == {}
+    assert expected(nobody, -1.0) is None
 
 
 def test_nylon_yields_where_the_mean_pressure_of_hertz_reaches_it() -> None:
