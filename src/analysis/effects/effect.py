@@ -178,6 +178,18 @@ class CameraEffect(Effect):
     appear: Callable[[Floats, CameraSetup, Values], Floats]
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OrientationEffect(Effect):
+    """Changes how the images show orientations, alike in all frames.
+
+    `turned` returns the rotation vectors by which those of a and b are seen turned, rad, rig axes,
+    shape (2, 3).
+    """
+
+    stage: ClassVar[str] = "camera"
+    turned: Callable[[Values], Floats]
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Exposure:
     """When and where a frame shows a sphere.

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from analysis.effects.camera.image_scale import EFFECT as IMAGE_SCALE
+from analysis.effects.camera.orientation_offset import EFFECT as ORIENTATION_OFFSET
 from analysis.effects.camera.outline_offset import EFFECT as OUTLINE_OFFSET
 from analysis.effects.contact.mass_offset import EFFECT as MASS_OFFSET
 from analysis.effects.contact.plate_tilt import EFFECT as PLATE_TILT
@@ -18,7 +19,7 @@ from analysis.effects.effect import Effect, Values
 from analysis.effects.flight.drag import EFFECT as DRAG
 from analysis.setup import SlowErrors
 
-OF_IMAGES: tuple[Effect, ...] = (OUTLINE_OFFSET, MASS_OFFSET, IMAGE_SCALE)
+OF_IMAGES: tuple[Effect, ...] = (OUTLINE_OFFSET, ORIENTATION_OFFSET, MASS_OFFSET, IMAGE_SCALE)
 """Errors that measuring leaves in the poses of all shots."""
 
 
@@ -44,12 +45,13 @@ def of_images(slow: SlowErrors) -> tuple[Systematic, ...]:
     """Return what measuring leaves in poses, by the size of their slow errors.
 
     Light and learned look stay the same, and so do their errors: of the outlines of both spheres
-    against each other, and of a learned pattern of markers against its sphere. A pattern that is
-    learned anew in each shot (no common body frame) has no error that they share. The scale is
-    learned once.
+    against each other, of the orientations of each, and of a learned pattern of markers against its
+    sphere. A pattern that is learned anew in each shot (no common body frame) has no error that
+    they share. The scale is learned once.
     """
     pattern = slow.common_m if slow.one_body_frame else 0.0
-    stated = zip(OF_IMAGES, (slow.between_m, pattern, slow.scale), strict=True)
+    sizes = (slow.between_m, slow.common_rad, pattern, slow.scale)
+    stated = zip(OF_IMAGES, sizes, strict=True)
     return tuple(_off(effect, sigma) for effect, sigma in stated if sigma > 0.0)
 
 

@@ -134,7 +134,7 @@ def rate(data: PoseData, flown: Flown) -> Floats:
 
 
 def shown(way: OnWay, theory: Theory) -> Poses:
-    """Add what small forces do on the way, and what turning and camera make of the place."""
+    """Add what small forces do on the way, and what turning and camera make of place and turn."""
     data, flown, rotation = way.data, way.flown, way.flown.rotation
     position = flown.position
     if theory.flight:
@@ -142,6 +142,9 @@ def shown(way: OnWay, theory: Theory) -> Poses:
         position = position + push
         rotation = rotation if twist is None else rotation_matrix(twist) @ rotation
     position = displaced(data, flown, position, theory.body)
+    turned = theory.orientation
+    if turned is not None:
+        rotation = rotation_matrix(turned) @ rotation
     return Poses(appear(data, position, theory.camera), rotation)
 
 

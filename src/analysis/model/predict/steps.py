@@ -4,8 +4,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from analysis.arrays import Floats
-from analysis.effects.effect import BodyEffect, CameraEffect, ClockEffect, Effect, FlightEffect
+from analysis.effects.effect import (
+    BodyEffect,
+    CameraEffect,
+    ClockEffect,
+    Effect,
+    FlightEffect,
+    OrientationEffect,
+)
 from analysis.model.predict.comparison import Frames
 from analysis.model.predict.prediction import Change, appear, displaced, exposed, rate
 from analysis.model.predict.theory import Theory
@@ -31,6 +40,8 @@ class Unmoved:
         """
         if isinstance(effect, ClockEffect):
             return self._later(moved)
+        if isinstance(effect, OrientationEffect):
+            return self._turned(moved)
         way, turned = self.here.way, None
         position = self.position
         if isinstance(effect, FlightEffect):
@@ -43,6 +54,12 @@ class Unmoved:
             raise TypeError(f"effect {effect.name!r} acts in no known stage")
         position = displaced(way.data, way.flown, position, moved.body)
         return appear(way.data, position, moved.camera) - self.here.poses.position, turned
+
+    def _turned(self, moved: Theory) -> Change:
+        """Return what other turns of the orientations that are seen do, to first order."""
+        where = self.here.poses.position
+        old, new = (0.0 if r is None else r for r in (self.theory.orientation, moved.orientation))
+        return np.zeros_like(where), np.broadcast_to(new - old, where.shape)
 
     def _later(self, moved: Theory) -> Change:
         """Return what other true times do, to first order."""

@@ -19,6 +19,7 @@ from analysis.effects.effect import (
     ContactLaw,
     Effect,
     FlightEffect,
+    OrientationEffect,
     Values,
 )
 from analysis.model.fitting.systematics import Systematic
@@ -256,6 +257,13 @@ class Theory:
     def camera(self) -> tuple[tuple[CameraEffect, Values], ...]:
         """Effects of the camera."""
         return tuple((a.effect, a.values) for a in self.parts if isinstance(a.effect, CameraEffect))
+
+    @property
+    def orientation(self) -> Floats | None:
+        """Rotation vectors by which a and b are seen turned, rad, shape (2, 3); None: by none."""
+        parts = ((a.effect, a.values) for a in self.parts)
+        own = [e.turned(values) for e, values in parts if isinstance(e, OrientationEffect)]
+        return np.sum(own, axis=0) if own else None
 
     @property
     def body(self) -> tuple[tuple[BodyEffect, Values], ...]:

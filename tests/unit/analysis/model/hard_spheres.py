@@ -78,6 +78,8 @@ def campaign(
     *,
     hidden: Hidden = NOTHING,
     interval_s: float = 1e-3,
+    position_sigma: float = POSITION_SIGMA,
+    rotation_sigma: float = ROTATION_SIGMA,
 ) -> PoseData:
     """Return poses of `shots` collisions under (e, mu, beta0) with Gaussian noise as stated."""
     rng = np.random.default_rng(seed)
@@ -101,17 +103,17 @@ def campaign(
     drawn_in = hidden.pull * _time_in_reach(position, tau) * drawn.normal[:, None] / 2
     position[:, :, 0] += drawn_in
     position[:, :, 1] -= drawn_in
-    position += rng.normal(0, POSITION_SIGMA, position.shape)
-    noise = Rotation.from_rotvec(rng.normal(0, ROTATION_SIGMA, (rotation.size // 9, 3)))
+    position += rng.normal(0, position_sigma, position.shape)
+    noise = Rotation.from_rotvec(rng.normal(0, rotation_sigma, (rotation.size // 9, 3)))
     rotation = noise.as_matrix().reshape(rotation.shape) @ rotation
     sphere = Body.sphere(2 * RADIUS, 1150.0, 0.4)
     return PoseData(
         shots=np.arange(1, shots + 1),
         times_s=times,
         position=position,
-        position_sigma=np.full(position.shape, POSITION_SIGMA),
+        position_sigma=np.full(position.shape, position_sigma),
         rotation=rotation,
-        rotation_sigma=np.full(rotation.shape[:3], ROTATION_SIGMA),
+        rotation_sigma=np.full(rotation.shape[:3], rotation_sigma),
         bodies=(sphere, sphere),
         gravity=9.80665,
         air_density=1.2,

@@ -6,18 +6,23 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from analysis.arrays import Floats
 from analysis.model.agreement.agree import agree
 from analysis.model.data.poses import PoseData
 from analysis.model.fitting.fit import fit_campaign
+from analysis.model.fitting.nuisance import alarms_of
 from analysis.model.rank.candidate import Candidate
 from analysis.model.rank.leaders import refitted
 from analysis.model.rank.ranking import rank
+from analysis.model.structure.alarm import alarms
+from analysis.model.structure.lackoffit import Cell, lack_of_fit
 from analysis.setup import SlowErrors
 from tests.unit.analysis.model.chosen import chosen
 from tests.unit.analysis.model.hard_spheres import campaign
 
+TURN_RAD = 3e-3 * np.array([[0.0, 0.8, -0.6], [0.6, -0.8, 0.0]])
 EFFECTS = chosen("mass-offset", "image-scale", "radius-mismatch", "drag")
 PATTERN_M = 1.2e-5
 OUTLINE_M = 8e-6 * np.array([0.0, 1.0, 0.0])
@@ -42,6 +47,21 @@ def enlarged(share: float, *, told: float) -> PoseData:
     """Return spheres of which all lengths are seen too long by a share."""
     data = campaign(60, 43)
     return replace(data, position=(1.0 + share) * data.position, slow=SlowErrors(scale=told))
+
+
+def turned(*, slow_rad: float) -> PoseData:
+    """Return spheres whose orientations are all seen turned about axes of the rig, each by its own.
+
+    Their places and times are as exact as films have them, so that small turns show.
+    """
+    data = campaign(60, 44, position_sigma=1e-6, rotation_sigma=5e-4)
+    seen = Rotation.from_rotvec(TURN_RAD).as_matrix()
+    return replace(data, rotation=seen @ data.rotation, slow=SlowErrors(rotation_rad=slow_rad))
+
+
+def of_spins(data: PoseData) -> list[Cell]:
+    cells = lack_of_fit(data, fit_campaign(data))
+    return [c for c in cells if "spin" in c.channel and alarms(c, len(data.shots))]
 
 
 def promised(data: PoseData, name: str) -> Candidate:
@@ -71,7 +91,7 @@ def test_a_centre_of_mass_far_beyond_the_pattern_is_found_all_the_same() -> None
 def test_without_a_common_body_frame_there_is_no_pattern_to_blame() -> None:
     data = off_centre(1.5e-5, pattern_m=PATTERN_M)
     data = replace(data, slow=replace(data.slow, one_body_frame=False))
-    assert [s.effect.name for s in data.systematics] == ["outline-offset"]
+    assert [s.effect.name for s in data.systematics] == ["outline-offset", "orientation-offset"]
 
 
 def test_outlines_that_are_seen_beside_their_spheres_are_no_other_radius() -> None:
@@ -79,6 +99,23 @@ def test_outlines_that_are_seen_beside_their_spheres_are_no_other_radius() -> No
     granted = promised(beside(OUTLINE_M, slow_m=6e-6), "radius-mismatch")
     assert trusted.p_familywise < 0.001
     assert granted.p_familywise > 0.05
+
+
+def test_orientations_that_are_seen_turned_alike_in_all_shots_are_no_spin_of_the_contact() -> None:
+    assert of_spins(turned(slow_rad=0.0))
+    granted = turned(slow_rad=3e-3)
+    assert not of_spins(granted)
+    found = fit_campaign(granted).systematics()
+    for sphere, truth in zip("ab", TURN_RAD, strict=True):
+        for axis, turn in zip("xyz", truth, strict=True):
+            one = found[f"orientation-offset.r_{sphere}{axis}"]
+            assert one.value == pytest.approx(turn, abs=3.5 * one.sigma)
+            assert one.sigma < 1.5e-3
+
+
+def test_turns_far_beyond_what_is_granted_are_an_alarm() -> None:
+    fit = fit_campaign(turned(slow_rad=1e-4))
+    assert {a["nuisance"].split(".")[0] for a in alarms_of(fit)} == {"orientation-offset"}
 
 
 def test_a_scale_as_wrong_as_it_may_be_is_no_finding() -> None:
