@@ -115,7 +115,7 @@ def test_orientations_that_are_seen_turned_alike_in_all_shots_are_no_spin_of_the
 
 def test_turns_far_beyond_what_is_granted_are_an_alarm() -> None:
     fit = fit_campaign(turned(slow_rad=1e-4))
-    assert {a["nuisance"].split(".")[0] for a in alarms_of(fit)} == {"orientation-offset"}
+    assert {one.name.split(".")[0] for one in alarms_of(fit)} == {"orientation-offset"}
 
 
 def test_a_scale_as_wrong_as_it_may_be_is_no_finding() -> None:
