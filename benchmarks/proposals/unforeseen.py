@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 
 from analysis.effects.catalogue import CATALOGUE
 from analysis.model.data.poses import PoseData
-from analysis.model.proposals.propose import Proposed, propose
+from analysis.model.proposals.propose import propose
+from analysis.model.proposals.proposed import Proposed
 from benchmarks.discovery.campaigns import STATED, posed
 from benchmarks.discovery.lasting import PLAIN, lasting_campaign
 from simulators.challenge.campaign import run_campaign

@@ -52,8 +52,19 @@ class Compared:
         return both[..., 0], both[..., 1:]
 
 
-def compare(theory: LaunchTheory, settings: LaunchSettings, touches: Touches) -> Compared:
-    """Trace touches back to the mouths and hold the launches against them."""
+def compare(
+    theory: LaunchTheory,
+    settings: LaunchSettings,
+    touches: Touches,
+    covariance: Floats | None = None,
+) -> Compared:
+    """Trace touches back to the mouths and hold the launches against them.
+
+    Parameters
+    ----------
+    covariance
+        Of the measurement, traced back by a theory near this one; None: by this one.
+    """
     residual = residual_at_mouths(theory, settings, touches)
     vector, columns = theory.vector, []
     for k, step in enumerate(theory.steps):
@@ -61,10 +72,12 @@ def compare(theory: LaunchTheory, settings: LaunchSettings, touches: Touches) ->
         shifted[k] += step
         moved = residual_at_mouths(theory.at(shifted), settings, touches)
         columns.append((residual - moved) / step)
-    back = _back(theory, touches)
+    if covariance is None:
+        back = _back(theory, touches)
+        covariance = back @ touches.covariance @ np.swapaxes(back, 1, 2)
     return Compared(
         residual=residual,
-        covariance=back @ touches.covariance @ np.swapaxes(back, 1, 2),
+        covariance=covariance,
         derivative=np.stack(columns, axis=-1),
         speed=theory.launch(settings, touches.ground).speed,
     )

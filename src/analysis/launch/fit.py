@@ -42,6 +42,8 @@ SETTLED, NEARLY_SETTLED = 1e-3, 0.02
 second is enough to tell misfires."""
 SHARES = (1.0, 0.5, 0.2, 0.05)
 REJECTIONS, ALARM_SHARE, PHYSICS_SHARE = 4, 0.005, 0.15
+ENOUGH_TO_BEGIN = 200
+"""Shots spread over the campaign, to which the theory is fitted first."""
 SLACK = 1e-6
 """Rise of the cost that is rounding."""
 
@@ -92,6 +94,10 @@ def fit_touches(
     for effect in effects:
         theory = theory.with_effect(effect)
     kept = np.ones(len(touches.rows), dtype=np.bool_)
+    some = np.arange(len(kept)) % int(np.ceil(len(kept) / ENOUGH_TO_BEGIN)) == 0
+    if not some.all():
+        few = settings.of_shots(some), touches.of_shots(some)
+        theory = _settle(theory, *few, NEARLY_SETTLED).theory
     launch = _settle(theory, settings, touches, NEARLY_SETTLED)
     for _ in range(REJECTIONS):
         bad = misfires(launch, int((~kept).sum()))
@@ -142,7 +148,7 @@ def _settle(
     """Step the parameters and estimate the scatter in turn until both stay within a share."""
     compared, freedom = compare(theory, settings, touches), _all_free(len(touches.rows))
     scatter, covariance = _scatter(compared, freedom), np.zeros((0, 0))
-    converged = False
+    converged, traced = False, True
     for _ in range(ROUNDS):
         matrix, gradient = _sums(theory, compared, scatter)
         covariance = inverse(matrix)
@@ -153,8 +159,12 @@ def _settle(
         still = np.abs(scatter - before) <= within * np.maximum(scatter, 1e-12)
         small = np.abs(step) <= within * np.sqrt(np.diag(covariance))
         converged = bool(still.all() and small.all())
-        if converged:
+        if converged and traced:
             break
+        # Errors are traced back by a theory of an earlier round, until it hardly moves any more.
+        traced = converged
+        if traced:
+            compared = compare(theory, settings, touches)
     return LaunchFit(
         theory=theory,
         covariance=covariance,
@@ -184,7 +194,7 @@ def _step(
         residual = residual_at_mouths(moved, settings, touches)
         # The weights stay: costs by different weights could not be compared.
         if _cost(moved, residual, variance) <= cost + SLACK:
-            return moved, compare(moved, settings, touches)
+            return moved, compare(moved, settings, touches, compared.covariance)
     return theory, compared
 
 

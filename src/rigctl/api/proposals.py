@@ -11,7 +11,7 @@ from analysis.effects.effect import Effect
 from analysis.model.data.tables import Data
 from analysis.model.proposals.document import confirmation_document
 from analysis.model.proposals.effect_file import written
-from analysis.model.proposals.propose import Proposed
+from analysis.model.proposals.proposed import Proposed
 from analysis.model.proposals.words import proposal_sentences
 from rigctl.api.own_effects import KnownEffects
 from rigctl.api.pictured import Pictured

@@ -19,7 +19,8 @@ from analysis.model.proposals.confirm import (
 from analysis.model.proposals.document import proposals_document, together_document
 from analysis.model.proposals.effect_file import origin
 from analysis.model.proposals.following import next_after
-from analysis.model.proposals.propose import Proposed, propose
+from analysis.model.proposals.propose import propose
+from analysis.model.proposals.proposed import Proposed
 from analysis.model.proposals.stated import Statement, numbers_among, read_statement
 from analysis.model.proposals.together import propose_together
 from rigctl.documents import Json

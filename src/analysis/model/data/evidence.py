@@ -85,12 +85,18 @@ def corrections(scales: tuple[NoiseScale, NoiseScale]) -> tuple[float, float]:
     return position, rotation
 
 
-def stage_of(data: CampaignData, fit: Fit) -> Stage:
-    """Return the point of the error path that a fit is."""
+def stage_of(data: CampaignData, fit: Fit, error: PredictionError | None = None) -> Stage:
+    """Return the point of the error path that a fit is.
+
+    Parameters
+    ----------
+    error
+        On shots left out at random, where it is known already.
+    """
     names = tuple(active.effect.name for active in fit.theory.active)
     if data.jitter_s > 0:
         names = (*names, JITTER.name)
-    return Stage(names, fit, prediction_error(data, fit))
+    return Stage(names, fit, prediction_error(data, fit) if error is None else error)
 
 
 def weighed_again(

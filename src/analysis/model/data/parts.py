@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Protocol, Self, TypeVar
 
-SHOTS_AT_ONCE = 64
+SHOTS_AT_ONCE = 128
 """So many that what is done once for each part is little. Working arrays go with it: beyond 128 a
 campaign of 1000 shots takes a fifth more memory than one of 100 (python -m benchmarks.discovery
 memory)."""

@@ -59,7 +59,7 @@ class Cleaned:
 
 def clean(data: CampaignData, theory: Theory | None = None) -> Cleaned:
     """Fit robustly, take out wild frames, then shots that still do not fit, and fit again."""
-    first = fit_campaign(data, theory)
+    whole, first = data, fit_campaign(data, theory)
     fit = _robust(data, first)
     frames: list[Frame] = []
     for _ in range(ROUNDS):
@@ -82,9 +82,13 @@ def clean(data: CampaignData, theory: Theory | None = None) -> Cleaned:
         fit = fit_campaign(rest, fit.theory, left)
     names = {int(n) for n in rest.shots}
     # Afresh, now that the law is known: near its corner a shot may have begun on the wrong side.
-    # Where nothing was taken out or held down, the first fit is the one from its start.
+    # Where nothing was taken out, the first fit is the one from its start, and near it where
+    # nothing was held down either.
+    same = rest is whole
     fits = [
-        first if fit is first and _begun_at(theory, begun, fit) else fit_campaign(rest, begun)
+        first
+        if same and (begun is theory or (fit is first and _begun_at(theory, begun, fit)))
+        else fit_campaign(rest, begun)
         for begun in starts_afresh(fit)
     ]
     fit = min(fits, key=lambda one: one.chi2)
@@ -139,7 +143,7 @@ def _robust(data: CampaignData, first: Fit) -> Fit:
     weight = robust_weight(first)
     if (weight == 1.0).all():
         return first
-    fit = fit_campaign(data.held_down(weight), first.theory)
+    fit = fit_campaign(data.held_down(weight), first.theory, first)
     return replace(fit, shot_chi2=fit.shot_chi2 / weight**2)
 
 

@@ -10,8 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.model.data.tables import Data
-from analysis.model.fitting.fit import Fit
-from analysis.model.verdict.crossvalidation import prediction_error
 
 BLOCKS = 8
 NAMED = ("film", "day", "session", "batch", "run")
@@ -27,10 +25,3 @@ def blocks_of(data: Data) -> NDArray[np.intp]:
                 return np.asarray(block, dtype=np.intp)
     order = np.argsort(np.argsort(data.shots))
     return np.asarray(order * BLOCKS // len(order), dtype=np.intp)
-
-
-def falls_on_blocks(data: Data, before: Fit, after: Fit) -> bool:
-    """Say whether a later fit foretells blocks left out better than the one before it."""
-    folds = blocks_of(data)
-    first, second = (prediction_error(data, fit, folds=folds) for fit in (before, after))
-    return second.value < first.value

@@ -17,7 +17,7 @@ from analysis.model.proposals.forms.launch import LaunchForm
 from analysis.model.proposals.forms.shapes import POWER
 from analysis.model.proposals.hints import hint_for
 from analysis.model.proposals.launch_search import LaunchProposal
-from analysis.model.proposals.propose import Accepted, Proposed
+from analysis.model.proposals.proposed import Accepted, Proposed
 from analysis.model.proposals.screen import SMALLEST_P
 from analysis.model.proposals.stated import Origin, Statement
 from analysis.model.proposals.together import Together

@@ -16,7 +16,7 @@ from analysis.model.proposals.forms.frame import FrameForm
 from analysis.model.proposals.forms.impulses import IMPULSE_N, IMPULSE_T, TORSION
 from analysis.model.proposals.forms.launch import LaunchForm
 from analysis.model.proposals.forms.shapes import POWER
-from analysis.model.proposals.propose import Accepted, Proposed
+from analysis.model.proposals.proposed import Accepted, Proposed
 from analysis.model.proposals.stated import Origin, Statement
 from analysis.model.proposals.wording import formula
 

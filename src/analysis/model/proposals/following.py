@@ -20,7 +20,7 @@ from analysis.model.fitting.fit import fit_campaign
 from analysis.model.proposals.channels import channels_of
 from analysis.model.proposals.forms.form import ContactForm
 from analysis.model.proposals.launch_search import LaunchProposal
-from analysis.model.proposals.propose import Accepted, Proposed
+from analysis.model.proposals.proposed import Accepted, Proposed
 
 RIVAL = "rival"
 CONFIRMING_D = 4.0

@@ -20,30 +20,23 @@ from analysis.model.data.poses import PoseData
 from analysis.model.data.stream import whole
 from analysis.model.data.tables import ContactTable, Data
 from analysis.model.fitting.adding import ALIAS_WITHIN
-from analysis.model.fitting.fit import Fit, fit_campaign
+from analysis.model.fitting.fit import fit_campaign
+from analysis.model.fitting.normal import prior_cost
 from analysis.model.fitting.robust_fit import Judged, judged
 from analysis.model.predict.contact import encounter_of
+from analysis.model.proposals.acceptance import Gate, told_by
 from analysis.model.proposals.admissible import FEWEST_SHOTS, Admitted, admitted
-from analysis.model.proposals.blocks import falls_on_blocks
-from analysis.model.proposals.channels import Form, channels_of
-from analysis.model.proposals.forms.impulses import IMPULSES
-from analysis.model.proposals.launch_search import LaunchProposal, propose_launch
-from analysis.model.proposals.products import main_groups
-from analysis.model.proposals.refine import (
-    CARRIERS,
-    Promise,
-    Refitted,
-    with_free_constants,
-)
-from analysis.model.proposals.rivals import apart, rivals_of
-from analysis.model.proposals.screen import Screen, contact_forms, screened
-from analysis.model.rank.candidate import believed
+from analysis.model.proposals.channels import Channels, Form, channels_of
+from analysis.model.proposals.launch_search import propose_launch
+from analysis.model.proposals.proposed import Accepted, Proposed
+from analysis.model.proposals.refine import Promise, Refitted, Rival, with_free_constants
+from analysis.model.proposals.rivals import apart, least_beside, promises_of, rivals_of
+from analysis.model.proposals.screen import contact_forms, screened
+from analysis.model.rank.candidate import Ranking
 from analysis.model.rank.leaders import FIRST_LEVEL, LATER_LEVEL, Leader, in_order
 from analysis.model.rank.leaders import refitted as refitted_leaders
 from analysis.model.rank.ranking import rank
-from analysis.model.structure.influence import most_carried
 from analysis.model.verdict.part import LEAST_SHARE
-from analysis.quantity import Quantity
 
 MOST_STEPS, MOST_TRIED = 6, 3
 PREFERRED = 2.0
@@ -52,107 +45,6 @@ DROP_LEVEL = 0.0005
 LEAST_SIGMAS = 3.0
 """An amplitude nearer to zero than so many of its errors is not determined."""
 NAME = "proposal"
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Accepted:
-    """One form that went in.
-
-    Attributes
-    ----------
-    found
-        The form with its constants, and its name in the fit.
-    shapes
-        Names of the shapes that these shots do not tell apart, the best first.
-    alike, alike_effects
-        Slots and arguments that they do not tell from it, and effects of the catalogue.
-    p_familywise
-        Of its score, when it was found.
-    before, after
-        The stages of the error path.
-    freed
-        The fit in which its constants are free: their errors.
-    rival
-        The best form of another slot or argument that these shots do not tell from it and others
-        may: none that is an impulse where this is the coefficient that sets it.
-    """
-
-    found: Refitted
-    shapes: tuple[str, ...]
-    alike: tuple[tuple[str, str], ...]
-    alike_effects: tuple[str, ...]
-    p_familywise: float
-    before: Stage
-    after: Stage
-    freed: Fit
-    rival: Form | None = None
-
-    @property
-    def form(self) -> Form:
-        """The form."""
-        return self.found.form
-
-    @property
-    def name(self) -> str:
-        """Of its effect in the fit."""
-        return self.found.name
-
-    @property
-    def quantities(self) -> dict[str, Quantity]:
-        """Amplitudes and constants by symbol, with their standard errors.
-
-        Where a fit cannot follow a constant, as the place of a step between two shots, its value is
-        the best that was tried.
-        """
-        own = f"{self.name}."
-        found = {
-            name.removeprefix(own): quantity
-            for name, quantity in self.freed.parameters().items()
-            if name.startswith(own)
-        }
-        scales = self.form.freed(self.name).parameters[len(self.form.symbols) :]
-        values = self.form.constants[len(self.form.constants) - len(scales) :]
-        held = zip(scales, values, self.found.promise.widths, strict=False)
-        for scale, value, width in held:
-            found.setdefault(scale.symbol, Quantity(float(value), width, scale.unit))
-        return found
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Proposed:
-    """What is concluded.
-
-    Attributes
-    ----------
-    accepted
-        The forms, in the order in which they went in.
-    effects
-        Names of the catalogue's effects in the fit: those asked for, and those that went in.
-    launch
-        What the launches depend on, judged by themselves.
-    """
-
-    evidence: Evidence
-    path: tuple[Stage, ...]
-    accepted: tuple[Accepted, ...]
-    effects: tuple[str, ...]
-    admitted: Admitted
-    launch: tuple[LaunchProposal, ...] = ()
-
-    @property
-    def fit(self) -> Fit:
-        """The fit with everything in."""
-        return self.path[-1].fit
-
-    @property
-    def data(self) -> Data:
-        """What was fitted."""
-        return whole(self.evidence.data)
-
-    @property
-    def encounter(self) -> Encounter:
-        """How the spheres of every shot meet."""
-        return encounter_of(self.data, self.fit.states, self.fit.theory)
 
 
 def propose(
@@ -281,17 +173,18 @@ def _step(state: _State) -> _State | None:
     taken = {(one.form.group, one.form.shape_name) for one in state.accepted}
     forms = [form for form in forms if (form.group, form.shape_name) not in taken]
     screen = screened(channels, forms, np.random.default_rng(0))
-    rivals = list[Refitted]()
-    if max(screen.groups().values(), default=0.0) >= screen.threshold(state.level):
-        name = f"{NAME}-{len(state.accepted) + 1}"
-        rivals = rivals_of((state.data, state.last.fit, name), channels, screen, forms)
-    leader, leaders = _leader(state)
-    if leader is not None and (not rivals or leader[0].unbiased_fall > rivals[0].worth - PREFERRED):
-        return _moved(state, leader[1], whole(leader[0].data))
-    passing = {g for g, z in screen.groups().items() if z >= screen.threshold(state.level)}
-    leading = [one for one in apart(rivals) if passing & _told_by(one)]
+    threshold = screen.threshold(state.level)
+    passing = {group for group, score in screen.groups().items() if score >= threshold}
+    promises = promises_of(channels, screen, forms) if passing else []
+    name = f"{NAME}-{len(state.accepted) + 1}"
+    gate = Gate(state.data, state.last, screen, name, _least_fall(state))
+    rivals, known = _competed(state, gate, channels, promises, forms)
+    if known.first is not None and (not rivals or known.worth > rivals[0].worth - PREFERRED):
+        leader, stage = known.first
+        return _moved(state, stage, whole(leader.data))
+    leading = [one for one in apart(rivals) if passing & told_by(one)]
     for found in leading[:MOST_TRIED]:
-        accepted = _accepted(state, found, rivals, screen)
+        accepted = gate.passed(found, rivals)
         if accepted is not None:
             following = _moved(state, accepted.after, state.data)
             near = accepted.found.worth - ALIAS_WITHIN
@@ -299,59 +192,10 @@ def _step(state: _State) -> _State | None:
                 accepted,
                 before=following.path[-2],
                 after=following.last,
-                alike_effects=tuple(x.name for x in leaders if x.unbiased_fall > near),
+                alike_effects=tuple(x.name for x in known.believed if x.unbiased_fall > near),
             )
             return replace(following, accepted=(*state.accepted, accepted))
     return None
-
-
-def _accepted(
-    state: _State, found: Refitted, rivals: Sequence[Refitted], screen: Screen
-) -> Accepted | None:
-    """Return a form that is determined, is no few shots' own, and helps shots left out."""
-    data, before = state.data, state.last
-    if _carried(found.promise, len(data.shots)):
-        return None
-    least = found.worth - ALIAS_WITHIN
-    found, freed = with_free_constants(data, found)
-    if not _determined(found):
-        return None
-    after = stage_of(data, found.fit)
-    gains = np.sort(before.error.by_shot - after.error.by_shot)
-    fall = before.error.value - after.error.value
-    # Without the two that gain most, the others must gain too.
-    if fall <= _least_fall(state) or gains[:-CARRIERS].sum() <= 0:
-        return None
-    if not falls_on_blocks(data, before.fit, found.fit):
-        return None
-    near = [one for one in rivals if one.worth > least]
-    own = [one.form.shape_name for one in near if one.form.group == found.form.group]
-    others = [one.form for one in near if one.form.group != found.form.group]
-    groups = screen.groups()
-    score = max((groups.get(group, 0.0) for group in _told_by(found)), default=0.0)
-    return Accepted(
-        found=found,
-        shapes=tuple(dict.fromkeys([found.form.shape_name, *own])),
-        alike=tuple(dict.fromkeys(form.group for form in others)),
-        alike_effects=(),
-        p_familywise=screen.p_familywise(score),
-        before=before,
-        after=after,
-        freed=freed,
-        rival=next((form for form in others if not _nearly_the_same(form, found.form)), None),
-    )
-
-
-def _told_by(found: Refitted) -> set[tuple[str, str]]:
-    """Return the groups whose scores tell of a form: of a freed product its arguments' too."""
-    own = {found.form.group}
-    return own | main_groups(found.form) if found.promise.zeros_sought else own
-
-
-def _nearly_the_same(first: Form, second: Form) -> bool:
-    """Whether an impulse and the coefficient that sets it follow the same: no shots part them."""
-    impulses = sum(form.slot in IMPULSES for form in (first, second))
-    return first.argument == second.argument and impulses == 1
 
 
 def _least_fall(state: _State) -> float:
@@ -364,34 +208,70 @@ def _least_fall(state: _State) -> float:
     return LEAST_SHARE * max(state.accepted[0].before.error.value - 1.0, 0.0)
 
 
-def _carried(promise: Promise, shots: int) -> bool:
-    """Whether two shots hold most of a promise, and the others alone say next to nothing."""
-    rest = promise.fall * (1.0 - promise.carried_share)
-    return promise.carried_share > most_carried(shots) and rest < LEAST_SIGMAS**2
+@dataclass(frozen=True, slots=True, eq=False)
+class _Known:
+    """What the catalogue offers.
+
+    Attributes
+    ----------
+    first
+        The first effect that helps shots left out, and the point of the error path with it.
+    believed
+        All effects that were refitted and are believed.
+    """
+
+    first: tuple[Leader, Stage] | None
+    believed: tuple[Leader, ...]
+
+    @property
+    def worth(self) -> float:
+        return self.first[0].unbiased_fall if self.first else 0.0
 
 
-def _determined(found: Refitted) -> bool:
-    """Whether the amplitudes are in their ranges, and the largest is far from zero."""
-    fit, count = found.fit, len(found.form.symbols)
-    values = fit.theory.vector[-count:]
-    sigmas = np.sqrt(np.diag(fit.covariance))[-count:] * np.sqrt(fit.chi2_per_dof)
-    far = np.abs(values) > LEAST_SIGMAS * sigmas
-    return bool(far.any()) and believed(found.form.effect(found.name), values, sigmas)
+def _competed(
+    state: _State,
+    gate: Gate,
+    channels: Channels,
+    promises: Sequence[Promise],
+    forms: Sequence[Form],
+) -> tuple[list[Rival], _Known]:
+    """Return forms and effects of the catalogue, refitted where they may come first or alike.
 
-
-def _leader(state: _State) -> tuple[tuple[Leader, Stage] | None, list[Leader]]:
-    """Return the first effect of the catalogue that helps shots left out, and all believed ones."""
+    Those that promise more are refitted first: few of the others are worth it then.
+    """
     ranking = rank(state.data, state.last.fit, state.catalogue)
-    leaders = refitted_leaders(state.data, state.last.fit, ranking, state.level)
+    fitted = state.data, state.last.fit, gate.name
+    helpful = any(gate.may_help(promise) for promise in promises)
+    offered = max((c.fall for c in ranking.candidates if c.seen), default=0.0)
+    if not promises or promises[0].worth < offered:
+        known = _known(state, ranking, promises[0] if promises else None)
+        if helpful:
+            return rivals_of(fitted, channels, promises, forms, known.worth), known
+        return [*promises], known
+    rivals = rivals_of(fitted, channels, promises, forms) if helpful else [*promises]
+    return rivals, _known(state, ranking, rivals[0])
+
+
+def _known(state: _State, ranking: Ranking, beside: Rival | None) -> _Known:
+    """Refit effects of the catalogue that may come near a form, and find the first that helps."""
+    fit = state.last.fit
+    least = max(least_beside(beside.worth), 0.0) if beside else 0.0
+    beat = np.inf
+    if isinstance(beside, Refitted):
+        noise = beside.fit.chi2_per_dof
+        beat = fit.chi2 + prior_cost(fit.theory) - noise * (beside.worth - ALIAS_WITHIN)
+    leaders = refitted_leaders(state.data, fit, ranking, state.level, least=least, beat=beat)
     trusted = [x for x in in_order(leaders) if x.plausible and not x.carried]
     for leader in trusted[:MOST_TRIED]:
-        fit = leader.fit
-        if not fit.converged:
-            fit = fit_campaign(leader.data, fit.theory, fit)
-        stage = stage_of(leader.data, fit)
+        refit = leader.fit
+        if not refit.converged:
+            if refit.chi2 + prior_cost(refit.theory) > beat:
+                continue
+            refit = fit_campaign(leader.data, refit.theory, refit)
+        stage = stage_of(leader.data, refit)
         if stage.error.value < state.last.error.value:
-            return (leader, stage), trusted
-    return None, trusted
+            return _Known((leader, stage), tuple(trusted))
+    return _Known(None, tuple(trusted))
 
 
 def _moved(state: _State, stage: Stage, data: Data) -> _State:

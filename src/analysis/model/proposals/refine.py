@@ -94,6 +94,10 @@ class Refitted:
         return self.promise.worth - self.promise.fall + self.fall
 
 
+Rival = Promise | Refitted
+"""A form with what it is worth: as its score has it, or as a fit of its own."""
+
+
 def promised(channels: Channels, group: tuple[str, str], forms: Sequence[Form]) -> list[Promise]:
     """Return the best form of each shape of a group, the most worth first."""
     own = [form for form in forms if form.group == group]

@@ -15,37 +15,71 @@ from analysis.model.proposals.refine import (
     MOST_GROUPS,
     Promise,
     Refitted,
+    Rival,
     promised,
     refitted,
     with_free_constants,
 )
 from analysis.model.proposals.screen import Screen
+from analysis.model.rank.leaders import SMALL_FALL
 
 SLACK = 8.0
 """Deviance by which finer constants and a refit may bring a group nearer to the best."""
 MOST_FREED = 2
 REFIT_SHARE = 0.1
 """Of the best promise, by which a refit may differ from it: promises are straight lines."""
+FARTHEST_OFF, STRAIGHT_TO = 0.9, 1000.0
+"""Share of a fall by which its promise may miss it where it is large, and how large that is."""
+
+
+def least_beside(worth: float) -> float:
+    """Return the promise below which nothing comes near what has this worth, of another kind.
+
+    Promises are straight lines: exact where a fall is small, and ever less the larger it is.
+    """
+    share = min(FARTHEST_OFF, REFIT_SHARE + worth / STRAIGHT_TO)
+    return worth * (1.0 - share) - ALIAS_WITHIN - SLACK / 2
+
+
+def promises_of(channels: Channels, screen: Screen, forms: Sequence[Form]) -> list[Promise]:
+    """Return the likeliest forms of the groups whose scores come near the best, best first."""
+    found = list[Promise]()
+    for group in _nearest(screen):
+        own = promised(channels, group, forms)
+        least = own[0].worth - ALIAS_WITHIN - 2.0 if own else 0.0
+        found += [promise for promise in own if promise.worth > least]
+    return sorted(found, key=lambda promise: -promise.worth)
 
 
 def rivals_of(
-    fitted: tuple[Data, Fit, str], channels: Channels, screen: Screen, forms: Sequence[Form]
-) -> list[Refitted]:
-    """Refit the groups whose scores come near the best; the most worth first.
+    fitted: tuple[Data, Fit, str],
+    channels: Channels,
+    promises: Sequence[Promise],
+    forms: Sequence[Form],
+    known: float = 0.0,
+) -> list[Rival]:
+    """Return the forms that come near the best, refitted where a refit may change their order.
 
     Parameters
     ----------
     fitted
         What was fitted, the fit, and the name that a form has in a refit.
+    promises
+        As `promises_of` returns them.
+    known
+        Worth of the best effect of the catalogue, refitted.
+
+    Returns
+    -------
+    The most worth first.
     """
-    sought = [promised(channels, group, forms) for group in _nearest(screen)]
-    top = max((p.worth for promises in sought for p in promises), default=0.0)
-    reach = ALIAS_WITHIN + SLACK / 2 + REFIT_SHARE * top
-    found = []
-    for promises in sought:
-        least = promises[0].worth - ALIAS_WITHIN - 2.0 if promises else 0.0
-        chosen = [p for p in promises if p.worth > least and _may_reach(p, top - reach)]
-        found += [_refit(fitted, promise) for promise in chosen]
+    top = max((promise.worth for promise in promises), default=0.0)
+    if top < least_beside(known):
+        return []
+    least = top - ALIAS_WITHIN - SLACK / 2 - REFIT_SHARE * top
+    near = [promise for promise in promises if _may_reach(promise, least)]
+    exact = max((promise.fall for promise in near), default=0.0) < SMALL_FALL
+    found = [p if exact and isinstance(p.form, ContactForm) else _refit(fitted, p) for p in near]
     freed = freed_products(channels, forms)[:MOST_FREED]
     least = (1.0 - REFIT_SHARE) * top
     found += _with_zeros(fitted, [p for p in freed if _may_reach(p, least)], found)
@@ -53,8 +87,8 @@ def rivals_of(
 
 
 def _with_zeros(
-    fitted: tuple[Data, Fit, str], promises: Sequence[Promise], others: Sequence[Refitted]
-) -> list[Refitted]:
+    fitted: tuple[Data, Fit, str], promises: Sequence[Promise], others: Sequence[Rival]
+) -> list[Rival]:
     """Refit products with their zeros free, and return those that are better than all else."""
     data, fit, name = fitted
     top = max((one.worth for one in others), default=0.0)
@@ -82,9 +116,9 @@ def _refit(fitted: tuple[Data, Fit, str], promise: Promise) -> Refitted:
     return with_free_constants(data, found)[0] if in_frames else found
 
 
-def apart(rivals: Sequence[Refitted]) -> list[Refitted]:
+def apart(rivals: Sequence[Rival]) -> list[Rival]:
     """Return the best form of each slot and argument, in order."""
-    first: dict[tuple[str, str], Refitted] = {}
+    first: dict[tuple[str, str], Rival] = {}
     for one in rivals:
         first.setdefault(one.form.group, one)
     return list(first.values())

@@ -34,7 +34,7 @@ from analysis.model.proposals.forms.form import SLOTS, ContactForm
 from analysis.model.proposals.forms.frame import FrameForm, frame_forms
 from analysis.model.proposals.forms.launch import QUANTITIES, LaunchForm
 from analysis.model.proposals.forms.shapes import SHAPES, Shape
-from analysis.model.proposals.propose import Proposed
+from analysis.model.proposals.proposed import Proposed
 
 Json = dict[str, Any]
 

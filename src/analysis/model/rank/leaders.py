@@ -76,24 +76,41 @@ class Leader:
         return self.fall / max(self.fit.chi2_per_dof, 1e-12) - self.candidate.freedom
 
 
-def refitted(data: CampaignData, fit: Fit, ranking: Ranking, level: float) -> list[Leader]:
+def refitted(
+    data: CampaignData,
+    fit: Fit,
+    ranking: Ranking,
+    level: float,
+    *,
+    least: float = 0.0,
+    beat: float = np.inf,
+) -> list[Leader]:
     """Refit every candidate whose promise passes a family-wise level, and mark the carried ones.
 
     One is carried if two shots hold most of it and the others alone do not promise enough. Those
     whose likelihood ratio, after the refit, no longer passes are left out.
+
+    Parameters
+    ----------
+    least
+        Promised fall below which none is refitted: what else may go in brings more.
+    beat
+        Cost of a fit with what else may go in: a refit that stays above it is left.
     """
     invited = [
-        c for c in ranking.candidates if c.seen and not c.of_measurement and c.p_familywise < level
+        c
+        for c in ranking.candidates
+        if c.seen and not c.of_measurement and c.p_familywise < level and c.fall >= least
     ]
     threshold, most = ranking.threshold(level), most_carried(len(data.shots))
     leaders: list[Leader] = []
     for c in _worth_it(invited, len(data.shots)):
         carried = c.carried_share >= most and _by_others(c) > threshold * c.weight
-        leader = _refit(data, fit, c, _bar(leaders, WITHIN), carried=carried)
+        leader = _refit(data, fit, c, min(beat, _bar(leaders, WITHIN)), carried=carried)
         leaders += [] if leader is None else [leader]
     if not leaders:
         return []
-    leaders = _settled(fit, leaders)
+    leaders = _settled(fit, leaders, beat)
     noise = min(leader.fit.chi2_per_dof for leader in leaders)
     return [
         leader
@@ -121,17 +138,17 @@ def _bar(leaders: Sequence[Leader], within: float) -> float:
     return best.fit.chi2 + prior_cost(best.fit.theory) + max(within * best.fall, alike)
 
 
-def _settled(fit: Fit, leaders: Sequence[Leader]) -> list[Leader]:
+def _settled(fit: Fit, leaders: Sequence[Leader], beat: float) -> list[Leader]:
     """Follow the fits to their end that may come out first, or look like the one that does."""
     best = min(leaders, key=lambda leader: leader.fit.chi2)
-    near = best.fit.chi2 + WITHIN * max(best.fall, 0.0)
+    near = min(best.fit.chi2 + WITHIN * max(best.fall, 0.0), beat)
     settled: list[Leader] = []
     for leader in sorted(leaders, key=lambda each: each.fit.chi2):
         if leader.fit.converged or leader.fit.chi2 > near:
             settled.append(leader)
             continue
-        until = Purpose(beat=_bar([each for each in settled if each.fit.converged], 0.0))
-        followed = fit_campaign(leader.data, leader.fit.theory, leader.fit, until)
+        bar = min(beat, _bar([each for each in settled if each.fit.converged], 0.0))
+        followed = fit_campaign(leader.data, leader.fit.theory, leader.fit, Purpose(beat=bar))
         settled.append(
             _leader(leader.candidate, leader.data, (fit, followed), carried=leader.carried)
         )

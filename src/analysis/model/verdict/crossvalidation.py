@@ -7,6 +7,7 @@ no shot is fitted again.
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -74,24 +75,67 @@ def prediction_error(
     folds
         Number of the fold that each shot is left out with, shape (S,); None: fifths by chance.
     """
-    shots, size = len(data.shots), len(fit.theory.vector)
     if folds is None:
-        folds = np.random.default_rng(seed).permutation(shots) % min(FOLDS, shots)
-    _, folds = np.unique(folds, return_inverse=True)
-    matrix, downhill = np.zeros((folds.max() + 1, size, size)), np.zeros((folds.max() + 1, size))
+        folds = folds_by_chance(len(data.shots), seed)
+    [error] = prediction_errors(data, fit, (folds,))
+    return error
+
+
+def folds_by_chance(shots: int, seed: int = 0) -> NDArray[np.intp]:
+    """Return the fifth that each shot is in, drawn, shape (S,)."""
+    return np.random.default_rng(seed).permutation(shots) % min(FOLDS, shots)
+
+
+def prediction_errors(
+    data: CampaignData, fit: Fit, foldings: Sequence[NDArray[np.intp]]
+) -> list[PredictionError]:
+    """Return the error on shots left out in several ways, in one pass over the shots.
+
+    Parameters
+    ----------
+    foldings
+        Each the number of the fold that each shot is left out with, shape (S,).
+    """
+    folded = [_Folded.of(folds, len(fit.theory.vector)) for folds in foldings]
     gaps, count, start = data.keep(_Gap), 0, 0
     for part, states in parts_of(data, fit):
         known, after = _known_before(part, states)
         whole, gap = _gap(part, known, states, fit.theory)
-        np.add.at(matrix, folds[start : start + part.count], whole[0])
-        np.add.at(downhill, folds[start : start + part.count], whole[1])
+        for one in folded:
+            one.add(slice(start, start + part.count), whole)
         gaps.append(gap)
         count, start = count + after, start + part.count
-    steps = _steps_without(matrix, downhill, fit.theory)
-    squares, start = np.zeros(shots), 0
+    return [_error(one, gaps, count, fit.theory) for one in folded]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Folded:
+    """Sums of M and g of each fold: its number for each shot (S,), (K, P, P), (K, P)."""
+
+    folds: NDArray[np.intp]
+    matrix: Floats
+    downhill: Floats
+
+    @classmethod
+    def of(cls, folds: NDArray[np.intp], size: int) -> _Folded:
+        """Return empty sums."""
+        _, numbers = np.unique(folds, return_inverse=True)
+        count = int(numbers.max()) + 1
+        return cls(numbers, np.zeros((count, size, size)), np.zeros((count, size)))
+
+    def add(self, shots: slice, sums: tuple[Floats, Floats]) -> None:
+        """Add M and g of some shots."""
+        np.add.at(self.matrix, self.folds[shots], sums[0])
+        np.add.at(self.downhill, self.folds[shots], sums[1])
+
+
+def _error(folded: _Folded, gaps: Iterable[_Gap], count: int, theory: Theory) -> PredictionError:
+    """Return the error of shots left out fold by fold, `count` numbers after contact in all."""
+    steps, start = _steps_without(folded.matrix, folded.downhill, theory), 0
+    squares = np.zeros(len(folded.folds))
     for gap in gaps:
         own = slice(start, start := start + len(gap.value))
-        squares[own] = gap.at(steps[folds[own]])
+        squares[own] = gap.at(steps[folded.folds[own]])
     value = np.sqrt(max(float(squares.sum()), 0.0) / max(count, 1))
     return PredictionError(float(value), float(np.sqrt(0.5 / max(count, 1))), squares)
 

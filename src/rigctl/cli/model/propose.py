@@ -17,7 +17,7 @@ from analysis.launch.prediction import Limits
 from analysis.model.data.tables import Data
 from analysis.model.proposals.document import confirmation_document, together_document
 from analysis.model.proposals.effect_file import written
-from analysis.model.proposals.propose import Proposed
+from analysis.model.proposals.proposed import Proposed
 from analysis.model.proposals.together import propose_read
 from analysis.model.proposals.words import (
     confirmation_sentence,

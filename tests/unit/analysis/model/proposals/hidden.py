@@ -10,7 +10,8 @@ from tempfile import TemporaryDirectory
 from analysis.effects.catalogue import CATALOGUE
 from analysis.model.data.gather import gather_poses
 from analysis.model.data.poses import PoseData
-from analysis.model.proposals.propose import Proposed, propose
+from analysis.model.proposals.propose import propose
+from analysis.model.proposals.proposed import Proposed
 from simulators.challenge.campaign import run_campaign
 from simulators.challenge.effects import switched
 from simulators.challenge.folder import write_folder

@@ -24,7 +24,7 @@ from analysis.model.proposals.effect_file import (
 )
 from analysis.model.proposals.forms.form import SLOTS, ContactForm
 from analysis.model.proposals.forms.shapes import LINEAR, Spread
-from analysis.model.proposals.propose import Accepted
+from analysis.model.proposals.proposed import Accepted
 from analysis.model.proposals.screen import shapes_of
 from analysis.model.proposals.stated import Origin
 from tests.unit.analysis.model.proposals.hidden import proposed

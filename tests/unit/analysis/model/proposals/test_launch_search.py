@@ -13,7 +13,8 @@ from analysis.effects.catalogue import CATALOGUE
 from analysis.model.data.poses import PoseData
 from analysis.model.proposals.document import proposals_document
 from analysis.model.proposals.following import next_after
-from analysis.model.proposals.propose import Proposed, propose
+from analysis.model.proposals.propose import propose
+from analysis.model.proposals.proposed import Proposed
 from analysis.model.proposals.words import proposal_sentences
 from tests.unit.analysis.model.proposals.hidden import SHOTS, campaign, proposed
 

@@ -1,0 +1,145 @@
+"""What a form must pass to go in: determined, no few shots' own, and a help to shots left out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from analysis.model.data.evidence import Stage, stage_of
+from analysis.model.data.tables import Data
+from analysis.model.fitting.adding import ALIAS_WITHIN
+from analysis.model.fitting.fit import Fit
+from analysis.model.proposals.blocks import blocks_of
+from analysis.model.proposals.channels import Form
+from analysis.model.proposals.forms.impulses import IMPULSES
+from analysis.model.proposals.products import main_groups
+from analysis.model.proposals.proposed import Accepted
+from analysis.model.proposals.refine import (
+    CARRIERS,
+    Promise,
+    Refitted,
+    Rival,
+    refitted,
+    with_free_constants,
+)
+from analysis.model.proposals.screen import Screen
+from analysis.model.rank.candidate import believed
+from analysis.model.structure.influence import most_carried
+from analysis.model.verdict.crossvalidation import (
+    folds_by_chance,
+    prediction_error,
+    prediction_errors,
+)
+
+LEAST_SIGMAS = 3.0
+"""An amplitude nearer to zero than so many of its errors is not determined."""
+OPTIMISM = 2.0
+"""Times its promise what a form may bring shots left out: promises are straight lines."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Gate:
+    """What a form is held against.
+
+    Attributes
+    ----------
+    data, before
+        What was fitted, and the point of the error path without the form.
+    screen
+        The scores of all forms there.
+    name
+        Of the form's effect in the fit.
+    least_fall
+        By how much it must lower the error on shots left out.
+    """
+
+    data: Data
+    before: Stage
+    screen: Screen
+    name: str
+    least_fall: float
+
+    def may_help(self, promise: Promise) -> bool:
+        """Whether a form may lower the error on shots left out by as much as it must.
+
+        Squares of shots left out fall by what chi-squared falls, less what chance brings.
+        """
+        error, noise = self.before.error, self.before.fit.chi2_per_dof
+        counted = 0.5 / error.sampling**2
+        needed = error.value**2 - max(error.value - self.least_fall, 0.0) ** 2
+        return OPTIMISM * promise.fall * noise > needed * counted
+
+    def passed(self, chosen: Rival, rivals: Sequence[Rival]) -> Accepted | None:
+        """Return a form as it goes in, with those of its rivals that are alike; None: it fails."""
+        data, before = self.data, self.before
+        promise = _promise(chosen)
+        if _carried(promise, len(data.shots)) or not self.may_help(promise):
+            return None
+        found = _refitted(data, before.fit, chosen, self.name)
+        least = found.worth - ALIAS_WITHIN
+        found, freed = with_free_constants(data, found)
+        if not _determined(found):
+            return None
+        folds = blocks_of(data)
+        both = folds_by_chance(len(data.shots)), folds
+        error, on_blocks = prediction_errors(data, found.fit, both)
+        gains = np.sort(before.error.by_shot - error.by_shot)
+        fall = before.error.value - error.value
+        # Without the two that gain most, the others must gain too.
+        if fall <= self.least_fall or gains[:-CARRIERS].sum() <= 0:
+            return None
+        if on_blocks.value >= prediction_error(data, before.fit, folds=folds).value:
+            return None
+        near = [one for one in rivals if one.worth > least]
+        own = [one.form.shape_name for one in near if one.form.group == found.form.group]
+        others = [one.form for one in near if one.form.group != found.form.group]
+        groups = self.screen.groups()
+        score = max((groups.get(group, 0.0) for group in told_by(found)), default=0.0)
+        return Accepted(
+            found=found,
+            shapes=tuple(dict.fromkeys([found.form.shape_name, *own])),
+            alike=tuple(dict.fromkeys(form.group for form in others)),
+            alike_effects=(),
+            p_familywise=self.screen.p_familywise(score),
+            before=before,
+            after=stage_of(data, found.fit, error),
+            freed=freed,
+            rival=next((form for form in others if not _nearly_the_same(form, found.form)), None),
+        )
+
+
+def told_by(one: Rival) -> set[tuple[str, str]]:
+    """Return the groups whose scores tell of a form: of a freed product its arguments' too."""
+    own = {one.form.group}
+    return own | main_groups(one.form) if _promise(one).zeros_sought else own
+
+
+def _promise(one: Rival) -> Promise:
+    return one.promise if isinstance(one, Refitted) else one
+
+
+def _refitted(data: Data, fit: Fit, one: Rival, name: str) -> Refitted:
+    return one if isinstance(one, Refitted) else refitted(data, fit, one, name)
+
+
+def _nearly_the_same(first: Form, second: Form) -> bool:
+    """Whether an impulse and the coefficient that sets it follow the same: no shots part them."""
+    impulses = sum(form.slot in IMPULSES for form in (first, second))
+    return first.argument == second.argument and impulses == 1
+
+
+def _carried(promise: Promise, shots: int) -> bool:
+    """Whether two shots hold most of a promise, and the others alone say next to nothing."""
+    rest = promise.fall * (1.0 - promise.carried_share)
+    return promise.carried_share > most_carried(shots) and rest < LEAST_SIGMAS**2
+
+
+def _determined(found: Refitted) -> bool:
+    """Whether the amplitudes are in their ranges, and the largest is far from zero."""
+    fit, count = found.fit, len(found.form.symbols)
+    values = fit.theory.vector[-count:]
+    sigmas = np.sqrt(np.diag(fit.covariance))[-count:] * np.sqrt(fit.chi2_per_dof)
+    far = np.abs(values) > LEAST_SIGMAS * sigmas
+    return bool(far.any()) and believed(found.form.effect(found.name), values, sigmas)
