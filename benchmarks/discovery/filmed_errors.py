@@ -26,7 +26,9 @@ FRAMES = 60
 SHORTEST_S = 1e-3
 
 
-def filmed(nature: Nature, seed: int, shots: int, slow_px: float) -> PoseData:
+def filmed(
+    nature: Nature, seed: int, shots: int, slow_px: float, scale_pull: float | None = None
+) -> PoseData:
     """Return poses with errors drawn from what is stated of them.
 
     Parameters
@@ -34,6 +36,8 @@ def filmed(nature: Nature, seed: int, shots: int, slow_px: float) -> PoseData:
     slow_px
         Size of the slow error of an outline's place, px. It forgets itself exponentially while a
         sphere turns by what its markers are wide.
+    scale_pull
+        By how many stated errors lengths are seen too long; None: drawn.
     """
     rng = np.random.default_rng([seed, 7])
     true = posed(run_campaign(nature, seed, shots=shots, frames=FRAMES, noise=UNSEEN))
@@ -47,13 +51,14 @@ def filmed(nature: Nature, seed: int, shots: int, slow_px: float) -> PoseData:
     )
     places, turns = _drawn(true, slow, rng)
     apart = np.sqrt(2.0) * slow.shared_m * rng.normal(size=3) * np.array([[-0.5], [0.5]])
-    scale = 1.0 + SCALE * rng.normal()
+    scale = 1.0 + SCALE * (rng.normal() if scale_pull is None else scale_pull)
     position = scale * true.position + apart + places
+    seen = Rotation.from_rotvec(slow.common_rad * rng.normal(size=(2, 3))).as_matrix()
     turned = Rotation.from_rotvec(turns.reshape(-1, 3)).as_matrix().reshape(true.rotation.shape)
     return replace(
         true,
         position=position,
-        rotation=turned @ true.rotation,
+        rotation=turned @ seen @ true.rotation,
         position_sigma=np.full(position.shape, RIG_NOISE.centre_px * px),
         rotation_sigma=np.full(true.rotation_sigma.shape, RIG_NOISE.rotation_rad),
         slow=slow,
