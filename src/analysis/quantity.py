@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
+from pydantic import PlainSerializer, PlainValidator
 
 from analysis.arrays import Floats
 
@@ -94,3 +95,15 @@ class Quantity:
         decimals = max(0, 1 - math.floor(math.log10(self.sigma)))
         digits = round(self.sigma * 10**decimals)
         return f"{self.value:.{decimals}f}({digits})"
+
+
+def _read(value: object) -> Quantity:
+    if isinstance(value, Quantity):
+        return value
+    if not isinstance(value, Mapping):
+        raise ValueError(f"{value!r} is no quantity with value, sigma and unit")
+    return Quantity.from_json(value)
+
+
+Measured = Annotated[Quantity, PlainValidator(_read), PlainSerializer(Quantity.to_json)]
+"""A quantity as a field of a document's model."""

@@ -16,6 +16,9 @@ from typing import Any
 
 import httpx
 
+from tests.invoked import Invoked, rigctl
+from tests.plain_http import REQUESTS, lives
+
 KEY = "the-key-of-a-real-rig"
 RIGCTL = [sys.executable, "-c", "from rigctl.cli import main; main()"]
 SHIFTED = """
@@ -76,23 +79,23 @@ class RealRig:
         self.process.wait(WAIT_S)
 
     def ask(self, method: str, path: str, body: Any = None) -> httpx.Response:
-        return httpx.request(
+        return REQUESTS.request(
             method,
             f"{self.url}/api/v1{path}",
             json=body,
             headers={"Authorization": f"Bearer {KEY}"},
             timeout=WAIT_S,
-            trust_env=False,
         )
 
-    def command(
-        self, *words: str, typed: str = "", config: str = "rig.toml"
-    ) -> subprocess.CompletedProcess[str]:
+    def command(self, *words: str, typed: str = "") -> Invoked:
+        return rigctl(*words, "--config", "rig.toml", folder=self.folder, key=KEY, typed=typed)
+
+    def second_daemon(self, config: str) -> subprocess.CompletedProcess[str]:
+        """Try to serve the same rig once more, as a process, by another configuration."""
         return subprocess.run(
-            [*RIGCTL, *words, "--config", config],
+            [*RIGCTL, "serve", "--port", "0", "--config", config],
             cwd=self.folder,
             env={**os.environ, "RIGCTL_KEY": KEY},
-            input=typed,
             capture_output=True,
             text=True,
             timeout=WAIT_S,
@@ -128,9 +131,9 @@ class RealRig:
     def _lives(self, written: Path) -> bool:
         try:
             self.url = str(json.loads(written.read_text())["url"])
-            return httpx.get(f"{self.url}/health/live", trust_env=False).is_success
-        except (OSError, ValueError, httpx.TransportError):
+        except (OSError, ValueError):
             return False
+        return lives(self.url)
 
 
 @contextmanager

@@ -125,7 +125,7 @@ def test_a_second_daemon_on_the_same_rig_is_refused_by_name_and_moves_nothing(
     second = text.replace(str(fresh.folder / "data"), str(fresh.folder / store))
     (fresh.folder / "second.toml").write_text(second)
     before = fresh.state()
-    refused = fresh.command("serve", "--port", "0", config="second.toml")
+    refused = fresh.second_daemon("second.toml")
     assert refused.returncode == 3
     assert said in refused.stderr
     assert fresh.state() == before

@@ -15,6 +15,7 @@ import httpx
 import pytest
 
 from rigctl.config.loading import default_path
+from tests.invoked import rigctl
 
 RIGCTL = [sys.executable, "-c", "from rigctl.cli import main; main()"]
 ENVIRONMENT = {**os.environ, "RIGCTL_KEY": ""}
@@ -46,25 +47,13 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     process.communicate(timeout=WAIT_S)
 
 
-def rigctl(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [*RIGCTL, *words],
-        cwd=folder,
-        env=ENVIRONMENT,
-        capture_output=True,
-        text=True,
-        timeout=WAIT_S,
-        check=False,
-    )
-
-
 def address(folder: Path) -> str:
     return str(json.loads((folder / "data/service.json").read_text())["url"])
 
 
 def test_commands_on_the_host_trust_the_configured_certificate(folder: Path) -> None:
     for words in (("stop", "--reason", "a test"), ("release", "the test has ended")):
-        done = rigctl(folder, *words, "--config", "rig.toml")
+        done = rigctl(*words, "--config", "rig.toml", folder=folder, key="")
         assert done.returncode == 0, done.stderr
 
 

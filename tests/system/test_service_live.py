@@ -25,6 +25,7 @@ from rigctl.daemon import Daemon, open_daemon
 from rigctl.service.app import create_app
 from rigctl.service.events import EventHub
 from rigctl.store import Fired, ShotState, Store
+from tests.invoked import Invoked, rigctl
 
 KEY = "live-key"
 HEADERS = {"Authorization": f"Bearer {KEY}"}
@@ -33,7 +34,11 @@ RIGCTL = [sys.executable, "-c", "from rigctl.cli import main; main()"]
 WAIT_S = 60.0
 
 
-def rigctl(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+def command(folder: Path, *arguments: str) -> Invoked:
+    return rigctl(*arguments, folder=folder, key="")
+
+
+def as_process(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
         [*RIGCTL, *arguments],
         cwd=folder,
@@ -85,7 +90,7 @@ def test_a_shot_goes_from_the_command_line_through_the_daemon_to_its_frames(
         assert stat.S_IMODE(mode) == 0o600
 
         order = ("shot", "--pressure-kpa", "40", "--offset-mm", "6", "--campaign", "one", "--json")
-        done = rigctl(tmp_path, *order)
+        done = as_process(tmp_path, *order)
         document = json.loads(done.stdout)
         assert done.returncode == (0 if document["state"] == "analysed" else 4), done.stderr
         assert document["state"] in {"analysed", "refused"}
@@ -100,12 +105,12 @@ def test_a_shot_goes_from_the_command_line_through_the_daemon_to_its_frames(
         assert picture.shape == (192, 240)
 
         for arguments, code, words in REFUSED:
-            refused = rigctl(tmp_path, "shot", *arguments)
+            refused = command(tmp_path, "shot", *arguments)
             assert (refused.returncode, refused.stdout) == (code, "")
             assert words in refused.stderr
         stopped = httpx.post(f"{url}/api/v1/rig/estop", timeout=WAIT_S)
         assert stopped.json()["state"] == "estop"
-        refused = rigctl(tmp_path, *order)
+        refused = command(tmp_path, *order)
         assert (refused.returncode, refused.stdout) == (3, "")
         assert "release" in refused.stderr
 
@@ -160,7 +165,7 @@ def test_a_port_that_is_taken_is_refused_before_any_device_is_opened(tmp_path: P
         url, _ = address(tmp_path)
         other = tmp_path / "other"
         other.mkdir()
-        refused = rigctl(other, "serve", "--port", url.rpartition(":")[2])
+        refused = as_process(other, "serve", "--port", url.rpartition(":")[2])
         assert refused.returncode == 2
         assert "--port" in refused.stderr
         assert not (other / "data").exists()
@@ -172,7 +177,7 @@ def test_the_network_is_refused_without_encryption(tmp_path: Path) -> None:
     assert open_to_all != default.read_text()
     (tmp_path / "rig.toml").write_text(open_to_all)
     key = ("--key", "key-of-the-thread-2026")
-    refused = rigctl(tmp_path, "serve", "--config", "rig.toml", *key)
+    refused = as_process(tmp_path, "serve", "--config", "rig.toml", *key)
     assert refused.returncode == 2
     assert "service.host" in refused.stderr
     assert "service.tls_certificate" in refused.stderr

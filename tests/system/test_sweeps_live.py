@@ -16,22 +16,16 @@ from typing import Any
 import httpx
 import pytest
 
+from tests.invoked import Invoked, rigctl
+
 pytestmark = pytest.mark.long
 
 RIGCTL = [sys.executable, "-c", "from rigctl.cli import main; main()"]
 WAIT_S = 60.0
 
 
-def rigctl(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [*RIGCTL, *arguments],
-        cwd=folder,
-        env={**os.environ, "RIGCTL_KEY": ""},
-        capture_output=True,
-        text=True,
-        timeout=WAIT_S,
-        check=False,
-    )
+def command(folder: Path, *arguments: str) -> Invoked:
+    return rigctl(*arguments, folder=folder, key="")
 
 
 @contextmanager
@@ -86,7 +80,7 @@ def test_a_killed_daemon_comes_back_offers_its_sweep_and_fires_no_step_twice(
 ) -> None:
     grid = ("--pressure-kpa", "30,50", "--offset-mm", "4,8", "--campaign", "killed")
     with daemon(tmp_path) as process, events(tmp_path) as told:
-        started = rigctl(tmp_path, "sweep", *grid, "--detach", "--json")
+        started = command(tmp_path, "sweep", *grid, "--detach", "--json")
         assert started.returncode == 0, started.stderr
         name = json.loads(started.stdout)["sweep"]
         while told.get(timeout=WAIT_S)["counts"]["stored"] < 1:
@@ -98,7 +92,7 @@ def test_a_killed_daemon_comes_back_offers_its_sweep_and_fires_no_step_twice(
         offer = next(line for line in process.stdout if "waits" in line)
         assert f"sweep {name} waits" in offer
         assert f"rigctl sweep resume {name}" in offer
-        found = json.loads(rigctl(tmp_path, "sweep", "status", "--json").stdout)
+        found = json.loads(command(tmp_path, "sweep", "status", "--json").stdout)
         assert (found["sweep"], found["state"]) == (name, "paused")
         written = json.loads((tmp_path / "data" / "service.json").read_text())
         headers = {"Authorization": f"Bearer {written['key']}"}
@@ -107,11 +101,11 @@ def test_a_killed_daemon_comes_back_offers_its_sweep_and_fires_no_step_twice(
         url = f"{written['url']}/api/v1/rig/release"
         assert httpx.post(url, headers=headers, json=release, timeout=WAIT_S).is_success
         with events(tmp_path) as told:
-            resumed = rigctl(tmp_path, "sweep", "resume")
+            resumed = command(tmp_path, "sweep", "resume")
             assert resumed.returncode == 0, resumed.stderr
             while told.get(timeout=WAIT_S)["state"] == "running":
                 pass
-        found = json.loads(rigctl(tmp_path, "sweep", "status", "--json").stdout)
+        found = json.loads(command(tmp_path, "sweep", "status", "--json").stdout)
         shots = httpx.get(
             f"{written['url']}/api/v1/shots?campaign=killed", headers=headers, timeout=WAIT_S
         ).json()["shots"]

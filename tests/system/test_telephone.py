@@ -9,9 +9,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-import httpx
 import pytest
 
+from tests.invoked import rigctl
+from tests.plain_http import REQUESTS, lives
 from tests.system.real_rig import KEY, RIGCTL, WAIT_S, until
 from tests.telephones import RESTITUTION, configure, film
 
@@ -34,15 +35,13 @@ class Rig:
         )
 
     def command(self, *words: str) -> tuple[int, str, str]:
-        process = self.start(*words)
-        out, err = process.communicate(timeout=2 * WAIT_S)
-        return process.returncode, out, err
+        done = rigctl(*words, "--config", "rig.toml", "--json", folder=self.folder, key=KEY)
+        return done.returncode, done.stdout, done.stderr
 
     def waits_for(self) -> str:
-        answer = httpx.get(
+        answer = REQUESTS.get(
             f"{self.url}/api/v1/rig/film",
             headers={"Authorization": f"Bearer {KEY}"},
-            trust_env=False,
             timeout=WAIT_S,
         )
         return str(answer.json()["waits_for"])
@@ -67,18 +66,11 @@ def rig(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Rig]:
         until(lambda: daemon.poll() is not None or written.exists(), WAIT_S)
         assert daemon.poll() is None, (folder / "serve.log").read_text()
         opened = Rig(folder, str(json.loads(written.read_text())["url"]))
-        until(lambda: _lives(opened.url), WAIT_S)
+        until(lambda: lives(opened.url), WAIT_S)
         yield opened
     finally:
         daemon.terminate()
         daemon.wait(WAIT_S)
-
-
-def _lives(url: str) -> bool:
-    try:
-        return httpx.get(f"{url}/health/live", trust_env=False).is_success
-    except httpx.TransportError:
-        return False
 
 
 def test_nothing_is_taken_while_no_shot_waits(rig: Rig) -> None:

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from typing import Annotated, Any, TypeVar
+from typing import Any, TypeVar
 
-from pydantic import AliasChoices, ConfigDict, Field, PlainSerializer, PlainValidator, TypeAdapter
-
-from analysis.quantity import Quantity
+from pydantic import AliasChoices, ConfigDict, Field, TypeAdapter
 
 Json = dict[str, Any]
 Model = TypeVar("Model")
@@ -23,18 +21,6 @@ BESIDE = ConfigDict(strict=True, extra="ignore", allow_inf_nan=False)
 def named(key: str, field: str) -> Any:  # noqa: ANN401 - what a field is made of has no type
     """Return a field whose key in JSON is another than its name."""
     return Field(validation_alias=AliasChoices(key, field), serialization_alias=key)
-
-
-def _quantity(value: object) -> Quantity:
-    if isinstance(value, Quantity):
-        return value
-    if not isinstance(value, Mapping):
-        raise ValueError(f"{value!r} is no quantity with value, sigma and unit")
-    return Quantity.from_json(value)
-
-
-Measured = Annotated[Quantity, PlainValidator(_quantity), PlainSerializer(Quantity.to_json)]
-"""A quantity in a model: value, standard error and unit."""
 
 
 def written(model: object, *, leave_out_none: bool = False) -> Json:

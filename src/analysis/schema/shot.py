@@ -8,7 +8,8 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer
 from pydantic.dataclasses import dataclass
 
-from analysis.schema.codec import BESIDE, STRICT, Measured
+from analysis.quantity import Measured
+from analysis.schema.codec import BESIDE, STRICT
 
 Positive = Annotated[float, Field(ge=0)]
 Three = tuple[float, float, float]

@@ -8,7 +8,8 @@ from typing import Annotated, Literal
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from analysis.schema.codec import BESIDE, STRICT, Measured, named
+from analysis.quantity import Measured
+from analysis.schema.codec import BESIDE, STRICT, named
 
 Count = Annotated[int, Field(ge=0)]
 Chance = Annotated[float, Field(ge=0, le=1)]
