@@ -159,9 +159,12 @@ class WhereItFails:
             bars([_bar(own, most) for own in listed], lambda k: self._choose(listed[k]), at)
 
     def _choose(self, cell: Json) -> None:
-        """Draw another cell."""
+        """Draw a cell over the one before: the map has marked it, and keeps the focus."""
         self._cells.chosen = cell
-        self.place.refresh()
+        self._told.refresh()
+        self._named.set_text(self._name())
+        redraw(self._plot, self._figure())
+        self._listed.refresh()
 
     def _on_point(self, event: events.GenericEventArguments) -> None:
         points = event.args.get("points") if isinstance(event.args, dict) else None
