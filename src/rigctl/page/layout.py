@@ -33,6 +33,14 @@ BEATS = ("beat-a", "beat-b")
 5 s, the style sheet covers the page: what it shows is not live any more."""
 TICKS_A_BEAT = 15
 LOOKS = ("safe", "danger", "halted")
+CUT_OFF = """
+const popup = document.getElementById("popup");
+new MutationObserver(
+  () => document.body.classList.toggle("cut-off", popup.getAttribute("aria-hidden") === "false"),
+).observe(popup, { attributes: true, attributeFilter: ["aria-hidden"] });
+"""
+"""Marks the page while the page library says, in a window that is not shown, that it has no
+connection."""
 DANGEROUS = frozenset({RigState.ARMED, RigState.FIRING, RigState.CAPTURING})
 
 
@@ -113,6 +121,8 @@ def _hear_once_connected(part: ui.element) -> None:
 
 
 def _watchdog() -> None:
+    # The page library's window stands below this in the document.
+    ui.add_body_html(f'<script type="module">{CUT_OFF}</script>')
     watch = ui.element("div").classes(f"watch {BEATS[0]}").props("aria-hidden=true")
     with watch:
         ui.label("No news from the daemon: nothing on this page is live.").classes("loud")

@@ -159,7 +159,10 @@ def _interlocks(desk: Desk) -> None:
         listed.set_visibility(bool(status.interlocks))
         count.set_text(_hold(status))
         table.set_content(_interlock_table(status) if status.interlocks else "")
-        if any(not each.holds for each in status.interlocks):
+        fails = any(not each.holds for each in status.interlocks)
+        if fails != ("failing" in listed.classes):
+            listed.classes(toggle="failing")
+        if fails:
             listed.props("open")
 
     show()
