@@ -84,8 +84,8 @@ def test_a_hidden_effect_is_moved_added_and_kept_by_a_reload(page: Page, served:
     )
     expect(page.get_by_test_id("guide")).to_have_count(0)
     added = page.url
-    # The fourth step is drawn once more with the trial of the next effect, and its button with it.
-    slider.wait_for(timeout=LONG_MS)
+    before_and_after_are_turned(page)
+    # The fourth step is drawn once more with the next trial: no key is lost meanwhile.
     page.keyboard.press("u")
     expect(page.get_by_test_id("story-added")).to_have_count(0)
     assert HIDDEN not in page.url
@@ -94,6 +94,17 @@ def test_a_hidden_effect_is_moved_added_and_kept_by_a_reload(page: Page, served:
     page.get_by_test_id("view-tables").click()
     page.get_by_test_id("error-now").wait_for(timeout=LONG_MS)
     assert abs(error_now(page) - predicted) < 0.006
+
+
+def before_and_after_are_turned(page: Page) -> None:
+    """Look at steps 1 and 2 without the effect, then with it again."""
+    said, step = page.get_by_test_id("story-compare"), page.locator("#step-1")
+    expect(said).to_contain_text("agrees with the model")
+    step.get_by_role("button", name="before adding").click()
+    expect(said).to_contain_text("times the noise, so this is no noise")
+    expect(page.get_by_test_id("story-where")).to_contain_text("wrong")
+    step.get_by_role("button", name="after", exact=True).click()
+    expect(said).to_contain_text("agrees with the model")
 
 
 def the_film_shows_the_gap(page: Page) -> None:

@@ -65,7 +65,13 @@ class ModelView:
             # Known from before: no answer will come that has it drawn.
             self._rest = True
             guide.over()
+        # Heard by the page: the button is drawn anew again and again, and a key could meet none.
+        ui.on("undo", self._undo)
         following(LOOK_S, self._follow)
+
+    def _undo(self) -> None:
+        if self._state.effects:
+            self._take(self._state.effects[:-1])
 
     def _follow(self) -> None:
         if self._rest:

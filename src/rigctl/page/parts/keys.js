@@ -7,6 +7,15 @@
     found.click();
     return true;
   };
+  // What is asked for while the page is drawn, or before the daemon hears it, is done once it can be.
+  const soon = (act) => {
+    let tries = 200;
+    const go = () => act() || (tries-- > 0 && setTimeout(go, 50));
+    go();
+    return true;
+  };
+  const story = () => location.pathname.startsWith("/model");
+  const undo = () => window.did_handshake && (emitEvent("undo"), true);
   const step = (number) => {
     const at = document.getElementById(`step-${number}`);
     if (!at) return false;
@@ -27,12 +36,14 @@
     } else if (event.key === "Escape" && help?.open) {
       help.close();
       done = true;
-    } else if (/^[1-4]$/.test(event.key)) done = step(event.key);
-    else if (event.key === "u" || event.key === "U") done = press("undo");
+    } else if (/^[1-4]$/.test(event.key)) done = story() && soon(() => step(event.key));
+    else if (event.key === "u" || event.key === "U") done = story() && !event.repeat && soon(undo);
     else if (event.key === " " && !event.target.closest("button, a, summary, [role=button], input, [role=checkbox]"))
       done = press("ghost-play") || press("play");
     if (done) event.preventDefault();
   });
+
+  window.toStep = (number) => soon(() => step(number));
 
   // Marks the cell of a map that was clicked, and returns its place.
   window.chooseInMap = (event) => {

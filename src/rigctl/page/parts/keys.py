@@ -20,6 +20,11 @@ KEYS = (
 )
 
 
+def to_step(step: int) -> str:
+    """Return the script that goes to a step, as its key does."""
+    return f"window.toStep({step})"
+
+
 def keys() -> None:
     """Have the page hear its keys, and place the list of them, closed."""
     script = Path(__file__).with_name("keys.js").read_text("utf-8")

@@ -8,7 +8,7 @@ from nicegui import ui
 
 from rigctl.documents import Json
 from rigctl.page.desk import Desk
-from rigctl.page.model.state import ModelState, Question
+from rigctl.page.model.state import Effects, ModelState, Question
 from rigctl.page.model.story.ghost import Scene, ghost_film, of_film, of_places
 from rigctl.page.parts.presence import every
 from rigctl.page.parts.waiting import Waiting
@@ -19,25 +19,18 @@ FILMED = ("Typical", "Largest gap", "Smallest gap")
 LOOK_S = 0.1
 
 
-def into_view(step: int) -> str:
-    """Return the script that scrolls to a step; at once for those who ask for less motion."""
-    return (
-        f"document.getElementById('step-{step}')?.scrollIntoView({{behavior: "
-        "matchMedia('(prefers-reduced-motion: reduce)').matches ? 'auto' : 'smooth'})"
-    )
-
-
 class ShotFilm:
     """The film of one shot with the model's outlines over it; `chosen` hears which is shown."""
 
     def __init__(self, desk: Desk, state: ModelState, chosen: Callable[[], None]) -> None:
         self._desk, self._state, self._chosen = desk, state, chosen
         self._paths: list[Json] = []
+        self._effects: Effects = ()
         self._more: Json | None = None
         self._wanted = 0
         self._said = ""
         self._asked = Question(
-            lambda: state.source.ask("path", state.effects, shot=self._wanted),
+            lambda: state.source.ask("path", self._effects, shot=self._wanted),
             desk.daemon.jobs.job,
         )
         every(LOOK_S, self._follow)
@@ -47,9 +40,10 @@ class ShotFilm:
         """Number of the shot that is shown; None before one is."""
         return self._wanted if self._shown() else None
 
-    def take(self, paths: list[Json]) -> None:
+    def take(self, paths: list[Json], effects: Effects) -> None:
         """Show the shots of another answer; the one that was chosen last where it is among them."""
         self._paths, self._more, self._said = paths, None, ""
+        self._effects = effects
         self._asked.forget()
         if paths and self._wanted not in {own["shot"] for own in paths}:
             self._wanted = paths[0]["shot"]

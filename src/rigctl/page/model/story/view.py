@@ -2,40 +2,36 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from html import escape
 
 from nicegui import ui
 
-from analysis.model.verdict.standing import AT_THE_FLOOR, SURE
+from analysis.model.verdict.standing import AT_THE_FLOOR, standing_of
 from rigctl.documents import Json
 from rigctl.page.desk import Desk
 from rigctl.page.model.effect_words import described, left_out
 from rigctl.page.model.state import Effects, ModelState
-from rigctl.page.model.story.bars import Bar, bars
+from rigctl.page.model.story.added import changed, fell
 from rigctl.page.model.story.cards import card_of, in_plain
-from rigctl.page.model.story.errors import Unseen, falls_to, three_figures
-from rigctl.page.model.story.film import ShotFilm, into_view
+from rigctl.page.model.story.errors import Unseen, falls_to
+from rigctl.page.model.story.film import ShotFilm
+from rigctl.page.model.story.how_wrong import counted, error_bars, worst_of
 from rigctl.page.model.story.law import law
 from rigctl.page.model.story.lead import drawing, lead_card
-from rigctl.page.model.story.plots import before_after, staircase
-from rigctl.page.model.story.preview import plainest
+from rigctl.page.model.story.plots import staircase
 from rigctl.page.model.story.where import WhereItFails
 from rigctl.page.model.story.words import (
-    channel,
     compared,
     failing,
     goes_with,
     missing_words,
 )
-from rigctl.page.model.where import apart
+from rigctl.page.parts.keys import to_step
 from rigctl.page.parts.waiting import Waiting
 from rigctl.page.parts.widgets import button, plot
 
 BARS = 8
-LEAST_SPAN = 1.5
-"""Errors in units of the noise up to which the scale of the bars goes at least."""
 OTHERS = 4
 
 
@@ -52,27 +48,33 @@ class Story:
         self._shown: Json | None = None
         self._after: Json | None = None
         self._effect, self._waits = "", ""
-        self._is_behind = False
+        self._is_behind = self._is_before = False
         self._film = ShotFilm(desk, state, self._film_chosen)
-        self._where = WhereItFails(state, self._to_film, lambda: self._film.shot)
+        self._where = WhereItFails(self._to_film, lambda: self._film.shot)
         with ui.element("div").classes("stack story"):
-            self._first()
-            self._others()
-            self._fourth()
+            with ui.element("div").classes("stack") as self._steps:
+                self._rail()
+                parts = self._first, self._second, self._third, self._fourth
+                for number, part in enumerate(parts, start=1):
+                    # The section stays, and with it the focus; what it holds is drawn anew.
+                    section = ui.element("section").classes("panel step-panel")
+                    with section.props(f"id=step-{number} tabindex=-1"):
+                        part()
             self.last = ui.element("div").classes("stack")
         self.show()
 
     def show(self) -> None:
         """Draw the latest answer on the way to the present effects."""
+        self._steps.set_visibility(self._state.present is not None or self._shown is not None)
         if (found := self._state.present) is not None and found is not self._shown:
-            self._shown = found
-            self._film.take(found["paths"])
-            self._where.take(found["findings"])
+            self._shown, self._is_before = found, False
+            self._look_at_stage()
             seen = self._seen(found)
             self._effect = seen[0]["effect"] if seen else ""
             if self._effect:
                 self._state.ask_trial(self._effect)
             self._after = None
+            self._rail.refresh()
             self._first.refresh()
             self._fourth.refresh()
             self._is_behind = True
@@ -80,13 +82,39 @@ class Story:
     def rank(self) -> None:
         """Draw the other steps where they are behind: of an earlier answer, or without a trial."""
         fitted = self._effect and self._waits != self._state.tries(self._effect)
-        if self._is_behind or fitted:
+        if self._is_behind:
+            self._is_behind = False
+            self._second.refresh()
             self._draw()
+        elif fitted:
+            self._draw()
+
+    def turn(self, *, before: bool) -> None:
+        """Show steps 1 and 2 as they were before the last effect was added, or with it."""
+        self._is_before = before
+        self._look_at_stage()
+        self._first.refresh()
+        self._second.refresh()
+
+    @property
+    def _stages(self) -> list[Json]:
+        """The answers on the way to the one that steps 1 and 2 show."""
+        path = self._state.path()
+        return path[:-1] if self._is_before and len(path) > 1 else path
+
+    def _look_at_stage(self) -> None:
+        stages = self._stages
+        found, standing = stages[-1], standing_of(stages, self._concluded())
+        self._film.take(found["paths"], tuple(found["with"]))
+        self._where.take(found["findings"], standing)
+
+    def _concluded(self) -> Json | None:
+        return None if self._is_before else self._state.concluded
 
     def look_at(self, place: str) -> None:
         """Show in step 2 what errs most in a place, as a hint names it."""
         self._where.look_at(place)
-        ui.run_javascript(into_view(2))
+        ui.run_javascript(to_step(2))
 
     def _film_chosen(self) -> None:
         """Ring the shot of the film among the points, unless they are drawn anew anyway."""
@@ -95,18 +123,19 @@ class Story:
 
     def _to_film(self, shot: int) -> None:
         self._film.choose(shot)
-        ui.run_javascript(into_view(1))
+        ui.run_javascript(to_step(1))
 
     def _try(self, effect: str) -> None:
         self._effect = effect
         self._state.ask_trial(effect)
         self._draw()
+        # The button that was pressed is gone, and the focus with it.
+        ui.run_javascript(to_step(3))
 
     def _draw(self) -> None:
-        self._is_behind = False
         self._after = self._state.tried(self._effect) if self._effect else None
         self._waits = self._state.tries(self._effect)
-        self._others.refresh()
+        self._third.refresh()
         if self._after is not None:
             self._fourth.refresh()
 
@@ -115,45 +144,73 @@ class Story:
 
     @ui.refreshable_method
     def _first(self) -> None:
-        found = self._shown
-        if found is None:
+        if self._shown is None:
             return
-        self._rail(found, found["findings"][0])
-        with _step(1, "Compare"):
-            _lede(compared(found), "story-compare")
-            with ui.element("div").classes("columns compared"):
-                self._film.place()
-                with ui.element("div").classes("stack"):
-                    ui.label("How wrong, for each thing that is measured").classes("strong")
-                    _bars(failing(found)[:BARS], estimated=bool(found.get("estimated")))
-                    _counted(failing(found))
-                    law(found)
+        found = self._stages[-1]
+        self._title(1, "Compare", self._turner)
+        _lede(compared(found), "story-compare")
+        with ui.element("div").classes("columns compared"):
+            self._film.place()
+            with ui.element("div").classes("stack"):
+                ui.label("How wrong, for each thing that is measured").classes("strong")
+                error_bars(failing(found)[:BARS], estimated=bool(found.get("estimated")))
+                counted(failing(found))
+                law(found)
 
     @ui.refreshable_method
-    def _others(self) -> None:
-        found = self._shown
-        if found is None:
-            return
-        with _step(2, "Where it fails"):
+    def _second(self) -> None:
+        if self._shown is not None:
+            self._title(2, "Where it fails", self._turner)
             self._where.place()
-        with _step(3, "What is missing"):
+
+    @ui.refreshable_method
+    def _third(self) -> None:
+        if (found := self._shown) is not None:
+            self._title(3, "What is missing")
             self._missing(found, found["findings"][0])
 
     @ui.refreshable_method
     def _fourth(self) -> None:
         if (found := self._shown) is not None:
-            with _step(4, "Add it"):
-                self._added(found)
+            self._title(4, "Add it", self._undoer)
+            self._added(found)
 
-    def _rail(self, found: Json, cell: Json) -> None:
+    def _title(self, number: int, title: str, beside: Callable[[], None] | None = None) -> None:
+        with ui.element("div").classes("title"):
+            ui.label(str(number)).classes("step-number").props("aria-hidden=true")
+            ui.html(escape(title), sanitize=False, tag="h3")
+            if beside is not None:
+                beside()
+
+    def _undoer(self) -> None:
+        if self._state.effects:
+            ui.space()
+            button("Undo", lambda: self._take(self._state.effects[:-1]), testid="undo")
+
+    def _turner(self) -> None:
+        """Place the switch between before and after, once an effect is added."""
+        if len(self._state.path()) < 2:
+            return
+        ui.space()
+        with ui.element("div").classes("beside").props('role=group aria-label="before or after"'):
+            for name, before in (("before adding", True), ("after", False)):
+                choice = button(
+                    name, lambda before=before: self.turn(before=before), look="line tab"
+                )
+                choice.props(f"aria-pressed={str(before is self._is_before).lower()}")
+
+    @ui.refreshable_method
+    def _rail(self) -> None:
         """Place the four steps, each with its result in some words and a link to it."""
+        if (found := self._shown) is None:
+            return
         worst, path = failing(found)[0], self._state.path()
         standing = self._state.standing
         fails = standing is not None and standing.is_open
         first, last = Unseen.of(path[0]), Unseen.of(path[-1])
         results = (
-            ("Compare", _worst_of(found, worst)),
-            ("Where it fails", goes_with(cell) if fails else "nowhere"),
+            ("Compare", worst_of(found, worst)),
+            ("Where it fails", goes_with(found["findings"][0]) if fails else "nowhere"),
             ("What is missing", in_plain(missing_words(standing))),
             ("Add it", f"{first.said()} → {last.said()}" if len(path) > 1 else "not yet"),
         )
@@ -233,8 +290,8 @@ class Story:
         if found["with"] and len(path) > 1:
             before, after = path[-2], path[-1]
             title = card_of(described(found)[found["with"][-1]]).title
-            _lede(_fell(title, Unseen.of(before), Unseen.of(after)), "story-added")
-            _changed(before, after)
+            _lede(fell(title, Unseen.of(before), Unseen.of(after)), "story-added")
+            changed(before, after)
         else:
             ui.label(
                 "Nothing is added yet. “Add it” in step 3 puts the effect into the model and fits "
@@ -247,92 +304,11 @@ class Story:
         floor = "" if errors[0].floor is None else "Green: the floor, the noise itself. "
         looked = "" if tried is None else "Grey: the effect that is looked at in step 3, if added."
         ui.label(f"{floor}{looked}").classes("note")
-        if self._state.effects:
-            with ui.element("div").classes("beside"):
-                button("Undo", lambda: self._take(self._state.effects[:-1]), testid="undo")
 
     def _add(self, name: str) -> None:
         self._take((*self._state.effects, name))
-
-
-def _worst_of(found: Json, worst: Json) -> str:
-    """Return how wrong the worst quantity is, in some words."""
-    if found.get("estimated"):
-        return f"off by {worst['size']:.3g} {worst['unit']}"
-    if worst["p_familywise"] >= SURE:
-        return "within the noise"
-    times = three_figures(worst["error"])
-    return f"off by {worst['size']:.3g} {worst['unit']}, {times} × the noise"
-
-
-def _fell(title: str, before: Unseen, after: Unseen) -> str:
-    """Return what adding an effect did to the error."""
-    lead = f"With “{title}” the error on shots that the model has not seen goes from "
-    if after.floor is None:
-        return f"{lead}{before.said()} to {after.said()}."
-    told = f"{lead}{three_figures(before.value)} to {three_figures(after.value)} times the noise"
-    if after.value <= AT_THE_FLOOR:
-        return f"{told}. Nothing can do better: this is the floor."
-    return f"{told}; the floor is 1.00."
-
-
-def _changed(before: Json, after: Json) -> None:
-    """Place the points without and with the effect beside each other, on the same axes."""
-    shown = plainest(before, after)
-    if shown is None:
-        return
-    cell, first, second = shown
-    first, second = apart(first), apart(second)
-    row = channel(cell["channel"])
-    with ui.element("div").classes("columns half"):
-        with ui.element("div"):
-            ui.label(f"Before: the {row}").classes("strong fails")
-            plot(before_after(cell, first, None))
-        with ui.element("div"):
-            ui.label("After, on the same axes").classes("strong chosen")
-            plot(before_after(cell, first, second)).props("data-testid=after")
-
-
-def _step(number: int, title: str) -> ui.element:
-    panel = ui.element("section").classes("panel step-panel").props(f"id=step-{number} tabindex=-1")
-    with panel, ui.element("div").classes("title"):
-        ui.label(str(number)).classes("step-number").props("aria-hidden=true")
-        ui.html(escape(title), sanitize=False, tag="h3")
-    return panel
+        ui.run_javascript(to_step(4))
 
 
 def _lede(text: str, testid: str) -> None:
     ui.label(text).classes("lede").props(f"data-testid={testid}")
-
-
-def _bars(rows: Sequence[Json], *, estimated: bool) -> None:
-    if estimated:
-        # As multiples of a scatter that is taken for the noise all errors would be about 1.
-        for row in rows:
-            ui.label(f"{channel(row['quantity'])}: {row['size']:.3g} {row['unit']}").classes(
-                "strong"
-            )
-        return
-    # From the floor on, in steps of equal ratio: nothing is drawn for what is only noise.
-    most = math.log(max(LEAST_SPAN, *(row["error"] for row in rows)))
-    bars(
-        [
-            Bar(
-                channel(row["quantity"]),
-                math.log(max(1.0, row["error"])) / most,
-                f"{three_figures(row['error'])} ×",
-                fails=row["p_familywise"] < SURE,
-                beside=f"{row['size']:.3g} {row['unit']}",
-            )
-            for row in rows
-        ]
-    )
-
-
-def _counted(rows: Sequence[Json]) -> None:
-    """Say how many quantities disagree, and how the bars are read."""
-    wrong = sum(row["p_familywise"] < SURE for row in rows)
-    ui.label(
-        f"{wrong} of {len(rows)} quantities disagree. Error on shots that the model has not seen, "
-        "as a multiple of the noise; bars begin at 1, the floor. Green may be chance alone."
-    ).classes("note")

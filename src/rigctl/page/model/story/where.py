@@ -6,10 +6,9 @@ from collections.abc import Callable, Sequence
 
 from nicegui import events, ui
 
-from analysis.model.verdict.standing import SURE
+from analysis.model.verdict.standing import SURE, Standing
 from rigctl.documents import Json
 from rigctl.page.model.compare import parsed
-from rigctl.page.model.state import ModelState
 from rigctl.page.model.story.bars import Bar, bars
 from rigctl.page.model.story.map import place_map
 from rigctl.page.model.story.plots import cell_plot
@@ -71,15 +70,14 @@ class WhereItFails:
         Returns the number of the shot whose film is shown; None where none is.
     """
 
-    def __init__(
-        self, state: ModelState, to_film: Callable[[int], None], filmed: Callable[[], int | None]
-    ) -> None:
-        self._state, self._to_film, self._filmed = state, to_film, filmed
+    def __init__(self, to_film: Callable[[int], None], filmed: Callable[[], int | None]) -> None:
+        self._to_film, self._filmed = to_film, filmed
         self._cells = Cells(())
+        self._standing: Standing | None = None
 
-    def take(self, cells: Sequence[Json]) -> None:
+    def take(self, cells: Sequence[Json], standing: Standing) -> None:
         """Look at the cells of another answer, the most striking one first."""
-        self._cells = Cells(cells)
+        self._cells, self._standing = Cells(cells), standing
 
     def look_at(self, place: str) -> None:
         """Look at the most striking cell of one of `PLACES`."""
@@ -105,7 +103,7 @@ class WhereItFails:
     @ui.refreshable_method
     def _told(self) -> None:
         if (cell := self._cells.chosen) is not None:
-            said = where(cell, parsed(cell["points"]), self._state.standing)
+            said = where(cell, parsed(cell["points"]), self._standing)
             ui.label(said).classes("lede").props("data-testid=story-where")
 
     def ring(self) -> None:
