@@ -3,20 +3,25 @@
 from __future__ import annotations
 
 import uuid
-from typing import Any
 
 import httpx
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.browser.conftest import KEY
+from tests.browser.conftest import KEY, Served
 
 SETTINGS = {"pressure_a_kpa": 40.0, "pressure_b_kpa": 40.0, "offset_mm": 6.0}
-CAMPAIGN = "nylon"
+CAMPAIGN = "remarked"
 
 
 @pytest.fixture(scope="module")
-def campaign(served: Any) -> str:
+def served(shared: Served) -> Served:
+    """Take the daemon of other modules."""
+    return shared
+
+
+@pytest.fixture(scope="module")
+def campaign(served: Served) -> str:
     """Fire one shot of a campaign; what stands on its page needs no result."""
     bearer = {"Authorization": f"Bearer {KEY}"}
     with httpx.Client(base_url=f"{served.url}/api/v1", headers=bearer, timeout=60) as rest:
@@ -31,7 +36,7 @@ def campaign(served: Any) -> str:
 
 
 def test_a_note_and_tags_are_kept_seen_by_a_second_operator_and_found_in_the_list(
-    page: Page, served: Any, campaign: str
+    page: Page, served: Served, campaign: str
 ) -> None:
     second = page.context.new_page()
     for each in (page, second):
@@ -52,7 +57,7 @@ def test_a_note_and_tags_are_kept_seen_by_a_second_operator_and_found_in_the_lis
 
 
 def test_a_note_that_is_too_long_is_refused_in_words_and_not_kept(
-    page: Page, served: Any, campaign: str
+    page: Page, served: Served, campaign: str
 ) -> None:
     page.goto(f"{served.url}/campaigns/{campaign}")
     page.wait_for_function("window.did_handshake")

@@ -14,16 +14,25 @@ from tests.browser.test_rig_page import FIRST_USE_MS
 def test_a_newcomer_is_led_from_an_empty_store_to_thirty_shots(page: Page, served: Served) -> None:
     says = page.get_by_test_id("guide-text")
     expect(says).to_contain_text("press Arm, then Fire")
+    expect(page.get_by_text("No shot has been fired yet")).to_be_visible()
     drawing = page.get_by_test_id("rig-drawing").locator(".wide-drawing .angle")
     page.get_by_test_id("offset_mm").fill("12.7")
     # Half of a diameter of 25.4 mm: the line of centres is turned by asin(1/2).
     expect(drawing).to_have_text("12.7 mm: 30° off head-on")
     page.get_by_test_id("offset_mm").fill("6")
     page.get_by_test_id("arm").click()
+    expect(page.get_by_test_id("arming")).to_have_text(re.compile("Armed for 40 and 40 kPa"))
+    expect(page.get_by_test_id("interlocks")).to_contain_text("pressure a")
     page.get_by_test_id("fire").click()
     expect(says).to_contain_text("the bounce e is 0.7", timeout=FIRST_USE_MS)
     met, parted, e = map(float, re.findall(r"\d+\.\d+", says.inner_text()))
     assert abs(parted / met - e) < 0.01
+    coefficients = page.get_by_test_id("coefficients")
+    restitution = coefficients.get_by_role("row").filter(has_text=re.compile("^bounce e"))
+    value = float(restitution.get_by_role("cell").nth(1).inner_text().partition(" ")[0])
+    assert abs(value - 0.74) < 0.01
+    expect(page.get_by_test_id("film")).to_be_visible()
+    expect(page.get_by_test_id("events")).to_contain_text("shot 1 analysed")
     page.get_by_test_id("guide-next").click()
     expect(page.get_by_test_id("sweep-text")).to_have_text("30 shots")
     expect(page.get_by_test_id("campaign")).to_have_value("first")
