@@ -6,12 +6,8 @@ import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
-from simulators.bench import BenchWorld
+from simulators.chosen_world import Filmed, world_of
 from simulators.chronos.camera import Camera, CameraFault
 from simulators.chronos.server import CameraServer
 from simulators.ektapro.digitiser import Digitiser
@@ -19,7 +15,7 @@ from simulators.ektapro.faults import FrameFault, FrameFaults
 from simulators.ektapro.link import Link
 from simulators.ektapro.processor import Processor
 from simulators.holders import Holders
-from simulators.options import DRAWN, Options, read_options
+from simulators.options import Options, read_options
 from simulators.wire import protocol_sim
 from simulators.wire.alicat import PressureRegulator
 from simulators.wire.faults import SerialDevice, SerialFaults
@@ -29,7 +25,7 @@ from simulators.wire.lcus import LcusFrames, LcusRelay
 from simulators.wire.pty_port import PtyPort
 from simulators.wire.trigger_box import Pulses, TriggerBox
 from simulators.wire.zaber import ZaberStage
-from simulators.world import Launch, World, WorldDescription
+from simulators.world import Launch
 from simulators.world.description import Magnet
 from simulators.world.release import Release
 
@@ -51,25 +47,6 @@ ROLES = (
 STUCK, UNPLUG, PLUG_IN, NEVER_STARTS = "stuck", "unplug", "plug-in", "never-starts"
 OTHER_FIRMWARE = "other-firmware"
 FIRMWARE, UNKNOWN_FIRMWARE = 2, 3
-
-# Above the numbers that the world gives its own chances.
-_LABEL, _SALT = 100, 101
-LASTING = "lasting-contact"
-"""What every contact of the rig has: an answer may name it beside what is hidden."""
-
-
-class Filmed(Protocol):
-    """What the outputs act on and the recorder sees."""
-
-    @property
-    def fires(self) -> int:
-        """How often it was launched."""
-
-    def fire(self, launch: Launch | Release, /) -> int:
-        """Launch, and return the number of the shot."""
-
-    def picture(self, time_s: float, rows: int | None = None) -> NDArray[np.uint8]:
-        """Return the frame with mid-exposure at a lab time."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,7 +83,7 @@ class Laboratory:
     ) -> None:
         self._stage = ZaberStage(clock, options.slide_speed_mm_per_s)
         if world is None:
-            world = _world(options, folder / "truth", self._stage.position_mm)
+            world = world_of(options, folder / "truth", self._stage.position_mm)
         self._folder, self._world, self._clock = folder, world, clock
         self._watch_contact = options.watch_contact
         self._regulator = PressureRegulator(clock, lag_s=options.pressure_lag_s)
@@ -372,30 +349,3 @@ def _holders(
         clock=clock,
         release=let_go,
     )
-
-
-def _world(options: Options, truth: Path, position_mm: Callable[[float], float]) -> Filmed:
-    """Return the world of the options, with what is hidden on top, its label sealed."""
-    if options.bench is not None:
-        return BenchWorld(options.bench, options.seed, position_mm)
-    if not options.hides:
-        return World(options.world, options.seed, truth)
-    if options.world != WorldDescription(optics=options.world.optics):
-        raise ValueError(
-            f"simulation.hides is {options.hides!r}, which acts between the nylon rig's spheres;"
-            " leave spheres, environment and the tables contact, tube and air at nylon's"
-        )
-    # Slow to load, and of no use to a laboratory that hides nothing.
-    from simulators.challenge.effects import switched  # noqa: PLC0415
-    from simulators.challenge.force_choice import Forces  # noqa: PLC0415
-    from simulators.challenge.label import draw_in_contact, label_document  # noqa: PLC0415
-    from simulators.challenge.law import contact_law  # noqa: PLC0415
-    from simulators.challenge.seal import write_seal  # noqa: PLC0415
-
-    named = None if options.hides == DRAWN else options.hides
-    hidden = draw_in_contact(np.random.default_rng([options.seed, _LABEL]), named)
-    law = contact_law(replace(switched(hidden), forces=Forces()))
-    world = World(options.world, options.seed, truth, law)
-    label = label_document(hidden, world=[LASTING])
-    write_seal(truth, label, np.random.default_rng([options.seed, _SALT]))
-    return world
