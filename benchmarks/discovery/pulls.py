@@ -21,7 +21,7 @@ from scipy.stats import norm
 from analysis.arrays import Floats
 from analysis.effects.contact.lasting_contact import EFFECT
 from analysis.model.data.poses import PoseData
-from analysis.model.fitting.robust_fit import Judged, judged
+from analysis.model.fitting.robust_fit import RobustFit, robust_fit
 from benchmarks.discovery.filmed_errors import filmed
 from benchmarks.discovery.goals import Goal, report, share
 from benchmarks.discovery.lasting import PLAIN, RIG, STATED_DRAG, lasting_campaign
@@ -65,7 +65,7 @@ def run(options: Options) -> None:
     single: dict[str, list[Floats]] = {}
     found = []
     for k, one in enumerate(data):
-        found.append(judged(one, (EFFECT,)))
+        found.append(robust_fit(one, (EFFECT,)))
         if options.slow_px is not None:
             nature = _nature(float(shared[DRAG, k]))
             for name, pulls in of_single_shots(one, nature, FIRST_SEED + k, shared[:, k]).items():
@@ -110,11 +110,11 @@ def _campaign(number: int, options: Options, shared: Floats) -> PoseData:
     return replace(data, drag_coefficient=STATED_DRAG)
 
 
-def _law(found: Judged) -> str | None:
+def _law(found: RobustFit) -> str | None:
     law = found.fit.theory.contact_law
     return None if law is None else law.title
 
 
-def _pulls(found: Judged) -> list[float]:
+def _pulls(found: RobustFit) -> list[float]:
     fitted = found.fit.parameters()
     return [(fitted[name].value - true) / fitted[name].sigma for name, true in TRUE.items()]

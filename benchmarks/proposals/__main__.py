@@ -27,7 +27,7 @@ from analysis.model.data.evidence import stage_of
 from analysis.model.data.inside import without_contact_frames
 from analysis.model.data.stream import whole
 from analysis.model.fitting.fit import fit_campaign
-from analysis.model.fitting.robust_fit import judged
+from analysis.model.fitting.robust_fit import robust_fit
 from analysis.model.predict.contact import encounter_of
 from analysis.model.proposals.admissible import admitted
 from analysis.model.proposals.launch_search import propose_launch
@@ -234,7 +234,7 @@ def launch(asked: Asked) -> list[Trial]:
         for k in range(asked.campaigns if per_kelvin == 0 else max(asked.campaigns // 10, 1)):
             data = campaign({}, asked.first_seed + 50_000 + k, SHOTS)
             known = _warm_pushers(data.covariates, per_kelvin)
-            base = judged(replace(data, covariates=known), ())
+            base = robust_fit(replace(data, covariates=known), ())
             told = whole(base.data)
             met = encounter_of(told, base.fit.states, base.fit.theory)
             arguments = admitted(met, scalars=False, one_frame=True).arguments

@@ -12,7 +12,7 @@ from analysis.arrays import Floats
 from analysis.effects.contact.lasting_contact import EFFECT
 from analysis.model.data.poses import PoseData
 from analysis.model.data.tables import ContactTable, Data
-from analysis.model.fitting.robust_fit import Judged, judged, judged_with
+from analysis.model.fitting.robust_fit import RobustFit, robust_fit, robust_fit_with
 from analysis.quantity import Quantity
 from analysis.results.from_poses import pose_impacts
 from analysis.results.from_table import table_impacts
@@ -51,7 +51,7 @@ LEAST_SIGMAS = 5.0
 """By which the duration of a contact is to differ from none."""
 
 
-def contacts_that_last(found: Judged, lines: Lines) -> Judged | None:
+def contacts_that_last(found: RobustFit, lines: Lines) -> RobustFit | None:
     """Return the fit with contacts of finite duration; None where another law may hold.
 
     It is made only where the shots contradict the two lines, and returned where its chi-squared is
@@ -59,7 +59,7 @@ def contacts_that_last(found: Judged, lines: Lines) -> Judged | None:
     """
     if lines.scatter == 1.0:
         return None
-    other = judged_with(found, (EFFECT,))
+    other = robust_fit_with(found, (EFFECT,))
     fit, noise = other.fit, other.fit.chi2_per_dof
     active = next((a for a in fit.theory.active if a.effect.name == EFFECT.name), None)
     if active is None or (found.fit.chi2_per_dof - noise) * fit.freedom < LEAST_FALL * noise:
@@ -141,7 +141,7 @@ def results(data: Data) -> Results:
     TooFewShotsError
         No shot has a measured impact.
     """
-    found = judged(data)
+    found = robust_fit(data)
     impacts = _impacts(data, found)
     unusable = [LeftOut(number, NO_BOTH) for number in found.evidence.stated.unusable]
     each, lines = ratios(impacts), fit_lines(impacts)
@@ -171,7 +171,7 @@ def _far(impacts: Impacts, lines: Lines) -> tuple[LeftOut, ...]:
     )
 
 
-def _impacts(data: Data, found: Judged) -> Impacts:
+def _impacts(data: Data, found: RobustFit) -> Impacts:
     """Measure the impacts of all shots, also of those that the fit to all poses leaves out.
 
     That fit drops shots and frames which are unlike its law; here no law may choose.

@@ -12,7 +12,7 @@ from analysis.model.data.poses import PoseData
 from analysis.model.data.tables import Data
 from analysis.model.fitting.adding import added
 from analysis.model.fitting.fit import fit_campaign
-from analysis.model.fitting.robust_fit import Judged, judged
+from analysis.model.fitting.robust_fit import RobustFit, robust_fit
 from analysis.model.plane import impact_plane
 from analysis.model.rank.ranking import rank
 from analysis.model.structure.structure import structure
@@ -47,7 +47,7 @@ class Fit(Pictured):
         self._measured, self._chosen, self._known = measured, tuple(chosen), known
         with faults_refused():
             require_seen(measured, self._chosen, "fit")
-            self._robust: Judged = judged(measured, self._chosen)
+            self._robust: RobustFit = robust_fit(measured, self._chosen)
 
     @property
     def effects(self) -> tuple[str, ...]:

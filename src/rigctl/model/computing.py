@@ -32,7 +32,7 @@ from analysis.model.data.stream import whole
 from analysis.model.data.tables import Data
 from analysis.model.design.undecided import explain_with_next
 from analysis.model.fitting.fit import Fit
-from analysis.model.fitting.robust_fit import judged
+from analysis.model.fitting.robust_fit import robust_fit
 from analysis.model.plane import impact_plane
 from analysis.model.proposals.document import confirmation_document
 from analysis.model.proposals.stated import Statement
@@ -253,6 +253,6 @@ def _fitted(asked: Json, progress: Progress) -> _Fitted:
     progress(f"fitting {', '.join(['the base model', *asked['with']])}", None)
     with faults_refused():
         require_seen(data, added, "with")
-        found = judged(data, added)
+        found = robust_fit(data, added)
     document = fit_document(asked["campaign"], asked["with"], found)
     return _Fitted(known, whole(found.data), found.fit, document)

@@ -16,7 +16,7 @@ from analysis.model.design.misfit import MisfitError, require_one_that_fits, to_
 from analysis.model.design.sharpen import sharpen
 from analysis.model.design.undecided import fired_alike, next_after
 from analysis.model.fitting.fit import Fit
-from analysis.model.fitting.robust_fit import judged
+from analysis.model.fitting.robust_fit import robust_fit
 from analysis.model.verdict.selection import explain
 from rigctl.documents import Json
 from rigctl.errors import AnalysisInputError, NotFoundError, SettingsError
@@ -121,7 +121,7 @@ def answer(data: PoseData, question: Question, known: Known, limits: Limits) -> 
         return _undecided(data, known, limits)
     in_model = [known.named(name) for name in question.names]
     pair = [known.either(name) for name in question.between or ()]
-    found = judged(data, in_model)
+    found = robust_fit(data, in_model)
     if not isinstance(found.data, PoseData):
         raise TypeError("a robust fit of poses gave none back")
     launch = fit_launch(found.data, found.fit)

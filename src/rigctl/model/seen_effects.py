@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from analysis.effects.effect import Effect
 from analysis.model.data.stream import CampaignData
 from analysis.model.data.tables import ContactTable
-from analysis.model.fitting.robust_fit import judged
+from analysis.model.fitting.robust_fit import robust_fit
 from analysis.model.rank.ranking import rank
 from rigctl.errors import AnalysisInputError
 
@@ -29,7 +29,7 @@ def require_seen(data: CampaignData, effects: Sequence[Effect], part: str) -> No
     """
     if not isinstance(data, ContactTable) or not effects:
         return
-    base = judged(data)
+    base = robust_fit(data)
     for effect in effects:
         candidates = rank(base.data, base.fit, [effect]).candidates
         if candidates and not candidates[0].seen:

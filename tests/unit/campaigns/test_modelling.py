@@ -9,7 +9,7 @@ import pytest
 
 from analysis.effects.catalogue import CATALOGUE
 from analysis.model.data.gather import gather
-from analysis.model.fitting.robust_fit import judged
+from analysis.model.fitting.robust_fit import robust_fit
 from rigctl.errors import NotFoundError
 from rigctl.measuring.measured import measured_files, request
 from rigctl.model.computing import fit_job, ranking_job
@@ -29,7 +29,7 @@ def test_a_fit_of_stored_shots_is_that_of_their_folder(
         lambda text, share: said.append(text),
     )
     drag = next(effect for effect in CATALOGUE if effect.name == "drag")
-    wanted = judged(gather(folder)[1], [drag]).fit
+    wanted = robust_fit(gather(folder)[1], [drag]).fit
     assert (document["campaign"], document["shots"], document["with"]) == ("nylon", 4, ["drag"])
     assert document["chi2_per_dof"] == pytest.approx(wanted.chi2_per_dof, rel=1e-9)
     values = {name: q["value"] for name, q in document["parameters"].items()}

@@ -10,7 +10,7 @@ import pytest
 
 from analysis.effects.catalogue import CATALOGUE
 from analysis.model.data.gather import gather
-from analysis.model.fitting.robust_fit import judged
+from analysis.model.fitting.robust_fit import robust_fit
 from analysis.model.rank.ranking import rank
 from rigctl.errors import AnalysisInputError
 from rigctl.exchange.contents import read_contents
@@ -53,7 +53,7 @@ def test_a_fit_and_a_ranking_are_those_of_the_folder(
 ) -> None:
     folder = write(tmp_path / "tables")
     document = ranking_job(question(store, folder), silent)
-    wanted = judged(gather(folder)[1])
+    wanted = robust_fit(gather(folder)[1])
     assert document["shots"] == 20
     values = {name: one["value"] for name, one in document["parameters"].items()}
     assert values == {name: one.value for name, one in wanted.fit.parameters().items()}

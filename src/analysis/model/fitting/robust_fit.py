@@ -17,7 +17,7 @@ from analysis.model.fitting.fit import Fit, fit_campaign
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Judged:
+class RobustFit:
     """A campaign with a fit.
 
     Attributes
@@ -58,13 +58,13 @@ class Judged:
         return self.account.remarks()
 
 
-def judged(poses: CampaignData, effects: Sequence[Effect] = ()) -> Judged:
+def robust_fit(poses: CampaignData, effects: Sequence[Effect] = ()) -> RobustFit:
     """Fit the base model and some effects; what is bad is judged with these effects in."""
     evidence = weighed(with_measured_air(without_contact_frames(poses)))
-    return judged_with(Judged(evidence, evidence.data, evidence.cleaned.fit), effects)
+    return robust_fit_with(RobustFit(evidence, evidence.data, evidence.cleaned.fit), effects)
 
 
-def judged_with(base: Judged, effects: Sequence[Effect]) -> Judged:
+def robust_fit_with(base: RobustFit, effects: Sequence[Effect]) -> RobustFit:
     """Fit some effects on top of the base model's fit."""
     evidence, data, fit = base.evidence, base.data, base.fit
     if not effects:
@@ -79,5 +79,5 @@ def judged_with(base: Judged, effects: Sequence[Effect]) -> Judged:
             better = stage_of(again.data, fit_campaign(again.data, theory))
             again, path = weighed_again(again, [better], data.jitter_s)
     if again is evidence and path[-1].fit is fit:
-        return Judged(evidence, data, fit)
-    return Judged(again, again.data, path[-1].fit)
+        return RobustFit(evidence, data, fit)
+    return RobustFit(again, again.data, path[-1].fit)

@@ -16,7 +16,7 @@ from analysis.model.data.evidence import stage_of
 from analysis.model.data.stream import whole
 from analysis.model.data.tables import Data
 from analysis.model.fitting.adding import added
-from analysis.model.fitting.robust_fit import judged
+from analysis.model.fitting.robust_fit import robust_fit
 from analysis.model.proposals.launch_search import errors_left_out, fall_of
 from analysis.model.proposals.stated import LAUNCH, Statement
 from analysis.quantity import Quantity
@@ -89,7 +89,7 @@ def confirm_stated(data: Data, given: Sequence[Effect], stated: Statement) -> Co
     name = f"stated-{stated.slot}"
     if stated.slot != LAUNCH:
         return confirm(data, given, stated.form(data).effect(name))
-    base = judged(data, given)
+    base = robust_fit(data, given)
     told = whole(base.data)
     try:
         launch = fit_launch(told, base.fit)
@@ -105,7 +105,7 @@ def confirm_stated(data: Data, given: Sequence[Effect], stated: Statement) -> Co
 
 def confirm(data: Data, given: Sequence[Effect], effect: Effect) -> Confirmation:
     """Test one form on shots that it was not chosen on, beside effects that are given."""
-    base = judged(data, given)
+    base = robust_fit(data, given)
     before = stage_of(base.data, base.fit)
     fitted, fit = added(base.data, base.fit, effect)
     after = stage_of(fitted, fit)

@@ -22,7 +22,7 @@ from analysis.model.data.tables import ContactTable, Data
 from analysis.model.fitting.adding import ALIAS_WITHIN
 from analysis.model.fitting.fit import fit_campaign
 from analysis.model.fitting.normal import prior_cost
-from analysis.model.fitting.robust_fit import Judged, judged
+from analysis.model.fitting.robust_fit import RobustFit, robust_fit
 from analysis.model.predict.contact import encounter_of
 from analysis.model.proposals.acceptance import Gate, told_by
 from analysis.model.proposals.admissible import FEWEST_SHOTS, Admitted, admitted
@@ -95,7 +95,7 @@ def _searched(
             "needed, at several settings"
         )
     progress("fitting what is known")
-    state = _begin(judged(data, given), catalogue)
+    state = _begin(robust_fit(data, given), catalogue)
     while len(state.path) <= MOST_STEPS:
         progress(f"scoring forms, {len(state.path) - 1} steps taken")
         following = _step(state)
@@ -157,7 +157,7 @@ class _State:
         )
 
 
-def _begin(base: Judged, catalogue: Sequence[Effect]) -> _State:
+def _begin(base: RobustFit, catalogue: Sequence[Effect]) -> _State:
     stage = stage_of(base.data, base.fit)
     evidence = base.evidence
     return _State(evidence, (stage,), (), tuple(catalogue), stage.effects)

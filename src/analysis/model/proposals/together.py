@@ -22,7 +22,7 @@ from analysis.errors import ProposalRefusedError, counted
 from analysis.model.data.poses import PoseData
 from analysis.model.data.stream import whole
 from analysis.model.data.tables import ContactTable, Data
-from analysis.model.fitting.robust_fit import judged
+from analysis.model.fitting.robust_fit import robust_fit
 from analysis.model.proposals.admissible import FEWEST_SHOTS, admitted
 from analysis.model.proposals.arguments import Argument
 from analysis.model.proposals.channels import Channels, Sums, channels_of
@@ -298,7 +298,7 @@ def _shared(
 
 
 def _about_fit(data: Data, given: tuple[Effect, ...]) -> Channels:
-    found = judged(data, given)
+    found = robust_fit(data, given)
     return channels_of(whole(found.data), found.fit)
 
 

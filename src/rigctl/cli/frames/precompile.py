@@ -16,7 +16,7 @@ from analysis.campaign import analyse_campaign, read_campaign
 from analysis.effects.catalogue import CATALOGUE
 from analysis.effects.contact import lasting_contact
 from analysis.model.data.gather import gather
-from analysis.model.fitting.robust_fit import judged
+from analysis.model.fitting.robust_fit import robust_fit
 from analysis.model.verdict.selection import explain
 from analysis.shot import AnalysisOptions, Method
 from analysis.workers import Workers
@@ -66,7 +66,7 @@ def _measure(folder: Path, method: Method) -> None:
 
 def _explain(folder: Path) -> None:
     data = gather(folder)[1]
-    judged(data, (lasting_contact.EFFECT,))
+    robust_fit(data, (lasting_contact.EFFECT,))
     explain(data, CATALOGUE)
 
 

@@ -63,13 +63,13 @@ def agreement(
         raise refused(error.fault) from error
     faults = report_faults(known.faults)
     if json:
-        document = fit_document(found.title, found.names, found.judged)
+        document = fit_document(found.title, found.names, found.robust)
         document |= agreement_document(compared)
         document |= {"structure": structure_document(left), "plane": plane.to_json()}
         print_json({**document, "faults": faults})
     else:
         console = Console(width=TABLE_WIDTH)
-        console.print(headline(found.title, found.judged), highlight=False)
+        console.print(headline(found.title, found.robust), highlight=False)
         console.print(_summary(compared), highlight=False)
         console.print(_table(compared))
         console.print(_cells(left.cells))

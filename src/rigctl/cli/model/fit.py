@@ -39,16 +39,16 @@ def fit(
     found = fitted(campaign, effects or [], known, config, stream=stream)
     faults = report_faults(known.faults)
     if json:
-        document = fit_document(found.title, found.names, found.judged)
+        document = fit_document(found.title, found.names, found.robust)
         print_json({**document, "faults": faults})
         return
     console = Console(width=TABLE_WIDTH)
-    console.print(headline(found.title, found.judged), highlight=False)
+    console.print(headline(found.title, found.robust), highlight=False)
     table = Table(box=None)
     for heading in ("parameter", "value", "unit"):
         table.add_column(heading, justify="left" if heading != "value" else "right")
-    for name, quantity in found.judged.fit.parameters().items():
+    for name, quantity in found.robust.fit.parameters().items():
         table.add_row(name, quantity.concise(), unit_word(quantity.unit))
     console.print(table)
-    for line in nuisance_lines(nuisances(found.judged.fit)):
+    for line in nuisance_lines(nuisances(found.robust.fit)):
         console.print(line, highlight=False)

@@ -48,11 +48,11 @@ def ranking(
         raise refused(error.fault) from error
     faults = report_faults([*known.faults, *dropped])
     if json:
-        document = fit_document(found.title, found.names, found.judged)
+        document = fit_document(found.title, found.names, found.robust)
         print_json({**document, "candidates": ranking_document(ranked), "faults": faults})
     else:
         console = Console(width=TABLE_WIDTH)
-        console.print(headline(found.title, found.judged), highlight=False)
+        console.print(headline(found.title, found.robust), highlight=False)
         console.print(_table(ranked))
     if out is not None:
         # Without pictures nothing waits for what draws them.

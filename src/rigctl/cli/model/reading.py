@@ -14,7 +14,7 @@ from analysis.effects.own.fault import EffectFault, Fault
 from analysis.model.data.stream import CampaignData
 from analysis.model.data.tables import ContactTable, Data
 from analysis.model.fitting.fit import Fit
-from analysis.model.fitting.robust_fit import Judged, judged
+from analysis.model.fitting.robust_fit import RobustFit, robust_fit
 from analysis.model.rank.candidate import Ranking
 from analysis.model.rank.ranking import rank
 from rigctl.model.campaigns import open_campaign, open_stream
@@ -29,17 +29,17 @@ class Fitted:
 
     title: str
     names: tuple[str, ...]
-    judged: Judged
+    robust: RobustFit
 
     @property
     def data(self) -> CampaignData:
         """What was fitted."""
-        return self.judged.data
+        return self.robust.data
 
     @property
     def fit(self) -> Fit:
         """The fit."""
-        return self.judged.fit
+        return self.robust.fit
 
     def ranked(self, effects: Sequence[Effect]) -> Ranking:
         """Score what else the data ask for.
@@ -136,7 +136,7 @@ def fitted(
     try:
         with temporary_room():
             require_seen(found, added, "--with")
-            return Fitted(title, tuple(names), judged(found, added))
+            return Fitted(title, tuple(names), robust_fit(found, added))
     except EffectFault as error:
         raise refused(error.fault) from error
 

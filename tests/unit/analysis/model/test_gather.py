@@ -14,7 +14,7 @@ from analysis.errors import InputError
 from analysis.exchange.pose_table import measured_poses, pose_writer, read_poses
 from analysis.model.data.gather import gather
 from analysis.model.data.poses import PoseData
-from analysis.model.fitting.robust_fit import judged
+from analysis.model.fitting.robust_fit import robust_fit
 from analysis.shot import MeasuredShot, analyse_shot
 from simulators.world import WorldDescription
 from tests.unit.analysis.model.exchange_folder import write_campaign
@@ -176,11 +176,11 @@ def test_errors_that_nobody_stated_are_those_of_the_scatter(tmp_path: Path) -> N
     path.write_text("\n".join([header, *bare]) + "\n", encoding="utf-8")
     _, read = gather(folder)
     assert read.estimated
-    found = judged(read)
+    found = robust_fit(read)
     assert found.fit.chi2_per_dof == pytest.approx(1.0, abs=0.05)
     sigma = found.data.position_sigma[np.isfinite(found.data.position_sigma)]
     assert sigma == pytest.approx(POSITION_SIGMA, rel=0.05)
-    with_errors = judged(data).fit.parameters()["e"]
+    with_errors = robust_fit(data).fit.parameters()["e"]
     e = found.fit.parameters()["e"]
     assert e.value == pytest.approx(with_errors.value, abs=with_errors.sigma)
 
@@ -190,7 +190,7 @@ def test_a_shot_that_never_shows_both_spheres_is_left_out_and_named(folder: Path
     _, data = gather(folder)
     assert data.shots.tolist() == [1, 3, 4]
     assert data.unusable == (2,)
-    assert judged(data).rejected == [2]
+    assert robust_fit(data).rejected == [2]
 
 
 def test_without_a_top_view_the_rest_is_fitted(tmp_path: Path) -> None:
@@ -198,7 +198,7 @@ def test_without_a_top_view_the_rest_is_fitted(tmp_path: Path) -> None:
     sigma = data.position_sigma.copy()
     sigma[..., 2] = np.inf
     flat = replace(data, position_sigma=sigma, position=data.position * np.array([1, 1, 0]))
-    e = judged(gather(write_flat(tmp_path / "c", flat))[1]).fit.parameters()["e"]
+    e = robust_fit(gather(write_flat(tmp_path / "c", flat))[1]).fit.parameters()["e"]
     assert e.value == pytest.approx(0.74, abs=4 * e.sigma)
     assert e.sigma < 0.005
 

@@ -13,7 +13,7 @@ from analysis.effects.catalogue import CATALOGUE
 from analysis.effects.contact.lasting_contact import EFFECT, contact_modulus
 from analysis.model.data.poses import PoseData
 from analysis.model.fitting.account import AS_STATED
-from analysis.model.fitting.robust_fit import Judged, judged
+from analysis.model.fitting.robust_fit import RobustFit, robust_fit
 from analysis.model.rank.ranking import rank
 from analysis.model.verdict.selection import explain
 from benchmarks.discovery.campaigns import posed
@@ -32,8 +32,8 @@ def poses(forces: Forces, shots: int = 60, seed: int = 42) -> PoseData:
 
 
 @cache
-def fitted(forces: Forces) -> Judged:
-    return judged(poses(forces), [EFFECT])
+def fitted(forces: Forces) -> RobustFit:
+    return robust_fit(poses(forces), [EFFECT])
 
 
 INCREMENTS = Forces(drag="increment", stiffness_ratio=0.6, damping_ratio=0.1)
@@ -66,7 +66,7 @@ def test_its_parameters_are_those_of_the_simulated_contact(forces: Forces) -> No
 
 def test_a_law_of_its_own_has_no_beta0() -> None:
     assert "beta0" not in fitted(SOFT).fit.parameters()
-    assert "beta0" in judged(poses(SOFT)).fit.parameters()
+    assert "beta0" in robust_fit(poses(SOFT)).fit.parameters()
 
 
 def test_the_verdict_names_it_alone_and_what_it_contains_is_offered_no_more() -> None:
@@ -77,7 +77,7 @@ def test_the_verdict_names_it_alone_and_what_it_contains_is_offered_no_more() ->
 
 
 def test_its_share_leads_the_candidates_of_the_hard_sphere_law() -> None:
-    data, fit = judged(poses(SOFT)).data, judged(poses(SOFT)).fit
+    data, fit = robust_fit(poses(SOFT)).data, robust_fit(poses(SOFT)).fit
     leaders = [c.effect.name for c in rank(data, fit, CATALOGUE).candidates[:3]]
     assert set(leaders) & {"lasting-contact", "finite-contact"}
 
@@ -91,7 +91,7 @@ def test_hard_spheres_have_no_lasting_contact() -> None:
 def test_without_spins_the_law_across_the_normal_stays_open() -> None:
     data = poses(SOFT)
     blind = data.with_sigmas(data.position_sigma, np.full_like(data.rotation_sigma, np.inf))
-    found = judged(blind, [EFFECT]).fit.parameters()
+    found = robust_fit(blind, [EFFECT]).fit.parameters()
     assert not found["mu"].determined
     assert not found["beta0"].determined
     assert found["e"].value == pytest.approx(0.74, abs=0.02)
@@ -102,7 +102,9 @@ def test_few_shots_and_frames_give_e_and_no_error() -> None:
     one = data.of_shots(np.arange(60) == 3)
     frames = np.abs(np.arange(data.times_s.shape[1]) - 11.5) > 5
     for few in (one, data.without(np.tile(frames, (60, 1)))):
-        assert judged(few, [EFFECT]).fit.parameters()["e"].value == pytest.approx(0.74, abs=0.03)
+        assert robust_fit(few, [EFFECT]).fit.parameters()["e"].value == pytest.approx(
+            0.74, abs=0.03
+        )
         assert explain(few, chosen("drag", "lasting-contact")).verdict in {"none", "effect"}
 
 
@@ -111,7 +113,7 @@ def test_a_drag_that_is_stated_is_no_finding_and_three_times_as_much_is() -> Non
     data = replace(posed(run_campaign(thrice, 43, shots=60)), drag_coefficient=0.42)
     drag = fitted(SOFT).fit.systematics()["drag.Cd"]
     assert abs(drag.value - AIR) < 3 * drag.sigma
-    named = judged(data, [EFFECT, *chosen("drag")]).fit.parameters()["drag.Cd"]
+    named = robust_fit(data, [EFFECT, *chosen("drag")]).fit.parameters()["drag.Cd"]
     assert abs(named.value - 3 * AIR) < 3 * named.sigma
 
 
@@ -131,7 +133,7 @@ def test_a_scale_that_is_off_as_stated_leads_to_no_other_law() -> None:
         exact = posed(run_campaign(nature, seed, shots=12, noise=noise))
         long = replace(exact, position=1.0015 * exact.position, drag_coefficient=0.42)
         data = replace(long, slow=replace(long.slow, scale=1e-3))
-        found = judged(data, [EFFECT]).fit
+        found = robust_fit(data, [EFFECT]).fit
         named = found.parameters()
         assert named["lasting-contact.kappa"].value == pytest.approx(0.15, abs=2e-3)
         assert named["lasting-contact.zeta"].value == pytest.approx(0.05, abs=0.01)

@@ -11,7 +11,7 @@ from analysis.effects.contact.lasting_contact import EFFECT
 from analysis.model.data.poses import PoseData
 from analysis.model.fitting.nuisance import MOST_PULL, alarms_of, nuisances
 from analysis.model.fitting.nuisance_words import alarm_sentences
-from analysis.model.fitting.robust_fit import Judged, judged
+from analysis.model.fitting.robust_fit import RobustFit, robust_fit
 from analysis.model.verdict.documents import fit_document
 from benchmarks.discovery.campaigns import posed
 from simulators.challenge.campaign import run_campaign
@@ -28,8 +28,8 @@ def poses(drag: float, longer: float = 1.0) -> PoseData:
 
 
 @cache
-def fitted(drag: float, longer: float = 1.0) -> Judged:
-    return judged(poses(drag, longer), [EFFECT])
+def fitted(drag: float, longer: float = 1.0) -> RobustFit:
+    return robust_fit(poses(drag, longer), [EFFECT])
 
 
 def test_what_is_stated_rightly_raises_no_alarm() -> None:
@@ -57,11 +57,11 @@ def test_a_scale_far_from_what_is_stated_is_an_alarm() -> None:
 
 def test_a_law_that_lacks_something_is_seen_by_what_it_does_to_the_nuisances() -> None:
     """Hard spheres are no law of these contacts; scale and drag make up for it."""
-    assert alarms_of(judged(poses(0.4)).fit)
+    assert alarms_of(robust_fit(poses(0.4)).fit)
 
 
 def test_several_alarms_are_one_sentence_the_farthest_first() -> None:
-    alarms = alarms_of(judged(poses(0.4)).fit)
+    alarms = alarms_of(robust_fit(poses(0.4)).fit)
     (sentence,) = alarm_sentences(alarms)
     assert len(alarms) > 1
     assert sentence.startswith(f"Alarm: {alarms[0].name} is stated")

@@ -15,7 +15,7 @@ from analysis.model.data.gather import gather
 from analysis.model.data.poses import PoseData
 from analysis.model.data.reading import stream_poses
 from analysis.model.fitting.fit import START, fit_campaign
-from analysis.model.fitting.robust_fit import judged
+from analysis.model.fitting.robust_fit import robust_fit
 from analysis.model.predict.contact import contact_outcome, differentiated_contact
 from analysis.model.predict.start import first_states
 from analysis.model.predict.state import MOTION, SIZE, TILT
@@ -104,7 +104,7 @@ def test_a_ball_without_markers_shows_air_and_restitution_that_falls_with_speed(
 
 def test_a_law_that_is_far_off_makes_no_flight_look_noisy(plain: Path) -> None:
     """The drag is pulled by eighty stated errors; about it flights would scatter nine times."""
-    assert judged(posed(plain)).evidence.noise[0] < 1.3
+    assert robust_fit(posed(plain)).evidence.noise[0] < 1.3
 
 
 def test_slopes_by_a_kick_are_those_of_states_that_are_moved(plain: Path) -> None:
@@ -128,7 +128,7 @@ def test_slopes_by_a_kick_are_those_of_states_that_are_moved(plain: Path) -> Non
 
 
 def test_streamed_bounces_give_the_same_numbers(marked: Path) -> None:
-    memory, stream = judged(posed(marked)).fit, judged(stream_poses(marked)[1]).fit
+    memory, stream = robust_fit(posed(marked)).fit, robust_fit(stream_poses(marked)[1]).fit
     assert np.array_equal(memory.theory.vector, stream.theory.vector)
     assert memory.chi2 == stream.chi2
 

@@ -18,7 +18,7 @@ from analysis.effects.contact.lasting_contact import EFFECT
 from analysis.errors import InputError
 from analysis.model.data.gather import gather
 from analysis.model.data.tables import ContactTable
-from analysis.model.fitting.robust_fit import Judged, judged
+from analysis.model.fitting.robust_fit import RobustFit, robust_fit
 from simulators.challenge.bodies import Bodies
 from simulators.challenge.encounter import collide
 from simulators.challenge.flight import acceleration
@@ -87,8 +87,8 @@ def table(sigma: float | None, only: int = 40, off: float = 0.0) -> ContactTable
 
 
 @cache
-def fitted(sigma: float | None, only: int = 40) -> Judged:
-    return judged(table(sigma, only), [EFFECT])
+def fitted(sigma: float | None, only: int = 40) -> RobustFit:
+    return robust_fit(table(sigma, only), [EFFECT])
 
 
 def test_durations_say_how_long_contacts_last_many_times_as_well_as_velocities() -> None:
@@ -115,7 +115,7 @@ def test_rows_without_a_duration_count_as_ever() -> None:
 
 def test_hard_spheres_part_at_once_and_a_duration_contradicts_them() -> None:
     data = table(SIGMA)
-    hard, lasting = judged(data).fit, fitted(SIGMA).fit
+    hard, lasting = robust_fit(data).fit, fitted(SIGMA).fit
     extra = float(((shots()[2] / SIGMA) ** 2).sum())
     assert hard.chi2 > 0.9 * extra
     assert lasting.chi2 < 0.01 * extra
@@ -159,6 +159,6 @@ def test_a_plate_is_left_where_the_sphere_leaves_it(tmp_path: Path) -> None:
         out.append(",".join([*fields.values(), "1e-4", "1e-6"]))
     path.write_text("\n".join([f"{head},{','.join(COLUMNS)}", *out]) + "\n")
     data = gather(place)[1]
-    hard = judged(data).fit
+    hard = robust_fit(data).fit
     # Each contact is 100 of its errors too long for a hard plate.
     assert hard.chi2 > 12 * 90.0**2

@@ -16,7 +16,7 @@ from analysis.model.data import parts
 from analysis.model.data.poses import PoseData
 from analysis.model.data.stream import CampaignData, PoseStream
 from analysis.model.fitting.fit import Fit, fit_campaign
-from analysis.model.fitting.robust_fit import Judged, judged
+from analysis.model.fitting.robust_fit import RobustFit, robust_fit
 from analysis.model.rank.candidate import Ranking
 from analysis.model.rank.ranking import rank
 from analysis.model.verdict.documents import verdict_document
@@ -58,9 +58,9 @@ def assert_same_ranking(found: Ranking, wanted: Ranking) -> None:
     np.testing.assert_array_equal(found.chance, wanted.chance)
 
 
-def both_ways(data: PoseData, *effects: Effect) -> tuple[Judged, Judged]:
+def both_ways(data: PoseData, *effects: Effect) -> tuple[RobustFit, RobustFit]:
     """Return the same campaign judged in memory and from a file of uneven parts."""
-    return judged(data, effects), judged(streamed(data, 3, 17, 200, 50), effects)
+    return robust_fit(data, effects), robust_fit(streamed(data, 3, 17, 200, 50), effects)
 
 
 @pytest.mark.parametrize("shots", SIZES)
@@ -147,7 +147,7 @@ def test_parts_may_have_frames_of_their_own_number() -> None:
 
 
 def test_the_law_comes_out_within_its_errors() -> None:
-    found = judged(streamed(campaign(300, 32, LAW), 70)).fit
+    found = robust_fit(streamed(campaign(300, 32, LAW), 70)).fit
     sigma = np.sqrt(np.diag(found.covariance))
     assert np.abs((found.theory.vector - LAW) / sigma).max() < 4
 
@@ -171,7 +171,7 @@ def peak(data: PoseData) -> int:
         tracemalloc.stop()
 
 
-def ranked(found: Judged) -> Ranking:
+def ranked(found: RobustFit) -> Ranking:
     return rank(found.data, found.fit, (*EFFECTS, JITTER))
 
 

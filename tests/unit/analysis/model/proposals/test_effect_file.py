@@ -14,7 +14,7 @@ from analysis.collision.operator import walton
 from analysis.effects.catalogue import CATALOGUE
 from analysis.effects.effect import ContactEffect
 from analysis.effects.own.loading import load_effects
-from analysis.model.fitting.robust_fit import judged
+from analysis.model.fitting.robust_fit import robust_fit
 from analysis.model.proposals.arguments import known_arguments
 from analysis.model.proposals.effect_file import (
     effect_name,
@@ -48,7 +48,7 @@ def test_a_written_file_loads_and_fits_the_shots_as_the_proposal_did(
     loaded = load_effects(tmp_path, CATALOGUE)
     assert loaded.faults == ()
     beside = [effect for effect in CATALOGUE if effect.name in found.effects]
-    again = judged(data, [*beside, *loaded.effects])
+    again = robust_fit(data, [*beside, *loaded.effects])
     assert again.fit.chi2 == pytest.approx(found.fit.chi2, abs=0.1)
 
 

@@ -11,7 +11,7 @@ import pytest
 from analysis.effects.catalogue import CATALOGUE
 from analysis.effects.own.loading import load_effects
 from analysis.model.data.poses import PoseData
-from analysis.model.fitting.robust_fit import judged
+from analysis.model.fitting.robust_fit import robust_fit
 from analysis.model.proposals.effect_file import written
 from analysis.model.proposals.propose import propose
 from tests.unit.analysis.model.proposals.hidden import campaign
@@ -63,5 +63,5 @@ def test_an_error_of_camera_or_clock_is_proposed_with_its_constants_and_as_a_fil
     written(tmp_path, "x", found)
     loaded = load_effects(tmp_path, CATALOGUE)
     assert loaded.faults == ()
-    again = judged(data, loaded.effects).fit
+    again = robust_fit(data, loaded.effects).fit
     assert again.chi2 == pytest.approx(found.fit.chi2, abs=0.1)
