@@ -14,7 +14,7 @@ stays unseen. A prior holds what the renderers of others have shown.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -25,6 +25,7 @@ from analysis.motion.drift import TURN_PER_CENTRE_ERROR, Drift, correlation_time
 from analysis.motion.pattern import Orientations
 from analysis.motion.poses import Centres
 from analysis.motion.rotation import rotation_vector
+from analysis.motion.slow_evidence import Evidence, slow_size
 from analysis.motion.spin import fit_spin
 from analysis.motion.split import split_at_contact
 from analysis.motion.turning import turned
@@ -41,11 +42,6 @@ from analysis.photometric.result import centres_of, markers_of, orientations_of
 
 Side = tuple[int, int]
 
-PRIOR_FACTOR = 2.0
-"""One standard error of the prior of the size."""
-SIZES_PX = np.geomspace(1e-4, 0.05, 80)
-ODD_SHARE = 0.1
-"""Of films whose slow error has nothing to do with that of the others: shadows, a lost marker."""
 NO_DRIFT = Drift(0.0, 1.0)
 LEAST_FRAMES = 6
 STEADY = 1e-9
@@ -63,41 +59,9 @@ def shared_size_px(films: int) -> float:
     return max(SHARED_PX, LONE_SHARED_PX / max(films, 1))
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Evidence:
-    """Independent numbers of one film, each of variance 1 + gain s^2 with a slow error of s px.
-
-    Attributes
-    ----------
-    gains
-        1/px^2, shape (n,).
-    squares
-        Shape (n,).
-    """
-
-    gains: Floats
-    squares: Floats
-
-    def log_likelihood(self) -> Floats:
-        """Return that of each of SIZES_PX."""
-        variance = 1.0 + np.multiply.outer(SIZES_PX**2, self.gains)
-        return np.asarray(-0.5 * (np.log(variance) + self.squares / variance).sum(axis=1))
-
-
 def slow_size_px(films: Sequence[Evidence]) -> float:
-    """Return the root of the mean square of what the slow error of an outline's place may be, px.
-
-    A film may be an odd one, whose size says nothing of the others'.
-    """
-    prior = -0.5 * (np.log(SIZES_PX / PRIOR_SLOW_PX) / np.log(PRIOR_FACTOR)) ** 2
-    prior = np.exp(prior) / np.exp(prior).sum()
-    posterior = np.log(prior)
-    for film in films:
-        own = film.log_likelihood()
-        own = np.exp(own - own.max())
-        posterior += np.log((1.0 - ODD_SHARE) * own + ODD_SHARE * float(own @ prior))
-    weight = np.exp(posterior - posterior.max())
-    return float(np.sqrt(weight @ SIZES_PX**2 / weight.sum()))
+    """Return how large the slow error of an outline's place is, px, from evidence in 1/px^2."""
+    return slow_size(films, PRIOR_SLOW_PX)
 
 
 def _film_evidence(film: Film, known: Appearance) -> Evidence | None:

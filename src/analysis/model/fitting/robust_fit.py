@@ -14,6 +14,7 @@ from analysis.model.fitting.account import Account
 from analysis.model.fitting.adding import added, law_again
 from analysis.model.fitting.air import with_measured_air
 from analysis.model.fitting.fit import Fit, fit_campaign
+from analysis.model.fitting.measured_slow import with_measured_slow_errors
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,7 +61,8 @@ class RobustFit:
 
 def robust_fit(poses: CampaignData, effects: Sequence[Effect] = ()) -> RobustFit:
     """Fit the base model and some effects; what is bad is judged with these effects in."""
-    evidence = weighed(with_measured_air(without_contact_frames(poses)))
+    stated = with_measured_slow_errors(with_measured_air(without_contact_frames(poses)))
+    evidence = weighed(stated)
     return robust_fit_with(RobustFit(evidence, evidence.data, evidence.cleaned.fit), effects)
 
 

@@ -21,6 +21,7 @@ from analysis.model.data.stream import CampaignData
 from analysis.model.data.tables import ContactTable
 from analysis.model.fitting.air import with_measured_air
 from analysis.model.fitting.fit import Fit
+from analysis.model.fitting.measured_slow import with_measured_slow_errors
 from analysis.model.fitting.outliers import Cleaned
 from analysis.model.rank.candidate import Ranking, weight_of
 from analysis.model.rank.ranking import rank
@@ -119,7 +120,7 @@ def _concluded(
 ) -> Verdict:
     """Accept effects step by step, and judge what is left."""
     progress("fitting the base model")
-    stated = with_measured_air(without_contact_frames(data))
+    stated = with_measured_slow_errors(with_measured_air(without_contact_frames(data)))
     evidence = weighed(stated)
     base = stage_of(evidence.data, evidence.cleaned.fit)
     first_ranking = rank(evidence.data, base.fit, effects)

@@ -9,8 +9,9 @@ from scipy.spatial.transform import Rotation
 
 from analysis.motion.pattern import Orientations
 from analysis.motion.poses import Centres
+from analysis.motion.slow_evidence import Evidence
 from analysis.photometric.learn.appearance import PRIOR_SLOW_PX
-from analysis.photometric.slow_size import Evidence, evidence_of, slow_size_px
+from analysis.photometric.slow_size import evidence_of, slow_size_px
 
 Floats = NDArray[np.float64]
 SCALE_PX_PER_M, RADIUS_PX, ALPHA = 1600.0, 20.0, 0.16

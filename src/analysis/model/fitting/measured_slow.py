@@ -1,0 +1,135 @@
+"""How large the slow errors of a campaign's poses are, from all its flights, before any fit.
+
+Where spheres are learned, few films say how large they are (`photometric.slow_size`): six of them
+to a third. All flights of a campaign determine it to a tenth. Lines in free flight, with a
+drag of the air and a constant spin, are taken out of each flight, and what is left is seen in the
+next polynomials of time: fresh errors have unit variance there, slow ones a gain that follows from
+how long they last. No law of contact enters.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import partial
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.arrays import Floats
+from analysis.model.data.poses import PoseData
+from analysis.model.data.stream import CampaignData, PoseStream
+from analysis.model.data.tables import ContactTable, Data
+from analysis.model.predict.start import first_states
+from analysis.motion.drift import correlation_times
+from analysis.motion.rotation import rotation_matrix, rotation_vector
+from analysis.motion.slow_evidence import Evidence, slow_size
+
+C = TypeVar("C", PoseData, ContactTable, PoseStream, Data, CampaignData)
+
+DEGREE = 6
+"""Of the polynomials, the highest."""
+BENT, STRAIGHT = 3, 2
+"""Polynomials that a free flight takes of places (a line and the drag's bend), and of turns."""
+LEAST_FRAMES = DEGREE + 3
+ROUNDS = 3
+"""Of the fit of a constant spin, from the median of the turns from frame to frame on."""
+
+
+def with_measured_slow_errors(data: C) -> C:
+    """Return a campaign with slow errors of flights as large as its flights show.
+
+    What is stated of them is the prior: one standard error of it is a factor of 2. Where none are
+    stated, in tables, and on a plate, they stay as they are.
+    """
+    if isinstance(data, ContactTable) or data.bodies[1].is_plate or data.slow.position_m <= 0.0:
+        return data
+    seen = [film for part in data.parts() for film in _films(part)]
+    change = partial(_resized, factor=slow_size(seen, 1.0))
+    return data.changed(change) if isinstance(data, PoseStream) else change(data)
+
+
+def _resized(data: PoseData, factor: float) -> PoseData:
+    stated = data.slow
+    position, rotation = factor * stated.position_m, factor * stated.rotation_rad
+    return replace(data, slow=replace(stated, position_m=position, rotation_rad=rotation))
+
+
+def _films(data: PoseData) -> Iterator[Evidence]:
+    """Yield what each shot of a part says, its slow errors in units of those stated."""
+    times = data.times_s - first_states(data).time_s[:, None]
+    gains: list[list[Floats]] = [[np.empty(0)] for _ in data.shots]
+    squares: list[list[Floats]] = [[np.empty(0)] for _ in data.shots]
+    for later in (False, True):
+        for sphere in (0, 1):
+            turned = np.isfinite(data.rotation_sigma[:, :, sphere])
+            placed = np.isfinite(data.position_sigma[:, :, sphere]).all(axis=2)
+            seen = placed & turned & ((times > 0) == later)
+            shots = np.flatnonzero(seen.sum(axis=1) >= LEAST_FRAMES)
+            if shots.size:
+                for found, into in zip(
+                    _of_flights(data, times, seen, (sphere, shots)), (gains, squares), strict=True
+                ):
+                    for row, own in zip(shots, found, strict=True):
+                        into[row].append(own)
+    for own in zip(gains, squares, strict=True):
+        yield Evidence(*(np.concatenate(part) for part in own))
+
+
+def _of_flights(
+    data: PoseData, times: Floats, seen: NDArray[np.bool_], which: tuple[int, NDArray[np.intp]]
+) -> tuple[Floats, Floats]:
+    """Return gains and squares of one sphere on one side, some shots, shape (N, numbers)."""
+    sphere, shots = which
+    seen, tau = seen[shots], times[shots]
+    first = np.where(seen, tau, np.inf).min(axis=1, keepdims=True)
+    last = np.where(seen, tau, -np.inf).max(axis=1, keepdims=True)
+    place = np.where(seen, 2.0 * (tau - first) / (last - first) - 1.0, 0.0)
+    functions = np.polynomial.legendre.legvander(place, DEGREE)
+    left, spin = _turns(data.rotation[shots, :, sphere], tau, seen)
+    turn_sigma = np.repeat(data.rotation_sigma[shots, :, sphere, None], 3, axis=2)
+    fallen = data.position[shots, :, sphere].copy()
+    fallen[..., 0] -= 0.5 * data.gravity * tau**2
+    lasting_s = correlation_times(data.slow.memory_rad, np.linalg.norm(spin, axis=1))
+    apart = np.abs(tau[:, :, None] - tau[:, None, :])
+    lasting = np.exp(-apart / lasting_s[:, None, None])
+    place_sigma = data.position_sigma[shots, :, sphere]
+    gains, squares = [], []
+    for values, sigma, size, taken in (
+        (fallen, place_sigma, data.slow.position_m, BENT),
+        (left, turn_sigma, data.slow.rotation_rad, STRAIGHT),
+    ):
+        for axis in range(3):
+            weight = np.where(seen, 1.0 / np.where(seen, sigma[..., axis], 1.0), 0.0)
+            basis = np.linalg.qr(functions * weight[..., None])[0][..., taken:]
+            across = np.swapaxes(basis, 1, 2)
+            slow = (size * weight)[..., None] * basis
+            spread, vectors = np.linalg.eigh(np.swapaxes(slow, 1, 2) @ lasting @ slow)
+            found = across @ (np.where(seen, values[..., axis], 0.0) * weight)[..., None]
+            squares.append((np.swapaxes(vectors, 1, 2) @ found)[..., 0] ** 2)
+            gains.append(np.maximum(spread, 0.0))
+    return np.concatenate(gains, axis=1), np.concatenate(squares, axis=1)
+
+
+def _turns(rotation: Floats, tau: Floats, seen: NDArray[np.bool_]) -> tuple[Floats, Floats]:
+    """Return what a constant spin leaves of turns (N, F, 3), rad, and the spin (N, 3), rad/s."""
+    both = seen[:, 1:] & seen[:, :-1]
+    steps = rotation_vector(rotation[:, 1:] @ np.swapaxes(rotation[:, :-1], 2, 3))
+    rates = steps / np.where(both, np.diff(tau, axis=1), 1.0)[..., None]
+    spin = np.nan_to_num(np.nanmedian(np.where(both[..., None], rates, np.nan), axis=1))
+    middle = (tau * seen).sum(axis=1) / seen.sum(axis=1)
+    nearest = np.where(seen, np.abs(tau - middle[:, None]), np.inf).argmin(axis=1)
+    rows = np.arange(len(tau))
+    start, since = rotation[rows, nearest], tau - tau[rows, nearest][:, None]
+    count, ones = seen.sum(axis=1), seen[..., None]
+    mean = (since * seen).sum(axis=1) / count
+    about = np.where(seen, since - mean[:, None], 0.0)
+    for _ in range(ROUNDS):
+        expected = rotation_matrix(spin[:, None] * since[..., None]) @ start[:, None]
+        left = np.where(ones, rotation_vector(rotation @ np.swapaxes(expected, 2, 3)), 0.0)
+        rate = (about[..., None] * left).sum(axis=1) / (about**2).sum(axis=1)[:, None]
+        offset = left.sum(axis=1) / count[:, None] - rate * mean[:, None]
+        start = rotation_matrix(offset) @ start
+        spin = (rotation_matrix(offset) @ spin[..., None])[..., 0] + rate
+    return left, spin

@@ -1,0 +1,59 @@
+"""How large slow errors are, from independent numbers that flights hold of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from analysis.arrays import Floats
+
+PRIOR_FACTOR = 2.0
+"""One standard error of the prior of the size."""
+SIZES = np.geomspace(1 / 16, 31.25, 80)
+"""Over the prior's middle."""
+ODD_SHARE = 0.1
+"""Of films whose slow error has nothing to do with that of the others: shadows, a lost marker."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Evidence:
+    """Independent numbers of one film, each of variance 1 + gain s^2 with a slow error of size s.
+
+    Attributes
+    ----------
+    gains
+        Over the square of the unit of s, shape (n,).
+    squares
+        Shape (n,).
+    """
+
+    gains: Floats
+    squares: Floats
+
+    def log_likelihood(self, sizes: Floats) -> Floats:
+        """Return that of each size."""
+        variance = 1.0 + np.multiply.outer(sizes**2, self.gains)
+        return np.asarray(-0.5 * (np.log(variance) + self.squares / variance).sum(axis=1))
+
+
+def slow_size(films: Sequence[Evidence], middle: float) -> float:
+    """Return the root of the mean square of what the size of a slow error may be.
+
+    A film may be an odd one, whose size says nothing of the others'.
+
+    Parameters
+    ----------
+    middle
+        Of the prior, in the unit of the size.
+    """
+    prior = -0.5 * (np.log(SIZES) / np.log(PRIOR_FACTOR)) ** 2
+    prior = np.exp(prior) / np.exp(prior).sum()
+    posterior = np.log(prior)
+    for film in films:
+        own = film.log_likelihood(middle * SIZES)
+        own = np.exp(own - own.max())
+        posterior += np.log((1.0 - ODD_SHARE) * own + ODD_SHARE * float(own @ prior))
+    weight = np.exp(posterior - posterior.max())
+    return middle * float(np.sqrt(weight @ SIZES**2 / weight.sum()))

@@ -1,0 +1,77 @@
+"""Slow errors of poses are as large as all flights of a campaign show, whatever is stated."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from analysis.model.data.poses import PoseData
+from analysis.model.data.stream import PoseStream
+from analysis.model.fitting.measured_slow import with_measured_slow_errors
+from analysis.setup import SlowErrors
+from tests.unit.analysis.model.hard_spheres import RADIUS, campaign
+
+TRUE_M = 3e-6
+TURN_PER_M = 1.5 / RADIUS
+MEMORY_RAD = 0.3
+
+
+def filmed(shots: int, true_m: float, stated_m: float) -> PoseData:
+    """Return a campaign with slow errors that forget themselves while a sphere turns by 0.3 rad."""
+    data = campaign(shots, 51, position_sigma=2e-6, rotation_sigma=4e-4)
+    rng = np.random.default_rng(52)
+    places = np.zeros_like(data.position)
+    turns = np.zeros_like(data.position)
+    for shot, sphere in np.ndindex(shots, 2):
+        times, rotation = data.times_s[shot], data.rotation[shot, :, sphere]
+        steps = Rotation.from_matrix(rotation[1:] @ rotation[:-1].swapaxes(1, 2)).magnitude()
+        turned = np.maximum(np.median(steps), 1e-3) * np.arange(len(times)) / MEMORY_RAD
+        lasting = np.exp(-np.abs(turned[:, None] - turned)) + 1e-9 * np.eye(len(times))
+        root = np.linalg.cholesky(lasting)
+        places[shot, :, sphere] = true_m * root @ rng.normal(size=(len(times), 3))
+        turns[shot, :, sphere] = TURN_PER_M * true_m * root @ rng.normal(size=(len(times), 3))
+    seen = Rotation.from_rotvec(turns.reshape(-1, 3)).as_matrix().reshape(data.rotation.shape)
+    slow = SlowErrors(stated_m, TURN_PER_M * stated_m, 2e-5, memory_rad=MEMORY_RAD)
+    return replace(data, position=data.position + places, rotation=seen @ data.rotation, slow=slow)
+
+
+@pytest.mark.parametrize("stated", [0.5, 1.0, 2.0])
+def test_forty_shots_find_the_size_whatever_is_stated(stated: float) -> None:
+    stated_m = stated * TRUE_M
+    found = with_measured_slow_errors(filmed(40, TRUE_M, stated_m)).slow
+    assert found.position_m == pytest.approx(TRUE_M, rel=0.2)
+    assert found.rotation_rad == pytest.approx(TURN_PER_M * found.position_m)
+
+
+def test_what_all_flights_share_stays_as_it_is_stated() -> None:
+    data = filmed(12, TRUE_M, 2.0 * TRUE_M)
+    found = with_measured_slow_errors(data).slow
+    assert (found.shared_m, found.common_m) == (data.slow.shared_m, data.slow.common_m)
+    assert found.common_rad == pytest.approx(data.slow.common_rad)
+
+
+def test_poses_without_slow_errors_show_none() -> None:
+    found = with_measured_slow_errors(filmed(40, 0.0, TRUE_M)).slow
+    assert found.position_m < TRUE_M / 3
+
+
+def test_where_none_are_stated_none_are_looked_for() -> None:
+    data = campaign(6, 53)
+    assert with_measured_slow_errors(data) is data
+
+
+def test_flights_too_short_for_it_leave_what_is_stated_with_its_width() -> None:
+    data = filmed(6, TRUE_M, TRUE_M)
+    found = with_measured_slow_errors(data.without(np.arange(24)[None].repeat(6, 0) % 3 > 0)).slow
+    # The root of the mean square of a size that is open by a factor of 2 either way.
+    assert found.position_m == pytest.approx(TRUE_M * np.exp(np.log(2.0) ** 2), rel=0.05)
+
+
+def test_a_campaign_read_in_parts_has_the_same_size() -> None:
+    data = filmed(12, TRUE_M, TRUE_M / 2)
+    parts = [data.of_shots(np.arange(12) < 5), data.of_shots(np.arange(12) >= 5)]
+    found = with_measured_slow_errors(PoseStream.of(parts)).slow
+    assert found.position_m == pytest.approx(with_measured_slow_errors(data).slow.position_m)
