@@ -3,6 +3,7 @@
 python -m benchmarks.proposals null --campaigns 400
 python -m benchmarks.proposals power --d 6 --campaigns 20
 python -m benchmarks.proposals power --d 10 --campaigns 13 --first-seed 900000
+python -m benchmarks.proposals products --d 6 --campaigns 20
 python -m benchmarks.proposals exponent --campaigns 100
 python -m benchmarks.proposals central --campaigns 20
 python -m benchmarks.proposals launch --campaigns 400
@@ -17,6 +18,7 @@ import json
 import time
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -25,6 +27,7 @@ from numpy.typing import NDArray
 from analysis.effects.catalogue import CATALOGUE
 from analysis.model.data.evidence import stage_of
 from analysis.model.data.inside import without_contact_frames
+from analysis.model.data.poses import PoseData
 from analysis.model.data.stream import whole
 from analysis.model.fitting.fit import fit_campaign
 from analysis.model.fitting.robust_fit import robust_fit
@@ -36,6 +39,7 @@ from analysis.model.proposals.proposed import Proposed
 from benchmarks.discovery.campaigns import campaign
 from benchmarks.discovery.strength import amplitude_at
 from benchmarks.discovery.treatments import TREATMENTS
+from benchmarks.proposals.products import SHARES, WAYS_OFF, product_at, share_alone
 from benchmarks.proposals.unforeseen import WORLDS, claimed, fired, is_true
 from simulators.challenge.effects import HIDDEN
 from simulators.challenge.unnamed import LAWS
@@ -93,17 +97,22 @@ def trial(
     data = TREATMENTS[treatment](
         campaign(amplitudes, seed, SHOTS), np.random.default_rng([seed, 7])
     )
+    one, found = _asked(data, " ".join(amplitudes), seed)
+    if floor:
+        quiet = without_contact_frames(campaign({}, seed, SHOTS))
+        one = replace(one, floor=stage_of(quiet, fit_campaign(quiet)).error.value)
+    return replace(one, treatment=treatment), found
+
+
+def _asked(data: PoseData, hidden: str, seed: int) -> tuple[Trial, Proposed]:
+    """Have laws proposed for a campaign, and note what was said."""
     start = time.process_time()
     found = propose(data, (), CATALOGUE)
     seconds = time.process_time() - start
-    least = float("nan")
-    if floor:
-        quiet = without_contact_frames(campaign({}, seed, SHOTS))
-        least = stage_of(quiet, fit_campaign(quiet)).error.value
     return Trial(
-        hidden=" ".join(amplitudes),
+        hidden=hidden,
         seed=seed,
-        treatment=treatment,
+        treatment="as stated",
         proposals=tuple(
             (*form.group, form.shape_name)
             for form in (*(a.form for a in found.accepted), *(a.form for a in found.launch))
@@ -112,7 +121,7 @@ def trial(
         effects=found.effects,
         before=found.path[0].error.value,
         after=found.path[-1].error.value,
-        floor=least,
+        floor=float("nan"),
         seconds=seconds,
     ), found
 
@@ -190,6 +199,34 @@ def _named(one: Trial, right: tuple[str, str]) -> bool:
         return False
     found = [one.proposals[0][:2], *one.alike]
     return found[0] == right or (right in found and len(found) <= SMALL_SET)
+
+
+def products(asked: Asked) -> list[Trial]:
+    """Hide products at one strength, their zeros on and off the shots."""
+    tried = list[Trial]()
+    rows = []
+    for off in WAYS_OFF:
+        for k in range(asked.campaigns):
+            seed = asked.first_seed + 70_000 + k
+            data, pair = product_at(asked.d, off, seed, SHOTS)
+            one, found = _asked(data, f"{' on '.join(pair.group)}, {off} off", seed)
+            named, first = _named(one, pair.group), one.proposals[:1]
+            right = bool(first) and first[0][:2] == pair.group
+            rows.append((share_alone(found, pair, off), right, named))
+            tried.append(one)
+        own = rows[-asked.campaigns :]
+        shares = [row[0] for row in own]
+        print(
+            f"zero {off} deviations off: arguments alone do {min(shares):.2f} to {max(shares):.2f}"
+        )
+        _share(f"d {asked.d:g} zero {off} deviations off: first", 0.0, [row[1] for row in own])
+        _share(f"d {asked.d:g} zero {off} deviations off: in the set", 0.75, [r[2] for r in own])
+    for low, high in pairwise(SHARES):
+        own = [row for row in rows if low <= row[0] < high]
+        text = f"d {asked.d:g} arguments alone do {low:g} to {high:g}"
+        _share(f"{text}: first", 0.0, [row[1] for row in own])
+        _share(f"{text}: in the set", 0.75, [row[2] for row in own])
+    return tried
 
 
 def exponent(asked: Asked) -> list[Trial]:
@@ -324,6 +361,7 @@ def _share(text: str, asked: float, hits: Iterable[bool], *, at_least: bool = Tr
 SECTIONS = {
     "null": null,
     "power": power,
+    "products": products,
     "exponent": exponent,
     "central": central,
     "launch": launch,

@@ -1,7 +1,8 @@
-"""Products of two arguments at one strength, by how much either argument holds by itself.
+"""Products of two arguments at one strength, by what either argument does by itself.
 
-With the zero of one argument k standard deviations of the shots from their mean, the other alone
-holds k^2 / (1 + k^2) of the product over the shots: 0, 0.5, 0.8 and 0.9 for k = 0, 1, 2, 3.
+With the zero of one argument off the mean of the shots, the other by itself does most of what the
+product does. At a strength d the product is then told from it by d sqrt(1 - share) standard errors
+only, among a dozen partners that it may have.
 """
 
 from __future__ import annotations
@@ -15,6 +16,10 @@ from numpy.typing import NDArray
 from analysis.model.data.inside import without_contact_frames
 from analysis.model.data.poses import PoseData
 from analysis.model.fitting.fit import fit_campaign
+from analysis.model.proposals.channels import channels_of
+from analysis.model.proposals.forms.form import ContactForm
+from analysis.model.proposals.forms.shapes import LINEAR, POWER
+from analysis.model.proposals.proposed import Proposed
 from benchmarks.discovery.campaigns import SILENCE, STATED, posed
 from simulators.challenge.campaign import Noise, run_campaign
 from simulators.challenge.launch import Settings, Touch
@@ -24,20 +29,33 @@ from simulators.challenge.unnamed import Dependence, Law
 Floats = NDArray[np.float64]
 Of = Callable[[Settings, Touch, float], Floats]
 
-WAYS_OFF = (0, 1, 2, 3)
+WAYS_OFF = (0, 1, 2)
 """Of a zero from the mean of the shots, in their standard deviations."""
 FIRST_GUESS = 0.01
 """Amplitude from which the one of a strength is found, for arguments of unit spread."""
+SHARES = (0.0, 0.6, 0.8, 0.9, 1.0)
+"""Of what a product does, done by its arguments by themselves: between these, rates are printed."""
 
 
 @dataclass(frozen=True, slots=True)
 class Pair:
-    """A coefficient and two arguments; the zero of the first is the one that lies off."""
+    """A coefficient and two arguments; the zero of the first is the one that lies off.
+
+    Attributes
+    ----------
+    names
+        Of the first and of the second.
+    """
 
     slot: str
-    argument: str
+    names: tuple[str, str]
     first: Of
     second: Of
+
+    @property
+    def group(self) -> tuple[str, str]:
+        """Slot and argument as proposals have them."""
+        return self.slot, "*".join(sorted(self.names))
 
 
 def _ln_approach(settings: Settings, touch: Touch, radius_m: float) -> Floats:
@@ -57,9 +75,9 @@ def _order(settings: Settings, touch: Touch, radius_m: float) -> Floats:
 
 
 PAIRS = (
-    Pair("e", "speed_n*temperature_c", _ln_approach, _warmth),
-    Pair("mu", "speed_s*temperature_c", _ln_slip, _warmth),
-    Pair("e", "order*speed_n", _order, _ln_approach),
+    Pair("e", ("speed_n", "temperature_c"), _ln_approach, _warmth),
+    Pair("mu", ("speed_s", "temperature_c"), _ln_slip, _warmth),
+    Pair("e", ("order", "speed_n"), _order, _ln_approach),
 )
 """One of them for each seed in turn."""
 
@@ -75,13 +93,34 @@ def product_at(d: float, off: int, seed: int, shots: int) -> tuple[PoseData, Pai
         return (first + off) * second
 
     def campaign(amplitude: float, noise: Noise) -> PoseData:
-        law = Law(pair.slot, pair.argument, "linear", size, "1", "a product", amplitude)
+        law = Law(*pair.group, "linear", size, "1", "a product", amplitude)
         nature = Nature(dependence=Dependence(law, amplitude))
         return posed(run_campaign(nature, seed, shots=shots, noise=noise))
 
     silent = without_contact_frames(campaign(FIRST_GUESS, SILENCE))
     found = float(np.sqrt(fit_campaign(silent).chi2))
     return campaign(FIRST_GUESS * d / found, STATED), pair
+
+
+def share_alone(found: Proposed, pair: Pair, off: int) -> float:
+    """Return the share of what a product does that its arguments do by themselves."""
+    channels = channels_of(found.data, found.path[0].fit)
+    known = {argument.name: argument for argument in found.admitted.arguments}
+    arguments = tuple(known[name] for name in pair.names)
+    zeros = []
+    for argument, away in zip(arguments, (off, 0), strict=True):
+        values = argument.of(channels.encounter)[:, 0]
+        values = np.log(values) if argument.positive else values
+        zero = float(values.mean() - away * values.std())
+        zeros.append(float(np.exp(zero)) if argument.positive else zero)
+    product = ContactForm(pair.slot, arguments, None, tuple(zeros), (1.0,))
+    alone = [
+        ContactForm(pair.slot, (a,), POWER if a.positive else LINEAR, (zero,), (1.0,))
+        for a, zero in zip(arguments, zeros, strict=True)
+    ]
+    matrix = channels.summed([channels.weights(form) for form in (product, *alone)]).matrix
+    across = matrix[0, 1:]
+    return float(across @ np.linalg.solve(matrix[1:, 1:], across) / matrix[0, 0])
 
 
 def _standard(values: Floats) -> Floats:

@@ -10,7 +10,7 @@ from analysis.model.fitting.fit import Fit
 from analysis.model.proposals.channels import Channels, Form
 from analysis.model.proposals.forms.form import ContactForm
 from analysis.model.proposals.forms.impulses import IMPULSES
-from analysis.model.proposals.products import freed_products
+from analysis.model.proposals.products import freed_products, main_groups
 from analysis.model.proposals.refine import (
     MOST_GROUPS,
     Promise,
@@ -80,20 +80,35 @@ def rivals_of(
     near = [promise for promise in promises if _may_reach(promise, least)]
     exact = max((promise.fall for promise in near), default=0.0) < SMALL_FALL
     found = [p if exact and isinstance(p.form, ContactForm) else _refit(fitted, p) for p in near]
-    freed = freed_products(channels, forms)[:MOST_FREED]
-    least = (1.0 - REFIT_SHARE) * top
-    found += _with_zeros(fitted, [p for p in freed if _may_reach(p, least)], found)
-    return sorted(found, key=lambda one: -one.worth)
+    found.sort(key=lambda one: -one.worth)
+    products = freed_products(channels, forms)
+    leading = products[:MOST_FREED]
+    if not exact:
+        least = (1.0 - REFIT_SHARE) * top
+        leading = [_freed(fitted, p) for p in leading if p.worth > least]
+    best = found[0].worth if found else 0.0
+    leading = [product for product in leading if product.worth > best]
+    return sorted([*leading, *found, *_alike(found, products)], key=lambda one: -one.worth)
 
 
-def _with_zeros(
-    fitted: tuple[Data, Fit, str], promises: Sequence[Promise], others: Sequence[Rival]
-) -> list[Rival]:
-    """Refit products with their zeros free, and return those that are better than all else."""
+def _freed(fitted: tuple[Data, Fit, str], product: Promise) -> Rival:
+    """Refit a product with its zeros free."""
     data, fit, name = fitted
-    top = max((one.worth for one in others), default=0.0)
-    freed = [with_free_constants(data, refitted(data, fit, p, name))[0] for p in promises]
-    return [one for one in freed if one.worth > top]
+    return with_free_constants(data, refitted(data, fit, product, name))[0]
+
+
+def _alike(found: Sequence[Rival], products: Sequence[Promise]) -> list[Promise]:
+    """Return the likeliest product of the argument that leads, where shots do not rule it out.
+
+    A product whose zero lies off the shots is nearly its other argument by itself.
+    """
+    if not found:
+        return []
+    lead = found[0]
+    promise = lead.promise if isinstance(lead, Refitted) else lead
+    within = promise.worth - ALIAS_WITHIN
+    own = (p for p in products if lead.form.group in main_groups(p.form))
+    return [p for p in own if within < p.worth <= promise.worth][:1]
 
 
 def _nearest(screen: Screen) -> list[tuple[str, str]]:
