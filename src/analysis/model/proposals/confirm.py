@@ -12,7 +12,7 @@ from analysis import chi_squared
 from analysis.effects.effect import Effect
 from analysis.errors import LaunchRefusedError, ProposalRefusedError, counted
 from analysis.launch.fit import fit_launch, settled
-from analysis.model.data.evidence import stage_of
+from analysis.model.data.evidence import stage_of, weighed_again
 from analysis.model.data.stream import whole
 from analysis.model.data.tables import Data
 from analysis.model.fitting.adding import added
@@ -104,14 +104,18 @@ def confirm_stated(data: Data, given: Sequence[Effect], stated: Statement) -> Co
 
 
 def confirm(data: Data, given: Sequence[Effect], effect: Effect) -> Confirmation:
-    """Test one form on shots that it was not chosen on, beside effects that are given."""
+    """Test one form on shots that it was not chosen on, beside effects that are given.
+
+    Shots that look bad without the form, and not with it, count in both fits.
+    """
     base = robust_fit(data, given)
-    before = stage_of(base.data, base.fit)
     fitted, fit = added(base.data, base.fit, effect)
-    after = stage_of(fitted, fit)
-    fall = max((base.fit.chi2 - fit.chi2) / max(fit.chi2_per_dof, 1e-12), 0.0)
+    path = [stage_of(base.data, base.fit), stage_of(fitted, fit)]
+    evidence, (before, after) = weighed_again(base.evidence, path, fitted.jitter_s)
+    fall = max((before.fit.chi2 - after.fit.chi2) / max(after.fit.chi2_per_dof, 1e-12), 0.0)
     errors = before.error.value, after.error.value
-    return _confirmation((effect, given), len(base.data.shots), fall, errors, fit.parameters())
+    shots, found = len(evidence.data.shots), after.fit.parameters()
+    return _confirmation((effect, given), shots, fall, errors, found)
 
 
 def _confirmation(

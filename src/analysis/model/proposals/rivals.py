@@ -43,11 +43,7 @@ def least_beside(worth: float) -> float:
 
 def promises_of(channels: Channels, screen: Screen, forms: Sequence[Form]) -> list[Promise]:
     """Return the likeliest forms of the groups whose scores come near the best, best first."""
-    found = list[Promise]()
-    for group in _nearest(screen):
-        own = promised(channels, group, forms)
-        least = own[0].worth - ALIAS_WITHIN - 2.0 if own else 0.0
-        found += [promise for promise in own if promise.worth > least]
+    found = [p for group in _nearest(screen) for p in promised(channels, group, forms)]
     return sorted(found, key=lambda promise: -promise.worth)
 
 

@@ -105,6 +105,12 @@ def _of_one(one: Json) -> list[str]:
     if alike or one["alike_effects"]:
         others = ", ".join([*alike, *one["alike_effects"]])
         found.append(f"  these shots cannot tell it from: {others}")
+    outside = [part for part in one["argument"].split("*") if _nobody_sets(part)]
+    if outside and one["next_shots"]:
+        found.append(
+            f"  its next shots do not change {' and '.join(outside)}: fire them over values as far "
+            "apart as in these shots"
+        )
     if one["slot"] != "launch" and is_setting_name(one["argument"]):
         found.append(
             f"  {one['argument']} is set by the rig and acts through how the spheres meet: this "
@@ -113,6 +119,11 @@ def _of_one(one: Json) -> list[str]:
     if one["hint"]:
         found.append(f"  {one['hint']}")
     return found
+
+
+def _nobody_sets(argument: str) -> bool:
+    """Whether an argument is a column of the shot list that the rig does not set."""
+    return argument not in _MEANINGS and not is_setting_name(argument)
 
 
 def _explained(name: str) -> str:
@@ -187,10 +198,16 @@ def _shared(one: Json) -> str:
         else f"{own['campaign']} {own['amplitude']:.3g} +- {own['sigma']:.2g}"
         for own in one["each"]
     )
-    word = "each its own" if one["p_alike"] < DIFFERENT else "the same in all"
     return (
         f"  {one['slot']} against {one['argument']}, {one['shape']}: amplitude "
         f"{one['amplitude']:.3g} +- {one['sigma']:.2g}; chance that noise alone looks like this "
-        f"{_chance(one['p_familywise'])}; {word} (chance of such differences where they share one "
-        f"{_chance(one['p_alike'])}): {each}"
+        f"{_chance(one['p_familywise'])}; {_compared(one)}: {each}"
     )
+
+
+def _compared(one: Json) -> str:
+    """Say whether campaigns share an amplitude, where two or more of them see it."""
+    if sum(own["amplitude"] is not None for own in one["each"]) < 2:
+        return "one campaign alone can see it, so that nothing is said to be shared"
+    word = "each its own" if one["p_alike"] < DIFFERENT else "the same in all that see it"
+    return f"{word} (chance of such differences where they share one {_chance(one['p_alike'])})"

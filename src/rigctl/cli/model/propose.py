@@ -110,6 +110,8 @@ def proposing(
     if write is not None:
         _write(write, title, found, document)
     lines = [*proposal_sentences(document), *(f"written: {path}" for path in document["files"])]
+    if write is None and document["proposals"]:
+        lines.append("--write FOLDER writes this as an effect file, its next shots as a sweep.")
     if document["sweep"]:
         lines.append(f"next shots, to be fired as a sweep: rigctl sweep {document['sweep']}")
     _print(document, lines, as_json=json)

@@ -15,7 +15,7 @@ from analysis.model.proposals.propose import propose
 from analysis.model.proposals.stated import Origin, Statement
 from rigctl.errors import AnalysisInputError
 from rigctl.model.proposing import confirmed, confirmed_statement
-from tests.unit.analysis.model.proposals.hidden import campaign, proposed
+from tests.unit.analysis.model.proposals.hidden import SHOTS, campaign, proposed
 
 LAW, AMPLITUDE = "restitution-bump", 0.008
 
@@ -34,6 +34,14 @@ def test_a_true_form_is_confirmed_on_other_shots(form: Path) -> None:
     assert found.p_value < 1e-6
     amplitude = found.parameters["a"]
     assert abs(amplitude.value - AMPLITUDE) < 5 * amplitude.sigma
+
+
+def test_shots_that_only_the_form_explains_count_in_its_test() -> None:
+    _, found = proposed("friction-temperature", 0.03, 45)
+    effect = found.accepted[0].form.effect("stated")
+    again = confirm(campaign({"friction-temperature": 0.03}, seed=42), (), effect)
+    assert again.shots == SHOTS
+    assert abs(again.parameters["a"].value - 0.03) < 4 * again.parameters["a"].sigma
 
 
 def test_a_form_that_is_not_there_is_not_confirmed(form: Path) -> None:

@@ -35,6 +35,13 @@ def test_a_hidden_law_is_proposed_with_its_slot_and_argument(name: str) -> None:
     assert first.after.error.value < first.before.error.value
 
 
+def test_a_strong_law_keeps_its_shape() -> None:
+    _, found = proposed("friction-temperature", 0.03, 45)
+    first = found.accepted[0]
+    assert (*first.form.group, first.form.shape_name) == ("mu", "temperature_c", "linear")
+    assert abs(first.quantities["a"].value - 0.03) < 4 * first.quantities["a"].sigma
+
+
 def test_the_constants_of_a_bump_are_found_within_their_errors() -> None:
     _, found = proposed("restitution-bump", STRONG["restitution-bump"])
     constants = found.accepted[0].freed.parameters()

@@ -9,7 +9,7 @@ import pytest
 from analysis.launch.prediction import Limits
 from analysis.model.proposals.document import proposals_document
 from analysis.model.proposals.following import next_after
-from analysis.model.proposals.words import proposal_sentences
+from analysis.model.proposals.words import proposal_sentences, together_sentences
 from analysis.quantity import Quantity
 from tests.unit.analysis.model.proposals.hidden import proposed
 
@@ -40,6 +40,38 @@ def test_a_value_has_as_many_digits_as_its_error(value: float, sigma: float, sai
     document = proposals_document("nylon", proposed("restitution-bump", 0.008)[1])
     document["proposals"][0]["parameters"] = {"a": Quantity(value, sigma, "K^-1").to_json()}
     assert said in " ".join(proposal_sentences(document))
+
+
+def test_shots_for_a_law_on_what_nobody_sets_say_what_must_change_beside() -> None:
+    document = proposals_document("nylon", proposed("restitution-bump", 0.008)[1])
+    one = document["proposals"][0]
+    one["next_shots"] = [{"pressure_a_kpa": 40.0}]
+    assert "next shots do not change" not in " ".join(proposal_sentences(document))
+    one["argument"] = "speed_n*temperature_c"
+    assert "its next shots do not change temperature_c: fire" in " ".join(
+        proposal_sentences(document)
+    )
+
+
+@pytest.mark.parametrize(
+    ("second", "p_alike", "said"),
+    [
+        (None, 1.0, "one campaign alone can see it"),
+        (0.02, 0.6, "the same in all that see it"),
+        (0.9, 1e-6, "each its own"),
+    ],
+)
+def test_campaigns_share_what_two_of_them_see(
+    second: float | None, p_alike: float, said: str
+) -> None:
+    each = [
+        {"campaign": "one", "amplitude": 0.021, "sigma": 0.002},
+        {"campaign": "two", "amplitude": second, "sigma": None if second is None else 0.002},
+    ]
+    shared = {"slot": "e", "argument": "order", "shape": "linear", "amplitude": 0.02}
+    shared |= {"sigma": 0.001, "p_familywise": 1e-5, "p_alike": p_alike, "each": each}
+    document = {"campaigns": ["one", "two"], "with": [], "shared": [shared]}
+    assert said in " ".join(together_sentences(document))
 
 
 def test_a_chance_that_no_experiment_knows_is_no_number() -> None:
