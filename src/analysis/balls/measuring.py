@@ -121,7 +121,7 @@ def measure_ball(film: Film, times_s: Floats, ball: Ball, exposure_s: float | No
     for repeat in range(MOST_REPEATS if len(chain.times_s) else 0):
         head = film.head
         view = View(head.height, head.width, period, placer.exposure_s, head.readout)
-        observed, start = _observed(placed, times_s), _start(chain, found.fall)
+        observed, start = _observed(placed, times_s), _start(found)
         stated = Known(ball, view, looks.radius_px, looks.radius_sigma_px)
         fitted = fit_flights(observed, start, stated, flights)
         if fitted is None:
@@ -217,14 +217,16 @@ def _observed(placed: Placed, times_s: Floats) -> Observed:
     return Observed(placed.frames, times_s[placed.frames], placed.places, sigmas)
 
 
-def _start(chain: Chain, fall: Floats) -> Start:
+def _start(found: Search) -> Start:
+    chain, fall = found.chain, found.fall
     before: list[Floats] = []
     after: list[Floats] = []
     for time, a, b in zip(chain.times_s, chain.arcs[:-1], chain.arcs[1:], strict=True):
         for arc, end, speeds in ((a, True, before), (b, False, after)):
             middle, _, speed = arc.course(fall, end=end)
             speeds.append(speed + fall * (time - middle))
-    return Start(chain.times_s, chain.places, np.array(before), np.array(after))
+    own = float(fall[0]) if found.contradicts else None
+    return Start(chain.times_s, chain.places, np.array(before), np.array(after), own)
 
 
 def coefficient(measured: MeasuredBall, bounce: int) -> tuple[float, float]:

@@ -149,10 +149,10 @@ def _of_flights(flights: Flights, head: FilmHead) -> Iterator[str]:
     fall, fall_sigma = flights.scale_of_fall
     size, size_sigma = flights.scale_of_diameter
     if flights.contradiction:
-        ratio = fall / size
+        ratio = size / fall
         yield (
             f"the diameter contradicts gravity: by its fall the ball is {ratio:.3f} ± "
-            f"{math.hypot(fall_sigma, size_sigma):.3f} of the stated diameter times as large; "
+            f"{ratio * math.hypot(fall_sigma, size_sigma):.3f} times as large as stated; "
             "speeds are scaled by gravity, e does not depend on it; check the diameter, the frame "
             "rate and that the camera sees the flight from the side"
         )

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from analysis.arrays import Floats
-from analysis.balls.carried import CarriedError, NotFlyingError, TurningError
-from analysis.balls.discs.finding import find_balls
+from analysis.balls.carried import CarriedError, TurningError
+from analysis.balls.discs.finding import Disc, find_balls
 from analysis.balls.films.fields import refuse_combed
 from analysis.balls.films.film import Film, FilmHead, Picture, spread_frames
 from analysis.balls.flight.known import Ball
 from analysis.balls.seen.arcs import Arc, Chain, Sightings, chains, find_arcs
 from analysis.balls.seen.background import background
-from analysis.balls.seen.exposures import Brightness, evened
+from analysis.balls.seen.exposures import Brightness, evened, some_pixels
 from analysis.balls.seen.joining import joined
 from analysis.balls.seen.letting_go import flown
 from analysis.balls.seen.looks import (
@@ -27,6 +27,7 @@ from analysis.balls.seen.looks import (
     find_discs_that_move,
     looks_of,
     noise_of,
+    weight,
 )
 from analysis.balls.seen.sightings import Sight
 from analysis.balls.seen.surroundings import Surroundings
@@ -34,10 +35,18 @@ from analysis.balls.seen.turning import turning_ball
 from analysis.errors import ShotRefusedError
 
 MOST_FAMILIES = 4
+SURE_SHARE = 0.1
+"""Of the surest family's weight: others are looked at only where no sure one flies."""
+COARSE, LARGE_PICTURE = 4.0, 400_000
+"""Times the smallest radius: smaller discs of larger pictures than this (px) are sought last."""
+CLEAR_FRAMES = 12
+"""Of flights that bend alike and meet in a bounce: what flies in so many is the ball."""
 LEAST_FRAMES = 6
 LEAST_BALL_FRAMES = 6
 MUCH_MORE = 1.25
 """Frames of flights that bend alike of less sure discs, over those of surer ones, that win."""
+FALLS = (1.0, 0.7, 1.4, 0.5, 2.0)
+"""Of the fall that follows from the stated diameter: those that are tried."""
 FALL_SHARE = (0.5, 2.0)
 """Of the fall that follows from the ball's size: between these a ball flies."""
 BEND_SHARE, BEND_SIGMAS = 0.12, 2.0
@@ -64,7 +73,10 @@ class Search:
     looks, chain
         Of the ball.
     fall
-        Free fall in the picture by the ball's size, (row, column) in px/s^2.
+        Free fall in the picture by the ball's size, (row, column) in px/s^2; where the flights bend
+        otherwise, nearly as they do.
+    contradicts
+        Whether they do.
     others
         Flights beside the ball's own, the strongest first, each with whether a disc is seen there.
     unexplained
@@ -85,6 +97,7 @@ class Search:
     repeated: tuple[int, ...]
     gains: Floats
     about: Surroundings | None
+    contradicts: bool = False
 
 
 def search(film: Film, times_s: Floats, ball: Ball) -> Search:
@@ -109,52 +122,106 @@ def search(film: Film, times_s: Floats, ball: Ball) -> Search:
     turning = turning_ball(shown, ground, noise, _radii_px(ground))
     if turning is not None:
         raise TurningError(turning, ground, times_s)
-    groups = families(find_discs_that_move(samples, ground, noise))
-    if not groups:
-        raise ShotRefusedError(
-            "ball",
-            f"nothing round moves in this film: {len(samples)} of its {film.head.frames} frames "
-            f"were looked at{_at_rest(ground)}; check that the ball is in the picture and the "
-            "camera stands still",
-        )
+    found: list[tuple[int, Disc]] = []
     best: Search | None = None
-    most = 0
-    refused: NotFlyingError | None = None
-    sought = [looks_of(family, samples, ground, film.head) for family in groups[:MOST_FAMILIES]]
-    all_seen, gains = _seen(film, sought, read, ground)
+    refused: ShotRefusedError | None = None
+    for radii, share in _turns(ground):
+        found += find_discs_that_move(samples, ground, noise, radii)
+        groups = families(found)[:MOST_FAMILIES]
+        least = share * max(map(weight, groups), default=0.0)
+        sought = [looks_of(g, samples, ground, head) for g in groups if weight(g) >= least]
+        frames = 0
+        for one in _searches(film, times_s, ball, sought, (read, ground)):
+            if isinstance(one, ShotRefusedError):
+                refused = refused or one
+                continue
+            # The surest rims come first; the strengths of families are each in units of its own.
+            flies, _ = _agreeing(one.chain, one.looks, one.fall)
+            if best is None or flies > MUCH_MORE * frames:
+                best, frames = one, flies
+        if best is not None and frames >= CLEAR_FRAMES and len(best.chain.times_s):
+            return best
+    if best is not None:
+        return best
+    raise refused or ShotRefusedError(
+        "ball",
+        f"nothing round moves in this film: {len(samples)} of its {head.frames} frames "
+        f"were looked at{_at_rest(ground)}; check that the ball is in the picture and the "
+        "camera stands still",
+    )
+
+
+def _turns(ground: Picture) -> list[tuple[tuple[float, float], float]]:
+    """Return radii to search one after another, and the least weight of a family over the largest.
+
+    Most of the work in a large picture is for the smallest discs: they are sought where larger ones
+    do not fly.
+    """
+    low, high = _radii_px(ground)
+    middle = COARSE * low
+    if ground.shape[0] * ground.shape[1] < LARGE_PICTURE or middle > high:
+        return [((low, high), 0.0)]
+    return [((middle, high), SURE_SHARE), ((low, middle), 0.0)]
+
+
+def _searches(
+    film: Film,
+    times_s: Floats,
+    ball: Ball,
+    sought: Sequence[Looks],
+    samples: tuple[dict[int, Picture], Picture],
+) -> Iterator[Search | ShotRefusedError]:
+    """Give the flights of each of some balls, or why it has none."""
+    if not sought:
+        return
+    all_seen, gains = _seen(film, sought, *samples)
     for looks, (places, about) in zip(sought, all_seen, strict=True):
         repeated = _repeated(places)
         for frame in repeated:
             places[frame] = places[frame][:0]
         seen = Sightings(times_s, places, (film.head.height, film.head.width))
-        fall = np.array([ball.gravity * 2 * looks.radius_px / ball.diameter_m, 0.0])
-        arcs = find_arcs(seen, looks.radius_px, fall)
-        arcs = joined(arcs, looks.radius_px, fall, seen.shape)
+        stated = np.array([ball.gravity * 2 * looks.radius_px / ball.diameter_m, 0.0])
+        flights = _flights(seen, looks, stated)
+        if flights is None:
+            said = f"{_way(seen, looks)}; no flight of four frames is in this film"
+            yield CarriedError(said, looks, seen)
+            continue
+        linked, chain, fall = flights
+        others = tuple((c, _round(c, looks)) for c in linked[1:] if _beside(c, chain))
+        beyond = _unexplained(seen, linked, chain)
+        odd = bool(fall[0] != stated[0])
+        yield Search(looks, chain, fall, others, beyond, repeated, gains, about, odd)
+
+
+def _flights(
+    seen: Sightings, looks: Looks, stated: Floats
+) -> tuple[list[Chain], Chain, Floats] | None:
+    """Return chains of flights, the part of the strongest that the ball flies, and its fall.
+
+    Where few flights bend as the stated diameter says, other falls are tried: a person may have
+    stated a radius, or another rate. Only flights that bend alike on both sides of a bounce count.
+    """
+    best: tuple[list[Chain], Chain, Floats] | None = None
+    most = 0
+    for share in FALLS:
+        fall = share * stated
+        arcs = joined(find_arcs(seen, looks.radius_px, fall), looks.radius_px, fall, seen.shape)
         linked = [each for each in chains(arcs, looks.radius_px, fall) if _falls(each, looks, fall)]
-        chain = None
-        if linked:
-            chain = flown(_flying(linked[0], looks, fall), looks.radius_px)
-        # The surest rims come first; the strengths of families are each in units of its own.
-        flies = 0 if chain is None else _agreeing(chain, looks, fall)
-        if chain and (best is None or flies > MUCH_MORE * most):
-            most = flies
-            others = tuple((c, _round(c, looks)) for c in linked[1:] if _beside(c, chain))
-            beyond = _unexplained(seen, linked, chain)
-            best = Search(looks, chain, fall, others, beyond, repeated, gains, about)
-        said = f"{_way(seen, looks)}; no flight of four frames is in this film"
-        refused = refused or CarriedError(said, looks, seen)
-    if best is not None:
-        return best
-    raise refused or ShotRefusedError("flight", "nothing in this film falls")
+        if not linked:
+            continue
+        chain = flown(_flying(linked[0], looks, fall), looks.radius_px)
+        frames, alike = _agreeing(chain, looks, fall)
+        clear = frames >= CLEAR_FRAMES and alike > 1
+        if (share == 1.0 or clear) and (best is None or frames > MUCH_MORE * most):
+            best, most = (linked, chain, fall), frames
+    return best
 
 
 def _evened(samples: dict[int, Picture], head: FilmHead) -> tuple[dict[int, Picture], Picture]:
     """Return frames as bright as one another, and what stands still in them."""
-    ground = background(list(samples.values()))
-    brightness = Brightness(ground, head)
-    values = {number: brightness.of(picture)[0] for number, picture in samples.items()}
-    if all(value == 1.0 for value in values.values()):
-        return samples, ground
+    some = {number: some_pixels(picture)[..., None] for number, picture in samples.items()}
+    brightness = Brightness(background(list(some.values())), head)
+    values = {number: brightness.of(picture)[0] for number, picture in some.items()}
     even = {number: evened(picture, values[number]) for number, picture in samples.items()}
     return even, background(list(even.values()))
 
@@ -183,21 +250,21 @@ def _seen(
     return list(zip(places, about, strict=True)), np.array(gains)
 
 
-def _agreeing(chain: Chain, looks: Looks, fall: Floats) -> int:
-    """Return in how many frames the flights of a chain bend alike, as those of one ball do.
+def _agreeing(chain: Chain, looks: Looks, fall: Floats) -> tuple[int, int]:
+    """Return how many frames and flights of a chain bend alike, as those of one ball do.
 
     What is no ball goes through pieces of falls too, each of which bends in its own way.
     """
     told = [(arc, _bend([arc], looks, fall)) for arc in chain.arcs]
     known = [(arc, *bend) for arc, bend in told if bend is not None]
-    most = 0
+    most = 0, 0
     for _, middle, _ in known:
         alike = [
             arc
             for arc, bend, sigma in known
             if abs(bend - middle) < BEND_SHARE * middle + BEND_SIGMAS * sigma
         ]
-        most = max(most, len({int(frame) for arc in alike for frame in arc.frames}))
+        most = max(most, (len({int(frame) for arc in alike for frame in arc.frames}), len(alike)))
     return most
 
 
@@ -257,7 +324,7 @@ def _flying(chain: Chain, looks: Looks, fall: Floats) -> Chain:
     """
     first, last = 0, len(chain.arcs)
     told = [_bend([arc], looks, fall) for arc in chain.arcs]
-    still = [each is not None and each[0] < FALL_SHARE[0] for each in told]
+    still = [each is not None and each[0] + each[1] < FALL_SHARE[0] for each in told]
     while first < last - 1 and still[first] and _stays(chain.arcs[first], looks):
         first += 1
     last = next((k for k in range(first + 1, last) if still[k]), last)

@@ -52,13 +52,15 @@ def test_a_film_without_any_folder_gives_e_of_every_bounce(
     assert shot["ball"]["diameter_px"]["value"] == pytest.approx(2 * RADIUS, rel=0.02)
 
 
+@pytest.mark.parametrize("share", [0.5, 1.15, 2.0])
 def test_a_diameter_that_is_wrong_is_contradicted_by_the_fall(
-    film: Path, capsys: pytest.CaptureFixture[str]
+    share: float, film: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    size = ["--ball-diameter-mm", f"{1.15 * DIAMETER_MM:.3f}", "--fps", "200"]
+    size = ["--ball-diameter-mm", f"{share * DIAMETER_MM:.3f}", "--fps", "200"]
     shot = answer(capsys, str(film), *size, "--exposure-us", "0")
     assert not shot["scale_px_per_m"]["agree"]
-    assert any("contradicts gravity" in note for note in shot["notes"])
+    (note,) = [note for note in shot["notes"] if "contradicts gravity" in note]
+    assert float(note.split("the ball is ")[1].split()[0]) == pytest.approx(1 / share, rel=0.03)
     assert shot["impacts"][0]["e"]["value"] == pytest.approx(0.8, abs=0.01)
 
 

@@ -85,6 +85,8 @@ class _Problem:
 
     def _begin(self, start: Start) -> Floats:
         values = np.where(np.isfinite(self.prior), self.prior, 0.0)
+        if start.fall is not None:
+            values[path.FALL] = math.log(start.fall)
         values[path.TIME] = start.times_s[0]
         values[path.SPEED] = max(1e-3, start.before[0, 0])
         values[path.PLACE] = start.places[0, 1] - self.prior[path.MIDDLE_COLUMN]
@@ -182,10 +184,10 @@ def fit_flights(
         again = before is not None and before.bounces == problem.bounces
         if before is not None and again:
             problem.begin = problem.logarithmic(before.values)
-        fitted = _settle(problem, again=again)
-        if fitted.contradiction:
+        fitted = None if start.fall is not None else _settle(problem, again=again)
+        if fitted is None or fitted.contradiction:
             problem.prior_sigma[path.FALL] = 10.0
-            fitted = replace(_settle(problem, again=False), contradiction=True)
+            fitted = replace(_settle(problem, again=fitted is None and again), contradiction=True)
         kept = _long_flights(fitted)
         if len(kept) == fitted.bounces + 1:
             return fitted

@@ -45,18 +45,20 @@ class Start:
     ----------
     times_s, places, before, after
         Shapes (B,), (B, 2), (B, 2), (B, 2): s, px, px/s, in (row, column).
+    fall
+        Free fall, px/s^2, where flights bend otherwise than the stated diameter says; else None.
     """
 
     times_s: Floats
     places: Floats
     before: Floats
     after: Floats
+    fall: float | None = None
 
     def of(self, chosen: slice) -> Start:
         """Return some of the bounces."""
-        return Start(
-            self.times_s[chosen], self.places[chosen], self.before[chosen], self.after[chosen]
-        )
+        parts = (self.times_s, self.places, self.before, self.after)
+        return Start(*(each[chosen] for each in parts), fall=self.fall)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -26,6 +26,9 @@ COMMON = 17
 EACH = 3
 """For each bounce: speeds away from the plate and across, what it gains away from the camera."""
 LARGEST_STEP_S = 0.02
+SHORTEST_S, LONGEST_FILMS = 1e-6, 2.0
+"""A flight's time from bounce to bounce, the most in lengths of the film: numbers that a fit tries
+on its way may have no fall, or a ball that leaves the plate downward."""
 
 
 @part
@@ -121,6 +124,7 @@ def places(
     forces[2] = values[DRAG]
     normal_down, normal_across = math.cos(values[TILT]), -math.sin(values[TILT])
     slope = math.tan(values[TILT])
+    longest = LONGEST_FILMS * (times.max() - times.min()) + LARGEST_STEP_S
     state, start = np.empty(4), np.empty(4)
     # Before the first bounce, backward from it.
     start[0], start[1] = 0.0, values[PLACE]
@@ -158,7 +162,8 @@ def places(
                 found[n, 0], found[n, 1] = state[0] + values[BIAS] * abs(state[2]), state[1]
                 found[n, 2] = depth + receding * (at - begun)
         state[:] = start
-        lasted = _meet(state, slope, 2.0 * away / max(forces[0], 1e-9), forces)
+        guess = 2.0 * away / max(forces[0], 1e-9)
+        lasted = _meet(state, slope, min(max(guess, SHORTEST_S), longest), forces)
         begun += lasted
         depth += receding * lasted
     _seen(values, found)

@@ -13,17 +13,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.arrays import Floats
+from analysis.balls.seen.growing import MEMORY, MOST_MISSES, grow
 
 Ints = NDArray[np.intp]
 
 FALL_SIGMA = 0.15
 """Relative, of the fall in pixels that follows from the ball's size in the picture."""
 LEAST_FRAMES = 4
-LEAST_SEED = 3
-MOST_MISSES = 3
 TOLERANCE_RADII, TOLERANCE_PX = 0.35, 1.0
-MEMORY = 14
-"""An arc is continued from its last so many sightings: its course bends a little by drag."""
 MOST_SEED_RADII = 14.0
 """A ball moves by no more of its radii from one frame to the next."""
 
@@ -99,71 +96,42 @@ class _Search:
     def __init__(
         self, seen: Sightings, radius_px: float, fall: Floats, free: list[NDArray[np.bool_]]
     ) -> None:
-        self._seen, self._fall, self._free = seen, fall, free
-        self._tolerance = TOLERANCE_RADII * radius_px + TOLERANCE_PX
-        self._furthest = MOST_SEED_RADII * radius_px
+        frames, most = len(seen.places), max((len(each) for each in seen.places), default=0)
+        self._seen = seen
+        self._places = np.full((frames, most, 2), np.inf)
+        self._free = np.zeros((frames, most), dtype=bool)
+        for frame, places in enumerate(seen.places):
+            self._places[frame, : len(places)] = places[:, :2]
+            self._free[frame, : len(places)] = free[frame]
+        self._rules = np.array(
+            [
+                TOLERANCE_RADII * radius_px + TOLERANCE_PX,
+                MOST_SEED_RADII * radius_px,
+                *map(float, seen.shape),
+                *fall.tolist(),
+            ]
+        )
+        self._taken = np.zeros((frames, 2), dtype=np.intp)
         self._tried: set[tuple[int, int, int]] = set()
 
     def best(self) -> Arc | None:
         """Return the next arc from the strongest seed that is left, and take its sightings."""
-        for first in range(len(self._seen.places) - 1):
+        for first in range(len(self._free) - 1):
             for a in np.flatnonzero(self._free[first]).tolist():
                 for b in np.flatnonzero(self._free[first + 1]).tolist():
                     if (first, a, b) in self._tried:
                         continue
                     self._tried.add((first, a, b))
-                    taken = self._grown(first, a, b)
-                    if len(taken) >= LEAST_FRAMES:
-                        return self._take(taken)
+                    self._taken[0], self._taken[1] = (first, a), (first + 1, b)
+                    known = self._seen.times_s, self._places, self._free
+                    count = grow(*known, self._rules, self._taken)
+                    if count >= LEAST_FRAMES:
+                        return self._take([(int(k), int(i)) for k, i in self._taken[:count]])
         return None
-
-    def _grown(self, first: int, a: int, b: int) -> list[tuple[int, int]]:
-        places = self._seen.places
-        step = places[first + 1][b, :2] - places[first][a, :2]
-        if float(np.hypot(*step)) > self._furthest:
-            return []
-        taken = self._extended([(first, a), (first + 1, b)], 1)
-        if len(taken) < LEAST_SEED:
-            return []
-        return self._extended(taken, -1)
-
-    def _extended(self, taken: list[tuple[int, int]], way: int) -> list[tuple[int, int]]:
-        """Continue an arc into later frames (1) or earlier ones (-1)."""
-        times, places = self._seen.times_s, self._seen.places
-        taken = taken[::way]
-        misses = 0
-        frame = taken[-1][0] + way
-        rows, columns = self._seen.shape
-        while 0 <= frame < len(places) and misses < MOST_MISSES:
-            known = taken[-MEMORY:]
-            at = np.array([times[k] for k, _ in known])
-            where = np.array([places[k][i, :2] for k, i in known])
-            middle, place, velocity = _course(at, where, self._fall)
-            gone = times[frame] - middle
-            expected = place + velocity * gone + 0.5 * self._fall * gone**2
-            # A ball that has left the picture may come back on the same course.
-            inside = 0 <= expected[0] < rows and 0 <= expected[1] < columns
-            found = self._nearest(frame, expected)
-            if found is not None:
-                taken.append((frame, found))
-                misses = 0
-            elif inside:
-                misses += 1
-            frame += way
-        return taken[::way]
-
-    def _nearest(self, frame: int, expected: Floats) -> int | None:
-        places = self._seen.places[frame]
-        if len(places) == 0:
-            return None
-        away = np.hypot(*(places[:, :2] - expected).T)
-        away[~self._free[frame]] = np.inf
-        index = int(np.argmin(away))
-        return index if away[index] < self._tolerance else None
 
     def _take(self, taken: list[tuple[int, int]]) -> Arc:
         for frame, index in taken:
-            self._free[frame][index] = False
+            self._free[frame, index] = False
         frames = np.array([frame for frame, _ in taken])
         rows = np.array([self._seen.places[k][i] for k, i in taken])
         return Arc(frames, self._seen.times_s[frames], rows[:, :2], float(rows[:, 2].sum()))

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import cast
+from collections.abc import Iterator, Sequence
+from typing import TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analysis.balls.films.film import Picture
-from analysis.compiled import compiled
 
 Singles = NDArray[np.float32]
+_Number = TypeVar("_Number", np.uint8, np.uint16, np.float32)
+
+BLOCK = 8192
+"""Pixels whose values of all frames fit into a processor's cache."""
 
 
 def background(samples: list[Picture]) -> Picture:
@@ -37,49 +40,53 @@ def background_without(samples: Sequence[Singles], hidden: Sequence[NDArray[np.b
     return np.asarray(_seen_medians(flat, mask).reshape(samples[0].shape))
 
 
-@compiled
 def _seen_medians(values: Singles, hidden: NDArray[np.bool_]) -> Singles:
     """Return the upper median of what is not hidden in each column; of all where all is."""
-    count, width = values.shape
-    found = np.empty(width, values.dtype)
-    line = np.empty(count, values.dtype)
-    for j in range(width):
-        seen = 0
-        for k in range(count):
-            if not hidden[k, j]:
-                seen += 1
-        every = seen == 0
-        many = 0
-        for k in range(count):
-            if hidden[k, j] and not every:
-                continue
-            i = many
-            while i > 0 and line[i - 1] > values[k, j]:
-                line[i] = line[i - 1]
-                i -= 1
-            line[i] = values[k, j]
-            many += 1
-        found[j] = line[many // 2]
+    seen = len(values) - hidden.sum(axis=0)
+    shown = np.where(hidden & (seen > 0), np.float32(np.inf), values)
+    middle = np.where(seen > 0, seen, len(values)) // 2
+    found = np.empty(values.shape[1], values.dtype)
+    for start, lines in _sorted(shown):
+        block = slice(start, start + lines.shape[1])
+        found[block] = np.take_along_axis(lines, middle[None, block], axis=0)[0]
     return found
 
 
-@compiled
 def _medians(values: Picture) -> Picture:
-    """Return the upper median of each column, by insertion."""
-    count, width = values.shape
-    found = np.empty(width, values.dtype)
-    block = 4096
-    sorted_ = np.empty((block, count), values.dtype)
-    for start in range(0, width, block):
-        many = min(block, width - start)
-        for k in range(count):
-            for j in range(many):
-                value = values[k, start + j]
-                i = k
-                while i > 0 and sorted_[j, i - 1] > value:
-                    sorted_[j, i] = sorted_[j, i - 1]
-                    i -= 1
-                sorted_[j, i] = value
-        for j in range(many):
-            found[start + j] = sorted_[j, count // 2]
+    """Return the upper median of each column."""
+    found = np.empty(values.shape[1], values.dtype)
+    for start, lines in _sorted(values):
+        found[start : start + lines.shape[1]] = lines[len(values) // 2]
     return found
+
+
+def _sorted(values: NDArray[_Number]) -> Iterator[tuple[int, NDArray[_Number]]]:
+    """Give each block of columns, sorted, and its first column.
+
+    Each comparison is one of whole lines: a processor does many of them at once.
+    """
+    count, width = values.shape
+    network = _network(count)
+    for start in range(0, width, BLOCK):
+        lines = values[:, start : start + BLOCK].copy()
+        for a, b in network:
+            least = np.minimum(lines[a], lines[b])
+            np.maximum(lines[a], lines[b], out=lines[b])
+            lines[a] = least
+        yield start, lines
+
+
+def _network(count: int) -> list[tuple[int, int]]:
+    """Return pairs that, compared in this order, sort so many values (Batcher, 1968)."""
+    pairs = []
+    merged = 1
+    while merged < count:
+        apart = merged
+        while apart >= 1:
+            for first in range(apart % merged, count - apart, 2 * apart):
+                near = range(first, min(first + apart, count - apart))
+                whole = 2 * merged
+                pairs += [(a, a + apart) for a in near if a // whole == (a + apart) // whole]
+            apart //= 2
+        merged *= 2
+    return pairs

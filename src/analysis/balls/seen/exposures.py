@@ -9,7 +9,7 @@ import numpy as np
 from analysis.balls.films.film import FilmHead, Picture
 from analysis.balls.films.tone import light
 
-SEEN_PIXELS = 20_000
+SEEN_PIXELS = 6_000
 """Of a picture, evenly spread; what moves covers less than half of them."""
 LEAST_LEVEL = 0.1
 """Of the largest value of what stands still: darker pixels are mostly noise."""
@@ -30,8 +30,7 @@ class Brightness:
 
     def __init__(self, ground: Picture, head: FilmHead) -> None:
         self._head = head
-        self._step = max(1, int((ground.shape[0] * ground.shape[1] / SEEN_PIXELS) ** 0.5))
-        still = self._some(ground)
+        still = some_pixels(ground)
         most = np.iinfo(ground.dtype).max
         top = min(float(still.max(initial=1)), 0.95 * most)
         self._seen = (still > LEAST_LEVEL * top) & (still < 0.95 * most)
@@ -40,7 +39,7 @@ class Brightness:
 
     def of(self, picture: Picture) -> tuple[float, float]:
         """Return how much brighter a picture is than the ground: its values, and its light."""
-        own = self._some(picture)[self._seen]
+        own = some_pixels(picture)[self._seen]
         if len(own) == 0:
             return 1.0, 1.0
         values = float(np.median(own / self._still.astype(np.float32)))
@@ -49,8 +48,11 @@ class Brightness:
         ratios = np.maximum(light(own, self._head), 1e-3) / np.maximum(self._light, 1e-3)
         return values, float(np.median(ratios))
 
-    def _some(self, picture: Picture) -> Picture:
-        return picture[:: self._step, :: self._step, picture.shape[2] // 2]
+
+def some_pixels(picture: Picture) -> Picture:
+    """Return one channel of the pixels that are compared, evenly spread over a picture."""
+    step = max(1, int((picture.shape[0] * picture.shape[1] / SEEN_PIXELS) ** 0.5))
+    return picture[::step, ::step, picture.shape[2] // 2]
 
 
 def evened(picture: Picture, values: float) -> Picture:

@@ -45,6 +45,10 @@ RIM_SIGMA = 0.007
 """Relative error of a rim's radius where half of the ball is as dark as the ground."""
 CODEC_PX = 0.4
 """Error of a rim's radius where a codec, or a telephone's sharpening, has been at it."""
+CODED_RADIUS_PX = 13.0
+"""Larger balls of compressed films are fitted in pixels that are whole multiples of the film's."""
+CODEC_LEVELS, MOST_CODEC_NOISE = 2.0, 0.3
+"""Error of a channel's light, and what of it may be left of a ball's contrast of 1."""
 SHADOW_WEIGHT = 25.0
 """By how much the ground's own colour counts as noise: shadows dim it and drop out."""
 
@@ -92,11 +96,10 @@ def find_discs_that_move(
     samples: dict[int, Picture],
     ground: Picture,
     noise: float,
-    radii_px: tuple[float, float] | None = None,
+    radii_px: tuple[float, float],
 ) -> list[tuple[int, Disc]]:
     """Return discs of what differs from what stands still, with their frames."""
-    side = min(ground.shape[:2])
-    low, high = radii_px or (max(LEAST_RADIUS_PX, LEAST_SHARE * side), MOST_SHARE * side)
+    low, high = radii_px
     found: list[tuple[int, Disc]] = []
     every = -(-len(samples) // MOST_SEARCHED)
     sought = []
@@ -164,16 +167,20 @@ def families(found: Sequence[tuple[int, Disc]]) -> list[list[tuple[int, Disc]]]:
     groups: list[list[tuple[int, Disc]]] = []
     while rest:
         best: list[tuple[int, Disc]] = []
-        weight = 0.0
+        most = 0.0
         for _, centre in rest[:40]:
             alike = [each for each in rest if abs(np.log(each[1].radius / centre.radius)) < ALIKE]
-            by_frame = dict(reversed(alike))
-            own = -sum(disc.log_alarms for disc in by_frame.values())
-            if own > weight:
-                best, weight = alike, own
+            if weight(alike) > most:
+                best, most = alike, weight(alike)
         groups.append(best)
         rest = [each for each in rest if all(each is not other for other in best)]
     return groups
+
+
+def weight(family: Sequence[tuple[int, Disc]]) -> float:
+    """Return how sure a family is: of each frame its surest disc counts, which comes first."""
+    by_frame = dict(reversed(family))
+    return -sum(disc.log_alarms for disc in by_frame.values())
 
 
 def looks_of(
@@ -196,7 +203,7 @@ def looks_of(
         radius_px=radius,
         radius_sigma_px=math.hypot(spread, RIM_SIGMA * radius, CODEC_PX * head.compressed),
         weights=_fisher(ball, still),
-        light_weights=rim_weights(light(ball, head), light(still, head), head),
+        light_weights=rim_weights(light(ball, head), light(still, head), head, radius),
         seen=tuple(family),
     )
 
@@ -215,14 +222,22 @@ def _pixels(picture: Picture, ground: Picture, disc: Disc) -> tuple[Picture, Pic
     return picture[window][within], ground[window][within]
 
 
-def rim_weights(ball: Singles, still: Singles, head: FilmHead) -> Floats:
-    """Return weights for light at the rim: brightness where a codec has halved the colours."""
-    if head.channels == 3 and head.compressed:
-        difference = (ball.mean(axis=0) - still.mean(axis=0)).astype(np.float64)
-        brightness = float(BRIGHTNESS @ difference)
-        if abs(brightness) > LEAST_BRIGHTNESS * float(np.abs(difference).max()):
-            return BRIGHTNESS / brightness
-    return _fisher(ball, still)
+def rim_weights(ball: Singles, still: Singles, head: FilmHead, radius_px: float = 0.0) -> Floats:
+    """Return weights for light at the rim: brightness where a codec has halved the colours.
+
+    Of a large ball half of the colours is enough, and a shadow on the wall behind it, which goes
+    with it, drops out.
+    """
+    colours = _fisher(ball, still)
+    if head.channels != 3 or not head.compressed:
+        return colours
+    faint = float(np.hypot.reduce(colours)) * CODEC_LEVELS > MOST_CODEC_NOISE
+    difference = (ball.mean(axis=0) - still.mean(axis=0)).astype(np.float64)
+    brightness = float(BRIGHTNESS @ difference)
+    dark = abs(brightness) <= LEAST_BRIGHTNESS * float(np.abs(difference).max())
+    if dark or (radius_px >= 2 * CODED_RADIUS_PX and not faint):
+        return colours
+    return BRIGHTNESS / brightness
 
 
 def _fisher(ball: NDArray[np.generic], still: NDArray[np.generic]) -> Floats:

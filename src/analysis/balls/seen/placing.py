@@ -28,7 +28,7 @@ RADII = (0.8, 0.88, 0.94, 1.0, 1.06, 1.13, 1.22, 1.32)
 MUCH_BETTER, MUCH_LARGER = 0.7, 0.12
 EXPOSURES = (0.0, 0.03, 0.08, 0.15, 0.25, 0.4, 0.6, 0.8, 0.98)
 """In times between frames."""
-SLOW_FRAMES, MORE_SLOW, FAST_FRAMES = 6, 4, 6
+SLOW_FRAMES, MORE_SLOW, FAST_FRAMES = 6, 4, 4
 TOLD_SMEAR_PX = 1.5
 """A change of the smear by less is not told from blur."""
 TEACHING_FRAMES = 100
@@ -39,10 +39,6 @@ LEAST_MISFIT, MOST_MISFIT = 1e-12, 10.0
 """Sum of squares that a fit leaves, and how many times its least one frame counts for at most."""
 FURTHEST_RADII = 0.8
 """A fit that has moved further from where the ball was seen is none."""
-MOST_GROUNDS = 60
-"""Half of the frames, at most, that tell what stands still."""
-SATURATED = 0.998
-"""Of the largest value of the file's kind."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -43,10 +43,11 @@ class Sight:
     def __init__(self, looks: Looks, ground: Picture) -> None:
         self._factor = max(1.0, looks.radius_px / SOUGHT_RADIUS_PX)
         self._weights = looks.weights.astype(np.float32)
-        rows, columns = ground.shape[:2]
         # Where many pixels make one, every second row and column tells as well.
         self._stride = max(1, int(self._factor / LEAST_SHRUNK))
-        self._size = (round(columns / self._factor), round(rows / self._factor))
+        # Whole numbers of pixels are put together many times as fast as parts of them.
+        self._together = max(1, int(self._factor / self._stride))
+        self._factor = float(self._stride * self._together)
         self._ground = self._small(ground)
         self._radius = looks.radius_px / self._factor
         self._kernel = _disc_less_ring(self._radius)
@@ -54,10 +55,12 @@ class Sight:
     def _small(self, picture: Picture) -> Singles:
         small: NDArray[np.generic] = picture
         if self._factor > 1.0:
-            share = 1.0 / self._stride
-            nearest = cv2.INTER_NEAREST
-            sparse = cv2.resize(picture, None, fx=share, fy=share, interpolation=nearest)
-            small = np.atleast_3d(cv2.resize(sparse, self._size, interpolation=cv2.INTER_AREA))
+            rows, columns = (side // int(self._factor) for side in picture.shape[:2])
+            own = picture[: rows * int(self._factor), : columns * int(self._factor)]
+            sparse = (columns * self._together, rows * self._together)
+            nearest = cv2.resize(own, sparse, interpolation=cv2.INTER_NEAREST)
+            size = (columns, rows)
+            small = np.atleast_3d(cv2.resize(nearest, size, interpolation=cv2.INTER_AREA))
         return np.asarray(small.astype(np.float32) @ self._weights, dtype=np.float32)
 
     def find(self, picture: Picture, brighter: float = 1.0) -> Sightings:

@@ -15,8 +15,8 @@ from analysis.balls.films.film import HELD_BYTES, Picture
 Box = tuple[int, int, int, int]
 """First row, first column, and those after the last."""
 
-REACH_RADII, REACH_PX = 2.4, 8.0
-"""About a sighting: the ball, what its fit needs of the ground, and a smear of two radii."""
+REACH_RADII, REACH_PX = 4.5, 8.0
+"""About a sighting: the ball, what its fit needs of the ground, and a smear of six radii."""
 
 
 @dataclass(slots=True, eq=False)

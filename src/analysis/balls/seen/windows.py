@@ -11,7 +11,7 @@ from analysis.arrays import Floats
 from analysis.balls.films.film import Film, FilmHead, Picture
 from analysis.balls.films.tone import light
 from analysis.balls.seen.background import background_without
-from analysis.balls.seen.looks import Looks
+from analysis.balls.seen.looks import CODED_RADIUS_PX, Looks
 from analysis.balls.seen.photometry import WEIGHT
 from analysis.balls.seen.surroundings import Box, Surroundings
 
@@ -20,9 +20,7 @@ Singles = NDArray[np.float32]
 
 MARGIN_RADII = 0.35
 MARGIN_PX = 6.0
-CODED_RADIUS_PX = 18.0
-"""Larger balls of compressed films are fitted in pixels that are whole multiples of the film's."""
-MOST_GROUNDS = 60
+MOST_GROUNDS = 30
 """Half of the frames, at most, that tell what stands still."""
 SATURATED = 0.998
 """Of the largest value of the file's kind."""

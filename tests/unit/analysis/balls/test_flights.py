@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from analysis.balls.flight import path
 from analysis.balls.flight.fit import fit_flights
 from analysis.balls.flight.flights import Observed, Start
 from analysis.balls.flight.known import Ball, Known, View
@@ -129,3 +130,31 @@ def test_a_shift_of_all_places_leaves_e_as_it_is_and_enlarges_their_errors() -> 
     sigmas = whole_sigmas(flights, np.stack([shift, np.zeros_like(shift)]))
     assert (sigmas > 0.3).all()
     assert (sigmas < 0.31).all()
+
+
+@pytest.mark.parametrize(
+    ("fall", "away"), [(1e-12, 1900.0), (FALL, -1900.0), (FALL, 0.0)], ids=["none", "down", "rest"]
+)
+def test_flights_that_a_fit_tries_on_its_way_have_contacts_in_time(
+    fall: float, away: float
+) -> None:
+    values = np.zeros(path.COMMON + 3 * path.EACH)
+    values[[path.TIME, path.SPEED, path.FALL, path.DRAG]] = 0.3, 2400.0, fall, 1e-4
+    values[path.COMMON :: path.EACH] = away
+    times = np.arange(0, 1.0, 1 / RATE)
+    found, contacts = np.zeros((len(times), 3)), np.zeros((3, 6))
+    path.places(values, times, np.zeros(len(times), dtype=np.intp), found, contacts)
+    assert np.isfinite(contacts).all()
+    # Nothing lasts much longer than the film: its steps are counted in hundredths of a second.
+    assert np.abs(contacts[:, 0]).max() < 50 * times[-1]
+
+
+def test_a_fall_of_half_the_stated_diameter_is_fitted_from_what_the_flights_say() -> None:
+    observed = parabolas(np.random.default_rng(5))
+    found = fit_flights(observed, replace(start(), fall=0.95 * FALL), known(diameter_m=0.02))
+    assert found is not None
+    assert found.contradiction
+    # In the stated scale a sphere of 20 px radius is 2000 px/m.
+    assert found.scale_of_fall[0] == pytest.approx(SCALE, rel=0.01)
+    for (e, sigma), (_, down, up) in zip(coefficients(found), BOUNCES, strict=True):
+        assert e == pytest.approx(up / down, abs=4 * sigma + 1e-3)
