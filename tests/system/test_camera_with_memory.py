@@ -14,19 +14,24 @@ from rigctl.config.loading import default_path, read_toml
 from rigctl.daemon import Daemon, open_daemon
 from rigctl.errors import InterlockError
 from rigctl.settings import ShotSettings
+from tests.simulated import FRAMES_AFTER_MARK
 
 SETTINGS = ShotSettings(pressure_a_kpa=40.0, pressure_b_kpa=40.0, offset_mm=6.0)
 CHRONOS = {
     "kind": "chronos", "url": "sim:chronos", "frame_rate_hz": 1000.0, "rows": 192, "columns": 240,
     "start_timeout_s": 1.0, "collect_timeout_s": 20.0, "answer_timeout_s": 1.0,
-    "frames_before_mark": 5, "frames_after_mark": 120, "exposure_us": 100.0,
+    "frames_before_mark": 5, "exposure_us": 100.0,
 }  # fmt: skip
+TO_THE_SPHERES = 120
+"""Frames after the mark until the spheres have come into the picture."""
 
 
 @pytest.fixture
-def daemon(tmp_path: Path) -> Iterator[Daemon]:
+def daemon(tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[Daemon]:
+    """A rig with short films, or with so many frames after the mark as a test asks for."""
     document = read_toml(default_path())
-    document["camera"] = CHRONOS
+    frames = getattr(request, "param", FRAMES_AFTER_MARK)
+    document["camera"] = {**CHRONOS, "frames_after_mark": frames}
     document["store"] = {"folder": str(tmp_path / "data")}
     with open_daemon(parse(document, "chronos")) as opened:
         yield opened
@@ -42,6 +47,7 @@ def fire(daemon: Daemon) -> Any:
     return daemon.rig.fire(token, token, "body", actor="anna")
 
 
+@pytest.mark.parametrize("daemon", [TO_THE_SPHERES], indirect=True)
 def test_a_shot_is_fetched_from_the_cameras_memory_and_shows_spheres_in_flight(
     daemon: Daemon,
 ) -> None:
