@@ -20,12 +20,12 @@ import numpy as np
 import pytest
 import uvicorn
 
-from rigctl.config import StoreSection, load
 from rigctl.daemon import Daemon, open_daemon
 from rigctl.service.app import create_app
 from rigctl.service.events import EventHub
 from rigctl.store import Fired, ShotState, Store
 from tests.invoked import Invoked, rigctl
+from tests.simulated import with_short_films
 
 KEY = "live-key"
 HEADERS = {"Authorization": f"Bearer {KEY}"}
@@ -186,8 +186,7 @@ def test_the_network_is_refused_without_encryption(tmp_path: Path) -> None:
 
 @pytest.fixture
 def daemon(tmp_path: Path) -> Iterator[Daemon]:
-    section = StoreSection(folder=str(tmp_path / "data"))
-    with open_daemon(load().model_copy(update={"store": section})) as opened:
+    with open_daemon(with_short_films(tmp_path / "data")) as opened:
         yield opened
 
 

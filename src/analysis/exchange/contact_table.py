@@ -173,30 +173,40 @@ def contact_writer(path: Path) -> Iterator[WriteShot]:
     measured stays empty.
     """
     with table_writer(path, [*CONTACTS, *CONTACT_SIGMAS]) as table:
-        yield lambda number, shot: table.writerow(_contact_fields(number, shot))
+        yield lambda number, shot: table.writerow(_fields(contact_row(number, shot)))
 
 
-def _contact_fields(number: int, shot: MeasuredShot) -> list[object]:
+def contact_row(number: int, shot: MeasuredShot) -> ContactRow:
+    """Return the contact of a measured shot, with the error of each number."""
     impact = shot.impact
-    return [
+    x, y, z = map(float, impact.normal)
+    return ContactRow(
         number,
-        *map(float, impact.normal),
-        *(_field(x) for state in (impact.before, impact.after) for x in _numbers(state)),
-        *(_field(_mean(impact.state_sigma[:, part])) for part in (slice(0, 2), slice(2, 4))),
-        *(_field(sigma) for sigma in impact.state_sigma.ravel()),
-    ]
+        (x, y, z),
+        _numbers(impact.before),
+        _numbers(impact.after),
+        _mean(impact.state_sigma[:, 0:2]),
+        _mean(impact.state_sigma[:, 2:4]),
+        tuple(_known(sigma) for sigma in impact.state_sigma.ravel()),
+    )
 
 
-def _mean(sigmas: Floats) -> float:
-    """Return the root mean square of those that are known, not a number where none is."""
+def _fields(row: ContactRow) -> list[object]:
+    numbers = (_known(value) for value in (*row.before, *row.after))
+    values = (*row.normal, *numbers, row.sigma_v, row.sigma_w, *row.sigmas)
+    return [row.shot, *("" if value is None else value for value in values)]
+
+
+def _mean(sigmas: Floats) -> float | None:
+    """Return the root mean square of those that are known, None where none is."""
     known = sigmas[np.isfinite(sigmas)]
-    return float(np.sqrt((known**2).mean())) if known.size else float("nan")
+    return float(np.sqrt((known**2).mean())) if known.size else None
 
 
-def _field(value: float) -> object:
-    return float(value) if np.isfinite(value) else ""
+def _known(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None
 
 
-def _numbers(state: ContactState) -> list[float]:
+def _numbers(state: ContactState) -> tuple[float, ...]:
     parts = (state.velocity_a, state.velocity_b, state.spin_a, state.spin_b)
-    return [float(value) for part in parts for value in part]
+    return tuple(float(value) for part in parts for value in part)

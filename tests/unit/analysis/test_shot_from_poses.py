@@ -10,7 +10,7 @@ import pytest
 
 from analysis.campaign import ShotJob
 from analysis.errors import ShotRefusedError
-from analysis.exchange.contact_table import CONTACT_SIGMAS
+from analysis.exchange.contact_table import CONTACT_SIGMAS, contact_row, read_contacts
 from analysis.exchange.folder import folder_writer
 from analysis.model.data.gather import gather
 from analysis.model.data.poses import PoseData
@@ -64,6 +64,16 @@ def test_written_contacts_have_the_error_of_each_number(
         [row] = csv.DictReader(file)
     written = [float(row[name]) for name in CONTACT_SIGMAS]
     assert written == measured.impact.state_sigma.ravel().tolist()
+
+
+def test_a_written_contact_is_read_as_the_row_that_was_measured(
+    folder: Path, measured: MeasuredShot
+) -> None:
+    [read] = read_contacts(folder / "contacts.csv", plate=False)
+    row = contact_row(1, measured)
+    assert read.normal == pytest.approx(row.normal, abs=1e-15)
+    assert (read.before, read.after, read.errors) == (row.before, row.after, row.errors)
+    assert row.before[:3] == tuple(measured.impact.before.velocity_a)
 
 
 def test_without_orientations_restitution_is_as_it_was(measured: MeasuredShot) -> None:
