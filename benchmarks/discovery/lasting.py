@@ -50,9 +50,10 @@ def run(options: Options) -> None:
     print(f"{'world':24} {'hidden':26} chi2   left out  seconds  verdict")
     for seed in range(max(options.campaigns // 100, 1)):
         for name, forces in WORLDS.items():
-            _tell(name, "", Nature(forces=forces, drag_coefficient=AIR), 800 + seed, options.shots)
+            nature = Nature(forces=forces, drag_coefficient=AIR)
+            tell(name, "", lasting_campaign(nature, 800 + seed, options.shots))
         for name, nature in HIDDEN.items():
-            _tell("rig's own", name, nature, 900 + seed, options.shots)
+            tell("rig's own", name, lasting_campaign(nature, 900 + seed, options.shots))
 
 
 def lasting_campaign(nature: Nature, seed: int, shots: int) -> PoseData:
@@ -60,8 +61,8 @@ def lasting_campaign(nature: Nature, seed: int, shots: int) -> PoseData:
     return replace(posed(run_campaign(nature, seed, shots=shots)), drag_coefficient=STATED_DRAG)
 
 
-def _tell(world: str, hidden: str, nature: Nature, seed: int, shots: int) -> None:
-    data = lasting_campaign(nature, seed, shots)
+def tell(world: str, hidden: str, data: PoseData) -> None:
+    """Print the verdict on a campaign in one line."""
     start = time.process_time()
     verdict = explain(data, CATALOGUE)
     took = time.process_time() - start

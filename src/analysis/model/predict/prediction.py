@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
@@ -263,23 +264,35 @@ def _key(effect: FlightEffect, values: Values) -> tuple[str, bytes]:
 def _passages(data: PoseData, flown: Flown, nodes: int) -> list[Passage]:
     """Return the passages at the Gauss-Legendre nodes of int_0^t (t - s) a(s) ds."""
     since, turning = flown.since
-    places, shares = np.polynomial.legendre.leggauss(nodes)
+    places, shares = _gauss_legendre(nodes)
     found = []
     for i, body in enumerate(data.bodies):
         if body.is_plate:
             continue
         own = since[:, :, i]
         for node, share in zip((1.0 + places) / 2.0, shares / 2.0, strict=True):
-            flying = _flying(data, flown, i, node)
+            flying = _flying(data, flown, own, i, node)
             twist = share * (1.0 - node) * turning[:, :, i, None] ** 2
             push = share * own * ((1.0 - node) * own)
             found.append(Passage(i, flying, push, twist))
     return found
 
 
-def _flying(data: PoseData, flown: Flown, i: int, node: float) -> Flying:
-    """Return the motion of sphere i at a share of the time since its flight began, unperturbed."""
-    own, gravity = flown.since[0][:, :, i], np.array([data.gravity, 0.0, 0.0])
+@cache
+def _gauss_legendre(nodes: int) -> tuple[Floats, Floats]:
+    """Return the places of nodes from -1 to 1 and their weights."""
+    return np.polynomial.legendre.leggauss(nodes)
+
+
+def _flying(data: PoseData, flown: Flown, own: Floats, i: int, node: float) -> Flying:
+    """Return the motion of sphere i at a share of the time since its flight began, unperturbed.
+
+    Parameters
+    ----------
+    own
+        That time, s, shape (S, F, 3).
+    """
+    gravity = np.array([data.gravity, 0.0, 0.0])
     rate_i = np.ascontiguousarray(flown.velocity[:, :, i])
     back = (1.0 - node) * own
     partner = flown.position[:, :, 1 - i] - flown.velocity[:, :, 1 - i] * back
