@@ -10,55 +10,36 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
-import shutil
 import statistics
 import subprocess
 import sys
 import tempfile
 import time
-import uuid
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from datetime import datetime
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote, urlsplit
 
-import httpx
-from playwright.sync_api import Browser, Page, sync_playwright
+from playwright.sync_api import Browser, Page
 
+from benchmarks.page_cancels import cancels
+from benchmarks.page_served import LONG_S, RIGCTL, Served, launched, opened, served
 from benchmarks.page_waits import (
     Waited,
-    cancelled,
     cell_shown,
     first_coefficients,
     first_numbers,
-    ninth_of_ten,
     refused_share,
     undone,
 )
 
 OUT = Path("out/page.json")
-KEY = "a-key-for-the-benchmark"
-RIGCTL = Path(sys.executable).with_name("rigctl")
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
-SWITCHES = [
-    "--no-sandbox",
-    "--disable-gpu",
-    "--disable-quic",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-]
-SETTINGS = {"pressure_a_kpa": 40.0, "pressure_b_kpa": 40.0, "offset_mm": 6.0}
 SMALL = 120
 BROWSERS = 5
 OPENINGS = 5
 PARTS = ("first", "coefficients", "fire", "numbers", "cancel", "model", "story", "refused")
-LONG_S = 300.0
 WATCH = """() => {
   const chip = document.querySelector('[data-testid=state]');
   window.changes = [];
@@ -109,84 +90,6 @@ class Number:
         asked = "" if self.asked is None else f"at most {self.asked:g} {self.unit}"
         mark = "" if self.met else "  MISSED"
         return f"{self.what:<66} {self.value:9.3g} {self.unit:<3} {asked}{mark}"
-
-
-@dataclass(frozen=True, slots=True)
-class Served:
-    """A daemon: its address, and its REST."""
-
-    url: str
-    rest: httpx.Client
-    pid: int
-
-    def fire(self) -> float:
-        """Fire one shot, wait for its end, and return how long the fire request took, s."""
-        token = self.rest.post("/api/v1/rig/arm", json=SETTINGS).raise_for_status().json()
-        body = {"arm_token": token["arm_token"]}
-        began = time.perf_counter()
-        fired = self.rest.post(
-            "/api/v1/shots", json=body, headers={"Idempotency-Key": uuid.uuid4().hex}
-        )
-        took = time.perf_counter() - began
-        fired.raise_for_status()
-        until = time.monotonic() + LONG_S
-        while (rig := self.rest.get("/api/v1/rig").json())["state"] != "idle":
-            if rig["latch_reason"] is not None or time.monotonic() > until:
-                raise RuntimeError(f"the rig is {rig['state']}: {rig['latch_reason']}")
-            time.sleep(0.05)
-        return took
-
-    def job(self) -> dict[str, Any]:
-        """Return the job that was submitted last."""
-        jobs: list[dict[str, Any]] = self.rest.get("/api/v1/jobs").json()["jobs"]
-        return jobs[-1]
-
-
-@contextmanager
-def served(folder: Path) -> Iterator[Served]:
-    """Run a daemon for the time of the block."""
-    process = subprocess.Popen(
-        [str(RIGCTL), "serve", "--port", "0"],
-        cwd=folder,
-        env={**os.environ, "RIGCTL_KEY": KEY},
-        stdout=subprocess.PIPE,
-        text=True,
-    )
-    try:
-        if process.stdout is None:
-            raise RuntimeError("the daemon has no standard output")
-        printed = process.stdout.readline()
-        url = printed.split(" at ")[1].partition("/?key=")[0].strip()
-        bearer = {"Authorization": f"Bearer {KEY}"}
-        with httpx.Client(base_url=url, headers=bearer, timeout=LONG_S) as rest:
-            yield Served(url, rest, process.pid)
-    finally:
-        process.terminate()
-        process.communicate(timeout=60)
-
-
-@contextmanager
-def launched(*, aside: bool) -> Iterator[Browser]:
-    """Start Chromium; aside: on the last core alone, as it would stand on another machine."""
-    everywhere = os.sched_getaffinity(0)
-    # Chromium and its driver inherit the cores of the process that starts them.
-    os.sched_setaffinity(0, {max(everywhere)} if aside else everywhere)
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=SWITCHES)
-        os.sched_setaffinity(0, everywhere)
-        yield browser
-        browser.close()
-
-
-def opened(browser: Browser, url: str, asked: list[str]) -> tuple[Page, float]:
-    """Open the page as one who never was there; return it, and when it could be used, s."""
-    page = browser.new_context(viewport={"width": 1280, "height": 800}).new_page()
-    page.set_default_timeout(1e3 * LONG_S)
-    page.on("request", lambda request: asked.append(request.url))
-    began = time.perf_counter()
-    page.goto(f"{url}/?key={KEY}", wait_until="commit")
-    page.wait_for_function("window.did_handshake && document.querySelector('[data-testid=arm]')")
-    return page, time.perf_counter() - began
 
 
 def first_page(browser: Browser, daemon: Served) -> list[Number]:
@@ -306,23 +209,24 @@ def waits(browser: Browser, daemon: Served, small: Path) -> dict[str, Callable[[
         took = first_numbers(opened(browser, daemon.url, [])[0], daemon, daemon.url, small)
         return waited_numbers("model of 120 shots until its first numbers", took, 3.0)
 
-    def cancel() -> list[Number]:
-        page = opened(browser, daemon.url, [])[0]
-        first_numbers(page, daemon, daemon.url, small)
-        waits = cancelled(page, daemon)
-        taken = [one.seconds for one in waits]
-        spent = statistics.median(one.daemon_s + one.browser_s for one in waits)
-        return [
-            Number("cancel answered, nine of ten", ninth_of_ten(taken), "s", 0.5),
-            Number("  longest", taken[-1], "s", 0.9),
-            Number("  CPU time of daemon and browser within one, median", spent, "s", 0.5),
-        ]
-
     def refused() -> list[Number]:
         (shots, count), (share, of) = refused_share(daemon)
         return [Number(shots, count, ""), Number(share, of, "%", 3.0)]
 
-    return {"coefficients": coefficients, "numbers": numbers, "cancel": cancel, "refused": refused}
+    return {"coefficients": coefficients, "numbers": numbers, "refused": refused}
+
+
+def cancel_numbers(browser: Browser, daemon: Served, large: Path) -> Iterator[Number]:
+    """Cancel each kind of long work on the page."""
+    for what, taken in cancels(browser, daemon, large):
+        yield Number(f"{what}: cancel answered, median", _median(taken), "s", 0.5)
+        yield Number("  longest", taken[-1].seconds, "s", 0.9)
+        spent = statistics.median(one.daemon_s + one.browser_s for one in taken)
+        yield Number("  CPU time of daemon and browser within one, median", spent, "s", 0.5)
+
+
+def _median(taken: Sequence[Waited]) -> float:
+    return statistics.median(one.seconds for one in taken)
 
 
 def waited_numbers(what: str, waited: Waited, asked_s: float) -> list[Number]:
@@ -376,6 +280,7 @@ def main() -> int:
             parts: dict[str, Callable[[Browser], Iterable[Number]]] = {
                 "first": lambda browser: first_page(browser, daemon),
                 "fire": lambda browser: fire_delay(browser, daemon, options.fires),
+                "cancel": lambda browser: cancel_numbers(browser, daemon, large),
                 "model": lambda browser: model_page(browser, daemon, large),
                 "story": lambda browser: story_page(browser, daemon, large),
             }

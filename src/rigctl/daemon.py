@@ -42,6 +42,7 @@ class Daemon:
 
     `laboratory` simulates the hardware, None on a real rig; `analyse` queues a
     stored shot for analysis and returns at once, `analyse_by` by a method of choice;
+    `cancel_analysis` ends that of a shot, whose frames and results stay;
     `prepare_analysis` has a worker load what the first shot needs; `compiling`
     gives the progress of compiling that an analysis waits for, None where none does; `jobs` runs
     all other long work; `commissioning` is what people must have seen of a real rig; `keypad` that
@@ -56,6 +57,7 @@ class Daemon:
     laboratory: Laboratory | None
     analyse: Callable[[str], None]
     analyse_by: Callable[[str, str], None]
+    cancel_analysis: Callable[[str], None]
     prepare_analysis: Callable[[], None]
     compiling: Callable[[], Compiling | None]
     jobs: Jobs
@@ -129,6 +131,7 @@ def open_daemon(configuration: Configuration) -> Iterator[Daemon]:
             laboratory=laboratory,
             analyse=analyser.submit,
             analyse_by=analyser.submit_by,
+            cancel_analysis=analyser.cancel,
             prepare_analysis=analyser.prepare,
             compiling=lambda: analyser.compiling,
             jobs=jobs,

@@ -16,6 +16,7 @@ from rigctl.measuring.analysis_process import (
     AnalysisFailedError,
     AnalysisProcess,
     Compiling,
+    cancelled,
 )
 from rigctl.measuring.result_keeping import AGAIN, Keeper
 from rigctl.store import Store
@@ -62,6 +63,10 @@ class Analyser:
         self._ended = threading.Event()
         self._rest = rest
         self._waiting: SimpleQueue[tuple[str, str] | None] = SimpleQueue()
+        self._under_way: dict[str, AnalysisProcess] = {}
+        self._queued: set[str] = set()
+        self._unwanted: set[str] = set()
+        self._lock = threading.Lock()
         loads = [function.partition(":")[0], *LOADS.get(method, ())]
         self._workers = [AnalysisProcess(function, loads) for _ in range(workers)]
         self._threads = [
@@ -81,7 +86,21 @@ class Analyser:
 
     def submit_by(self, shot: str, method: str) -> None:
         """Queue a shot to be analysed by another method; returns at once."""
+        with self._lock:
+            self._queued.add(shot)
         self._waiting.put((shot, method))
+
+    def cancel(self, shot: str) -> None:
+        """End a shot's analysis, or have it skipped while it waits; returns at once.
+
+        Its frames and earlier results stay, and so does machine code that was compiled for it. A
+        shot that neither waits nor is analysed stays as it is.
+        """
+        with self._lock:
+            if shot in self._under_way:
+                self._under_way[shot].cancel()
+            elif shot in self._queued:
+                self._unwanted.add(shot)
 
     @property
     def compiling(self) -> Compiling | None:
@@ -121,6 +140,12 @@ class Analyser:
             self.submit_by(shot, method)
             return
         try:
+            with self._lock:
+                worker.expect()
+                self._under_way[shot] = worker
+                self._queued.discard(shot)
+                if shot in self._unwanted:
+                    raise cancelled()
             result = worker.analyse(self._store.folders.folder(shot), method, self._timeout_s)
         except Exception as error:  # noqa: BLE001 - whatever breaks is this shot's failure alone
             if not worker.ended:
@@ -129,6 +154,10 @@ class Analyser:
                 why = str(error) if known else repr(error)
                 keeper.fail(before, why, AnalysisFailedError.code)
             return
+        finally:
+            with self._lock:
+                self._under_way.pop(shot, None)
+                self._unwanted.discard(shot)
         again = result.pop(AGAIN, [])
         keeper.keep(before, result)
         for other in again:

@@ -24,6 +24,13 @@ class AnalysisFailedError(RigError):
     code = "analysis-failed"
 
 
+def cancelled() -> AnalysisFailedError:
+    """Return the error of an analysis that somebody cancelled."""
+    return AnalysisFailedError(
+        "its analysis was cancelled; its frames are kept", todo="have it analysed again"
+    )
+
+
 @dataclass(frozen=True, slots=True)
 class Compiling:
     """How far a process is that compiles its functions to machine code: in words, and as a share.
@@ -56,7 +63,7 @@ class AnalysisProcess:
         self._function, self._loads = function, tuple(loads)
         self._lock = threading.Lock()
         self._process: WorkerProcess | None = None
-        self._analyses = False
+        self._analyses = self._is_unwanted = False
         self.ended = False
         self.compiling: Compiling | None = None
 
@@ -72,11 +79,15 @@ class AnalysisProcess:
         """
         try:
             with self._lock:
+                if self._is_unwanted:
+                    raise cancelled()
                 process = self._running()
                 self._analyses = True
             process.order(self._function, {"folder": str(folder), "method": method})
             result: Json = json.loads(attend(process, self._compiles, timeout_s, renewed=True))
         except JobFailedError as error:
+            if self._is_unwanted:
+                raise cancelled() from error
             raise AnalysisFailedError(
                 f"the analysis failed: {error.what}", limit=error.limit, todo=error.todo
             ) from error
@@ -87,6 +98,17 @@ class AnalysisProcess:
                 if self.ended:
                     self._discard()
         return result
+
+    def expect(self) -> None:
+        """Take the analysis that comes next, or is under way, for wanted."""
+        self._is_unwanted = False
+
+    def cancel(self) -> None:
+        """Have the analysis that `expect` spoke of raise at once; its process is killed."""
+        with self._lock:
+            self._is_unwanted = True
+            if self._analyses and self._process is not None:
+                self._process.kill()
 
     def _compiles(self, words: str, share: float | None) -> None:
         self.compiling = Compiling(words, share or 0.0)

@@ -130,6 +130,32 @@ def test_an_analysis_without_end_is_ended(analysed: Callable[..., list[ShotRecor
     assert "took too long (limit 0.05 s)" in shot.failure
 
 
+def test_an_analysis_that_is_cancelled_ends_at_once_and_the_next_shot_is_analysed(
+    lab: Laboratory, monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest
+) -> None:
+    monkeypatch.syspath_prepend(request.path.parent)
+    outcomes, function = Outcomes(lab.store), "stand_in_analysis:compiles_first"
+    analyser = Analyser(lab.store, workers=1, method="thesis", timeout_s=60.0, function=function)
+    first, waiting, last = (lab.shoot() for _ in range(3))
+    for shot in (first, waiting, last):
+        analyser.submit(shot.id)
+    until(lambda: analyser.compiling is not None)
+    (lab.store.folders.folder(last.id) / "go-on").touch()
+    analyser.cancel(waiting.id)
+    analyser.cancel(first.id)
+    ended = outcomes.wait(3)
+    assert [shot.state for shot in ended] == ["refused", "refused", "analysed"]
+    for shot in ended[:2]:
+        assert "its analysis was cancelled; its frames are kept" in shot.failure
+        assert (shot.results, shot.outcome) == (0, "stored")
+    analyser.cancel(first.id)
+    (lab.store.folders.folder(first.id) / "go-on").touch()
+    outcomes.records.clear()
+    analyser.submit(first.id)
+    assert [shot.state for shot in outcomes.wait(1)] == ["analysed"]
+    analyser.close()
+
+
 def test_a_worker_that_cannot_be_started_costs_its_shot_alone_and_closing_still_works(
     lab: Laboratory, monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest
 ) -> None:

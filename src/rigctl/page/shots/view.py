@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Mapping
 from contextlib import suppress
 from typing import Any
@@ -10,17 +9,15 @@ from typing import Any
 from nicegui import run, ui
 
 from rigctl.errors import RigError
-from rigctl.jobs.duration import Rate
 from rigctl.page.desk import Desk
-from rigctl.page.parts.presence import every
 from rigctl.page.parts.quantities import COEFFICIENTS, VALUE
 from rigctl.page.parts.tables import Cell, facts, measured
+from rigctl.page.shots.analysing import Analysing
 from rigctl.page.shots.player import Player
 from rigctl.page.shots.refused import refused_card
 from rigctl.store import ShotRecord, ShotState
 
 Json = Mapping[str, Any]
-COMPILING_EVERY_S = 0.5
 WAITED_FOR = {
     ShotState.ACCEPTED: "accepted; the rig is about to fire",
     ShotState.FIRING: "firing",
@@ -83,37 +80,13 @@ def coefficients(desk: Desk, shot: ShotRecord) -> None:
     elif shot.state in WAITED_FOR:
         ui.label(f"{WAITED_FOR[shot.state]} …".capitalize()).classes("empty")
         if shot.state in {ShotState.STORED, ShotState.ANALYSING}:
-            _compiling(desk)
+            Analysing(desk, shot)
         if shot.failure:
             _told("It is held up.", shot.failure)
     elif why := refusal(shot, result):
         refused_card(desk, shot, result, why)
     else:
         ui.label(f"{shot.state} …".capitalize()).classes("empty")
-
-
-def _compiling(desk: Desk) -> None:
-    """Say how far the machine code is that the first shot on a host waits for."""
-    said = ui.element("div").classes("stack").props("data-testid=compiling role=status")
-    with said:
-        ui.label("Machine code is being compiled, once on this host: it takes a minute or two.")
-        share = ui.linear_progress(show_value=False).props(
-            'instant-feedback aria-label="machine code that is compiled"'
-        )
-        count = ui.label().classes("note")
-    rate = Rate()
-
-    def look() -> None:
-        now = desk.daemon.compiling()
-        said.set_visibility(now is not None)
-        if now is not None:
-            share.set_value(now.share)
-            left = rate.left_s(now.share, time.monotonic())
-            about = "" if left is None else f", about {left:.0f} s left"
-            count.set_text(f"{now.words}{about}")
-
-    look()
-    every(COMPILING_EVERY_S, look)
 
 
 def _told(lead: str, why: str, testid: str = "refusal") -> None:
