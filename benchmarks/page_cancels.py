@@ -51,7 +51,7 @@ def _of_a_model(
     page.goto(address)
     page.get_by_test_id("amount").wait_for(timeout=1e3 * LONG_S)
     explain = page.get_by_test_id("explain")
-    waits = cancelled(page, daemon, explain.click, "explaining", "story-compare", CANCELLED)
+    waits = cancelled(page, daemon, explain.click, ("explaining", "story-compare"), CANCELLED)
     yield "find it by itself", waits
     names = page.locator("[data-testid^=try-]").evaluate_all(
         "all => all.map((one) => one.dataset.testid.slice(4))"
@@ -61,14 +61,14 @@ def _of_a_model(
     def compare() -> None:
         page.goto(f"{address}&effects={next(effects)}")
 
-    yield "comparing", cancelled(page, daemon, compare, "busy", "story-compare", len(names))
+    yield "comparing", cancelled(page, daemon, compare, ("busy", "story-compare"), len(names))
 
 
 def _of_a_report(browser: Browser, daemon: Served, name: str) -> tuple[str, list[Waited]]:
     page, _ = opened(browser, daemon.url, [])
     page.goto(f"{daemon.url}/campaigns/{name}")
     report = page.get_by_test_id("report")
-    return "report", cancelled(page, daemon, report.click, "reporting", "report", CANCELLED)
+    return "report", cancelled(page, daemon, report.click, ("reporting", "report"), CANCELLED)
 
 
 def _of_a_shot(browser: Browser, daemon: Served) -> tuple[str, list[Waited]]:
@@ -78,5 +78,5 @@ def _of_a_shot(browser: Browser, daemon: Served) -> tuple[str, list[Waited]]:
         page.get_by_test_id("arm").click()
         page.get_by_test_id("fire").click()
 
-    waits = cancelled(page, daemon, fire, "analysing", "refusal", ONCE)
+    waits = cancelled(page, daemon, fire, ("analysing", "refusal"), ONCE)
     return "first analysis while it compiles", waits

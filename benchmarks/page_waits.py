@@ -187,7 +187,7 @@ def _seen(part: Locator) -> bool:
 
 
 def cancelled(
-    page: Page, daemon: Daemon, begin: Callable[[], None], wait: str, kept: str, times: int
+    page: Page, daemon: Daemon, begin: Callable[[], None], names: tuple[str, str], times: int
 ) -> list[Waited]:
     """Begin long work and cancel it each time; return the waits, shortest first.
 
@@ -195,12 +195,11 @@ def cancelled(
     ----------
     begin
         Begins work that lasts for several seconds.
-    wait
-        Name of the part of the page that shows the wait.
-    kept
-        Name of what must be seen once the wait is gone, for what was known before is kept.
+    names
+        Of the part of the page that shows the wait, and of what must be seen once it is gone: what
+        was known before is kept.
     """
-    taken = []
+    taken, (wait, kept) = [], names
     for _ in range(times):
         begin()
         button = page.get_by_test_id(wait).locator("[data-testid^=cancel]")

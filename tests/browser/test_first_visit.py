@@ -19,7 +19,11 @@ def test_a_newcomer_is_led_from_an_empty_store_to_thirty_shots(page: Page, serve
     page.get_by_test_id("offset_mm").fill("12.7")
     # Half of a diameter of 25.4 mm: the line of centres is turned by asin(1/2).
     expect(drawing).to_have_text("12.7 mm: 30° off head-on")
+    # The slider beside it writes into the number: asin(10 / 25.4) is 23.2 degrees.
+    page.get_by_test_id("offset_mm-slider").fill("10")
+    expect(drawing).to_have_text("10 mm: 23° off head-on")
     page.get_by_test_id("offset_mm").fill("6")
+    expect(page.get_by_test_id("offset_mm-slider")).to_have_value("6")
     page.get_by_test_id("arm").click()
     expect(page.get_by_test_id("arming")).to_have_text(re.compile("Armed for 40 and 40 kPa"))
     expect(page.get_by_test_id("interlocks")).to_contain_text("pressure a")

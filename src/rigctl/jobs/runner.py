@@ -153,8 +153,11 @@ class Jobs:
     def _cancel(self, name: str) -> None:
         with self._lock:
             task = self._tasks.get(name)
-        if not self._register.end(name, JobState.CANCELLED, of=QUEUED) and task is not None:
-            task.cancel()
+        if self._register.end(name, JobState.CANCELLED, of=QUEUED) or task is None:
+            return
+        if task.cancel():
+            # Its process is killed: whoever waits need not wait until the system has cleared it up.
+            self._register.end(name, JobState.CANCELLED)
 
     def _serve(self) -> None:
         while (item := self._waiting.get()) is not None:

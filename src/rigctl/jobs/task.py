@@ -49,13 +49,17 @@ class Task:
                 return
         callback()
 
-    def cancel(self) -> None:
-        """Say that the work is not wanted any more. Safe to call twice."""
+    def cancel(self) -> bool:
+        """Say that the work is not wanted any more; return whether that ends it. Twice is safe.
+
+        What has left a callback is ended by it; other work looks by itself, sooner or later.
+        """
         with self._lock:
             self._unwanted = True
             callbacks, self._callbacks = self._callbacks, []
         for callback in callbacks:
             callback()
+        return bool(callbacks)
 
 
 Work = Callable[[Task], str]

@@ -100,6 +100,7 @@ def running() -> Iterator[tuple[Jobs, str, int]]:
 def test_cancelling_kills_the_process(running: tuple[Jobs, str, int]) -> None:
     jobs, name, process = running
     assert jobs.cancel(name).state is JobState.CANCELLED
+    jobs.close()
     assert is_gone(process)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 from nicegui import ui
 from pydantic import TypeAdapter, ValidationError
@@ -21,6 +22,9 @@ _RANGES = {
     "angle_a_deg": "angle_deg",
     "angle_b_deg": "angle_deg",
 }
+SCRIPT = Path(__file__).with_name("fields.js")
+STEPS = {"pressure_a_kpa": 1.0, "pressure_b_kpa": 1.0, "offset_mm": 0.5}
+"""Steps of the sliders; a delay has none, as nearly all shots have none."""
 PLACES = 3
 """So many places a field starts with: finer than any rig sets."""
 START = {"pressure_a_kpa": 40.0, "pressure_b_kpa": 40.0, "offset_mm": 6.0, "delay_us": 0.0}
@@ -28,21 +32,31 @@ START = {"pressure_a_kpa": 40.0, "pressure_b_kpa": 40.0, "offset_mm": 6.0, "dela
 
 
 class NumberField:
-    """A number with its unit and its range."""
+    """A number with its unit and its range; where a step is given, with a slider beside it."""
 
     def __init__(
-        self, about: Quantity, bounds: tuple[float, float], value: float, name: str
+        self,
+        about: Quantity,
+        bounds: tuple[float, float],
+        value: float,
+        name: str,
+        *,
+        step: float | None = None,
     ) -> None:
         self._bounds = bounds
+        self._slider: ui.element | None = None
         low, high = bounds
         with ui.element("div").classes("field"):
             with ui.element("div").classes("caption"):
                 ui.label(about.name).tooltip(about.meaning)
                 ui.label(f"{about.unit}, {low:g} to {high:g}".lstrip(", "))
-            self._field = ui.number(
-                value=value,
-                validation=lambda given: self._fault(given, about.unit),
-            )
+            with ui.element("div").classes("slid" if step else "wide"):
+                if step is not None:
+                    self._slider = _slider(about, bounds, value, step, name)
+                self._field = ui.number(
+                    value=value,
+                    validation=lambda given: self._fault(given, about.unit),
+                )
             self._field.props(
                 f'outlined dense hide-bottom-space aria-label="{about.name}" data-testid={name}'
             )
@@ -60,6 +74,10 @@ class NumberField:
 
     def set_enabled(self, *, enabled: bool) -> None:
         """Let it be changed, or not."""
+        if self._slider is not None and enabled != self._field.enabled:
+            self._slider.props(
+                add=None if enabled else "disabled", remove="disabled" if enabled else None
+            )
         self._field.set_enabled(enabled)
 
     def _fault(self, given: float | None, unit: str) -> str | None:
@@ -67,6 +85,19 @@ class NumberField:
         if given is not None and low <= given <= high:
             return None
         return f"{low:g} to {high:g} {unit} is allowed"
+
+
+def _slider(
+    about: Quantity, bounds: tuple[float, float], value: float, step: float, name: str
+) -> ui.element:
+    """Place a slider that writes into the number beside it; `fields.js` has it follow that."""
+    slider = ui.element("input").classes("amount")
+    # As a value it would be set anew with every other change of the page.
+    slider.props(
+        f"type=range min={bounds[0]:g} max={bounds[1]:g} step={step:g} defaultValue={value:g} "
+        f'aria-label="{about.name}, slider" data-testid={name}-slider'
+    )
+    return slider.on("input", js_handler="(event) => window.slideField(event.target)")
 
 
 class CampaignField:
@@ -103,6 +134,7 @@ class CampaignField:
 
 def setting_fields(limits: Limits, present: ShotSettings | None) -> dict[str, NumberField]:
     """Place a field for each setting that this apparatus has, by its name in `ShotSettings`."""
+    ui.add_head_html(f"<script>{SCRIPT.read_text('utf-8')}</script>")
     fields: dict[str, NumberField] = {}
     for name, about in SETTINGS.items():
         bounds: tuple[float, float] | None = getattr(limits, _RANGES[name])
@@ -112,7 +144,7 @@ def setting_fields(limits: Limits, present: ShotSettings | None) -> dict[str, Nu
         start = START.get(name, bounds[0]) if known is None else known
         # Settings that a sweep fired last are halves and thirds with all their places.
         start = round(min(max(start, bounds[0]), bounds[1]), PLACES)
-        fields[name] = NumberField(about, bounds, start, name)
+        fields[name] = NumberField(about, bounds, start, name, step=STEPS.get(name))
     return fields
 
 

@@ -27,7 +27,15 @@ def refused_card(desk: Desk, shot: ShotRecord, result: Json, why: str) -> None:
     with ui.element("section").classes("refused").props("data-testid=refusal"):
         ui.label(f"Shot {shot.number} was not measured").classes("strong")
         if shot.settings is None or result.get("status") != "refused":
-            ui.label(why)
+            ui.label(f"{why[:1].upper()}{why[1:]}.")
+            if shot.frames:
+                again = button(
+                    "Analyse it again",
+                    lambda: desk.daemon.analyse(shot.id),
+                    look="fill",
+                    testid="do-this",
+                )
+                again.tooltip("its frames are on disk: nothing is fired")
             return
         configuration = desk.daemon.configuration
         said = remedy(

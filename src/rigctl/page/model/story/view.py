@@ -64,12 +64,15 @@ class Story:
         self.show()
 
     def show(self) -> None:
-        """Draw the latest answer on the way to the present effects."""
-        self._steps.set_visibility(self._state.present is not None or self._shown is not None)
-        if (found := self._state.present) is not None and found is not self._shown:
+        """Draw the answer with the present effects; where there will be none, the one before it."""
+        found, path = self._state.present, self._state.path()
+        if found is None and self._state.failure and path:
+            found = path[-1]
+        self._steps.set_visibility(found is not None or self._shown is not None)
+        if found is not None and found is not self._shown:
             self._shown, self._is_before = found, False
             self._look_at_stage()
-            seen = self._seen(found)
+            seen = self._seen(found) if found is self._state.present else []
             self._effect = seen[0]["effect"] if seen else ""
             if self._effect:
                 self._state.ask_trial(self._effect)
