@@ -114,7 +114,7 @@ def test_without_json_a_person_reads_a_table_or_a_sentence(folder: Path) -> None
     assert e.concise() in fitted.stdout
     assert "hard spheres: 20 shots, chi-squared per degree of freedom" in fitted.stdout
     assert "image-scale" in ranked.stdout
-    assert "promised fall" in ranked.stdout
+    assert "expected drop" in ranked.stdout
     assert explained.stdout.startswith("hard spheres: the missing effect is")
     assert "the base model" in explained.stdout
 

@@ -17,14 +17,14 @@ STATED_WEIGHT = 10.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Candidate:
-    """One effect's promise.
+    """What a fit would gain by one effect, by its score.
 
     Attributes
     ----------
     effect
-        The effect, in the variant that promises most.
+        The effect, in the variant with the largest expected drop.
     fall
-        Promised fall of chi-squared, in units of the noise as it was found; none for an amplitude
+        Expected drop of chi-squared, in units of the noise as it was found; none for an amplitude
         of the sign that nature does not have.
     freedom
         Directions in which it can be seen, at most one for each of its parameters.
@@ -87,7 +87,7 @@ class Candidate:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Ranking:
-    """All candidates, the most promising first.
+    """All candidates, the largest expected drop first.
 
     Attributes
     ----------
@@ -97,7 +97,7 @@ class Ranking:
         Largest correlation between what two candidates do to the residuals, shape (K, K), in the
         same order: near 1 these shots cannot tell them apart.
     imitated
-        Share of what candidate i promises that candidate j could give instead, [i, j], shape
+        Share of the drop of candidate i that candidate j could give instead, [i, j], shape
         (K, K).
     chance
         Smallest p over its weight of each of many simulated campaigns with nothing missing,

@@ -1,4 +1,4 @@
-"""What candidates promise: their scores with everything that is fitted projected out.
+"""Scores of candidates with everything that is fitted projected out.
 
 M and g of all columns about a fit (model: one pass tells all). A candidate's fall of chi-squared is
 g' M^-1 g over its own block, along what these shots can see of it.

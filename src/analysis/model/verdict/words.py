@@ -11,11 +11,11 @@ from analysis.quantity import Quantity
 from analysis.schema.verdict import SeenCandidate, VerdictReport
 
 STRIKING = 0.01
-"""Chance below which a candidate's promise is worth a word."""
+"""Chance below which a candidate's expected drop is mentioned."""
 RARE = 0.1
 """Chance of a chi-squared below which nobody reads that nothing is missing."""
 COMPARABLE = 0.5
-"""A candidate that is not believed is spoken of if it promises this share of what the best does."""
+"""A candidate that is not plausible is mentioned from this share of the best one's drop on."""
 
 
 def verdict_sentence(found: VerdictReport) -> str:
@@ -42,7 +42,7 @@ def _would_explain(found: VerdictReport) -> str:
 
 
 def doubts(found: VerdictReport) -> list[str]:
-    """Say what few shots leave open, what is promised at unbelievable sizes, and what alarms.
+    """Say what few shots leave open, which candidates have implausible sizes, and what alarms.
 
     These are never hidden; plausibility only decides which of two alike is tried first.
     """

@@ -65,7 +65,7 @@ def _table(ranked: Ranking) -> Table:
     table = Table(box=None)
     longest = max((len(candidate.effect.name) for candidate in ranked.candidates), default=0)
     table.add_column("effect", min_width=longest)
-    for heading in ("score", "promised fall", "p", "amplitude", "unit", "", "like"):
+    for heading in ("score", "expected drop", "p", "amplitude", "unit", "", "like"):
         left = heading in {"unit", "", "like"}
         table.add_column(heading, justify="left" if left else "right")
     for k, candidate in enumerate(ranked.candidates):
