@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from dataclasses import asdict, replace
-from typing import Any
 
 import numpy as np
 
@@ -15,9 +14,7 @@ from analysis.model.structure.covariates import covariate_label
 from analysis.model.structure.findings import ALWAYS, Finding, findings
 from analysis.model.structure.lackoffit import Cell
 from analysis.model.structure.structure import CellResiduals, Structure, Trend
-from analysis.schema.codec import SMALLEST_P
-
-Json = dict[str, Any]
+from analysis.schema.codec import SMALLEST_P, Json
 
 DRAWN = 6
 """Of so many cells, the most striking ones, a document holds the residuals."""

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,8 +18,7 @@ from analysis.model.data.poses import PoseData
 from analysis.model.data.tables import Data
 from analysis.model.fitting.fit import Fit
 from analysis.model.predict.prediction import predict
-
-Json = dict[str, Any]
+from analysis.schema.codec import Json
 
 LOOKED_AT = 40
 """So many shots, spread over the campaign, are compared: one is shown."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from analysis.model.agreement.document import cell_document
 from analysis.model.data.stream import CampaignData
 from analysis.model.design.between import Telling
 from analysis.model.design.document import next_shots
@@ -104,15 +105,7 @@ def _left(verdict: Verdict, shots: int) -> list[Cell]:
 
 
 def _left_cell(cell: Cell) -> LeftCell:
-    return LeftCell(
-        channel=cell.channel,
-        covariate=cell.covariate,
-        chi2=cell.chi2,
-        degrees_of_freedom=cell.freedom,
-        p_value=max(cell.p_value, SMALLEST_P),
-        p_familywise=max(cell.p_holm, SMALLEST_P),
-        of_measurement=cell.of_measurement,
-    )
+    return LeftCell(**cell_document(cell), of_measurement=cell.of_measurement)
 
 
 def _seen(candidate: Candidate) -> SeenCandidate:

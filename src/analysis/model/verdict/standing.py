@@ -10,13 +10,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from itertools import pairwise
-from typing import Any
 
 from analysis.model.structure.alarm import FEWEST
 from analysis.model.structure.influence import FEW
+from analysis.schema.codec import Json
 from analysis.schema.verdict import VerdictReport
 
-Json = dict[str, Any]
 SURE = 0.01
 """Family-wise chance below which a row, a cell or an effect counts."""
 AT_THE_FLOOR = 1.01
