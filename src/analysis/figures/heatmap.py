@@ -11,23 +11,12 @@ from matplotlib.image import AxesImage
 from matplotlib.patches import Rectangle
 
 from analysis.figures.sheet import STRUCTURE, Block, blocks_sheet
-from analysis.model.structure.channels import AXES
-from analysis.model.structure.covariates import LABELS, covariate_label
 from analysis.model.structure.findings import ALWAYS
 from analysis.model.structure.lackoffit import Cell
+from analysis.model.structure.layout import ALARM, BRIGHTEST, columns_of, rows_of, short_label
 
-ALARM = 0.01
-BRIGHTEST = 12.0
-"""Least value of the darkest colour."""
 SIZE = 0.34
 """Of a cell, inches."""
-CHANNELS = tuple(
-    f"{word} {kind} {axis}"
-    for kind in ("velocity", "spin", "position", "orientation")
-    for word in ("relative", "common")
-    for axis in AXES
-)
-COVARIATES = tuple(LABELS)
 
 
 def heatmap_figure(title: str, cells: Sequence[Cell]) -> Figure:
@@ -44,7 +33,7 @@ def heatmap_figure(title: str, cells: Sequence[Cell]) -> Figure:
         "velocity; b: across both; common: mean of a and b; relative: b less a."
     )
     blocks = [
-        Block(name, _names(own, "channel"), tuple(map(_short, _columns(own))))
+        Block(name, _rows(own), tuple(map(short_label, _columns(own))))
         for name, own in parts.items()
     ]
     figure, axes, bar = blocks_sheet(title, note, blocks, cell=SIZE)
@@ -62,15 +51,12 @@ def _camera(cell: Cell) -> bool:
     return cell.channel.startswith("image ")
 
 
-def _names(cells: Sequence[Cell], kind: str) -> tuple[str, ...]:
-    """Return channels or covariates in an order that does not hang on the data."""
-    known = CHANNELS if kind == "channel" else COVARIATES
-    names = {str(getattr(cell, kind)) for cell in cells}
-    return (*(name for name in known if name in names), *sorted(names - set(known)))
+def _rows(cells: Sequence[Cell]) -> tuple[str, ...]:
+    return tuple(rows_of(cell.channel for cell in cells))
 
 
 def _block(axes: Axes, cells: Sequence[Cell], brightest: float) -> AxesImage:
-    rows, columns = _names(cells, "channel"), _columns(cells)
+    rows, columns = _rows(cells), _columns(cells)
     values = np.zeros((len(rows), len(columns)))
     for cell in cells:
         row = rows.index(cell.channel)
@@ -91,8 +77,8 @@ def _block(axes: Axes, cells: Sequence[Cell], brightest: float) -> AxesImage:
 
 def _columns(cells: Sequence[Cell]) -> tuple[str, ...]:
     """Return the covariates, the mean of each row first."""
-    means = (ALWAYS,) if any(cell.mean_freedom for cell in cells) else ()
-    return (*means, *_names(cells, "covariate"))
+    means = [ALWAYS] if any(cell.mean_freedom for cell in cells) else []
+    return tuple(columns_of([*means, *(cell.covariate for cell in cells)]))
 
 
 def _number(axes: Axes, place: tuple[int, int], value: float, *, bright: bool) -> None:
@@ -103,9 +89,3 @@ def _number(axes: Axes, place: tuple[int, int], value: float, *, bright: bool) -
 def _frame(axes: Axes, place: tuple[int, int]) -> None:
     corner = (place[0] - 0.45, place[1] - 0.45)
     axes.add_patch(Rectangle(corner, 0.9, 0.9, fill=False, color="black", linewidth=1.3))
-
-
-def _short(covariate: str) -> str:
-    if covariate in (*COVARIATES, ALWAYS):
-        return covariate.replace(" x ", " × ")
-    return covariate_label(covariate)

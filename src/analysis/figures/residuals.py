@@ -8,8 +8,8 @@ from matplotlib.figure import Figure
 from analysis.figures.palette import FAILS, GREY, MEASURED
 from analysis.figures.sheet import plain, sheet
 from analysis.model.agreement.table import probability
-from analysis.model.structure.covariates import covariate_label
 from analysis.model.structure.lackoffit import Cell
+from analysis.model.structure.layout import covariate_label
 from analysis.model.structure.structure import CellResiduals
 
 BAND = 2.0

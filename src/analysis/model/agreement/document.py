@@ -10,9 +10,9 @@ import numpy as np
 from analysis.arrays import Floats
 from analysis.model.agreement.table import Agreement, Row
 from analysis.model.structure.alarm import is_shared
-from analysis.model.structure.covariates import covariate_label
 from analysis.model.structure.findings import ALWAYS, Finding, findings
 from analysis.model.structure.lackoffit import Cell
+from analysis.model.structure.layout import covariate_label
 from analysis.model.structure.structure import CellResiduals, Structure, Trend
 from analysis.schema.codec import SMALLEST_P, Json
 

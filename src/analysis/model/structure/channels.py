@@ -22,9 +22,9 @@ from analysis.model.predict.prediction import predict
 from analysis.model.predict.sides import NUMBERS, place_of_rate
 from analysis.model.predict.state import ShotStates
 from analysis.model.predict.theory import Theory
+from analysis.model.structure.layout import AXES
 from analysis.model.structure.reach import TIME, Reach
 
-AXES = ("n", "t", "b")
 SMOOTH = 5
 PAIRS = (("relative", (-0.5, 0.5)), ("common", (1.0, 1.0)))
 """Shares of a and b."""

@@ -15,36 +15,6 @@ from analysis.model.predict.state import ShotStates
 LEAST_SPEED = 1e-3
 
 
-LABELS = {
-    "ln v_n": "ln(v_n / (m/s)), approach speed before contact",
-    "ln v_s/v_n": "ln(v_s / v_n), surface speed over approach speed",
-    "spin along v_t x n": "spin along v_t × n, rad/s",
-    "spin about n": "relative spin about n, rad/s",
-    "contact X": "contact at X, m",
-    "contact Y": "contact at Y, m",
-    "contact Z": "contact at Z, m",
-    "order": "order of firing, first to last",
-    "time": "time from contact, s",
-    "field X": "position X in the field, m",
-    "field Y": "position Y in the field, m",
-    "field Z": "position Z in the field, m",
-}
-_UNITS = {"kpa": "kPa", "mm": "mm", "us": "µs", "c": "°C", "s": "s", "m": "m", "deg": "°"}
-
-
-def covariate_label(name: str) -> str:
-    """Return a covariate with its unit, for the axis of a picture.
-
-    The unit of a column of the shot list is the last word of its name, as in `offset_mm`.
-    """
-    if name in LABELS:
-        return LABELS[name]
-    words, _, unit = name.rpartition("_")
-    if words and unit in _UNITS:
-        return f"{words.replace('_', ' ')}, {_UNITS[unit]}"
-    return name.replace("_", " ")
-
-
 def shot_covariates(data: Data, states: ShotStates) -> dict[str, Floats]:
     """Return every covariate of the shots, each of shape (S,).
 

@@ -15,7 +15,8 @@ import numpy as np
 from analysis.arrays import Floats
 from analysis.model.data.poses import PoseData
 from analysis.model.data.stream import PoseStream
-from analysis.model.structure.channels import AXES, pairs_of
+from analysis.model.structure.channels import pairs_of
+from analysis.model.structure.layout import AXES
 from analysis.motion.drift import WORST_LENGTH, line_variances
 
 

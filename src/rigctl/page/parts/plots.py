@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from analysis.figures.palette import FAILS, FLOOR, MEASURED
-from analysis.model.structure.findings import ALWAYS
+from analysis.model.structure.layout import ALARM, BRIGHTEST, columns_of, rows_of, short_label
 from rigctl.documents import Json
 
 TOOLS = {
@@ -31,11 +31,8 @@ LONGEST_LABEL = 34
 WIDEST_LABEL = 78
 """Room for the longest number at an axis and its title, px. A plot that finds out by itself how
 much it needs is drawn twice."""
-BRIGHTEST = 12.0
-"""The darkest colour stands for so many standard deviations at least."""
-ALARM = 0.01
 ALARMED = "#8A8F98"
-"""Frame of a cell beyond it: a grey that shows on light and on dark."""
+"""Frame of a cell beyond `ALARM`: a grey that shows on light and on dark."""
 
 
 def figure(data: Sequence[Json], height: int, file_name: str, **layout: object) -> Json:
@@ -63,10 +60,8 @@ def heat_map(cells: Sequence[Json], chosen: Json | None, title: str) -> Json:
     The mean of each row stands first. Framed: less than 1 % chance with all cells looked at; the
     chosen cell has a blue frame.
     """
-    rows = _in_order([str(cell["channel"]) for cell in cells])
-    columns = _in_order([str(cell["covariate"]) for cell in cells])
-    if ALWAYS in columns:
-        columns = [ALWAYS, *(column for column in columns if column != ALWAYS)]
+    rows = rows_of(str(cell["channel"]) for cell in cells)
+    columns = columns_of(str(cell["covariate"]) for cell in cells)
     values: list[list[float | None]] = [[None] * len(columns) for _ in rows]
     chances: list[list[str]] = [[""] * len(columns) for _ in rows]
     frames = []
@@ -109,7 +104,7 @@ def heat_map(cells: Sequence[Json], chosen: Json | None, title: str) -> Json:
         xaxis={
             **axis,
             "tickvals": list(range(len(columns))),
-            "ticktext": [_short(column) for column in columns],
+            "ticktext": [short_label(column) for column in columns],
             "tickangle": -45,
         },
         yaxis={
@@ -239,19 +234,6 @@ def _frame(column: int, row: int, colour: str, width: float) -> Json:
         "y1": row + 0.47,
         "line": {"color": colour, "width": width},
     }
-
-
-def _in_order(names: Sequence[str]) -> list[str]:
-    """Return names once each, those of one kind together, relative before common."""
-    words = {"relative": 0, "common": 1, "velocity": 0, "spin": 1, "position": 2, "orientation": 3}
-    once = dict.fromkeys(names)
-    if not all(len(name.split()) == 3 and name.split()[0] in words for name in once):
-        return sorted(once)
-    return sorted(once, key=lambda name: (words[name.split()[1]], words[name.split()[0]], name))
-
-
-def _short(covariate: str) -> str:
-    return covariate.removesuffix("_kpa").replace("_", " ")
 
 
 def _in_lines(label: str) -> str:

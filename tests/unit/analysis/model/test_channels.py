@@ -6,7 +6,8 @@ import pytest
 from analysis.model.fitting.fit import fit_campaign
 from analysis.model.predict.contact import AFTER, contact_outcome
 from analysis.model.predict.prediction import predict
-from analysis.model.structure.channels import AXES, contact_columns, contact_frame, whitened
+from analysis.model.structure.channels import contact_columns, contact_frame, whitened
+from analysis.model.structure.layout import AXES
 from analysis.motion.rotation import rotation_matrix, rotation_vector
 from tests.unit.analysis.model.hard_spheres import campaign
 

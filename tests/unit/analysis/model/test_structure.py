@@ -9,8 +9,8 @@ import pytest
 
 from analysis.model.data.poses import PoseData
 from analysis.model.fitting.fit import fit_campaign
-from analysis.model.structure.covariates import covariate_label
 from analysis.model.structure.lackoffit import lack_of_fit
+from analysis.model.structure.layout import covariate_label
 from analysis.model.structure.structure import Structure, running_mean, structure
 from tests.unit.analysis.model.hard_spheres import campaign
 
