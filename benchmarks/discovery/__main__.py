@@ -36,6 +36,7 @@ SECTIONS = {
     "foreign": foreign.run,
     "air": air.run,
     "speed": speed.run,
+    "speed-lasting": speed.run_lasting,
     "memory": memory.run,
 }
 

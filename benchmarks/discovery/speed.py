@@ -46,19 +46,28 @@ def run(options: Options) -> None:
     report("speed", [*goals, *_lasting()], [])
 
 
-def _lasting() -> list[Goal]:
-    """Measure contacts that last: one law alone, and with an effect on top of it."""
+def run_lasting(options: Options) -> None:
+    """Measure contacts that last without an effect on top of them."""
+    report("speed-lasting", _lasting_alone(), [])
+
+
+def _lasting_alone() -> list[Goal]:
     data = lasting_campaign(PLAIN, 800, USUAL)
     explain(lasting_campaign(PLAIN, 801, 12), CATALOGUE)
 
     def fitted() -> Fit:
         return added(data, fit_campaign(data), EFFECT)[1]
 
-    goals = [
+    return [
         _time("lasting contact: fit, 120 shots, s", 0.3, _best(fitted)),
         _time("fit and rank, s", 0.5, _best(lambda: rank(data, fitted(), CATALOGUE))),
         _time("verdict, s", 5.0, _best(lambda: explain(data, CATALOGUE), 2)),
     ]
+
+
+def _lasting() -> list[Goal]:
+    """Measure contacts that last: one law alone, and with an effect on top of it."""
+    goals = _lasting_alone()
     for name, nature in ON_TOP.items():
         more = lasting_campaign(nature, 900, USUAL)
         seconds = _best(partial(explain, more, CATALOGUE), 1)
