@@ -8,6 +8,7 @@ from html import escape
 from nicegui import ui
 
 from analysis.model.verdict.standing import AT_THE_FLOOR, standing_of
+from analysis.schema.verdict import VerdictReport
 from rigctl.documents import Json
 from rigctl.page.desk import Desk
 from rigctl.page.model.effect_words import described, left_out
@@ -111,7 +112,7 @@ class Story:
         self._film.take(found["paths"], tuple(found["with"]))
         self._where.take(found["findings"], standing)
 
-    def _concluded(self) -> Json | None:
+    def _concluded(self) -> VerdictReport | None:
         return None if self._is_before else self._state.concluded
 
     def look_at(self, place: str) -> None:
