@@ -94,7 +94,7 @@ def test_what_the_verdict_calls_missing_is_missing_in_story_and_next_shots(
         assert is_missing
     if good:
         assert named == "nothing"
-        assert asked_for(standing) == "None are needed to name what is missing."
+        assert asked_for(standing) == "None are needed: these shots show nothing that is missing."
     if named in NAMES:
         assert f"{named} lowers it most" in rest or f"{named}, which" in rest
         assert named not in path[-1]["with"]

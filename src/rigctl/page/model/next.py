@@ -9,7 +9,7 @@ from rigctl.documents import Json
 from rigctl.jobs import Job
 from rigctl.model.next_words import sentence, sweep_of
 from rigctl.page.desk import Desk
-from rigctl.page.model.next_rows import is_table, next_measurements
+from rigctl.page.model.next_rows import is_table, next_measurements, none_needed
 from rigctl.page.model.state import ModelState, Question
 from rigctl.page.model.story.cards import in_plain, named
 from rigctl.page.parts.tables import Line, facts
@@ -179,7 +179,7 @@ def asked_for(standing: Standing) -> str:
         return "More shots are needed to say anything, at several pressures and offsets."
     if standing.word is Word.UNEXPLAINED:
         return "More shots, all over pressures and offsets, would show better what it goes with."
-    return "None are needed to name what is missing."
+    return none_needed(standing)
 
 
 def _likely(found: Json, names: list[str]) -> list[str]:

@@ -24,11 +24,18 @@ def is_table(found: Json) -> bool:
     return not found["paths"]
 
 
+def none_needed(standing: Standing) -> str:
+    """Say that no shots are needed: as what is missing is named, or as nothing is."""
+    if standing.word is Word.FLOOR:
+        return "None are needed: these shots show nothing that is missing."
+    return "None are needed to name what is missing."
+
+
 def next_measurements(found: Json, standing: Standing) -> str:
     """Say which measurements would tell most, by the speeds that the table has."""
     speeds = speeds_of(found)
     if standing.word in NO_SHOTS:
-        return "None are needed to name what is missing."
+        return none_needed(standing)
     if len(speeds) < 2:
         return "Measure more impacts, at several approach speeds: these have one alone."
     why = "laws that agree in between part there"

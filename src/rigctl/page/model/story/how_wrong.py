@@ -11,7 +11,7 @@ from analysis.model.verdict.standing import SURE
 from rigctl.documents import Json
 from rigctl.page.model.story.bars import Bar, bars
 from rigctl.page.model.story.errors import three_figures
-from rigctl.page.model.story.words import channel
+from rigctl.page.model.story.words import channel, sized
 
 LEAST_SPAN = 1.5
 """Errors in units of the noise up to which the scale of the bars goes at least."""
@@ -20,11 +20,11 @@ LEAST_SPAN = 1.5
 def worst_of(found: Json, worst: Json) -> str:
     """Return how wrong the worst quantity is, in some words."""
     if found.get("estimated"):
-        return f"off by {worst['size']:.3g} {worst['unit']}"
+        return f"off by {sized(worst)}"
     if worst["p_familywise"] >= SURE:
         return "within the noise"
     times = three_figures(worst["error"])
-    return f"off by {worst['size']:.3g} {worst['unit']}, {times} × the noise"
+    return f"off by {sized(worst)}, {times} × the noise"
 
 
 def error_bars(rows: Sequence[Json], *, estimated: bool) -> None:
@@ -32,9 +32,7 @@ def error_bars(rows: Sequence[Json], *, estimated: bool) -> None:
     if estimated:
         # As multiples of a scatter that is taken for the noise all errors would be about 1.
         for row in rows:
-            ui.label(f"{channel(row['quantity'])}: {row['size']:.3g} {row['unit']}").classes(
-                "strong"
-            )
+            ui.label(f"{channel(row['quantity'])}: {sized(row)}").classes("strong")
         return
     # From the floor on, in steps of equal ratio: nothing is drawn for what is only noise.
     most = math.log(max(LEAST_SPAN, *(row["error"] for row in rows)))
@@ -45,7 +43,7 @@ def error_bars(rows: Sequence[Json], *, estimated: bool) -> None:
                 math.log(max(1.0, row["error"])) / most,
                 f"{three_figures(row['error'])} ×",
                 fails=row["p_familywise"] < SURE,
-                beside=f"{row['size']:.3g} {row['unit']}",
+                beside=sized(row),
             )
             for row in rows
         ]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from textwrap import wrap
 
 from analysis.figures.palette import FAILS, FLOOR, GREY, MEASURED
 from analysis.model.structure.findings import ALWAYS
@@ -14,6 +15,7 @@ from rigctl.page.parts.plots import WIDEST_LABEL, figure
 
 HEIGHT = 320
 LEAST_TICKS = 3
+TREAD_LETTERS = 10
 UNITS_OF_LOGARITHMS = {"ln v_n": "m/s", "ln v_s/v_n": ""}
 
 
@@ -88,13 +90,14 @@ def staircase(labels: Sequence[str], errors: Sequence[Unseen], tried: Unseen | N
     noise |= {"fillcolor": FLOOR, "opacity": 0.16, "line": {"width": 0}}
     return figure(
         drawn,
-        250,
+        282,
         "staircase",
-        margin={"l": WIDEST_LABEL, "r": 12, "t": 18, "b": 44},
+        margin={"l": WIDEST_LABEL, "r": 12, "t": 18, "b": 76},
         shapes=[] if floor is None else [noise],
         xaxis={
             "tickvals": [k + 0.5 for k in range(len(names))],
-            "ticktext": names,
+            "ticktext": [_in_lines(name) for name in names],
+            "tickangle": 0,
             "range": [0, max(len(names), 2)],
             "zeroline": False,
             "showgrid": False,
@@ -127,10 +130,10 @@ def _plot(traces: list[Json], cell: Json, points: Json) -> Json:
         traces,
         HEIGHT,
         "story",
-        margin={"l": WIDEST_LABEL, "r": 12, "t": 12, "b": 48},
+        margin={"l": WIDEST_LABEL, "r": 12, "t": 12, "b": 62},
         shapes=[{**zero, "line": {"color": FLOOR, "width": 2}}],
         xaxis={
-            "title": {"text": _axis(cell, points)},
+            "title": {"text": _axis(cell, points).replace(" (", "<br>(")},
             "range": [left - beside, right + beside],
             **_ticks(cell, left - beside, right + beside),
             "zeroline": False,
@@ -190,6 +193,11 @@ def _ticks(cell: Json, left: float, right: float) -> Json:
     if len(shown) < LEAST_TICKS:
         shown = [float(f"{math.exp(left + k * (right - left) / 4):.2g}") for k in range(5)]
     return {"tickvals": [math.log(v) for v in shown], "ticktext": [f"{v:g}" for v in shown]}
+
+
+def _in_lines(name: str) -> str:
+    """Return the name of a tread in lines: on a narrow screen three stand beside each other."""
+    return "<br>".join(wrap(name, TREAD_LETTERS, break_long_words=False))
 
 
 def _shots(points: Json, colour: str, opacity: float) -> Json:

@@ -50,6 +50,7 @@ class Story:
         self._after: Json | None = None
         self._effect, self._waits = "", ""
         self._is_behind = self._is_before = False
+        self._known = 0
         self._film = ShotFilm(desk, state, self._film_chosen)
         self._where = WhereItFails(self._to_film, lambda: self._film.shot)
         with ui.element("div").classes("stack story"):
@@ -70,7 +71,9 @@ class Story:
         if found is None and self._state.failure and path:
             found = path[-1]
         self._steps.set_visibility(found is not None or self._shown is not None)
-        if found is not None and found is not self._shown:
+        known, self._known = self._known, len(path)
+        if found is not None and (found is not self._shown or known != len(path)):
+            # A reloaded page may hear of the model with an effect before it hears of it without.
             self._shown, self._is_before = found, False
             self._look_at_stage()
             seen = self._seen(found) if found is self._state.present else []

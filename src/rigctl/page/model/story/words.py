@@ -36,6 +36,14 @@ CHANNELS = {
     "relative orientation": "difference of turns in flight",
     "common orientation": "turn of both in flight",
     "relative spin": "difference of spins",
+    "speed": "speed from the tube",
+    "slope X": "rise of the track",
+    "slope Z": "turn of the track to the side",
+    "track offset X": "offset between the tracks, height",
+    "track offset Z": "offset between the tracks, depth",
+    "track height X": "place of both tracks, height",
+    "track height Z": "place of both tracks, depth",
+    "lag": "delay between the launches",
     "image X": "measured height",
     "image Y": "measured left–right",
     "image Z": "measured depth",
@@ -59,6 +67,12 @@ COVARIATES = {
     "delay_us": "delay of b",
     "temperature_c": "temperature",
 }
+
+
+def sized(row: Json) -> str:
+    """Return the size of an error with its unit, to three figures."""
+    value, unit = row["size"], str(row["unit"]).replace("us", "µs")
+    return f"{value:.0f} {unit}" if value >= 1000 else f"{value:.3g} {unit}"
 
 
 def channel(name: str) -> str:
@@ -118,8 +132,8 @@ def compared(found: Json) -> str:
     if found.get("estimated"):
         worst = failing(found)[0]
         return (
-            f"The model predicts the {channel(worst['quantity'])} to {worst['size']:.3g} "
-            f"{worst['unit']}. No errors are stated, so they are taken from the scatter; whether "
+            f"The model predicts the {channel(worst['quantity'])} to {sized(worst)}. "
+            f"No errors are stated, so they are taken from the scatter; whether "
             "that is noise, step 2 shows."
         )
     if not wrong:
@@ -128,8 +142,8 @@ def compared(found: Json) -> str:
         )
     worst = wrong[0]
     return (
-        f"The model gets the {channel(worst['quantity'])} wrong by {worst['size']:.3g} "
-        f"{worst['unit']}: {worst['error']:.3g} times the noise, so this is no noise."
+        f"The model gets the {channel(worst['quantity'])} wrong by {sized(worst)}: "
+        f"{worst['error']:.3g} times the noise, so this is no noise."
     )
 
 
