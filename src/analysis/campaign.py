@@ -15,11 +15,10 @@ from typing import TYPE_CHECKING, overload
 import numpy as np
 
 from analysis.arrays import Floats, Grey
+from analysis.balls.films.frames import FRAME_SUFFIXES, holds_frames, read_frames
 from analysis.errors import InputError, ShotRefusedError
 from analysis.exchange.description import read_description
 from analysis.exchange.shot_list import EXPOSURE, ShotRow, each_shot_row
-from analysis.imaging.files.png_files import holds_png
-from analysis.imaging.files.stack import SUFFIXES, read_stack
 from analysis.setup import CameraSetup, Setup, SphereSetup, without_exposure
 from analysis.shot import AnalysisOptions, MeasuredShot, RefusedShot, analyse_shot, check_frames
 from analysis.workers import Workers
@@ -145,8 +144,8 @@ def read_campaign(path: Path, setup: Setup | None = None) -> Campaign:
         mine = [job for job in whole.jobs if job.frames.resolve() == path.resolve()]
         if mine:
             return Campaign(whole.name, (replace(mine[0], frames=path),))
-    if path.is_dir() and not holds_png(path):
-        raise InputError(path, f"neither {DESCRIPTION} nor PNG frames are in this folder")
+    if path.is_dir() and not holds_frames(path):
+        raise InputError(path, f"neither {DESCRIPTION} nor PNG or DNG frames are in this folder")
     return Campaign(path.stem, (ShotJob(number, path, setup or THESIS_SETUP),))
 
 
@@ -193,7 +192,7 @@ def _unlisted(folder: Path, shots: Set[int]) -> tuple[Path, ...]:
         sorted(
             entry
             for entry in unlisted
-            if (holds_png(entry) if entry.is_dir() else entry.suffix.lower() in SUFFIXES)
+            if (holds_frames(entry) if entry.is_dir() else entry.suffix.lower() in FRAME_SUFFIXES)
         )
     )
 
@@ -201,7 +200,7 @@ def _unlisted(folder: Path, shots: Set[int]) -> tuple[Path, ...]:
 def frames_of(folder: Path, shot: int) -> Path:
     """Return where a shot's frames lie; the plain TIFF name where nothing is there."""
     stem = folder / f"{shot:04d}"
-    candidates = [stem.with_suffix(suffix) for suffix in SUFFIXES]
+    candidates = [stem.with_suffix(suffix) for suffix in FRAME_SUFFIXES]
     return next((c for c in (*candidates, stem) if c.exists()), stem.with_suffix(".tiff"))
 
 
@@ -231,7 +230,7 @@ def analyse_job(
 
 def read_job(job: ShotJob) -> tuple[Grey, Floats, tuple[str, ...]]:
     """Read the frames of a shot, their times in s, and notes on them."""
-    stack = read_stack(job.frames)
+    stack = read_frames(job.frames)
     times = stack.times_s
     if times is None:
         times = np.arange(len(stack.pixels)) / job.setup.camera.frame_rate_hz

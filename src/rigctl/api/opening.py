@@ -7,12 +7,11 @@ from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
 
+from analysis.balls.films.frames import FRAME_SUFFIXES, holds_frames
 from analysis.campaign import DESCRIPTION, POSES, joined, read_campaign
 from analysis.campaign import Campaign as Shots
 from analysis.effects.effect import Effect
 from analysis.exchange.description import read_description
-from analysis.imaging.files.png_files import holds_png
-from analysis.imaging.files.stack import SUFFIXES
 from analysis.model.data.gather import CONTACTS, IMPACTS, gather
 from analysis.shot import Method
 from rigctl.api.campaign import Campaign
@@ -107,16 +106,16 @@ def _source(
         return Named(str(path), None if config is None else Path(config))
     if path.name in TABLES or any((path / table).exists() for table in TABLES):
         return Tables(path)
-    if path.is_dir() and not (path / DESCRIPTION).exists() and not holds_png(path):
+    if path.is_dir() and not (path / DESCRIPTION).exists() and not holds_frames(path):
         inside = sorted(path.iterdir())
-        films = [one for one in inside if one.suffix.lower() in SUFFIXES or _is_film(one)]
+        films = [one for one in inside if one.suffix.lower() in FRAME_SUFFIXES or _is_film(one)]
         if films:
             return Frames(replace(_films(films, setup), name=path.resolve().name), method)
     return Frames(_films([path], setup), method)
 
 
 def _is_film(path: Path) -> bool:
-    return path.is_dir() and holds_png(path)
+    return path.is_dir() and holds_frames(path)
 
 
 def _films(paths: Sequence[Path], setup: Place | None) -> Shots:

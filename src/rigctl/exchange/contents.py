@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.balls.films.frames import read_frames
 from analysis.campaign import DESCRIPTION, FRAMES, POSES, SHOT_LIST, frames_of
 from analysis.errors import InputError
 from analysis.exchange.contact_table import read_contacts
@@ -17,7 +18,6 @@ from analysis.exchange.description import read_description
 from analysis.exchange.impact_table import read_impacts
 from analysis.exchange.pose_table import PoseRow, read_poses
 from analysis.exchange.shot_list import EXCLUDED, NOTE, TAGS, ShotRow, read_shot_list
-from analysis.imaging.files.stack import read_stack
 from analysis.model.data.gather import CONTACTS, IMPACTS
 from analysis.setup import Setup
 from rigctl.errors import AnalysisInputError
@@ -132,7 +132,7 @@ def _frames(
         if not path.exists():
             continue
         try:
-            stack = read_stack(path)
+            stack = read_frames(path)
         except InputError as error:
             faults.append(f"shot {row.shot}: {error}")
             continue

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.arrays import Floats
+from analysis.balls.films.frames import read_frames
 from analysis.campaign import DESCRIPTION, read_campaign
 from analysis.errors import InputError
-from analysis.imaging.files.stack import read_stack
 from analysis.qualification.drop import whole_falls
 from analysis.setup import Setup
 from rigctl.errors import AnalysisInputError, SettingsError
@@ -101,7 +101,7 @@ def shot_frames(paths: Sequence[Path]) -> Iterator[ShotFrames]:
             if not (path / DESCRIPTION).exists():
                 raise InputError(path, f"holds neither {DESCRIPTION} nor {MANIFEST}")
             for job in read_campaign(path).jobs:
-                stack = read_stack(job.frames)
+                stack = read_frames(job.frames)
                 rate = job.setup.camera.frame_rate_hz
                 times = np.arange(len(stack.pixels)) / rate
                 yield ShotFrames(
@@ -127,7 +127,7 @@ def _film(path: Path) -> Film:
         frames, times, _ = _stored(path)
         return frames, times
     try:
-        stack = read_stack(path)
+        stack = read_frames(path)
     except InputError as error:
         raise AnalysisInputError(error.reason, part=error.path) from error
     return stack.pixels, stack.times_s

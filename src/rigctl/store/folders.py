@@ -235,11 +235,11 @@ def read_pixels(path: Path) -> NDArray[np.uint8]:
         pixels: NDArray[np.uint8] = np.load(path, allow_pickle=False)
         return pixels
     # Readers of images are loaded only where frames are no arrays.
+    from analysis.balls.films.frames import read_frames  # noqa: PLC0415
     from analysis.errors import InputError  # noqa: PLC0415
-    from analysis.imaging.files.stack import read_stack  # noqa: PLC0415
 
     try:
-        return read_stack(path).pixels
+        return read_frames(path).pixels
     except InputError as error:
         raise ValueError(str(error)) from error
 

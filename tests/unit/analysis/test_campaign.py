@@ -239,7 +239,7 @@ def test_what_could_not_be_checked_about_a_file_stands_in_the_notes(
 
 @pytest.mark.parametrize(
     ("name", "reason"),
-    [("absent", "no such file or folder"), ("empty", "neither campaign.toml nor PNG")],
+    [("absent", "no such file or folder"), ("empty", "neither campaign.toml nor PNG or DNG")],
 )
 def test_what_is_no_campaign_is_refused_by_name(tmp_path: Path, name: str, reason: str) -> None:
     (tmp_path / "empty").mkdir()

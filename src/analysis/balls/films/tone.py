@@ -8,6 +8,8 @@ from numpy.typing import NDArray
 from analysis.balls.films.film import FilmHead, Picture
 
 Singles = NDArray[np.float32]
+BRIGHTNESS = np.array([0.114, 0.587, 0.299])
+"""Of blue, green and red (ITU-R BT.601)."""
 
 
 def _srgb() -> Singles:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from analysis.arrays import Floats
 from analysis.balls.discs.finding import Disc, find_balls
 from analysis.balls.films.film import FilmHead, Picture
-from analysis.balls.films.tone import light
+from analysis.balls.films.tone import BRIGHTNESS, light
 
 Singles = NDArray[np.float32]
 
@@ -37,8 +37,6 @@ ALIKE = 0.12
 LEAST_ALARMS = -5.0
 LIGHT_SIGMA = 0.04
 """Relative error of a radius that a smooth shading is fitted with."""
-BRIGHTNESS = np.array([0.114, 0.587, 0.299])
-"""Of blue, green and red (ITU-R BT.601)."""
 LEAST_BRIGHTNESS = 0.2
 """Of the largest difference of a channel, where brightness is taken for the rim."""
 RIM_SIGMA = 0.007

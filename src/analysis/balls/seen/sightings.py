@@ -46,7 +46,7 @@ class Sight:
         # Where many pixels make one, every second row and column tells as well.
         self._stride = max(1, int(self._factor / LEAST_SHRUNK))
         # Whole numbers of pixels are put together many times as fast as parts of them.
-        self._together = max(1, int(self._factor / self._stride))
+        self._together = max(1, round(self._factor / self._stride))
         self._factor = float(self._stride * self._together)
         self._ground = self._small(ground)
         self._radius = looks.radius_px / self._factor

@@ -14,7 +14,7 @@ from analysis.files import FrameBudget, read_json
 from analysis.imaging.files.npy_file import read_npy
 from analysis.imaging.files.png_files import read_pngs
 from analysis.imaging.files.tiff_file import read_tiff
-from analysis.imaging.files.video_file import read_video
+from analysis.imaging.files.video_file import ColourError, read_video
 
 TIFF_SUFFIXES = (".tif", ".tiff")
 VIDEO_SUFFIXES = (".avi", ".mkv", ".mp4")
@@ -65,6 +65,8 @@ def read_stack(path: Path) -> FrameStack:
         pixels, notes = _read(path)
     except OSError as error:
         raise InputError(path, f"cannot be read: {error.strerror or error}") from error
+    if pixels.ndim == 4 and pixels.shape[3] in {3, 4}:
+        raise ColourError(path, f"holds frames in colour of shape {pixels.shape}, not grey frames")
     if pixels.ndim != 3 or pixels.dtype not in {np.dtype(np.uint8), np.dtype(np.uint16)}:
         raise InputError(
             path,
@@ -77,11 +79,11 @@ def read_stack(path: Path) -> FrameStack:
     if pixels.dtype == np.uint8:
         whole = np.ascontiguousarray(pixels)
         return FrameStack(whole, whole, times_s, notes)
-    light, note = _on_scale_of_8_bits(pixels)
+    light, note = on_scale_of_8_bits(pixels)
     return FrameStack(np.rint(light).astype(np.uint8), light, times_s, (*notes, note))
 
 
-def _on_scale_of_8_bits(pixels: NDArray[np.generic]) -> tuple[NDArray[np.float32], str]:
+def on_scale_of_8_bits(pixels: NDArray[np.generic]) -> tuple[NDArray[np.float32], str]:
     """Return values of more bits as grey levels from 0 to 255, fractions kept, and a note on it.
 
     A camera's bits are the fewest usual ones that hold its largest value. Bits below, which some

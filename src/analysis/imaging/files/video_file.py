@@ -16,6 +16,11 @@ from analysis.files import FrameBudget
 os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
 cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
 
+
+class ColourError(InputError):
+    """Frames whose channels differ."""
+
+
 GREY_TOLERANCE = 2
 """Codecs that store colour bring grey back to within this many levels between channels."""
 UNCOUNTED = "the video does not say how many frames it holds; that all are there is not checked"
@@ -114,7 +119,7 @@ def _grey(path: Path, index: int, page: NDArray[np.generic]) -> NDArray[np.gener
     channels = page.astype(np.int16)
     spread = int(np.ptp(channels, axis=2).max())
     if spread > GREY_TOLERANCE:
-        raise InputError(
+        raise ColourError(
             path, f"frame {index} is in colour: its channels differ by up to {spread} levels"
         )
     return page[:, :, 1].copy()

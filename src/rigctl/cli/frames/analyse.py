@@ -14,6 +14,7 @@ import typer
 from rich.console import Console
 from rich.progress import Progress
 
+from analysis.balls.films.frames import read_frames
 from analysis.campaign import (
     SHOT_LIST,
     Campaign,
@@ -27,7 +28,6 @@ from analysis.exchange.description import read_description
 from analysis.exchange.folder import folder_writer
 from analysis.figures.shot import draw_shot
 from analysis.imaging.edge.frame import EdgeSettings
-from analysis.imaging.files.stack import read_stack
 from analysis.shot import AnalysisOptions, MeasuredShot, RefusedShot
 from analysis.tracking import Matching
 from rigctl.cli.frames.analyse_output import ShotTable, shot_object
@@ -271,7 +271,7 @@ def _written(
             if figures is not None:
                 figures.mkdir(parents=True, exist_ok=True)
                 title = f"{campaign.name}, shot {job.shot}"
-                pixels = read_stack(job.frames).pixels
+                pixels = read_frames(job.frames).pixels
                 draw_shot(figures / f"{job.shot:04d}.png", title, pixels, shot)
 
         yield write

@@ -9,9 +9,9 @@ import numpy as np
 import tifffile
 import typer
 
+from analysis.balls.films.frames import read_frames
 from analysis.errors import InputError
 from analysis.imaging.fields import Scan, field_times
-from analysis.imaging.files.stack import read_stack
 from analysis.imaging.playback.chain import Clock
 from analysis.imaging.playback.recorded import Recorded, recorded_pictures
 from analysis.imaging.playback.sampling import Sampling
@@ -65,7 +65,7 @@ def playback(
         An option is not of its form, or the crop lies outside the frames.
     """
     try:
-        stack = read_stack(film)
+        stack = read_frames(film)
     except InputError as error:
         raise AnalysisInputError(error.reason, part=error.path) from error
     frames, rows, columns = stack.pixels.shape
