@@ -206,3 +206,28 @@ def test_a_law_beside_a_named_effect_is_refused(challenge: Path) -> None:
     words = ["challenge", "commit", str(challenge), "--answer", "drag"]
     assert cli.run([*words, *LAW]) == 2
     assert not (challenge / "answer.json").exists()
+
+
+@pytest.mark.parametrize(
+    ("law", "word"),
+    [
+        (("eps", "speed_n", "bump"), "no slot of a law has this name"),
+        (("e", "speedn", "bump"), "no argument of a law has this name"),
+        (("e", "speed_n*lamp_c", "linear"), "no argument of a law has this name"),
+        (("e", "speed_n", "bumpy"), "no shape of a law has this name"),
+    ],
+)
+def test_a_law_of_unknown_words_is_refused_before_the_answer_stands(
+    challenge: Path, capsys: pytest.CaptureFixture[str], law: tuple[str, ...], word: str
+) -> None:
+    words = ["challenge", "commit", str(challenge), "--answer", "unexplained", "--law", *law]
+    assert cli.run(words) == 2
+    assert word in capsys.readouterr().err
+    assert not (challenge / "answer.json").exists()
+
+
+def test_the_arguments_of_a_product_may_stand_in_any_order(challenge: Path) -> None:
+    words = ["challenge", "commit", str(challenge), "--answer", "unexplained"]
+    assert cli.run([*words, "--law", "e", "temperature_c*speed_n", "linear"]) == 0
+    stated = json.loads((challenge / "answer.json").read_text(encoding="utf-8"))["law"]
+    assert stated == ["e", "speed_n*temperature_c", "linear"]

@@ -11,6 +11,7 @@ import typer
 from analysis.effects.catalogue import CATALOGUE
 from rigctl import challenge
 from rigctl.cli.options import Json
+from rigctl.model.answered_law import known_law
 
 SHOTS, FILMED_SHOTS = 120, 30
 """How many without further word: poses, frames."""
@@ -61,7 +62,9 @@ def commit(
     ] = None,
 ) -> None:
     """Keep an answer of known names."""
-    names = challenge.commit(folder, answer, known=[effect.name for effect in CATALOGUE], law=law)
+    stated = None if law is None else known_law(folder, law)
+    known = [effect.name for effect in CATALOGUE]
+    names = challenge.commit(folder, answer, known=known, law=stated)
     typer.echo(f"{folder}: {', '.join(names)}; see the truth with rigctl challenge reveal {folder}")
 
 
