@@ -4,6 +4,7 @@ python -m benchmarks.proposals null --campaigns 400
 python -m benchmarks.proposals power --d 6 --campaigns 20
 python -m benchmarks.proposals power --d 10 --campaigns 13 --first-seed 900000
 python -m benchmarks.proposals products --d 6 --campaigns 20
+python -m benchmarks.proposals drawn --d 6 --campaigns 5
 python -m benchmarks.proposals exponent --campaigns 100
 python -m benchmarks.proposals central --campaigns 20
 python -m benchmarks.proposals launch --campaigns 400
@@ -39,6 +40,8 @@ from analysis.model.proposals.proposed import Proposed
 from benchmarks.discovery.campaigns import campaign
 from benchmarks.discovery.strength import amplitude_at
 from benchmarks.discovery.treatments import TREATMENTS
+from benchmarks.proposals.drawn import LAWS as DRAWN
+from benchmarks.proposals.drawn import drawn_at
 from benchmarks.proposals.products import SHARES, WAYS_OFF, product_at, share_alone
 from benchmarks.proposals.unforeseen import WORLDS, claimed, fired, is_true
 from simulators.challenge.effects import HIDDEN
@@ -229,6 +232,33 @@ def products(asked: Asked) -> list[Trial]:
     return tried
 
 
+def drawn(asked: Asked) -> list[Trial]:
+    """Hide laws of other kinds than tests do, in hard spheres and in contacts that last."""
+    tried, share = list[Trial](), 0.98 if asked.d >= 10 else 0.9
+    for world, lasting in (("hard", False), ("lasting", True)):
+        hits, excess = list[bool](), list[float]()
+        for name, law in DRAWN.items():
+            if asked.of not in f"{world}, {name}":
+                continue
+            for k in range(asked.campaigns):
+                seed = asked.first_seed + 80_000 + k
+                data = drawn_at(law, asked.d, seed, SHOTS, lasting=lasting)
+                one, found = _asked(data, f"{world}, {name}", seed)
+                hits.append(_named(one, (law.slot, law.argument)))
+                if not hits[-1]:
+                    print(f"  {one}", flush=True)
+                elif found.accepted and not lasting:
+                    quiet = without_contact_frames(campaign({}, seed, SHOTS))
+                    floor = stage_of(quiet, fit_campaign(quiet)).error.value
+                    excess.append(one.after / floor - 1)
+                tried.append(one)
+        if hits:
+            _share(f"d {asked.d:g}, {world}: first, or in a set of at most three", share, hits)
+        if excess:
+            print(f"    error after over the floor: {np.mean(excess):.4f}, most {max(excess):.4f}")
+    return tried
+
+
 def exponent(asked: Asked) -> list[Trial]:
     """Hold the exponent of a central force in flight against its standard error."""
     tried, hits = [], []
@@ -362,6 +392,7 @@ SECTIONS = {
     "null": null,
     "power": power,
     "products": products,
+    "drawn": drawn,
     "exponent": exponent,
     "central": central,
     "launch": launch,
