@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 from playwright.sync_api import Page
 
-from benchmarks.page import launched, opened, served
+from benchmarks.page_served import launched, opened, served
 
 Picture = NDArray[np.uint8]
 SIZE = {"width": 1280, "height": 800}

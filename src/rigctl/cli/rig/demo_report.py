@@ -134,4 +134,15 @@ def _path(verdict: VerdictReport) -> Table:
         name = ", ".join(stage.effects) or "the base model"
         table.add_row(name, f"{stage.chi2_per_dof:.3f}", f"{stage.prediction_error:.3f}")
     table.caption = "errors in units of the noise; 1 is the floor"
+    if names := taken_out([stage.effects for stage in verdict.path]):
+        table.caption += (
+            f"\n{', '.join(names)}: added when it lowered the error most by itself, then taken out "
+            "again, as the model does as well without it"
+        )
     return table
+
+
+def taken_out(stages: Sequence[Sequence[str]]) -> list[str]:
+    """Return the effects that the way to a verdict added and dropped again, in their order."""
+    added = dict.fromkeys(effect for effects in stages for effect in effects)
+    return [effect for effect in added if effect not in stages[-1]]
