@@ -130,7 +130,7 @@ def measure_two_sides(
             offset_sigma=float(np.sqrt(2.0)) * scene.slow.common_m,
             held_sigma=float(np.sqrt(2.0)) * scene.slow.position_m,
             # A camera without a mirror leaves Z at zero in every frame.
-            depth_seen=bool(left.position[left.placed][:, 2].any()),
+            without_depth=None if left.position[left.placed][:, 2].any() else scene.bodies,
         )
     except NoTouchError as miss:
         raise never_meet(miss, scene.radii) from miss

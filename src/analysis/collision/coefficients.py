@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from analysis.arrays import Floats
 from analysis.collision.impact import ContactState, impact_velocities
 from analysis.collision.instant import parting_time, touching_time
-from analysis.collision.unseen_depth import depth_spread
+from analysis.collision.operator import Body
+from analysis.collision.unseen_depth import UnseenDepth
 from analysis.motion.spin import Spin
 from analysis.motion.velocity import FlightPath
 from analysis.quantity import Quantity
@@ -139,7 +140,7 @@ def measure_impact(
     *,
     offset_sigma: float = 0.0,
     held_sigma: float = math.inf,
-    depth_seen: bool = True,
+    without_depth: tuple[Body, Body] | None = None,
 ) -> Impact:
     """Combine the motions of both spheres into the impact.
 
@@ -161,8 +162,9 @@ def measure_impact(
         contact alike.
     held_sigma
         How much of it the errors of each flight hold already.
-    depth_seen
-        Whether Z was measured; else what it may be is among the errors (`unseen_depth`).
+    without_depth
+        What collided, where Z was not measured: its velocity after contact follows from the spins,
+        and what it may be besides is among the errors (`unseen_depth`).
 
     Raises
     ------
@@ -191,20 +193,27 @@ def measure_impact(
     beside = np.concatenate([common[:HELD], unheld * common[HELD:]])
     covariance = own + beside.T @ beside
     accelerations = np.array([p.acceleration for p in parts])
+    determined = np.array([s is not None for s in spins])
+    unseen = None
+    if without_depth is not None:
+        unseen = UnseenDepth(without_depth, determined[:2] & determined[2:])
 
     def outcomes(states: Floats) -> Floats:
-        return _outcomes(states, a.before.reference_s, accelerations, radii)
+        return _outcomes(states, a.before.reference_s, accelerations, radii, unseen)
 
     jacobian = _derivative(outcomes, centre, np.sqrt(np.diag(covariance)))
     spread = jacobian @ covariance @ jacobian.T
-    if not depth_seen:
-        spread += depth_spread(outcomes, centre, radii)
-    determined = np.array([s is not None for s in spins])
+    if unseen is not None:
+        spread += unseen.spread(outcomes, centre)
     return _named(outcomes(centre[None])[0], spread, common @ jacobian.T, determined)
 
 
 def _outcomes(
-    states: Floats, reference: float, accelerations: Floats, radii: tuple[float, float]
+    states: Floats,
+    reference: float,
+    accelerations: Floats,
+    radii: tuple[float, float],
+    unseen: UnseenDepth | None,
 ) -> Floats:
     """Return time, normal (3), v_n, v_s, v_n', v_s', e, beta, both states (24 numbers), duration.
 
@@ -231,6 +240,8 @@ def _outcomes(
     normal = place[:, 1] - place[:, 0]
     normal /= np.sqrt((normal**2).sum(axis=-1, keepdims=True))
     spin = states[:, 24:36].reshape(-1, 4, 3)
+    if unseen is not None:
+        velocity[:, 2:, 2] = unseen.after(velocity, spin, normal)
     before = ContactState(velocity[:, 0], velocity[:, 1], spin[:, 0], spin[:, 1])
     after = ContactState(velocity[:, 2], velocity[:, 3], spin[:, 2], spin[:, 3])
     v = impact_velocities(before, after, normal, radii)
