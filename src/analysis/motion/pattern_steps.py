@@ -27,6 +27,8 @@ LEAST_COMMON = 3
 LEAST_SIGHTINGS = 3
 ROUNDS, TRIES = 4, 3
 MOST_MISSED = 2
+BEGINNINGS, CLEARLY = 4, 1.05
+"""Frames to begin at, evenly through a track, and by how much more shared markers win."""
 
 
 @part
@@ -120,16 +122,50 @@ def add_strangers(
 
 
 @part
+def follow_frame(
+    seen: Seen,
+    f: int,
+    turn: Floats,
+    match: Indices,
+    pattern: Floats,
+    size: int,
+) -> tuple[int, Floats, int]:
+    """Match a frame, add its new markers to a pattern; return common markers, rotation, new size.
+
+    Parameters
+    ----------
+    turn
+        Predicted orientation.
+    pattern, size
+        Markers in body axes, shape (sightings, 3), and how many there are.
+    """
+    a, b = span(seen[2], f)
+    own, weights, found = seen[0][a:b], seen[1][a:b], match[a:b]
+    common = match_frame(own, pattern[:size], turn, MATCH_ANGLE, found)
+    for _ in range(TRIES):
+        if common < LEAST_COMMON:
+            return common, turn, size
+        turn = fit_frame(own, weights, pattern, found)
+        common = match_frame(own, pattern[:size], turn, MATCH_ANGLE, found)
+    if common >= LEAST_COMMON:
+        match_frame(own, pattern[:size], turn, NEW_MARKER_ANGLE, found)
+        size = add_strangers(own, found, turn, pattern, size)
+    return common, turn, size
+
+
+@part
 def first_pass(
-    seen: Seen, times_s: Floats, rotation: Floats, common: Indices, pattern: Floats
+    seen: Seen, times_s: Floats, begin: int, rotation: Floats, common: Indices, pattern: Floats
 ) -> int:
-    """Follow the pattern forward in time, adding markers as they come round the limb.
+    """Follow the pattern forward in time and back, adding markers as they come round the limb.
 
     A frame that none of the next MOST_MISSED follows was no good beginning: it is left out, and
     the pattern begins anew.
 
     Parameters
     ----------
+    begin
+        Frame to begin at.
     rotation, common
         Filled for each frame: its orientation, and the number of markers in common with the
         pattern; fewer than LEAST_COMMON leave it out. Shapes (frames, 3, 3) and (frames,).
@@ -142,33 +178,67 @@ def first_pass(
     """
     directions, facing, ends = seen
     match, size, last = np.full(facing.size, -1, dtype=np.intp), 0, -1
-    rate, begun = np.zeros(3), -1
-    for f in range(ends.size):
-        a, b = span(ends, f)
-        own, weights, found = directions[a:b], facing[a:b], match[a:b]
+    rate, first_rate, begun = np.zeros(3), np.zeros(3), -1
+    common[:] = 0
+    for f in range(begin, ends.size):
         if last >= 0 and last == begun and f > begun + MOST_MISSED:
             common[begun], last = 0, -1
         if last < 0:
-            rotation[f] = np.eye(3)
-            size = add_strangers(own, found, rotation[f], pattern, 0)
+            a, b = span(ends, f)
+            match[a:b], rotation[f] = -1, np.eye(3)
+            size = add_strangers(directions[a:b], match[a:b], rotation[f], pattern, 0)
             common[f] = size
             begun = last = f if size >= LEAST_COMMON else -1
             continue
         step = times_s[f] - times_s[last]
         turn = turned(rate * step, rotation[last])
-        common[f] = match_frame(own, pattern[:size], turn, MATCH_ANGLE, found)
-        for _ in range(TRIES):
-            if common[f] < LEAST_COMMON:
-                break
-            turn = fit_frame(own, weights, pattern, found)
-            common[f] = match_frame(own, pattern[:size], turn, MATCH_ANGLE, found)
-        if common[f] < LEAST_COMMON:
-            continue
-        rate = turn_between(rotation[last], turn) / step
-        rotation[f], last = turn, f
-        match_frame(own, pattern[:size], turn, NEW_MARKER_ANGLE, found)
-        size = add_strangers(own, found, turn, pattern, size)
+        common[f], turn, size = follow_frame(seen, f, turn, match, pattern, size)
+        if common[f] >= LEAST_COMMON:
+            rate = turn_between(rotation[last], turn) / step
+            first_rate = rate if last == begun else first_rate
+            rotation[f], last = turn, f
+    if last < 0:
+        return size
+    last, rate = begun, first_rate
+    for f in range(begun - 1, -1, -1):
+        step = times_s[f] - times_s[last]
+        turn = turned(rate * step, rotation[last])
+        common[f], turn, size = follow_frame(seen, f, turn, match, pattern, size)
+        if common[f] >= LEAST_COMMON:
+            rate = turn_between(rotation[last], turn) / step
+            rotation[f], last = turn, f
     return size
+
+
+@part
+def best_pass(
+    seen: Seen, times_s: Floats, rotation: Floats, common: Indices, space: Floats
+) -> Floats:
+    """Return the pattern of the first pass whose markers are shared by most frames.
+
+    A track may begin with frames that mislead: another sphere before this one, or three markers
+    that fit in two ways. The pass from its beginning is kept unless another is clearly better.
+
+    Parameters
+    ----------
+    rotation, common
+        Filled as by `first_pass`.
+    space
+        For patterns, shape (sightings, 3).
+    """
+    frames = seen[2].size
+    size = first_pass(seen, times_s, 0, rotation, common, space)
+    best = space[:size].copy()
+    # Each marker of a pattern was new in one frame.
+    shared = common[common >= LEAST_COMMON].sum() - size
+    for n in range(1, BEGINNINGS):
+        turns, own = np.zeros((frames, 3, 3)), np.zeros(frames, dtype=np.intp)
+        size = first_pass(seen, times_s, n * frames // BEGINNINGS, turns, own, space)
+        count = own[own >= LEAST_COMMON].sum() - size
+        if count > max(CLEARLY * shared, 0.0):
+            shared, best = count, space[:size].copy()
+            rotation[:], common[:] = turns, own
+    return best
 
 
 @compiled
@@ -277,7 +347,7 @@ def learn_pattern(seen: Seen, times_s: Floats) -> tuple[Floats, Floats, Floats, 
     directions, facing, ends = seen
     rotation, common = np.zeros((ends.size, 3, 3)), np.zeros(ends.size, dtype=np.intp)
     space, match = np.empty((facing.size, 3)), np.full(facing.size, -1, dtype=np.intp)
-    pattern = space[: first_pass(seen, times_s, rotation, common, space)]
+    pattern = best_pass(seen, times_s, rotation, common, space)
     used = common >= LEAST_COMMON
     for _ in range(ROUNDS):
         for f in range(ends.size):

@@ -221,3 +221,18 @@ def test_first_frames_that_no_other_follows_are_left_out(strange: int) -> None:
     assert found.frames.tolist()[-10:] == list(range(14, 24))
     assert set(range(strange)) & set(found.frames.tolist()) == set()
     assert len(found.frames) >= 24 - strange - 2
+
+
+def test_a_beginning_that_leads_astray_does_not_end_the_track() -> None:
+    truth = turning(48)
+    # Its first frames are strange, and follow each other as if they were a sphere turning faster.
+    fast = [Rotation.from_rotvec(9.0 * k * STEP) * START for k in range(4)]
+    rng = np.random.default_rng(3)
+    truth.sightings.update({k: sight(body_markers(), turn, rng)[0] for k, turn in enumerate(fast)})
+    found = oriented(truth.sightings, truth.times_s, "a")
+    assert set(range(4, 48)) <= set(found.frames.tolist())
+    kept = [int(k) for k in found.frames if k >= 4]
+    later = np.isin(found.frames, kept)
+    true = Rotation.concatenate([truth.turns[k] for k in kept])
+    turns = Rotation.from_matrix(found.rotation[later])
+    assert np.ptp((true.inv() * turns).as_quat(canonical=True), axis=0).max() < 0.003
