@@ -88,6 +88,10 @@ class ShotPoses:
             rotation_sigma=np.where(left_out, np.inf, self.rotation_sigma),
         )
 
+    def without_turns(self, left_out: NDArray[np.bool_]) -> ShotPoses:
+        """Return the poses without some orientations, mask of shape (F, 2)."""
+        return replace(self, rotation_sigma=np.where(left_out, np.inf, self.rotation_sigma))
+
     def flat(self) -> ShotPoses:
         """Return the poses with a coordinate that is measured nowhere as constant, 0."""
         nowhere = np.isinf(self.position_sigma).all(axis=(0, 1))

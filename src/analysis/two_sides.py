@@ -7,6 +7,7 @@ results (docs/decisions/0021). The scale and the outlines stay as they were cali
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +28,7 @@ from analysis.motion.poses import Centres
 from analysis.motion.rotation import rotation_vector
 from analysis.motion.spin import Spin, fit_spin, three_frame_spin
 from analysis.motion.split import LEAST_FRAMES, split_at_contact
+from analysis.motion.turn_tears import agreeing_turns
 from analysis.motion.velocity import NO_DRAG, FlightPath, fit_flight, three_frame_flight
 from analysis.refusals import (
     check_between,
@@ -59,6 +61,8 @@ class TwoSides:
         Those that may show part of the contact, and so neither side.
     wild
         Sphere, a or b, and number of frames that lie off its free flight.
+    astray
+        Sphere and number of frames whose orientations contradict the others of their side.
     flight_chi2
         Chi-squared per degree of freedom of positions, of both spheres before and after contact,
         shape (4,); not a number without freedom.
@@ -71,6 +75,7 @@ class TwoSides:
     used_after: tuple[int, ...]
     between: tuple[int, ...]
     wild: tuple[tuple[str, int], ...]
+    astray: tuple[tuple[str, int], ...]
     flight_chi2: Floats
     spin_chi2: Floats
 
@@ -110,6 +115,11 @@ def measure_two_sides(
             Side("before", _three(before[::-1], left.times_s)[::-1], -1),
             Side("after", _three(after, left.times_s), 0),
         )
+    astray = np.zeros_like(left.turned)
+    if not three_and_three:
+        for side, i in product(sides, (0, 1)):
+            astray[side.rows, i] = _astray(left, side, i, scene)
+        left = left.without_turns(astray)
     for side in sides:
         for i in (0, 1):
             check_enough(left, side, i)
@@ -140,7 +150,8 @@ def measure_two_sides(
         used_before=_numbers(left, sides[0].rows),
         used_after=_numbers(left, sides[1].rows),
         between=tuple(map(int, between)),
-        wild=tuple(("ab"[i], int(poses.frames[k])) for k, i in np.argwhere(wild)),
+        wild=_named(poses, wild),
+        astray=_named(poses, astray),
         flight_chi2=np.array([p.chi2_per_dof for m in motions for p in (m.before, m.after)]),
         spin_chi2=np.array(
             [
@@ -150,6 +161,21 @@ def measure_two_sides(
             ]
         ),
     )
+
+
+def _named(poses: ShotPoses, chosen: NDArray[np.bool_]) -> tuple[tuple[str, int], ...]:
+    """Return sphere and number of each chosen frame, from shape (F, 2)."""
+    return tuple(("ab"[i], int(poses.frames[k])) for k, i in np.argwhere(chosen))
+
+
+def _astray(poses: ShotPoses, side: Side, sphere: int, scene: Scene) -> NDArray[np.bool_]:
+    """Return which orientations of a side contradict the others, shape (rows,)."""
+    turned = poses.turned[side.rows, sphere]
+    rows = side.rows[turned]
+    sigma = np.hypot(poses.rotation_sigma[rows, sphere], scene.slow.rotation_rad)
+    astray = np.zeros(len(side.rows), dtype=np.bool_)
+    astray[turned] = ~agreeing_turns(poses.times_s[rows], poses.rotation[rows, sphere], sigma)
+    return astray
 
 
 def _numbers(poses: ShotPoses, rows: Frames) -> tuple[int, ...]:
