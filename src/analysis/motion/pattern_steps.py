@@ -123,12 +123,7 @@ def add_strangers(
 
 @part
 def follow_frame(
-    seen: Seen,
-    f: int,
-    turn: Floats,
-    match: Indices,
-    pattern: Floats,
-    size: int,
+    seen: Seen, f: int, turn: Floats, match: Indices, known: tuple[Floats, int]
 ) -> tuple[int, Floats, int]:
     """Match a frame, add its new markers to a pattern; return common markers, rotation, new size.
 
@@ -136,10 +131,10 @@ def follow_frame(
     ----------
     turn
         Predicted orientation.
-    pattern, size
+    known
         Markers in body axes, shape (sightings, 3), and how many there are.
     """
-    a, b = span(seen[2], f)
+    (a, b), (pattern, size) = span(seen[2], f), known
     own, weights, found = seen[0][a:b], seen[1][a:b], match[a:b]
     common = match_frame(own, pattern[:size], turn, MATCH_ANGLE, found)
     for _ in range(TRIES):
@@ -155,7 +150,7 @@ def follow_frame(
 
 @part
 def first_pass(
-    seen: Seen, times_s: Floats, begin: int, rotation: Floats, common: Indices, pattern: Floats
+    seen: Seen, times_s: Floats, begin: int, turns: tuple[Floats, Indices], pattern: Floats
 ) -> int:
     """Follow the pattern forward in time and back, adding markers as they come round the limb.
 
@@ -166,7 +161,7 @@ def first_pass(
     ----------
     begin
         Frame to begin at.
-    rotation, common
+    turns
         Filled for each frame: its orientation, and the number of markers in common with the
         pattern; fewer than LEAST_COMMON leave it out. Shapes (frames, 3, 3) and (frames,).
     pattern
@@ -176,7 +171,7 @@ def first_pass(
     -------
     The number of markers.
     """
-    directions, facing, ends = seen
+    (directions, facing, ends), (rotation, common) = seen, turns
     match, size, last = np.full(facing.size, -1, dtype=np.intp), 0, -1
     rate, first_rate, begun = np.zeros(3), np.zeros(3), -1
     common[:] = 0
@@ -192,7 +187,7 @@ def first_pass(
             continue
         step = times_s[f] - times_s[last]
         turn = turned(rate * step, rotation[last])
-        common[f], turn, size = follow_frame(seen, f, turn, match, pattern, size)
+        common[f], turn, size = follow_frame(seen, f, turn, match, (pattern, size))
         if common[f] >= LEAST_COMMON:
             rate = turn_between(rotation[last], turn) / step
             first_rate = rate if last == begun else first_rate
@@ -203,7 +198,7 @@ def first_pass(
     for f in range(begun - 1, -1, -1):
         step = times_s[f] - times_s[last]
         turn = turned(rate * step, rotation[last])
-        common[f], turn, size = follow_frame(seen, f, turn, match, pattern, size)
+        common[f], turn, size = follow_frame(seen, f, turn, match, (pattern, size))
         if common[f] >= LEAST_COMMON:
             rate = turn_between(rotation[last], turn) / step
             rotation[f], last = turn, f
@@ -227,13 +222,13 @@ def best_pass(
         For patterns, shape (sightings, 3).
     """
     frames = seen[2].size
-    size = first_pass(seen, times_s, 0, rotation, common, space)
+    size = first_pass(seen, times_s, 0, (rotation, common), space)
     best = space[:size].copy()
     # Each marker of a pattern was new in one frame.
     shared = common[common >= LEAST_COMMON].sum() - size
     for n in range(1, BEGINNINGS):
         turns, own = np.zeros((frames, 3, 3)), np.zeros(frames, dtype=np.intp)
-        size = first_pass(seen, times_s, n * frames // BEGINNINGS, turns, own, space)
+        size = first_pass(seen, times_s, n * frames // BEGINNINGS, (turns, own), space)
         count = own[own >= LEAST_COMMON].sum() - size
         if count > max(CLEARLY * shared, 0.0):
             shared, best = count, space[:size].copy()

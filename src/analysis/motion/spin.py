@@ -12,13 +12,11 @@ from analysis.birge import variance_ratio
 from analysis.cholesky import factor, solve
 from analysis.compiled import compiled, part
 from analysis.motion.drift import Drift
-from analysis.motion.rotation import rotation_matrix, rotation_vector
+from analysis.motion.rotation import rotation_vector
 from analysis.motion.turning import turn_between, turned
 
 ITERATIONS, SETTLED_RAD = 8, 1e-10
 HUBER_LIMIT = 3.0
-BLOCKS = 6
-"""Of frames, for errors of residuals that come in runs."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -46,8 +44,7 @@ def fit_spin(times_s: Floats, rotations: Floats, covariances: Floats, drift: Dri
     Gauss-Newton for R(t) = exp([w] (t - t0)) exp([d]) R0, residuals being rotation vectors of
     R_observed R_predicted', whitened, with Huber weights. A free sphere has no torque on it but
     that of the air, which is negligible here. The covariance is enlarged where the residuals
-    contradict their stated errors (`birge.variance_ratio`), and where they do so in runs of frames
-    to what whole blocks of frames scatter by (`scatter_of_blocks`).
+    contradict their stated errors (`birge.variance_ratio`).
 
     Parameters
     ----------
@@ -75,32 +72,8 @@ def fit_spin(times_s: Floats, rotations: Floats, covariances: Floats, drift: Dri
     chi2 = float(squares.sum() / freedom) if freedom else float("nan")
     gain = inverse @ (weight[:, None, None] * across) @ whiten
     slow = np.tensordot(gain, np.tensordot(drift.covariance(times_s), gain, 1), ((0, 2), (0, 2)))
-    ratio = float(variance_ratio(squares.sum(), freedom))
-    fresh = inverse * ratio
-    if ratio > 1.0:
-        expected = rotation_matrix(omega * tau[:, None]) @ start
-        off = rotation_vector(rotations @ expected.transpose(0, 2, 1))
-        runs = scatter_of_blocks(np.einsum("nij,nj->ni", gain, off))
-        fresh = max(fresh, runs, key=lambda own: float(np.trace(own[3:, 3:])))
+    fresh = inverse * variance_ratio(squares.sum(), freedom)
     return Spin(omega, (fresh + slow)[3:, 3:], chi2)
-
-
-def scatter_of_blocks(shares: Floats) -> Floats:
-    """Return the covariance of a sum by the scatter of its blocks, whatever correlates within one.
-
-    Parameters
-    ----------
-    shares
-        What each frame's residual adds to the fitted numbers, in the order of time, shape (N, P).
-        Their sum is 0, as residuals of a fit have it.
-
-    Notes
-    -----
-    Cluster-robust covariance (K.-Y. Liang and S. L. Zeger, Biometrika 73, 13 (1986)), with the
-    usual factor for the freedom that a line takes from so few blocks.
-    """
-    blocks = np.array([own.sum(axis=0) for own in np.array_split(shares, BLOCKS)])
-    return np.asarray(blocks.T @ blocks * BLOCKS / (BLOCKS - 2))
 
 
 @compiled

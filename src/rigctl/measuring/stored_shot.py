@@ -45,8 +45,9 @@ class CampaignLearning:
 
     The first shot of a campaign teaches the photometric method; those that follow add markers on
     sides not seen before. Once there are as many as a stored campaign is learned from, all of them
-    teach together, and from then on nothing more is learned: every shot has the same body axes.
-    The first ones are then worth another analysis. A shot that shows other spheres begins anew.
+    teach together, and from then on every shot has the same body axes; markers are still added.
+    The first ones are then worth another analysis. A later shot that shows other spheres begins
+    anew.
 
     Parameters
     ----------
@@ -76,16 +77,21 @@ class CampaignLearning:
         name, teachers = self._folder.name, self._pairs.teachers(self._campaign, setup)
         known = self._pairs.recall(self._campaign, setup)
         complete = known is not None and len(teachers) >= TEACHING_SHOTS
-        shot = analyse_shot(frames, times_s, setup, options, known, extend=not complete)
+        shot = analyse_shot(frames, times_s, setup, options, known, extend=True)
         if not isinstance(shot, MeasuredShot):
             return shot
-        if complete and shot.known is known:
+        strange = shot.tracking.learned_alone and known is not None
+        if complete and not strange:
+            if shot.known is not known:
+                self._keep(setup, shot.known, teachers)
             return shot
-        if shot.tracking.learned_alone and known is not None:
+        if complete:
             teachers = ()
         teachers = (*(each for each in teachers if each != name), name)
         together = self._together(teachers, setup) if len(teachers) == TEACHING_SHOTS else None
-        self._keep(setup, together or shot.known, teachers)
+        # What few shots have shown may lack a side that this one turns to the camera.
+        begun = known if strange and len(teachers) > 1 else shot.known
+        self._keep(setup, together or begun, teachers)
         if together is None:
             # Spheres that are still being learned have axes of their own in each shot.
             return replace(shot, slow=replace(shot.slow, one_body_frame=False))

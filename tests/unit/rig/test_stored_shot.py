@@ -153,8 +153,35 @@ def test_six_shots_teach_together_and_the_first_five_are_measured_again(
     assert taught == [6]
     assert again == [()] * 5 + [tuple(names(5))] + [()] * 2
     assert analysis.known == [None, *[0.5] * 5, 0.9, 0.9, 0.9]
-    # Once the pair is known nothing more is learned: all shots have one body frame.
-    assert analysis.extended == [True] * 6 + [False] * 3
+    # What is learned together is used as it is; later shots add the sides that they show first.
+    assert analysis.extended == [True] * 6 + [False] + [True] * 2
+
+
+def test_a_side_that_no_shot_has_shown_yet_is_no_reason_to_forget_the_others(
+    analysis: Analysis, process: LearnedPairs
+) -> None:
+    first, second, third = names(3)
+    measure(process, shot=first)
+    analysis.shown = 0.7
+    measure(process, shot=second)
+    analysis.shown = 0.5
+    measure(process, shot=third)
+    assert analysis.known == [None, 0.5, 0.5]
+    assert process.teachers("nylon", THESIS_SETUP) == (first, second, third)
+
+
+def test_other_spheres_after_the_pair_is_known_begin_anew(
+    analysis: Analysis, process: LearnedPairs, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("analysis.photometric.method.teach", lambda _: lesson(0.5))
+    for name in names(6):
+        measure(process, shot=name)
+    analysis.shown = 0.7
+    seventh, eighth = names(8)[6:]
+    measure(process, shot=seventh)
+    measure(process, shot=eighth)
+    assert analysis.known[-2:] == [0.5, 0.7]
+    assert process.teachers("nylon", THESIS_SETUP) == (seventh, eighth)
 
 
 def test_a_shot_that_is_measured_again_teaches_no_second_time(

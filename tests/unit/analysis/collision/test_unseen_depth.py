@@ -83,8 +83,8 @@ def test_coefficients_lie_within_their_errors_whatever_the_unseen_depth() -> Non
         off_e.append((impact.e.value - E) / impact.e.sigma)
         assert impact.beta is not None
         off_beta.append((impact.beta.value - beta) / impact.beta.sigma)
-    # Draws of one size enter by their square: rms 1 within a third, hardly any beyond 4. The mean of
-    # 150 is 0 within 0.08: friction that pushes spheres out of the picture is no error of one sign.
+    # Draws of one size enter by their square: rms 1 within a third, hardly any beyond 4. The
+    # mean of 150 is 0 within 0.08: friction that pushes spheres out of the picture has no one sign.
     for off in (np.array(off_e), np.array(off_beta)):
         assert 0.6 < np.sqrt((off**2).mean()) < 1.4
         assert (np.abs(off) > 4.0).sum() <= 3

@@ -1,0 +1,49 @@
+"""Orientations that contradict each other, of spheres whose true turning is known."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from analysis.arrays import Floats
+from analysis.motion.turn_tears import agreeing_turns
+
+TIMES = np.arange(60) * 5e-4
+RATE = np.array([30.0, -40.0, 20.0])
+SIGMA = 0.005
+
+
+def turning(rng: np.random.Generator) -> Rotation:
+    true = Rotation.from_rotvec(RATE * TIMES[:, None]) * Rotation.from_rotvec([0.3, 0.1, -0.2])
+    return Rotation.from_rotvec(SIGMA * rng.standard_normal((60, 3))) * true
+
+
+def agreeing(turns: Rotation) -> Floats:
+    return np.flatnonzero(agreeing_turns(TIMES, turns.as_matrix(), np.full(60, SIGMA)))
+
+
+def test_noise_alone_contradicts_nothing() -> None:
+    rng = np.random.default_rng(1)
+    for _ in range(30):
+        assert len(agreeing(turning(rng))) == 60
+
+
+@pytest.mark.parametrize("wrong", [12, 25])
+def test_a_run_that_took_other_markers_is_left_out(wrong: int) -> None:
+    turns = turning(np.random.default_rng(2))
+    jumped = Rotation.concatenate(
+        [turns[: 60 - wrong], Rotation.from_rotvec([0.4, 0.0, 0.5]) * turns[60 - wrong :]]
+    )
+    assert agreeing(jumped).tolist() == list(range(60 - wrong))
+
+
+def test_orientations_of_which_no_half_agrees_are_none() -> None:
+    rng = np.random.default_rng(3)
+    every = Rotation.random(60, random_state=rng)
+    assert len(agreeing(every)) == 0
+
+
+def test_three_orientations_are_too_few_to_contradict_each_other() -> None:
+    turns = Rotation.random(3, random_state=1).as_matrix()
+    assert agreeing_turns(TIMES[:3], turns, np.full(3, SIGMA)).all()
