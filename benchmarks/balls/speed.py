@@ -1,11 +1,12 @@
 """Frames a second from a film's file to flights: python -m benchmarks.balls.speed.
 
-A film of 1920 x 1080 pixels in colour shows one ball of 60 px that falls and bounces. Functions are
-compiled before the clock starts.
+A film of 1920 x 1080 pixels in colour shows one ball of 60 px that falls and bounces; `--film FILE
+MM` adds films of yours with the ball's diameter. Functions are compiled before the clock starts.
 """
 
 from __future__ import annotations
 
+import argparse
 import tempfile
 import time
 from pathlib import Path
@@ -15,6 +16,7 @@ import numpy as np
 
 from analysis.balls.analysis import FilmJob, analyse_film
 from analysis.balls.flight.known import Ball
+from analysis.balls.measuring import coefficient
 
 ROWS, COLUMNS, RADIUS, RATE, FALL = 1080, 1920, 30.0, 120.0, 4000.0
 FRAMES, SHORT = 240, 110
@@ -42,21 +44,44 @@ def draw(path: Path, frames: int) -> None:
     video.release()
 
 
+def measure(path: Path, ball: Ball) -> str:
+    """Say how fast a film is measured, and how well its places fit free flights."""
+    begun, spent = time.perf_counter(), time.process_time()
+    found = analyse_film(FilmJob(1, path, ball))
+    seconds, processor = time.perf_counter() - begun, time.process_time() - spent
+    head, flights = found.film.head, found.measured.flights
+    said = (
+        f"{path.name}, {head.width} x {head.height}: {head.frames / seconds:.1f} frames/s, "
+        f"{head.frames / processor:.1f} a second of processor time (goal {GOAL:.0f})"
+    )
+    if flights is None:
+        return f"{said}; no bounces"
+    rms = np.sqrt((flights.residuals[flights.used] ** 2).mean(axis=0))
+    told = [coefficient(found.measured, bounce) for bounce in range(flights.bounces)]
+    values = " ".join(f"{e:.4f}({sigma:.4f})" for e, sigma in told)
+    return f"{said}; e {values}; places off flights by {rms[0]:.2f}, {rms[1]:.2f} px rms"
+
+
 def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
+    parser.add_argument(
+        "--film",
+        nargs=2,
+        action="append",
+        default=[],
+        metavar=("FILE", "MM"),
+        help="a film of yours and its ball's diameter, after the drawn one",
+    )
+    asked = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         films = {frames: Path(folder) / f"{frames}.mp4" for frames in (SHORT, FRAMES)}
         for frames, path in films.items():
             draw(path, frames)
         ball = Ball(2 * RADIUS / FALL * 9.80665)
         analyse_film(FilmJob(1, films[SHORT], ball))
-        begun, spent = time.perf_counter(), time.process_time()
-        found = analyse_film(FilmJob(1, films[FRAMES], ball))
-        seconds, processor = time.perf_counter() - begun, time.process_time() - spent
-        bounces = 0 if found.measured.flights is None else found.measured.flights.bounces
-        print(
-            f"{COLUMNS} x {ROWS}: {FRAMES / seconds:.1f} frames/s, {FRAMES / processor:.1f} a "
-            f"second of processor time (goal {GOAL:.0f}), {bounces} bounces"
-        )
+        print(measure(films[FRAMES], ball), flush=True)
+    for name, millimetres in asked.film:
+        print(measure(Path(name), Ball(1e-3 * float(millimetres))), flush=True)
 
 
 if __name__ == "__main__":

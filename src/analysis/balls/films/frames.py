@@ -19,11 +19,11 @@ from analysis.files import FrameBudget
 from analysis.imaging.files.png_files import holds_png
 from analysis.imaging.files.stack import (
     SUFFIXES,
-    ColourError,
     FrameStack,
     on_scale_of_8_bits,
     read_stack,
 )
+from analysis.imaging.files.video_file import ColourError
 
 FRAME_SUFFIXES = tuple(suffix for suffix in FILM_SUFFIXES if suffix not in HEADER_SUFFIXES)
 """Of one shot's file; a header lies beside its frames."""

@@ -57,8 +57,13 @@ class Start:
 
     def of(self, chosen: slice) -> Start:
         """Return some of the bounces."""
-        parts = (self.times_s, self.places, self.before, self.after)
-        return Start(*(each[chosen] for each in parts), fall=self.fall)
+        return Start(
+            self.times_s[chosen],
+            self.places[chosen],
+            self.before[chosen],
+            self.after[chosen],
+            self.fall,
+        )
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import TypeVar, cast
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from analysis.balls.films.film import Picture
 
 Singles = NDArray[np.float32]
-_Number = TypeVar("_Number", np.uint8, np.uint16, np.float32)
 
 BLOCK = 8192
 """Pixels whose values of all frames fit into a processor's cache."""
@@ -60,7 +59,7 @@ def _medians(values: Picture) -> Picture:
     return found
 
 
-def _sorted(values: NDArray[_Number]) -> Iterator[tuple[int, NDArray[_Number]]]:
+def _sorted(values: NDArray[Any]) -> Iterator[tuple[int, NDArray[Any]]]:
     """Give each block of columns, sorted, and its first column.
 
     Each comparison is one of whole lines: a processor does many of them at once.

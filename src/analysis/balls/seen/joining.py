@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.arrays import Floats
-from analysis.balls.seen.arcs import FALL_SIGMA, MEMORY, TOLERANCE_PX, TOLERANCE_RADII, Arc
+from analysis.balls.seen.arcs import FALL_SIGMA, TOLERANCE_PX, TOLERANCE_RADII, Arc
+from analysis.balls.seen.growing import MEMORY
 
 LEAST_WHOLE = 4
 """Sightings on each side of the gap in which the ball is wholly in the picture."""
