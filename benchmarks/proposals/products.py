@@ -59,15 +59,16 @@ class Pair:
 
 
 def _ln_approach(settings: Settings, touch: Touch, radius_m: float) -> Floats:
-    return np.log(touch.approach)
+    return np.asarray(np.log(touch.approach))
 
 
 def _ln_slip(settings: Settings, touch: Touch, radius_m: float) -> Floats:
-    return np.log(np.maximum(np.linalg.norm(touch.slip(radius_m), axis=1), 0.01))
+    slip = np.linalg.norm(touch.slip(radius_m), axis=1)
+    return np.asarray(np.log(np.maximum(slip, 0.01)))
 
 
 def _warmth(settings: Settings, touch: Touch, radius_m: float) -> Floats:
-    return settings.temperature_c
+    return np.asarray(settings.temperature_c)
 
 
 def _order(settings: Settings, touch: Touch, radius_m: float) -> Floats:
@@ -90,7 +91,7 @@ def product_at(d: float, off: int, seed: int, shots: int) -> tuple[PoseData, Pai
         first, second = (
             _standard(of(settings, touch, radius_m)) for of in (pair.first, pair.second)
         )
-        return (first + off) * second
+        return np.asarray((first + off) * second)
 
     def campaign(amplitude: float, noise: Noise) -> PoseData:
         law = Law(*pair.group, "linear", size, "1", "a product", amplitude)
@@ -124,4 +125,4 @@ def share_alone(found: Proposed, pair: Pair, off: int) -> float:
 
 
 def _standard(values: Floats) -> Floats:
-    return (values - values.mean()) / values.std()
+    return np.asarray((values - values.mean()) / values.std())

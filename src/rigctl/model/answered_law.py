@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import get_args
 
 from analysis.model.proposals.arguments import OF_PLACES, OF_SPINS, ON_BODIES, ORDER, SPEEDS
+from analysis.model.proposals.channels import InFrames
 from analysis.model.proposals.forms.flight import flight_forms
 from analysis.model.proposals.forms.frame import frame_forms
 from analysis.model.proposals.forms.shapes import SHAPES
@@ -34,7 +35,7 @@ def known_law(folder: Path, law: Law) -> Law:
         A slot, an argument or a shape has no such name.
     """
     slot, argument, shape = law
-    in_frames = [*flight_forms(_ANY_RADIUS_M, _ANY_MASS_KG), *frame_forms()]
+    in_frames: list[InFrames] = [*flight_forms(_ANY_RADIUS_M, _ANY_MASS_KG), *frame_forms()]
     _require("slot", slot, get_args(Slot))
     arguments = {a.name for a in (*SPEEDS, *OF_SPINS, *OF_PLACES, *ON_BODIES)} | {ORDER}
     arguments |= {form.argument for form in in_frames} | _columns(folder)

@@ -248,7 +248,9 @@ def _competed(
         if helpful:
             return rivals_of(fitted, channels, promises, forms, known.worth), known
         return [*promises], known
-    rivals = rivals_of(fitted, channels, promises, forms) if helpful else [*promises]
+    rivals: list[Rival] = [*promises]
+    if helpful:
+        rivals = rivals_of(fitted, channels, promises, forms)
     return rivals, _known(state, ranking, rivals[0])
 
 

@@ -78,10 +78,10 @@ def rivals_of(
     found = [p if exact and isinstance(p.form, ContactForm) else _refit(fitted, p) for p in near]
     found.sort(key=lambda one: -one.worth)
     products = freed_products(channels, forms)
-    leading = products[:MOST_FREED]
+    leading: list[Rival] = [*products[:MOST_FREED]]
     if not exact:
         least = (1.0 - REFIT_SHARE) * top
-        leading = [_freed(fitted, p) for p in leading if p.worth > least]
+        leading = [_freed(fitted, p) for p in products[:MOST_FREED] if p.worth > least]
     best = found[0].worth if found else 0.0
     leading = [product for product in leading if product.worth > best]
     return sorted([*leading, *found, *_alike(found, products)], key=lambda one: -one.worth)
