@@ -17,8 +17,8 @@ from __future__ import annotations
 import argparse
 import json
 import time
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -43,6 +43,7 @@ from benchmarks.discovery.treatments import TREATMENTS
 from benchmarks.proposals.drawn import LAWS as DRAWN
 from benchmarks.proposals.drawn import drawn_at
 from benchmarks.proposals.products import SHARES, WAYS_OFF, product_at, share_alone
+from benchmarks.proposals.trials import Asked, Trial, print_share
 from benchmarks.proposals.unforeseen import WORLDS, claimed, fired, is_true
 from simulators.challenge.effects import HIDDEN
 from simulators.challenge.unnamed import LAWS
@@ -57,40 +58,6 @@ SMALL_SET = 3
 BESIDE = {"image-scale": 0.005, "mass-mismatch": 0.01, "torsional-friction": 0.0008}
 """Effects of the catalogue beside which nothing may be proposed, at full strength."""
 SAYS = {"friction-speed": ("mu", "speed_s"), "restitution-drift": ("e", "order")}
-
-
-@dataclass(frozen=True, slots=True)
-class Asked:
-    """What a section shall measure: campaigns of each kind, from which seed on.
-
-    Attributes
-    ----------
-    d
-        Strength of what is hidden.
-    of
-        Only kinds whose name holds this.
-    """
-
-    campaigns: int
-    d: float
-    of: str
-    first_seed: int
-
-
-@dataclass(frozen=True, slots=True)
-class Trial:
-    """One campaign: what it hid, what was said, and how long that took."""
-
-    hidden: str
-    seed: int
-    treatment: str
-    proposals: tuple[tuple[str, str, str], ...]
-    alike: tuple[tuple[str, str], ...]
-    effects: tuple[str, ...]
-    before: float
-    after: float
-    floor: float
-    seconds: float
 
 
 def trial(
@@ -143,7 +110,7 @@ def null(asked: Asked) -> list[Trial]:
             if one.proposals:
                 print(f"  {one}")
         said = f"{' '.join(hidden) or 'nothing'} hidden, {treatment}: proposals"
-        _share(said, 0.05, [bool(one.proposals) for one in own], at_least=False)
+        print_share(said, 0.05, [bool(one.proposals) for one in own], at_least=False)
         tried += own
     return tried
 
@@ -168,8 +135,8 @@ def power(asked: Asked) -> list[Trial]:
             one.proposals[:1] == ((*right, one.proposals[0][2]),) if one.proposals else False
             for one in own
         ]
-        _share(f"d {asked.d:g} {name}: first", 0.0, first)
-        _share(
+        print_share(f"d {asked.d:g} {name}: first", 0.0, first)
+        print_share(
             f"d {asked.d:g} {name}: first, or in a set of at most three",
             share,
             [_named(one, right) for one in own],
@@ -182,7 +149,7 @@ def power(asked: Asked) -> list[Trial]:
         )
         tried += own
         hits += [_named(one, right) for one in own]
-    _share(
+    print_share(
         f"d {asked.d:g}, all laws: first, or in a set of at most three",
         0.98 if asked.d >= 10 else 0.9,
         hits,
@@ -222,13 +189,15 @@ def products(asked: Asked) -> list[Trial]:
         print(
             f"zero {off} deviations off: arguments alone do {min(shares):.2f} to {max(shares):.2f}"
         )
-        _share(f"d {asked.d:g} zero {off} deviations off: first", 0.0, [row[1] for row in own])
-        _share(f"d {asked.d:g} zero {off} deviations off: in the set", 0.75, [r[2] for r in own])
+        print_share(f"d {asked.d:g} zero {off} deviations off: first", 0.0, [row[1] for row in own])
+        print_share(
+            f"d {asked.d:g} zero {off} deviations off: in the set", 0.75, [r[2] for r in own]
+        )
     for low, high in pairwise(SHARES):
         own = [row for row in rows if low <= row[0] < high]
         text = f"d {asked.d:g} arguments alone do {low:g} to {high:g}"
-        _share(f"{text}: first", 0.0, [row[1] for row in own])
-        _share(f"{text}: in the set", 0.75, [row[2] for row in own])
+        print_share(f"{text}: first", 0.0, [row[1] for row in own])
+        print_share(f"{text}: in the set", 0.75, [row[2] for row in own])
     return tried
 
 
@@ -253,7 +222,7 @@ def drawn(asked: Asked) -> list[Trial]:
                     excess.append(one.after / floor - 1)
                 tried.append(one)
         if hits:
-            _share(f"d {asked.d:g}, {world}: first, or in a set of at most three", share, hits)
+            print_share(f"d {asked.d:g}, {world}: first, or in a set of at most three", share, hits)
         if excess:
             print(f"    error after over the floor: {np.mean(excess):.4f}, most {max(excess):.4f}")
     return tried
@@ -274,7 +243,7 @@ def exponent(asked: Asked) -> list[Trial]:
         value = first.freed.parameters()[f"{first.name}.p"]
         hits.append(abs(value.value - 4.0) < 2 * value.sigma)
         print(f"  seed {seed} d {asked.d:g}: p = {value.concise()}")
-    _share(f"d {asked.d:g}: exponent of 1/d^4 within two standard errors", 0.95, hits)
+    print_share(f"d {asked.d:g}: exponent of 1/d^4 within two standard errors", 0.95, hits)
     return tried
 
 
@@ -286,9 +255,9 @@ def central(asked: Asked) -> list[Trial]:
         for k in range(asked.campaigns)
     ]
     right = [one.proposals[:1] == (("flight", "distance", "power"),) for one in tried]
-    _share("full strength: proposed as a power of the distance", 0.95, right)
+    print_share("full strength: proposed as a power of the distance", 0.95, right)
     alone = [len(one.proposals) == 1 and not one.effects for one in tried]
-    _share("full strength: nothing beside it", 0.95, alone)
+    print_share("full strength: nothing beside it", 0.95, alone)
     return tried
 
 
@@ -310,7 +279,7 @@ def launch(asked: Asked) -> list[Trial]:
             hits.append(bool(said) if not per_kelvin else said[:1] == [("speed", "temperature_c")])
             if hits[-1] != bool(per_kelvin):
                 print(f"  seed {asked.first_seed + 50_000 + k}: {said}")
-        _share(
+        print_share(
             f"launch, {name}: {'named' if per_kelvin else 'proposals'}",
             share,
             hits,
@@ -343,7 +312,7 @@ def unforeseen(asked: Asked) -> list[Trial]:
             beside = f" beside {', '.join(found.effects)}" if found.effects else ""
             error = found.path[-1].error.value
             print(f"  {seed}: {said or 'nothing'}{beside}; error {error:.4f}", flush=True)
-        _share(f"{name}: {world.told}", 0.0, hits)
+        print_share(f"{name}: {world.told}", 0.0, hits)
     return []
 
 
@@ -372,20 +341,6 @@ def speed(asked: Asked) -> list[Trial]:
 def _took(text: str, seconds: float, limit: float) -> None:
     kept = "kept" if seconds <= limit else "MISSED"
     print(f"{text}: {seconds:.2f} s <= {limit:g} s {kept}", flush=True)
-
-
-def _share(text: str, asked: float, hits: Iterable[bool], *, at_least: bool = True) -> None:
-    seen = list(hits)
-    value = sum(seen) / max(len(seen), 1)
-    moved = (sum(seen) + 2) / (len(seen) + 4)
-    error = float(np.sqrt(moved * (1 - moved) / (len(seen) + 4)))
-    kept = value >= asked if at_least else value <= asked
-    sign = ">=" if at_least else "<="
-    print(
-        f"{text:<66} {sign} {asked:<5.2g} {value:7.4f} +- {error:.4f} of {len(seen):<4d} "
-        f"{'kept' if kept else 'MISSED'}",
-        flush=True,
-    )
 
 
 SECTIONS = {
