@@ -9,6 +9,7 @@ from __future__ import annotations
 import logging
 import threading
 from collections.abc import Callable
+from dataclasses import dataclass, replace
 from queue import Empty, SimpleQueue
 
 from rigctl.measuring.analysis_process import (
@@ -26,6 +27,16 @@ _log = logging.getLogger(__name__)
 ANALYSE = "rigctl.measuring.stored_shot:analysis_job"
 LOADS = {"photometric": ("analysis.photometric.method",)}
 """What a shot measured by a method needs besides, and what is slow to load."""
+
+
+@dataclass(slots=True, eq=False)
+class _Order:
+    """A shot that waits for its analysis or, by `worker`, is under way."""
+
+    shot: str
+    method: str
+    worker: AnalysisProcess | None = None
+    is_unwanted: bool = False
 
 
 class Analyser:
@@ -62,10 +73,8 @@ class Analyser:
         self._store, self._method, self._timeout_s = store, method, timeout_s
         self._ended = threading.Event()
         self._rest = rest
-        self._waiting: SimpleQueue[tuple[str, str] | None] = SimpleQueue()
-        self._under_way: dict[str, AnalysisProcess] = {}
-        self._queued: set[str] = set()
-        self._unwanted: set[str] = set()
+        self._waiting: SimpleQueue[_Order | None] = SimpleQueue()
+        self._orders: set[_Order] = set()
         self._lock = threading.Lock()
         loads = [function.partition(":")[0], *LOADS.get(method, ())]
         self._workers = [AnalysisProcess(function, loads) for _ in range(workers)]
@@ -87,20 +96,25 @@ class Analyser:
     def submit_by(self, shot: str, method: str) -> None:
         """Queue a shot to be analysed by another method; returns at once."""
         with self._lock:
-            self._queued.add(shot)
-        self._waiting.put((shot, method))
+            self._queue(_Order(shot, method))
+
+    def _queue(self, order: _Order) -> None:
+        self._orders.add(order)
+        self._waiting.put(order)
 
     def cancel(self, shot: str) -> None:
         """End a shot's analysis, or have it skipped while it waits; returns at once.
 
         Its frames and earlier results stay, and so does machine code that was compiled for it. A
-        shot that neither waits nor is analysed stays as it is.
+        shot that is under way and queued again is ended and skipped; one that neither waits nor is
+        analysed stays as it is.
         """
         with self._lock:
-            if shot in self._under_way:
-                self._under_way[shot].cancel()
-            elif shot in self._queued:
-                self._unwanted.add(shot)
+            for order in self._orders:
+                if order.shot == shot:
+                    order.is_unwanted = True
+                    if order.worker is not None:
+                        order.worker.cancel()
 
     @property
     def compiling(self) -> Compiling | None:
@@ -128,36 +142,42 @@ class Analyser:
             if order is None:
                 return
             try:
-                self._analyse(worker, keeper, *order)
+                self._analyse(worker, keeper, order)
             except Exception:  # noqa: BLE001 - the shots behind this one must still be analysed
-                _log.exception("shot %s: its analysis could not be stored", order[0])
+                _log.exception("shot %s: its analysis could not be stored", order.shot)
+            finally:
+                with self._lock:
+                    self._orders.discard(order)
 
-    def _analyse(self, worker: AnalysisProcess, keeper: Keeper, shot: str, method: str) -> None:
+    def _analyse(self, worker: AnalysisProcess, keeper: Keeper, order: _Order) -> None:
+        shot, method = order.shot, order.method
         if self._store.shot(shot).is_without_frames:
             return
         if (before := keeper.begin(shot)) is None:
             # Its state is unchanged; without this it would wait for the next start.
-            self.submit_by(shot, method)
+            with self._lock:
+                self._queue(replace(order))
             return
         try:
             with self._lock:
-                worker.expect()
-                self._under_way[shot] = worker
-                self._queued.discard(shot)
-                if shot in self._unwanted:
+                if order.is_unwanted:
                     raise cancelled()
+                worker.expect()
+                order.worker = worker
             result = worker.analyse(self._store.folders.folder(shot), method, self._timeout_s)
         except Exception as error:  # noqa: BLE001 - whatever breaks is this shot's failure alone
             if not worker.ended:
-                _log.warning("shot %s: %s", shot, error, exc_info=error)
                 known = isinstance(error, AnalysisFailedError)
+                if known and order.is_unwanted:
+                    _log.info("shot %s: %s", shot, error)
+                else:
+                    _log.warning("shot %s: %s", shot, error, exc_info=error)
                 why = str(error) if known else repr(error)
                 keeper.fail(before, why, AnalysisFailedError.code)
             return
         finally:
             with self._lock:
-                self._under_way.pop(shot, None)
-                self._unwanted.discard(shot)
+                order.worker = None
         again = result.pop(AGAIN, [])
         keeper.keep(before, result)
         for other in again:

@@ -94,17 +94,22 @@ class AnalysisProcess:
         finally:
             self.compiling = None
             with self._lock:
+                # Killed after its result came, it may still look alive to the next shot.
+                killed = self._analyses and self._is_unwanted
                 self._analyses = False
-                if self.ended:
+                if self.ended or killed:
                     self._discard()
         return result
 
     def expect(self) -> None:
-        """Take the analysis that comes next, or is under way, for wanted."""
+        """Forget an earlier `cancel`: the analysis that comes next is wanted."""
         self._is_unwanted = False
 
     def cancel(self) -> None:
-        """Have the analysis that `expect` spoke of raise at once; its process is killed."""
+        """Have the analysis under way, or since `expect` the next one, raise at once.
+
+        The process of one that is under way is killed.
+        """
         with self._lock:
             self._is_unwanted = True
             if self._analyses and self._process is not None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import subprocess
 import threading
 from collections.abc import Callable, Iterator
@@ -11,8 +12,12 @@ from typing import Any
 import pytest
 from rig_fakes import BOUND_S, Laboratory, until
 
+from rigctl.errors import StoreError
+from rigctl.jobs import attending
+from rigctl.jobs.worker_process import WorkerProcess
 from rigctl.measuring.analysing import Analyser
-from rigctl.measuring.analysis_process import Compiling
+from rigctl.measuring.analysis_process import AnalysisProcess, Compiling
+from rigctl.measuring.result_keeping import Keeper
 from rigctl.measuring.stored_shot import analyse_stored_shot, manifest_setup
 from rigctl.store import ShotRecord, Store
 
@@ -154,6 +159,81 @@ def test_an_analysis_that_is_cancelled_ends_at_once_and_the_next_shot_is_analyse
     analyser.submit(first.id)
     assert [shot.state for shot in outcomes.wait(1)] == ["analysed"]
     analyser.close()
+
+
+def test_a_shot_under_way_and_queued_again_is_not_analysed_after_its_cancel(
+    lab: Laboratory,
+    monkeypatch: pytest.MonkeyPatch,
+    request: pytest.FixtureRequest,
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    monkeypatch.syspath_prepend(request.path.parent)
+    outcomes, function = Outcomes(lab.store), "stand_in_analysis:compiles_first"
+    analyser = Analyser(lab.store, workers=1, method="thesis", timeout_s=60.0, function=function)
+    shot, last = lab.shoot(), lab.shoot()
+    for each in (shot, shot, shot, last):
+        analyser.submit(each.id)
+    until(lambda: analyser.compiling is not None)
+    with caplog.at_level(logging.INFO, "rigctl.measuring.analysing"):
+        analyser.cancel(shot.id)
+        for each in (shot, last):
+            (lab.store.folders.folder(each.id) / "go-on").touch()
+        ended, after = outcomes.wait(2)
+        analyser.close()
+    assert (ended.state, ended.results, after.state) == ("refused", 0, "analysed")
+    assert lab.store.shot(shot.id).results == 0
+    of_it = [record for record in caplog.records if shot.id in record.getMessage()]
+    assert [(one.levelname, one.exc_info) for one in of_it] == [("INFO", None)] * 3
+
+
+def test_an_order_that_could_not_begin_is_not_what_a_later_cancel_ends(
+    lab: Laboratory, monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest
+) -> None:
+    monkeypatch.syspath_prepend(request.path.parent)
+    begin, refused = Keeper.begin, list[str]()
+
+    def fail_at_first(keeper: Keeper, shot: str) -> ShotRecord | None:
+        if not refused:
+            refused.append(shot)
+            raise StoreError("it is being analysed already", shot=shot)
+        return begin(keeper, shot)
+
+    monkeypatch.setattr(Keeper, "begin", fail_at_first)
+    outcomes, function = Outcomes(lab.store), "stand_in_analysis:measured"
+    analyser = Analyser(lab.store, workers=1, method="thesis", timeout_s=60.0, function=function)
+    shot, behind = lab.shoot(), lab.shoot()
+    for each in (shot, behind):
+        analyser.submit(each.id)
+    outcomes.wait(1)
+    assert refused == [shot.id]
+    analyser.cancel(shot.id)
+    analyser.submit(shot.id)
+    assert [each.state for each in outcomes.wait(2)] == ["analysed", "analysed"]
+    analyser.close()
+
+
+def test_a_process_killed_after_its_result_came_is_not_given_the_next_shot(
+    lab: Laboratory, monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest
+) -> None:
+    monkeypatch.syspath_prepend(request.path.parent)
+    process = AnalysisProcess("stand_in_analysis:measured")
+
+    def cancelled_late(*given: Any, **named: Any) -> str:
+        result = attending.attend(*given, **named)
+        if not late:
+            late.append(result)
+            process.cancel()
+        return result
+
+    late = list[str]()
+    monkeypatch.setattr("rigctl.measuring.analysis_process.attend", cancelled_late)
+    # The system takes a while to clear a killed process up: until then it looks alive.
+    monkeypatch.setattr(WorkerProcess, "alive", True)
+    folder = lab.store.folders.folder(lab.shoot().id)
+    assert process.analyse(folder, "thesis", 60.0)["status"] == "measured"
+    process.expect()
+    assert process.analyse(folder, "thesis", 60.0)["status"] == "measured"
+    process.end()
 
 
 def test_a_worker_that_cannot_be_started_costs_its_shot_alone_and_closing_still_works(
