@@ -156,7 +156,7 @@ class Jobs:
         if self._register.end(name, JobState.CANCELLED, of=QUEUED) or task is None:
             return
         if task.cancel():
-            # Its process is killed: whoever waits need not wait until the system has cleared it up.
+            # Its work ends: who waits for the job need not wait until it has cleared up.
             self._register.end(name, JobState.CANCELLED)
 
     def _serve(self) -> None:

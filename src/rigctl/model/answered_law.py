@@ -1,12 +1,12 @@
-"""The law of an answer to a challenge: of words that proposals use, as no answer is taken back."""
+"""The law in an answer to a challenge: its names are checked, as no answer is taken back."""
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Iterable
 from pathlib import Path
 from typing import get_args
 
+from analysis.exchange.shot_list import read_shot_list
 from analysis.model.proposals.arguments import OF_PLACES, OF_SPINS, ON_BODIES, ORDER, SPEEDS
 from analysis.model.proposals.channels import InFrames
 from analysis.model.proposals.forms.flight import flight_forms
@@ -15,6 +15,7 @@ from analysis.model.proposals.forms.shapes import SHAPES
 from analysis.model.proposals.stated import Slot
 from rigctl.challenge import Law
 from rigctl.errors import SettingsError
+from rigctl.input_errors import as_analysis_errors
 
 SHOTS = "shots.csv"
 _ANY_RADIUS_M, _ANY_MASS_KG = 0.0125, 0.01
@@ -27,12 +28,14 @@ def known_law(folder: Path, law: Law) -> Law:
     Parameters
     ----------
     folder
-        Of the challenge: a law may follow the columns of its shot list.
+        Of the challenge: a law may follow the numeric columns of its shot list.
 
     Raises
     ------
     SettingsError
         A slot, an argument or a shape has no such name.
+    AnalysisInputError
+        The shot list cannot be read.
     """
     slot, argument, shape = law
     in_frames: list[InFrames] = [*flight_forms(_ANY_RADIUS_M, _ANY_MASS_KG), *frame_forms()]
@@ -57,9 +60,9 @@ def _require(what: str, name: str, known: Iterable[str]) -> None:
 
 
 def _columns(folder: Path) -> set[str]:
-    """Return the columns of a challenge's shot list; none where it cannot be read."""
-    try:
-        with (folder / SHOTS).open(encoding="utf-8", newline="") as lines:
-            return set(next(csv.reader(lines), []))
-    except OSError:
+    """Return the numeric columns of a challenge's shot list; none where there is no list."""
+    path = folder / SHOTS
+    if not path.is_file():
         return set()
+    with as_analysis_errors("restore the challenge's folder, or make the challenge again"):
+        return {name for row in read_shot_list(path) for name in row.numbers}

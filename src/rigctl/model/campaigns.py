@@ -46,7 +46,7 @@ def open_campaign(
     configuration
         File of the rig whose store is meant; None: the simulated rig's.
     poses
-        Whether poses are wanted, be it that frames are measured beside tables.
+        Whether poses are needed: frames are then measured even where there are tables.
 
     Raises
     ------

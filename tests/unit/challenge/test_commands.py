@@ -214,15 +214,37 @@ def test_a_law_beside_a_named_effect_is_refused(challenge: Path) -> None:
         (("eps", "speed_n", "bump"), "no slot of a law has this name"),
         (("e", "speedn", "bump"), "no argument of a law has this name"),
         (("e", "speed_n*lamp_c", "linear"), "no argument of a law has this name"),
+        (("e", "shot", "linear"), "no argument of a law has this name"),
+        (("e", "note", "linear"), "no argument of a law has this name"),
+        (("e", "speed_n*shot", "linear"), "no argument of a law has this name"),
         (("e", "speed_n", "bumpy"), "no shape of a law has this name"),
     ],
 )
 def test_a_law_of_unknown_words_is_refused_before_the_answer_stands(
     challenge: Path, capsys: pytest.CaptureFixture[str], law: tuple[str, ...], word: str
 ) -> None:
+    shots = challenge / "shots.csv"
+    first, *rows = shots.read_text(encoding="utf-8").splitlines()
+    noted = [f"{first},note", *(f"{row},as planned" for row in rows)]
+    shots.write_text("\n".join(noted) + "\n", encoding="utf-8")
     words = ["challenge", "commit", str(challenge), "--answer", "unexplained", "--law", *law]
     assert cli.run(words) == 2
     assert word in capsys.readouterr().err
+    assert not (challenge / "answer.json").exists()
+
+
+@pytest.mark.parametrize(
+    "content", [b"shot,temp\xe9rature_c\n1,20\n", b'shot,"temperature_c\n1,20\n']
+)
+def test_a_law_beside_a_shot_list_that_cannot_be_read_is_refused_in_a_sentence(
+    challenge: Path, capsys: pytest.CaptureFixture[str], content: bytes
+) -> None:
+    (challenge / "shots.csv").write_bytes(content)
+    words = ["challenge", "commit", str(challenge), "--answer", "unexplained", *LAW]
+    assert cli.run(words) in range(2, 10)
+    said = capsys.readouterr().err
+    assert "shots.csv" in said
+    assert "Traceback" not in said
     assert not (challenge / "answer.json").exists()
 
 

@@ -1,4 +1,4 @@
-"""What a form must pass to go in: determined, no few shots' own, and a help to shots left out."""
+"""What a form must pass: determined, not due to a few shots, and a better fit of shots left out."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from analysis.model.data.evidence import Stage, stage_of
 from analysis.model.data.tables import Data
 from analysis.model.fitting.adding import ALIAS_WITHIN
 from analysis.model.fitting.fit import Fit
+from analysis.model.proposals.admissible import LEAST_SIGMAS
 from analysis.model.proposals.blocks import blocks_of
 from analysis.model.proposals.channels import Form
 from analysis.model.proposals.forms.impulses import IMPULSES
@@ -33,8 +34,6 @@ from analysis.model.verdict.crossvalidation import (
     prediction_errors,
 )
 
-LEAST_SIGMAS = 3.0
-"""An amplitude nearer to zero than so many of its errors is not determined."""
 OPTIMISM = 2.0
 """Times its promise what a form may bring shots left out: promises are straight lines."""
 
@@ -96,7 +95,7 @@ class Gate:
         own = [one.form.shape_name for one in near if one.form.group == found.form.group]
         others = [one.form for one in near if one.form.group != found.form.group]
         groups = self.screen.groups()
-        score = max((groups.get(group, 0.0) for group in told_by(found)), default=0.0)
+        score = max((groups.get(group, 0.0) for group in groups_of(found)), default=0.0)
         return Accepted(
             found=found,
             shapes=tuple(dict.fromkeys([found.form.shape_name, *own])),
@@ -110,8 +109,8 @@ class Gate:
         )
 
 
-def told_by(one: Rival) -> set[tuple[str, str]]:
-    """Return the groups whose scores tell of a form: of a freed product its arguments' too."""
+def groups_of(one: Rival) -> set[tuple[str, str]]:
+    """Return the groups in which a form is scored: of a freed product its arguments' too."""
     own = {one.form.group}
     return own | main_groups(one.form) if _promise(one).zeros_sought else own
 
@@ -131,7 +130,7 @@ def _nearly_the_same(first: Form, second: Form) -> bool:
 
 
 def _carried(promise: Promise, shots: int) -> bool:
-    """Whether two shots hold most of a promise, and the others alone say next to nothing."""
+    """Whether two shots hold most of a promise, and the others hardly ask for it."""
     rest = promise.fall * (1.0 - promise.carried_share)
     return promise.carried_share > most_carried(shots) and rest < LEAST_SIGMAS**2
 

@@ -22,6 +22,8 @@ from analysis.model.verdict.gain import ranks_of
 
 FEWEST_SHOTS = 12
 """Of fewer shots a handful of forms fits any residual."""
+LEAST_SIGMAS = 3.0
+"""An amplitude nearer to zero than so many of its errors is not determined."""
 LEAST_RANGE = 1e-9
 COPY, CONFOUNDED = 0.99999, 0.97
 """Correlations of ranks from which two arguments are one and the same, or nearly."""

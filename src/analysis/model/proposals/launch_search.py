@@ -26,7 +26,7 @@ from analysis.model.data.tables import Data
 from analysis.model.fitting.adding import ALIAS_WITHIN
 from analysis.model.fitting.fit import Fit
 from analysis.model.fitting.normal import inverse
-from analysis.model.proposals.admissible import FEWEST_SHOTS
+from analysis.model.proposals.admissible import FEWEST_SHOTS, LEAST_SIGMAS
 from analysis.model.proposals.arguments import Argument, is_column
 from analysis.model.proposals.blocks import blocks_of
 from analysis.model.proposals.channels import Linearised, Sums
@@ -39,7 +39,6 @@ LEVEL = 0.005
 """Family-wise, beside the 0.03 of all other forms."""
 MOST, MOST_TRIED, MOST_REFITTED, FOLDS = 3, 3, 10, 5
 PREFERRED, PENALTY = 2.0, 2.0
-LEAST_SIGMAS = 3.0
 NAME = "launch-proposal"
 
 

@@ -24,7 +24,7 @@ from analysis.model.fitting.fit import fit_campaign
 from analysis.model.fitting.normal import prior_cost
 from analysis.model.fitting.robust_fit import RobustFit, robust_fit
 from analysis.model.predict.contact import encounter_of
-from analysis.model.proposals.acceptance import Gate, told_by
+from analysis.model.proposals.acceptance import Gate, groups_of
 from analysis.model.proposals.admissible import FEWEST_SHOTS, Admitted, admitted
 from analysis.model.proposals.channels import Channels, Form, channels_of
 from analysis.model.proposals.launch_search import propose_launch
@@ -42,8 +42,6 @@ MOST_STEPS, MOST_TRIED = 6, 3
 PREFERRED = 2.0
 """Deviance by which a form must be better than every effect of the catalogue."""
 DROP_LEVEL = 0.0005
-LEAST_SIGMAS = 3.0
-"""An amplitude nearer to zero than so many of its errors is not determined."""
 NAME = "proposal"
 
 
@@ -182,7 +180,7 @@ def _step(state: _State) -> _State | None:
     if known.first is not None and (not rivals or known.worth > rivals[0].worth - PREFERRED):
         leader, stage = known.first
         return _moved(state, stage, whole(leader.data))
-    leading = [one for one in apart(rivals) if passing & told_by(one)]
+    leading = [one for one in apart(rivals) if passing & groups_of(one)]
     for found in leading[:MOST_TRIED]:
         accepted = gate.passed(found, rivals)
         if accepted is not None:

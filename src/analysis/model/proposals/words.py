@@ -105,7 +105,7 @@ def _of_one(one: Json) -> list[str]:
     if alike or one["alike_effects"]:
         others = ", ".join([*alike, *one["alike_effects"]])
         found.append(f"  these shots cannot tell it from: {others}")
-    outside = [part for part in one["argument"].split("*") if _nobody_sets(part)]
+    outside = [part for part in one["argument"].split("*") if _is_not_set_by_the_rig(part)]
     if outside and one["next_shots"]:
         found.append(
             f"  its next shots do not change {' and '.join(outside)}: fire them over values as far "
@@ -121,7 +121,7 @@ def _of_one(one: Json) -> list[str]:
     return found
 
 
-def _nobody_sets(argument: str) -> bool:
+def _is_not_set_by_the_rig(argument: str) -> bool:
     """Whether an argument is a column of the shot list that the rig does not set."""
     return argument not in _MEANINGS and not is_setting_name(argument)
 
