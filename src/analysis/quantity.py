@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from numbers import Real
 from typing import Annotated, Any
 
 import numpy as np
@@ -60,26 +61,29 @@ class Quantity:
 
         Raises
         ------
-        KeyError, TypeError, ValueError
-            The document has another form.
+        ValueError
+            It is no mapping, a key is missing, the unit is no text, a number is none or not finite,
+            or a standard error is less than 0.
         """
-        unit, value, sigma = str(document["unit"]), document["value"], document["sigma"]
+        if not isinstance(document, Mapping):
+            raise ValueError(f"{document!r} is no quantity with value, sigma and unit")
+        if missing := [key for key in ("value", "sigma", "unit") if key not in document]:
+            raise ValueError(f"a quantity lacks {' and '.join(missing)}")
+        unit = document["unit"]
+        if not isinstance(unit, str):
+            raise ValueError(f"unit: {unit!r} is no text")
+        value, sigma, common = (_number(document, k) for k in ("value", "sigma", "sigma_common"))
         if value is None:
             return cls.undetermined(unit)
-        common = document.get("sigma_common")
-        return cls(
-            float(value),
-            math.inf if sigma is None else float(sigma),
-            unit,
-            None if common is None else float(common),
-        )
+        return _checked(cls(value, math.inf if sigma is None else sigma, unit, common))
 
     def to_json(self) -> dict[str, float | str | None]:
         """Return the form of the exchange documents; what is not determined is null."""
         if not self.determined:
             return {"value": None, "sigma": None, "unit": self.unit}
-        document: dict[str, float | str | None] = {"value": self.value, "sigma": self.sigma}
-        if self.common is not None:
+        sigma = self.sigma if math.isfinite(self.sigma) else None
+        document: dict[str, float | str | None] = {"value": self.value, "sigma": sigma}
+        if self.common is not None and sigma is not None:
             document |= {"sigma_own": self.own, "sigma_common": self.common}
         return {**document, "unit": self.unit}
 
@@ -97,12 +101,32 @@ class Quantity:
         return f"{self.value:.{decimals}f}({digits})"
 
 
-def _read(value: object) -> Quantity:
-    if isinstance(value, Quantity):
-        return value
-    if not isinstance(value, Mapping):
-        raise ValueError(f"{value!r} is no quantity with value, sigma and unit")
-    return Quantity.from_json(value)
+def _number(document: Mapping[str, Any], key: str) -> float | None:
+    given = document.get(key)
+    if given is None:
+        return None
+    # True is a number to Python, and a whole number may be beyond every float.
+    plain = isinstance(given, Real) and not isinstance(given, bool)
+    try:
+        number = float(given) if plain else math.nan
+    except OverflowError:
+        number = math.inf
+    if not math.isfinite(number):
+        raise ValueError(f"{key}: {given!r} is no finite number")
+    return number
+
+
+def _checked(quantity: Quantity) -> Quantity:
+    """Return a quantity; raise `ValueError` where an error of what is determined can be none."""
+    if quantity.determined:
+        for name, sigma in (("sigma", quantity.sigma), ("sigma_common", quantity.common)):
+            if sigma is not None and not sigma >= 0:
+                raise ValueError(f"{name}: {sigma!r} {quantity.unit} is no standard error")
+    return quantity
+
+
+def _read(value: Any) -> Quantity:  # noqa: ANN401 - a document holds anything
+    return _checked(value) if isinstance(value, Quantity) else Quantity.from_json(value)
 
 
 Measured = Annotated[Quantity, PlainValidator(_read), PlainSerializer(Quantity.to_json)]

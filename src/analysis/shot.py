@@ -250,12 +250,12 @@ def _rendered(
 
 
 def _odd_times(times_s: Floats, setup: Setup) -> tuple[str, ...]:
-    """Return a note where recorded times and stated frame rate disagree; the times are used."""
+    """Return a note where the frames' own times and the stated rate disagree; times are used."""
     step = float(np.median(np.diff(times_s)))
     if abs(step * setup.camera.frame_rate_hz - 1.0) < RATE_TOLERANCE:
         return ()
     return (
-        f"frames are {1e3 * step:.4g} ms apart by their recorded times, "
+        f"frames are {1e3 * step:.4g} ms apart by the times that come with them, "
         f"{1e3 / setup.camera.frame_rate_hz:.4g} ms by the stated frame rate; the times are used",
     )
 

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from typing import Any, TypeVar
+from typing import Annotated, Any, TypeVar
 
 from pydantic import AliasChoices, ConfigDict, Field, TypeAdapter
 
 Json = dict[str, Any]
 Model = TypeVar("Model")
+NotNegative = Annotated[float, Field(ge=0)]
 
 SMALLEST_P = 1e-300
 """No chance is less than this in a document: some readers take a smaller number for none."""

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
-from pydantic import Field, SerializerFunctionWrapHandler, model_serializer
+from pydantic import SerializerFunctionWrapHandler, model_serializer
 from pydantic.dataclasses import dataclass
 
 from analysis.quantity import Measured
-from analysis.schema.codec import BESIDE, STRICT
+from analysis.schema.codec import BESIDE, STRICT, NotNegative
 
-Positive = Annotated[float, Field(ge=0)]
 Three = tuple[float, float, float]
 
 
@@ -35,17 +34,17 @@ class Pose:
     frame: int
     t_s: float
     position_m: tuple[float | None, float | None, float | None]
-    sigma_m: tuple[Positive | None, Positive | None, Positive | None]
+    sigma_m: tuple[NotNegative | None, NotNegative | None, NotNegative | None]
     quaternion: tuple[float, float, float, float] | None
-    sigma_rot_rad: Positive | None
+    sigma_rot_rad: NotNegative | None
 
 
 @dataclass(frozen=True, slots=True, config=STRICT)
 class Expected:
     """What the stated material makes expect: Hertz's duration, and where it yields, if known."""
 
-    contact_duration_s: Positive
-    yield_speed_m_per_s: Positive | None
+    contact_duration_s: NotNegative
+    yield_speed_m_per_s: NotNegative | None
 
 
 @dataclass(frozen=True, slots=True, config=BESIDE, kw_only=True)
@@ -76,7 +75,7 @@ class MeasuredResult:
 
     status: Literal["measured"] = "measured"
     contact_time_s: float
-    contact_time_sigma_s: Positive
+    contact_time_sigma_s: NotNegative
     contact_duration: Measured | None
     normal: Three
     normal_sigma: Three
@@ -88,7 +87,7 @@ class MeasuredResult:
     beta: Measured | None
     frames_before: tuple[int, ...]
     frames_after: tuple[int, ...]
-    scale_px_per_m: Mapping[str, Positive]
+    scale_px_per_m: Mapping[str, NotNegative]
     notes: tuple[str, ...]
     expected: Expected | None = None
 

@@ -9,11 +9,10 @@ from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from analysis.quantity import Measured
-from analysis.schema.codec import BESIDE, STRICT, named
+from analysis.schema.codec import BESIDE, STRICT, NotNegative, named
 
 Count = Annotated[int, Field(ge=0)]
 Chance = Annotated[float, Field(ge=0, le=1)]
-Positive = Annotated[float, Field(ge=0)]
 Verdicts = Literal["none", "effect", "alias", "unexplained"]
 
 
@@ -21,8 +20,8 @@ Verdicts = Literal["none", "effect", "alias", "unexplained"]
 class NoiseFactors:
     """By what stated sigmas of positions and of orientations were multiplied; 1: as stated."""
 
-    position: Positive
-    orientation: Positive
+    position: NotNegative
+    orientation: NotNegative
 
 
 @dataclass(frozen=True, slots=True, config=STRICT)
@@ -75,7 +74,7 @@ class FitReport:
     torn_tracks: tuple[tuple[int, str], ...]
     noise: NoiseFactors
     effects: Annotated[tuple[str, ...], named("with", "effects")]
-    chi2_per_dof: Positive
+    chi2_per_dof: NotNegative
     degrees_of_freedom: int
     converged: bool
     parameters: Mapping[str, Measured]
@@ -91,8 +90,8 @@ class PathStage:
     """
 
     effects: Annotated[tuple[str, ...], named("with", "effects")]
-    chi2_per_dof: Positive
-    prediction_error: Positive
+    chi2_per_dof: NotNegative
+    prediction_error: NotNegative
 
 
 @dataclass(frozen=True, slots=True, config=STRICT, kw_only=True)
@@ -119,11 +118,11 @@ class SeenCandidate:
     p_familywise: Chance
     delta_chi2: Annotated[float, named("promised_fall", "delta_chi2")]
     amplitude: float
-    sigma: Positive
+    sigma: NotNegative
     unit: str
     plausible: bool
     of_measurement: bool
-    moved_m: Positive | None
+    moved_m: NotNegative | None
     plausible_range: tuple[float, float]
 
 
@@ -151,7 +150,7 @@ class RankedCandidate:
     p_familywise: Chance
     plausible: bool | None
     of_measurement: bool
-    moved_m: Positive | None
+    moved_m: NotNegative | None
     amplitude: float | None
     unit: str
     amplitudes: Mapping[str, Measured]
@@ -221,7 +220,7 @@ class VerdictReport:
     alias_set: tuple[str, ...] = ()
     alias_sets: Mapping[str, tuple[str, ...]] = Field(default_factory=dict)
     unexplained: bool
-    chi2_per_dof: Positive
+    chi2_per_dof: NotNegative
     p_chi2: Chance
     path: tuple[PathStage, ...]
     parameters: Mapping[str, Measured]

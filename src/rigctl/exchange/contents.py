@@ -10,7 +10,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.balls.films.frames import read_frames
+from analysis.balls.films.frames import COLOUR, read_frames
+from analysis.balls.films.photron import FRAMES_SUFFIX, HEADER_SUFFIXES
 from analysis.campaign import DESCRIPTION, FRAMES, POSES, SHOT_LIST, frames_of
 from analysis.errors import InputError
 from analysis.exchange.contact_table import read_contacts
@@ -18,6 +19,7 @@ from analysis.exchange.description import read_description
 from analysis.exchange.impact_table import read_impacts
 from analysis.exchange.pose_table import PoseRow, read_poses
 from analysis.exchange.shot_list import EXCLUDED, NOTE, TAGS, ShotRow, read_shot_list
+from analysis.imaging.files.stack import beside_frames
 from analysis.model.data.gather import CONTACTS, IMPACTS
 from analysis.setup import Setup
 from rigctl.errors import AnalysisInputError
@@ -43,11 +45,13 @@ class Frames:
 
     @property
     def files(self) -> list[Path]:
-        """Every file of them, in order; a file of their times among them."""
-        if self.path.is_dir():
-            return sorted(path for path in self.path.rglob("*") if path.is_file())
-        beside = self.path.with_suffix(".json")
-        return [self.path, beside] if beside.exists() else [self.path]
+        """Every file of them, in order; files of their times and a camera's header among them."""
+        beside = [beside_frames(self.path)]
+        if self.path.suffix.lower() == FRAMES_SUFFIX:
+            beside += [self.path.with_suffix(suffix) for suffix in HEADER_SUFFIXES]
+        folder = self.path.is_dir()
+        inside = sorted(self.path.rglob("*")) if folder else [self.path]
+        return [path for path in (*inside, *beside) if path.is_file()]
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,8 +141,11 @@ def _frames(
             faults.append(f"shot {row.shot}: {error}")
             continue
         if stack.light is not stack.pixels:
-            deep = "has more than 8 bits, which stored frames have; rigctl analyse measures it"
-            faults.append(f"shot {row.shot}: {path.name} {deep} where it lies")
+            why = "is in colour" if COLOUR in stack.notes else "has more than 8 bits"
+            faults.append(
+                f"shot {row.shot}: {path.name} {why}, stored frames are grey of 8 bits; "
+                "rigctl analyse measures it where it lies"
+            )
             continue
         times = stack.times_s
         if times is None:

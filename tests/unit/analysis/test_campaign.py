@@ -215,6 +215,8 @@ def test_recorded_times_go_before_the_frame_rate(folder: Path, tmp_path: Path) -
     assert isinstance(plain, MeasuredShot)
     assert isinstance(slow, MeasuredShot)
     assert slow.times_s[-1] == pytest.approx(15 / 500.0)
+    assert any("2 ms apart" in note and "1 ms by the stated" in note for note in slow.notes)
+    assert not any("ms apart" in note for note in plain.notes)
     # Gravity is known and stays; all else goes at half the speed.
     assert slow.impact.v_n.value == pytest.approx(plain.impact.v_n.value / 2, rel=0.01)
 

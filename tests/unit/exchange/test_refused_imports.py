@@ -61,6 +61,10 @@ FAULTS: dict[str, tuple[Callable[[Path], object], str]] = {
         lambda f: np.save(f / "frames" / "0007.npy", np.full((6, 16, 24), 999, np.uint16)),
         r"shot 7: .*more than 8 bits",
     ),
+    "frames in colour": (
+        lambda f: np.save(f / "frames" / "0007.npy", np.full((6, 16, 24, 3), 99, np.uint8)),
+        r"shot 7: 0007\.npy is in colour, stored frames are grey of 8 bits",
+    ),
     "a later format": (
         lambda f: (f / "campaign.toml").write_text("format = 2\nname = 'x'\nlaser = true\n"),
         r"campaign\.toml: format 2; this program reads format 1",

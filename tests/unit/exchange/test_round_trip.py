@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from datetime import UTC, datetime
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 
@@ -77,6 +79,36 @@ def test_frames_and_their_times_are_those_of_the_folder(
     np.testing.assert_array_equal(from_array.times_s, recorded - 0.5)
     with pytest.raises(NotFoundError, match="has no frames"):
         store.frames("i0001-000012")
+
+
+def test_frames_of_a_photron_are_kept_with_their_header(
+    store: Store, folder: Path, take: Take, tmp_path: Path
+) -> None:
+    (folder / "frames" / "0012.mraw").write_bytes(frames(12).tobytes())
+    (folder / "frames" / "0012.cih").write_text(
+        "Record Rate(fps) : 6000\nTotal Frame : 6\nImage Width : 24\nImage Height : 16\n"
+        "Color Bit : 8\n"
+    )
+    take(folder)
+    stored = store.frames("i0001-000012")
+    np.testing.assert_array_equal(stored.pixels, frames(12))
+    np.testing.assert_allclose(stored.times_s, np.arange(6) / 6000)
+    export_campaign(store, "nylon-2", tmp_path / "out", progress=silent)
+    assert files(tmp_path / "out") == files(folder)
+
+
+def test_times_beside_a_folder_of_pictures_are_kept_with_it(
+    store: Store, folder: Path, take: Take, tmp_path: Path
+) -> None:
+    (folder / "frames" / "0012").mkdir()
+    for number, frame in enumerate(frames(12)):
+        cv2.imwrite(str(folder / "frames" / "0012" / f"{number}.png"), frame)
+    times = [0.0, 0.25, 0.5, 1.0, 1.25, 1.5]
+    (folder / "frames" / "0012.json").write_text(json.dumps({"times_s": times}))
+    take(folder)
+    np.testing.assert_array_equal(store.frames("i0001-000012").times_s, times)
+    export_campaign(store, "nylon-2", tmp_path / "out", progress=silent)
+    assert files(tmp_path / "out") == files(folder)
 
 
 def test_what_people_changed_comes_out_in_columns_of_its_own(

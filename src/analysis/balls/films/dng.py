@@ -46,6 +46,8 @@ def read_dng(file: Path, budget: FrameBudget) -> NDArray[np.generic]:
         raise InputError(
             file, "its first picture is a preview; save the raw pictures without previews"
         )
+    if page.ndim == 3 and page.shape[2] > 2:
+        return page[..., 2::-1]
     if kind in GREY or page.ndim == 3:
         return page
     if kind != MOSAIC or pattern not in _PATTERNS or page.dtype not in (np.uint8, np.uint16):

@@ -22,6 +22,7 @@ from analysis.imaging.files.stack import (
     FrameStack,
     on_scale_of_8_bits,
     read_stack,
+    recorded_times,
 )
 from analysis.imaging.files.video_file import ColourError
 
@@ -34,7 +35,8 @@ def read_frames(path: Path) -> FrameStack:
     """Read the frames of one shot, grey, with all their bits.
 
     Plain grey frames are those of `read_stack`. Cameras' own files and raw pictures are read as
-    films are; of colour the brightness (ITU-R BT.601) is taken.
+    films are; of colour the brightness (ITU-R BT.601) is taken. Times are those beside the frames,
+    else those of a camera's own file, else by the rate that it states.
 
     Raises
     ------
@@ -66,25 +68,25 @@ def _only_films() -> set[str]:
 
 def _grey(film: Film) -> FrameStack:
     head, budget = film.head, FrameBudget(film.path)
-    pages = []
+    colour, pages, largest, deep = head.channels == 3, [], 0, False
     for picture in film.pictures():
-        budget.claim((head.height, head.width), 4 if head.channels == 3 else picture.itemsize)
-        colour = head.channels == 3
+        budget.claim((head.height, head.width), 4 if colour else picture.itemsize)
         pages.append(_brightness(picture) if colour else picture[..., 0])
+        largest, deep = max(largest, int(picture.max())), deep or picture.dtype != np.uint8
     if len(pages) < head.frames:
         have = f"{len(pages)} of its {head.frames} frames can be read"
         raise InputError(film.path, f"{have}: the rest is missing or damaged")
     values: NDArray[np.generic] = np.stack(pages)
-    notes = (*head.notes, COLOUR) if head.channels == 3 else head.notes
-    times = _times(film)
-    if values.dtype == np.uint8:
-        whole = cast("NDArray[np.uint8]", values)
-        return FrameStack(whole, whole, times, notes)
-    if values.max() < 256 and head.channels == 3:
+    times = _times(film, len(pages))
+    notes = (*head.notes, COLOUR) if colour else head.notes
+    if deep:
+        light, note = on_scale_of_8_bits(values, largest)
+        notes = (*notes, note)
+    elif colour:
         light = cast("NDArray[np.float32]", values)
     else:
-        light, note = on_scale_of_8_bits(values)
-        notes = (*notes, note)
+        whole = cast("NDArray[np.uint8]", values)
+        return FrameStack(whole, whole, times, notes)
     return FrameStack(np.rint(light).astype(np.uint8), light, times, notes)
 
 
@@ -92,6 +94,15 @@ def _brightness(picture: NDArray[np.generic]) -> NDArray[np.float32]:
     return np.asarray(picture.astype(np.float32) @ BRIGHTNESS.astype(np.float32), np.float32)
 
 
-def _times(film: Film) -> Floats | None:
-    """Return times that a camera wrote; those of a video are its player's."""
-    return None if film.path.suffix.lower() in VIDEO_SUFFIXES else film.head.times_s
+def _times(film: Film, frames: int) -> Floats | None:
+    """Return times beside the frames, else those a camera wrote, else times by its rate, s.
+
+    Times and rate of a video are its player's and are not taken.
+    """
+    recorded = recorded_times(film.path, frames)
+    if recorded is not None or film.path.suffix.lower() in VIDEO_SUFFIXES:
+        return recorded
+    head = film.head
+    if head.times_s is None and head.rate_hz is not None:
+        return np.asarray(np.arange(frames) / head.rate_hz)
+    return head.times_s

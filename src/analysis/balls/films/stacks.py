@@ -19,6 +19,7 @@ from analysis.imaging.files.tiff_file import read_tiff
 
 TIFF_SUFFIXES = (".tif", ".tiff")
 RAW_SUFFIX = ".dng"
+RED_FIRST = (*TIFF_SUFFIXES, ".npy")
 PICTURE_SUFFIXES = (".png", *TIFF_SUFFIXES, RAW_SUFFIX)
 
 
@@ -74,7 +75,7 @@ class PictureStack(Film):
 
 
 def read_npy_frames(path: Path, budget: FrameBudget) -> list[NDArray[np.generic]]:
-    """Return the frames of an NPY file, (frames, rows, columns) with or without channels."""
+    """Return the frames of an NPY file, (frames, rows, columns), or with red, green, blue."""
     return list(read_npy(path, budget))
 
 
@@ -106,7 +107,7 @@ def _picture(path: Path, page: NDArray[np.generic]) -> Picture:
     if channels is None or 0 in page.shape:
         raise InputError(path, f"holds pictures of shape {page.shape}")
     page = page[..., :channels]
-    # TIFF has red first, what OpenCV reads has blue first.
-    if channels == 3 and path.suffix.lower() in TIFF_SUFFIXES:
+    # These have red first, what OpenCV reads has blue first.
+    if channels == 3 and path.suffix.lower() in RED_FIRST:
         page = page[..., ::-1]
     return cast("Picture", np.ascontiguousarray(page))

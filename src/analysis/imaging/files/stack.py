@@ -34,8 +34,8 @@ class FrameStack:
     light
         The same with fractions, where the file has more bits; `pixels` itself where it has 8.
     times_s
-        Recorded time of each frame counted from the first, where a file beside the frames holds
-        it, else None.
+        Recorded time of each frame counted from the first, s, where a file beside the frames or a
+        camera's own file holds it, else None.
     notes
         What about the file could not be checked.
     """
@@ -75,21 +75,22 @@ def read_stack(path: Path) -> FrameStack:
         )
     if pixels.size == 0:
         raise InputError(path, "holds no frames")
-    times_s = _recorded_times(path, len(pixels))
+    times_s = recorded_times(path, len(pixels))
     if pixels.dtype == np.uint8:
         whole = np.ascontiguousarray(pixels)
         return FrameStack(whole, whole, times_s, notes)
-    light, note = on_scale_of_8_bits(pixels)
+    light, note = on_scale_of_8_bits(pixels, int(pixels.max()))
     return FrameStack(np.rint(light).astype(np.uint8), light, times_s, (*notes, note))
 
 
-def on_scale_of_8_bits(pixels: NDArray[np.generic]) -> tuple[NDArray[np.float32], str]:
+def on_scale_of_8_bits(
+    pixels: NDArray[np.generic], largest: int
+) -> tuple[NDArray[np.float32], str]:
     """Return values of more bits as grey levels from 0 to 255, fractions kept, and a note on it.
 
-    A camera's bits are the fewest usual ones that hold its largest value. Bits below, which some
-    cameras leave empty, do not matter.
+    A camera's bits are the fewest usual ones that hold the largest value of its file. Bits
+    below, which some cameras leave empty, do not matter.
     """
-    largest = int(pixels.max())
     bits = next(b for b in USUAL_BITS if largest < 1 << b)
     scale = np.float32(255.0 / ((1 << bits) - 1))
     note = f"values of up to {largest} are taken for those of {bits} bits; grey levels keep them"
@@ -128,9 +129,21 @@ def _stacked(path: Path, pages: list[NDArray[np.generic]]) -> NDArray[np.generic
     return stacked
 
 
-def _recorded_times(path: Path, frames: int) -> NDArray[np.float64] | None:
-    beside = path.with_suffix(".json")
-    if path.is_dir() or not beside.exists():
+def beside_frames(path: Path) -> Path:
+    """Return where recorded times of frames would lie: a JSON file of the same name beside them."""
+    return path.parent / f"{path.name}.json" if path.is_dir() else path.with_suffix(".json")
+
+
+def recorded_times(path: Path, frames: int) -> NDArray[np.float64] | None:
+    """Return the times beside so many frames, s from the first; None where there are none.
+
+    Raises
+    ------
+    InputError
+        The file holds no list of seconds, or a number of them other than that of the frames.
+    """
+    beside = beside_frames(path)
+    if not beside.exists():
         return None
     document = read_json(beside)
     try:
