@@ -1,4 +1,4 @@
-"""Threads that run jobs: a bounded number at a time, each cancelled within a bound."""
+"""Threads that run jobs: a bounded number at a time, and a cancellation waits within a bound."""
 
 from __future__ import annotations
 

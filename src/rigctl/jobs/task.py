@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable
 
+from rigctl.jobs.failure import JobFailedError
 from rigctl.jobs.ready import Ready
 from rigctl.progress import Progress
 
@@ -30,10 +31,23 @@ class Task:
         enclosed: Callable[[str], None] = lambda _: None,
         ready: Ready | None = None,
     ) -> None:
-        self.progress, self.enclosed, self.ready = progress, enclosed, ready
+        self.enclosed, self.ready = enclosed, ready
+        self._progress = progress
         self._lock = threading.Lock()
         self._unwanted = False
         self._callbacks: list[Callable[[], None]] = []
+
+    def progress(self, text: str, share: float | None) -> None:
+        """Say the step under way in words and the share done, from 0 to 1, or None.
+
+        Raises
+        ------
+        JobFailedError
+            The work was cancelled: it ends here.
+        """
+        if self.cancelled:
+            raise JobFailedError("cancelled")
+        self._progress(text, share)
 
     @property
     def cancelled(self) -> bool:
@@ -50,9 +64,10 @@ class Task:
         callback()
 
     def cancel(self) -> bool:
-        """Say that the work is not wanted any more; return whether that ends it. Twice is safe.
+        """Have the work end; return whether callbacks of it were called. Twice is safe.
 
-        What has left a callback is ended by it; other work looks by itself, sooner or later.
+        Its callbacks end it at once. Work that has left none ends when it next calls `progress`
+        or `on_cancel`; if it calls neither, when it is done.
         """
         with self._lock:
             self._unwanted = True
@@ -63,5 +78,5 @@ class Task:
 
 
 Work = Callable[[Task], str]
-"""Long work: it returns a JSON object as text, raises `RigError` with the reason, and ends soon
-after it is cancelled."""
+"""Long work: it returns a JSON object as text, raises `RigError` with the reason, and ends as
+`Task.cancel` has it."""

@@ -107,6 +107,26 @@ def test_a_running_job_is_ended_by_cancelling_it_and_has_no_failure(jobs: Jobs, 
     assert (last.state, last.failure, last.result) == ("cancelled", None, None)
 
 
+def test_work_without_a_callback_ends_at_its_next_step_after_it_is_cancelled(
+    jobs: Jobs, ended: Ended
+) -> None:
+    runs, never, steps = threading.Event(), threading.Event(), list[str]()
+
+    def export(task: Task) -> str:
+        for number in range(3):
+            task.progress(f"writing file {number}", number / 3)
+            steps.append(f"file {number}")
+            runs.set()
+            assert any(task.cancelled or never.wait(0.01) for _ in range(3000))
+        return "{}"
+
+    job = jobs.submit("export", "a", export)
+    assert runs.wait(BOUND_S)
+    jobs.cancel(job.id)
+    assert ended(job).state is JobState.CANCELLED
+    assert steps == ["file 0"]
+
+
 def test_a_job_that_has_ended_is_left_as_it_is(jobs: Jobs, ended: Ended) -> None:
     job = ended(jobs.submit("fits", "a", answer))
     assert jobs.cancel(job.id) == job
