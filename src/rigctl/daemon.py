@@ -20,7 +20,7 @@ from rigctl.devices.roles import Actuators, FirmwareQuery, HeartbeatWatch
 from rigctl.errors import DeviceError
 from rigctl.jobs import Jobs
 from rigctl.laboratory import Laboratory, open_laboratory
-from rigctl.measuring.analysing import Analyser
+from rigctl.measuring.analysing import Analyser, Awaited
 from rigctl.measuring.analysis_process import Compiling
 from rigctl.model.own_effects import OwnEffects
 from rigctl.opening import own_store
@@ -42,7 +42,8 @@ class Daemon:
 
     `laboratory` simulates the hardware, None on a real rig; `analyse` queues a
     stored shot for analysis and returns at once, `analyse_by` by a method of choice;
-    `cancel_analysis` ends that of a shot, whose frames and results stay;
+    `cancel_analysis` ends that of a shot, whose frames and results stay; `awaited` is how long a
+    shot has waited for its analysis, None where it does not wait;
     `prepare_analysis` has a worker load what the first shot needs; `compiling`
     gives the progress of compiling that an analysis waits for, None where none does; `jobs` runs
     all other long work; `commissioning` is what people must have seen of a real rig; `keypad` that
@@ -58,6 +59,7 @@ class Daemon:
     analyse: Callable[[str], None]
     analyse_by: Callable[[str, str], None]
     cancel_analysis: Callable[[str], None]
+    awaited: Callable[[str], Awaited | None]
     prepare_analysis: Callable[[], None]
     compiling: Callable[[], Compiling | None]
     jobs: Jobs
@@ -132,6 +134,7 @@ def open_daemon(configuration: Configuration) -> Iterator[Daemon]:
             analyse=analyser.submit,
             analyse_by=analyser.submit_by,
             cancel_analysis=analyser.cancel,
+            awaited=analyser.awaited,
             prepare_analysis=analyser.prepare,
             compiling=lambda: analyser.compiling,
             jobs=jobs,

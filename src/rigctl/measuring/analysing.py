@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import logging
 import threading
+import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from queue import Empty, SimpleQueue
@@ -35,8 +36,17 @@ class _Order:
 
     shot: str
     method: str
+    queued_s: float
     worker: AnalysisProcess | None = None
     is_unwanted: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Awaited:
+    """How long a shot has waited for its analysis, s, and whether that is being cancelled."""
+
+    gone_s: float
+    is_cancelled: bool
 
 
 class Analyser:
@@ -96,7 +106,7 @@ class Analyser:
     def submit_by(self, shot: str, method: str) -> None:
         """Queue a shot to be analysed by another method; returns at once."""
         with self._lock:
-            self._queue(_Order(shot, method))
+            self._queue(_Order(shot, method, time.monotonic()))
 
     def _queue(self, order: _Order) -> None:
         self._orders.add(order)
@@ -115,6 +125,15 @@ class Analyser:
                     order.is_unwanted = True
                     if order.worker is not None:
                         order.worker.cancel()
+
+    def awaited(self, shot: str) -> Awaited | None:
+        """Return how the analysis of a shot stands; None: it neither waits nor is under way."""
+        with self._lock:
+            orders = [order for order in self._orders if order.shot == shot]
+            if not orders:
+                return None
+            since = min(order.queued_s for order in orders)
+            return Awaited(time.monotonic() - since, all(order.is_unwanted for order in orders))
 
     @property
     def compiling(self) -> Compiling | None:

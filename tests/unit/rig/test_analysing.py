@@ -7,6 +7,7 @@ import subprocess
 import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -15,7 +16,7 @@ from rig_fakes import BOUND_S, Laboratory, until
 from rigctl.errors import StoreError
 from rigctl.jobs import attending
 from rigctl.jobs.worker_process import WorkerProcess
-from rigctl.measuring.analysing import Analyser
+from rigctl.measuring.analysing import Analyser, Awaited
 from rigctl.measuring.analysis_process import AnalysisProcess, Compiling
 from rigctl.measuring.result_keeping import Keeper
 from rigctl.measuring.stored_shot import analyse_stored_shot, manifest_setup
@@ -158,6 +159,30 @@ def test_an_analysis_that_is_cancelled_ends_at_once_and_the_next_shot_is_analyse
     outcomes.records.clear()
     analyser.submit(first.id)
     assert [shot.state for shot in outcomes.wait(1)] == ["analysed"]
+    analyser.close()
+
+
+def test_seconds_of_a_wait_count_from_the_queue_and_a_cancelled_one_is_known_as_such(
+    lab: Laboratory, monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest
+) -> None:
+    monkeypatch.syspath_prepend(request.path.parent)
+    now_s = [1000.0]
+    clock = SimpleNamespace(monotonic=lambda: now_s[0])
+    monkeypatch.setattr("rigctl.measuring.analysing.time", clock)
+    outcomes, function = Outcomes(lab.store), "stand_in_analysis:compiles_first"
+    analyser = Analyser(lab.store, workers=1, method="thesis", timeout_s=60.0, function=function)
+    first, waiting = lab.shoot(), lab.shoot()
+    assert analyser.awaited(first.id) is None
+    analyser.submit(first.id)
+    now_s[0] = 1007.0
+    analyser.submit(waiting.id)
+    now_s[0] = 1010.0
+    assert analyser.awaited(first.id) == Awaited(10.0, is_cancelled=False)
+    analyser.cancel(waiting.id)
+    assert analyser.awaited(waiting.id) == Awaited(3.0, is_cancelled=True)
+    (lab.store.folders.folder(first.id) / "go-on").touch()
+    assert [shot.state for shot in outcomes.wait(2)] == ["analysed", "refused"]
+    until(lambda: analyser.awaited(waiting.id) is None)
     analyser.close()
 
 
