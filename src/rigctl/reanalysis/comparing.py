@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
+from analysis.quantity import Quantity
 from rigctl.reanalysis.campaign import Outcome
-
-Json = Mapping[str, Any]
 
 QUANTITIES = ("v_n", "v_s", "v_n_after", "v_s_after", "e", "beta", "contact_duration")
 
@@ -50,7 +47,7 @@ class Comparisons:
         for quantity, sums in self._sums.items():
             before, after = outcome.before.get(quantity), outcome.after.get(quantity)
             if before is not None and after is not None:
-                sums.add(before, after)
+                sums.add(Quantity.from_json(before), Quantity.from_json(after))
 
     def found(self) -> list[Comparison]:
         """Return how each quantity changed that both results of any shot have."""
@@ -68,10 +65,12 @@ class _Sums:
     squared: float = 0.0
     weighted: float = 0.0
 
-    def add(self, before: Json, after: Json) -> None:
-        difference = after["value"] - before["value"]
-        variance = before["sigma"] ** 2 + after["sigma"] ** 2
-        self.unit = self.unit or str(before["unit"])
+    def add(self, before: Quantity, after: Quantity) -> None:
+        if not (before.determined and after.determined):
+            return
+        difference = after.value - before.value
+        variance = before.sigma**2 + after.sigma**2
+        self.unit = self.unit or before.unit
         self.shots += 1
         self.difference += difference
         self.squared += difference**2

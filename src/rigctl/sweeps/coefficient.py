@@ -81,7 +81,7 @@ def mean_of(coefficient: str, estimates: list[Estimate]) -> Mean | None:
 def estimate_in(result: Mapping[str, Any], coefficient: str) -> Estimate | None:
     """Return a coefficient by a shot's result; None where it has no usable error."""
     quantity = result.get(coefficient)
-    if not isinstance(quantity, Mapping):
+    if not isinstance(quantity, Mapping) or None in (quantity["value"], quantity["sigma"]):
         return None
     value, sigma = float(quantity["value"]), float(quantity["sigma"])
     # Results of versions that did not separate the parts have the whole error only.

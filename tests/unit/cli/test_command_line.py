@@ -176,6 +176,20 @@ def test_a_fall_without_a_bounce_is_told_as_one(
     assert "rigctl qualify drop" in shown
 
 
+def test_an_error_without_bound_is_shown_as_one(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    document = {
+        "shot": "20260131-000001", "state": "analysed", "failure": None, "simulated": False,
+        "settings": {"pressure_a_kpa": 40.0, "pressure_b_kpa": 40.0, "offset_mm": 6.0},
+        "result": {"e": {"value": 0.73, "sigma": None, "unit": "1"}},
+    }  # fmt: skip
+    monkeypatch.setattr(shot_module, "connected", lambda *_: nullcontext())
+    monkeypatch.setattr(shot_module, "fire_and_wait", lambda *_: document)
+    assert cli.run(["shot", "--pressure-kpa", "40", "--offset-mm", "6"]) == 0
+    assert "0.73 inf" in " ".join(capsys.readouterr().out.split())
+
+
 def test_without_a_daemon_the_command_says_how_to_start_one(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -52,7 +52,7 @@ def stored(store: Store) -> str:
     return shot
 
 
-def measured(e: float, sigma: float = 0.01) -> Json:
+def measured(e: float, sigma: float | None = 0.01) -> Json:
     return {"status": "measured", "e": {"value": e, "sigma": sigma, "unit": "1"}}
 
 

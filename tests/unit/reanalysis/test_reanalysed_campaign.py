@@ -133,6 +133,17 @@ def test_results_are_compared_quantity_by_quantity(
     assert change.rms_sigmas == pytest.approx((2 / 3) ** 0.5)
 
 
+def test_an_error_without_bound_counts_as_not_stated_where_results_are_compared(
+    store: Store, shots: list[str], answers: Any
+) -> None:
+    answers(lambda shot, method: measured(0.7, sigma=None))
+    reanalysed(store, "nylon", "thesis")
+    answers(lambda shot, method: measured(0.8, sigma=0.04))
+    (change,) = compared(reanalysed(store, "nylon", "thesis"))
+    assert change.mean == pytest.approx(0.1)
+    assert change.rms_sigmas is None
+
+
 def test_without_a_result_before_there_is_nothing_to_compare(
     store: Store, shots: list[str], answers: Any
 ) -> None:

@@ -63,7 +63,14 @@ def test_a_mean_lies_among_its_shots_and_is_no_surer_than_all_of_them_together(
 
 
 @pytest.mark.parametrize(
-    "quantity", [None, {"value": 0.7, "sigma": 0.0}, {"value": 0.7, "sigma": math.inf}]
+    "quantity",
+    [
+        None,
+        {"value": 0.7, "sigma": 0.0},
+        {"value": 0.7, "sigma": math.inf},
+        {"value": 0.7, "sigma": None},
+        {"value": None, "sigma": None},
+    ],
 )
 def test_a_result_without_a_usable_error_tells_nothing(quantity: object) -> None:
     assert estimate_in({"e": quantity}, "e") is None

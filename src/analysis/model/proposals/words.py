@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from analysis.model.proposals.arguments import is_setting_name
+from analysis.quantity import Quantity
 
 Json = dict[str, Any]
 
@@ -136,7 +137,8 @@ def _explained(name: str) -> str:
 def _value(name: str, quantity: Json) -> str:
     """Return `a = 0.00049 +- 0.00006 K^-1`: as many digits as the error has two of."""
     unit = "" if quantity["unit"] == "1" else f" {quantity['unit']}"
-    value, sigma = float(quantity["value"]), float(quantity["sigma"])
+    known = Quantity.from_json(quantity)
+    value, sigma = known.value, known.sigma
     if not np.isfinite(sigma) or sigma <= 0.0:
         return f"{name} = {value:.4g}{unit}"
     last = int(np.floor(np.log10(sigma))) - 1

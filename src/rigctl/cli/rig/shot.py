@@ -171,8 +171,10 @@ def _table(rows: list[tuple[str, Mapping[str, Any]]]) -> Table:
         column.justify = "right"
     for name, quantity in rows:
         factor, unit = _SHOWN_IN.get(quantity["unit"], (1.0, str(quantity["unit"])))
-        found, error = factor * float(quantity["value"]), factor * float(quantity["sigma"])
-        table.add_row(_NAMES[name], *rounded(found, error), unit)
+        # An error without bound is null.
+        sigma = math.inf if quantity["sigma"] is None else float(quantity["sigma"])
+        found = factor * float(quantity["value"])
+        table.add_row(_NAMES[name], *rounded(found, factor * sigma), unit)
     return table
 
 

@@ -120,8 +120,8 @@ def test_without_them_the_times_of_a_phantom_and_the_rate_of_a_photron_are_taken
     colours: np.ndarray, tmp_path: Path
 ) -> None:
     # Their headers: 500 and 2000 frames/s.
-    np.testing.assert_allclose(read_frames(cine(tmp_path, colours)).times_s, [0, 2e-3, 4e-3])
-    np.testing.assert_allclose(read_frames(photron(tmp_path, colours)).times_s, [0, 5e-4, 1e-3])
+    assert read_frames(cine(tmp_path, colours)).times_s == pytest.approx([0, 2e-3, 4e-3])
+    assert read_frames(photron(tmp_path, colours)).times_s == pytest.approx([0, 5e-4, 1e-3])
 
 
 def test_an_array_in_colour_has_red_first(tmp_path: Path) -> None:
