@@ -120,6 +120,9 @@ class NoAnalysis:
     def submit_by(self, shot: str, method: str) -> None:
         pass
 
+    def cancel(self, shot: str) -> None:
+        pass
+
     def close(self) -> None:
         pass
 

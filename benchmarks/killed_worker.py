@@ -64,6 +64,9 @@ class ByRequest:
     def submit_by(self, shot: str, method: str) -> None:
         self._analyser.submit_by(shot, method)
 
+    def cancel(self, shot: str) -> None:
+        self._analyser.cancel(shot)
+
     def close(self) -> None:
         self._analyser.close()
 

@@ -12,7 +12,6 @@ from analysis.collision.coefficients import Impact
 from analysis.collision.operator import Body
 from analysis.errors import ShotRefusedError
 from analysis.imaging.edge.frame import EdgeSettings
-from analysis.motion.cutting import notes_of
 from analysis.motion.pattern import Orientations
 from analysis.motion.poses import Centres
 from analysis.scene import Scene
@@ -26,7 +25,7 @@ if TYPE_CHECKING:
     from analysis.photometric.learn.appearance import Appearance
 
 
-ASTRAY = "its orientation contradicts those of the other frames on its side of the contact"
+ASTRAY = "it contradicts those of the other frames on its side of the contact"
 
 
 def measuring_notes(tracking: Tracking, setup: Setup, sides: TwoSides) -> tuple[str, ...]:
@@ -37,9 +36,8 @@ def measuring_notes(tracking: Tracking, setup: Setup, sides: TwoSides) -> tuple[
     notes += [
         f"frame {k} left out for sphere {name}: off its free flight" for name, k in sides.wild
     ]
-    for name in "ab":
-        astray = dict.fromkeys((k for own, k in sides.astray if own == name), ASTRAY)
-        notes += notes_of(name, astray)
+    for name, k in sides.astray:
+        notes.append(f"frame {k} has no orientation of sphere {name}: {ASTRAY}")
     for name, sphere in zip("ab", tracking.spheres, strict=True):
         for view, track in sphere.items():
             followed = range(min(track.outlines), max(track.outlines) + 1)

@@ -113,6 +113,7 @@ def ways(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict[str, Found], Pa
     found["exported"] = of_report(folder, "exported")
     (folder / "exported" / "poses.csv").unlink()
     found["frames"] = of_json(rigctl(folder, "analyse", "exported", "--out", "measured", "--json"))
+    (folder / "measured" / "contacts.csv").unlink()
     found["poses"] = of_report(folder, "measured")
     found["frames in a report"] = of_report(folder, "exported")
     return found, folder

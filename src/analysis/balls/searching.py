@@ -125,12 +125,12 @@ def search(film: Film, times_s: Floats, ball: Ball) -> Search:
     found: list[tuple[int, Disc]] = []
     best: Search | None = None
     refused: ShotRefusedError | None = None
-    for radii, share in _turns(ground):
+    frames = 0
+    for radii, share in _size_ranges(ground):
         found += find_discs_that_move(samples, ground, noise, radii)
         groups = families(found)[:MOST_FAMILIES]
         least = share * max(map(weight, groups), default=0.0)
         sought = [looks_of(g, samples, ground, head) for g in groups if weight(g) >= least]
-        frames = 0
         for one in _searches(film, times_s, ball, sought, (read, ground)):
             if isinstance(one, ShotRefusedError):
                 refused = refused or one
@@ -151,7 +151,7 @@ def search(film: Film, times_s: Floats, ball: Ball) -> Search:
     )
 
 
-def _turns(ground: Picture) -> list[tuple[tuple[float, float], float]]:
+def _size_ranges(ground: Picture) -> list[tuple[tuple[float, float], float]]:
     """Return radii to search one after another, and the least weight of a family over the largest.
 
     Most of the work in a large picture is for the smallest discs: they are sought where larger ones

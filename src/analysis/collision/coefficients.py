@@ -233,8 +233,6 @@ def _outcomes(
     between = paths[:, 1] - paths[:, 0]
     touching = np.array(sum(radii))
     wait = _wait(between[:, 0], between[:, 1], touching)[:, None, None]
-    apart = paths[:, 3] - paths[:, 2]
-    lasts = parting_time(apart[:, 0], apart[:, 1], touching)[:, None] - wait[:, 0]
     velocity = paths[:, :, 1] + accelerations * wait
     place = paths[:, :, 0] + (paths[:, :, 1] + velocity) / 2 * wait
     normal = place[:, 1] - place[:, 0]
@@ -242,6 +240,10 @@ def _outcomes(
     spin = states[:, 24:36].reshape(-1, 4, 3)
     if unseen is not None:
         velocity[:, 2:, 2] = unseen.after(velocity, spin, normal)
+        paths[:, 2:, 1, 2] = velocity[:, 2:, 2]
+        paths[:, 2:, 0, 2] = place[:, :2, 2] - wait[:, 0] * velocity[:, 2:, 2]
+    apart = paths[:, 3] - paths[:, 2]
+    lasts = parting_time(apart[:, 0], apart[:, 1], touching)[:, None] - wait[:, 0]
     before = ContactState(velocity[:, 0], velocity[:, 1], spin[:, 0], spin[:, 1])
     after = ContactState(velocity[:, 2], velocity[:, 3], spin[:, 2], spin[:, 3])
     v = impact_velocities(before, after, normal, radii)

@@ -14,7 +14,7 @@ from analysis.arrays import Floats
 from analysis.motion.rotation import rotation_matrix, rotation_vector
 
 GATE_SIGMAS, GATE_RAD = 4.0, 0.02
-"""What an orientation may lie off a rate: so many of its errors and one degree besides."""
+"""What an orientation may lie off a rate: so many of its errors and this angle besides."""
 FINEST_RAD = 0.01
 """Error below which an orientation has no more weight."""
 TRIED = 24

@@ -35,7 +35,7 @@ class Tables:
             return read_description(folder / DESCRIPTION)[0]
 
     def measured(self, workers: int | None) -> Measured:
-        """Return what the tables hold: poses where they are there."""
+        """Return what the tables hold, of the latest stage that is there."""
         with as_analysis_errors():
             return Measured(gather(self.path)[1])
 
@@ -72,8 +72,8 @@ def open_campaign(
     Parameters
     ----------
     source
-        A campaign folder with frames, or with poses.csv, contacts.csv or impacts.csv, of which the
-        first is taken, or the one of these files that is named; a film (TIFF, NPY, AVI, PNG
+        A campaign folder with frames, or with poses.csv, impacts.csv or contacts.csv, of which the
+        latest stage is taken, or the one of these files that is named; a film (TIFF, NPY, AVI, PNG
         folder), a folder of films, or several films, each a shot; else the name of a campaign in
         the store.
     effects

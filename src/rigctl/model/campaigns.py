@@ -46,7 +46,7 @@ def open_campaign(
     configuration
         File of the rig whose store is meant; None: the simulated rig's.
     poses
-        Whether poses are needed: frames are then measured even where there are tables.
+        Whether poses are wanted even where the folder holds a later stage.
 
     Raises
     ------

@@ -46,10 +46,9 @@ Shots = Mapping[int, Mapping[str, Sequence[PoseRow]]]
 
 
 def gather(campaign: Path) -> tuple[str, Data]:
-    """Read a campaign at the stage that holds most, or at the one that is named.
+    """Read a campaign at the latest stage that is there, or at the one that is named.
 
-    That is poses.csv, else contacts.csv, else impacts.csv, else the frames, measured now: tables
-    of contacts say nothing of flight and camera, nor what the errors of shots have in common.
+    The latest is contacts.csv, else impacts.csv, else poses.csv, else the frames, measured now.
 
     Parameters
     ----------
@@ -73,15 +72,14 @@ def gather(campaign: Path) -> tuple[str, Data]:
     rows = read_shot_list(folder / SHOT_LIST)
     if setup.spheres[0].plate:
         raise InputError(folder / DESCRIPTION, "spheres: a is a plate; only b can be one")
-    posed = named is None and (folder / POSES).exists()
     for file, read in ((CONTACTS, _contacts), (IMPACTS, _impacts)):
-        if named == file or (named is None and not posed and (folder / file).exists()):
+        if named == file or (named is None and (folder / file).exists()):
             return name, read(folder / file, rows, setup)
     return name, gather_poses(folder)[1]
 
 
 def gather_poses(folder: Path) -> tuple[str, PoseData]:
-    """Read the poses of a campaign's folder, whatever tables there are.
+    """Read the poses of a campaign's folder, whatever later stage there is.
 
     From poses.csv where it is there, else from its frames, measured now.
 

@@ -38,7 +38,7 @@ from analysis.setup import Setup
 
 
 def stream_poses(campaign: Path) -> tuple[str, PoseStream]:
-    """Read the poses of a campaign of any length, whatever tables there are.
+    """Read the poses of a campaign of any length, whatever later stage there is.
 
     Parameters
     ----------

@@ -100,8 +100,8 @@ def with_law(data: CampaignData, fit: Fit, law: ContactLaw, seen: tuple[Campaign
 def _may_be_better(data: CampaignData, theory: Theory, best: Fit) -> bool:
     """Say whether some of the shots leave it open that another family is better.
 
-    Fitted to these alone it has an advantage, and one that is behind all the same is behind with
-    all shots by the more.
+    Fitted to these alone it has an advantage; one that is behind all the same by `ALIAS_WITHIN` is
+    hardly ever ahead with all of them.
     """
     count = len(data.shots)
     if count < 2 * RIVAL_SHOTS:

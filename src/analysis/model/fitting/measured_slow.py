@@ -21,7 +21,7 @@ from analysis.arrays import Floats
 from analysis.model.data.poses import PoseData
 from analysis.model.data.stream import CampaignData, PoseStream
 from analysis.model.data.tables import ContactTable, Data
-from analysis.model.predict.start import first_states
+from analysis.model.predict.start import first_states, median_spin
 from analysis.motion.drift import correlation_times
 from analysis.motion.rotation import rotation_matrix, rotation_vector
 from analysis.motion.slow_evidence import Evidence, slow_size
@@ -41,11 +41,13 @@ def with_measured_slow_errors(data: C) -> C:
     """Return a campaign with slow errors of flights as large as its flights show.
 
     What is stated of them is the prior: one standard error of it is a factor of 2. Where none are
-    stated, in tables, and on a plate, they stay as they are.
+    stated, where no flight is long enough, in tables, and on a plate, they stay as they are.
     """
     if isinstance(data, ContactTable) or data.bodies[1].is_plate or data.slow.position_m <= 0.0:
         return data
     seen = [film for part in data.parts() for film in _films(part)]
+    if not any(film.squares.size for film in seen):
+        return data
     change = partial(_resized, factor=slow_size(seen, 1.0))
     return data.changed(change) if isinstance(data, PoseStream) else change(data)
 
@@ -53,7 +55,8 @@ def with_measured_slow_errors(data: C) -> C:
 def _resized(data: PoseData, factor: float) -> PoseData:
     stated = data.slow
     position, rotation = factor * stated.position_m, factor * stated.rotation_rad
-    return replace(data, slow=replace(stated, position_m=position, rotation_rad=rotation))
+    slow = replace(stated, position_m=position, rotation_rad=rotation, shared_m=stated.common_m)
+    return replace(data, slow=slow)
 
 
 def _films(data: PoseData) -> Iterator[Evidence]:
@@ -68,8 +71,11 @@ def _films(data: PoseData) -> Iterator[Evidence]:
             seen = placed & turned & ((times > 0) == later)
             shots = np.flatnonzero(seen.sum(axis=1) >= LEAST_FRAMES)
             if shots.size:
+                spin = median_spin(data, seen[..., None] & (np.arange(2) == sphere))[shots, sphere]
                 for found, into in zip(
-                    _of_flights(data, times, seen, (sphere, shots)), (gains, squares), strict=True
+                    _of_flights(data, times, seen, (sphere, shots), spin),
+                    (gains, squares),
+                    strict=True,
                 ):
                     for row, own in zip(shots, found, strict=True):
                         into[row].append(own)
@@ -78,7 +84,11 @@ def _films(data: PoseData) -> Iterator[Evidence]:
 
 
 def _of_flights(
-    data: PoseData, times: Floats, seen: NDArray[np.bool_], which: tuple[int, NDArray[np.intp]]
+    data: PoseData,
+    times: Floats,
+    seen: NDArray[np.bool_],
+    which: tuple[int, NDArray[np.intp]],
+    first_spin: Floats,
 ) -> tuple[Floats, Floats]:
     """Return gains and squares of one sphere on one side, some shots, shape (N, numbers)."""
     sphere, shots = which
@@ -87,7 +97,7 @@ def _of_flights(
     last = np.where(seen, tau, -np.inf).max(axis=1, keepdims=True)
     place = np.where(seen, 2.0 * (tau - first) / (last - first) - 1.0, 0.0)
     functions = np.polynomial.legendre.legvander(place, DEGREE)
-    left, spin = _turns(data.rotation[shots, :, sphere], tau, seen)
+    left, spin = _turns(data.rotation[shots, :, sphere], tau, seen, first_spin)
     turn_sigma = np.repeat(data.rotation_sigma[shots, :, sphere, None], 3, axis=2)
     fallen = data.position[shots, :, sphere].copy()
     fallen[..., 0] -= 0.5 * data.gravity * tau**2
@@ -112,12 +122,13 @@ def _of_flights(
     return np.concatenate(gains, axis=1), np.concatenate(squares, axis=1)
 
 
-def _turns(rotation: Floats, tau: Floats, seen: NDArray[np.bool_]) -> tuple[Floats, Floats]:
-    """Return what a constant spin leaves of turns (N, F, 3), rad, and the spin (N, 3), rad/s."""
-    both = seen[:, 1:] & seen[:, :-1]
-    steps = rotation_vector(rotation[:, 1:] @ np.swapaxes(rotation[:, :-1], 2, 3))
-    rates = steps / np.where(both, np.diff(tau, axis=1), 1.0)[..., None]
-    spin = np.nan_to_num(np.nanmedian(np.where(both[..., None], rates, np.nan), axis=1))
+def _turns(
+    rotation: Floats, tau: Floats, seen: NDArray[np.bool_], spin: Floats
+) -> tuple[Floats, Floats]:
+    """Return what a constant spin leaves of turns (N, F, 3), rad, and the spin (N, 3), rad/s.
+
+    `spin` is the first guess of it.
+    """
     middle = (tau * seen).sum(axis=1) / seen.sum(axis=1)
     nearest = np.where(seen, np.abs(tau - middle[:, None]), np.inf).argmin(axis=1)
     rows = np.arange(len(tau))

@@ -186,7 +186,7 @@ def _turning(data: PoseData, before: NDArray[np.bool_], time: Floats) -> tuple[F
     """
     measured = np.isfinite(data.rotation_sigma)
     early = measured & before[..., None]
-    spin = _median_spin(data, early)
+    spin = median_spin(data, early)
     last = early.shape[1] - 1 - np.flip(early, axis=1).argmax(axis=1)
     nearest = np.where(early.any(axis=1), last, measured.argmax(axis=1))
     rows = np.arange(len(time))[:, None]
@@ -196,7 +196,7 @@ def _turning(data: PoseData, before: NDArray[np.bool_], time: Floats) -> tuple[F
     return spin, np.where(known[..., None, None], ahead @ turned, np.eye(3))
 
 
-def _median_spin(data: PoseData, early: NDArray[np.bool_]) -> Floats:
+def median_spin(data: PoseData, early: NDArray[np.bool_]) -> Floats:
     """Return the median turn between successive measured frames over the time between, (S, 2, 3).
 
     Zero where fewer than two frames tell.

@@ -119,16 +119,6 @@ def test_an_orientation_that_was_not_measured_is_one_all_the_same(tmp_path: Path
     assert Rotation.from_matrix(read.rotation[1, 4, 0]).magnitude() == 0
 
 
-def test_poses_count_before_a_table_of_contacts_beside_them(folder: Path) -> None:
-    contacts = folder / "contacts.csv"
-    contacts.write_text("shot\n1\n", encoding="utf-8")
-    _, data = gather(folder)
-    assert isinstance(data, PoseData)
-    assert data.shots.tolist() == [1, 2, 3, 4]
-    with pytest.raises(InputError, match="contacts"):
-        gather(contacts)
-
-
 def test_the_exposure_of_the_shots_is_that_of_the_camera(folder: Path) -> None:
     list_shots(folder, "shot,exposure_us", "1,120", "2,120", "3,250", "4,120", "9,900")
     _, data = gather(folder)

@@ -63,11 +63,25 @@ def test_where_none_are_stated_none_are_looked_for() -> None:
     assert with_measured_slow_errors(data) is data
 
 
-def test_flights_too_short_for_it_leave_what_is_stated_with_its_width() -> None:
+def test_flights_too_short_for_it_leave_what_is_stated() -> None:
     data = filmed(6, TRUE_M, TRUE_M)
-    found = with_measured_slow_errors(data.without(np.arange(24)[None].repeat(6, 0) % 3 > 0)).slow
-    # The root of the mean square of a size that is open by a factor of 2 either way.
-    assert found.position_m == pytest.approx(TRUE_M * np.exp(np.log(2.0) ** 2), rel=0.05)
+    short = data.without(np.arange(24)[None].repeat(6, 0) % 3 > 0)
+    assert with_measured_slow_errors(short) is short
+
+
+def test_what_flights_share_is_no_less_than_stated_where_flights_show_less() -> None:
+    data = filmed(12, TRUE_M / 4, TRUE_M)
+    found = with_measured_slow_errors(data).slow
+    assert found.position_m < TRUE_M
+    assert found.common_m == data.slow.common_m
+    assert found.common_rad == pytest.approx(data.slow.common_rad)
+
+
+def test_markers_in_every_second_frame_show_the_size_too() -> None:
+    data = filmed(40, TRUE_M, TRUE_M)
+    every_second = np.where(np.arange(data.rotation_sigma.shape[1]) % 2, np.inf, 1.0)
+    thinned = replace(data, rotation_sigma=data.rotation_sigma * every_second[None, :, None])
+    assert with_measured_slow_errors(thinned).slow.position_m == pytest.approx(TRUE_M, rel=0.3)
 
 
 def test_a_campaign_read_in_parts_has_the_same_size() -> None:
