@@ -35,6 +35,11 @@ OUTLINED = """() => {
     ? "" : at.outerHTML.slice(0, 200);
 }"""
 
+CUT = """() => [...document.querySelectorAll(
+    ".on-page, .effects .head-cell, .effects .number > :not(.range)"
+  )].filter((part) => part.scrollWidth > part.clientWidth).map((part) => part.textContent)"""
+"""Titles that are cut, and numbers with units that reach into the next column."""
+
 
 @pytest.fixture(scope="module")
 def served(shared: Served) -> Served:
@@ -89,6 +94,7 @@ def faults(page: Page) -> list[str]:
         page.set_viewport_size({"width": width, "height": 800})
         if page.evaluate("document.documentElement.scrollWidth") > width:
             found.append(f"scrolls sideways at {width} px")
+        found += [f"{words!r} does not fit at {width} px" for words in page.evaluate(CUT)]
     # Rules look at what is there, colours at a theme: all rules where most is seen, wide and light.
     for (width, scheme), rules in ((LOOKS[-1], None), (LOOKS[0], COLOURS)):
         page.emulate_media(color_scheme=scheme)

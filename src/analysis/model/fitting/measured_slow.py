@@ -60,7 +60,7 @@ def _resized(data: PoseData, factor: float) -> PoseData:
 
 
 def _films(data: PoseData) -> Iterator[Evidence]:
-    """Yield what each shot of a part says, its slow errors in units of those stated."""
+    """Yield what each shot of a part shows of its slow errors, in units of those stated."""
     times = data.times_s - first_states(data).time_s[:, None]
     gains: list[list[Floats]] = [[np.empty(0)] for _ in data.shots]
     squares: list[list[Floats]] = [[np.empty(0)] for _ in data.shots]
