@@ -13,8 +13,9 @@ from analysis.balls.discs.finding import Disc, find_balls
 from analysis.balls.films.fields import refuse_combed
 from analysis.balls.films.film import Film, FilmHead, Picture, spread_frames
 from analysis.balls.flight.known import Ball
-from analysis.balls.seen.arcs import Arc, Chain, Sightings, chains, find_arcs
+from analysis.balls.seen.arcs import Chain, Sightings, chains, find_arcs
 from analysis.balls.seen.background import background
+from analysis.balls.seen.bending import STEADY_RADII, agreeing, falls, flying
 from analysis.balls.seen.exposures import Brightness, evened, some_pixels
 from analysis.balls.seen.joining import joined
 from analysis.balls.seen.letting_go import flown
@@ -47,18 +48,8 @@ MUCH_MORE = 1.25
 """Frames of flights that bend alike of less sure discs, over those of surer ones, that win."""
 FALLS = (1.0, 0.7, 1.4, 0.5, 2.0)
 """Of the fall that follows from the stated diameter: those that are tried."""
-FALL_SHARE = (0.5, 2.0)
-"""Of the fall that follows from the ball's size: between these a ball flies."""
-BEND_SHARE, BEND_SIGMAS = 0.12, 2.0
-"""Flights of one ball bend alike: up to what drag and perspective change, and errors of places."""
-LEAST_BEND = 1.5
-"""In errors of a place: how far a flight lies off its chord, where it says anything."""
 NEAR_RADII = 0.5
 """From a flight to a disc that is the same thing."""
-SEEN_RADII, SEEN_PX = 0.03, 0.3
-"""Error of a place as seen first."""
-STEADY_RADII = 0.5
-"""A ball that stays within so many radii for all its frames is not in flight."""
 HARDLY, LEAST_STEP_PX = 0.15, 2.0
 """Share of the steps beside it that the disc of a picture shown twice moves at most, and the least
 of these steps, px."""
@@ -136,7 +127,7 @@ def search(film: Film, times_s: Floats, ball: Ball) -> Search:
                 refused = refused or one
                 continue
             # The surest rims come first; the strengths of families are each in units of its own.
-            flies, _ = _agreeing(one.chain, one.looks, one.fall)
+            flies, _ = agreeing(one.chain, one.looks, one.fall)
             if best is None or flies > MUCH_MORE * frames:
                 best, frames = one, flies
         if best is not None and frames >= CLEAR_FRAMES and len(best.chain.times_s):
@@ -206,11 +197,11 @@ def _flights(
     for share in FALLS:
         fall = share * stated
         arcs = joined(find_arcs(seen, looks.radius_px, fall), looks.radius_px, fall, seen.shape)
-        linked = [each for each in chains(arcs, looks.radius_px, fall) if _falls(each, looks, fall)]
+        linked = [each for each in chains(arcs, looks.radius_px, fall) if falls(each, looks, fall)]
         if not linked:
             continue
-        chain = flown(_flying(linked[0], looks, fall), looks.radius_px)
-        frames, alike = _agreeing(chain, looks, fall)
+        chain = flown(flying(linked[0], looks, fall), looks.radius_px)
+        frames, alike = agreeing(chain, looks, fall)
         clear = frames >= CLEAR_FRAMES and alike > 1
         if (share == 1.0 or clear) and (best is None or frames > MUCH_MORE * most):
             best, most = (linked, chain, fall), frames
@@ -250,24 +241,6 @@ def _seen(
     return list(zip(places, about, strict=True)), np.array(gains)
 
 
-def _agreeing(chain: Chain, looks: Looks, fall: Floats) -> tuple[int, int]:
-    """Return how many frames and flights of a chain bend alike, as those of one ball do.
-
-    What is no ball goes through pieces of falls too, each of which bends in its own way.
-    """
-    told = [(arc, _bend([arc], looks, fall)) for arc in chain.arcs]
-    known = [(arc, *bend) for arc, bend in told if bend is not None]
-    most = 0, 0
-    for _, middle, _ in known:
-        alike = [
-            arc
-            for arc, bend, sigma in known
-            if abs(bend - middle) < BEND_SHARE * middle + BEND_SIGMAS * sigma
-        ]
-        most = max(most, (len({int(frame) for arc in alike for frame in arc.frames}), len(alike)))
-    return most
-
-
 def _radii_px(ground: Picture) -> tuple[float, float]:
     """Return the least and the largest radius of a ball in a picture of this size."""
     side = min(ground.shape[:2])
@@ -283,60 +256,6 @@ def _at_rest(ground: Picture) -> str:
     place = f"at ({first.row:.1f}, {first.column:.1f}) px, {2 * first.radius:.1f} px across"
     others = f" and {len(still) - 1} more" if len(still) > 1 else ""
     return f"; what is round and rests or turns on its place: {place}{others}"
-
-
-def _falls(chain: Chain, looks: Looks, fall: Floats) -> bool:
-    """Return whether a chain's flights bend as a fall does; one must be long enough to say.
-
-    Anything that moves slowly goes through a few frames of some fall: a ball that rolls, or a hand.
-    """
-    told = _bend(chain.arcs, looks, fall)
-    if told is None:
-        return False
-    (share, sigma), (low, high) = told, FALL_SHARE
-    return bool(low - 2 * sigma < share < high + 2 * sigma)
-
-
-def _bend(arcs: Sequence[Arc], looks: Looks, fall: Floats) -> tuple[float, float] | None:
-    """Return the bend of flights as a share of the fall, and its error; None: all too short."""
-    error = SEEN_RADII * looks.radius_px + SEEN_PX
-    weight = bend = 0.0
-    for arc in arcs:
-        lasts = float(arc.times_s[-1] - arc.times_s[0])
-        if fall[0] * lasts**2 / 8 < LEAST_BEND * error:
-            continue
-        gone = arc.times_s - arc.times_s.mean()
-        straight = np.stack([np.ones_like(gone), gone], axis=1)
-        curve = 0.5 * gone**2
-        curve = curve - straight @ np.linalg.lstsq(straight, curve, rcond=None)[0]
-        weight += float(curve @ curve)
-        bend += float(curve @ arc.places[:, 0])
-    if weight == 0.0:
-        return None
-    return bend / weight / float(fall[0]), error / float(np.sqrt(weight) * fall[0])
-
-
-def _flying(chain: Chain, looks: Looks, fall: Floats) -> Chain:
-    """Return a chain from its first flight up to the one that does not bend as a fall does.
-
-    Places of a ball that is held, rests or rolls go through pieces of short falls, and those meet
-    in bounces.
-    """
-    first, last = 0, len(chain.arcs)
-    told = [_bend([arc], looks, fall) for arc in chain.arcs]
-    still = [each is not None and each[0] + each[1] < FALL_SHARE[0] for each in told]
-    while first < last - 1 and still[first] and _stays(chain.arcs[first], looks):
-        first += 1
-    last = next((k for k in range(first + 1, last) if still[k]), last)
-    while last > first + 1 and told[last - 1] is None:
-        last -= 1
-    bounces = slice(first, last - 1)
-    return Chain(chain.arcs[first:last], chain.times_s[bounces], chain.places[bounces])
-
-
-def _stays(arc: Arc, looks: Looks) -> bool:
-    """Return whether a ball hardly moves in an arc, as one that is held."""
-    return float(np.ptp(arc.places, axis=0).max()) < STEADY_RADII * looks.radius_px
 
 
 def _beside(other: Chain, chain: Chain) -> bool:
@@ -381,12 +300,12 @@ def _repeated(places: Sequence[Floats]) -> tuple[int, ...]:
 
 def _unexplained(seen: Sightings, linked: Sequence[Chain], chain: Chain) -> Floats:
     """Return frame and place where the ball is seen, strongest, outside all flights that fall."""
-    flying = {int(f) for each in linked[1:] for arc in each.arcs for f in arc.frames}
-    flying |= {int(f) for arc in chain.arcs for f in arc.frames}
+    in_flight = {int(f) for each in linked[1:] for arc in each.arcs for f in arc.frames}
+    in_flight |= {int(f) for arc in chain.arcs for f in arc.frames}
     found = [
         (k, *places[0, :2])
         for k, places in enumerate(seen.places)
-        if len(places) and k not in flying
+        if len(places) and k not in in_flight
     ]
     return np.array(found, dtype=np.float64).reshape(-1, 3)
 
