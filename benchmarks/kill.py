@@ -123,6 +123,9 @@ class NoAnalysis:
     def cancel(self, shot: str) -> None:
         pass
 
+    def awaited(self, _: str) -> None:
+        """Return how a shot's analysis stands: none ever waits."""
+
     def close(self) -> None:
         pass
 

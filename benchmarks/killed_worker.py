@@ -41,13 +41,11 @@ def analyse(asked: Json, _progress: Progress) -> Json:
     return {"status": "measured"}
 
 
-class ByRequest:
+class ByRequest(Analyser):
     """In the place of the analysis: a worker of the daemon's for those shots that are named."""
 
-    compiling = None
-
     def __init__(self, store: Store, **_: object) -> None:
-        self._analyser = Analyser(
+        super().__init__(
             store,
             workers=1,
             method=AT_ONCE,
@@ -60,15 +58,6 @@ class ByRequest:
 
     def submit(self, shot: str) -> None:
         pass
-
-    def submit_by(self, shot: str, method: str) -> None:
-        self._analyser.submit_by(shot, method)
-
-    def cancel(self, shot: str) -> None:
-        self._analyser.cancel(shot)
-
-    def close(self) -> None:
-        self._analyser.close()
 
 
 def hold(daemon: Daemon, shot: str) -> None:

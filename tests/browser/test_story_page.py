@@ -88,7 +88,7 @@ def test_a_hidden_effect_is_moved_added_and_kept_by_a_reload(page: Page, served:
     # The fourth step is drawn once more with the next trial: no key is lost meanwhile.
     page.keyboard.press("u")
     expect(page.get_by_test_id("story-added")).to_have_count(0)
-    assert HIDDEN not in page.url
+    expect(page).not_to_have_url(re.compile(HIDDEN))
     page.goto(added)
     expect(page.get_by_test_id("story-added")).to_have_count(1, timeout=LONG_MS)
     page.get_by_test_id("view-tables").click()
