@@ -82,6 +82,80 @@ def test_a_film_is_dropped_measured_and_handed_back(page: Page, served: Served) 
     assert faults(page) == []
 
 
+@pytest.mark.long
+def test_part_ring_and_line_are_dragged_and_moved_by_keys(page: Page, served: Served) -> None:
+    page.goto(f"{served.url}/own")
+    page.wait_for_function("window.did_handshake")
+    page.locator("input[type=file]").set_input_files(film(served.folder / "dragged.mp4"))
+    # The ball of radius 18 px is found by itself in the picture that is shown.
+    words = page.get_by_test_id("scale-words")
+    expect(words).to_contain_text(re.compile(r"3[5-7]\.\d px across"), timeout=FIRST_USE_MS)
+    part = page.get_by_test_id("part-words")
+    expect(part).to_contain_text("All of the picture is looked at")
+    drag(page, "left-border-of-the-part", 40, 0)
+    expect(part).to_have_text(re.compile(r"columns (39|40|41) to 160, rows 0 to 360"))
+    lower = page.get_by_test_id("grip-lower-border-of-the-part")
+    lower.focus()
+    page.keyboard.press("Shift+ArrowUp")
+    page.keyboard.press("ArrowUp")
+    expect(part).to_contain_text("rows 0 to 349")
+    expect(lower).to_be_focused()
+    expect(lower).to_have_attribute("aria-valuetext", "row 349")
+    page.get_by_test_id("draw-line").click()
+    # The line begins over half of the picture's width, 80 px.
+    page.get_by_test_id("line-mm").fill(str(80 * BALL_MM / 36))
+    page.keyboard.press("Tab")
+    by_line = page.get_by_test_id("by-line")
+    expect(by_line).to_contain_text("By the line the ball is")
+    assert abs(told_mm(by_line.inner_text()) - BALL_MM) < 4
+    page.get_by_test_id("grip-other-end-of-the-line").focus()
+    page.keyboard.press("Shift+ArrowLeft")
+    # A line of 70 px makes what is as long a pixel larger by 8 / 7.
+    expect(by_line).not_to_contain_text(f"{told_mm(by_line.inner_text()):.1f}")
+    assert abs(told_mm(by_line.inner_text()) - BALL_MM * 8 / 7) < 5
+    page.keyboard.press("Shift+ArrowRight")
+    assert faults(page) == []
+    page.get_by_test_id("own-measure").click()
+    bounces = page.get_by_test_id("own-bounces").locator("tbody tr")
+    expect(bounces).to_have_count(2, timeout=FIRST_USE_MS)
+    expect(page.get_by_test_id("own-result")).not_to_contain_text("another thing was followed")
+    page.get_by_test_id("take-all").click()
+    expect(part).to_contain_text("All of the picture is looked at")
+    # A ring of another size than the ball: what was measured is not what was meant.
+    size = page.get_by_test_id("grip-size-of-the-ring")
+    size.focus()
+    page.keyboard.press("Shift+ArrowRight")
+    expect(words).to_contain_text(re.compile(r"5[5-7]\.\d px across"))
+    page.get_by_test_id("own-measure").click()
+    result = page.get_by_test_id("own-result")
+    expect(result).to_contain_text("another thing was followed", timeout=FIRST_USE_MS)
+
+
+def drag(page: Page, grip: str, columns: float, rows: float) -> None:
+    """Drag a handle by so many pixels of the film."""
+    handle = page.get_by_test_id(f"grip-{grip}")
+    handle.scroll_into_view_if_needed()
+    box = handle.bounding_box() or {}
+    scale = (
+        page.get_by_test_id("own-picture")
+        .locator("svg")
+        .evaluate("svg => svg.clientWidth / svg.viewBox.baseVal.width")
+    )
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + scale * columns / 2, y + scale * rows / 2)
+    page.mouse.move(x + scale * columns, y + scale * rows)
+    page.mouse.up()
+
+
+def told_mm(said: str) -> float:
+    """Return the length that a sentence says, mm."""
+    found = re.search(r"([\d.]+)\(\d+\) mm", said)
+    assert found is not None
+    return float(found[1])
+
+
 def table(path: Path) -> Path:
     """Write 40 impacts whose e falls with the speed, heights in cm, with a row that is none."""
     rng = np.random.default_rng(5)

@@ -110,7 +110,7 @@ def search(film: Film, times_s: Floats, ball: Ball) -> Search:
     shown = list(samples.values())
     noise = noise_of(shown, ground)
     refuse_combed(samples, ground, noise)
-    turning = turning_ball(shown, ground, noise, _radii_px(ground))
+    turning = turning_ball(shown, ground, noise, radii_px(ground))
     if turning is not None:
         raise TurningError(turning, ground, times_s)
     found: list[tuple[int, Disc]] = []
@@ -148,7 +148,7 @@ def _size_ranges(ground: Picture) -> list[tuple[tuple[float, float], float]]:
     Most of the work in a large picture is for the smallest discs: they are sought where larger ones
     do not fly.
     """
-    low, high = _radii_px(ground)
+    low, high = radii_px(ground)
     middle = COARSE * low
     if ground.shape[0] * ground.shape[1] < LARGE_PICTURE or middle > high:
         return [((low, high), 0.0)]
@@ -241,7 +241,7 @@ def _seen(
     return list(zip(places, about, strict=True)), np.array(gains)
 
 
-def _radii_px(ground: Picture) -> tuple[float, float]:
+def radii_px(ground: Picture) -> tuple[float, float]:
     """Return the least and the largest radius of a ball in a picture of this size."""
     side = min(ground.shape[:2])
     return max(LEAST_RADIUS_PX, LEAST_SHARE * side), MOST_SHARE * side
@@ -249,7 +249,7 @@ def _radii_px(ground: Picture) -> tuple[float, float]:
 
 def _at_rest(ground: Picture) -> str:
     """Say what is round and stands still: a ball that rests or only turns."""
-    still = find_balls(ground, _radii_px(ground))
+    still = find_balls(ground, radii_px(ground))
     if not still:
         return ""
     first = still[0]

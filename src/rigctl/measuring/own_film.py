@@ -19,9 +19,10 @@ from numpy.typing import NDArray
 
 from analysis.balls.analysis import FilmJob, analyse_film
 from analysis.balls.document import ball_document
-from analysis.balls.films.film import Picture
+from analysis.balls.films.film import FilmHead, Picture
 from analysis.balls.films.part import Cut
 from analysis.balls.films.reading import open_film
+from analysis.balls.first_look import rings
 from analysis.balls.flight.known import AIR_DENSITY, UNKNOWN_DENSITY, Ball
 from analysis.errors import InputError, ShotRefusedError
 from analysis.exchange.folder import write_ball_poses
@@ -37,11 +38,14 @@ SHOWN_WIDTH = 720
 QUALITY = 80
 
 
-def stated_ball(diameter_mm: float, mass_g: float | None) -> Ball:
-    """Return a ball as a person states it; without a mass its density is unknown."""
+def stated_ball(diameter_mm: float, mass_g: float | None, diameter_sigma: float = 0.0) -> Ball:
+    """Return a ball as a person states it; without a mass its density is unknown.
+
+    `diameter_sigma` is the diameter's relative standard error.
+    """
     diameter = 1e-3 * diameter_mm
     density = None if mass_g is None else 1e-3 * mass_g / (math.pi / 6 * diameter**3)
-    return Ball(diameter, density=density, air_density=AIR_DENSITY)
+    return Ball(diameter, diameter_sigma, density=density, air_density=AIR_DENSITY)
 
 
 def write_ball_campaign(
@@ -108,36 +112,57 @@ def _pose_rows(poses: Json) -> list[PoseRow]:
     ]
 
 
+def _shown(path: Path) -> tuple[FilmHead, dict[int, Picture]]:
+    """Return what a film says of itself, and the pictures of it that are shown, by frame."""
+    try:
+        film = open_film(path)
+        last = film.head.frames - 1
+        return film.head, film.chosen(sorted({round(k * last / (SHOWN - 1)) for k in range(SHOWN)}))
+    except InputError as error:
+        raise AnalysisInputError(error.reason, part=Path(error.path).name) from error
+
+
+def rings_job(asked: Json, progress: Progress) -> Json:
+    """Say where the ball is in the pictures that are shown, each ring as column, row and radius.
+
+    They are pixels from the corner of the picture; `path` is the film.
+    """
+    progress("what is round and moves", None)
+    _, pictures = _shown(Path(asked["path"]))
+    found = rings(pictures)
+    return {
+        "rings": [
+            {"frame": k, "ring": [one.column + 0.5, one.row + 0.5, one.radius]}
+            for k, one in sorted(found.items())
+        ]
+    }
+
+
 def look_job(asked: Json, progress: Progress) -> Json:
     """Say what a film is, and show pictures of it as JPEG; `path` is the film."""
     progress("opening the film", None)
-    try:
-        film = open_film(Path(asked["path"]))
-        head = film.head
-        frames = sorted({round(k * (head.frames - 1) / (SHOWN - 1)) for k in range(SHOWN)})
-        found = film.chosen(frames)
-    except InputError as error:
-        raise AnalysisInputError(error.reason, part=Path(error.path).name) from error
+    head, found = _shown(Path(asked["path"]))
     return {
         "frames": head.frames,
         "rows": head.height,
         "columns": head.width,
         "rate_hz": head.rate_hz,
         "notes": list(head.notes),
-        "pictures": [{"frame": k, "jpeg": _jpeg(found[k])} for k in frames if k in found],
+        "pictures": [{"frame": k, "jpeg": _jpeg(found[k])} for k in sorted(found)],
     }
 
 
 def measure_job(asked: Json, progress: Progress) -> Json:
     """Measure one of some films, write figure and result, and the campaign of all measured so far.
 
-    `path` is the film and `shot` its number, `diameter_mm` the ball's; `mass_g`, `rate_hz` and
+    `path` is the film and `shot` its number, `diameter_mm` the ball's and `diameter_sigma` its
+    relative standard error; `mass_g`, `rate_hz` and
     `window` (column, row, width, height) are None where nothing is stated; `figure`, `result` and
     `campaign` are where to write, `name` is what to call it and `title` the campaign, `earlier` are
     results of other films.
     """
     window = asked["window"]
-    ball = stated_ball(asked["diameter_mm"], asked["mass_g"])
+    ball = stated_ball(asked["diameter_mm"], asked["mass_g"], asked["diameter_sigma"])
     job = FilmJob(
         shot=asked["shot"],
         path=Path(asked["path"]),

@@ -147,10 +147,11 @@ class Question:
     answer: Json | None = None
     failure: str = ""
     running: str | None = None
+    cancelled: bool = False
 
     def start(self) -> None:
         """Ask; a refusal is the failure."""
-        self.answer, self.failure = None, ""
+        self.answer, self.failure, self.cancelled = None, "", False
         try:
             self.running = self.ask().id
         except RigError as error:
@@ -171,7 +172,7 @@ class Question:
             return True
         if job.state not in ENDED:
             return False
-        self.running = None
+        self.running, self.cancelled = None, job.state is JobState.CANCELLED
         if job.state is JobState.DONE and job.result is not None:
             self.answer = json.loads(job.result)
         else:
