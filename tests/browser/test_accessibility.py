@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from urllib.parse import quote
 
 import pytest
@@ -41,6 +42,26 @@ CUT = """() => [...document.querySelectorAll(
 """Titles that are cut, and numbers with units that reach into the next column."""
 
 
+BROKEN = """() => {
+  const found = [];
+  const walk = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+  for (let node = walk.nextNode(); node; node = walk.nextNode()) {
+    if (!node.parentElement.checkVisibility() || node.parentElement.closest("svg, style")) continue;
+    // What is hyphenated by the rules of its language, or is one long name, may go on below.
+    if (getComputedStyle(node.parentElement).hyphens === "auto") continue;
+    for (const { 0: word, index } of node.textContent.matchAll(/[A-Za-z]{2,14}/g)) {
+      const range = document.createRange();
+      range.setStart(node, index);
+      range.setEnd(node, index + word.length);
+      if (new Set([...range.getClientRects()].map((one) => Math.round(one.top))).size > 1)
+        found.push(word);
+    }
+  }
+  return found;
+}"""
+"""Words that are broken in their middle."""
+
+
 @pytest.fixture(scope="module")
 def served(shared: Served) -> Served:
     """Take the daemon of other modules."""
@@ -62,6 +83,11 @@ def test_axe_finds_nothing_and_nothing_scrolls_sideways_on_any_screen(
         if place in {"/shots", "/campaigns/seen"}:
             page.get_by_test_id("shots").locator("tbody tr").first.wait_for()
         assert faults(page) == [], place
+    # Of the frames below the film one is the contact, and no two have the same time.
+    captions = page.locator(".strip .frame").all_inner_texts()
+    assert captions.count("contact") == 1
+    assert len(set(captions)) == len(captions) > 3
+    assert not [caption for caption in captions if re.fullmatch(r"[+−]0(\.0)? ms", caption)]
 
 
 def test_axe_finds_nothing_on_the_page_of_a_model(page: Page, served: Served) -> None:
@@ -95,6 +121,7 @@ def faults(page: Page) -> list[str]:
         if page.evaluate("document.documentElement.scrollWidth") > width:
             found.append(f"scrolls sideways at {width} px")
         found += [f"{words!r} does not fit at {width} px" for words in page.evaluate(CUT)]
+        found += [f"{word!r} is broken at {width} px" for word in page.evaluate(BROKEN)]
     # Rules look at what is there, colours at a theme: all rules where most is seen, wide and light.
     for (width, scheme), rules in ((LOOKS[-1], None), (LOOKS[0], COLOURS)):
         page.emulate_media(color_scheme=scheme)

@@ -22,8 +22,9 @@ def choose(page: Page, field: str, option: str) -> None:
 def test_a_level_is_made_played_with_a_hint_and_scored(page: Page, served: Served) -> None:
     page.goto(f"{served.url}/model")
     page.wait_for_function("window.did_handshake")
-    choose(page, "level", "Level 1")
-    choose(page, "challenge-shots", "24 shots")
+    page.get_by_test_id("level-1").click()
+    page.get_by_test_id("shots-24").click()
+    expect(page.get_by_test_id("shots-24")).to_be_focused()
     page.get_by_test_id("new-challenge").click()
     page.get_by_test_id("story-compare").wait_for(timeout=LONG_MS)
     expect(page.get_by_test_id("game")).to_have_text("Level 1: One plain effect. 24 shots.")
@@ -44,3 +45,5 @@ def test_a_level_is_made_played_with_a_hint_and_scored(page: Page, served: Serve
     sides = page.get_by_test_id("side-by-side").locator("section")
     expect(sides.nth(0)).to_contain_text("What was hidden")
     expect(sides.nth(1)).to_contain_text("Nothing")
+    page.goto(f"{served.url}/model")
+    expect(page.get_by_test_id("challenges")).to_contain_text("level 1, 24 shots: −86 points")

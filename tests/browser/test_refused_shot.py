@@ -16,7 +16,7 @@ def test_a_shot_without_a_contact_is_refused_in_words_beside_its_film(page: Page
     page.get_by_test_id("offset_mm").fill("24")
     page.get_by_test_id("delay_us").fill("-20000")
     page.get_by_test_id("arm").click()
-    expect(page.get_by_test_id("arming")).to_contain_text("b after -20000 µs")
+    expect(page.get_by_test_id("arming")).to_contain_text("b after −20000 µs")
     page.get_by_test_id("fire").click()
     refusal = page.get_by_test_id("refusal")
     refusal.wait_for(timeout=LONG_MS)

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from rigctl.config import load
 from rigctl.page.sweeps.form import form_address
-from rigctl.page.sweeps.plots import LOOKS, covers, grid, incidence, progress
+from rigctl.page.sweeps.plots import LOOKS, covers, grid, incidence, legend, progress
 from rigctl.page.sweeps.view import what_became
 from rigctl.settings import ShotSettings
 from rigctl.store import ShotState, StepState
@@ -58,6 +58,10 @@ def test_the_legend_is_the_same_whatever_became_of_the_steps() -> None:
     ]
     assert names == [list(LOOKS), list(LOOKS)]
     assert early["layout"] == late["layout"]
+    assert "showlegend" not in early["layout"] or not early["layout"]["showlegend"]
+    for counts in ({}, {"measured": 20, "skipped": 3}):
+        said = legend(counts)
+        assert [said.count(f"{counts.get(name, 0)} {name}<") for name in LOOKS] == [1] * len(LOOKS)
 
 
 def test_only_fates_that_occur_are_drawn() -> None:

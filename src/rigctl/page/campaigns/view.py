@@ -54,9 +54,12 @@ def plane(found: Json, title: str) -> Json:
         f"{title}-figure-7-4",
         showlegend=True,
         legend={"x": 0.02, "y": 0.98, "bgcolor": "rgba(0,0,0,0)"},
-        xaxis={"title": {"text": "v_s / |v_n| before contact"}, "range": [0, reach]},
+        xaxis={
+            "title": {"text": "v<sub>s</sub> / |v<sub>n</sub>| before contact"},
+            "range": [0, reach],
+        },
         yaxis={
-            "title": {"text": "v_s′ / |v_n| after contact"},
+            "title": {"text": "v<sub>s</sub>′ / |v<sub>n</sub>| after contact"},
             "range": [low - room, high + room],
         },
     )

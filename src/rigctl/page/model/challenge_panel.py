@@ -1,8 +1,7 @@
-"""A challenge on the page: made, answered once and for all, and revealed."""
+"""A challenge on the page: answered once and for all, and revealed."""
 
 from __future__ import annotations
 
-import secrets
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -11,9 +10,7 @@ from nicegui import ui
 from rigctl import challenge, game
 from rigctl.errors import RigError
 from rigctl.model.known_effects import ALL_EFFECTS
-from rigctl.page.desk import Desk
 from rigctl.page.model.revealed import NOTHING, clues, in_titles, reveal_beside
-from rigctl.page.model.source import Source
 from rigctl.page.model.state import ModelState
 from rigctl.page.model.story.cards import named
 from rigctl.page.model.story.where import PLACES
@@ -21,39 +18,7 @@ from rigctl.page.parts.asking import ask_again
 from rigctl.page.parts.tables import Line, facts, minus
 from rigctl.page.parts.widgets import button
 
-FOLDER = "challenges"
-"""Folder of the challenges made here, inside the store's."""
 HINTS = ("How much is hidden?", "Where to look?", "What to look for?")
-
-
-def challenge_maker(desk: Desk) -> None:
-    """Place the panel that makes a challenge and lists those that were made."""
-    store = desk.daemon.store.path / FOLDER
-
-    async def make() -> None:
-        folder = store / f"challenge-{secrets.token_hex(3)}"
-
-        def work() -> game.Game:
-            store.mkdir(parents=True, exist_ok=True)
-            return game.new_game(folder, level=int(level.value), shots=int(shots.value))
-
-        if await desk.act(work) is not None:
-            ui.navigate.to(Source.of_folder(desk.daemon, str(folder)).address)
-
-    with ui.element("div").classes("panel"):
-        ui.label("Take a challenge").classes("title")
-        ui.label(
-            "Shots of a laboratory that hides something. Find it, say how sure you are, commit to "
-            "an answer, and break the seal. Fewer shots and no hints give more points."
-        ).classes("note")
-        with ui.element("div").classes("beside"):
-            names = {k: f"Level {k}: {name}" for k, name in enumerate(game.LEVELS, start=1)}
-            level = _choice("Level", names, 1, "level")
-            counts = {n: f"{n} shots, points × {game.FEW[n]:g}" for n in game.SHOTS}
-            shots = _choice("Shots", counts, game.SHOTS[-1], "challenge-shots")
-            button("Make one", make, look="fill", testid="new-challenge")
-        for made in sorted(store.glob("*/campaign.toml")) if store.is_dir() else ():
-            ui.link(made.parent.name, Source.of_folder(desk.daemon, str(made.parent)).address)
 
 
 class ChallengePanel:

@@ -10,7 +10,8 @@ from rigctl.errors import RigError
 from rigctl.page.desk import Desk
 from rigctl.page.guide.rail import Rail
 from rigctl.page.layout import sheet
-from rigctl.page.model.challenge_panel import ChallengePanel, challenge_maker
+from rigctl.page.model.challenge_maker import ChallengeMaker
+from rigctl.page.model.challenge_panel import ChallengePanel
 from rigctl.page.model.next import NextShots
 from rigctl.page.model.source import Source
 from rigctl.page.model.state import Effects, ModelState
@@ -205,10 +206,11 @@ def _view(source: Callable[[], Source], desk: Desk, effects: str, view: str, gui
 
 def _choice(desk: Desk) -> None:
     with ui.element("div").classes("columns half"):
-        with ui.element("div").classes("panel"):
-            ui.label("Campaigns of this rig").classes("title")
-            _campaigns(desk)
+        ChallengeMaker(desk)
         with ui.element("div").classes("stack"):
+            with ui.element("div").classes("panel"):
+                ui.label("Campaigns of this rig").classes("title")
+                _campaigns(desk)
             with ui.element("div").classes("panel"):
                 ui.label("A campaign's folder").classes("title")
                 ui.label(
@@ -218,8 +220,7 @@ def _choice(desk: Desk) -> None:
                 path = ui.input("Path of the folder").props("outlined dense data-testid=folder")
                 path.classes("wide")
                 path.on("keydown.enter", lambda: _open(desk, path.value))
-                button("Open", lambda: _open(desk, path.value), look="fill", testid="open-folder")
-            challenge_maker(desk)
+                button("Open", lambda: _open(desk, path.value), testid="open-folder")
 
 
 def _campaigns(desk: Desk) -> None:

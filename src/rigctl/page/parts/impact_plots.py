@@ -26,7 +26,7 @@ def over_speed(found: Sequence[Impact], title: str, none: str = NO_SHOTS) -> Jso
         HEIGHT,
         f"{title}-restitution",
         xaxis={
-            "title": {"text": "approach speed |v_n|, m/s"},
+            "title": {"text": "approach speed |v<sub>n</sub>|, m/s"},
             "zeroline": False,
             "range": _span([abs(v) for _, v, _, _ in told]),
         },
@@ -51,7 +51,10 @@ def over_incidence(found: Sequence[Impact], title: str, none: str = NO_SHOTS) ->
         HEIGHT,
         f"{title}-tangential",
         shapes=[_level(-1.0)],
-        xaxis={"title": {"text": "sliding ÷ approach, v_s / |v_n|"}, "rangemode": "tozero"},
+        xaxis={
+            "title": {"text": "sliding ÷ approach, v<sub>s</sub> / |v<sub>n</sub>|"},
+            "rangemode": "tozero",
+        },
         yaxis={
             "title": {"text": "spin-back β"},
             "range": [-1.1, 0.1 + max(0.9, *(beta for _, _, beta, _ in told))],

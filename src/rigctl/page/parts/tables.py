@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
@@ -14,6 +15,7 @@ from rigctl.page.parts.quantities import Quantity
 
 NOTHING = "–"
 LEAST_EXPONENT, MOST_EXPONENT = -6, 2
+INDEX = re.compile(r"\bv_([ns])\b")
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
@@ -60,10 +62,15 @@ def _cell(tag: str, cell: Cell | str, span: int = 1) -> str:
         tag = "td"  # A heading without words is none.
     parts = [f' class="{escape(own.look)}"'] if own.look else []
     parts += [f' colspan="{span}"'] if span > 1 else []
-    text = escape(own.text)
+    text = lowered(escape(own.text))
     if own.hover:
         text = f'<span title="{escape(own.hover)}">{text}</span>'
     return f"<{tag}{''.join(parts)}>{text}</{tag}>"
+
+
+def lowered(html: str) -> str:
+    """Return HTML with the index of a speed, v_n or v_s, set as one."""
+    return INDEX.sub(r"v<sub>\1</sub>", html)
 
 
 def measured(about: Quantity, value: Mapping[str, Any] | None, look: str = "") -> Line:

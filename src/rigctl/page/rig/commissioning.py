@@ -137,4 +137,6 @@ def _line(standing: Standing) -> Line:
         Cell(str(step.part)),
         Cell(standing.missing or seen, look="wrap"),
     ]
-    return Line(cells, "fails" if standing.missing else "holds")
+    if not standing.missing:
+        return Line(cells, "holds")
+    return Line(cells, "fails" if answer is not None else "waits")

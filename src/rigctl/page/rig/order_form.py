@@ -9,6 +9,7 @@ from nicegui import ui
 
 from rigctl.page.desk import Desk, actor
 from rigctl.page.parts.fields import CampaignField, NumberField, setting_fields
+from rigctl.page.parts.tables import minus
 from rigctl.page.parts.widgets import button
 from rigctl.page.rig.expected import expected, sentence
 from rigctl.rig.arming import Armed
@@ -147,4 +148,4 @@ def words(settings: ShotSettings | None) -> str:
         f"{settings.pressure_a_kpa:g} and {settings.pressure_b_kpa:g} kPa, "
         f"offset {settings.offset_mm:g} mm"
     )
-    return text + (f", b after {settings.delay_us:g} µs" if settings.delay_us else "")
+    return text + (minus(f", b after {settings.delay_us:g} µs") if settings.delay_us else "")

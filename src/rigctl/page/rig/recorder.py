@@ -14,6 +14,7 @@ from rigctl.page.desk import Desk, actor
 from rigctl.page.layout import sheet
 from rigctl.page.parts.asking import ask_again
 from rigctl.page.parts.presence import every, kept_page
+from rigctl.page.parts.tables import minus
 from rigctl.page.parts.widgets import button
 from rigctl.rig.tape import erase_tape
 from rigctl.service.pictures import png
@@ -76,10 +77,10 @@ class Keys:
             ui.label("Jog, pictures a second").classes("note")
             for speed in SPEEDS:
                 jog = partial(keypad.jog, speed)
-                button(f"{speed:+d}", partial(self._press, jog), testid=f"jog{speed:+d}")
+                button(minus(f"{speed:+d}"), partial(self._press, jog), testid=f"jog{speed:+d}")
 
     def _search_fields(self) -> None:
-        with ui.element("div").classes("beside"):
+        with ui.element("div").classes("beside fields"):
             self._session = ui.number("session", precision=0).props("dense outlined")
             self._kind = ui.select(
                 {
@@ -95,7 +96,7 @@ class Keys:
             button("Search", self._search, testid="key-search")
 
     def _viewing(self) -> None:
-        with ui.element("div").classes("beside"):
+        with ui.element("div").classes("beside fields"):
             self._gamma = ui.number("gamma, 0.1 to 1", value=1.0, step=0.1)
             self._gamma.props("dense outlined data-testid=gamma")
             button("Set gamma", self._set_gamma, testid="key-gamma")

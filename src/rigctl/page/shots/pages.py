@@ -136,7 +136,7 @@ class _OneShot:
     @ui.refreshable_method
     def _measured(self) -> None:
         with ui.element("div").classes("panel"):
-            ui.label("Coefficients").classes("title")
+            ui.label("What was measured").classes("title")
             coefficients(self._desk, self._shot)
             again = button("Analyse again", self._again, testid="analyse-again")
             again.set_enabled(self._shot.state in ENDED)

@@ -13,6 +13,7 @@ from rigctl.page.desk import Desk
 from rigctl.page.parts.filtering import HINT, Filter, FilterError
 from rigctl.page.parts.quantities import COEFFICIENTS, SETTINGS
 from rigctl.page.parts.readings import Impact
+from rigctl.page.parts.tables import lowered
 from rigctl.store import ShotRecord
 
 MOST_LISTED = 2000
@@ -25,30 +26,33 @@ def column(name: str, label: str, align: str = "right", **more: object) -> Colum
     return {"name": name, "label": label, "field": name, "sortable": True, "align": align, **more}
 
 
+ROOMY: dict[str, Any] = {"classes": "roomy", "headerClasses": "roomy"}
+"""Of a column that a telephone has no room for."""
+SIGNED: dict[str, Any] = {":format": "value => String(value ?? '').replace('-', '−')"}
 WHY: dict[str, Any] = {"style": "white-space: normal; min-width: 190px; line-height: 1.3"}
 FIRED = [
     column("number", "shot"),
     column("state", "state", "left"),
     column("pressure_a", "pressure a, kPa"),
-    column("pressure_b", "pressure b, kPa"),
+    column("pressure_b", "pressure b, kPa", **ROOMY),
     column("offset", "offset, mm"),
 ]
 COLUMNS = [
     *FIRED[:2],
     column("campaign", "campaign", "left"),
     *FIRED[2:],
-    column("at", "accepted", "left"),
+    column("at", "accepted", "left", **ROOMY),
     column("failure", "why not", "left", **WHY),
     column("tags", "tags", "left"),
 ]
 MEASURED_COLUMNS = [
     *FIRED,
-    column("v_n", "v_n, m/s"),
-    column("v_s", "v_s, m/s"),
+    column("v_n", "v_n, m/s", **SIGNED, **ROOMY),
+    column("v_s", "v_s, m/s", **SIGNED, **ROOMY),
     column("e", "e"),
-    column("e_sigma", "±\u00a0of\u00a0e"),
-    column("beta", "β"),
-    column("beta_sigma", "±\u00a0of\u00a0β"),
+    column("e_sigma", "±\u00a0of\u00a0e", **ROOMY),
+    column("beta", "β", **SIGNED),
+    column("beta_sigma", "±\u00a0of\u00a0β", **ROOMY),
     column("failure", "why not", "left", **WHY),
     column("tags", "tags", "left"),
 ]
@@ -144,11 +148,11 @@ def link_cells(table: ui.table, column_name: str, place: str, key: str) -> None:
 
 def explain_headings(table: ui.table, meanings: Mapping[str, str] = HEADINGS) -> None:
     """Let the headings of these columns say what stands in them on hover."""
-    for name in (own["name"] for own in table.columns):
+    for name, label in ((own["name"], str(own["label"])) for own in table.columns):
         if meaning := meanings.get(name):
             table.add_slot(
                 f"header-cell-{name}",
-                f'<q-th :props="props" title="{escape(meaning)}">{{{{ props.col.label }}}}</q-th>',
+                f'<q-th :props="props" title="{escape(meaning)}">{lowered(escape(label))}</q-th>',
             )
 
 

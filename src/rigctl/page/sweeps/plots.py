@@ -13,8 +13,6 @@ from rigctl.settings import ShotSettings
 
 DIAMETER_MM = 25.4
 HEIGHT = 360
-ROOM_OF_LEGEND = 64
-"""Above the plot, px: the legend has two lines where the panel is narrow."""
 SCALE = (0.0, 0.25, 0.5, 1.0, 2.0)
 """Values of v_s / v_n marked beside the offsets."""
 LOOKS: dict[str, Json] = {
@@ -26,6 +24,17 @@ LOOKS: dict[str, Json] = {
     "skipped": {"color": GREY, "size": 9, "symbol": "x-thin", "line": {"color": GREY, "width": 2}},
 }
 """What may have become of a step, and how it is drawn: never by colour alone."""
+
+
+SIGNS = {
+    "waits": f'<circle r="5" fill="none" stroke="{GREY}" stroke-width="1.4"/>',
+    "fired": f'<path d="M-4.5-4.5h9v9h-9z" fill="{GREY}"/>',
+    "under way": '<path d="M0-7 7 0 0 7-7 0z" fill="#E69F00"/>',
+    "measured": '<circle r="5" fill="var(--blue)"/>',
+    "not measured": f'<path d="M0-6 6 5H-6z" fill="{FAILS}"/>',
+    "skipped": f'<path d="M-5-5 5 5M5-5-5 5" stroke="{GREY}" stroke-width="2"/>',
+}
+"""The same as drawings of a legend."""
 
 
 def incidence(offset_mm: float) -> float:
@@ -62,20 +71,25 @@ def grid(steps: Sequence[ShotSettings], limits: Limits) -> Json:
 
 
 def progress(steps: Mapping[str, Sequence[tuple[int, ShotSettings]]], limits: Limits) -> Json:
-    """Return the steps of a running sweep by what became of them (a key of `LOOKS`).
+    """Return the steps of a running sweep by what became of them (a key of `LOOKS`)."""
+    return _plane([_fate(name, steps.get(name, ())) for name in LOOKS], limits, "sweep-progress")
 
-    The legend names every fate from the start: one that grew would shift the plot under the hand.
+
+def legend(counts: Mapping[str, int]) -> str:
+    """Return the legend of `progress` as HTML, with how many steps have each fate.
+
+    It names every fate from the start: one that grew would shift the plot under the hand.
     """
-    traces = [_fate(name, steps.get(name, ())) for name in LOOKS]
-    drawn = _plane(traces, limits, "sweep-progress")
-    legend = {"orientation": "h", "x": 0, "y": 1.02, "yanchor": "bottom", "itemclick": False}
-    drawn["layout"].update(showlegend=True, legend=legend)
-    drawn["layout"]["margin"]["t"] = ROOM_OF_LEGEND
-    return drawn
+    named = "".join(
+        f'<li class="{"" if counts.get(name) else "none"}"><svg viewBox="-8 -8 16 16" '
+        f'aria-hidden="true">{SIGNS[name]}</svg>{counts.get(name, 0)} {name}</li>'
+        for name in LOOKS
+    )
+    return f'<ul class="legend">{named}</ul>'
 
 
 def _fate(name: str, steps: Sequence[tuple[int, ShotSettings]]) -> Json:
-    """Return the trace of one fate; what stands for it in the legend is drawn nowhere."""
+    """Return the trace of one fate; one that no step has is drawn nowhere."""
     return {
         "type": "scatter",
         "mode": "markers",

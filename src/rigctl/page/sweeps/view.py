@@ -17,7 +17,7 @@ from rigctl.page.parts.readings import Impact, rows_of
 from rigctl.page.parts.widgets import plot, save_csv
 from rigctl.page.shots.table import WHY, column, explain_headings, link_cells
 from rigctl.page.sweeps.orders import SweepProgress
-from rigctl.page.sweeps.plots import progress
+from rigctl.page.sweeps.plots import legend, progress
 from rigctl.settings import ShotSettings
 from rigctl.store import ShotRecord, ShotState, StepRecord, StepState
 from rigctl.sweeps.status import SweepStatus
@@ -110,6 +110,7 @@ class SweepView:
         with ui.element("div").classes("columns third"):
             with ui.element("div").classes("panel"):
                 ui.label("Where it is").classes("title")
+                self._legend = ui.html(self._counted(), sanitize=False).props("data-testid=legend")
                 self._plane = plot(progress(self._by_fate(), self._limits))
             with ui.element("div").classes("panel"):
                 self._titled("Bounce over approach speed", "restitution", SPEED)
@@ -137,6 +138,7 @@ class SweepView:
         if stand.steps != before.steps or stand.shots != before.shots:
             self._table.show(stand.steps, stand.shots)
             self._plane.update_figure(progress(self._by_fate(), self._limits))
+            self._legend.set_content(self._counted())
         if first or stand.impacts != before.impacts:
             told = stand.impacts, self._sweep, NONE_OF_SWEEP
             self._speed.update_figure(over_speed(*told))
@@ -165,6 +167,9 @@ class SweepView:
             fate = what_became(step, self._now.shots.get(step.shot or ""))
             found.setdefault(fate, []).append((step.number, step.settings))
         return found
+
+    def _counted(self) -> str:
+        return legend({fate: len(steps) for fate, steps in self._by_fate().items()})
 
     def _heading(self) -> None:
         ui.html(f"<h2>Sweep {self._sweep}</h2>", sanitize=False)

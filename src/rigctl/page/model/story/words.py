@@ -8,17 +8,19 @@ from analysis.model.structure.findings import ALWAYS
 from analysis.model.verdict.standing import SURE, Standing, Word
 from rigctl.documents import Json
 
+ALONG = {"n": "along the centres", "t": "along the sliding", "b": "sideways"}
+TURNS = {"n": "twist", "t": "tumbling", "b": "rolling"}
+"""Turning about the line of centres, about the sliding, and across both: as a wheel rolls."""
 KINDS = {
     "relative velocity": {"n": "speed along the line of centres", "t": "sliding speed"}
     | {"b": "sideways speed"},
-    "common velocity": {axis: f"mean speed of both, {axis}" for axis in "ntb"},
-    "relative spin": {"n": "difference of twists", "t": "difference of spins, t"}
-    | {"b": "difference of spins, b"},
-    "common spin": {"n": "mean twist", "t": "mean tumbling", "b": "mean rolling"},
-    "relative position": {axis: f"gap between spheres, {axis}" for axis in "ntb"},
-    "common position": {axis: f"path of both, {axis}" for axis in "ntb"},
-    "relative orientation": {axis: f"difference of turns, {axis}" for axis in "ntb"},
-    "common orientation": {axis: f"mean turn, {axis}" for axis in "ntb"},
+    "common velocity": {axis: f"mean speed of both {way}" for axis, way in ALONG.items()},
+    "relative spin": {axis: f"difference of {turn}" for axis, turn in TURNS.items()},
+    "common spin": {axis: f"mean {turn}" for axis, turn in TURNS.items()},
+    "relative position": {axis: f"gap between spheres {way}" for axis, way in ALONG.items()},
+    "common position": {axis: f"path of both {way}" for axis, way in ALONG.items()},
+    "relative orientation": {axis: f"difference of {turn} angles" for axis, turn in TURNS.items()},
+    "common orientation": {axis: f"mean {turn} angle" for axis, turn in TURNS.items()},
 }
 CHANNELS = {
     **{f"{kind} {axis}": word for kind, axes in KINDS.items() for axis, word in axes.items()},

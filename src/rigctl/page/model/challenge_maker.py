@@ -1,0 +1,119 @@
+"""Where a challenge begins: its level is chosen, and those that were made are listed."""
+
+from __future__ import annotations
+
+import secrets
+from pathlib import Path
+
+from nicegui import ui
+
+from rigctl import challenge, game
+from rigctl.errors import RigError
+from rigctl.page.desk import Desk
+from rigctl.page.model.source import Source
+from rigctl.page.parts.tables import minus
+from rigctl.page.parts.widgets import button
+
+FOLDER = "challenges"
+"""Folder of the challenges made here, inside the store's."""
+TASKS = (
+    "It shows plainly in one place. A good start.",
+    "Is anything hidden at all? Noise looks like something too.",
+    "One hides behind the other: add the first, then look again.",
+    "The first name that fits may be wrong: hold it against its look-alikes.",
+    "One or two effects, none, or a law that is in no catalogue.",
+    "As level 5, and hardly above the noise.",
+)
+"""What each level asks, in the order of `game.LEVELS`."""
+
+
+class ChallengeMaker:
+    """Levels as cards, numbers of shots as buttons, and the challenges made before."""
+
+    def __init__(self, desk: Desk) -> None:
+        self._desk = desk
+        self._store = desk.daemon.store.path / FOLDER
+        self._level, self._shots = 1, game.SHOTS[-1]
+        with ui.element("div").classes("panel").props("data-testid=challenges"):
+            ui.html("Take a challenge", sanitize=False, tag="h2").classes("card-heading")
+            ui.label(
+                "A laboratory hides something in its shots. Find it, say how sure you are, commit "
+                "to an answer, and break the seal. Finding it gives 100 points; fewer shots and "
+                "no hints give more, and so does being sure when you are right."
+            )
+            self._choice()
+            self._made()
+
+    @ui.refreshable_method
+    def _choice(self) -> None:
+        with ui.element("div").classes("levels").props('role=group aria-label="level"'):
+            for level, (name, task) in enumerate(zip(game.LEVELS, TASKS, strict=True), start=1):
+                self._card(level, name, task)
+        with ui.element("div").classes("beside").props('role=group aria-label="shots"'):
+            for count in game.SHOTS:
+                choice = button(
+                    f"{count} shots, points × {game.FEW[count]:g}",
+                    lambda count=count: self._choose(self._level, count),
+                    look="line tab",
+                    testid=f"shots-{count}",
+                )
+                choice.props(f"aria-pressed={str(count == self._shots).lower()}")
+        button(f"Start level {self._level}", self._make, look="fill", testid="new-challenge")
+
+    def _card(self, level: int, name: str, task: str) -> None:
+        card = (
+            ui.element("button")
+            .classes("level")
+            .on("click", lambda: self._choose(level, self._shots))
+        )
+        chosen = str(level == self._level).lower()
+        card.props(f"type=button aria-pressed={chosen} data-testid=level-{level}")
+        with card:
+            ui.label(str(level)).classes("step-number").props("aria-hidden=true")
+            with ui.element("span").classes("stack"):
+                ui.label(name).classes("strong")
+                ui.label(task).classes("note")
+
+    def _choose(self, level: int, shots: int) -> None:
+        of_level = level != self._level
+        self._level, self._shots = level, shots
+        self._choice.refresh()
+        # What was pressed is drawn anew: the focus goes where it was.
+        at = f"level-{level}" if of_level else f"shots-{shots}"
+        ui.run_javascript(f"document.querySelector('[data-testid={at}]')?.focus()")
+
+    async def _make(self) -> None:
+        folder = self._store / f"challenge-{secrets.token_hex(3)}"
+
+        def work() -> game.Game:
+            self._store.mkdir(parents=True, exist_ok=True)
+            return game.new_game(folder, level=self._level, shots=self._shots)
+
+        if await self._desk.act(work) is not None:
+            ui.navigate.to(Source.of_folder(self._desk.daemon, str(folder)).address)
+
+    def _made(self) -> None:
+        found = sorted(self._store.glob("*/campaign.toml")) if self._store.is_dir() else []
+        if found:
+            ui.label("Made before").classes("strong")
+        for folder in (path.parent for path in found):
+            with ui.element("div").classes("beside"):
+                address = Source.of_folder(self._desk.daemon, str(folder)).address
+                ui.link(folder.name, address)
+                ui.label(standing(folder)).classes("aside")
+
+
+def standing(folder: Path) -> str:
+    """Say the level of a challenge, and how far its player is."""
+    played = game.game_of(folder)
+    level = "" if played is None else f"level {played.level}, {played.shots} shots: "
+    if not (folder / challenge.ANSWER).is_file():
+        taken = 0 if played is None else played.hints
+        return f"{level}open" + (f", {taken} of {len(game.HINT_COSTS)} hints" if taken else "")
+    try:
+        _, _, outcome = challenge.reveal(folder)
+    except RigError:
+        return f"{level}answered"
+    if played is None:
+        return f"{level}answered, {outcome}"
+    return minus(f"{level}{game.score(played, outcome).total} points")
