@@ -28,10 +28,15 @@ from rigctl.sweeps.form import Sweep
 
 
 class ProposedLaw:
-    """The button that asks for a law, and what came of it; `refresh` draws the place anew."""
+    """The button that asks for a law, and what came of it; `refresh` draws the place anew.
 
-    def __init__(self, state: ModelState, refresh: Callable[[], object]) -> None:
-        self._state, self._refresh = state, refresh
+    `worded` puts a sentence into the words of the view.
+    """
+
+    def __init__(
+        self, state: ModelState, refresh: Callable[[], object], worded: Callable[[str], str]
+    ) -> None:
+        self._state, self._refresh, self._worded = state, refresh, worded
         self._form: Json = {}
         self._beside: list[str] = []
         job = state.source.daemon.jobs.job
@@ -60,7 +65,8 @@ class ProposedLaw:
         if self._asked.answer is not None:
             with ui.element("div").props("data-testid=proposed"):
                 for said in proposal_sentences(self._asked.answer):
-                    ui.label(said)
+                    # What is indented belongs to the law above it.
+                    ui.label(self._worded(said)).classes("of-law" if said[:1] == " " else "")
                 self._into_sweep(self._asked.answer)
         if not self.running:
             self._to_confirm()
@@ -77,14 +83,14 @@ class ProposedLaw:
         if question.answer is not None:
             with ui.element("div").props(f"data-testid={testid}"):
                 for said in sentences(question.answer):
-                    ui.label(said)
+                    ui.label(self._worded(said))
 
     def _to_confirm(self) -> None:
         """Offer a test of each form that was proposed, on the shots that came after it."""
         for form in self._proposed():
             what = f"{form['slot']} on {'*'.join(form['arguments']) or form['kind']}"
             placed = button(
-                f"Confirm {what} on the shots since",
+                f"Confirm {self._worded(what)} on the shots since",
                 partial(self._test, form),
                 testid="confirm-law",
             )

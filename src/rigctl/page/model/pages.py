@@ -12,6 +12,7 @@ from rigctl.page.guide.rail import Rail
 from rigctl.page.layout import sheet
 from rigctl.page.model.challenge_maker import ChallengeMaker
 from rigctl.page.model.challenge_panel import ChallengePanel
+from rigctl.page.model.law_words import in_story
 from rigctl.page.model.next import NextShots
 from rigctl.page.model.source import Source
 from rigctl.page.model.state import Effects, ModelState
@@ -19,8 +20,8 @@ from rigctl.page.model.steps import Steps
 from rigctl.page.model.story.cards import in_plain, slider_script
 from rigctl.page.model.story.ghost import ghost_script
 from rigctl.page.model.story.view import Story
-from rigctl.page.model.story.words import in_words
-from rigctl.page.model.verdict import Verdict
+from rigctl.page.model.story.words import cells_in_plain, in_words
+from rigctl.page.model.verdict import Verdict, Wording
 from rigctl.page.parts.following import following
 from rigctl.page.parts.plotting import expect_plots
 from rigctl.page.parts.presence import kept_page
@@ -51,7 +52,7 @@ class ModelView:
         if view == TABLES:
             self._verdict = Verdict(desk, self._state, self._take)
         else:
-            self._verdict = Verdict(desk, self._state, self._take, in_plain, in_words)
+            self._verdict = Verdict(desk, self._state, self._take, IN_STORY)
         self._busy()
         self._failed()
         if view == TABLES:
@@ -165,6 +166,9 @@ def _counted(found: dict[str, object]) -> str:
 
 
 LEAST_SHOTS = 3
+
+
+IN_STORY = Wording(lambda verdict: in_plain(cells_in_plain(verdict)), in_story, in_words)
 
 
 def model_pages(desk: Desk) -> None:

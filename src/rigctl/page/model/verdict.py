@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 from nicegui import ui
 
@@ -21,6 +22,7 @@ from analysis.schema.verdict import Nuisance, VerdictReport
 from rigctl.documents import Json
 from rigctl.page.desk import Desk
 from rigctl.page.model.law import ProposedLaw
+from rigctl.page.model.law_words import on_page
 from rigctl.page.model.state import Effects, ModelState, Question
 from rigctl.page.model.story.errors import Unseen
 from rigctl.page.model.where import named
@@ -31,11 +33,19 @@ MARKS = {True: ("good", "✓"), False: ("bad", "!"), None: ("open", "?")}
 """Look and mark of a verdict: all is well, something is missing, these shots do not say."""
 
 
+@dataclass(frozen=True, slots=True)
+class Wording:
+    """How a view says things: sentences of a verdict, those of a proposed law, and findings."""
+
+    verdict: Callable[[str], str] = str
+    law: Callable[[str], str] = on_page
+    finding: Callable[[Json], str] = named
+
+
 class Verdict:
     """One sentence before any table, and a button that has the whole way gone.
 
     What the whole way ends with is taken into the model by `take`, so that there is one verdict.
-    `worded` puts a sentence into the words of the view, `finding` names where it fails.
     """
 
     def __init__(
@@ -43,14 +53,13 @@ class Verdict:
         desk: Desk,
         state: ModelState,
         take: Callable[[Effects], None],
-        worded: Callable[[str], str] = str,
-        finding: Callable[[Json], str] = named,
+        wording: Wording = Wording(),
     ) -> None:
-        self._state, self._take, self._worded = state, take, worded
-        self._finding = finding
+        self._state, self._take, self._worded = state, take, wording.verdict
+        self._finding = wording.finding
         jobs = state.source.daemon.jobs
         self._asked = Question(lambda: state.source.ask("explain"), jobs.job)
-        self._law = ProposedLaw(state, self.show.refresh)
+        self._law = ProposedLaw(state, self.show.refresh, wording.law)
         self.show()
         Waiting(desk, "Finding what is missing", lambda: self._asked.running or "", "explaining")
         Waiting(desk, "Looking for a law", lambda: self._law.running, "proposing")

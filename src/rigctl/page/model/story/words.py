@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 
 from analysis.model.structure.findings import ALWAYS
@@ -69,6 +71,21 @@ COVARIATES = {
     "delay_us": "delay of b",
     "temperature_c": "temperature",
 }
+
+
+_LONGEST_FIRST = sorted([*COVARIATES, ALWAYS], key=len, reverse=True)
+CELL = re.compile(
+    rf"((?:{'|'.join(KINDS)}) [ntb]|image [XYZ]) against "
+    rf"({'|'.join(map(re.escape, _LONGEST_FIRST))}|\w+)"
+)
+"""A cell as verdicts name it: what is measured, and what its error goes with."""
+
+
+def cells_in_plain(text: str) -> str:
+    """Return a text with the cells that it names, `common spin n against order`, in plain words."""
+    return CELL.sub(
+        lambda found: f"the {channel(found[1])}, {goes_with({'covariate': found[2]})}", text
+    )
 
 
 def sized(row: Json) -> str:
