@@ -13,7 +13,12 @@ OWN, WITH_ENDED = slice(11, 13), slice(11, 15)
 
 def of_tree(root: int) -> float:
     """Return the CPU seconds of a process, of its children that ended, and of all that run."""
-    return sum(_spent(pid, WITH_ENDED) for pid in (root, *_below(root)))
+    return sum(_spent(pid, WITH_ENDED) for pid in tree(root))
+
+
+def tree(root: int) -> list[int]:
+    """Return a process and all that run below it."""
+    return [root, *_below(root)]
 
 
 def of_process(pid: int) -> float:

@@ -54,7 +54,7 @@ from simulators.world.flight import load_integrator
 
 OUT = Path("out/faults.json")
 SETTINGS = ShotSettings(pressure_a_kpa=40.0, pressure_b_kpa=40.0, offset_mm=6.0)
-RESTS_WITHIN_S = 20.0
+RESTS_WITHIN_S = 60.0
 PASSED = tuple(state for state in RigState if state in TRANSITIONS and state not in LATCHED)
 """States that a shot may pass; a person ends the others."""
 RESTS = LATCHED | {RigState.IDLE}
@@ -262,14 +262,14 @@ def complaints(
 
 
 @contextlib.contextmanager
-def opened(folder: Path, answer_timeout_s: float = 0.25) -> Iterator[Bench]:
+def opened(folder: Path, answer_timeout_s: float = 1.0) -> Iterator[Bench]:
     """Open a daemon with short films, quick devices and a clock to be stepped."""
     document = configuration(folder).model_dump(mode="json")
     for section in ("trigger", "regulator", "slide"):
         document[section]["answer_timeout_s"] = answer_timeout_s
-    document["camera"] |= {"start_timeout_s": 2.0, "collect_timeout_s": 5.0}
+    document["camera"] |= {"start_timeout_s": 5.0, "collect_timeout_s": 15.0}
     document["camera"]["recorder"]["answer_timeout_s"] = answer_timeout_s
-    document["limits"] |= {"settle_timeout_s": 0.5, "free_disk_mb": 1.0}
+    document["limits"] |= {"settle_timeout_s": 1.5, "free_disk_mb": 1.0}
     bench: list[Bench] = []
 
     def wall() -> datetime:

@@ -45,7 +45,8 @@ OUT = Path("out/kill.json")
 WHILE_RECOVERING = 0.2
 """Share of the lives that are killed at any moment, ready or not."""
 LONGEST_LIFE_S = 1.2
-READY_WITHIN_S = 30.0
+"""From a rig that takes orders to the kill; as long as the start took, where that took longer."""
+READY_WITHIN_S = 120.0
 RESTART_WITHIN_S = 5.0
 FORM = Sweep.model_validate_json(
     '{"grid": {"pressure_a_kpa": [30, 40, 50, 60], "offset_mm": [2, 6, 10, 14]}, "campaign": "k"}'
@@ -82,13 +83,14 @@ class Findings:
 
     @property
     def sound(self) -> bool:
-        """Whether nothing was lost, damaged or fired twice, and restarts are in time.
-
-        In time is the median: on a busy host the longest says more of the host.
-        """
+        """Whether nothing was lost, damaged or fired twice."""
         faults = (*self.never_ready, *self.lost, *self.damaged, *self.fired_twice)
-        in_time = statistics.median(self.restart_s or [0.0]) < RESTART_WITHIN_S
-        return not faults and self.certain <= self.fires <= self.possible and in_time
+        return not faults and self.certain <= self.fires <= self.possible
+
+    @property
+    def in_time(self) -> bool:
+        """Whether restarts are: by their median, for the longest says more of a busy host."""
+        return statistics.median(self.restart_s or [0.0]) < RESTART_WITHIN_S
 
     def summary(self) -> str:
         """Return the findings as lines of text."""
@@ -201,7 +203,8 @@ def kill_once(chosen: Configuration, chance: random.Random, found: Findings) -> 
             found.restart_s.append(time.monotonic() - began)
             if not heard:
                 found.never_ready.append(found.kills)
-        time.sleep(chance.uniform(0.0, LONGEST_LIFE_S))
+        longest_s = max(LONGEST_LIFE_S, found.restart_s[-1] if heard else 0.0)
+        time.sleep(chance.uniform(0.0, longest_s))
     finally:
         os.kill(child, signal.SIGKILL)
         os.waitpid(child, 0)
@@ -278,7 +281,7 @@ def main() -> int:
     options.out.parent.mkdir(parents=True, exist_ok=True)
     options.out.write_text(json.dumps(asdict(found) | {"sound": found.sound}, indent=1) + "\n")
     print(found.summary())
-    return 0 if found.sound else 1
+    return 0 if found.sound and found.in_time else 1
 
 
 if __name__ == "__main__":

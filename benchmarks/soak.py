@@ -65,7 +65,7 @@ def main() -> int:
     print(f"{'shots':>8} {'memory MiB':>10} {'descriptors':>12} {'threads':>8}")
     with (
         tempfile.TemporaryDirectory() as temporary,
-        opened(Path(temporary) / "data", answer_timeout_s=2.0) as bench,
+        opened(Path(temporary) / "data", answer_timeout_s=10.0) as bench,
     ):
         began = time.monotonic()
         for number in range(1, options.shots + 1):

@@ -27,7 +27,7 @@ SWITCHES = [
 ]
 KEY = "a-key-for-the-page"
 WAIT_S = 60.0
-EXPECT_MS = 20_000
+EXPECT_MS = 60_000
 """A busy host draws slowly; what is expected sooner says so."""
 expect.set_options(timeout=EXPECT_MS)
 WIDE = {"width": 1280, "height": 800}
@@ -100,7 +100,7 @@ def page(browser: Browser, served: Served) -> Iterator[Page]:
     """Open the address that the daemon prints; whatever is asked for must come from loopback."""
     context = browser.new_context(viewport=WIDE)
     opened = context.new_page()
-    opened.set_default_timeout(30_000)
+    opened.set_default_timeout(1e3 * WAIT_S)
     asked: list[str] = []
 
     def note(request: Request) -> None:

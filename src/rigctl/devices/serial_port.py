@@ -312,9 +312,12 @@ class SerialPort:
         self, deadline: float, question: str, waited_s: float, stale: bytes, late: list[str]
     ) -> str:
         while self._terminator not in self._unread and len(self._unread) < self._longest_line:
-            if time.monotonic() >= deadline:
+            # What has come by now counts, however late it is seen: this host may have been busy.
+            over = time.monotonic() >= deadline
+            chunk = self._read_waiting() if over else self._read_slice()
+            if over and not chunk:
                 raise self._no_answer(question, waited_s, stale, late)
-            self._unread += self._read_slice()
+            self._unread += chunk
         line, end, rest = bytes(self._unread).partition(self._terminator)
         self._unread[:] = rest
         if not end or not line.isascii():

@@ -12,7 +12,7 @@ from enum import StrEnum
 from typing import Any
 
 from rigctl.errors import JobsFullError, NotFoundError
-from rigctl.store import Listeners
+from rigctl.listeners import Listeners
 
 
 class JobState(StrEnum):

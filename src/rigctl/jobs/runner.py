@@ -13,7 +13,7 @@ from rigctl.jobs.failure import JobFailedError
 from rigctl.jobs.job import LIVE, Job, JobState, Register, utc_now
 from rigctl.jobs.ready import Ready
 from rigctl.jobs.task import Task, Work
-from rigctl.store import Listeners
+from rigctl.listeners import Listeners
 
 _log = logging.getLogger(__name__)
 

@@ -9,6 +9,7 @@ from datetime import datetime
 
 from rigctl.config import Configuration
 from rigctl.errors import StoreError
+from rigctl.listeners import Listeners
 from rigctl.rig.clock import Clock
 from rigctl.rig.interlocks import Interlock
 from rigctl.rig.states import LATCHED, TOWARD_FIRE, RigState, require_move
@@ -16,7 +17,6 @@ from rigctl.rig.status import RigStatus, Transition
 from rigctl.rig.stopping.repeated_stops import RepeatedStops
 from rigctl.settings import ShotSettings
 from rigctl.store.journal import Journal
-from rigctl.store.listeners import Listeners
 from rigctl.store.records import ShotRecord
 from rigctl.store.store import Store
 

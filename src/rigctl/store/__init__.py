@@ -2,7 +2,6 @@
 
 from rigctl.store.campaigns import CampaignRecord
 from rigctl.store.catalogue import Change
-from rigctl.store.listeners import Listeners
 from rigctl.store.reading import StoreReader, reading
 from rigctl.store.records import Edit, JournalEntry, NewShot, ShotRecord
 from rigctl.store.states import RUNNING, Fired, ShotState
@@ -17,7 +16,6 @@ __all__ = [
     "Edit",
     "Fired",
     "JournalEntry",
-    "Listeners",
     "NewShot",
     "NewSweep",
     "ShotRecord",

@@ -12,6 +12,7 @@ from typing import Any
 
 from rigctl.cameras.frames import FrameSequence
 from rigctl.errors import NotFoundError, RigError
+from rigctl.listeners import Listeners
 from rigctl.store.campaigns import CampaignRecord, Campaigns
 from rigctl.store.catalogue import Catalogue, Change
 from rigctl.store.edits import Edits
@@ -19,7 +20,6 @@ from rigctl.store.fits import Fits
 from rigctl.store.folders import ShotFolders
 from rigctl.store.imports import Imports
 from rigctl.store.journal import Journal
-from rigctl.store.listeners import Listeners
 from rigctl.store.orders import Orders, order_document, outcome_document
 from rigctl.store.ownership import own, owned_elsewhere, refused
 from rigctl.store.records import NewShot, ShotRecord

@@ -9,10 +9,11 @@ from dataclasses import replace
 
 from rigctl.config import Configuration
 from rigctl.errors import RefusedError, RigError
+from rigctl.listeners import Listeners
 from rigctl.rig.clock import SYSTEM_CLOCK, Clock
 from rigctl.rig.machine import Rig
 from rigctl.rig.states import LATCHED
-from rigctl.store import Listeners, NewSweep, StepState, Store, SweepRecord, SweepState
+from rigctl.store import NewSweep, StepState, Store, SweepRecord, SweepState
 from rigctl.sweeps.orders import Order, Orders, Wish
 from rigctl.sweeps.plan import Plan, require_possible
 from rigctl.sweeps.run import Ending, SweepRun

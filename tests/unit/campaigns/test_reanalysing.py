@@ -12,7 +12,7 @@ from rigctl.measuring.reanalysing import analysed_before, reanalysis
 from rigctl.store import ShotState, Store
 
 Keep = Callable[..., list[str]]
-PATIENCE_S = 30.0
+PATIENCE_S = 60.0
 
 
 def quiet() -> Task:

@@ -7,6 +7,7 @@ import select
 import threading
 import tty
 from collections.abc import Callable, Iterator
+from types import SimpleNamespace
 
 import pytest
 
@@ -45,9 +46,9 @@ class PtyDevice:
         self._master = self._slave = -1
 
     def wait_for(self, count: int) -> list[bytes]:
-        """Return the messages once `count` have come; fail after two seconds."""
+        """Return the messages once `count` have come; fail after a minute."""
         with self._arrived:
-            assert self._arrived.wait_for(lambda: len(self.messages) >= count, timeout=2.0)
+            assert self._arrived.wait_for(lambda: len(self.messages) >= count, timeout=60.0)
             return list(self.messages)
 
     def close(self) -> None:
@@ -57,7 +58,7 @@ class PtyDevice:
 
     def _end_thread(self) -> None:
         os.close(self._stop_write)
-        self._thread.join(timeout=2.0)
+        self._thread.join(timeout=60.0)
         assert not self._thread.is_alive()
 
     def _serve(self) -> None:
@@ -84,6 +85,30 @@ class PtyDevice:
             if self.terminator in pending
             else 0
         )
+
+
+class Looks:
+    """Time that passes by looks at it alone: a port waits for a number of its slices of reading.
+
+    A machine that is busy between two slices costs no answer.
+    """
+
+    LOOK_S = 0.01
+
+    def __init__(self) -> None:
+        self.now_s = 0.0
+
+    def __call__(self) -> float:
+        self.now_s += self.LOOK_S
+        return self.now_s
+
+
+@pytest.fixture(autouse=True)
+def looks(monkeypatch: pytest.MonkeyPatch) -> Looks:
+    """The clock of all serial ports of a test."""
+    clock = Looks()
+    monkeypatch.setattr("rigctl.devices.serial_port.time", SimpleNamespace(monotonic=clock))
+    return clock
 
 
 @pytest.fixture

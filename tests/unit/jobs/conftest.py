@@ -11,7 +11,7 @@ import pytest
 from rigctl.jobs import Job, Jobs, JobState, Task
 
 START = datetime(2026, 1, 31, 12, 0, tzinfo=UTC)
-BOUND_S = 30.0
+BOUND_S = 60.0
 
 
 class Clock:

@@ -14,7 +14,7 @@ import pytest
 from rigctl.jobs import JobFailedError, Jobs, JobState, Task, in_process
 from rigctl.jobs.worker_process import NICENESS
 
-BOUND_S = 30.0
+BOUND_S = 60.0
 
 
 @pytest.fixture(autouse=True)
@@ -75,8 +75,12 @@ def test_work_that_brings_no_result_says_why(function: str, words: str, code: st
 
 def test_work_beyond_its_time_is_killed() -> None:
     heard = Heard()
-    with pytest.raises(JobFailedError, match=r"took too long \(limit 3 s\)"):
-        run("never_ends", heard, longest_s=3.0)
+    # A busy machine takes longer than the first of these to start a process at all.
+    for longest_s in (3.0, 15.0, 75.0):
+        with pytest.raises(JobFailedError, match=rf"took too long \(limit {longest_s:g} s\)"):
+            run("never_ends", heard, longest_s=longest_s)
+        if heard.words:
+            break
     assert is_gone(int(heard.words[0][0]))
 
 

@@ -13,7 +13,7 @@ from rigctl.jobs import Jobs, JobState, Task, in_process
 from rigctl.jobs.ready import Ready
 from rigctl.jobs.worker_process import hide_from_jobs
 
-BOUND_S = 30.0
+BOUND_S = 60.0
 STAND_IN = "stand_in_work"
 
 

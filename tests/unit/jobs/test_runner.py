@@ -10,7 +10,7 @@ import pytest
 from rigctl.errors import JobsFullError, NotFoundError, StoreError
 from rigctl.jobs import Job, JobFailedError, Jobs, JobState, Task
 
-BOUND_S = 30.0
+BOUND_S = 60.0
 Ended = Callable[[Job], Job]
 
 

@@ -12,6 +12,8 @@ import threading
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from types import SimpleNamespace
+from unittest.mock import MagicMock
 
 import pytest
 from rig_fakes import BOUND_S, FakeCutOff, FakeTrigger, Laboratory, until
@@ -48,14 +50,14 @@ def relay() -> Iterator[Relay]:
 
 @pytest.fixture
 def watching(relay: Relay) -> Iterator[DeadMan]:
-    found = DeadMan(relay.path, 1)
+    """Watch over a silence that no busy machine makes by itself."""
+    found = DeadMan(relay.path, 1, silent_s=10 * BOUND_S)
     yield found
     found.end()
 
 
-def test_a_heartbeat_that_stops_is_followed_by_the_cut_and_told(
-    relay: Relay, watching: DeadMan
-) -> None:
+def test_a_heartbeat_that_stops_is_followed_by_the_cut_and_told(relay: Relay) -> None:
+    watching = DeadMan(relay.path, 1)
     told: list[str] = []
     tripped = threading.Event()
 
@@ -68,6 +70,7 @@ def test_a_heartbeat_that_stops_is_followed_by_the_cut_and_told(
     assert tripped.wait(BOUND_S)
     assert "cut the power" in told[0]
     assert not watching.watches
+    watching.end()
 
 
 def test_the_end_of_the_process_that_was_watched_is_followed_by_the_cut(relay: Relay) -> None:
@@ -83,13 +86,42 @@ def test_the_end_of_the_process_that_was_watched_is_followed_by_the_cut(relay: R
         assert relay.heard() == CUT
 
 
-def test_while_the_heart_beats_and_after_an_orderly_end_nothing_is_cut(
-    relay: Relay, watching: DeadMan
-) -> None:
-    watching.start(lambda: True, pytest.fail)
-    assert relay.heard(3 * dead_man.SILENT_S) == b""
+def test_heartbeats_and_an_orderly_end_cut_nothing(relay: Relay, watching: DeadMan) -> None:
+    asked: list[None] = []
+
+    def alive() -> bool:
+        asked.append(None)
+        return True
+
+    watching.start(alive, pytest.fail)
+    until(lambda: len(asked) >= 3)
     watching.end()
     assert relay.heard(0.1) == b""
+
+
+@pytest.mark.parametrize(("last", "cuts"), [(b"e", []), (b"", ["relay"]), (None, ["relay"])])
+def test_each_heartbeat_begins_the_silence_anew(
+    monkeypatch: pytest.MonkeyPatch, last: bytes | None, cuts: list[str]
+) -> None:
+    heard, waited, cut = [b".", b"..", b".", last], list[float](), list[str]()
+
+    def ready(*asked: object) -> tuple[list[int], list[int], list[int]]:
+        waited.append(float(str(asked[-1])))
+        return ([] if heard[0] is None else [0]), [], []
+
+    def note(port: str, channel: int) -> bool:
+        cut.append(port)
+        return True
+
+    line = SimpleNamespace(fileno=lambda: 0)
+    acts = SimpleNamespace(write=lambda *_: 1, read=lambda *_: heard.pop(0))
+    monkeypatch.setattr(dead_man, "signal", MagicMock())
+    monkeypatch.setattr(dead_man, "os", acts)
+    monkeypatch.setattr(dead_man, "select", SimpleNamespace(select=ready))
+    monkeypatch.setattr(dead_man, "sys", SimpleNamespace(stdin=line, stdout=line))
+    monkeypatch.setattr(dead_man, "cut", note)
+    assert dead_man.watch("relay", 1, 0.6) == 0
+    assert (cut, waited) == (cuts, [0.6] * 4)
 
 
 def test_signals_to_all_processes_of_the_daemon_do_not_end_it(
@@ -104,9 +136,7 @@ def test_signals_to_all_processes_of_the_daemon_do_not_end_it(
     assert watching.watches
 
 
-def test_a_relay_that_comes_back_late_is_cut_then(
-    tmp_path: Path, relay: Relay, watching: DeadMan
-) -> None:
+def test_a_relay_that_comes_back_late_is_cut_then(tmp_path: Path, relay: Relay) -> None:
     name = tmp_path / "relay"
     late = DeadMan(str(name), 1)
     told = threading.Event()
@@ -136,7 +166,7 @@ def refuse() -> subprocess.Popen[bytes]:
 
 def test_a_dead_man_that_ended_by_itself_stops_the_rig(tmp_path: Path, relay: Relay) -> None:
     lab = Laboratory(tmp_path / "data", threads=True)
-    man = DeadMan(relay.path, 1)
+    man = DeadMan(relay.path, 1, silent_s=10 * BOUND_S)
     lab.rig._stop._watches = (man,)
     lab.rig.estop("berta", "smoke")
     lab.rig.release("berta", "only steam")

@@ -261,7 +261,7 @@ def test_a_set_point_that_leaves_after_the_stop_has_halted_is_taken_back(lab: La
 def test_nothing_is_released_while_the_stop_still_brings_devices_to_rest(
     lab: Laboratory, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(estop, "LINE_WAIT_S", 0.5)
+    monkeypatch.setattr(estop, "REST_WAIT_S", 0.05)
     blocked = Blocked(lab.slide, "stop")
     lab.rig.estop("berta", "smoke")
     assert blocked.reached.wait(BOUND_S)
@@ -270,6 +270,7 @@ def test_nothing_is_released_while_the_stop_still_brings_devices_to_rest(
     assert (lab.state, lab.cut_off.power) == ("estop", False)
     blocked.go_on.set()
     until(lambda: "trigger (stand-in): safe" in notes(lab))
+    monkeypatch.setattr(estop, "REST_WAIT_S", BOUND_S)
     lab.rig.release("berta", "only steam")
     assert lab.state == "idle"
 

@@ -17,7 +17,7 @@ from rigctl.errors import (
     StoreError,
 )
 from rigctl.rig.standing import AFTER_STOP
-from rigctl.rig.stopping import estop, latch
+from rigctl.rig.stopping import latch
 from rigctl.store.journal import Journal
 
 
@@ -80,10 +80,7 @@ def test_of_a_thousand_stops_a_few_are_journalled_and_the_release_counts_the_oth
     assert "994 times more" in lab.store.journal.entries(limit=1000)[-1].reason
 
 
-def test_stops_that_wait_for_the_line_share_the_next_cut(
-    lab: Laboratory, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(estop, "LINE_WAIT_S", BOUND_S)  # the line is held for as long as it takes
+def test_stops_that_wait_for_the_line_share_the_next_cut(lab: Laboratory) -> None:
     blocked = Blocked(lab.cut_off, "cut")
     first = in_thread(lambda: lab.rig.estop("berta", "smoke"))
     assert blocked.reached.wait(BOUND_S)
@@ -111,8 +108,7 @@ def test_nothing_is_released_where_nothing_is_latched(lab: Laboratory) -> None:
         lab.rig.release("berta", "no need")
 
 
-def test_a_stop_during_a_release_wins(lab: Laboratory, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(estop, "LINE_WAIT_S", BOUND_S)
+def test_a_stop_during_a_release_wins(lab: Laboratory) -> None:
     lab.rig.estop("berta", "smoke")
     blocked = Blocked(lab.cut_off, "restore")
     refused = []

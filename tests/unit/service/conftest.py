@@ -21,6 +21,7 @@ from rigctl.cameras.frames import FrameSequence
 from rigctl.config import Configuration, load
 from rigctl.errors import ArmTokenError, RigError
 from rigctl.jobs import Jobs
+from rigctl.listeners import Listeners
 from rigctl.rig.arming import Armed
 from rigctl.rig.interlocks import Interlock
 from rigctl.rig.recovery import Recovery
@@ -30,7 +31,7 @@ from rigctl.service.app import create_app
 from rigctl.service.events import EventHub
 from rigctl.service.guards.connections import Connections
 from rigctl.settings import ShotSettings
-from rigctl.store import Change, Fired, Listeners, NewShot, ShotRecord, ShotState, Store
+from rigctl.store import Change, Fired, NewShot, ShotRecord, ShotState, Store
 
 KEY = "a-key-for-tests"
 NOW = datetime(2026, 1, 31, 12, 0, tzinfo=UTC)

@@ -20,7 +20,7 @@ from rigctl.service.guards import body_limit, connections
 from rigctl.service.guards.connections import Connections, GuardedHttp
 
 Serving = Callable[[int], AbstractContextManager[str]]
-BOUND_S = 10.0
+BOUND_S = 60.0
 HEADERS = {"Authorization": "Bearer a-key-for-tests"}
 
 
@@ -104,10 +104,11 @@ def answered(link: socket.socket) -> bytes:
 def test_a_later_request_that_does_not_come_whole_is_ended_as_a_first_one(
     serving: Serving, monkeypatch: pytest.MonkeyPatch, begun: bytes, more: bytes
 ) -> None:
-    monkeypatch.setattr(connections, "REQUEST_WITHIN_S", 0.3)
+    monkeypatch.setattr(connections, "REQUEST_WITHIN_S", BOUND_S)
     with serving(8) as url, connect(url) as link:
         link.sendall(LIVE)
         assert b"200" in answered(link)
+        monkeypatch.setattr(connections, "REQUEST_WITHIN_S", 0.3)
         link.sendall(begun)
         with trickling(link, more), contextlib.suppress(ConnectionResetError):
             while link.recv(4096):
@@ -137,7 +138,7 @@ def test_a_later_body_that_trickles_is_refused_and_its_connection_ended(
     serving: Serving, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(body_limit, "BODY_WITHIN_S", 0.1)
-    monkeypatch.setattr(connections, "BODY_WITHIN_S", 0.5)
+    monkeypatch.setattr(connections, "BODY_WITHIN_S", 3.0)
     with serving(8) as url, connect(url) as link:
         link.sendall(LIVE)
         assert b"200" in answered(link)

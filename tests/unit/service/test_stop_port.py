@@ -19,7 +19,7 @@ from rigctl.service import stop_port
 from rigctl.service.guards.origins import OwnOrigins
 from rigctl.service.stop_port import StopPort
 
-BOUND_S = 10.0
+BOUND_S = 60.0
 
 
 @dataclass

@@ -103,16 +103,16 @@ def test_closing_gives_up_what_is_under_way(bench: Bench) -> None:
 
     def slow(time_s: float, rows: int) -> NDArray[np.uint8]:
         inside.set()
-        release.wait(5.0)
+        release.wait(60.0)
         return numbered(time_s, rows)
 
     digitiser = Digitiser(bench.folder, slow, bench.faults)
     digitiser.start(Transfer("slow", 0, 1000, FIRST_S, RecordingFormat()))
-    assert inside.wait(5.0)
+    assert inside.wait(60.0)
     closer = threading.Thread(target=digitiser.close)
     closer.start()
     release.set()
-    closer.join(5.0)
+    closer.join(60.0)
     assert not closer.is_alive()
     assert list(bench.folder.iterdir()) == []
 

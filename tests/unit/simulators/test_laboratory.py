@@ -53,7 +53,7 @@ class Host:
     def port(self, role: str) -> serial.Serial:
         if role not in self._ports:
             path = self._laboratory.port(role)
-            self._ports[role] = serial.Serial(path, 115200, timeout=2.0, exclusive=True)
+            self._ports[role] = serial.Serial(path, 115200, timeout=60.0, exclusive=True)
         return self._ports[role]
 
     def ask(self, role: str, line: str, ending: str = "\n") -> str:
@@ -71,7 +71,7 @@ class Host:
         report = bytes([0xFF if closed else 0xFD, 1, 0, 0, 0, 0, 0, 0])
         self.relay.ctrl_transfer(0x21, 0x09, 0x0300, 0, report, 500)
 
-    def until(self, condition: Callable[[], bool], within_s: float = 5.0) -> None:
+    def until(self, condition: Callable[[], bool], within_s: float = 60.0) -> None:
         deadline = time.monotonic() + within_s
         while not condition():
             assert time.monotonic() < deadline
@@ -194,6 +194,7 @@ def test_a_fire_whose_answer_is_lost_has_fired(host: Host, laboratory: Laborator
     laboratory.fault("trigger", "no-answer", times=1, command="FIRE")
     host.port("trigger").timeout = 0.1
     assert host.trigger("FIRE 1") == ""
+    host.port("trigger").timeout = 60.0
     assert host.trigger("STAT?") == "STAT SAFE 1 1 1"
     assert laboratory.fires == 1
 

@@ -47,7 +47,7 @@ def test_versions_are_counted_beyond_four_figures(fits: Fits, tmp_path: Path) ->
 
 
 def test_savers_at_the_same_time_never_take_each_others_version(fits: Fits, tmp_path: Path) -> None:
-    together = threading.Barrier(8, timeout=10.0)
+    together = threading.Barrier(8, timeout=60.0)
 
     def save(number: int) -> int:
         together.wait()

@@ -14,7 +14,7 @@ from rigctl.sweeps.plan import Plan, Rules
 from rigctl.sweeps.runner import SweepRunner
 from rigctl.sweeps.status import SweepStatus
 
-BOUND_S = 20.0
+BOUND_S = 120.0
 
 
 def settings(offset_mm: float, pressure_kpa: float = 40.0) -> ShotSettings:

@@ -21,7 +21,7 @@ def killed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("killed")
     script = Path(__file__).parent / "killed_sweep.py"
     done = subprocess.run(
-        [sys.executable, script, folder], capture_output=True, text=True, timeout=100, check=False
+        [sys.executable, script, folder], capture_output=True, text=True, timeout=230, check=False
     )
     assert done.returncode == 0, done.stderr
     return folder

@@ -1,8 +1,8 @@
 """The dead man: a process of its own that cuts the power when the daemon dies or hangs.
 
-`python -m rigctl.rig.stopping.dead_man PORT CHANNEL` is that process. It hears a heartbeat on its
-standard input; where none comes in time, or the input ends, it opens the relay's port itself and
-cuts.
+`python -m rigctl.rig.stopping.dead_man PORT CHANNEL SILENT_S` is that process. It hears a heartbeat
+on its standard input; where none comes in time, or the input ends, it opens the relay's port itself
+and cuts.
 """
 
 from __future__ import annotations
@@ -52,10 +52,12 @@ class DeadMan:
     ----------
     port, channel
         The relay: path of its serial port, and which contact carries the power.
+    silent_s
+        Longest silence before the power is cut, s.
     """
 
-    def __init__(self, port: str, channel: int) -> None:
-        self._port, self._channel = port, channel
+    def __init__(self, port: str, channel: int, silent_s: float = SILENT_S) -> None:
+        self._port, self._channel, self._silent_s = port, channel, silent_s
         self._process: subprocess.Popen[bytes] | None = None
         self._ended = threading.Event()
         self._beating: threading.Thread | None = None
@@ -105,7 +107,8 @@ class DeadMan:
             process.wait(START_WITHIN_S)
 
     def _spawn(self) -> subprocess.Popen[bytes]:
-        words = [sys.executable, "-m", __name__, self._port, str(self._channel)]
+        relay = [self._port, str(self._channel), str(self._silent_s)]
+        words = [sys.executable, "-m", __name__, *relay]
         try:
             process = subprocess.Popen(  # noqa: S603 - our own module, on our own interpreter
                 words, stdin=subprocess.PIPE, stdout=subprocess.PIPE, start_new_session=True
@@ -179,13 +182,13 @@ def _write(port: str, data: bytes) -> None:
         os.close(line)
 
 
-def watch(port: str, channel: int) -> int:
+def watch(port: str, channel: int, silent_s: float) -> int:
     """Watch until told to end, or until the heartbeat stops, and then cut; return the status."""
     # Whoever ends the daemon by a signal to all its processes must not end this one before it.
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, signal.SIG_IGN)
     os.write(sys.stdout.fileno(), _READY)
-    while select.select([sys.stdin], [], [], SILENT_S)[0]:
+    while select.select([sys.stdin], [], [], silent_s)[0]:
         heard = os.read(sys.stdin.fileno(), 4096)
         if _END in heard:
             return 0
@@ -196,4 +199,4 @@ def watch(port: str, channel: int) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(watch(sys.argv[1], int(sys.argv[2])))
+    sys.exit(watch(sys.argv[1], int(sys.argv[2]), float(sys.argv[3])))

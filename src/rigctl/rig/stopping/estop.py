@@ -28,6 +28,9 @@ RETRY_S = 0.2
 LINE_WAIT_S = 2.0
 """Longest wait for the cut-off's line. The cut goes on after it; only the caller is let go."""
 
+REST_WAIT_S = 2.0
+"""Longest wait of a release for each device that the last stop still brings to rest, s."""
+
 WITNESS_WAIT_S = 1.0
 """Longest wait of a caller for the trigger's word that the power is off, s."""
 
@@ -304,7 +307,7 @@ class EmergencyStop:
 
     def _await_followers(self) -> None:
         for thread in self._followers:
-            thread.join(LINE_WAIT_S)
+            thread.join(REST_WAIT_S)
 
     def _rest(self, request: _Request) -> None:
         """Have the devices brought to rest; where that is under way, once more after it."""
