@@ -219,22 +219,50 @@ def analyse_job(
     The result, and how many frames were read.
     """
     try:
-        pixels, times, notes = read_job(job)
+        read = read_job(job)
     except InputError as error:
         return RefusedShot("frames", str(error), None), 0
-    result = analyse_shot(pixels, times, job.setup, options, known)
+    result = analyse_shot(read.frames, read.times_s, read.setup, options, known)
     if isinstance(result, MeasuredShot):
-        result = replace(result, notes=(*notes, *result.notes))
-    return result, len(pixels)
+        result = replace(result, notes=(*read.notes, *result.notes))
+    return result, len(read.frames)
 
 
-def read_job(job: ShotJob) -> tuple[Grey, Floats, tuple[str, ...]]:
-    """Read the frames of a shot, their times in s, and notes on them."""
-    stack = read_frames(job.frames)
+@dataclass(frozen=True, slots=True, eq=False)
+class ReadShot:
+    """Frames of a shot, grey, shape (frames, rows, columns), and what comes with them.
+
+    Attributes
+    ----------
+    times_s
+        Of each frame, s, shape (frames,): the film's own, else by the stated rate.
+    setup
+        With the exposure that is stated, else that of the film's own file.
+    notes
+        On the file.
+    """
+
+    frames: Grey
+    times_s: Floats
+    setup: Setup
+    notes: tuple[str, ...]
+
+
+def read_job(job: ShotJob) -> ReadShot:
+    """Read the frames of a shot.
+
+    Raises
+    ------
+    InputError
+        As `read_frames`.
+    """
+    stack, setup = read_frames(job.frames), job.setup
     times = stack.times_s
     if times is None:
-        times = np.arange(len(stack.pixels)) / job.setup.camera.frame_rate_hz
-    return stack.light, times, tuple(stack.notes)
+        times = np.arange(len(stack.pixels)) / setup.camera.frame_rate_hz
+    if setup.camera.exposure_s is None and stack.exposure_s is not None:
+        setup = replace(setup, camera=replace(setup.camera, exposure_s=stack.exposure_s))
+    return ReadShot(stack.light, times, setup, stack.notes)
 
 
 def training_jobs(jobs: Sequence[ShotJob]) -> dict[Setup, list[ShotJob]]:
@@ -257,9 +285,9 @@ def _known(jobs: Sequence[ShotJob]) -> dict[Setup, Appearance | None]:
         shots = []
         for job in own:
             with suppress(InputError, ShotRefusedError):
-                pixels, times, _ = read_job(job)
-                check_frames(pixels, times, job.setup)
-                shots.append((pixels, times - times[0], job.setup))
+                read = read_job(job)
+                check_frames(read.frames, read.times_s, read.setup)
+                shots.append((read.frames, read.times_s - read.times_s[0], read.setup))
         known[setup] = teach(shots) if len(own) > 1 else None
     return known
 

@@ -44,16 +44,21 @@ class Scene:
     slow: SlowErrors
 
     @classmethod
-    def of(cls, setup: Setup, slow: SlowErrors) -> Scene:
-        """Return the scene of frames that were measured with these slow errors."""
-        air = setup.environment
+    def of(cls, setup: Setup, slow: SlowErrors, step_s: float | None = None) -> Scene:
+        """Return the scene of frames that were measured with these slow errors.
+
+        Where no exposure is stated the shutter may be open for all of `step_s`, the time between
+        two frames; None: as the stated rate has it.
+        """
+        air, camera = setup.environment, setup.camera
+        longest_s = 1.0 / camera.frame_rate_hz if step_s is None else step_s
         return cls(
             bodies=bodies_of(setup),
             gravity=air.gravity_m_per_s2,
             air_density=air.air_density_kg_per_m3,
             drag_coefficient=air.drag_coefficient,
             drag_sigma=air.drag_coefficient_sigma,
-            exposure_s=setup.camera.longest_exposure_s,
+            exposure_s=longest_s if camera.exposure_s is None else camera.exposure_s,
             slow=slow,
         )
 

@@ -91,11 +91,6 @@ class CameraSetup:
             raise ValueError(f"{list(rows)} overlaps front_view_rows {list(front)}")
         return rows
 
-    @property
-    def longest_exposure_s(self) -> float:
-        """Time that the shutter may be open: from picture to picture, where none is stated."""
-        return 1.0 / self.frame_rate_hz if self.exposure_s is None else self.exposure_s
-
 
 @dataclass(frozen=True, slots=True, config=STRICT)
 class SphereSetup:

@@ -202,7 +202,7 @@ def analyse_shot(
             tracking, one_body_frame=known is not None and not tracking.learned_alone
         )
         poses = ShotPoses.of_tracks(tracking.centres, tracking.orientations, elapsed_s)
-        scene = Scene.of(setup, slow)
+        scene = Scene.of(setup, slow, float(np.median(np.diff(elapsed_s))))
         sides = measure_two_sides(poses, scene, three_and_three=chosen.three_and_three)
     except ShotRefusedError as refusal:
         return RefusedShot(refusal.step, refusal.reason, refusal.frame, refusal.discs, tracking)

@@ -9,9 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from analysis.arrays import Floats, Grey
 from rigctl.config import load
 from rigctl.daemon import Daemon, open_daemon
 from rigctl.errors import RefusedError
@@ -47,7 +45,7 @@ class LocalRig:
         """Return one shot as the service would list it."""
         return ShotView.of(self._daemon.store.shot(shot)).model_dump(mode="json")
 
-    def filmed(self, settings: ShotSettings) -> tuple[NDArray[np.uint8], NDArray[np.float64]]:
+    def filmed(self, settings: ShotSettings) -> tuple[Grey, Floats]:
         """Fire one shot and return its frames and their times from the first, s, once stored.
 
         Raises

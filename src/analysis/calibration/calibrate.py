@@ -170,9 +170,9 @@ def _setup_of(campaign: Campaign) -> Setup:
 
 
 def _frames(job: ShotJob, setup: Setup) -> Taught:
-    pixels, times, _ = read_job(job)
-    check_frames(pixels, times, setup)
-    return pixels, times - times[0], setup
+    read = read_job(job)
+    check_frames(read.frames, read.times_s, setup)
+    return read.frames, read.times_s - read.times_s[0], setup
 
 
 def _first_shots(jobs: Sequence[ShotJob], setup: Setup) -> Iterator[Taught]:

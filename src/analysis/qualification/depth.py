@@ -6,9 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from analysis.arrays import Floats
+from analysis.arrays import Floats, Grey
 from analysis.collision.coefficients import Impact
 from analysis.qualification.drop import Method
 from analysis.setup import Setup
@@ -36,7 +35,7 @@ class BothWays:
 
 
 def measure_both_ways(
-    frames: NDArray[np.uint8], times_s: Floats, setup: Setup, method: Method
+    frames: Grey, times_s: Floats, setup: Setup, method: Method
 ) -> BothWays | RefusedShot:
     """Measure one shot with the mirror and without.
 

@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from analysis.arrays import Floats
+from analysis.arrays import Floats, Grey
 from analysis.errors import ShotRefusedError
 from analysis.imaging.edge.edges import laplacian_of_gaussian
 from analysis.imaging.edge.expansion import expanded_zero_crossings
@@ -19,8 +18,6 @@ from analysis.motion.proximal import match_markers
 from analysis.qualification.drop import Method
 from analysis.qualification.grey_discs import fit_grey_discs
 from analysis.qualification.locating import THESIS_SIGMA_PX
-
-Frames = NDArray[np.uint8]
 
 SAMPLES = 4
 SMALLEST_PX, LARGEST_PX = 2.0, 15.0
@@ -66,7 +63,7 @@ class Turn:
         return self.mean / self.actual - 1.0
 
 
-def measure_disk(frames: Frames, turn_rad: float, method: Method) -> list[Turn]:
+def measure_disk(frames: Grey, turn_rad: float, method: Method) -> list[Turn]:
     """Measure the turns between all frames up to seven apart.
 
     Parameters
@@ -110,7 +107,7 @@ def plane_angle(before: Floats, after: Floats) -> float:
     return float(np.arctan2(sine, (a * b).sum()))
 
 
-def disk_markers(frames: Frames, method: Method) -> Floats:
+def disk_markers(frames: Grey, method: Method) -> Floats:
     """Return the centres of the markers that all frames show, in one order.
 
     Edges at quarters of a pixel, labels, fuzzy shells for ellipses, proximal uniformity; the
@@ -149,7 +146,7 @@ def disk_markers(frames: Frames, method: Method) -> Floats:
     return np.stack(fitted, axis=1)
 
 
-def dark_ellipses(frame: Frames, noise: float) -> Floats:
+def dark_ellipses(frame: Grey, noise: float) -> Floats:
     """Find small dark discs on a bright ground.
 
     Returns

@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-from analysis.arrays import Floats
+from analysis.arrays import Floats, Grey
 from analysis.errors import ShotRefusedError
 from analysis.imaging.outlines import Place
 from analysis.qualification.locating import Way, find_disc, follow_disc, locate
@@ -84,7 +83,7 @@ class Gravity:
         return self.mean / self.true - 1.0
 
 
-def measure_fall(frames: NDArray[np.uint8], times_s: Floats, method: Method) -> Fall:
+def measure_fall(frames: Grey, times_s: Floats, method: Method) -> Fall:
     """Follow a falling sphere and fit a parabola to its rows.
 
     Parameters
@@ -111,7 +110,7 @@ def measure_fall(frames: NDArray[np.uint8], times_s: Floats, method: Method) -> 
     )
 
 
-def whole_falls(frames: NDArray[np.uint8]) -> slice:
+def whole_falls(frames: Grey) -> slice:
     """Return the longest part of a film that shows the whole sphere, clear of every border.
 
     Parameters
@@ -141,7 +140,7 @@ def whole_falls(frames: NDArray[np.uint8]) -> slice:
     return longest
 
 
-def _whole_disc(frame: NDArray[np.uint8]) -> Place | None:
+def _whole_disc(frame: Grey) -> Place | None:
     """Return the disc of a frame; None where there is none or a border cuts it."""
     try:
         row, column, radius = find_disc(frame, *RADII_PX)

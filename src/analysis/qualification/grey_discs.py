@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.arrays import Floats
+from analysis.arrays import Floats, Grey
 from analysis.imaging.outlines import Place
 from analysis.photometric.render.shading import (
     HARMONICS,
@@ -80,7 +80,7 @@ class _Shape:
     blur: float
 
 
-def fit_grey_discs(frames: NDArray[np.uint8], starts: list[Place], *, shaded: bool) -> GreyDiscs:
+def fit_grey_discs(frames: Grey, starts: list[Place], *, shaded: bool) -> GreyDiscs:
     """Fit one disc to the grey levels of all frames at once.
 
     Parameters
@@ -130,7 +130,7 @@ def _moved(shape: _Shape, step: Floats) -> tuple[_Shape, float]:
     return moved, float(max(np.abs(centres).max(), abs(radius), abs(blur) * shape.radius))
 
 
-def _gather(frames: NDArray[np.uint8], starts: list[Place], *, shaded: bool) -> _Pixels:
+def _gather(frames: Grey, starts: list[Place], *, shaded: bool) -> _Pixels:
     parts = []
     rows, columns = np.mgrid[: frames.shape[1], : frames.shape[2]]
     for k, (row, column, radius) in enumerate(starts):

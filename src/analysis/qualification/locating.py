@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
+from analysis.arrays import Grey
 from analysis.errors import ShotRefusedError
 from analysis.imaging.adaptive_hough import adaptive_hough
 from analysis.imaging.discs import common_radius, discs, vote
@@ -18,8 +18,6 @@ from analysis.imaging.edge.gradient_edges import canny_edges, sobel_edges
 from analysis.imaging.outlines import Place
 from analysis.imaging.shells import Circle, fit_circles
 from analysis.qualification.grey_discs import fit_grey_discs
-
-Frames = NDArray[np.uint8]
 
 Way = Literal["pixel", "thirds", "quarters", "exact", "aht", "sobel", "canny", "photometric"]
 WAYS: tuple[Way, ...] = get_args(Way)
@@ -38,7 +36,7 @@ RIDGE_FACTOR = 2.0
 """A ridge is a maximum of noise too: its threshold is this much higher."""
 
 
-def find_disc(frame: Frames, smallest_px: float, largest_px: float) -> Place:
+def find_disc(frame: Grey, smallest_px: float, largest_px: float) -> Place:
     """Return the most complete disc of a frame, to about a pixel.
 
     Parameters
@@ -63,7 +61,7 @@ def find_disc(frame: Frames, smallest_px: float, largest_px: float) -> Place:
     return found[0].row, found[0].column, radius
 
 
-def follow_disc(frames: Frames, smallest_px: float, largest_px: float) -> list[Place]:
+def follow_disc(frames: Grey, smallest_px: float, largest_px: float) -> list[Place]:
     """Return the most complete disc of every frame, to about a pixel.
 
     The first frame tells the radius; the others have the same to a few per cent.
@@ -83,7 +81,7 @@ def follow_disc(frames: Frames, smallest_px: float, largest_px: float) -> list[P
     return [first, *(find_disc(frame, *near) for frame in frames[1:])]
 
 
-def locate(frames: Frames, starts: list[Place], way: Way) -> list[Place]:
+def locate(frames: Grey, starts: list[Place], way: Way) -> list[Place]:
     """Return row, column and radius of the disc in each frame, pixels.
 
     Parameters
@@ -108,7 +106,7 @@ def locate(frames: Frames, starts: list[Place], way: Way) -> list[Place]:
     ]
 
 
-def _edges(frame: Frames, noise: float, way: Way) -> EdgePoints:
+def _edges(frame: Grey, noise: float, way: Way) -> EdgePoints:
     threshold = gradient_threshold(noise, THESIS_SIGMA_PX)
     if way == "sobel":
         return sobel_edges(frame, RIDGE_FACTOR * gradient_threshold(noise, 1.0))

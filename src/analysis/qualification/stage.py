@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.arrays import Floats
+from analysis.arrays import Floats, Grey
 from analysis.qualification.locating import WAYS, Way, follow_disc, locate
 
 RADII_PX = (8.0, 40.0)
@@ -58,7 +58,7 @@ class StageErrors:
 
 
 def measure_stage(
-    frames: NDArray[np.uint8], moved_px: Floats, ways: tuple[Way, ...] = WAYS
+    frames: Grey, moved_px: Floats, ways: tuple[Way, ...] = WAYS
 ) -> list[StageErrors]:
     """Measure one run of the stage by every way.
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.balls.films.frames import COLOUR, read_frames
+from analysis.balls.films.frames import read_frames
 from analysis.balls.films.photron import FRAMES_SUFFIX, HEADER_SUFFIXES
 from analysis.campaign import DESCRIPTION, FRAMES, POSES, SHOT_LIST, frames_of
 from analysis.errors import InputError
@@ -37,11 +37,24 @@ MOST_NAMED = 5
 
 @dataclass(frozen=True, slots=True)
 class Frames:
-    """The frames of one shot: where they lie, what was read of them, and their times in s."""
+    """The frames of one shot: where they lie, what was read of them, and their times in s.
+
+    Attributes
+    ----------
+    dtype
+        `uint8`, or `float32` where the file has more bits or colours: grey levels of 0 to 255.
+    exposure_s
+        Where a camera's own file says it, else None.
+    notes
+        A sentence on each thing about the file that could not be checked, or was made of it.
+    """
 
     path: Path
     shape: tuple[int, int, int]
+    dtype: str
     times_s: tuple[float, ...]
+    exposure_s: float | None
+    notes: tuple[str, ...]
 
     @property
     def files(self) -> list[Path]:
@@ -140,17 +153,17 @@ def _frames(
         except InputError as error:
             faults.append(f"shot {row.shot}: {error}")
             continue
-        if stack.light is not stack.pixels:
-            why = "is in colour" if COLOUR in stack.notes else "has more than 8 bits"
-            faults.append(
-                f"shot {row.shot}: {path.name} {why}, stored frames are grey of 8 bits; "
-                "rigctl analyse measures it where it lies"
-            )
-            continue
         times = stack.times_s
         if times is None:
             times = np.arange(len(stack.pixels)) / setup.camera.frame_rate_hz
-        found[row.shot] = Frames(path, stack.pixels.shape, _listed(times))
+        found[row.shot] = Frames(
+            path,
+            stack.light.shape,
+            str(stack.light.dtype),
+            _listed(times),
+            stack.exposure_s,
+            stack.notes,
+        )
     if faults:
         rest = len(faults) - MOST_NAMED
         more = f"; and {rest} more" if rest > 0 else ""

@@ -80,9 +80,16 @@ def manifest(shot: str, row: ShotRow, contents: Contents, campaign: str, frames:
         "imported": {"folder": contents.folder.name, "campaign": contents.title},
         "program": {"name": "rigctl", "version": version("rigctl")},
         "setup": setup_document(setup),
-        "exposure_s": row.numbers[EXPOSURE] * 1e-6 if EXPOSURE in row.numbers else None,
+        "exposure_s": _exposure_s(row, frames),
         "frames": frames or None,
     }
+
+
+def _exposure_s(row: ShotRow, frames: Json) -> float | None:
+    """Return what shots.csv states, else what the camera's own file does."""
+    stated = row.numbers.get(EXPOSURE)
+    own: float | None = frames.get("exposure_s")
+    return own if stated is None else stated * 1e-6
 
 
 def first_result(shot: str, row: ShotRow, contents: Contents) -> Json:

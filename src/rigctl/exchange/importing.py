@@ -111,10 +111,12 @@ def _keep_frames(home: Path, frames: Frames, folder: Path, listing: dict[str, Js
         "file": kept.relative_to(home).as_posix(),
         "sha256": sha256(kept),
         "shape": list(frames.shape),
-        "dtype": "uint8",
+        "dtype": frames.dtype,
         "times_s": list(frames.times_s),
         "sequence": list(range(frames.shape[0])),
         "lost": [],
+        "exposure_s": frames.exposure_s,
+        "notes": list(frames.notes),
         "source": f"imported from {frames.path.relative_to(folder).as_posix()}",
     }
 

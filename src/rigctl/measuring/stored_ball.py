@@ -10,29 +10,28 @@ from numpy.typing import NDArray
 from analysis.balls.analysis import analyse_held
 from analysis.balls.document import ball_document
 from analysis.balls.films.film import HeldFilm
+from analysis.balls.films.reading import open_film
 from analysis.balls.flight.known import Ball
 from analysis.errors import ShotRefusedError
 from analysis.setup import Setup
 from rigctl.documents import Json
+from rigctl.store.folders import FRAMES, read_pixels
 
 
-def bounces_document(
-    folder: Path, frames: NDArray[np.uint8], times_s: NDArray[np.float64], setup: Setup
-) -> Json:
+def bounces_document(kept: Path, times_s: NDArray[np.float64], setup: Setup) -> Json:
     """Return `impacts` in order of time (commands.md), or the refusal.
 
     Parameters
     ----------
-    folder
-        Of the shot, named in refusals.
-    frames
-        Shape (frames, rows, columns).
+    kept
+        Frames of the shot in its folder, named in refusals.
     times_s
         From the first frame, shape (frames,).
     setup
         Whose sphere b is a plate.
     """
-    film = HeldFilm(folder, frames)
+    # An import keeps its film as it came: all bits, and what its file says of its pictures.
+    film = HeldFilm(kept, read_pixels(kept)) if kept.name == FRAMES else open_film(kept)
     try:
         found = analyse_held(film, times_s, Ball.of_setup(setup), setup.camera.exposure_s)
     except ShotRefusedError as refusal:

@@ -17,9 +17,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from analysis.arrays import Floats
+from analysis.arrays import Floats, Grey
 from analysis.campaign import TEACHING_SHOTS
 from analysis.document import overlay_document
 from analysis.setup import Setup, setup_of
@@ -29,14 +28,14 @@ from rigctl.measuring.learned_pairs import LearnedPairs
 from rigctl.measuring.result_keeping import AGAIN
 from rigctl.measuring.stored_poses import measured_document
 from rigctl.progress import Progress
-from rigctl.store.folders import read_pixels
+from rigctl.store.folders import read_light
 
 if TYPE_CHECKING:
     from analysis.photometric.learn.appearance import Appearance
 
 _log = logging.getLogger(__name__)
 
-Read = Callable[[Path], tuple[NDArray[np.uint8], Floats, Setup]]
+Read = Callable[[Path], tuple[Grey, Floats, Setup]]
 """From a shot's folder to its frames, their times in s from the first, and its set-up."""
 
 
@@ -69,7 +68,7 @@ class CampaignLearning:
         self.again: tuple[str, ...] = ()
 
     def measure(
-        self, frames: NDArray[np.uint8], times_s: Floats, setup: Setup, options: AnalysisOptions
+        self, frames: Grey, times_s: Floats, setup: Setup, options: AnalysisOptions
     ) -> MeasuredShot | RefusedShot:
         """Measure the shot; times in s from its first frame."""
         if options.method != "photometric":
@@ -88,7 +87,7 @@ class CampaignLearning:
         if complete:
             teachers = ()
         teachers = (*(each for each in teachers if each != name), name)
-        together = self._together(teachers, setup) if len(teachers) == TEACHING_SHOTS else None
+        together = self._together(teachers) if len(teachers) == TEACHING_SHOTS else None
         # What few shots have shown may lack a side that this one turns to the camera.
         begun = known if strange and len(teachers) > 1 else shot.known
         self._keep(setup, together or begun, teachers)
@@ -98,7 +97,7 @@ class CampaignLearning:
         self.again = teachers[:-1]
         return analyse_shot(frames, times_s, setup, options, together)
 
-    def _together(self, teachers: Sequence[str], setup: Setup) -> Appearance | None:
+    def _together(self, teachers: Sequence[str]) -> Appearance | None:
         """Return the appearance learned from shots together; None where learning fails."""
         # Loading compiled functions is slow.
         from analysis.photometric.method import teach  # noqa: PLC0415
@@ -106,8 +105,7 @@ class CampaignLearning:
         shots = []
         for name in teachers:
             with suppress(OSError, ValueError, KeyError):
-                frames, times_s, _ = self._read(self._of_shot(name))
-                shots.append((frames, times_s, setup))
+                shots.append(self._read(self._of_shot(name)))
         return teach(shots) if len(shots) == len(teachers) else None
 
     def _of_shot(self, name: str) -> Path:
@@ -123,7 +121,7 @@ class CampaignLearning:
             _log.warning("other processes will learn these spheres anew: %s", error)
 
 
-Measure = Callable[[NDArray[np.uint8], Floats, Setup, AnalysisOptions], MeasuredShot | RefusedShot]
+Measure = Callable[[Grey, Floats, Setup, AnalysisOptions], MeasuredShot | RefusedShot]
 
 LEARNED = "learned"
 """Folder beside the shots, for what is learned of their spheres."""
@@ -194,15 +192,17 @@ def analyse_stored_shot_with(folder: Path, method: str, known: Appearance | None
     """
 
     def measure(
-        frames: NDArray[np.uint8], times_s: Floats, setup: Setup, options: AnalysisOptions
+        frames: Grey, times_s: Floats, setup: Setup, options: AnalysisOptions
     ) -> MeasuredShot | RefusedShot:
         return analyse_shot(frames, times_s, setup, options, known)
 
     return _result(folder, method, measure)
 
 
-def read_stored_shot(folder: Path) -> tuple[NDArray[np.uint8], Floats, Setup]:
+def read_stored_shot(folder: Path) -> tuple[Grey, Floats, Setup]:
     """Return a shot's frames, their times in s from the first, and the set-up they were taken in.
+
+    The set-up has the shot's own exposure, where it is known.
 
     Raises
     ------
@@ -212,9 +212,9 @@ def read_stored_shot(folder: Path) -> tuple[NDArray[np.uint8], Floats, Setup]:
     manifest = json.loads((folder / "manifest.json").read_bytes())
     times_s = np.array(manifest["frames"]["times_s"])
     return (
-        read_pixels(folder / manifest["frames"]["file"]),
+        read_light(folder / manifest["frames"]["file"]),
         times_s - times_s[:1],
-        manifest_setup(manifest),
+        _exposed(manifest),
     )
 
 
@@ -227,15 +227,18 @@ def _result(folder: Path, method: str, measure: Measure) -> Json:
         "version": version("rigctl"),
         "frame_rate_hz": setup.camera.frame_rate_hz,
     }
-    frames = read_pixels(folder / manifest["frames"]["file"])
+    kept = folder / manifest["frames"]["file"]
     times_s = np.array(manifest["frames"]["times_s"])
     if setup.spheres[1].plate:
         # What measures balls is slow to load, and of no use to two spheres.
         from rigctl.measuring.stored_ball import bounces_document  # noqa: PLC0415
 
-        return {**about, **bounces_document(folder, frames, times_s - times_s[:1], setup)}
+        return {**about, **bounces_document(kept, times_s - times_s[:1], setup)}
     options = AnalysisOptions(method="photometric" if method == "photometric" else "thesis")
-    shot = measure(frames, times_s - times_s[:1], setup, options)
+    shot = measure(read_light(kept), times_s - times_s[:1], setup, options)
+    if isinstance(shot, MeasuredShot):
+        # Those on the file of an import.
+        shot = replace(shot, notes=(*manifest["frames"].get("notes", ()), *shot.notes))
     document = {**about, **measured_document(shot)}
     if isinstance(shot, RefusedShot) and shot.discs:
         names = ("row", "column", "radius")

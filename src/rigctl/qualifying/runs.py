@@ -8,18 +8,15 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-from analysis.arrays import Floats
+from analysis.arrays import Floats, Grey
 from analysis.balls.films.frames import read_frames
-from analysis.campaign import DESCRIPTION, read_campaign
+from analysis.campaign import DESCRIPTION, read_campaign, read_job
 from analysis.errors import InputError
 from analysis.qualification.drop import whole_falls
 from analysis.setup import Setup
 from rigctl.errors import AnalysisInputError, SettingsError
 from rigctl.measuring.stored_shot import read_stored_shot
-
-Frames = NDArray[np.uint8]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -29,7 +26,7 @@ class StageFrames:
     Displacements are (row, column) from the start.
     """
 
-    frames: Frames
+    frames: Grey
     moved_px: Floats
 
 
@@ -37,7 +34,7 @@ class StageFrames:
 class DropFrames:
     """A falling sphere: frames (N, rows, columns) at times (N,) in s, its diameter, and gravity."""
 
-    frames: Frames
+    frames: Grey
     times_s: Floats
     diameter_m: float
     gravity_m_per_s2: float
@@ -47,7 +44,7 @@ class DropFrames:
 class DiskFrames:
     """A turning disk: frames (N, rows, columns), and its turn from frame to frame in radians."""
 
-    frames: Frames
+    frames: Grey
     turn_rad: float
 
 
@@ -55,7 +52,7 @@ class DiskFrames:
 class ShotFrames:
     """A shot of two spheres: frames (N, rows, columns) at times (N,) in s, and its set-up."""
 
-    frames: Frames
+    frames: Grey
     times_s: Floats
     setup: Setup
 
@@ -63,7 +60,7 @@ class ShotFrames:
 MANIFEST = "manifest.json"
 """What the folder of a stored shot holds beside its frames."""
 
-Film = tuple[NDArray[np.uint8], Floats | None]
+Film = tuple[Grey, Floats | None]
 """Frames, and their times from the first, s, where the file knows them."""
 
 
@@ -101,17 +98,13 @@ def shot_frames(paths: Sequence[Path]) -> Iterator[ShotFrames]:
             if not (path / DESCRIPTION).exists():
                 raise InputError(path, f"holds neither {DESCRIPTION} nor {MANIFEST}")
             for job in read_campaign(path).jobs:
-                stack = read_frames(job.frames)
-                rate = job.setup.camera.frame_rate_hz
-                times = np.arange(len(stack.pixels)) / rate
-                yield ShotFrames(
-                    stack.pixels, times if stack.times_s is None else stack.times_s, job.setup
-                )
+                read = read_job(job)
+                yield ShotFrames(read.frames, read.times_s, read.setup)
         except InputError as error:
             raise AnalysisInputError(error.reason, part=error.path) from error
 
 
-def _timed(path: Path, rate_hz: float | None) -> tuple[NDArray[np.uint8], Floats]:
+def _timed(path: Path, rate_hz: float | None) -> tuple[Grey, Floats]:
     frames, times = _film(path)
     if rate_hz is not None:
         return frames, np.arange(len(frames)) / rate_hz
@@ -130,10 +123,10 @@ def _film(path: Path) -> Film:
         stack = read_frames(path)
     except InputError as error:
         raise AnalysisInputError(error.reason, part=error.path) from error
-    return stack.pixels, stack.times_s
+    return stack.light, stack.times_s
 
 
-def _stored(folder: Path) -> tuple[NDArray[np.uint8], Floats, Setup]:
+def _stored(folder: Path) -> tuple[Grey, Floats, Setup]:
     try:
         return read_stored_shot(folder)
     except (KeyError, OSError, ValueError) as error:

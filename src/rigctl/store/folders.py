@@ -21,7 +21,7 @@ import shutil
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,6 +36,10 @@ from rigctl.store.durable import (
     write_over_synced,
     write_synced,
 )
+
+if TYPE_CHECKING:
+    from analysis.arrays import Grey
+    from analysis.imaging.files.stack import FrameStack
 
 _NAME = re.compile(r"(\d{8}|i\d{4,})-\d{6,}")
 PARTIAL = ".partial"
@@ -111,7 +115,7 @@ class ShotFolders:
         return results_in(self.folder(shot))
 
     def frames(self, shot: str) -> FrameSequence:
-        """Return a shot's frames, as they came from the source.
+        """Return a shot's frames, as they came from the source; `read_pixels` of an import.
 
         Raises
         ------
@@ -224,22 +228,39 @@ def _is_partial(name: str) -> bool:
 
 
 def read_pixels(path: Path) -> NDArray[np.uint8]:
-    """Return frames as they are kept: an array file, or what an imported campaign came with.
+    """Return frames that are kept, to be shown: those of an import are rounded to 8 bits, grey.
 
     Raises
     ------
     ValueError, OSError
         They cannot be read.
     """
-    if path.suffix == ".npy":
-        pixels: NDArray[np.uint8] = np.load(path, allow_pickle=False)
-        return pixels
+    return _recorded(path) if path.name == FRAMES else _imported(path).pixels
+
+
+def read_light(path: Path) -> Grey:
+    """Return frames that are kept, to be measured: grey levels of 0 to 255 with all their bits.
+
+    Raises
+    ------
+    ValueError, OSError
+        They cannot be read.
+    """
+    return _recorded(path) if path.name == FRAMES else _imported(path).light
+
+
+def _recorded(path: Path) -> NDArray[np.uint8]:
+    pixels: NDArray[np.uint8] = np.load(path, allow_pickle=False)
+    return pixels
+
+
+def _imported(path: Path) -> FrameStack:
     # Readers of images are loaded only where frames are no arrays.
     from analysis.balls.films.frames import read_frames  # noqa: PLC0415
     from analysis.errors import InputError  # noqa: PLC0415
 
     try:
-        return read_frames(path).pixels
+        return read_frames(path)
     except InputError as error:
         raise ValueError(str(error)) from error
 

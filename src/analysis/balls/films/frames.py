@@ -36,7 +36,7 @@ def read_frames(path: Path) -> FrameStack:
 
     Plain grey frames are those of `read_stack`. Cameras' own files and raw pictures are read as
     films are; of colour the brightness (ITU-R BT.601) is taken. Times are those beside the frames,
-    else those of a camera's own file, else by the rate that it states.
+    else those of a camera's own file, else by the rate that it states; its exposure comes along.
 
     Raises
     ------
@@ -86,8 +86,8 @@ def _grey(film: Film) -> FrameStack:
         light = cast("NDArray[np.float32]", values)
     else:
         whole = cast("NDArray[np.uint8]", values)
-        return FrameStack(whole, whole, times, notes)
-    return FrameStack(np.rint(light).astype(np.uint8), light, times, notes)
+        return FrameStack(whole, whole, times, notes, head.exposure_s)
+    return FrameStack(np.rint(light).astype(np.uint8), light, times, notes, head.exposure_s)
 
 
 def _brightness(picture: NDArray[np.generic]) -> NDArray[np.float32]:

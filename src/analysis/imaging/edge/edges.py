@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.arrays import Floats, Grey
 from analysis.compiled import compiled, part
 
 Singles = NDArray[np.float32]
@@ -67,9 +68,7 @@ def gaussian_kernels(
     return smooth, first, second
 
 
-def laplacian_of_gaussian(
-    frame: NDArray[np.uint8] | NDArray[np.float64], sigma_px: float = 2.0
-) -> EdgeImage:
+def laplacian_of_gaussian(frame: Grey | Floats, sigma_px: float = 2.0) -> EdgeImage:
     """Filter a frame with the Laplacian of a Gaussian, and keep the gradient beside it.
 
     Parameters

@@ -9,11 +9,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.arrays import Floats
+from analysis.arrays import Floats, Grey
 from analysis.imaging.edge.edges import gaussian_kernels
 from analysis.imaging.edge.facet import EdgePoints
 
-Frame = NDArray[np.uint8] | NDArray[np.float64]
+Frame = Grey | Floats
 
 SOBEL_SMOOTH, SOBEL_SLOPE = np.array([0.25, 0.5, 0.25]), np.array([-0.5, 0.0, 0.5])
 """Scaled so that a slope of one grey level a pixel gives 1."""

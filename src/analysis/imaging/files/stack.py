@@ -38,12 +38,15 @@ class FrameStack:
         camera's own file holds it, else None.
     notes
         What about the file could not be checked.
+    exposure_s
+        Time the shutter was open, where a camera's own file says so, else None.
     """
 
     pixels: NDArray[np.uint8]
     light: Grey
     times_s: NDArray[np.float64] | None
     notes: tuple[str, ...] = ()
+    exposure_s: float | None = None
 
 
 def read_stack(path: Path) -> FrameStack:
