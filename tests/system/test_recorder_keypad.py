@@ -34,7 +34,12 @@ def daemon(tmp_path: Path) -> Iterator[Daemon]:
     configuration = load()
     # A busy host answers late, and nothing here is about that.
     patient = configuration.camera.recorder.model_copy(update={"answer_timeout_s": 10.0})
-    changes = {"when_full": "ask", "start_timeout_s": 24.6, "recorder": patient}
+    changes = {
+        "when_full": "ask",
+        "start_timeout_s": 24.6,
+        "collect_timeout_s": 90.0,
+        "recorder": patient,
+    }
     camera = configuration.camera.model_copy(update=changes)
     store = StoreSection(folder=str(tmp_path / "data"))
     changed = configuration.model_copy(update={"camera": camera, "store": store})

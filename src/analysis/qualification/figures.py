@@ -40,8 +40,11 @@ BESIDE = 0.22
 
 def stage_figure(results: Sequence[StageErrors]) -> Figure:
     """Draw displacements and their errors along each direction, the main ways side by side."""
+    moved = results[0].moved_px[:, results[0].along]
+    steps = len(moved) - 1
     note = (
-        "A sphere of 40 px moved by eight steps of a quarter of a pixel, displacements about "
+        f"A sphere moved by {steps} steps of {np.ptp(moved, axis=0).max() / steps:.3g} px, "
+        "displacements about "
         "their mean. Above: measured against true\n(line). Below: errors. Edges: LoG of width 2, "
         "fuzzy shells; the Hough transform takes the edges at 1/4 px (figs. 4.1, 4.2)."
     )
@@ -72,8 +75,10 @@ def stage_figure(results: Sequence[StageErrors]) -> Figure:
 
 def drop_figure(results: Mapping[Method, Gravity]) -> Figure:
     """Draw one fall with its parabola, what the parabola leaves, and gravity of every drop."""
+    first = next(iter(results.values())).falls[0]
     note = (
-        "A steel sphere of 33 px let go before the camera, one picture every 8 ms. Left: one drop "
+        f"A sphere of {2.0 * first.radius_px:.0f} px let go before the camera, one picture every "
+        f"{1e3 * float(np.median(np.diff(first.times_s))):.3g} ms. Left: one drop "
         "and its parabola. Right: gravity\nof each drop, the scale taken from the sphere's "
         "diameter; line: the true value. The thesis's drops against 385.92 in/s² (Newark)."
     )
@@ -123,9 +128,10 @@ def _gravities(axes: Axes, results: Mapping[Method, Gravity]) -> None:
 
 def disk_figure(results: Mapping[Method, Sequence[Turn]]) -> Figure:
     """Draw measured against actual angles, the errors of their means, and their scatter."""
+    turns = next(iter(results.values()))
     note = (
-        "A disk with five markers at 997 turns a minute and 1000 frames/s; angles between frames "
-        "one to seven apart, all pairs.\nBars: standard deviation of a single angle. Crosses: "
+        f"A disk that turns by {turns[0].actual:.3f} degrees a frame; angles between frames one "
+        f"to {len(turns)} apart, all pairs.\nBars: standard deviation of a single angle. Crosses: "
         "table 6.2 of the thesis."
     )
     figure = sheet(9.6, 7.0, "Disk: angles of rotation", note)

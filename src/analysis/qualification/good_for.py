@@ -16,6 +16,8 @@ from analysis.qualification.stage import StageErrors
 FLIGHT = 10
 """Frames of a flight before or after a contact, over which speeds and spins are stated."""
 
+WRONG_STEP = 0.05
+"""Relative: steps of a stage that are further off than that are stated wrongly."""
 METHODS_APART = 0.05
 """Relative; edges and grey levels differ by a per cent where a sphere is shaded."""
 
@@ -41,12 +43,20 @@ def of_stage(results: Sequence[StageErrors]) -> Verdict:
     ways = dict.fromkeys(result.way for result in results)
     worst = {way: max(r.rms_px for r in results if r.way == way) for way in ways}
     best = min(worst, key=lambda way: worst[way])
-    largest = max(result.largest_px for result in results if result.way == best)
-    return Verdict(
+    own = [result for result in results if result.way == best]
+    largest = max(result.largest_px for result in own)
+    share = max((result.way_share for result in own), key=lambda each: abs(each - 1.0))
+    sentence = (
         f"Centres of this sphere are good to {worst[best]:.3f} px rms, {largest:.3f} px at most, "
-        f"by {best}.",
-        {"centre_rms_px": worst[best], "centre_largest_px": largest},
+        f"by {best}."
     )
+    if abs(share - 1.0) > WRONG_STEP:
+        sentence += (
+            f" But the sphere moved by {share:.3f} of the steps that are stated: correct the step "
+            "or the scale, or these are no errors of centres."
+        )
+    numbers = {"centre_rms_px": worst[best], "centre_largest_px": largest, "way_share": share}
+    return Verdict(sentence, numbers)
 
 
 def of_drop(found: Gravity, others: Sequence[Gravity] = ()) -> Verdict:

@@ -52,6 +52,12 @@ class StageErrors:
         return float(np.sqrt((self.errors_px**2).mean() * count / (count - 1)))
 
     @property
+    def way_share(self) -> float:
+        """Way that the places show over the way that is stated, by least squares."""
+        stated, seen = self.moved_px[:, self.along], self.measured_px[:, self.along]
+        return float((stated * seen).sum() / (stated**2).sum())
+
+    @property
     def largest_px(self) -> float:
         """Largest error of any position."""
         return float(np.abs(self.errors_px).max())

@@ -66,6 +66,8 @@ def test_pictures_of_a_stage_are_measured_against_its_steps(
     assert error["direction"] == "y"
     assert error["rms_px"] < 0.02
     assert found["good_for"]["centre_rms_px"] == error["rms_px"]
+    assert found["good_for"]["way_share"] == pytest.approx(1.0, abs=0.02)
+    assert "correct the step" not in found["good_for"]["sentence"]
 
 
 def test_steps_that_are_stated_wrong_are_errors_of_the_stage(
@@ -76,6 +78,8 @@ def test_steps_that_are_stated_wrong_are_errors_of_the_stage(
     found = document(capsys, "stage", "--frames", path, *settings)
     # Nine places with 0.05 px too much a step: sqrt(60 / 8) steps of rms, the mean taken out.
     assert found["errors"][0]["rms_px"] == pytest.approx(0.05 * np.sqrt(60 / 8), rel=0.05)
+    assert found["good_for"]["way_share"] == pytest.approx(0.25 / 0.30, rel=0.01)
+    assert "moved by 0.83" in found["good_for"]["sentence"]
 
 
 def test_of_a_fall_only_frames_count_that_show_the_whole_sphere(

@@ -16,6 +16,8 @@ from analysis.balls.flight.flights import LEAST_PLACES, Flights, Ints, Observed,
 from analysis.balls.flight.known import (
     BARREL_SIGMA,
     ROLL_SIGMA,
+    SHORTENING,
+    SHORTENING_SIGMA,
     SMEAR_SIGMA,
     STAY_S,
     TILT_SIGMA,
@@ -69,6 +71,7 @@ class _Problem:
         know(path.ROLL, 0.0, ROLL_SIGMA)
         know(path.TILT, 0.0, TILT_SIGMA)
         know(path.STAY, 0.0, STAY_S * ball.diameter_m / 0.02)
+        know(path.SHORTENING, SHORTENING, SHORTENING_SIGMA)
         know(path.MIDDLE_ROW, 0.5 * view.height, 0.0)
         know(path.MIDDLE_COLUMN, 0.5 * view.width, 0.0)
         know(path.BIAS, 0.0, SMEAR_SIGMA * view.exposure_s)
@@ -225,7 +228,7 @@ def _settle(problem: _Problem, *, again: bool) -> Flights:
         loose = problem.free.copy()
         if round_ == 0:
             loose[[path.DRAG, path.ROW_TIME, path.PERSPECTIVE, path.STAY, path.TILT]] = False
-            loose[[path.BIAS, path.BARREL]] = False
+            loose[[path.BIAS, path.BARREL, path.SHORTENING]] = False
             loose[[path.DEPTH, *range(path.COMMON + 2, len(values), path.EACH)]] = False
         soft = round_ < ROUNDS - 1
         values = _solve(problem, values, (arcs, used, enlarge), loose, soft=soft)

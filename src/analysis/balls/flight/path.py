@@ -15,17 +15,20 @@ from analysis.arrays import Floats
 from analysis.compiled import compiled, part
 
 TIME, SPEED, PLACE, ACROSS, FALL, DRAG, ROW_TIME, PERSPECTIVE, ROLL = range(9)
-PLATE, TILT, STAY, DEPTH, BIAS, BARREL, MIDDLE_ROW, MIDDLE_COLUMN = range(9, 17)
+PLATE, TILT, STAY, DEPTH, BIAS, BARREL, MIDDLE_ROW, MIDDLE_COLUMN, SHORTENING = range(9, 18)
 """First contact's time, approach speed, column from the middle and speed across before it; fall,
 px/s^2; drag, 1/px; time a row or column, s; perspective, 1/px; the vertical's angle in the picture;
-row of contact; slope of the plate; duration of a contact, s; speed away from the camera before the
-first contact, in distances of the camera a second; shift of a smeared ball's centre along the rows
-by its speed, s; barrel distortion at half the picture's larger side; the picture's middle, about
-which it acts as perspective does."""
-COMMON = 17
+row of contact; slope of the plate; duration of the first contact, s; speed away from the camera
+before it, in distances of the camera a second; shift of a smeared ball's centre along the rows by
+its speed, s; barrel distortion at half the picture's larger side; the picture's middle, about which
+it acts as perspective does; power of the approach speed by which contacts last shorter: 1/5 by
+H. Hertz (1881), 0 by a linear spring."""
+COMMON = 18
 EACH = 3
 """For each bounce: speeds away from the plate and across, what it gains away from the camera."""
 LARGEST_STEP_S = 0.02
+SLOWEST = 1e-2
+"""Approach speeds in that of the first contact: slower ones last no longer."""
 SHORTEST_S, LONGEST_FILMS = 1e-6, 2.0
 """A flight's time from bounce to bounce, the most in lengths of the film: numbers that a fit tries
 on its way may have no fall, or a ball that leaves the plate downward."""
@@ -78,6 +81,14 @@ def _meet(state: NDArray[np.float64], slope: float, lasts: float, forces: Floats
         if abs(step) < 1e-12:
             break
     return lasts
+
+
+@part
+def _lengthened(first: float, speed: float, power: float) -> float:
+    """Return how much longer a contact lasts than that of the first approach speed."""
+    if first <= 0.0 or speed <= 0.0:
+        return 1.0
+    return float((first / max(speed, SLOWEST * first)) ** power)
 
 
 @part
@@ -152,7 +163,7 @@ def places(
         contacts[k, 5] = state[1]
         start[0], start[1] = state[0], state[1]
         start[2], start[3] = -away, beside
-        begun += values[STAY]
+        begun += values[STAY] * _lengthened(contacts[0, 1], contacts[k, 1], values[SHORTENING])
         state[:] = start
         at = begun
         for n in range(len(times)):

@@ -158,3 +158,56 @@ def test_a_fall_of_half_the_stated_diameter_is_fitted_from_what_the_flights_say(
     assert found.scale_of_fall[0] == pytest.approx(SCALE, rel=0.01)
     for (e, sigma), (_, down, up) in zip(coefficients(found), BOUNCES, strict=True):
         assert e == pytest.approx(up / down, abs=4 * sigma + 1e-3)
+
+
+LASTS_S, FIRST = 2e-4, 1.5
+
+
+def bounces_that_last(power: float) -> list[tuple[float, float, float]]:
+    """Begin of each contact, approach speed, and end; three bounces with e = 0.74 in a vacuum."""
+    found, begin, speed = [], 0.16, FIRST
+    for _ in range(3):
+        end = begin + LASTS_S * (speed / FIRST) ** -power
+        found.append((begin, speed, end))
+        speed *= 0.74
+        begin = end + 2 * speed / 9.80665
+    return found
+
+
+def filmed(bounces: list[tuple[float, float, float]], rng: np.random.Generator) -> Observed:
+    """Pieces of parabolas between contacts that last; no place is seen during one."""
+    times = np.arange(0.05, bounces[-1][2] + 0.1, 1 / 250)
+    begins, ends = np.array([(b[0], b[2]) for b in bounces]).T
+    after = np.searchsorted(begins, times)
+    shown = (after == 0) | (times > ends[after - 1])
+    since = np.where(after == 0, times - begins[0], times - ends[after - 1])
+    leaving = np.array([FIRST, *(-0.74 * b[1] for b in bounces)])[after]
+    rows = PLATE + SCALE * leaving * since + 0.5 * FALL * since**2
+    places = np.stack([rows, 100 + 5 * times], axis=1)[shown]
+    sigmas = np.full(places.shape, 0.004)
+    places += sigmas * rng.standard_normal(places.shape)
+    return Observed(np.arange(len(times))[shown], times[shown], places, sigmas)
+
+
+@pytest.mark.parametrize("power", [0.2, 0.0], ids=["a solid ball", "a linear spring"])
+def test_speeds_are_within_their_errors_where_slow_contacts_last_longer(power: float) -> None:
+    bounces = bounces_that_last(power)
+    speeds = np.array([b[1] for b in bounces])
+    first = Start(
+        np.array([b[0] for b in bounces]) + 0.001,
+        np.array([[PLATE + 1.0, 101.0]] * 3),
+        np.stack([1.01 * SCALE * speeds, np.full(3, 5.0)], axis=1),
+        np.stack([-0.74 * 0.99 * SCALE * speeds, np.full(3, 5.0)], axis=1),
+    )
+    pulls = []
+    for seed in range(4):
+        found = fit_flights(filmed(bounces, np.random.default_rng(seed)), first, known())
+        assert found is not None
+        for contact, slopes, speed in zip(
+            found.contacts, found.contact_slopes, speeds, strict=True
+        ):
+            slope = slopes[1].copy()
+            slope[path.FALL] -= contact[1]
+            sigma = math.sqrt(slope @ found.covariance @ slope)
+            pulls.append((contact[1] - found.scale_px_per_m * speed) / sigma)
+    assert np.sqrt(np.mean(np.square(pulls))) < 1.6
