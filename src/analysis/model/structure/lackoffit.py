@@ -54,8 +54,11 @@ class Cell:
     mean_chi2, mean_freedom
         Fall by the mean of the channel's residuals, and 1; 0 and 0 where something fitted takes its
         place. `mean_p_holm` with all channels looked at.
+    constant_chi2
+        Fall by the constant alone, fitted beside all that was fitted as the five functions are. Of
+        jumps it is not the mean's: a law that is fitted beside it can take another place.
     course_p_holm
-        Chance of what the others add to it, with all cells looked at.
+        Chance of what the other functions add to the constant, with all cells looked at.
     size, stated
         How large the structure is, root mean square, and how large the stated slow errors of the
         poses let it be: of frames in m or rad, of jumps at contact in m/s or rad/s. 0 and 0 where
@@ -74,6 +77,7 @@ class Cell:
     mean_chi2: float = 0.0
     mean_freedom: int = 0
     mean_p_holm: float = 1.0
+    constant_chi2: float = 0.0
     course_p_holm: float = 1.0
     size: float = 0.0
     stated: float = 0.0
@@ -81,7 +85,7 @@ class Cell:
     @property
     def course(self) -> tuple[float, int]:
         """Chi-squared and degrees of freedom without the channel's constant."""
-        return max(0.0, self.chi2 - self.mean_chi2), self.freedom - self.mean_freedom
+        return max(0.0, self.chi2 - self.constant_chi2), self.freedom - self.mean_freedom
 
     @property
     def course_deviation(self) -> float:
@@ -135,8 +139,11 @@ def tested(data: CampaignData, fit: Fit) -> Tested:
     solved = {name: cell.solved(covariance, sums.left) for name, cell in sums.cells.items()}
     carried = sums.carried(solved, covariance)
     cells = _cells(fit, solved, carried, own_cells(fit.theory, sums))
-    means = {name: _mean(sums, name, covariance) for name in sums.cells}
-    cells = _with_means(cells, means, max(fit.chi2_per_dof, 1e-12))
+    constants = {
+        name: cell.of_first().solved(covariance, sums.left) for name, cell in sums.cells.items()
+    }
+    means = {name: _mean(sums, name, beside) for name, beside in constants.items()}
+    cells = _with_means(cells, means, constants, max(fit.chi2_per_dof, 1e-12))
     slow = NO_SLOW_ERRORS if isinstance(data, ContactTable) else data.slow
     cells = [_sized(cell, sums, solved, slow) for cell in cells]
     if slow.stated and not isinstance(data, ContactTable):
@@ -145,21 +152,26 @@ def tested(data: CampaignData, fit: Fit) -> Tested:
     return Tested(tuple(sorted(cells, key=lambda c: (c.p_value, -c.chi2))), sums, solved)
 
 
-def _mean(sums: Summed, name: Name, covariance: Floats) -> Solved:
+def _mean(sums: Summed, name: Name, beside: Solved) -> Solved:
     """Return the constant of a cell's channel as its residuals show it.
 
-    Of frames they hold what the poses want beside all that was fitted. Of jumps they are what the
-    fit leaves of each shot, and their mean is no longer fitted beside a law that could take it.
+    `beside` is the constant fitted beside all that was fitted. Of frames these hold what the poses
+    want beside all of it. Of jumps they are what the fit leaves of each shot, and their mean is no
+    longer fitted beside a law that could take it.
     """
-    constant = sums.cells[name].of_first()
-    beside = constant.solved(covariance, sums.left)
     if name[0] not in sums.jumps or beside.freedom == 0:
         return beside
+    constant = sums.cells[name].of_first()
     own, gradient = float(constant.own[0, 0]), float(constant.gradient[0])
     return replace(beside, chi2=gradient**2 / own)
 
 
-def _with_means(cells: Sequence[Cell], means: Mapping[Name, Solved], scale2: float) -> list[Cell]:
+def _with_means(
+    cells: Sequence[Cell],
+    means: Mapping[Name, Solved],
+    constants: Mapping[Name, Solved],
+    scale2: float,
+) -> list[Cell]:
     """Split each cell into the mean of its channel and its course, each with its chance."""
     by_channel = {name[0]: one for name, one in means.items()}
     chances = holm(np.array([_chance(one, scale2) for one in by_channel.values()]))
@@ -170,6 +182,7 @@ def _with_means(cells: Sequence[Cell], means: Mapping[Name, Solved], scale2: flo
             mean_chi2=means[cell.channel, cell.covariate].chi2 / scale2,
             mean_freedom=means[cell.channel, cell.covariate].freedom,
             mean_p_holm=float(looked_at[cell.channel]),
+            constant_chi2=constants[cell.channel, cell.covariate].chi2 / scale2,
         )
         for cell in cells
     ]

@@ -40,7 +40,7 @@ window.ghostFilm = (root, film) => {
     const at = Number(slider.value);
     const frame = film.frames[at];
     const k = large.checked ? film.times : 1;
-    const parts = film.still.slice();
+    const parts = [];
     if (frame.picture) parts.push(`<image href="${frame.picture}" width="${film.width}" height="${film.height}"/>`);
     for (const [x, y, r, sphere, dx, dy] of frame.rings) {
       const look = film.looks[sphere];
@@ -48,6 +48,7 @@ window.ghostFilm = (root, film) => {
       if (ghost.checked && dx !== null)
         parts.push(circle(x + k * dx, y + k * dy, r, `class="ghost" fill="none" stroke-width="${film.stroke}" stroke-dasharray="${4 * film.stroke} ${3 * film.stroke}"`));
     }
+    parts.push(...film.still);
     if (ghost.checked) parts.push(loupe(frame));
     scene.innerHTML = parts.join("");
     const side = frame.time < 0 ? "before" : "after";
