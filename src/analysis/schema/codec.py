@@ -14,8 +14,8 @@ NotNegative = Annotated[float, Field(ge=0)]
 
 SMALLEST_P = 1e-300
 """No chance is less than this in a document: some readers take a smaller number for none."""
-STRICT = ConfigDict(strict=True, extra="forbid", allow_inf_nan=False)
-BESIDE = ConfigDict(strict=True, extra="ignore", allow_inf_nan=False)
+STRICT = ConfigDict(strict=True, extra="forbid", allow_inf_nan=False, defer_build=True)
+BESIDE = ConfigDict(strict=True, extra="ignore", allow_inf_nan=False, defer_build=True)
 """Of a model whose document may hold further keys, those of what else was asked."""
 
 

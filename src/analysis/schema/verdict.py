@@ -158,11 +158,10 @@ class RankedCandidate:
 
 
 @dataclass(frozen=True, slots=True, config=STRICT, kw_only=True)
-class LeftCell:
-    """Structure that is left: what is disturbed, against what it depends on.
+class TestedCell:
+    """What is disturbed, against what it depends on.
 
-    `p_value` is that of the cell by itself, `p_familywise` with all cells looked at;
-    `of_measurement`: whether slow errors of the poses do as much.
+    `p_value` is that of the cell by itself, `p_familywise` with all cells looked at.
     """
 
     channel: str
@@ -171,6 +170,12 @@ class LeftCell:
     degrees_of_freedom: Count
     p_value: Chance
     p_familywise: Chance
+
+
+@dataclass(frozen=True, slots=True, config=STRICT, kw_only=True)
+class LeftCell(TestedCell):
+    """Structure that is left; `of_measurement`: whether slow errors of the poses do as much."""
+
     of_measurement: bool
 
 

@@ -38,7 +38,10 @@ class JobSummary(View):
 class JobView(JobSummary):
     """A job with its result, null until it is done."""
 
-    result: dict[str, Any] | None
+    result: dict[str, Any] | None = Field(
+        description="of kind explain a `VerdictReport`, of kind fits a `FitReport` with its name "
+        "and version, else as the route of the kind answers"
+    )
 
 
 def job_text(job: Job) -> str:

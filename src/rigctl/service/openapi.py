@@ -15,6 +15,7 @@ from starlette.responses import Response
 from rigctl.access.scopes import ESTOP_PATH, PREFIX, ROUTES, Scope
 from rigctl.config import Limits
 from rigctl.service.problems import Problem, documented
+from rigctl.service.reports import report_schemas
 
 
 def describe(app: FastAPI, limits: Limits) -> Callable[[], dict[str, Any]]:
@@ -54,6 +55,7 @@ def _document(app: FastAPI, limits: Limits) -> dict[str, Any]:
     )
     schemas.update(problem.pop("$defs", {}))
     schemas["Problem"] = problem
+    schemas.update(report_schemas())
     components["securitySchemes"] = {
         "key": {
             "type": "http",

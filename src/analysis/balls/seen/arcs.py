@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.arrays import Floats
-from analysis.balls.seen.growing import MEMORY, MOST_MISSES, grow
+from analysis.balls.seen.growing import MEMORY, MOST_MISSES, course, grow
 
 Ints = NDArray[np.intp]
 
@@ -54,7 +54,8 @@ class Arc:
 
     def course_of(self, part: slice, fall: Floats) -> tuple[float, Floats, Floats]:
         """Return the same of some of its sightings."""
-        return _course(self.times_s[part], self.places[part], fall)
+        places = np.ascontiguousarray(self.places[part])
+        return course(np.ascontiguousarray(self.times_s[part]), places, fall)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -135,16 +136,6 @@ class _Search:
         frames = np.array([frame for frame, _ in taken])
         rows = np.array([self._seen.places[k][i] for k, i in taken])
         return Arc(frames, self._seen.times_s[frames], rows[:, :2], float(rows[:, 2].sum()))
-
-
-def _course(times: Floats, places: Floats, fall: Floats) -> tuple[float, Floats, Floats]:
-    """Return the middle of some times, and place and velocity then, by least squares."""
-    middle = float(times.mean())
-    gone = times - middle
-    straight = places - 0.5 * fall * gone[:, None] ** 2
-    spread = float(gone @ gone)
-    velocity = gone @ straight / spread if spread > 0 else np.zeros(2)
-    return middle, straight.mean(axis=0), velocity
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -16,6 +16,39 @@ MEMORY = 14
 TOLERANCE, FURTHEST, ROWS, COLUMNS, FALL = range(5)
 
 
+@compiled
+def course(
+    times: NDArray[np.float64], places: NDArray[np.float64], fall: NDArray[np.float64]
+) -> tuple[float, NDArray[np.float64], NDArray[np.float64]]:
+    """Return the middle of some times, and place and velocity then, by least squares.
+
+    Parameters
+    ----------
+    times
+        Shape (N,), s.
+    places
+        Row and column, px; shape (N, 2).
+    fall
+        Acceleration of free fall in the picture, (row, column), px/s^2.
+    """
+    count = len(times)
+    middle = 0.0
+    for n in range(count):
+        middle += times[n] / count
+    spread = 0.0
+    place, velocity = np.zeros(2), np.zeros(2)
+    for n in range(count):
+        gone = times[n] - middle
+        spread += gone * gone
+        for k in range(2):
+            straight = places[n, k] - 0.5 * fall[k] * gone * gone
+            place[k] += straight / count
+            velocity[k] += gone * straight
+    for k in range(2):
+        velocity[k] /= max(spread, 1e-300)
+    return middle, place, velocity
+
+
 @part
 def _expected(
     times: NDArray[np.float64],
@@ -25,23 +58,16 @@ def _expected(
     time: float,
 ) -> tuple[float, float]:
     """Return row and column at a time of the fall that fits some sightings best."""
-    count = len(known)
-    middle = 0.0
-    for n in range(count):
-        middle += times[known[n, 0]] / count
-    spread = 0.0
-    mean, slope = np.zeros(2), np.zeros(2)
-    for n in range(count):
-        gone = times[known[n, 0]] - middle
-        spread += gone * gone
+    own_times, own = np.empty(len(known)), np.empty((len(known), 2))
+    for n in range(len(known)):
+        own_times[n] = times[known[n, 0]]
         for k in range(2):
-            straight = places[known[n, 0], known[n, 1], k] - 0.5 * fall[k] * gone * gone
-            mean[k] += straight / count
-            slope[k] += gone * straight
+            own[n, k] = places[known[n, 0], known[n, 1], k]
+    middle, place, velocity = course(own_times, own, fall)
     later = time - middle
     for k in range(2):
-        mean[k] += slope[k] / max(spread, 1e-300) * later + 0.5 * fall[k] * later * later
-    return mean[0], mean[1]
+        place[k] += velocity[k] * later + 0.5 * fall[k] * later * later
+    return place[0], place[1]
 
 
 _Seen = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_], NDArray[np.float64]]

@@ -220,7 +220,7 @@ def _pixels(picture: Picture, ground: Picture, disc: Disc) -> tuple[Picture, Pic
     return picture[window][within], ground[window][within]
 
 
-def rim_weights(ball: Singles, still: Singles, head: FilmHead, radius_px: float = 0.0) -> Floats:
+def rim_weights(ball: Singles, still: Singles, head: FilmHead, radius_px: float) -> Floats:
     """Return weights for light at the rim: brightness where a codec has halved the colours.
 
     Of a large ball half of the colours is enough, and a shadow on the wall behind it, which goes

@@ -116,7 +116,8 @@ def _weights(window: Picture, centre: tuple[float, float], disc: Disc, head: Fil
     inside, outside = (
         light(window[(away > low) & (away < high)], head) for low, high in (RING_IN, RING_OUT)
     )
-    return rim_weights(inside, outside, head)
+    # Of a coded film brightness at any size, as of the smallest: coded colours are too coarse here.
+    return rim_weights(inside, outside, head, 0.0)
 
 
 def _rim(still: Floats, centre: tuple[float, float], radius: float) -> _Rim | None:

@@ -14,7 +14,19 @@ from analysis.model.structure.findings import ALWAYS, Finding, findings
 from analysis.model.structure.lackoffit import Cell
 from analysis.model.structure.layout import covariate_label
 from analysis.model.structure.structure import CellResiduals, Structure, Trend
-from analysis.schema.codec import SMALLEST_P, Json
+from analysis.schema.agreement import (
+    AgreementReport,
+    AgreementRow,
+    AgreementStage,
+    CellPoints,
+    CountedCell,
+    Course,
+    NoiseScale,
+    SplitCell,
+    StructureReport,
+)
+from analysis.schema.codec import SMALLEST_P, Json, written, written_all
+from analysis.schema.verdict import TestedCell
 
 DRAWN = 6
 """Of so many cells, the most striking ones, a document holds the residuals."""
@@ -26,47 +38,60 @@ SEED = 1
 
 
 def agreement_document(found: Agreement) -> Json:
+    """Return the JSON of a table of agreement."""
+    return written(agreement_report(found))
+
+
+def agreement_report(found: Agreement) -> AgreementReport:
     """Return the table, its lines in stages, with p-values for having looked at all lines."""
-    return {
-        "chi2": found.chi2,
-        "degrees_of_freedom": found.freedom,
-        "chi2_per_dof": found.chi2 / found.freedom,
-        "p_value": max(found.p_value, SMALLEST_P),
-        "prediction_error": found.prediction.value,
-        "prediction_error_sampling": found.prediction.sampling,
-        "noise": {
-            kind: {"value": scale.value, "sigma": scale.sigma if np.isfinite(scale.sigma) else None}
+    return AgreementReport(
+        chi2=found.chi2,
+        degrees_of_freedom=found.freedom,
+        chi2_per_dof=found.chi2 / found.freedom,
+        p_value=max(found.p_value, SMALLEST_P),
+        prediction_error=found.prediction.value,
+        prediction_error_sampling=found.prediction.sampling,
+        noise={
+            kind: NoiseScale(scale.value, scale.sigma if np.isfinite(scale.sigma) else None)
             for kind, scale in zip(("positions", "orientations"), found.noise, strict=True)
         },
-        "stages": [
-            {
-                "stage": stage.name,
-                "quantities": [_row(row) for row in stage.rows],
-            }
-            for stage in found.stages
-        ],
-    }
+        stages=tuple(
+            AgreementStage(stage.name, tuple(map(_row, stage.rows))) for stage in found.stages
+        ),
+    )
 
 
 def structure_document(found: Structure) -> Json:
-    """Return all cells, and the residuals of the most striking ones.
+    """Return the JSON of all cells, and the residuals of the most striking ones."""
+    return written(structure_report(found))
 
-    `deviation`: standard deviations of a cell's course without its channel's mean, and
-    `mean_deviation` those of that mean.
-    """
-    return {
-        "cells": [_split(cell) for cell in found.cells],
-        "residuals": [
-            residuals_document(found.residuals(cell.channel, cell.covariate))
+
+def structure_report(found: Structure) -> StructureReport:
+    """Return all cells, and the residuals of the most striking ones."""
+    return StructureReport(
+        cells=tuple(
+            SplitCell(
+                **asdict(tested_cell(cell)),
+                deviation=cell.course_deviation,
+                mean_deviation=cell.mean_deviation,
+            )
+            for cell in found.cells
+        ),
+        residuals=tuple(
+            cell_points(found.residuals(cell.channel, cell.covariate))
             for cell in found.cells[:DRAWN]
-        ],
-    }
+        ),
+    )
 
 
 def cells_document(found: Structure) -> list[Json]:
-    """Return all cells; `shared`: whether more than two shots speak for it."""
+    """Return the JSON of all cells, with whether more than two shots speak for each."""
     shots = len(found.data.shots)
-    return [{**cell_document(cell), "shared": is_shared(cell, shots)} for cell in found.cells]
+    counted = [
+        CountedCell(**asdict(tested_cell(cell)), shared=is_shared(cell, shots))
+        for cell in found.cells
+    ]
+    return written_all(CountedCell, counted)
 
 
 def findings_document(found: Structure) -> list[Json]:
@@ -93,25 +118,21 @@ def _behind(found: Structure, one: Finding) -> CellResiduals:
     return found.residuals(one.channel, one.covariate)
 
 
-def residuals_document(found: CellResiduals) -> Json:
-    """Return the points of a cell and their running mean, arrays as lists."""
+def cell_points(found: CellResiduals) -> CellPoints:
+    """Return the points of a cell and their running mean."""
     trend = found.trend
-    return {
-        "channel": found.channel,
-        "covariate": found.covariate,
-        "x_label": covariate_label(found.covariate),
-        "unit": found.unit,
-        "shots": found.shots.tolist(),
-        "frames": found.frames.tolist(),
-        "x": found.place.tolist(),
-        "residual": found.residual.tolist(),
-        "sigma": found.sigma.tolist(),
-        "trend": {
-            "x": trend.place.tolist(),
-            "mean": trend.mean.tolist(),
-            "sigma": trend.sigma.tolist(),
-        },
-    }
+    return CellPoints(
+        channel=found.channel,
+        covariate=found.covariate,
+        x_label=covariate_label(found.covariate),
+        unit=found.unit,
+        shots=tuple(found.shots.tolist()),
+        frames=tuple(found.frames.tolist()),
+        x=tuple(found.place.tolist()),
+        residual=tuple(found.residual.tolist()),
+        sigma=tuple(found.sigma.tolist()),
+        trend=Course(*(tuple(a.tolist()) for a in (trend.place, trend.mean, trend.sigma))),
+    )
 
 
 def drawn(found: CellResiduals) -> Json:
@@ -132,7 +153,7 @@ def drawn(found: CellResiduals) -> Json:
         sigma=_rounded(found.sigma[chosen]),
         trend=Trend(*map(_rounded, (found.trend.place, found.trend.mean, found.trend.sigma))),
     )
-    return {**residuals_document(some), "of": count}
+    return {**written(cell_points(some)), "of": count}
 
 
 def _rounded(values: Floats) -> Floats:
@@ -145,31 +166,29 @@ def _rounded(values: Floats) -> Floats:
     return np.asarray(np.rint(values * up / down) / up * down)
 
 
-def _row(row: Row) -> Json:
-    document = asdict(row)
-    document["degrees_of_freedom"] = document.pop("freedom")
-    del document["p_holm"]
-    document["p_value"] = max(row.p_value, SMALLEST_P)
-    document["p_familywise"] = max(row.p_holm, SMALLEST_P)
-    return document
+def _row(row: Row) -> AgreementRow:
+    return AgreementRow(
+        quantity=row.quantity,
+        unit=row.unit,
+        count=row.count,
+        chi2=row.chi2,
+        degrees_of_freedom=row.freedom,
+        error=row.error,
+        sampling=row.sampling,
+        size=row.size,
+        floor=row.floor,
+        p_value=max(row.p_value, SMALLEST_P),
+        p_familywise=max(row.p_holm, SMALLEST_P),
+    )
 
 
-def cell_document(cell: Cell) -> Json:
-    """Return a cell: `p_value` of it by itself, `p_familywise` with all cells looked at."""
-    return {
-        "channel": cell.channel,
-        "covariate": cell.covariate,
-        "chi2": cell.chi2,
-        "degrees_of_freedom": cell.freedom,
-        "p_value": max(cell.p_value, SMALLEST_P),
-        "p_familywise": max(cell.p_holm, SMALLEST_P),
-    }
-
-
-def _split(cell: Cell) -> Json:
-    """Return a cell with its deviations, the mean of its channel taken out, and of that mean."""
-    return {
-        **cell_document(cell),
-        "deviation": cell.course_deviation,
-        "mean_deviation": cell.mean_deviation,
-    }
+def tested_cell(cell: Cell) -> TestedCell:
+    """Return a cell with its chances."""
+    return TestedCell(
+        channel=cell.channel,
+        covariate=cell.covariate,
+        chi2=cell.chi2,
+        degrees_of_freedom=cell.freedom,
+        p_value=max(cell.p_value, SMALLEST_P),
+        p_familywise=max(cell.p_holm, SMALLEST_P),
+    )

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import asdict
 
-from analysis.model.agreement.document import cell_document
+from analysis.model.agreement.document import tested_cell
 from analysis.model.data.stream import CampaignData
 from analysis.model.design.between import Telling
 from analysis.model.design.document import next_shots
@@ -105,7 +106,7 @@ def _left(verdict: Verdict, shots: int) -> list[Cell]:
 
 
 def _left_cell(cell: Cell) -> LeftCell:
-    return LeftCell(**cell_document(cell), of_measurement=cell.of_measurement)
+    return LeftCell(**asdict(tested_cell(cell)), of_measurement=cell.of_measurement)
 
 
 def _seen(candidate: Candidate) -> SeenCandidate:

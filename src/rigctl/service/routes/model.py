@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Hashable, Sequence
-from typing import Annotated, Any
+from typing import Annotated
 
 from fastapi import APIRouter, Query
 from starlette.responses import Response
 
+from analysis.schema.agreement import AgreementReport, StructureReport
+from analysis.schema.verdict import FitReport, RankedCandidate
 from rigctl.daemon import Daemon
 from rigctl.documents import Json
 from rigctl.jobs import Job, Task, Work, in_process
@@ -30,20 +32,14 @@ from rigctl.service.campaign_models import (
 )
 from rigctl.service.guards.bodies import StrictRoute
 from rigctl.service.problems import documented
-
-_ANSWERED: dict[int | str, dict[str, Any]] = {
-    200: {
-        "description": "The answer, for the shots as they are measured now",
-        "content": {"application/json": {"schema": {"type": "object"}}},
-    }
-}
+from rigctl.service.reports import reported
 
 
 def model_routes(daemon: Daemon) -> APIRouter:
     """Return the routes below `/campaigns` that are of the model."""
     router = APIRouter(prefix="/campaigns/{campaign}", tags=["model"], route_class=StrictRoute)
 
-    @router.get("/agreement", responses=_ANSWERED | accepts() | documented(*_QUESTION))
+    @router.get("/agreement", responses=_AGREEMENT | accepts() | documented(*_QUESTION))
     def agreement(campaign: CampaignName, query: Annotated[EffectsQuery, Query()]) -> Response:
         """Compare the model with the campaign by stage and quantity.
 
@@ -51,7 +47,7 @@ def model_routes(daemon: Daemon) -> APIRouter:
         """
         return answered(_ask(daemon, "agreement", campaign, query.effects))
 
-    @router.get("/structure", responses=_ANSWERED | accepts() | documented(*_QUESTION))
+    @router.get("/structure", responses=_STRUCTURE | accepts() | documented(*_QUESTION))
     def structure(campaign: CampaignName, query: Annotated[EffectsQuery, Query()]) -> Response:
         """Test what the model leaves over, with the residuals where most is left.
 
@@ -59,7 +55,7 @@ def model_routes(daemon: Daemon) -> APIRouter:
         """
         return answered(_ask(daemon, "structure", campaign, query.effects))
 
-    @router.get("/ranking", responses=_ANSWERED | accepts() | documented(*_QUESTION))
+    @router.get("/ranking", responses=_RANKING | accepts() | documented(*_QUESTION))
     def ranking(campaign: CampaignName, query: Annotated[EffectsQuery, Query()]) -> Response:
         """Rank the effects of the catalogue by their score tests.
 
@@ -118,6 +114,9 @@ def model_routes(daemon: Daemon) -> APIRouter:
     return router
 
 
+_AGREEMENT = reported(FitReport, AgreementReport)
+_STRUCTURE = reported(FitReport, parts={"structure": StructureReport})
+_RANKING = reported(FitReport, lists={"candidates": RankedCandidate})
 _GET = (401, 404, 405, 422, 503)
 _QUESTION = (401, 404, 405, 409, 422, 503)
 _POST = (401, 404, 405, 409, 411, 413, 422, 503)
