@@ -28,7 +28,7 @@ from analysis.motion.poses import Centres
 from analysis.motion.rotation import rotation_vector
 from analysis.motion.spin import Spin, fit_spin, three_frame_spin
 from analysis.motion.split import LEAST_FRAMES, split_at_contact
-from analysis.motion.turn_tears import agreeing_turns
+from analysis.motion.tears import agreeing_turns
 from analysis.motion.velocity import NO_DRAG, FlightPath, fit_flight, three_frame_flight
 from analysis.refusals import (
     check_between,

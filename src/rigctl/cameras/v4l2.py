@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from rigctl.cameras import v4l2_structs as v4l2
 from rigctl.cameras.pixel_formats import COMPRESSED, GREY_FORMATS
-from rigctl.cameras.v4l2_kernel import Kernel, LinuxKernel, Mapping
+from rigctl.cameras.v4l2_structs import Kernel, LinuxKernel, Mapping
 from rigctl.config import PixelFormatName
 from rigctl.errors import (
     DeviceAbsentError,

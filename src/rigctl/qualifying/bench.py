@@ -1,4 +1,4 @@
-"""Accuracy runs recorded by their own parts: camera and slide of a configuration."""
+"""Accuracy runs recorded by a rig's own parts: camera and slide, or falls that a magnet lets go."""
 
 from __future__ import annotations
 
@@ -10,15 +10,19 @@ from pathlib import Path
 
 import numpy as np
 
+from analysis.qualification.drop import whole_falls
+from rigctl import local
 from rigctl.cameras.build import build_capture
 from rigctl.cameras.capture import Capture
 from rigctl.cameras.frames import FrameSequence
+from rigctl.config import load
 from rigctl.config.bench import Bench, StageSection
 from rigctl.devices.build import build_slide
 from rigctl.devices.roles import Slide
 from rigctl.errors import ConfigurationError, DeviceSilentError, FramesError
 from rigctl.laboratory import open_laboratory
-from rigctl.qualifying.runs import DiskFrames, StageFrames
+from rigctl.qualifying.runs import DiskFrames, DropFrames, StageFrames
+from rigctl.settings import ShotSettings
 
 _POLL_S = 0.02
 LOST_TODO = "record once more: a turn across a lost frame would count for two"
@@ -122,3 +126,38 @@ def _stand(
             )
         wait(_POLL_S)
         left_s -= _POLL_S
+
+
+NOTHING_SET = ShotSettings(pressure_a_kpa=0.0, pressure_b_kpa=0.0, offset_mm=0.0)
+"""A magnet has neither pressure nor offset."""
+
+
+def fired_drops(config: Path, count: int) -> list[DropFrames]:
+    """Fire shots one after another; each is kept in the store as any other.
+
+    Raises
+    ------
+    ConfigurationError
+        The apparatus is none that drops a sphere.
+    RigError
+        The rig refused, or a shot came without frames.
+    ShotRefusedError
+        Frames do not show a whole sphere for long enough.
+    """
+    section = load(config)
+    if section.apparatus != "drop":
+        raise ConfigurationError(
+            "drops no sphere",
+            part=str(config),
+            value=f"apparatus = {section.apparatus!r}",
+            limit="drop",
+            todo="name the file of another apparatus",
+        )
+    diameter, gravity = section.spheres[0].diameter_m, section.environment.gravity_m_per_s2
+    runs = []
+    with local.opened(config) as rig:
+        for _ in range(count):
+            frames, times_s = rig.filmed(NOTHING_SET)
+            part = whole_falls(frames)
+            runs.append(DropFrames(frames[part], times_s[part], diameter, gravity))
+    return runs

@@ -14,7 +14,7 @@ from rigctl.rig.clock import Clock
 from rigctl.rig.interlocks import Interlock
 from rigctl.rig.states import LATCHED, TOWARD_FIRE, RigState, require_move
 from rigctl.rig.status import RigStatus, Transition
-from rigctl.rig.stopping.repeated_stops import RepeatedStops
+from rigctl.rig.stopping.latch import RepeatedStops
 from rigctl.settings import ShotSettings
 from rigctl.store.journal import Journal
 from rigctl.store.records import ShotRecord

@@ -21,8 +21,9 @@ def report_schemas() -> Json:
     """Return the JSON schemas of all reports and of their parts, by name."""
     schemas: Json = {}
     for kind in (*REPORTS, *RESULTS):
-        mode = "validation" if kind in RESULTS else "serialization"
-        schema = TypeAdapter(kind).json_schema(mode=mode, ref_template=REFERENCE)
+        schema = TypeAdapter(kind).json_schema(
+            mode="validation" if kind in RESULTS else "serialization", ref_template=REFERENCE
+        )
         schemas |= schema.pop("$defs", {})
         schemas[kind.__name__] = schema
     return schemas
@@ -40,7 +41,7 @@ def reported(
     parts, lists
         Further keys, of which each holds a report, or a list of them.
     """
-    further = {key: _reference(kind) for key, kind in (parts or {}).items()}
+    further: Json = {key: _reference(kind) for key, kind in (parts or {}).items()}
     further |= {
         key: {"type": "array", "items": _reference(kind)} for key, kind in (lists or {}).items()
     }

@@ -15,7 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rigctl.cameras.v4l2 import VideoDevice, VideoFrame
-from rigctl.cameras.v4l2_kernel import LinuxKernel
+from rigctl.cameras.v4l2_structs import LinuxKernel
 from rigctl.errors import (
     DeviceAbsentError,
     DeviceAnswerError,

@@ -17,7 +17,7 @@ from rigctl.cli import BAD_INPUT, NOT_FOUND, run
 from rigctl.cli.rig.listening import listen
 from rigctl.config.configuration import ServiceSection
 from rigctl.errors import ConfigurationError
-from rigctl.service.guards.behind_proxy import behind_proxy
+from rigctl.service.guards.origins import behind_proxy
 from rigctl.store import Store
 
 WEAK = ["x", "x" * 40, "fifteen-letters", "a key with spaces in it", "schlüssel-der-anlage-2026"]

@@ -11,8 +11,8 @@ import pytest
 from nicegui import Client, ui
 
 from rigctl.measuring.analysing import Awaited
-from rigctl.page.shots import analysing as module
-from rigctl.page.shots.analysing import Analysing
+from rigctl.page.shots import view as module
+from rigctl.page.shots.view import Analysing
 
 
 class Daemon:

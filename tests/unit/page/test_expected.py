@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from rigctl.page.parts.readings import Impact
-from rigctl.page.rig.expected import expected, sentence
+from rigctl.page.rig.order_form import expected, sentence
 from rigctl.settings import ShotSettings
 
 HEAD_ON = Impact(3, (-3.0, 0.01), (0.0, 0.01), (0.74, 0.01), None)

@@ -7,7 +7,7 @@ from datetime import UTC, datetime
 import pytest
 
 from rigctl.config import Limits
-from rigctl.page.guide.progress import COMPARE, FIRE, OVER, READ, SWEEP, progress_of
+from rigctl.page.guide.rail import COMPARE, FIRE, OVER, READ, SWEEP, progress_of
 from rigctl.page.sweeps.broad import broad_sweep
 from rigctl.store import CampaignRecord, ShotState
 from rigctl.sweeps.plan import plan_of, require_possible

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rigctl.page.shots.remedy import AGAIN, remedy
+from rigctl.page.shots.refused import AGAIN, remedy
 from rigctl.settings import ShotSettings
 from tests.unit.page.test_guide_progress import limits
 

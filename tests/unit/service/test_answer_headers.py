@@ -8,8 +8,7 @@ import httpx
 import pytest
 from starlette.responses import PlainTextResponse
 
-from rigctl.service.guards.answer_headers import HEADERS, AnswerHeaders
-from rigctl.service.guards.origins import OriginGuard, OwnOrigins
+from rigctl.service.guards.origins import HEADERS, AnswerHeaders, OriginGuard, OwnOrigins
 
 APP = AnswerHeaders(OriginGuard(PlainTextResponse("page"), OwnOrigins()))
 

@@ -110,7 +110,7 @@ def stages(
 def falls(source: Source, known: Falling, seed: int) -> Sequence[DropFrames]:
     """Return one run for each file, or for each shot that the configuration's rig fires."""
     if source.config is not None:
-        from rigctl.qualifying.dropping import fired_drops  # noqa: PLC0415
+        from rigctl.qualifying.bench import fired_drops  # noqa: PLC0415
 
         return fired_drops(source.config, known.fired)
     if source.frames:

@@ -28,10 +28,8 @@ from rigctl.page.mounting import with_page
 from rigctl.service import keyfile
 from rigctl.service.app import create_app
 from rigctl.service.events import EventHub
-from rigctl.service.guards.answer_headers import AnswerHeaders
-from rigctl.service.guards.behind_proxy import behind_proxy
 from rigctl.service.guards.connections import Connections, raise_descriptor_limit, room_for
-from rigctl.service.guards.origins import OriginGuard, OwnOrigins
+from rigctl.service.guards.origins import AnswerHeaders, OriginGuard, OwnOrigins, behind_proxy
 from rigctl.service.keyfile import ServiceAddress
 from rigctl.service.stop_port import StopPort
 from rigctl.store import StepState, SweepRecord

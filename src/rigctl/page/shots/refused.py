@@ -4,19 +4,138 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from contextlib import suppress
+from dataclasses import dataclass
 from html import escape
 from typing import Any
+from urllib.parse import urlencode
 
 from nicegui import ui
 
 from analysis.figures.palette import FAILS
+from rigctl.config import Limits
 from rigctl.errors import RigError
 from rigctl.page.desk import Desk
 from rigctl.page.parts.widgets import button
 from rigctl.page.shots.film import frame_address
 from rigctl.page.shots.overlay import Overlays
-from rigctl.page.shots.remedy import remedy
+from rigctl.settings import ShotSettings
 from rigctl.store import ShotRecord
+
+LATE_US = 5000.0
+"""Spheres that start further apart meet beside the middle of the picture, or not in it."""
+GRAZING = 0.93
+"""Offset in diameters from which spheres graze or miss."""
+GOOD_OFFSET = 0.25
+"""Offset in diameters of a hit that is seen well."""
+UNLIKE = 1.6
+"""Ratio of the pressures from which the spheres meet far from the middle."""
+SLOW_KPA, GOOD_KPA = 12.0, 40.0
+"""Slower shots fall out of the picture before they meet."""
+OF_THE_PATHS = frozenset({"contact", "assignment", "outlines"})
+"""Steps at which a shot is refused because of where the spheres flew."""
+AGAIN = "Fire the same again"
+PICTURES = {
+    "frames": "The pictures cannot be used: some are lost, mixed up or too bright.",
+    "outlines": "The edge of a sphere cannot be seen well enough.",
+    "markers": "The dots on a sphere cannot be seen well enough to say how it turns.",
+    "rotation": "The turning of a sphere cannot be followed by its dots.",
+    "assignment": "The pictures do not show two spheres in both views.",
+    "motion": "A sphere jumps from one picture to the next as nothing that flies does.",
+    "contact": "The pictures do not show where the spheres met.",
+}
+LOOK = {
+    "frames": "Look at the camera's light and cable, then fire the same again.",
+    "outlines": "Wipe the lens and look at the lamp, then fire the same again.",
+    "markers": "Turn the spheres so that dots face the camera, and fire the same again.",
+    "rotation": "Turn the spheres so that dots face the camera, and fire the same again.",
+    "motion": "Look at the camera's cable, then fire the same again.",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Remedy:
+    """What happened, what to do, and the settings that do it under the words of a button."""
+
+    happened: str
+    todo: str
+    button: str
+    settings: ShotSettings
+
+    @property
+    def address(self) -> str:
+        """Where the form of the next shot stands filled in with these settings."""
+        return f"/?{urlencode({'fill': self.settings.model_dump_json(exclude_none=True)})}"
+
+
+def remedy(step: str, settings: ShotSettings, limits: Limits, diameter_m: float) -> Remedy:
+    """Return what a refusal at a step means for a shot with these settings.
+
+    Parameters
+    ----------
+    step
+        Of the analysis that refused it, as the result names it.
+    diameter_m
+        Of the spheres, m.
+    """
+    if step in OF_THE_PATHS and (found := _of_the_paths(settings, limits, diameter_m)):
+        return found
+    happened = PICTURES.get(step, "The analysis found nothing that it could measure.")
+    return Remedy(
+        happened, LOOK.get(step, f"{AGAIN}: such a shot may come by chance."), AGAIN, settings
+    )
+
+
+def _of_the_paths(settings: ShotSettings, limits: Limits, diameter_m: float) -> Remedy | None:
+    """Return the first of the settings that keeps spheres from meeting in the picture."""
+    diameter_mm = 1e3 * diameter_m
+    delay, offset = settings.delay_us, settings.offset_mm
+    weak, strong = sorted((settings.pressure_a_kpa, settings.pressure_b_kpa))
+    if abs(delay) > LATE_US:
+        first, second = ("b", "a") if delay < 0 else ("a", "b")
+        return _changed(
+            settings,
+            f"The spheres did not meet in the picture: {first} started {abs(delay) / 1e3:g} ms "
+            f"before {second}.",
+            "Set the delay of b to 0",
+            delay_us=0.0,
+        )
+    if abs(offset) > GRAZING * diameter_mm:
+        good = _within(round(GOOD_OFFSET * diameter_mm), limits.offset_mm)
+        return _changed(
+            settings,
+            f"The spheres flew past each other: the offset of {offset:g} mm is nearly their "
+            f"diameter, {diameter_mm:g} mm.",
+            f"Set the offset to {good:g} mm",
+            offset_mm=good,
+        )
+    if strong > UNLIKE * weak:
+        return _changed(
+            settings,
+            f"The spheres met beside the picture: {strong:g} kPa push one of them much harder than "
+            f"{weak:g} kPa the other.",
+            f"Set both pressures to {strong:g} kPa",
+            pressure_a_kpa=strong,
+            pressure_b_kpa=strong,
+        )
+    if strong < SLOW_KPA:
+        good = _within(GOOD_KPA, limits.pressure_kpa)
+        return _changed(
+            settings,
+            f"The spheres fell out of the picture before they met: {strong:g} kPa make them slow.",
+            f"Set both pressures to {good:g} kPa",
+            pressure_a_kpa=good,
+            pressure_b_kpa=good,
+        )
+    return None
+
+
+def _changed(settings: ShotSettings, happened: str, deed: str, **values: float) -> Remedy:
+    return Remedy(happened, f"{deed}.", deed, settings.model_copy(update=values))
+
+
+def _within(value: float, bounds: tuple[float, float]) -> float:
+    return min(max(value, bounds[0]), bounds[1])
+
 
 Json = Mapping[str, Any]
 LAYERS = ("outlines", "tracks")

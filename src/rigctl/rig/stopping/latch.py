@@ -1,10 +1,15 @@
-"""What outlives the process: why the rig is stopped, and whether its last daemon ended clean."""
+"""What outlives the process: why the rig is stopped, and whether its last daemon ended clean.
+
+And which of many stops are written one by one.
+"""
 
 from __future__ import annotations
 
 import json
 import logging
 import threading
+from collections import deque
+from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -160,3 +165,37 @@ class CleanEnd:
             sync_folder(self._path.parent)
         except OSError as error:
             _log.warning("the rig starts latched next time: %s", error)
+
+
+MOST_STOPS = 5
+STOPS_WITHIN_S = 10.0
+"""Further stops of a stopped rig: so many within this time are written, the rest counted."""
+
+
+class RepeatedStops:
+    """Counts the stops that came after the first; the caller guards every call by one lock.
+
+    Parameters
+    ----------
+    monotonic
+        Time in s.
+    """
+
+    def __init__(self, monotonic: Callable[[], float]) -> None:
+        self._monotonic = monotonic
+        self._written: deque[float] = deque(maxlen=MOST_STOPS)
+        self._counted = 0
+
+    def is_written(self) -> bool:
+        """Say whether this stop is written; it is counted where it is not."""
+        now = self._monotonic()
+        if len(self._written) == MOST_STOPS and now - self._written[0] < STOPS_WITHIN_S:
+            self._counted += 1
+            return False
+        self._written.append(now)
+        return True
+
+    def take_count(self) -> int:
+        """Return how many were counted and not written, and begin anew."""
+        counted, self._counted = self._counted, 0
+        return counted

@@ -1,15 +1,18 @@
-"""Requests that another web page makes a browser send are refused, on every way into the daemon."""
+"""Who may ask this service and frame its pages: its own sites, and its proxy where it has one."""
 
 from __future__ import annotations
 
 import ipaddress
 import socket
 from collections.abc import Iterable, Mapping
+from typing import Any, cast
 from urllib.parse import urlsplit
 
-from starlette.datastructures import Headers
-from starlette.types import ASGIApp, Receive, Scope, Send
+from starlette.datastructures import Headers, MutableHeaders
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+from uvicorn.middleware.proxy_headers import ProxyHeadersMiddleware
 
+from rigctl.service.guards.auth import ESTOP_PATH, address_of
 from rigctl.service.problems import Problem, answer
 
 _OWN_SITE = frozenset({"same-origin", "none"})
@@ -91,3 +94,85 @@ def _foreign(field: str, value: str, limit: str) -> Problem:
         limit=limit,
         todo="open the address that `rigctl serve` printed, in a tab of its own",
     )
+
+
+POLICY = "; ".join(
+    (
+        "default-src 'self'",
+        # The page library writes its scripts and templates into the page and compiles them there.
+        "script-src 'self' 'unsafe-inline' 'unsafe-eval'",
+        "style-src 'self' 'unsafe-inline'",
+        "img-src 'self' data: blob:",
+        "font-src 'self' data:",
+        "object-src 'none'",
+        "base-uri 'self'",
+        "form-action 'self'",
+        "frame-ancestors 'none'",
+    )
+)
+
+HEADERS = {
+    "Content-Security-Policy": POLICY,
+    "X-Frame-Options": "DENY",
+    "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "no-referrer",
+    "Cross-Origin-Resource-Policy": "same-origin",
+}
+
+
+class AnswerHeaders:
+    """Adds `HEADERS` to every HTTP answer."""
+
+    def __init__(self, app: ASGIApp) -> None:
+        self._app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Pass the request on, and add the headers to its answer."""
+
+        async def with_headers(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                headers = MutableHeaders(scope=message)
+                for name, value in HEADERS.items():
+                    headers[name] = value
+            await send(message)
+
+        await self._app(scope, receive, with_headers if scope["type"] == "http" else send)
+
+
+def behind_proxy(app: ASGIApp, proxy: str | None) -> ASGIApp:
+    """Return the application, answered to the proxy alone where the configuration names one."""
+    if proxy is None:
+        return app
+    # Uvicorn has types of its own for the same interface.
+    behind = cast("ASGIApp", ProxyHeadersMiddleware(cast("Any", app), trusted_hosts=proxy))
+    return _ProxyOnly(behind, proxy)
+
+
+class _ProxyOnly:
+    """Refuses connections that bypass the proxy: they are not encrypted.
+
+    The emergency stop is open to every client, here as well.
+    """
+
+    def __init__(self, app: ASGIApp, proxy: str) -> None:
+        self._app, self._proxy = app, proxy
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Answer 403, or pass the request on."""
+        stops = scope["type"] == "http" and scope["path"] == ESTOP_PATH
+        if stops or scope["type"] == "lifespan" or address_of(scope) == self._proxy:
+            await self._app(scope, receive, send)
+        elif scope["type"] == "websocket":
+            await send({"type": "websocket.close", "code": 4403})
+        else:
+            refusal = Problem(
+                status=403,
+                code="not-by-proxy",
+                title="The service is reached through its proxy",
+                detail="the request did not come from the proxy that the configuration names",
+                field="service.proxy",
+                value=address_of(scope),
+                limit=self._proxy,
+                todo="use the address of the proxy",
+            )
+            await answer(refusal)(scope, receive, send)

@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from analysis.arrays import Floats
-from analysis.motion.turn_tears import agreeing_turns
+from analysis.motion.tears import agreeing_turns
 
 TIMES = np.arange(60) * 5e-4
 RATE = np.array([30.0, -40.0, 20.0])
