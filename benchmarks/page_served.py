@@ -1,4 +1,4 @@
-"""A daemon with the simulated rig, and Chromium in front of it, for the benchmarks of the page."""
+"""A daemon with the simulated rig and Chromium in front of it, to measure and to test the page."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import subprocess
 import sys
 import time
 import uuid
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -64,21 +64,30 @@ class Served:
         return jobs[-1]
 
 
-@contextmanager
-def served(folder: Path, more: Mapping[str, str] | None = None) -> Iterator[Served]:
-    """Run a daemon for the time of the block, with `more` in its environment."""
+def started(
+    folder: Path, options: Sequence[str] = ("--port", "0"), more: Mapping[str, str] | None = None
+) -> tuple[subprocess.Popen[str], str]:
+    """Start a daemon in a folder, with `more` in its environment; return it and its address."""
     process = subprocess.Popen(
-        [str(RIGCTL), "serve", "--port", "0"],
+        [str(RIGCTL), "serve", *options],
         cwd=folder,
         env={**os.environ, "RIGCTL_KEY": KEY, **(more or {})},
         stdout=subprocess.PIPE,
         text=True,
     )
+    printed = "" if process.stdout is None else process.stdout.readline()
+    if "?key=" not in printed:
+        process.kill()
+        process.communicate()
+        raise RuntimeError(f"the daemon has printed no address but {printed!r}")
+    return process, printed.split(" at ")[1].partition("/?key=")[0].strip()
+
+
+@contextmanager
+def served(folder: Path, more: Mapping[str, str] | None = None) -> Iterator[Served]:
+    """Run a daemon for the time of the block, with `more` in its environment."""
+    process, url = started(folder, more=more)
     try:
-        if process.stdout is None:
-            raise RuntimeError("the daemon has no standard output")
-        printed = process.stdout.readline()
-        url = printed.split(" at ")[1].partition("/?key=")[0].strip()
         bearer = {"Authorization": f"Bearer {KEY}"}
         with httpx.Client(base_url=url, headers=bearer, timeout=LONG_S) as rest:
             yield Served(url, rest, process.pid)

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import os
-import shutil
 import signal
 import subprocess
-import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,17 +12,8 @@ from urllib.parse import urlsplit
 import pytest
 from playwright.sync_api import Browser, Page, Request, expect, sync_playwright
 
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
-SWITCHES = [
-    "--no-sandbox",
-    "--disable-gpu",
-    "--disable-quic",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-]
-KEY = "a-key-for-the-page"
+from benchmarks.page_served import CHROMIUM, KEY, SWITCHES, started
+
 WAIT_S = 60.0
 EXPECT_MS = 60_000
 """A busy host draws slowly; what is expected sooner says so."""
@@ -46,16 +34,8 @@ class Served:
     @classmethod
     def start(cls, folder: Path, *options: str) -> Served:
         """Start a daemon and wait for the address that it prints."""
-        process = subprocess.Popen(
-            [str(Path(sys.executable).with_name("rigctl")), "serve", *(options or PORT)],
-            cwd=folder,
-            env={**os.environ, "RIGCTL_KEY": KEY},
-            stdout=subprocess.PIPE,
-            text=True,
-        )
-        printed = process.stdout.readline()
-        assert "?key=" in printed
-        return cls(printed.split(" at ")[1].partition("/?key=")[0].strip(), folder, process)
+        process, url = started(folder, options or PORT)
+        return cls(url, folder, process)
 
     def start_again(self) -> None:
         """Start a daemon at the same address once this one has ended."""

@@ -20,7 +20,7 @@ from tests.browser.conftest import PORT, Served
 
 pytestmark = pytest.mark.long
 
-LONG_MS = 60_000
+LONG_MS = 120_000
 SCREENS: list[ViewportSize] = [
     {"width": 820, "height": 1180},
     {"width": 1180, "height": 820},
@@ -159,7 +159,7 @@ def challenge(folder: Path, seed: str, shots: int = 60) -> Path:
     """Make a challenge and return its folder."""
     rigctl = Path(sys.executable).with_name("rigctl")
     made = [str(rigctl), "challenge", "new", str(folder), "--seed", seed, "--shots", str(shots)]
-    subprocess.run(made, check=True, capture_output=True, timeout=60)
+    subprocess.run(made, check=True, capture_output=True, timeout=180)
     return folder
 
 

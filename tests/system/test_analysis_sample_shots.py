@@ -17,7 +17,7 @@ from analysis.shot import AnalysisOptions, MeasuredShot
 from rigctl import cli
 
 SAMPLES = Path(__file__).resolve().parents[3] / "shared" / "data" / "sample-shots"
-LONGEST_RUN_S = 110.0
+LONGEST_RUN_S = 220.0
 
 pytestmark = [
     pytest.mark.shared_data,

@@ -10,10 +10,10 @@ from pathlib import Path
 
 import pytest
 
-ENDS_WITHIN_S = 280.0
+ENDS_WITHIN_S = 560.0
 SHOTS = 10
 
-pytestmark = [pytest.mark.long, pytest.mark.timeout(300)]
+pytestmark = [pytest.mark.long, pytest.mark.timeout(600)]
 
 
 def test_the_demonstration_finds_what_the_simulated_rig_hides(tmp_path: Path) -> None:

@@ -35,8 +35,8 @@ RUN, BESIDE, BY_HAND = "run", "beside", "by-hand"
 PYTHON = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 FENCE = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 PORT_AS_WRITTEN = "8486"
-ENDS_WITHIN_S = 30.0
-LASTS_AT_MOST_S = 240.0
+ENDS_WITHIN_S = 120.0
+LASTS_AT_MOST_S = 480.0
 
 needs_shell = pytest.mark.skipif(
     any(shutil.which(tool) is None for tool in ("bash", "curl")),
@@ -136,7 +136,7 @@ def fires(folder: Path) -> int:
 
 
 @needs_shell
-@pytest.mark.timeout(300)
+@pytest.mark.timeout(600)
 def test_the_tutorial_fires_two_shots_and_shows_a_frame_with_its_outlines(tmp_path: Path) -> None:
     said = perform(TUTORIAL, tmp_path)
     assert fires(tmp_path) == 2
@@ -153,7 +153,7 @@ def test_the_tutorial_fires_two_shots_and_shows_a_frame_with_its_outlines(tmp_pa
 
 @pytest.mark.long
 @needs_shell
-@pytest.mark.timeout(300)
+@pytest.mark.timeout(600)
 def test_the_guide_to_analysis_measures_a_campaign_and_reads_a_refusal(tmp_path: Path) -> None:
     said = perform(ANALYSE, tmp_path)
     assert "not a whole NPY file" in said.splitlines()[-1]
@@ -165,7 +165,7 @@ def test_the_guide_to_analysis_measures_a_campaign_and_reads_a_refusal(tmp_path:
 
 @pytest.mark.long
 @needs_shell
-@pytest.mark.timeout(300)
+@pytest.mark.timeout(600)
 def test_the_commissioning_of_a_real_rig_can_be_rehearsed(tmp_path: Path) -> None:
     said = perform(REAL_RIG, tmp_path)
     assert json.loads((tmp_path / "stopped.json").read_text())["state"] == "estop"
@@ -176,7 +176,7 @@ def test_the_commissioning_of_a_real_rig_can_be_rehearsed(tmp_path: Path) -> Non
 
 @pytest.mark.long
 @needs_shell
-@pytest.mark.timeout(300)
+@pytest.mark.timeout(600)
 def test_a_stop_and_the_way_out_of_it_can_be_rehearsed(tmp_path: Path) -> None:
     said = perform(DOCS / "how-to" / "recover.md", tmp_path)
     assert [line.split(": ")[1] for line in said.splitlines()] == ["estop", "idle"]
@@ -184,7 +184,7 @@ def test_a_stop_and_the_way_out_of_it_can_be_rehearsed(tmp_path: Path) -> None:
 
 @pytest.mark.long
 @needs_shell
-@pytest.mark.timeout(300)
+@pytest.mark.timeout(600)
 def test_the_numbers_of_a_service_can_be_read_as_its_guide_says(tmp_path: Path) -> None:
     said = perform(DOCS / "how-to" / "run-as-a-service.md", tmp_path)
     assert 'rigctl_state{state="idle"} 1.0' in said
@@ -192,7 +192,7 @@ def test_the_numbers_of_a_service_can_be_read_as_its_guide_says(tmp_path: Path) 
 
 @pytest.mark.long
 @needs_shell
-@pytest.mark.timeout(300)
+@pytest.mark.timeout(600)
 def test_the_guide_to_sweeps_starts_pauses_resumes_and_ends_them(tmp_path: Path) -> None:
     said = perform(SWEEPS, tmp_path)
     for state in ("completed", "paused", "running", "aborted"):
@@ -202,7 +202,7 @@ def test_the_guide_to_sweeps_starts_pauses_resumes_and_ends_them(tmp_path: Path)
 
 @pytest.mark.long
 @needs_shell
-@pytest.mark.timeout(300)
+@pytest.mark.timeout(600)
 def test_the_guide_to_keeping_a_campaign_hands_one_on_and_back(tmp_path: Path) -> None:
     said = perform(KEEPING, tmp_path)
     assert "campaign nylon, thesis: 1 of 1 shots measured" in said
@@ -222,7 +222,7 @@ def test_the_guide_to_keys_gives_each_caller_its_own(tmp_path: Path) -> None:
 
 @needs_shell
 @pytest.mark.long
-@pytest.mark.timeout(300)
+@pytest.mark.timeout(600)
 def test_the_guide_to_the_apparatus_records_a_disk_and_drops_a_sphere(tmp_path: Path) -> None:
     said = perform(DOCS / "how-to" / "apparatus-of-the-thesis.md", tmp_path)
     assert "A frame's angle is good to 0.00" in said
@@ -231,7 +231,7 @@ def test_the_guide_to_the_apparatus_records_a_disk_and_drops_a_sphere(tmp_path: 
 
 @pytest.mark.long
 @needs_shell
-@pytest.mark.timeout(300)
+@pytest.mark.timeout(600)
 def test_the_guide_to_tapes_numbers_pictures_of_a_playback_and_measures_the_shot(
     tmp_path: Path,
 ) -> None:

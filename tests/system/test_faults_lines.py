@@ -38,7 +38,7 @@ def laboratory(daemon: Daemon) -> Any:
 
 def until(condition: Callable[[], bool]) -> None:
     """Return once the condition holds; fail after five seconds."""
-    deadline = time.monotonic() + 5.0
+    deadline = time.monotonic() + 60.0
     while not condition():
         assert time.monotonic() < deadline, "waited in vain"
         time.sleep(0.002)

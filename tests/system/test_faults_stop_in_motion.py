@@ -17,7 +17,7 @@ from rigctl.rig.standing import AFTER_STOP
 from rigctl.settings import ShotSettings
 
 FAR = ShotSettings(pressure_a_kpa=110.0, pressure_b_kpa=110.0, offset_mm=23.0)
-SLOW_MM_PER_S = 10.0
+SLOW_MM_PER_S = 4.0
 LAG_S = 1.0
 
 
@@ -35,8 +35,8 @@ def daemon(tmp_path: Path) -> Iterator[Daemon]:
 
 
 def until(condition: Callable[[], bool]) -> None:
-    """Return once the condition holds; fail after ten seconds."""
-    deadline = time.monotonic() + 10.0
+    """Return once the condition holds; fail after a minute."""
+    deadline = time.monotonic() + 60.0
     while not condition():
         assert time.monotonic() < deadline, "waited in vain"
         time.sleep(0.002)
@@ -56,7 +56,7 @@ def test_a_stop_during_arming_halts_slide_and_pressure_and_says_so(daemon: Daemo
     until(lambda: 5.0 < laboratory.state()["offset_mm"] < 15.0)
     daemon.rig.estop("berta", "a hand in the tube")
     assert laboratory.state()["powered"] is False
-    arming.join(2.0)
+    arming.join(60.0)
     assert not arming.is_alive()
     assert len(refused) == 1
 

@@ -18,7 +18,7 @@ from tests.unit.analysis.model.exchange_folder import write_campaign
 from tests.unit.analysis.model.hard_spheres import campaign
 
 COMPARE = DOCS / "how-to" / "compare-with-the-model.md"
-ENDS_WITHIN_S = 100.0
+ENDS_WITHIN_S = 220.0
 STRETCH = 0.004
 FIT = {
     *("campaign", "shots", "with", "chi2_per_dof", "degrees_of_freedom", "converged", "parameters"),

@@ -12,7 +12,7 @@ import pytest
 from tests.system.test_documentation import DOCS, needs_shell, perform
 
 LESSON = DOCS / "tutorials" / "find-the-missing-effect.md"
-ENDS_WITHIN_S = 120.0
+ENDS_WITHIN_S = 220.0
 HIDDEN = ["restitution-obliquity", "torsional-friction"]
 
 pytestmark = [needs_shell, pytest.mark.long, pytest.mark.timeout(400)]

@@ -20,7 +20,7 @@ from rigctl.bluesky_devices import Rig, Step, fire_once, one_shot
 from rigctl.errors import FireOutcomeUnknownError, RefusedError
 from tests.unit.bluesky_devices.laboratory import SETTINGS, CountingRig
 
-WAIT_S = 20.0
+WAIT_S = 60.0
 
 
 @pytest.fixture

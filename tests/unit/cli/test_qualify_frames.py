@@ -108,7 +108,7 @@ def test_a_person_reads_what_the_camera_is_good_for(
 
 
 @pytest.mark.long
-@pytest.mark.timeout(300)
+@pytest.mark.timeout(600)
 def test_shots_of_a_campaign_folder_are_measured_with_and_without_the_mirror(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -64,7 +64,7 @@ def verdict(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
 
 
 @pytest.mark.long
-@pytest.mark.timeout(300)
+@pytest.mark.timeout(600)
 def test_films_of_a_ball_end_in_restitution_that_falls_with_speed(verdict: dict[str, Any]) -> None:
     # Which of them, a dozen bounces may leave open.
     assert verdict["verdict"] in {"effect", "alias"}
@@ -80,7 +80,7 @@ def test_films_of_a_ball_end_in_restitution_that_falls_with_speed(verdict: dict[
 
 
 @pytest.mark.long
-@pytest.mark.timeout(300)
+@pytest.mark.timeout(600)
 def test_films_of_a_ball_name_the_drag_of_the_air(verdict: dict[str, Any]) -> None:
     named = {one["nuisance"]: one["found"] for one in verdict["nuisances"]}
     drag = named["drag.Cd"]

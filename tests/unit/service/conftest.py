@@ -37,7 +37,7 @@ KEY = "a-key-for-tests"
 NOW = datetime(2026, 1, 31, 12, 0, tzinfo=UTC)
 PRESSURE = Interlock("pressure", True, 40.0, "40 ± 0.5", "kPa", "regulator", 99.0, "wait")
 RECOVERY = Recovery(("20260130-000001",), (), ("20260130-000002", "20260130-000003"), (), 0)
-WAIT_S = 10.0
+WAIT_S = 60.0
 
 
 @dataclass

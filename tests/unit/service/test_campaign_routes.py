@@ -13,7 +13,7 @@ from rigctl.store import ShotState, Store
 Shoot = Callable[..., str]
 CAMPAIGNS = "/api/v1/campaigns"
 EFFECTS = "/api/v1/effects"
-WAIT_S = 30.0
+WAIT_S = 120.0
 
 
 def test_campaigns_are_listed_with_their_shots_by_state(

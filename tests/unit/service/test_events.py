@@ -10,7 +10,7 @@ from pydantic import BaseModel
 
 from rigctl.service.events import EventHub, Subscription
 
-WAIT_S = 10.0
+WAIT_S = 60.0
 
 
 class Note(BaseModel):

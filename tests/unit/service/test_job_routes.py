@@ -12,7 +12,7 @@ from rigctl.jobs import Jobs, Task
 
 JOBS = "/api/v1/jobs"
 HEADERS = {"Authorization": "Bearer a-key-for-tests"}
-WAIT_S = 30.0
+WAIT_S = 120.0
 
 
 @pytest.fixture

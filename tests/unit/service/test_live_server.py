@@ -20,7 +20,7 @@ from rigctl.store import Store
 
 HEADERS = {"Authorization": "Bearer a-key-for-tests"}
 SETTINGS = {"pressure_a_kpa": 40, "pressure_b_kpa": 40, "offset_mm": 6}
-WAIT_S = 10.0
+WAIT_S = 60.0
 
 
 def events_of(lines: Iterator[str]) -> Iterator[tuple[str, Any]]:

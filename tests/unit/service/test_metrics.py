@@ -20,7 +20,7 @@ SETTINGS = {"pressure_a_kpa": 40, "pressure_b_kpa": 40, "offset_mm": 6}
 
 
 def read(address: str) -> dict[tuple[str, str], float]:
-    answer = httpx.get(f"{address}/metrics", timeout=10.0, trust_env=False)
+    answer = httpx.get(f"{address}/metrics", timeout=60.0, trust_env=False)
     assert answer.headers["content-type"].startswith("text/plain")
     return {
         (sample.name, ",".join(sample.labels.values())): sample.value

@@ -15,7 +15,7 @@ from rigctl.service.routes import model as routes_model
 from rigctl.store import Change, ShotState, Store
 
 Shoot = Callable[..., str]
-WAIT_S = 30.0
+WAIT_S = 120.0
 NYLON = "/api/v1/campaigns/nylon"
 QUESTIONS = ["agreement", "structure", "ranking"]
 

@@ -12,7 +12,7 @@ from rigctl.jobs import Jobs
 from rigctl.service.routes import model as routes_model
 from rigctl.store import Change, ShotState, Store
 
-WAIT_S = 30.0
+WAIT_S = 120.0
 NEXT = "/api/v1/campaigns/nylon/next"
 
 

@@ -15,7 +15,7 @@ from rigctl.store import Change, ShotState, Store
 from tests.unit.analysis.effects.own_files import STRETCH, text_of, write
 
 OWN = "/api/v1/effects/own"
-WAIT_S = 30.0
+WAIT_S = 120.0
 
 
 @pytest.fixture

@@ -12,7 +12,7 @@ from rigctl.service.routes import report as routes_report
 from rigctl.store import Change, ShotState, Store
 
 Shoot = Callable[..., str]
-WAIT_S = 30.0
+WAIT_S = 120.0
 REPORT = "/api/v1/campaigns/nylon/report"
 
 

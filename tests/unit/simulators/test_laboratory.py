@@ -75,6 +75,7 @@ class Host:
         deadline = time.monotonic() + within_s
         while not condition():
             assert time.monotonic() < deadline
+            time.sleep(0.001)
 
     def close(self) -> None:
         for port in self._ports.values():

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-START_WITHIN_S = 60
+START_WITHIN_S = 180
 
 
 def binaries() -> Path | None:

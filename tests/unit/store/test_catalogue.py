@@ -84,7 +84,7 @@ def test_fifty_threads_with_one_key_make_one_shot(
     tmp_path: Path, new_shot: Callable[..., NewShot]
 ) -> None:
     store = Store(tmp_path / "many", busy_timeout_s=30.0)
-    start = threading.Barrier(50, timeout=30)
+    start = threading.Barrier(50, timeout=120)
     outcomes = []
 
     def claim() -> None:
@@ -98,7 +98,7 @@ def test_fifty_threads_with_one_key_make_one_shot(
     for thread in threads:
         thread.start()
     for thread in threads:
-        thread.join(30)
+        thread.join(120)
     assert outcomes.count(False) == 1
     assert outcomes.count("running") == 49
     assert len(store.shots()) == 1

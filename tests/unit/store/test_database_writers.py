@@ -25,6 +25,6 @@ def test_writers_that_outlast_the_busy_time_out_together_all_come_through(tmp_pa
     for thread in threads:
         thread.start()
     for thread in threads:
-        thread.join(20.0)
+        thread.join(60.0)
     database.close()
     assert failures == []

@@ -269,12 +269,12 @@ def test_a_backup_taken_while_shots_are_fired_is_whole(
     thread = threading.Thread(target=keep_firing)
     thread.start()
     try:
-        assert going.wait(30)
+        assert going.wait(120)
         for k in range(3):
             assert copied(store, tmp_path / f"copy {k}").shots > 0
     finally:
         ended.set()
-        thread.join(30)
+        thread.join(120)
     for k in range(3):
         with reading(tmp_path / f"copy {k}") as copy:
             assert verify_store(copy, silent).faults == ()
