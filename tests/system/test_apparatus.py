@@ -86,7 +86,7 @@ def test_solenoids_let_go_and_the_spheres_of_both_tubes_are_measured(
 
 
 @pytest.mark.long
-@pytest.mark.timeout(300)
+@pytest.mark.timeout(600)
 def test_spheres_of_two_millimetres_are_measured_through_the_lens(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -101,7 +101,7 @@ def test_spheres_of_two_millimetres_are_measured_through_the_lens(
 
 
 @pytest.mark.long
-@pytest.mark.timeout(300)
+@pytest.mark.timeout(600)
 def test_a_split_format_shows_the_collision_and_what_depth_hides_is_among_the_errors(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -115,7 +115,7 @@ def test_a_split_format_shows_the_collision_and_what_depth_hides_is_among_the_er
 
 
 @pytest.mark.long
-@pytest.mark.timeout(300)
+@pytest.mark.timeout(600)
 def test_a_sphere_that_a_magnet_drops_on_a_plate_gives_one_impact_for_each_bounce(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -198,7 +198,7 @@ def qualified(run: str, config: Path, capsys: pytest.CaptureFixture[str], *more:
     return found
 
 
-@pytest.mark.timeout(120)
+@pytest.mark.timeout(600)
 def test_the_disk_is_recorded_and_turns_as_its_meter_says(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
@@ -209,7 +209,7 @@ def test_the_disk_is_recorded_and_turns_as_its_meter_says(
 
 
 @pytest.mark.long
-@pytest.mark.timeout(300)
+@pytest.mark.timeout(600)
 def test_the_slide_moves_the_sphere_step_by_step_and_each_place_is_found(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
@@ -219,7 +219,7 @@ def test_the_slide_moves_the_sphere_step_by_step_and_each_place_is_found(
 
 
 @pytest.mark.long
-@pytest.mark.timeout(300)
+@pytest.mark.timeout(600)
 def test_a_magnet_drops_a_steel_sphere_again_and_again_and_gravity_is_that_of_the_place(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

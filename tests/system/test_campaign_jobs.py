@@ -32,7 +32,7 @@ RESTITUTION = 0.74
 """Of the simulated spheres, at the speed for which it is stated."""
 BOUND_S = 100.0
 
-pytestmark = [pytest.mark.long, pytest.mark.timeout(300)]
+pytestmark = [pytest.mark.long, pytest.mark.timeout(600)]
 numbers = count()
 
 

@@ -89,7 +89,7 @@ def test_every_name_that_a_challenge_can_ask_for_is_in_the_catalogue() -> None:
 FILMED_SHOTS, LEAST_MEASURED = 4, 3
 
 
-@pytest.mark.timeout(200)
+@pytest.mark.timeout(600)
 def test_frames_of_a_challenge_are_measured_where_its_poses_say_the_spheres_are(
     tmp_path: Path,
 ) -> None:
@@ -115,7 +115,7 @@ def test_frames_of_a_challenge_are_measured_where_its_poses_say_the_spheres_are(
 
 
 @needs_shell
-@pytest.mark.timeout(300)
+@pytest.mark.timeout(600)
 def test_the_guide_to_challenges_makes_one_in_poses_and_one_in_frames(tmp_path: Path) -> None:
     said = perform(DOCS / "how-to" / "take-a-challenge.md", tmp_path)
     assert "answered mirror-angle; the truth is mirror-angle" in said

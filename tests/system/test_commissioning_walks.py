@@ -64,7 +64,7 @@ def at_the_rig(name: str, folder: Path) -> Iterator[tuple[Daemon, Configuration,
 
 @pytest.mark.long
 @pytest.mark.parametrize("name", ["simulated", "simulated-release", "simulated-plate"])
-@pytest.mark.timeout(120)
+@pytest.mark.timeout(600)
 def test_the_daemon_sees_what_every_step_must_show(name: str, tmp_path: Path) -> None:
     missed: list[str] = []
     with at_the_rig(name, tmp_path) as (daemon, configuration, hands):

@@ -31,7 +31,7 @@ EXPLAIN = {
     *("noise", "structure", "next_shots", "faults", "torn_tracks", "alarms"),
     *("p_chi2", "nuisances"),
 }
-pytestmark = [pytest.mark.long, pytest.mark.timeout(300)]
+pytestmark = [pytest.mark.long, pytest.mark.timeout(600)]
 
 
 @pytest.fixture(scope="module")

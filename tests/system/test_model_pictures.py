@@ -22,7 +22,7 @@ PICTURES = {
     "rank": {"ranking", "aliases"},
     "explain": {"error-path", "ranking", "aliases", "structure", "rebound"},
 }
-pytestmark = [pytest.mark.long, pytest.mark.timeout(300)]
+pytestmark = [pytest.mark.long, pytest.mark.timeout(600)]
 
 
 @pytest.fixture(scope="module")

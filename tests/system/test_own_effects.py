@@ -16,7 +16,7 @@ HIDDEN_PER_KELVIN = 0.008
 
 
 @needs_shell
-@pytest.mark.timeout(300)
+@pytest.mark.timeout(600)
 def test_the_guide_finds_what_no_catalogue_holds_at_its_true_size(tmp_path: Path) -> None:
     said = perform(DOCS / "how-to" / "add-your-own-effect.md", tmp_path)
     assert "unexplained - relative velocity n against temperature_c" in said

@@ -15,7 +15,7 @@ from tests.system.test_documentation import DOCS, PYTHON, ROOT, needs_shell, per
 GUIDE = DOCS / "how-to" / "use-from-python.md"
 HIDDEN = "restitution-obliquity and torsional-friction"
 
-pytestmark = pytest.mark.timeout(400)
+pytestmark = pytest.mark.timeout(600)
 
 
 @needs_shell

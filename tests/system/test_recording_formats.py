@@ -7,7 +7,7 @@ import pytest
 
 from benchmarks.formats import FORMATS, Format, measure
 
-pytestmark = [pytest.mark.long, pytest.mark.timeout(300)]
+pytestmark = [pytest.mark.long, pytest.mark.timeout(600)]
 
 SPLIT = [recorded for recorded in FORMATS if recorded.pictures > 1]
 

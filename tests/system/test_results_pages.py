@@ -16,7 +16,7 @@ OTHERS = DOCS / "how-to" / "other-systems.md"
 
 
 @needs_shell
-@pytest.mark.timeout(300)
+@pytest.mark.timeout(600)
 def test_the_guide_to_the_report_writes_it_with_its_tables(tmp_path: Path) -> None:
     said = perform(REPORT, tmp_path)
     assert said.rstrip().splitlines()[-1].startswith("e = 0.7")
@@ -27,7 +27,7 @@ def test_the_guide_to_the_report_writes_it_with_its_tables(tmp_path: Path) -> No
 
 
 @needs_shell
-@pytest.mark.timeout(300)
+@pytest.mark.timeout(600)
 def test_the_guide_to_other_systems_writes_both_forms(tmp_path: Path) -> None:
     h5py = pytest.importorskip("h5py")
     perform(OTHERS, tmp_path)

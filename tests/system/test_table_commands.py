@@ -12,7 +12,7 @@ from tests.system.test_model_commands import EXPLAIN, FIT, answer
 from tests.unit.analysis.model.dropped import write_drops
 from tests.unit.analysis.model.tabulated import PLATE, contacts, impacts
 
-pytestmark = [pytest.mark.long, pytest.mark.timeout(300)]
+pytestmark = [pytest.mark.long, pytest.mark.timeout(600)]
 
 
 @pytest.fixture(scope="module")

@@ -15,7 +15,7 @@ LESSON = DOCS / "tutorials" / "find-the-missing-effect.md"
 ENDS_WITHIN_S = 220.0
 HIDDEN = ["restitution-obliquity", "torsional-friction"]
 
-pytestmark = [needs_shell, pytest.mark.long, pytest.mark.timeout(400)]
+pytestmark = [needs_shell, pytest.mark.long, pytest.mark.timeout(600)]
 
 
 def path_of(text: str) -> list[tuple[str, str, str]]:

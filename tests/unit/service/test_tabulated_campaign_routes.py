@@ -17,7 +17,7 @@ WAIT_S = 150.0
 """A first analysis on a machine compiles."""
 TABLES = "/api/v1/campaigns/tables"
 
-pytestmark = pytest.mark.timeout(200)
+pytestmark = pytest.mark.timeout(600)
 
 
 def silent(_text: str, _share: float | None) -> None:

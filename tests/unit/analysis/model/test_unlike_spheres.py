@@ -118,7 +118,7 @@ def test_the_law_of_unlike_spheres_is_found_from_their_poses(
 
 
 @pytest.mark.long
-@pytest.mark.timeout(300)
+@pytest.mark.timeout(600)
 def test_nothing_but_the_contact_is_named_for_unlike_spheres(
     campaign: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
