@@ -75,7 +75,7 @@ def contact_truth(contact: Contact | None, spheres: tuple[Sphere, Sphere]) -> Tr
     return Truth(
         missed=False,
         contact_time_s=contact.start_s,
-        contact_duration_s=contact.end_s - contact.start_s,
+        contact_duration_s=_overlapping_s(contact),
         compression_m=contact.compression_m,
         v_n=v_n,
         v_s=v_s,
@@ -90,6 +90,14 @@ def contact_truth(contact: Contact | None, spheres: tuple[Sphere, Sphere]) -> Tr
         spin_before=[motion.spin.tolist() for motion in before],
         spin_after=[motion.spin.tolist() for motion in after],
     )
+
+
+def _overlapping_s(contact: Contact) -> float:
+    """Return how long the spheres overlap, s; they may be followed for longer."""
+    apart = np.array([b.centre - a.centre for a, b in contact.motions])
+    gaps = np.linalg.norm(apart, axis=1) - np.linalg.norm(apart[0])
+    opening = slice(int(gaps.argmin()), None)
+    return float(np.interp(0.0, gaps[opening], contact.times_s[opening])) - contact.start_s
 
 
 def _relative(

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from simulators.challenge import HIDDEN
 from simulators.challenge.effects import switched
+from simulators.challenge.force_choice import Forces
 from simulators.challenge.label import draw_in_contact
 from simulators.challenge.law import contact_law
 from simulators.challenge.nature import Nature
@@ -65,6 +66,15 @@ def test_a_soft_contact_lasts_and_its_spheres_run_on_without_a_jump() -> None:
             reached = contact.pose(index, float(time) - 1e-12)
             np.testing.assert_allclose(reached.centre, motions[index].centre, atol=1e-7)
             np.testing.assert_allclose(reached.orientation, motions[index].orientation, atol=1e-5)
+
+
+def test_the_duration_in_the_truth_is_that_of_the_overlap_not_how_long_it_was_followed() -> None:
+    forces = Forces(duration_s=2e-4)
+    truth = contact_truth(contact_of(Nature(forces=forces)), SPHERES)
+    undamped_s = forces.duration_s * abs(truth["v_n"]) ** -0.2
+    # Hertz and Tsuji at e = 0.74, head on: 1.038 of the undamped contact.
+    assert truth["contact_duration_s"] == pytest.approx(1.038 * undamped_s, rel=0.01)
+    assert contact_truth(contact_of(Nature()), SPHERES)["contact_duration_s"] == 0.0
 
 
 def test_unequal_masses_share_one_momentum() -> None:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+
+import numpy as np
 
 from analysis.effects.effect import ContactLaw, Effect
 from analysis.model.data.evidence import Evidence, Stage, stage_of, weighed_again
@@ -19,6 +21,7 @@ from analysis.model.rank.leaders import (
     refitted,
 )
 from analysis.model.rank.ranking import rank
+from analysis.model.structure.far_off import is_far_off
 from analysis.model.verdict.exchange import AliasSets
 from analysis.model.verdict.gain import is_shared
 
@@ -62,7 +65,8 @@ def forward(
         last, data = found.path[-1], found.evidence.data
         level = FIRST_LEVEL if len(found.path) == 1 else LATER_LEVEL
         leaders = refitted(data, last.fit, found.ranking, level)
-        accepted = _accepted(last, leaders, found.ranking, trusting=trusting)
+        laws = _laws_in(last, effects)
+        accepted = _accepted(found, leaders, laws, trusting=trusting)
         if accepted is None:
             break
         leader, stage = accepted
@@ -101,12 +105,15 @@ def _law_again(evidence: Evidence, path: list[Stage], law: ContactLaw) -> list[S
 
 
 def _accepted(
-    present: Stage, leaders: Sequence[Leader], ranking: Ranking, *, trusting: bool
+    found: Found, leaders: Sequence[Leader], laws: Sequence[ContactLaw], *, trusting: bool
 ) -> tuple[Leader, Stage] | None:
     """Return the first leader that brings down the error on shots left out, at convergence.
 
-    What two shots carry is passed over, and so is what only stands in for it.
+    What two shots carry is passed over, and so is what only stands in for it. A law of contact that
+    was found without the leader may hold the fit at a wrong place; where the fit is far off, the
+    law is looked for once more beside the leader.
     """
+    present, ranking = found.path[-1], found.ranking
     passed = [x for x in in_order(leaders) if x.carried and not trusting]
     believed = [
         x
@@ -117,11 +124,23 @@ def _accepted(
         fit = leader.fit
         if not fit.converged:
             fit = fit_campaign(leader.data, fit.theory, fit)
-        stage = stage_of(leader.data, fit)
         without = _as_stated(leader, fit) or present
-        if stage.error.value < without.error.value and _shared(without, stage, trusting=trusting):
-            return leader, stage
+        for stage in _stages(found.evidence, leader, fit, laws):
+            if _gains(without, stage, trusting=trusting):
+                return leader, stage
     return None
+
+
+def _stages(
+    evidence: Evidence, leader: Leader, fit: Fit, laws: Sequence[ContactLaw]
+) -> Iterator[Stage]:
+    """Yield a leader's stage as fitted, and, where it is far off, with laws looked for anew."""
+    yield stage_of(leader.data, fit)
+    if is_far_off(fit):
+        for law in laws:
+            theory = law_again(evidence, fit, law)
+            if theory is not fit.theory:
+                yield stage_of(leader.data, fit_campaign(leader.data, theory))
 
 
 def _as_stated(leader: Leader, fit: Fit) -> Stage | None:
@@ -136,11 +155,18 @@ def _as_stated(leader: Leader, fit: Fit) -> Stage | None:
     return stage_of(leader.data, fit_campaign(leader.data, theory, fit))
 
 
-def _shared(present: Stage, stage: Stage, *, trusting: bool) -> bool:
-    """Tell whether the gain on shots left out is that of most shots."""
-    gains = present.error.by_shot - stage.error.by_shot
+def _gains(present: Stage, stage: Stage, *, trusting: bool) -> bool:
+    """Tell whether shots left out are predicted better, and most of them.
+
+    Where the present fit is far off, noise is no measure of what single shots gain: one that is
+    predicted worse by a bent law would outweigh all others. Ratios of their errors count there.
+    """
+    before, after = present.error.by_shot, stage.error.by_shot
+    gains = before - after
+    if is_far_off(present.fit):
+        gains = np.log(np.maximum(before, 1.0) / np.maximum(after, 1.0))
     fall = (present.fit.chi2 - stage.fit.chi2) / max(stage.fit.chi2_per_dof, 1e-12)
-    return trusting or is_shared(gains, fall)
+    return float(gains.sum()) > 0.0 and (trusting or is_shared(gains, fall))
 
 
 def _shadow(leader: Leader, passed: Sequence[Leader], ranking: Ranking) -> bool:

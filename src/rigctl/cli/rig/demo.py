@@ -6,7 +6,7 @@ import shutil
 from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
-from typing import Annotated, Final, Protocol, cast
+from typing import Annotated, Protocol, cast
 
 import typer
 
@@ -36,7 +36,6 @@ SWEEP = (
     *((52.0, 10.0), (74.0, 9.0), (44.0, 12.0), (67.0, 3.0), (55.0, 15.0)),
 )
 """Pressure (kPa) and offset (mm) of each shot: slow and fast, nearly head on to oblique."""
-METHOD: Final = "thesis"
 FRAMES_AFTER_MARK = 90
 """The slowest of the sweep meet 60 ms after the fire."""
 LONGEST_COLLECTION_S, LONGEST_ANALYSIS_S = 60.0, 120.0
@@ -95,8 +94,6 @@ def _configuration(folder: Path, seed: int) -> Configuration:
         update={
             "simulation": Simulation.model_validate(hiding),
             "store": usual.store.model_copy(update={"folder": str(folder)}),
-            # It errs by more than what ten shots would show of its scale.
-            "analysis": usual.analysis.model_copy(update={"method": METHOD}),
             "camera": usual.camera.model_copy(
                 update={
                     "frames_after_mark": FRAMES_AFTER_MARK,
@@ -128,7 +125,7 @@ def _draw(daemon: Daemon, records: list[Json], path: Path) -> list[Path]:
     name = str(record["shot"])
     frames = daemon.store.folders.frames(name)
     setup = manifest_setup(daemon.store.folders.manifest(name))
-    options = AnalysisOptions(method=METHOD)
+    options = AnalysisOptions(method=daemon.configuration.analysis.method)
     shot = analyse_shot(frames.pixels, frames.times_s - frames.times_s[0], setup, options)
     if not isinstance(shot, MeasuredShot):
         return []
