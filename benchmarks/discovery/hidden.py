@@ -12,12 +12,28 @@ from dataclasses import replace
 from benchmarks.discovery.filmed_errors import filmed
 from benchmarks.discovery.lasting import HIDDEN, PLAIN, STATED_DRAG, tell
 from benchmarks.discovery.options import Options
+from simulators.challenge import HIDDEN as EFFECTS
+from simulators.challenge.effects import switched
 from simulators.challenge.nature import Nature
 
 FIRST_SEED = 950
 SLOW_PX = 0.001
 MISSTATED = (0.5, 2.0)
-WORLDS: Mapping[str, Nature] = {"nothing": PLAIN, "nothing, again": PLAIN, **HIDDEN}
+OTHERS_IN_CONTACT = ("friction-speed", "inertia-factor", "restitution-obliquity")
+"""What a laboratory's challenge may hide besides."""
+WORLDS: Mapping[str, Nature] = {
+    "nothing": PLAIN,
+    "nothing, again": PLAIN,
+    **HIDDEN,
+    **{
+        name: replace(
+            switched({name: EFFECTS[name].amplitude}),
+            forces=PLAIN.forces,
+            drag_coefficient=PLAIN.drag_coefficient,
+        )
+        for name in OTHERS_IN_CONTACT
+    },
+}
 
 
 def run(options: Options) -> None:

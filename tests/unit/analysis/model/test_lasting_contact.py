@@ -17,6 +17,7 @@ from analysis.model.fitting.robust_fit import RobustFit, robust_fit
 from analysis.model.rank.ranking import rank
 from analysis.model.verdict.selection import explain
 from benchmarks.discovery.campaigns import posed
+from benchmarks.discovery.filmed_errors import filmed
 from simulators.challenge.campaign import Noise, run_campaign
 from simulators.challenge.force_choice import Forces
 from simulators.challenge.nature import Nature
@@ -74,6 +75,15 @@ def test_the_verdict_names_it_alone_and_what_it_contains_is_offered_no_more() ->
     assert (verdict.verdict, verdict.effects) == ("effect", ("lasting-contact",))
     offered = {candidate.effect.name for candidate in verdict.ranking.candidates}
     assert not offered & {*EFFECT.contains, EFFECT.name}
+
+
+def test_torsion_on_top_of_it_is_named_by_ten_shots_as_exact_as_films() -> None:
+    torsion = Nature(forces=Forces(), torsion_radius_m=8e-4, drag_coefficient=AIR)
+    data = replace(filmed(torsion, 1, 10, 0.001), drag_coefficient=0.42)
+    verdict = explain(data, CATALOGUE)
+    assert verdict.verdict == "effect"
+    assert set(verdict.effects) == {"torsional-friction", EFFECT.name}
+    assert verdict.fit.chi2_per_dof < 1.0 + 3 * np.sqrt(2 / verdict.fit.freedom)
 
 
 def test_its_share_leads_the_candidates_of_the_hard_sphere_law() -> None:
