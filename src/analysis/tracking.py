@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal, Self
 
@@ -12,6 +12,7 @@ from analysis.arrays import Floats, Grey
 from analysis.errors import ShotRefusedError
 from analysis.imaging.assignment import LEAST_COVERAGE, follow
 from analysis.imaging.discs import common_radius
+from analysis.imaging.edge.facet import EdgePoints
 from analysis.imaging.edge.frame import (
     EdgeSettings,
     FilmEdges,
@@ -34,7 +35,7 @@ from analysis.motion.sightings import (
     marker_angle,
     markers_by_edges,
 )
-from analysis.setup import Setup
+from analysis.setup import Rows, Setup
 
 Matching = Literal["pattern", "proximal"]
 
@@ -238,15 +239,25 @@ def _start_radii(film: FilmEdges, setup: Setup) -> tuple[float, float]:
     a, b = (sphere.diameter_m for sphere in setup.spheres)
     if setup.camera.scale_px_per_m is not None:
         return setup.camera.scale_px_per_m * a / 2, setup.camera.scale_px_per_m * b / 2
-    edges = [film.whole(k) for k in range(len(film))]
-    busiest = sorted(edges, key=lambda e: -len(e.points))[:FRAMES_FOR_RADIUS]
-    if len(busiest[0].points) < 12:
+    views, rows = 1, [setup.camera.front_view_rows]
+    if setup.camera.top_view_rows is not None:
+        views, rows = 2, [*rows, setup.camera.top_view_rows]
+    # Beside the views there may be discs that are not counted, as in a mirror that is left out.
+    points = [_within(film.whole(k).points, rows) for k in range(len(film))]
+    busiest = sorted(points, key=lambda own: -len(own))[:FRAMES_FOR_RADIUS]
+    if len(busiest[0]) < 12:
         raise ShotRefusedError("outlines", "no edges stand out of the noise in any frame")
-    views = 1 if setup.camera.top_view_rows is None else 2
-    limits = SMALLEST_RADIUS_PX, min(busiest[0].shape) / 2
+    shape = film.whole(0).shape
+    limits = SMALLEST_RADIUS_PX, min(shape) / 2
     sizes = {1.0: 2 * views} if a == b else {1.0: views, b / a: views}
-    radius = float(np.median([common_radius(e.points, e.shape, limits, sizes) for e in busiest]))
+    radius = float(np.median([common_radius(own, shape, limits, sizes) for own in busiest]))
     return radius, radius * b / a
+
+
+def _within(points: EdgePoints, rows: Sequence[Rows]) -> EdgePoints:
+    """Return the points that lie in any of these ranges of rows."""
+    row = points.row
+    return points.where(np.any([(first <= row) & (row < end) for first, end in rows], axis=0))
 
 
 def _standing(orientations: Orientations, frames: int) -> Floats:
