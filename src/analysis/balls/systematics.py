@@ -1,14 +1,16 @@
-"""What the choices of a fit do to places and to e: radius and light of the ball."""
+"""What the choices of a fit do to places and flights: radius, outline and light of the ball."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analysis.arrays import Floats
 from analysis.balls.flight.flights import Flights
+from analysis.balls.flight.outlines import slants
 from analysis.balls.seen.placing import Placed, Placer
 from analysis.balls.seen.windows import Motion, Window
 
@@ -16,10 +18,10 @@ RADIUS_STEP = 0.003
 """Of the radius: places follow it in proportion so far."""
 MOST_BY_RADIUS = 2.0
 """Of the radius's change: a place whose rim is seen on one side alone moves by about 1 of it."""
+ASLANT_SIGMA = 0.25
+"""Of half the squared larger side over the focal length, where a film does not tell it."""
 MOST_BY_LIGHT = 0.03
 """Of the radius: a smooth shading that is further off than that has lost the rim."""
-APPROACH, LEAVE = 1, 3
-"""Speeds of a contact, as `path.places` gives it, whose ratio is e."""
 
 
 def shifts(
@@ -29,11 +31,11 @@ def shifts(
     bare: Placed,
     flights: Flights,
 ) -> Floats:
-    """Return by how much each place moves with the ball's radius and with its light.
+    """Return by how much each place moves with the ball's radius, its outline and its light.
 
-    A radius moves the rim's darker side less than the brighter one; a smooth shading alone takes
-    part of a limb's fading for the rim. Both move all places of a film in much the same way, which
-    no scatter about flights tells.
+    A radius moves the rim's darker side less than the brighter one, and so does an outline that is
+    longer towards the picture's border; a smooth shading alone takes part of a limb's fading for
+    the rim. No scatter about flights tells what these do.
 
     Parameters
     ----------
@@ -46,7 +48,7 @@ def shifts(
 
     Returns
     -------
-    Of each cause and observed place, px; shape (2, N, 2).
+    Of each cause and observed place, px; shape (3, N, 2).
     """
     placed = flights.observed
     radius = placer.radius_px
@@ -55,12 +57,12 @@ def shifts(
     wide = placer.place(*seen)
     placer.radius_px = radius
     by_radius, by_light = (_moved(placed.frames, placed.places, each) for each in (wide, bare))
-    by_radius *= radius_sigma_px / step
+    by_radius = _at_most(by_radius / step, MOST_BY_RADIUS)
+    slant = slants(flights, placed.places)
+    told = radius_sigma_px / radius / max(float(slant.max()), 1e-12)
+    by_outline = by_radius * radius * slant * min(told, ASLANT_SIGMA)
     return np.stack(
-        [
-            _at_most(by_radius, MOST_BY_RADIUS * radius_sigma_px),
-            _at_most(by_light, MOST_BY_LIGHT * radius),
-        ]
+        [by_radius * radius_sigma_px, by_outline, _at_most(by_light, MOST_BY_LIGHT * radius)]
     )
 
 
@@ -78,19 +80,16 @@ def _moved(frames: NDArray[np.intp], places: Floats, other: Placed) -> Floats:
     return moved
 
 
-def systematic_e(flights: Flights, moved: Floats) -> Floats:
-    """Return by how much shifts of places change e of each bounce; shape (B,).
+def with_shifts(flights: Flights, moved: Floats) -> Flights:
+    """Return flights whose numbers are as uncertain as shifts of all places leave them, too.
 
     Parameters
     ----------
     moved
-        Of each observed place, px; shape (N, 2).
+        Of each cause and observed place, px; shape (causes, N, 2).
     """
-    step = np.einsum("pna,na->p", flights.response, moved)
-    contacts = flights.contact_slopes @ step
-    before, after = flights.contacts[:, APPROACH], flights.contacts[:, LEAVE]
-    change = contacts[:, LEAVE] - after / before * contacts[:, APPROACH]
-    return np.asarray(np.abs(change / before))
+    steps = np.einsum("pna,cna->pc", flights.response, moved)
+    return replace(flights, covariance=flights.covariance + steps @ steps.T)
 
 
 def whole_sigmas(flights: Flights, moved: Floats) -> Floats:
@@ -100,5 +99,5 @@ def whole_sigmas(flights: Flights, moved: Floats) -> Floats:
 
 def apart_sigmas(flights: Flights, moved: Floats) -> Floats:
     """Return standard errors of places beside one another, without what moves all alike."""
-    own = moved[0] - np.median(moved[0], axis=0)
-    return np.asarray(np.hypot(flights.scatter, own))
+    own = moved - np.median(moved, axis=1, keepdims=True)
+    return np.asarray(np.sqrt(flights.scatter**2 + (own**2).sum(axis=0)))
