@@ -144,7 +144,8 @@ def measure_ball(film: Film, times_s: Floats, ball: Ball, exposure_s: float | No
         placed = placer.place(own, motion, row_time)
     unsettled, moved = np.zeros(0), np.zeros((0, 0, 2))
     if flights is not None:
-        moved = shifts(placer, (own, motion, row_time), looks.radius_sigma_px, bare, flights)
+        where = own, motion, row_time
+        moved = shifts(placer, where, looks, bare, flights, compressed=film.head.compressed)
         unsettled = _last_change(coefficients)
         flights = with_shifts(flights, moved)
     return MeasuredBall(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 from analysis.arrays import Floats
 from analysis.balls.flight.flights import Flights
 from analysis.balls.flight.outlines import slants
+from analysis.balls.seen.looks import CODEC_PX, Looks
 from analysis.balls.seen.placing import Placed, Placer
 from analysis.balls.seen.windows import Motion, Window
 
@@ -18,6 +20,9 @@ RADIUS_STEP = 0.003
 """Of the radius: places follow it in proportion so far."""
 MOST_BY_RADIUS = 2.0
 """Of the radius's change: a place whose rim is seen on one side alone moves by about 1 of it."""
+OUTLINE_SIGMA = 0.003
+"""Relative, of a radius along the rows over that in other frames: what shading does to all alike
+cancels, a codec's errors do not."""
 ASLANT_SIGMA = 0.25
 """Of half the squared larger side over the focal length, where a film does not tell it."""
 MOST_BY_LIGHT = 0.03
@@ -27,9 +32,11 @@ MOST_BY_LIGHT = 0.03
 def shifts(
     placer: Placer,
     seen: tuple[Sequence[Window], Motion, float],
-    radius_sigma_px: float,
+    looks: Looks,
     bare: Placed,
     flights: Flights,
+    *,
+    compressed: bool,
 ) -> Floats:
     """Return by how much each place moves with the ball's radius, its outline and its light.
 
@@ -41,17 +48,19 @@ def shifts(
     ----------
     seen
         Windows, where the ball is in them, and the time from row to row.
-    radius_sigma_px
-        By how much the radius is changed.
+    looks
+        Of the ball: the radius is changed by its error.
     bare
         Places fitted before the film had taught the ball's light.
+    compressed
+        Whether a codec has been at the rims that tell the outline.
 
     Returns
     -------
     Of each cause and observed place, px; shape (3, N, 2).
     """
     placed = flights.observed
-    radius = placer.radius_px
+    radius, radius_sigma_px = placer.radius_px, looks.radius_sigma_px
     step = min(radius_sigma_px, RADIUS_STEP * radius)
     placer.radius_px = radius + step
     wide = placer.place(*seen)
@@ -59,7 +68,8 @@ def shifts(
     by_radius, by_light = (_moved(placed.frames, placed.places, each) for each in (wide, bare))
     by_radius = _at_most(by_radius / step, MOST_BY_RADIUS)
     slant = slants(flights, placed.places)
-    told = radius_sigma_px / radius / max(float(slant.max()), 1e-12)
+    rim = math.hypot(OUTLINE_SIGMA, CODEC_PX * compressed / radius)
+    told = rim / max(float(slant.max()), 1e-12)
     by_outline = by_radius * radius * slant * min(told, ASLANT_SIGMA)
     return np.stack(
         [by_radius * radius_sigma_px, by_outline, _at_most(by_light, MOST_BY_LIGHT * radius)]
