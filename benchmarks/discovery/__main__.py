@@ -6,6 +6,7 @@ import argparse
 
 from benchmarks.discovery import (
     air,
+    beside,
     blind,
     foreign,
     frames,
@@ -35,6 +36,7 @@ SECTIONS = {
     "lasting": lasting.run,
     "foreign": foreign.run,
     "air": air.run,
+    "beside": beside.run,
     "speed": speed.run,
     "speed-lasting": speed.run_lasting,
     "memory": memory.run,

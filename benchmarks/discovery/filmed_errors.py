@@ -1,4 +1,8 @@
-"""Errors as films leave them, laid on true poses: fresh, slow, and shared by a whole campaign."""
+"""Errors as films leave them, laid on true poses: fresh, slow, and shared by a whole campaign.
+
+What all flights share is the same all over the field, or changes with the place of a sphere in it:
+a light that is not quite as learned does either.
+"""
 
 from __future__ import annotations
 
@@ -24,10 +28,19 @@ SHARED_PX, SCALE, MEMORY_RAD = 0.002, 1e-3, 0.32
 TURN_PER_CENTRE_ERROR = 1.5
 FRAMES = 60
 SHORTEST_S = 1e-3
+COURSE_M = 0.03
+"""Over which what all flights share changes where it changes at all: half of a slow flight."""
+WAVES = 12
 
 
 def filmed(
-    nature: Nature, seed: int, shots: int, slow_px: float, scale_pull: float | None = None
+    nature: Nature,
+    seed: int,
+    shots: int,
+    slow_px: float,
+    scale_pull: float | None = None,
+    *,
+    by_place: bool = False,
 ) -> PoseData:
     """Return poses with errors drawn from what is stated of them.
 
@@ -38,6 +51,8 @@ def filmed(
         sphere turns by what its markers are wide.
     scale_pull
         By how many stated errors lengths are seen too long; None: drawn.
+    by_place
+        Whether what all flights share changes with the place in the field.
     """
     rng = np.random.default_rng([seed, 7])
     true = posed(run_campaign(nature, seed, shots=shots, frames=FRAMES, noise=UNSEEN))
@@ -52,8 +67,12 @@ def filmed(
     places, turns = _drawn(true, slow, rng)
     apart = np.sqrt(2.0) * slow.shared_m * rng.normal(size=3) * np.array([[-0.5], [0.5]])
     scale = 1.0 + SCALE * (rng.normal() if scale_pull is None else scale_pull)
-    position = scale * true.position + apart + places
     seen = Rotation.from_rotvec(slow.common_rad * rng.normal(size=(2, 3))).as_matrix()
+    if by_place:
+        apart = slow.shared_m * _over_field(true.position, rng)
+        turn = slow.common_rad * _over_field(true.position, rng)
+        seen = Rotation.from_rotvec(turn.reshape(-1, 3)).as_matrix().reshape(true.rotation.shape)
+    position = scale * true.position + apart + places
     turned = Rotation.from_rotvec(turns.reshape(-1, 3)).as_matrix().reshape(true.rotation.shape)
     return replace(
         true,
@@ -64,6 +83,17 @@ def filmed(
         slow=slow,
         own_slow={},
     )
+
+
+def _over_field(places: Floats, rng: np.random.Generator) -> Floats:
+    """Return three smooth functions of the place for each sphere, of size 1, at places (..., 2, 3).
+
+    Sums of waves in all directions, correlated as exp(-(distance / COURSE_M)^2 / 2).
+    """
+    waves = rng.normal(0.0, 1.0 / COURSE_M, (2, 3, WAVES, 3))
+    phases = rng.uniform(0.0, 2.0 * np.pi, (2, 3, WAVES))
+    along = np.einsum("...sk,scwk->...scw", places, waves) + phases
+    return np.asarray(np.sqrt(2.0 / WAVES) * np.cos(along).sum(axis=-1))
 
 
 def _drawn(true: PoseData, slow: SlowErrors, rng: np.random.Generator) -> tuple[Floats, Floats]:

@@ -8,11 +8,13 @@ all alike by scale, outlines and orientations. Scale and drag are one draw for a
 of the error of e and v_n: over the campaigns they are quantiles of what is stated, so that few
 spread as many would. Then v_n, v_n' and e of single shots, and the report's mean e, are held
 against the world's as well. An own pull is the error less what the drawn scale and drag do to it,
-over the shot's own error; a total pull is the whole error over the whole stated one.
+over the shot's own error; a total pull is the whole error over the whole stated one. Each campaign
+is fitted once more streamed, a part of its shots at a time.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -21,6 +23,7 @@ from scipy.stats import norm
 from analysis.arrays import Floats
 from analysis.effects.contact.lasting_contact import EFFECT
 from analysis.model.data.poses import PoseData
+from analysis.model.data.stream import PoseStream
 from analysis.model.fitting.robust_fit import RobustFit, robust_fit
 from benchmarks.discovery.filmed_errors import filmed
 from benchmarks.discovery.goals import Goal, report, share
@@ -37,6 +40,8 @@ from simulators.world.description import Sphere
 FIRST_SEED = 600_000
 STATED_ERROR = 0.2
 LEAST, MOST = 0.8, 1.25
+MOST_APART = 0.01
+"""Errors, between a fit in memory and the streamed one."""
 
 
 def left_head_on(nature: Nature = PLAIN) -> float:
@@ -63,22 +68,36 @@ def run(options: Options) -> None:
     shared = drawn_shared(options.campaigns)
     data = (_campaign(k, options, shared[:, k]) for k in range(options.campaigns))
     single: dict[str, list[Floats]] = {}
-    found = []
+    found, streamed = [], []
     for k, one in enumerate(data):
         found.append(robust_fit(one, (EFFECT,)))
+        streamed.append(robust_fit(PoseStream.of(one.parts()), (EFFECT,)))
         if options.slow_px is not None:
             nature = _nature(float(shared[DRAG, k]))
             for name, pulls in of_single_shots(one, nature, FIRST_SEED + k, shared[:, k]).items():
                 single.setdefault(name, []).append(pulls)
-    right = [one for one in found if _law(one) == EFFECT.title]
-    others = [_law(one) != EFFECT.title for one in found]
-    fitted = np.array([_pulls(one) for one in right]).reshape(-1, len(TRUE))
-    goals = [share("force law taken for another", 0.05, others, at_least=False)]
-    for name, own in zip(TRUE, fitted.T, strict=True):
-        goals += _goals(name, own)
+    goals = [*_of_fits("", found), *_of_fits(", streamed", streamed), _apart(found, streamed)]
     for name, parts in single.items():
         goals += _goals(name, np.concatenate(parts))
     report("pulls", goals, [])
+
+
+def _of_fits(way: str, found: Sequence[RobustFit]) -> list[Goal]:
+    """Return how often another law is taken, and the pulls of each parameter where none is."""
+    others = [_law(one) != EFFECT.title for one in found]
+    right = [_pulls(one) for one in found if _law(one) == EFFECT.title]
+    goals = [share(f"force law taken for another{way}", 0.05, others, at_least=False)]
+    for name, own in zip(TRUE, np.array(right).reshape(-1, len(TRUE)).T, strict=True):
+        goals += _goals(f"{name}{way}", own)
+    return goals
+
+
+def _apart(found: Sequence[RobustFit], streamed: Sequence[RobustFit]) -> Goal:
+    """Return by how many errors two ways to fit the same poses differ at most."""
+    pairs = zip(map(_pulls, found), map(_pulls, streamed), strict=True)
+    apart = max(float(np.abs(np.subtract(*pair)).max()) for pair in pairs)
+    text = "fitted in memory and streamed: largest difference, errors"
+    return Goal(text, MOST_APART, apart, 0.0, len(found), at_least=False)
 
 
 def drawn_shared(campaigns: int) -> Floats:

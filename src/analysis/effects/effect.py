@@ -132,6 +132,9 @@ class ContactLaw(Effect):
     beside
         Laws that differ from it in the damping along the normal alone: where it is the likeliest,
         they are fitted from its values too.
+    spread
+        Of a fitted law: how far the parameters of the families that these shots do not tell from
+        it lie from its own, root mean square, one for each. It is part of their errors.
     """
 
     stage: ClassVar[str] = "contact"
@@ -139,6 +142,7 @@ class ContactLaw(Effect):
     stepped: Callable[[Values, int], Operator] | None = None
     shares: tuple[ContactEffect, ...] = ()
     beside: tuple[ContactLaw, ...] = ()
+    spread: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -88,7 +88,7 @@ def mean_restitution(impacts: Impacts, used: np.ndarray) -> Quantity:
     return Quantity(mean, float(np.hypot(own, common)), "1", common)
 
 
-NO_BOTH = "no frames show both spheres"
+NO_BOTH = "too few frames show both spheres before the contact or after it"
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -22,6 +22,7 @@ from analysis.exchange.shot_list import ShotRow, read_shot_list
 from analysis.exchange.tabulated import Tabulated
 from analysis.model.data.bounces import BOUNCES_A_SHOT, by_bounce
 from analysis.model.data.columns import ShotColumns
+from analysis.model.data.inside import shows_both_sides
 from analysis.model.data.plate import Plate
 from analysis.model.data.plate_found import plate_of
 from analysis.model.data.poses import PoseData
@@ -72,10 +73,17 @@ def gather(campaign: Path) -> tuple[str, Data]:
     rows = read_shot_list(folder / SHOT_LIST)
     if setup.spheres[0].plate:
         raise InputError(folder / DESCRIPTION, "spheres: a is a plate; only b can be one")
-    for file, read in ((CONTACTS, _contacts), (IMPACTS, _impacts)):
-        if named == file or (named is None and (folder / file).exists()):
-            return name, read(folder / file, rows, setup)
+    stage = latest_table(folder) if named is None else named
+    if stage == CONTACTS:
+        return name, _contacts(folder / CONTACTS, rows, setup)
+    if stage == IMPACTS:
+        return name, _impacts(folder / IMPACTS, rows, setup)
     return name, gather_poses(folder)[1]
+
+
+def latest_table(folder: Path) -> str | None:
+    """Return the name of the table of the latest stage that a folder holds; None: it has none."""
+    return next((file for file in (CONTACTS, IMPACTS, POSES) if (folder / file).exists()), None)
 
 
 def gather_poses(folder: Path) -> tuple[str, PoseData]:
@@ -114,7 +122,8 @@ def nothing_seen(setup: Setup) -> str:
             "does not lie below the sphere, state its normal: spheres, b, normal = [x, y, z]"
         )
     return (
-        f"no shot of this campaign has {LEAST_OF_PAIRS} frames or more that show both spheres apart"
+        f"no shot of this campaign has {LEAST_FOR_A_LINE} frames or more that show both spheres "
+        "apart before the contact, and as many after it; frames of the contact itself do not count"
     )
 
 
@@ -253,7 +262,10 @@ def _table(path: Path, table: ContactTable, excluded: tuple[int, ...]) -> Contac
 
 
 def usable(data: PoseData) -> PoseData:
-    """Leave out shots without frames that show both spheres apart; their numbers are kept."""
+    """Leave out shots without frames that show both spheres apart; their numbers are kept.
+
+    On either side of the contact enough for a line, where two spheres meet.
+    """
     seen, least = data.seen, LEAST_FRAMES
     if not data.on_plate:
         least = LEAST_OF_PAIRS
@@ -261,6 +273,8 @@ def usable(data: PoseData) -> PoseData:
         reach = data.bodies[0].radius + data.bodies[1].radius
         seen = seen & ~(apart < LEAST_APART * reach)
     shown = seen.sum(axis=1) >= least
+    if not data.on_plate and shown.any():
+        shown[shown] = shows_both_sides(data.of_shots(shown))
     return replace(data.of_shots(shown), unusable=tuple(int(n) for n in data.shots[~shown]))
 
 

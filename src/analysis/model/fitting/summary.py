@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analysis import chi_squared
 from analysis.arrays import Floats
+from analysis.effects.effect import ContactLaw
 from analysis.model.predict.theory import LAW, LAW_PRIOR_SIGMA, Theory
 from analysis.quantity import Quantity
 
@@ -69,7 +70,7 @@ class FitSummary:
         """Return law and effects with their standard errors.
 
         What the shots say nothing of is not determined: its prior is no result. A law that takes
-        the operator's place has no beta0.
+        the operator's place has no beta0, and errors that hold what its other families would give.
         """
         start, stop, every = len(LAW), self.theory.given, self._every()
         law = [
@@ -79,10 +80,18 @@ class FitSummary:
         ]
         ranges = [np.ptp(p.plausible) for a in self.theory.active for p in a.effect.parameters]
         added = [
-            (name, _told(q, MOST_RANGES * float(wide)))
-            for (name, q), wide in zip(every[stop:], ranges, strict=True)
+            (name, _told(_widened(q, spread), MOST_RANGES * float(wide)))
+            for (name, q), spread, wide in zip(every[stop:], self._spreads(), ranges, strict=True)
         ]
         return {**dict(law), **dict(added), **self.scatter}
+
+    def _spreads(self) -> list[float]:
+        """Return by how much families that are not told apart differ, for each added parameter."""
+        found: list[float] = []
+        for a in self.theory.active:
+            spread = a.effect.spread if isinstance(a.effect, ContactLaw) else ()
+            found += spread or (0.0,) * len(a.values)
+        return found
 
     def systematics(self) -> dict[str, Quantity]:
         """Return the errors that all shots share: what was found of them and how well."""
@@ -92,6 +101,11 @@ class FitSummary:
         theory, sigma = self.theory, np.sqrt(np.diag(self.covariance))
         numbers = zip(theory.names, theory.vector, sigma, theory.units, strict=True)
         return [(name, Quantity(float(v), float(s), unit)) for name, v, s, unit in numbers]
+
+
+def _widened(quantity: Quantity, spread: float) -> Quantity:
+    """Return a quantity whose error holds a spread as well."""
+    return replace(quantity, sigma=float(np.hypot(quantity.sigma, spread)))
 
 
 def _told(quantity: Quantity, largest: float) -> Quantity:

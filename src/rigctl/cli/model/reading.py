@@ -11,6 +11,7 @@ from rich.console import Console
 
 from analysis.effects.effect import Effect
 from analysis.effects.own.fault import EffectFault, Fault
+from analysis.model.data.gather import POSES, latest_table
 from analysis.model.data.stream import CampaignData
 from analysis.model.data.tables import ContactTable, Data
 from analysis.model.fitting.fit import Fit
@@ -54,7 +55,7 @@ class Fitted:
 
 
 def opened(campaign: Path, configuration: Path | None = None) -> tuple[str, Data]:
-    """Open a campaign; say on standard error where its noise is not stated.
+    """Open a campaign; say on standard error which of several tables is taken, and unstated noise.
 
     Parameters
     ----------
@@ -69,6 +70,7 @@ def opened(campaign: Path, configuration: Path | None = None) -> tuple[str, Data
         No campaign has that name.
     """
     title, data = open_campaign(campaign, configuration)
+    _say_stage(title, campaign)
     _say_estimated(title, data)
     return title, data
 
@@ -97,6 +99,16 @@ def opened_in_parts(
     title, data = open_stream(campaign, configuration)
     _say_estimated(title, data)
     return title, data
+
+
+def _say_stage(title: str, campaign: Path) -> None:
+    """Say which table of a folder is taken where its poses are there too, and say more."""
+    if not (campaign / POSES).exists() or (table := latest_table(campaign)) == POSES:
+        return
+    Console(stderr=True, soft_wrap=True, markup=False, highlight=False).print(
+        f"{title}: {table} is taken, the latest stage in {campaign}; its {POSES} says more, of "
+        f"flight and camera above all: name {campaign / POSES} to have it fitted"
+    )
 
 
 def _say_estimated(title: str, data: CampaignData) -> None:

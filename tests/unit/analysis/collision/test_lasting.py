@@ -143,7 +143,7 @@ def test_the_steps_of_the_integration_do_not_show_in_the_stiffness_that_shots_te
 
 
 def test_the_stiffest_of_several_contacts_decides_on_the_steps() -> None:
-    assert [steps_for(ratio) for ratio in (0.15, 0.2, 1.1)] == [80, 160, 320]
+    assert [steps_for(ratio) for ratio in (0.15, 0.5, 1.1)] == [160, 320, 320]
     assert steps_for(np.array([0.15, 0.85])) == 320
 
 

@@ -11,6 +11,7 @@ import pytest
 from analysis.errors import InputError
 from analysis.model.data.gather import gather_poses
 from analysis.model.data.reading import stream_poses
+from analysis.model.fitting.robust_fit import robust_fit
 from simulators.challenge.campaign import run_campaign
 from simulators.challenge.folder import write_folder
 from simulators.challenge.nature import Nature
@@ -49,14 +50,16 @@ def in_one_place(row: Row) -> Row:
 
 
 @pytest.mark.parametrize(
-    "change", [of_frames(11, 13), of_frames(11, 14), in_one_place], ids=["two", "three", "in one"]
+    "change",
+    [of_frames(11, 13), of_frames(11, 14), of_frames(9, 13), in_one_place],
+    ids=["two", "three", "three and one", "in one"],
 )
 def test_shots_that_show_no_flights_are_refused_with_what_is_needed(
     whole: Path, tmp_path: Path, change: Callable[[Row], Row | None]
 ) -> None:
     folder = changed(whole, tmp_path / "bad", change)
     for read in (gather_poses, stream_poses):
-        with pytest.raises(InputError, match="4 frames or more that show both spheres apart"):
+        with pytest.raises(InputError, match="2 frames or more that show both spheres apart"):
             read(folder)
 
 
@@ -68,3 +71,26 @@ def test_a_shot_of_three_frames_is_left_out_and_named_and_the_others_are_used(
     data = gather_poses(folder)[1]
     assert data.shots.tolist() == [1, 3]
     assert data.unusable == (2,)
+
+
+def test_of_a_shot_without_a_line_after_the_contact_is_named_and_the_others_are_used(
+    whole: Path, tmp_path: Path
+) -> None:
+    early = of_frames(0, MIDDLE + 1)
+    folder = changed(whole, tmp_path / "early", lambda r: early(r) if r["shot"] == "2" else r)
+    for data in (gather_poses(folder)[1], stream_poses(folder)[1]):
+        assert data.shots.tolist() == [1, 3]
+        assert data.unusable == (2,)
+        found = robust_fit(data)
+        assert (len(found.fit.shot_chi2), found.rejected) == (2, [2])
+
+
+def test_contacts_that_last_as_long_as_the_film_are_refused_in_a_sentence(
+    whole: Path, tmp_path: Path
+) -> None:
+    folder = changed(whole, tmp_path / "soft", lambda row: row)
+    with (folder / "campaign.toml").open("a", encoding="utf-8") as file:
+        file.write("[material]\nyoungs_modulus_pa = 1e4\npoissons_ratio = 0.49\n")
+    for read in (gather_poses, stream_poses):
+        with pytest.raises(InputError, match="frames of the contact itself do not count"):
+            read(folder)
