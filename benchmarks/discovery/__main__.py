@@ -20,6 +20,7 @@ from benchmarks.discovery import (
     pulls,
     removed,
     speed,
+    unnamed,
 )
 from benchmarks.discovery.options import Options
 
@@ -29,6 +30,7 @@ SECTIONS = {
     "pulls": pulls.run,
     "pairs": pairs.run,
     "outside": outside.run,
+    "unnamed": unnamed.run,
     "blind": blind.run,
     "removed": removed.run,
     "frames": frames.run,

@@ -4,6 +4,7 @@ python -m benchmarks.proposals null --campaigns 400
 python -m benchmarks.proposals power --d 6 --campaigns 20
 python -m benchmarks.proposals power --d 10 --campaigns 13 --first-seed 900000
 python -m benchmarks.proposals products --d 6 --campaigns 20
+python -m benchmarks.proposals products --d 6 --own --campaigns 8
 python -m benchmarks.proposals drawn --d 6 --campaigns 5
 python -m benchmarks.proposals exponent --campaigns 100
 python -m benchmarks.proposals central --campaigns 20
@@ -42,7 +43,7 @@ from benchmarks.discovery.strength import amplitude_at
 from benchmarks.discovery.treatments import TREATMENTS
 from benchmarks.proposals.drawn import LAWS as DRAWN
 from benchmarks.proposals.drawn import drawn_at
-from benchmarks.proposals.products import SHARES, WAYS_OFF, product_at, share_alone
+from benchmarks.proposals.products import SHARES, WAYS_OFF, product_at
 from benchmarks.proposals.trials import Asked, Trial, print_share
 from benchmarks.proposals.unforeseen import WORLDS, claimed, fired, is_true
 from simulators.challenge.effects import HIDDEN
@@ -118,9 +119,8 @@ def null(asked: Asked) -> list[Trial]:
 def power(asked: Asked) -> list[Trial]:
     """Hide each law at one strength: the right slot and argument first, or in a small set."""
     tried, hits = list[Trial](), list[bool]()
-    for name, law in LAWS.items():
-        if asked.of not in name:
-            continue
+    chosen = {name: law for name, law in LAWS.items() if asked.of in name}
+    for name, law in chosen.items():
         own = []
         for k in range(asked.campaigns):
             seed = asked.first_seed + 10_000 + k
@@ -149,11 +149,12 @@ def power(asked: Asked) -> list[Trial]:
         )
         tried += own
         hits += [_named(one, right) for one in own]
-    print_share(
-        f"d {asked.d:g}, all laws: first, or in a set of at most three",
-        0.98 if asked.d >= 10 else 0.9,
-        hits,
-    )
+    if len(chosen) > 1:
+        print_share(
+            f"d {asked.d:g}, all laws: first, or in a set of at most three",
+            0.98 if asked.d >= 10 else 0.9,
+            hits,
+        )
     return tried
 
 
@@ -178,11 +179,12 @@ def products(asked: Asked) -> list[Trial]:
     for off in WAYS_OFF:
         for k in range(asked.campaigns):
             seed = asked.first_seed + 70_000 + k
-            data, pair = product_at(asked.d, off, seed, SHOTS)
-            one, found = _asked(data, f"{' on '.join(pair.group)}, {off} off", seed)
-            named, first = _named(one, pair.group), one.proposals[:1]
-            right = bool(first) and first[0][:2] == pair.group
-            rows.append((share_alone(found, pair, off), right, named))
+            made = product_at(asked.d, off, seed, SHOTS, own=asked.own)
+            group = made.pair.group
+            one, _ = _asked(made.data, f"{' on '.join(group)}, {off} off", seed)
+            named, first = _named(one, group), one.proposals[:1]
+            right = bool(first) and first[0][:2] == group
+            rows.append((made.share, right, named))
             tried.append(one)
         own = rows[-asked.campaigns :]
         shares = [row[0] for row in own]
@@ -364,9 +366,12 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--d", type=float, default=6.0, help="strength of what is hidden")
     parser.add_argument("--first-seed", type=int, default=FIRST_SEED, help="other campaigns")
     parser.add_argument("--of", default="", help="only kinds whose name holds this")
+    parser.add_argument(
+        "--own", action="store_true", help="products: d of what their arguments alone do not do"
+    )
     wanted = parser.parse_args(arguments)
     tried = SECTIONS[wanted.section](
-        Asked(wanted.campaigns, wanted.d, wanted.of, wanted.first_seed)
+        Asked(wanted.campaigns, wanted.d, wanted.of, wanted.first_seed, wanted.own)
     )
     OUT.mkdir(exist_ok=True)
     path = OUT / f"proposals-{wanted.section}.json"

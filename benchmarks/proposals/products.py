@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 from analysis.model.data.inside import without_contact_frames
 from analysis.model.data.poses import PoseData
 from analysis.model.fitting.fit import fit_campaign
-from analysis.model.proposals.channels import channels_of
+from analysis.model.proposals.arguments import known_arguments
+from analysis.model.proposals.channels import Channels, channels_of
 from analysis.model.proposals.forms.form import ContactForm
 from analysis.model.proposals.forms.shapes import LINEAR, POWER
-from analysis.model.proposals.proposed import Proposed
 from benchmarks.discovery.campaigns import SILENCE, STATED, posed
 from simulators.challenge.campaign import Noise, run_campaign
 from simulators.challenge.launch import Settings, Touch
@@ -83,8 +83,30 @@ PAIRS = (
 """One of them for each seed in turn."""
 
 
-def product_at(d: float, off: int, seed: int, shots: int) -> tuple[PoseData, Pair]:
-    """Return a campaign that hides a product at a strength, its zero so far off, and which."""
+@dataclass(frozen=True, slots=True)
+class Made:
+    """A campaign that hides a product.
+
+    Attributes
+    ----------
+    share
+        Of what the product does, done by its arguments by themselves.
+    """
+
+    data: PoseData
+    pair: Pair
+    share: float
+
+
+def product_at(d: float, off: int, seed: int, shots: int, *, own: bool = False) -> Made:
+    """Return a campaign that hides a product at a strength, its zero so far off.
+
+    Parameters
+    ----------
+    own
+        Whether the strength is of what the arguments by themselves do not do, and not of all that
+        the product does.
+    """
     pair = PAIRS[seed % len(PAIRS)]
 
     def size(settings: Settings, touch: Touch, radius_m: float) -> Floats:
@@ -99,14 +121,16 @@ def product_at(d: float, off: int, seed: int, shots: int) -> tuple[PoseData, Pai
         return posed(run_campaign(nature, seed, shots=shots, noise=noise))
 
     silent = without_contact_frames(campaign(FIRST_GUESS, SILENCE))
-    found = float(np.sqrt(fit_campaign(silent).chi2))
-    return campaign(FIRST_GUESS * d / found, STATED), pair
+    fit = fit_campaign(silent)
+    share = share_alone(channels_of(silent, fit), pair, off)
+    found = float(np.sqrt(fit.chi2 * (1.0 - share if own else 1.0)))
+    return Made(campaign(FIRST_GUESS * d / found, STATED), pair, share)
 
 
-def share_alone(found: Proposed, pair: Pair, off: int) -> float:
+def share_alone(channels: Channels, pair: Pair, off: int) -> float:
     """Return the share of what a product does that its arguments do by themselves."""
-    channels = channels_of(found.data, found.path[0].fit)
-    known = {argument.name: argument for argument in found.admitted.arguments}
+    offered = known_arguments(channels.encounter, scalars=False, one_frame=True)
+    known = {argument.name: argument for argument in offered}
     arguments = tuple(known[name] for name in pair.names)
     zeros = []
     for argument, away in zip(arguments, (off, 0), strict=True):

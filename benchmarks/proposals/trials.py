@@ -18,12 +18,15 @@ class Asked:
         Strength of what is hidden.
     of
         Only kinds whose name holds this.
+    own
+        Whether d of a product is of what its arguments by themselves do not do.
     """
 
     campaigns: int
     d: float
     of: str
     first_seed: int
+    own: bool = False
 
 
 @dataclass(frozen=True, slots=True)

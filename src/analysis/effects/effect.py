@@ -135,6 +135,8 @@ class ContactLaw(Effect):
     spread
         Of a fitted law: how far the parameters of the families that these shots do not tell from
         it lie from its own, root mean square, one for each. It is part of their errors.
+    akin
+        Those of its variants whose likeliest values lie near its own: they are looked for there.
     """
 
     stage: ClassVar[str] = "contact"
@@ -143,6 +145,7 @@ class ContactLaw(Effect):
     shares: tuple[ContactEffect, ...] = ()
     beside: tuple[ContactLaw, ...] = ()
     spread: tuple[float, ...] = ()
+    akin: tuple[ContactLaw, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)

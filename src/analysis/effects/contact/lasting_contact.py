@@ -175,4 +175,30 @@ def effect_of(force: ForceLaw) -> ContactLaw:
 
 
 SHARES = tuple(share_at(ForceLaw(TSUJI, "elongation"), *typical) for typical in TYPICAL)
-EFFECT = replace(effect_of(FAMILIES[0]), variants=tuple(effect_of(force) for force in FAMILIES[1:]))
+
+
+def _with_akin(force: ForceLaw) -> tuple[ContactLaw, ...]:
+    """Return the effect of a force law, and those of the families that differ little from it.
+
+    The same elastic force with the same history; springs on a line have one.
+    """
+    near = [
+        effect_of(other)
+        for other in FAMILIES
+        if other != force
+        and other.normal is force.normal
+        and (other.history == force.history or force.normal is LINEAR)
+    ]
+    return replace(effect_of(force), akin=tuple(near)), *near
+
+
+EFFECT, *_OTHERS = (
+    law
+    for force in (
+        ForceLaw(TSUJI, "elongation"),
+        ForceLaw(TSUJI, "increment"),
+        ForceLaw(LINEAR, "elongation"),
+    )
+    for law in _with_akin(force)
+)
+EFFECT = replace(EFFECT, variants=tuple(_OTHERS))

@@ -139,10 +139,13 @@ class Purpose:
     roughly
         Whether it is enough to see how far it comes down: steps that bring less than a hundredth
         of what all have brought are the last then.
+    trusted
+        Times its promise a fit may come down.
     """
 
     beat: float = np.inf
     roughly: bool = False
+    trusted: float = TRUSTED
 
 
 TO_THE_END = Purpose()
@@ -166,7 +169,7 @@ def descended(
     """
     begun, before = place.cost, np.inf
     for _ in range(JOINT_ITERATIONS):
-        if place.cost - TRUSTED * place.reach() > purpose.beat:
+        if place.cost - purpose.trusted * place.reach() > purpose.beat:
             return place, False
         lower = _searched(data, place)
         fall = place.cost - lower.cost

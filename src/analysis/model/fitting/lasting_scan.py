@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -22,12 +22,14 @@ than in a fit: a scan only compares laws, and the fit gives the values."""
 SMOOTHED = 2
 """Times that a start is gone down a wider loss first."""
 EVALUATIONS, FEW_EVALUATIONS = 15, 4
-LITTLE_FALL = 0.02
-"""Of the loss: a step that brings no more is the last."""
+LITTLE_FALL = 0.1
+"""Of the loss: two steps in a row that bring no more are the last, or one by slopes taken there."""
 RELATIVE_STEP, LEAST_STEP = 1e-4, 1e-7
 """Of differences."""
 SMALLEST = 1e-12
 """Of the largest curvature: along less a step is not determined."""
+Scales = Callable[[Floats], Floats]
+"""From residuals (V, R) to how wide the loss of each V is."""
 DAMPING, EASED, RAISED, LARGEST_DAMPING = 1e-3, 0.1, 10.0, 1e4
 
 
@@ -96,9 +98,9 @@ class Scan:
         """
         flights, count = self.flights, len(self.own_e)
         each = np.repeat(vectors, count, axis=0)
-        e = each[:, 0] + np.tile(self.own_e, len(vectors))
+        e = (vectors[:, :1] + self.own_e).ravel()
         operator = self.operator(law, each[:, 2:].T)
-        before = np.tile(flights.before, (len(vectors), 1))
+        before = np.repeat(flights.before[None], len(vectors), axis=0).reshape(-1, SIDE)
         found = flights.foretold(before, operator, e, each[:, 1])
         off = flights.after - found.reshape(len(vectors), count, SIDE)
         left = (self.whitening @ off[..., None]).reshape(len(vectors), -1)
@@ -119,8 +121,7 @@ class Scan:
         for law, begun in _by_law(starts):
             vectors = begun
             for _ in range(SMOOTHED):
-                left = roughly.residuals(law, vectors)
-                vectors, _ = roughly._lowered(law, vectors, _scales(left), FEW_EVALUATIONS)
+                vectors, _ = roughly._lowered(law, vectors, _scales, FEW_EVALUATIONS)
             costs = self.costs(law, vectors)
             found += [Start(law, v, float(c)) for v, c in zip(vectors, costs, strict=True)]
         return sorted(found, key=lambda one: one.cost)
@@ -129,39 +130,52 @@ class Scan:
         """Return the minima of Cauchy's loss below some starts, the least first."""
         found: list[Start] = []
         for law, vectors in _by_law(starts):
-            each = self._lowered(law, vectors, np.ones(len(vectors)), EVALUATIONS)
+            each = self._lowered(law, vectors, _unit_scales, EVALUATIONS)
             found += [Start(law, v, float(c)) for v, c in zip(*each, strict=True)]
         return sorted(found, key=lambda one: one.cost)
 
     def _lowered(
-        self, law: ContactLaw, vectors: Floats, scales: Floats, evaluations: int
+        self, law: ContactLaw, vectors: Floats, scales_of: Scales, evaluations: int
     ) -> tuple[Floats, Floats]:
         """Go down from values (V, K) by steps of Levenberg and Marquardt, all side by side.
 
         D. W. Marquardt, J. SIAM 11, 431 (1963); residuals weighed as the loss weighs them, whose
-        second derivatives are negative beyond its scale and lead nowhere.
+        second derivatives are negative beyond its scale and lead nowhere. Slopes follow the steps
+        (C. G. Broyden, Math. Comput. 19, 577 (1965)) and are taken anew where those lead no lower.
 
         Returns
         -------
-        Values and their losses at some scales (V,), shapes (V, K) and (V,).
+        Values and their losses at scales of the residuals there (V,), shapes (V, K) and (V,).
         """
         low, high = bounds(law)
         vectors = np.clip(vectors, low, high)
         left, slopes = self._linear(law, vectors)
+        scales = scales_of(left)
         costs, damping = _loss(left, scales), np.full(len(vectors), DAMPING)
         going = np.arange(len(vectors))
+        fresh, rested = np.ones((2, len(vectors)), dtype=np.bool_) & [[True], [False]]
         for _ in range(evaluations):
             wide = scales[going, None]
             step = _steps(left[going] / wide, slopes[going] / wide[..., None], damping[going])
             moved = np.clip(vectors[going] + step, low, high)
-            tried, turned = self._linear(law, moved)
+            tried = self.residuals(law, moved)
             falls = costs[going] - _loss(tried, scales[going])
-            better = falls > 0
+            better, idle = falls > 0, np.abs(falls) < LITTLE_FALL
+            damping[going] *= np.where(better, EASED, np.where(fresh[going], RAISED, 1.0))
             rows = going[better]
-            vectors[rows], left[rows], slopes[rows] = moved[better], tried[better], turned[better]
+            slopes[rows] = _followed(
+                slopes[rows], moved[better] - vectors[rows], left[rows] - tried[better]
+            )
+            vectors[rows], left[rows] = moved[better], tried[better]
             costs[rows] -= falls[better]
-            damping[going] *= np.where(better, EASED, RAISED)
-            going = going[(np.abs(falls) >= LITTLE_FALL) & (damping[going] < LARGEST_DAMPING)]
+            at_rest = idle & (fresh | rested)[going]
+            ended = at_rest | (fresh[going] & (damping[going] >= LARGEST_DAMPING))
+            stale = going[~fresh[going] & ~better & ~ended]
+            fresh[rows], rested[going] = False, idle
+            if stale.size:
+                left[stale], slopes[stale] = self._linear(law, vectors[stale])
+                fresh[stale] = True
+            going = going[~ended]
             if not going.size:
                 break
         return vectors, costs
@@ -191,6 +205,10 @@ def _loss(residuals: Floats, scales: Floats) -> Floats:
     return np.asarray(np.log1p((residuals / scales[:, None]) ** 2).sum(axis=1))
 
 
+def _unit_scales(residuals: Floats) -> Floats:
+    return np.ones(len(residuals))
+
+
 def _scales(residuals: Floats) -> Floats:
     """Return how wide residuals (V, R) scatter, 1 at least, by their median, shape (V,)."""
     told = np.where(residuals == 0.0, np.nan, np.abs(residuals))
@@ -203,6 +221,17 @@ def bounds(law: ContactLaw) -> tuple[Floats, Floats]:
     """Return the least and the largest e, mu and values of a law, shape (K,) each."""
     low, high = zip(*(parameter.possible for parameter in law.parameters), strict=True)
     return np.array([*LEAST, *low]), np.array([*MOST, *high])
+
+
+def _followed(slopes: Floats, steps: Floats, falls: Floats) -> Floats:
+    """Return slopes (V, R, K) that give the falls (V, R) of residuals along steps (V, K).
+
+    Each parameter counts by what it does to the residuals.
+    """
+    off = falls - (slopes @ steps[..., None])[..., 0]
+    along = (slopes**2).sum(axis=1) * steps
+    length = np.maximum((along * steps).sum(axis=1), 1e-300)
+    return np.asarray(slopes + off[..., None] * (along / length[:, None])[:, None])
 
 
 def _steps(left: Floats, slopes: Floats, damping: Floats) -> Floats:

@@ -43,13 +43,21 @@ def starts(flights: FreeFlights, law: ContactLaw, theory: Theory) -> list[Start]
         return []
     few = _scan(_spread(flights, FEW_SHOTS), theory, law)
     scanned: list[Start] = []
-    for form in _families(law):
+    for form in _leaders(law):
         timed = _timed(few, form)
         scanned += [Start(form, np.array([*timed[:3], *own]), np.inf) for own in TYPICAL]
     near = _distinct(few.smoothed(scanned))
     best = _distinct(few.about(near[0]).refined(near[:REFINED]))
     best = [one for one in best if one.cost < best[0].cost + FAR_BEHIND][:BEGUN]
-    return _distinct(_scan(flights, theory, law).about(best[0]).refined(best))
+    whole = _scan(flights, theory, law).about(best[0])
+    led = _distinct(whole.refined(best))
+    akin = [
+        replace(one, law=form)
+        for one in led
+        if one.cost < led[0].cost + FAR_BEHIND
+        for form in one.law.akin
+    ]
+    return _distinct([*led, *whole.refined(akin)])
 
 
 def _spread(flights: FreeFlights, most: int) -> FreeFlights:
@@ -59,8 +67,11 @@ def _spread(flights: FreeFlights, most: int) -> FreeFlights:
     return flights.of_shots(np.unique(rows))
 
 
-def _families(law: ContactLaw) -> list[ContactLaw]:
-    return [form for form in (law, *law.variants) if isinstance(form, ContactLaw)]
+def _leaders(law: ContactLaw) -> list[ContactLaw]:
+    """Return a law and its variants without those that are looked for near another."""
+    families = [form for form in (law, *law.variants) if isinstance(form, ContactLaw)]
+    led = {id(other) for form in families for other in form.akin}
+    return [form for form in families if id(form) not in led]
 
 
 def _scan(flights: FreeFlights, theory: Theory, law: ContactLaw) -> Scan:

@@ -15,8 +15,8 @@ from analysis.model.predict.comparison import compare
 from analysis.model.predict.state import ShotStates
 from analysis.model.predict.theory import Theory
 
-SHOT_ROUNDS, SHOT_ITERATIONS = 3, 4
-"""A round goes on with the shots that the round before has not brought to rest."""
+SHOT_ROUNDS, SHOT_ITERATIONS, MOST = 4, 4, 0.75
+"""A round ends where most shots are at rest, and the next goes on with the others."""
 ROUGHLY = 0.5
 """Of chi-squared of a shot by itself: what all shots share is to come."""
 
@@ -36,18 +36,24 @@ def own_states(data: Data, states: ShotStates, theory: Theory) -> ShotStates:
 def _fit_some(
     data: Data, states: ShotStates, theory: Theory
 ) -> tuple[ShotStates, NDArray[np.bool_]]:
-    """Take a few damped steps with every shot; return their states, and which are done, (S,)."""
+    """Take a few damped steps with every shot; return their states, and which are done, (S,).
+
+    A shot is done whose step changed little, or that came down and whose next step promises little.
+    """
     damping = np.full(len(states.time_s), 1e-3)
     sums = _own_equations(data, states, theory)
+    step = shot_steps(sums, damping)
     done = np.zeros(len(damping), dtype=np.bool_)
     for _ in range(SHOT_ITERATIONS):
-        new = states.moved(shot_steps(sums, damping))
+        new = states.moved(step)
         tried = _own_equations(data, new, theory)
         better = tried.chi2 < sums.chi2
         done = np.abs(sums.chi2 - tried.chi2) < ROUGHLY
         states, sums = states.chosen(new, better), sums.chosen(tried, better)
         damping = np.clip(np.where(better, damping * 0.1, damping * 10.0), 1e-12, 1e6)
-        if done.all():
+        step = shot_steps(sums, damping)
+        done |= better & ((sums.state_gradient * step).sum(axis=1) < ROUGHLY)
+        if done.mean() >= MOST:
             break
     return states, done
 

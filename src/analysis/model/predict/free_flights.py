@@ -75,7 +75,7 @@ class FreeFlights:
         e, mu
             Restitution of each, shape (N,), and the friction of each or of all.
         """
-        places, velocities, spins = np.moveaxis(before.reshape(-1, 3, 2, 3), 1, 0)
+        places, velocities, spins = (before.reshape(-1, 3, 2, 3)[:, k] for k in range(3))
         gap, closing = places[:, 1] - places[:, 0], velocities[:, 1] - velocities[:, 0]
         reach = self.bodies[0].radius + self.bodies[1].radius
         wait = time_at_distance(gap, closing, reach, -1.0)
@@ -96,13 +96,14 @@ class FreeFlights:
         encounter, wait = self.encounter(before, e, mu)
         outcome = operator(encounter)
         after = outcome.after
-        velocity = np.stack([after.velocity_a, after.velocity_b], axis=1)
-        places, speeds, _ = np.moveaxis(before.reshape(-1, 3, 2, 3), 1, 0)
-        touched = places + speeds * wait[:, None, None]
-        left = touched + np.stack([outcome.shift_a, outcome.shift_b], axis=1)
-        start = left - velocity * (wait + outcome.duration)[:, None, None]
-        spin = np.stack([after.spin_a, after.spin_b], axis=1)
-        return np.stack([start, velocity, spin], axis=1).reshape(-1, SIDE)
+        places, speeds = (before.reshape(-1, 3, 2, 3)[:, k] for k in (0, 1))
+        flown = np.empty((len(before), 3, 2, 3))
+        flown[:, 1, 0], flown[:, 1, 1] = after.velocity_a, after.velocity_b
+        flown[:, 2, 0], flown[:, 2, 1] = after.spin_a, after.spin_b
+        flown[:, 0, 0], flown[:, 0, 1] = outcome.shift_a, outcome.shift_b
+        flown[:, 0] += places + speeds * wait[:, None, None]
+        flown[:, 0] -= flown[:, 1] * (wait + outcome.duration)[:, None, None]
+        return flown.reshape(-1, SIDE)
 
     @property
     def spins_seen(self) -> NDArray[np.bool_]:
