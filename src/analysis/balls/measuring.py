@@ -14,13 +14,12 @@ from analysis.balls.flight import path
 from analysis.balls.flight.fit import fit_flights
 from analysis.balls.flight.flights import Flights, Observed, Start
 from analysis.balls.flight.known import Ball, Known, View
-from analysis.balls.flight.outlines import slants
 from analysis.balls.searching import Search, search
 from analysis.balls.seen.arcs import Chain
 from analysis.balls.seen.looks import Looks
 from analysis.balls.seen.placing import Placed, Placer
 from analysis.balls.seen.windows import Motion, Seen, Window, cut_windows
-from analysis.balls.systematics import apart_sigmas, shifts, whole_sigmas, with_shifts
+from analysis.balls.systematics import apart_sigmas, shifts, systematic_e, whole_sigmas
 
 REPEATS, MOST_REPEATS = 3, 5
 """Of learning the ball's light and fitting its flights: at least, and until e has settled."""
@@ -59,8 +58,8 @@ class MeasuredBall:
         Its standard error where it was found; None: stated, or too short to be seen.
     flights
         None: no bounce has enough frames on both sides.
-    unsettled_e
-        By how much e of each bounce changed when the ball's light was learned last; shape (B,).
+    systematic_e
+        What the ball's radius and light do to e of each bounce; shape (B,).
     head
         Of the film.
     """
@@ -72,7 +71,7 @@ class MeasuredBall:
     exposure_s: float
     exposure_found: float | None
     flights: Flights | None
-    unsettled_e: Floats
+    systematic_e: Floats
     head: FilmHead
 
     @property
@@ -137,17 +136,13 @@ def measure_ball(film: Film, times_s: Floats, ball: Ball, exposure_s: float | No
         row_time = float(flights.values[path.ROW_TIME])
         if exposure_s is None:
             told = placer.learn_exposure(own, motion, period)
-        if repeat == 0:
-            placer.learn_outline(own, motion, row_time)
         placer.learn_light(own, motion, row_time)
         placer.learn_blur(own, motion)
         placed = placer.place(own, motion, row_time)
-    unsettled, moved = np.zeros(0), np.zeros((0, 0, 2))
+    systematic, moved = np.zeros(0), np.zeros((2, 0, 2))
     if flights is not None:
-        where = own, motion, row_time
-        moved = shifts(placer, where, looks, bare, flights, compressed=film.head.compressed)
-        unsettled = _last_change(coefficients)
-        flights = with_shifts(flights, moved)
+        moved = shifts(placer, (own, motion, row_time), looks.radius_sigma_px, bare, flights)
+        systematic = np.hypot(_last_change(coefficients), systematic_e(flights, moved[0]))
     return MeasuredBall(
         search=found,
         placed=placed if flights is None else _placed(told_by, flights, moved),
@@ -156,7 +151,7 @@ def measure_ball(film: Film, times_s: Floats, ball: Ball, exposure_s: float | No
         exposure_s=placer.exposure_s,
         exposure_found=None if told is None else float(told[1]),
         flights=flights,
-        unsettled_e=unsettled,
+        systematic_e=systematic,
         head=film.head,
     )
 
@@ -211,11 +206,9 @@ def _fitted_motion(flights: Flights) -> Motion:
     placed = flights.observed
     times = flights.observed.times_s + flights.row_delay(flights.observed.places)
     here, ahead, behind = (
-        flights.at(times + step, flights.arcs) for step in (0.0, SPEED_STEP_S, -SPEED_STEP_S)
+        flights.at(times + step, flights.arcs)[:, :2] for step in (0.0, SPEED_STEP_S, -SPEED_STEP_S)
     )
-    speeds = (ahead - behind)[:, :2] / (2 * SPEED_STEP_S)
-    aside = slants(flights, here[:, :2])
-    return Motion(placed.frames, here[:, :2], speeds, here[:, 2], aside)
+    return Motion(placed.frames, here, (ahead - behind) / (2 * SPEED_STEP_S))
 
 
 def _observed(placed: Placed, times_s: Floats) -> Observed:
@@ -246,5 +239,5 @@ def coefficient(measured: MeasuredBall, bounce: int) -> tuple[float, float]:
     slope = slopes[3] / contact[1] - value * slopes[1] / contact[1]
     variance = float(slope @ flights.covariance @ slope)
     least = LEAST_CODEC_E if measured.head.compressed else LEAST_E
-    systematic = math.hypot(float(measured.unsettled_e[bounce]), least)
+    systematic = math.hypot(float(measured.systematic_e[bounce]), least)
     return float(value), math.hypot(math.sqrt(variance), systematic)

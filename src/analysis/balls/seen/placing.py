@@ -26,9 +26,6 @@ BLURS = (0.4, 0.6, 0.85, 1.2, 1.7, 2.4)
 RADII = (0.8, 0.88, 0.94, 1.0, 1.06, 1.13, 1.22, 1.32)
 """In radii of the rim; what a smooth shading can hide lies between."""
 MUCH_BETTER, MUCH_LARGER = 0.7, 0.12
-ASLANT = (0.0, 0.1, 0.25, 0.5, 1.0, 1.6)
-"""Squared larger sides of a picture over focal lengths, from long lenses to those of telephones."""
-ASLANT_FRAMES = 12
 EXPOSURES = (0.0, 0.03, 0.08, 0.15, 0.25, 0.4, 0.6, 0.8, 0.98)
 """In times between frames."""
 SLOW_FRAMES, MORE_SLOW, FAST_FRAMES = 6, 4, 4
@@ -81,15 +78,12 @@ class Placer:
         Time the shutter is open.
     table
         Light of the ball beyond a smooth shading, shape (MAP_SIDE, MAP_SIDE).
-    aslant
-        Squared larger side of the picture over the focal length: how long outlines are.
     """
 
     radius_px: float
     blur_px: float
     exposure_s: float
     table: Floats
-    aslant: float = 0.0
     _exposure_told: bool = False
 
     @classmethod
@@ -158,36 +152,19 @@ class Placer:
         self.exposure_s, self._exposure_told = found, True
         return self.exposure_s, TOLD_SMEAR_PX / fastest / np.sqrt(min(len(chosen), FAST_FRAMES))
 
-    def learn_outline(
-        self, windows: Sequence[Window], motion: Motion, row_time_s: float = 0.0
-    ) -> None:
-        """Take the focal length that explains the frames furthest from the middle best."""
-        if motion.slants is None:
-            return
-        slant = dict(zip(motion.frames.tolist(), motion.slants.sum(axis=1).tolist(), strict=True))
-        chosen = sorted(windows, key=lambda window: -slant[window.frame])[:ASLANT_FRAMES]
-
-        def misfits(aslant: float) -> Floats:
-            self.aslant = aslant
-            return self._misfits(chosen, motion, row_time_s)
-
-        self.aslant = _least(_together(misfits, ASLANT), ASLANT)
-
     def _by_speed(self, windows: Sequence[Window], motion: Motion) -> list[Window]:
         sizes = np.hypot(*motion.speeds.T).tolist()
         speed = dict(zip(motion.frames.tolist(), sizes, strict=True))
         return sorted(windows, key=lambda window: speed[window.frame])
 
-    def _misfits(
-        self, windows: Sequence[Window], motion: Motion, row_time_s: float = 0.0
-    ) -> Floats:
+    def _misfits(self, windows: Sequence[Window], motion: Motion) -> Floats:
         """Return the sum of squares that each window's fit leaves; infinite where it fails.
 
         All pixels of a window count whatever the ball covers of them: a mean over what it covers
         is least for the widest rim and the longest smear.
         """
         found = np.full(len(windows), np.inf)
-        for k, (window, fit, _) in enumerate(self._fits(windows, motion, row_time_s)):
+        for k, (window, fit, _) in enumerate(self._fits(windows, motion, 0.0)):
             if fit[5] > 0:
                 found[k] = float((window.pixels[WEIGHT] * window.pixels[RESIDUAL] ** 2).sum())
         return found
@@ -230,14 +207,11 @@ class Placer:
     ) -> list[tuple[Window, Floats, Floats]]:
         """Fit the ball in each window; return window, fit and the pose that the fit began with."""
         index = {int(frame): k for k, frame in enumerate(motion.frames)}
-        radii = motion.radii(self.aslant)
         found = []
         for window in windows:
             k = index[window.frame]
             later = float(np.clip(row_time_s * motion.speeds[k, 0], -0.5, 0.5))
-            high, wide = radii[k].tolist()
-            radius = wide * self.radius_px / window.factor
-            shape = [radius, self.blur_px, high / wide / (1.0 - later)]
+            shape = [self.radius_px / window.factor, self.blur_px, 1.0 / (1.0 - later)]
             way = self.exposure_s / window.factor * motion.speeds[k]
             pose = np.array([*window.inward(motion.places[k]), *shape, *way])
             found.append((window, fit_place(window.pixels, pose, self.table), pose))

@@ -62,39 +62,11 @@ class Window:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Motion:
-    """Where a ball is expected, how fast it moves, and how far off it is.
-
-    Attributes
-    ----------
-    frames
-        Shape (N,).
-    places, speeds
-        px and px/s (row, column), shape (N, 2).
-    distances
-        Of the camera, over that at some place of the film, shape (N,); None: all alike.
-    slants
-        Squared tangents of the angles to the line of sight along rows and columns, for a focal
-        length of the picture's larger side; shape (N, 2). None: all 0.
-    """
+    """Where a ball is expected and how fast it moves, px and px/s (row, column), shape (N, 2)."""
 
     frames: Ints
     places: Floats
     speeds: Floats
-    distances: Floats | None = None
-    slants: Floats | None = None
-
-    def radii(self, aslant: float) -> Floats:
-        """Return radii along rows and columns over the film's median radius, shape (N, 2).
-
-        Parameters
-        ----------
-        aslant
-            Squared larger side of the picture over the focal length.
-        """
-        own = np.ones_like(self.places)
-        if self.slants is not None and self.distances is not None:
-            own = (1.0 + 0.5 * aslant * self.slants) / self.distances[:, None]
-        return np.asarray(own / np.median(own.mean(axis=1)))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

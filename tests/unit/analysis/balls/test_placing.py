@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 from numpy.typing import NDArray
 
 from analysis.balls.seen.photometry import MAP_SIDE, fit_place
@@ -17,13 +16,10 @@ FINE = 5
 PERIOD_S = 1.0 / 240.0
 
 
-def ball(
-    row: float, column: float, smear: float = 0.0, shadow: float = 0.0, high: float = 1.0
-) -> Floats:
+def ball(row: float, column: float, smear: float = 0.0, shadow: float = 0.0) -> Floats:
     """Draw a ball lit from above before a wall and over a floor as bright as its lower half.
 
-    Smeared along the rows; a shadow of that depth lies on the floor below it. `high` is by how much
-    its outline is longer along the rows.
+    Smeared along the rows; a shadow of that depth lies on the floor below it.
     """
     rows, columns = (np.mgrid[: SIZE * FINE, : SIZE * FINE] + 0.5) / FINE - 0.5
     whole = np.zeros((SIZE, SIZE))
@@ -32,7 +28,7 @@ def ball(
         dr, dc = rows - row - ((k + 0.5) / steps - 0.5) * smear, columns - column
         light = ground_of(rows)
         light = light - shadow * (np.hypot(dr - 0.9 * RADIUS, 0.5 * dc) < 0.6 * RADIUS)
-        light = np.where(np.hypot(dr / high, dc) < RADIUS, 0.8 - 0.5 * dr / RADIUS, light)
+        light = np.where(np.hypot(dr, dc) < RADIUS, 0.8 - 0.5 * dr / RADIUS, light)
         whole += light.reshape(SIZE, FINE, SIZE, FINE).mean(axis=(1, 3)) / steps
     noise = np.random.default_rng(int(100 * row)).normal(0.0, 0.005, whole.shape)
     return np.asarray(whole + noise)
@@ -86,30 +82,6 @@ def test_the_rim_of_a_sharp_film_is_not_taken_for_a_wide_one() -> None:
     placer = Placer.new(RADIUS, 0.0)
     placer.learn_blur(windows, motion)
     assert placer.blur_px < 0.7
-
-
-def test_outlines_that_are_longer_towards_the_border_tell_the_focal_length() -> None:
-    slants = np.zeros((12, 2))
-    slants[7:, 0] = np.linspace(0.1, 0.25, 5)
-    places = np.stack([np.linspace(34.0, 46.0, 12), np.full(12, 40.2)], axis=1)
-    highs = (1.0 + 0.5 * slants[:, 0]).tolist()
-    windows = [
-        window(k, ball(row, 40.2, high=high))
-        for k, (row, high) in enumerate(zip(places[:, 0].tolist(), highs, strict=True))
-    ]
-    motion = Motion(np.arange(12), places, np.zeros((12, 2)), np.ones(12), slants)
-    placer = Placer.new(RADIUS, 0.0)
-    placer.blur_px = 0.4
-    placer.learn_outline(windows, motion)
-    assert placer.aslant == pytest.approx(1.0, abs=0.15)
-    np.testing.assert_allclose(placer.place(windows, motion).places, places, atol=0.05)
-
-
-def test_a_ball_that_drifts_away_is_seen_smaller() -> None:
-    distances = np.array([0.95, 1.0, 1.1])
-    still = np.zeros((3, 2))
-    radii = Motion(np.arange(3), still, still, distances, still).radii(1.0)
-    np.testing.assert_allclose(radii, np.stack([1 / distances] * 2, axis=1))
 
 
 def test_a_ball_is_placed_in_blocks_of_pixels_where_it_is_in_the_pixels() -> None:

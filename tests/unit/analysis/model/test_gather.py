@@ -141,7 +141,7 @@ def test_a_shot_measured_now_gives_what_its_written_table_gives(tmp_path: Path) 
 def test_a_table_without_poses_is_refused(folder: Path) -> None:
     rewrite(folder, lambda *_: False)
     with pytest.raises(
-        InputError, match="no shot of this campaign has 4 frames or more that show both"
+        InputError, match="no shot of this campaign has 2 frames or more that show both"
     ):
         gather(folder)
 
