@@ -32,6 +32,10 @@ OWN_PENALTY = 3.0
 level, so that true effects with company are not called unexplained more often than nothing is."""
 
 
+SURE_MEAN = 0.01
+"""Chance of a channel's mean, with all channels looked at, below which it is there for sure."""
+
+
 @dataclass(frozen=True, slots=True)
 class Cell:
     """One cell of the heat map.
@@ -84,8 +88,14 @@ class Cell:
 
     @property
     def course(self) -> tuple[float, int]:
-        """Chi-squared and degrees of freedom without the channel's constant."""
-        return max(0.0, self.chi2 - self.constant_chi2), self.freedom - self.mean_freedom
+        """Chi-squared and degrees of freedom without the channel's constant.
+
+        A constant that is there for sure is taken out as it would be fitted. One that is not may
+        well be fitted, as restitution that falls with speed looks like it beside a constant one.
+        """
+        sure = self.mean_p_holm < SURE_MEAN
+        taken = self.constant_chi2 if sure else self.mean_chi2
+        return max(0.0, self.chi2 - taken), self.freedom - self.mean_freedom
 
     @property
     def course_deviation(self) -> float:
