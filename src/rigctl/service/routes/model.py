@@ -114,7 +114,8 @@ def model_routes(daemon: Daemon) -> APIRouter:
     return router
 
 
-_AGREEMENT = reported(FitReport, AgreementReport)
+# Its `noise` has an error beside each factor: not that of a fit, whose other keys stand beside.
+_AGREEMENT = reported(AgreementReport)
 _STRUCTURE = reported(FitReport, parts={"structure": StructureReport})
 _RANKING = reported(FitReport, lists={"candidates": RankedCandidate})
 _GET = (401, 404, 405, 422, 503)
