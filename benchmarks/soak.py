@@ -25,7 +25,7 @@ from benchmarks.faults import opened
 OUT = Path("out/soak.json")
 MOST_MIB_PER_1000 = 1.0
 WARM_UP = 300
-SPARE_MIB = 8.0
+SPARE_MIB = 4.0
 """Growth that the allocator alone may make."""
 SPARE = 2
 """Descriptors and threads that come and go."""

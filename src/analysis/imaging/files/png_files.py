@@ -75,7 +75,7 @@ def head_of(content: bytes) -> Head:
             break
         width, height, depth, colour, packing, filtering, interlace = _HEAD.unpack(body)
         if depth not in _DEPTHS.get(colour, ()) or packing or filtering or interlace > 1:
-            raise ValueError("its first chunk speaks of no known form")
+            raise ValueError("its first chunk has no known form")
         if not (width and height):
             raise ValueError(f"it has {height} x {width} pixels")
         return Head(height, width, depth, colour, interlaced=interlace == 1)
