@@ -24,6 +24,7 @@ from analysis.balls.measuring import coefficient
 from analysis.errors import ShotRefusedError
 from benchmarks.balls.filming import PLAIN, Scene, Truth, World, film
 from benchmarks.balls.scenes import KINDS, scene
+from benchmarks.balls.truths import aligned_off
 from benchmarks.balls.worlds import WORLDS, world
 
 NEAR_S = 0.03
@@ -124,15 +125,15 @@ def centres(found: AnalysedFilm, truth: Truth, tally: Tally) -> str:
     used = np.ones(len(placed.frames), bool) if flights is None else flights.used
     drawn = truth.seen[placed.frames[used]]
     off = placed.places[used] - drawn[:, :2]
-    design = np.stack([np.ones(len(drawn)), drawn[:, 0], drawn[:, 1]], axis=1)
-    left = off - design @ np.linalg.lstsq(design, off, rcond=None)[0]
     stated, scatter = placed.sigmas[used], found.measured.scatter[used]
+    left = aligned_off(off, drawn, scatter)
     pull, aligned = (float(np.sqrt((each**2).mean())) for each in (off / stated, left / scatter))
     tally.places.append((pull, aligned))
     radius = found.measured.looks.radius_px / float(drawn[:, 2].mean()) - 1
+    off_by = np.median(np.abs(left), axis=0)
     apart, whole = np.median(scatter, axis=0), np.median(stated, axis=0)
     return (
-        f"{len(drawn)} places, aligned off by {left[:, 0].std():.3f}, {left[:, 1].std():.3f} px "
+        f"{len(drawn)} places, aligned off by {off_by[0]:.3f}, {off_by[1]:.3f} px in the middle "
         f"(scatter {apart[0]:.3f}, {apart[1]:.3f}, pull {aligned:.2f}), all alike by "
         f"{off[:, 0].mean():+.3f}, {off[:, 1].mean():+.3f} px (stated {whole[0]:.3f}, "
         f"{whole[1]:.3f}, pull {pull:.2f}), radius {100 * radius:+.1f} %"

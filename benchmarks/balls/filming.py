@@ -97,6 +97,8 @@ class Truth:
 
 
 KEPT = "truth.json"
+ROW_STEPS = 6
+"""To when the row is read on which the ball then is: it moves by up to a tenth of what it waits."""
 MOST_INSTANTS = 5
 """Of an exposure, at which the pixels are sought that the ball changes."""
 
@@ -141,9 +143,11 @@ def film(folder: Path, scene: Scene, seed: int, world: World = PLAIN) -> Truth:
         light *= world.gained(begin)
         pictures.append(_picture(light, camera, rng))
         middle = round((begin + lead) / STEP_S)
-        row = stage.seen(places[middle])[0]
-        own = middle + round(camera.readout_s * row / max(rows - 1, 1) / STEP_S)
-        place = places[min(own, len(places) - 1)]
+        place = places[middle]
+        for _ in range(ROW_STEPS):
+            row = stage.seen(place)[0]
+            own = middle + round(camera.readout_s * row / max(rows - 1, 1) / STEP_S)
+            place = places[min(own, len(places) - 1)]
         seen.append([*stage.seen(place), stage.radius_px(place, radius)])
     _write(folder, pictures, (drop, camera, world))
     # Times count from the middle of the first frame's exposure of row 0.

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 Json = dict[str, Any]
+Floats = np.ndarray[Any, np.dtype[np.float64]]
 
 
 def main() -> None:
@@ -79,8 +80,7 @@ def places(shot: Json, told: Json) -> str:
     off = np.stack([seen["row_px"], seen["column_px"]], axis=1) - true
     sigmas = np.stack([seen["sigma_row_px"], seen["sigma_column_px"]], axis=1)
     scatter = np.stack([seen["scatter_row_px"], seen["scatter_column_px"]], axis=1)
-    design = np.column_stack([np.ones(len(true)), true])
-    left = off - design @ np.linalg.lstsq(design, off, rcond=None)[0]
+    left = aligned_off(off, true, scatter)
     return (
         f"   {len(off)} places off by {_rms(off)} px, pull {_rms(off / sigmas)}; but for a shift "
         f"and a scale {np.median(np.abs(left), axis=0).round(3).tolist()} px in the middle, pull "
@@ -88,7 +88,25 @@ def places(shot: Json, told: Json) -> str:
     )
 
 
-def _rms(values: np.ndarray[Any, np.dtype[np.float64]]) -> list[float]:
+def aligned_off(off: Floats, true: Floats, scatter: Floats) -> Floats:
+    """Return errors of places but for a shift and a scale, which flights do not tell, px, (N, 2).
+
+    Parameters
+    ----------
+    off, true, scatter
+        Errors, true places and stated errors (row, column), px, shape (N, 2): a place counts as
+        much as it says.
+    """
+    design = np.column_stack([np.ones(len(true)), true[:, :2]])
+    left = np.empty_like(off)
+    for axis in range(2):
+        weights = 1.0 / scatter[:, axis]
+        solved = np.linalg.lstsq(design * weights[:, None], off[:, axis] * weights, rcond=None)
+        left[:, axis] = off[:, axis] - design @ solved[0]
+    return left
+
+
+def _rms(values: Floats) -> list[float]:
     rounded: list[float] = np.sqrt((values**2).mean(axis=0)).round(3).tolist()
     return rounded
 

@@ -19,7 +19,14 @@ from analysis.balls.seen.arcs import Chain
 from analysis.balls.seen.looks import Looks
 from analysis.balls.seen.placing import Placed, Placer
 from analysis.balls.seen.windows import Motion, Seen, Window, cut_windows
-from analysis.balls.systematics import apart_sigmas, shifts, systematic_e, whole_sigmas
+from analysis.balls.systematics import (
+    Leans,
+    apart_sigmas,
+    leans_of,
+    shifts,
+    systematic_e,
+    whole_sigmas,
+)
 
 REPEATS, MOST_REPEATS = 3, 5
 """Of learning the ball's light and fitting its flights: at least, and until e has settled."""
@@ -116,12 +123,13 @@ def measure_ball(film: Film, times_s: Floats, ball: Ball, exposure_s: float | No
         placer.learn_blur(windows, motion)
     told = None if exposure_s is not None else placer.learn_exposure(windows, motion, period)
     bare = placed = _free(placer.place(windows, motion), chain)
+    leans: Leans | None = None
     flights, told_by, own, row_time = None, placed, windows, 0.0
     coefficients: list[Floats] = []
     for repeat in range(MOST_REPEATS if len(chain.times_s) else 0):
         head = film.head
         view = View(head.height, head.width, period, placer.exposure_s, head.readout)
-        observed, start = _observed(placed, times_s), _start(found)
+        observed, start = _observed(placed, times_s, leans), _start(found)
         stated = Known(ball, view, looks.radius_px, looks.radius_sigma_px)
         fitted = fit_flights(observed, start, stated, flights)
         if fitted is None:
@@ -139,9 +147,11 @@ def measure_ball(film: Film, times_s: Floats, ball: Ball, exposure_s: float | No
         placer.learn_light(own, motion, row_time)
         placer.learn_blur(own, motion)
         placed = placer.place(own, motion, row_time)
+        if leans is None:
+            leans = leans_of(placer, (own, motion, row_time), placed)
     systematic, moved = np.zeros(0), np.zeros((2, 0, 2))
     if flights is not None:
-        moved = shifts(placer, (own, motion, row_time), looks.radius_sigma_px, bare, flights)
+        moved = shifts(looks, bare, flights)
         systematic = np.hypot(_last_change(coefficients), systematic_e(flights, moved[0]))
     return MeasuredBall(
         search=found,
@@ -158,7 +168,7 @@ def measure_ball(film: Film, times_s: Floats, ball: Ball, exposure_s: float | No
 
 def _placed(placed: Placed, flights: Flights, moved: Floats) -> Placed:
     own = placed.of(np.isin(placed.frames, flights.observed.frames))
-    return replace(own, sigmas=whole_sigmas(flights, moved))
+    return replace(own, places=flights.observed.places, sigmas=whole_sigmas(flights, moved))
 
 
 def _free(placed: Placed, chain: Chain) -> Placed:
@@ -211,10 +221,11 @@ def _fitted_motion(flights: Flights) -> Motion:
     return Motion(placed.frames, here, (ahead - behind) / (2 * SPEED_STEP_S))
 
 
-def _observed(placed: Placed, times_s: Floats) -> Observed:
+def _observed(placed: Placed, times_s: Floats, leans: Leans | None) -> Observed:
     least = LEAST_SIGMA * np.median(placed.sigmas, axis=0)
     sigmas = np.maximum(placed.sigmas, least)
-    return Observed(placed.frames, times_s[placed.frames], placed.places, sigmas)
+    lean = None if leans is None else leans.of(placed.frames)
+    return Observed(placed.frames, times_s[placed.frames], placed.places, sigmas, lean)
 
 
 def _start(found: Search) -> Start:

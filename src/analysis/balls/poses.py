@@ -84,6 +84,10 @@ def _in_plane(flights: Flights, times: Floats) -> Floats:
         straight = bent / (1.0 + values[path.BARREL] * square / half**2)
     straight = straight * found[:, 2:]
     straight[:, 0] -= values[path.PLATE] - values[path.MIDDLE_ROW]
+    # The rest of the distance has drifted away, and is seen higher by a camera that looks down.
+    rise = path.rise(values)
+    straight[:, 0] += rise * (found[:, 2] - 1.0)
+    straight[:, 0] /= 1.0 + rise * values[path.PERSPECTIVE]
     ahead, behind = (flights.at(times + h, flights.arcs) for h in (SPEED_STEP_S, -SPEED_STEP_S))
     falling = (ahead[:, 0] - behind[:, 0]) / (2 * SPEED_STEP_S) * found[:, 2]
     straight[:, 0] -= values[path.BIAS] * np.abs(falling)

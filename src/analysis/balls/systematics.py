@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analysis.arrays import Floats
 from analysis.balls.flight.flights import Flights
+from analysis.balls.seen.looks import Looks
 from analysis.balls.seen.placing import Placed, Placer
 from analysis.balls.seen.windows import Motion, Window
 
@@ -22,25 +24,55 @@ APPROACH, LEAVE = 1, 3
 """Speeds of a contact, as `path.places` gives it, whose ratio is e."""
 
 
-def shifts(
-    placer: Placer,
-    seen: tuple[Sequence[Window], Motion, float],
-    radius_sigma_px: float,
-    bare: Placed,
-    flights: Flights,
-) -> Floats:
-    """Return by how much each place moves with the ball's radius and with its light.
+@dataclass(frozen=True, slots=True, eq=False)
+class Leans:
+    """By how much places move with the ball's radius.
 
-    A radius moves the rim's darker side less than the brighter one; a smooth shading alone takes
-    part of a limb's fading for the rim. Both move all places of a film in much the same way, which
-    no scatter about flights tells.
+    Attributes
+    ----------
+    frames, shifts
+        Shape (N,), and px by a relative change of the radius, shape (N, 2).
+    """
+
+    frames: NDArray[np.intp]
+    shifts: Floats
+
+    def of(self, frames: NDArray[np.intp]) -> Floats:
+        """Return the shifts in some frames, none in those that are not known; shape (M, 2)."""
+        _, own, theirs = np.intersect1d(frames, self.frames, return_indices=True)
+        found = np.zeros((len(frames), 2))
+        found[own] = self.shifts[theirs]
+        return found
+
+
+def leans_of(placer: Placer, seen: tuple[Sequence[Window], Motion, float], placed: Placed) -> Leans:
+    """Return by how much places move with the ball's radius.
+
+    A radius moves the rim's darker side less than the brighter one.
 
     Parameters
     ----------
     seen
         Windows, where the ball is in them, and the time from row to row.
-    radius_sigma_px
-        By how much the radius is changed.
+    placed
+        Places with the radius as it is.
+    """
+    radius = placer.radius_px
+    placer.radius_px = (1.0 + RADIUS_STEP) * radius
+    wide = placer.place(*seen)
+    placer.radius_px = radius
+    moved = _moved(placed.frames, placed.places, wide) / RADIUS_STEP
+    return Leans(placed.frames, _at_most(moved, MOST_BY_RADIUS * radius))
+
+
+def shifts(looks: Looks, bare: Placed, flights: Flights) -> Floats:
+    """Return by how much each place moves with the ball's radius and with its light.
+
+    A smooth shading alone takes part of a limb's fading for the rim. Radius and light move all
+    places of a film in much the same way, which no scatter about flights tells.
+
+    Parameters
+    ----------
     bare
         Places fitted before the film had taught the ball's light.
 
@@ -49,17 +81,12 @@ def shifts(
     Of each cause and observed place, px; shape (2, N, 2).
     """
     placed = flights.observed
-    radius = placer.radius_px
-    step = min(radius_sigma_px, RADIUS_STEP * radius)
-    placer.radius_px = radius + step
-    wide = placer.place(*seen)
-    placer.radius_px = radius
-    by_radius, by_light = (_moved(placed.frames, placed.places, each) for each in (wide, bare))
-    by_radius *= radius_sigma_px / step
+    leans = np.zeros_like(placed.places) if placed.leans is None else placed.leans
+    by_light = _moved(placed.frames, placed.places, bare)
     return np.stack(
         [
-            _at_most(by_radius, MOST_BY_RADIUS * radius_sigma_px),
-            _at_most(by_light, MOST_BY_LIGHT * radius),
+            leans * looks.radius_sigma_px / looks.radius_px,
+            _at_most(by_light, MOST_BY_LIGHT * looks.radius_px),
         ]
     )
 

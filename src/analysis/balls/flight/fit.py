@@ -14,6 +14,8 @@ from analysis.arrays import Floats
 from analysis.balls.flight import path
 from analysis.balls.flight.flights import LEAST_PLACES, Flights, Ints, Observed, Start
 from analysis.balls.flight.known import (
+    ASLANT,
+    ASLANT_SPREAD,
     BARREL_SIGMA,
     ROLL_SIGMA,
     SHORTENING,
@@ -23,10 +25,12 @@ from analysis.balls.flight.known import (
     TILT_SIGMA,
     Known,
 )
+from analysis.balls.flight.outlines import outlines
 
 _Chosen = tuple[Ints, NDArray[np.bool_], Floats]
 """Which flight each place belongs to, whether it counts, and by how much its errors are larger."""
 
+LOGARITHMS = [path.FALL, path.DRAG, path.ASLANT]
 ROUNDS, AGAIN = 6, 3
 """Of fits with outliers taken out between them: from a first guess, and from a fit before."""
 SOFT = 2.0
@@ -72,10 +76,11 @@ class _Problem:
         know(path.TILT, 0.0, TILT_SIGMA)
         know(path.STAY, 0.0, STAY_S * ball.diameter_m / 0.02)
         know(path.SHORTENING, SHORTENING, SHORTENING_SIGMA)
-        know(path.MIDDLE_ROW, 0.5 * view.height, 0.0)
-        know(path.MIDDLE_COLUMN, 0.5 * view.width, 0.0)
+        know(path.MIDDLE_ROW, 0.5 * (view.height - 1), 0.0)
+        know(path.MIDDLE_COLUMN, 0.5 * (view.width - 1), 0.0)
         know(path.BIAS, 0.0, SMEAR_SIGMA * view.exposure_s)
         know(path.BARREL, 0.0, BARREL_SIGMA)
+        know(path.ASLANT, math.log(ASLANT), ASLANT_SPREAD)
         receding = view.receding_sigma(start.before, start.after)
         know(path.DEPTH, 0.0, receding)
         for index in range(path.COMMON + 2, count, path.EACH):
@@ -111,16 +116,15 @@ class _Problem:
         return np.where(units > 0, units, 1.0)
 
     def natural(self, values: Floats) -> Floats:
-        """Return the numbers that `path` takes: two of the fit's are logarithms."""
+        """Return the numbers that `path` takes: some of the fit's are logarithms."""
         own = values.copy()
-        own[path.FALL], own[path.DRAG] = math.exp(values[path.FALL]), math.exp(values[path.DRAG])
+        own[LOGARITHMS] = np.exp(values[LOGARITHMS])
         return own
 
     def logarithmic(self, natural: Floats) -> Floats:
         """Return the fit's numbers from those that `path` takes."""
         values = natural.copy()
-        values[path.FALL] = math.log(natural[path.FALL])
-        values[path.DRAG] = math.log(natural[path.DRAG])
+        values[LOGARITHMS] = np.log(natural[LOGARITHMS])
         return values
 
     def near(self, found: Floats) -> NDArray[np.bool_]:
@@ -137,7 +141,13 @@ class _Problem:
         found, contacts = np.zeros((len(arcs), 3)), np.zeros((self.bounces, 6))
         own = self.natural(values)
         path.places(own, self.times(values), arcs, found, contacts)
+        found[:, :2] += self.moved(own, found)
         return found, contacts
+
+    def moved(self, own: Floats, found: Floats) -> Floats:
+        """Return by how much places come out too far off for their outlines, px, shape (N, 2)."""
+        leans = self.observed.leans
+        return np.zeros((len(found), 2)) if leans is None else -leans * outlines(own, found)
 
     def assign(self, values: Floats) -> tuple[Ints, NDArray[np.bool_]]:
         """Return which flight each place belongs to, and which lie clear of all contacts."""
@@ -228,7 +238,7 @@ def _settle(problem: _Problem, *, again: bool) -> Flights:
         loose = problem.free.copy()
         if round_ == 0:
             loose[[path.DRAG, path.ROW_TIME, path.PERSPECTIVE, path.STAY, path.TILT]] = False
-            loose[[path.BIAS, path.BARREL, path.SHORTENING]] = False
+            loose[[path.BIAS, path.BARREL, path.SHORTENING, path.ASLANT]] = False
             loose[[path.DEPTH, *range(path.COMMON + 2, len(values), path.EACH)]] = False
         soft = round_ < ROUNDS - 1
         values = _solve(problem, values, (arcs, used, enlarge), loose, soft=soft)
@@ -323,7 +333,7 @@ def _described(problem: _Problem, values: Floats, chosen: _Chosen) -> Flights:
         covariance=covariance,
         contacts=contacts,
         contact_slopes=contact_slopes,
-        observed=observed,
+        observed=replace(observed, places=observed.places - problem.moved(natural, found)),
         arcs=arcs,
         used=used,
         residuals=residuals,

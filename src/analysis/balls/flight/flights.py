@@ -23,17 +23,25 @@ class Observed:
     ----------
     frames, times_s, places, sigmas
         Shapes (N,), (N,), (N, 2), (N, 2).
+    leans
+        Change of each place, as it was fitted with one radius for all, by a relative change of the
+        outline, px; shape (N, 2). None: not known.
     """
 
     frames: Ints
     times_s: Floats
     places: Floats
     sigmas: Floats
+    leans: Floats | None = None
 
     def of(self, chosen: NDArray[np.bool_]) -> Observed:
         """Return some of them."""
         return Observed(
-            self.frames[chosen], self.times_s[chosen], self.places[chosen], self.sigmas[chosen]
+            self.frames[chosen],
+            self.times_s[chosen],
+            self.places[chosen],
+            self.sigmas[chosen],
+            None if self.leans is None else self.leans[chosen],
         )
 
 
@@ -78,7 +86,8 @@ class Flights:
         Of each bounce as `path.places` gives them, shape (B, 6), and their derivatives to the
         values, shape (B, 6, P).
     observed, arcs, used
-        What was fitted, which flight each place belongs to, and which places counted.
+        What was fitted, with what outlines did to places taken out; which flight each place belongs
+        to, and which places counted.
     residuals
         Place less model, px, shape (N, 2).
     response
@@ -121,8 +130,12 @@ class Flights:
 
     @property
     def scatter(self) -> Floats:
-        """Return standard errors of places beside one another, px, shape (N, 2)."""
-        return self.observed.sigmas * self.sigma_scale
+        """Return standard errors of places beside one another, px, shape (N, 2).
+
+        A place that does not count is as uncertain as it lies off the flights.
+        """
+        own = self.observed.sigmas * self.sigma_scale
+        return np.where(self.used[:, None], own, np.maximum(own, np.abs(self.residuals)))
 
     def row_delay(self, places: Floats) -> Floats:
         """Return how much later than the first row each place is read, s."""

@@ -27,6 +27,9 @@ LOOK_SIGMA = 0.1
 """rad, of a camera's line of sight against the plane of the flight."""
 LEAST_FOCUS = 1.0
 """Focal lengths are this many of the picture's larger sides at least."""
+ASLANT, ASLANT_SPREAD = 0.3, 1.2
+"""Squared larger side of the picture over the focal length, from long lenses (0.03) to those of
+telephones (2), and the spread of its logarithm."""
 DRIFT_SHARE = 0.02
 """Of a dropped ball's speed: how much of it is sideways at least."""
 READOUT_SHARE = 0.5

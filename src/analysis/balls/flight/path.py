@@ -16,17 +16,21 @@ from analysis.compiled import compiled, part
 
 TIME, SPEED, PLACE, ACROSS, FALL, DRAG, ROW_TIME, PERSPECTIVE, ROLL = range(9)
 PLATE, TILT, STAY, DEPTH, BIAS, BARREL, MIDDLE_ROW, MIDDLE_COLUMN, SHORTENING = range(9, 18)
+ASLANT = 18
 """First contact's time, approach speed, column from the middle and speed across before it; fall,
 px/s^2; drag, 1/px; time a row or column, s; perspective, 1/px; the vertical's angle in the picture;
 row of contact; slope of the plate; duration of the first contact, s; speed away from the camera
 before it, in distances of the camera a second; shift of a smeared ball's centre along the rows by
 its speed, s; barrel distortion at half the picture's larger side; the picture's middle, about which
 it acts as perspective does; power of the approach speed by which contacts last shorter: 1/5 by
-H. Hertz (1881), 0 by a linear spring."""
-COMMON = 18
+H. Hertz (1881), 0 by a linear spring; squared larger side of the picture over the focal length,
+which `outlines` takes."""
+COMMON = 19
 EACH = 3
 """For each bounce: speeds away from the plate and across, what it gains away from the camera."""
 LARGEST_STEP_S = 0.02
+LEAST_ASLANT = 1e-3
+"""Of focal lengths of thirty sides of the picture."""
 SLOWEST = 1e-2
 """Approach speeds in that of the first contact: slower ones last no longer."""
 SHORTEST_S, LONGEST_FILMS = 1e-6, 2.0
@@ -91,14 +95,27 @@ def _lengthened(first: float, speed: float, power: float) -> float:
     return float((first / max(speed, SLOWEST * first)) ** power)
 
 
+@compiled
+def rise(values: NDArray[np.float64]) -> float:
+    """Return by how much higher what drifts away is seen, px by a distance of the camera.
+
+    A camera that looks down at an angle whose sine is s and whose focal length is f px has
+    perspective s / f and a rise of s f.
+    """
+    half = max(values[MIDDLE_ROW], values[MIDDLE_COLUMN])
+    return float(values[PERSPECTIVE] * (2.0 * half) ** 2 / max(values[ASLANT], LEAST_ASLANT))
+
+
 @part
 def _seen(values: NDArray[np.float64], found: NDArray[np.float64]) -> None:
     """Turn places on the plane of flight, and what distance drift has added, into the picture."""
     plate = values[PLATE] - values[MIDDLE_ROW]
     half = max(values[MIDDLE_ROW], values[MIDDLE_COLUMN])
+    higher = rise(values)
     for n in range(len(found)):
         distance = 1.0 + values[PERSPECTIVE] * found[n, 0] + found[n, 2]
-        down, across = (plate + found[n, 0]) / distance, found[n, 1] / distance
+        down = (plate + found[n, 0] - higher * found[n, 2]) / distance
+        across = found[n, 1] / distance
         bent = 1.0 + values[BARREL] * (down * down + across * across) / half**2
         found[n, 0] = values[MIDDLE_ROW] + bent * down
         found[n, 1] = values[MIDDLE_COLUMN] + bent * across

@@ -1,0 +1,27 @@
+"""How large and how round a ball is seen on its way: it drifts, and a camera sees spheres aslant.
+
+Away from the middle of the picture the outline of a sphere is an ellipse, longer towards the border
+by half of the squared tangent of the angle to the line of sight.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from analysis.arrays import Floats
+from analysis.balls.flight import path
+
+
+def outlines(values: Floats, seen: Floats) -> Floats:
+    """Return relative changes of the half axes along rows and columns, shape (N, 2).
+
+    Parameters
+    ----------
+    values
+        Of `path`.
+    seen
+        Row, column, and distance in its value at the first contact, shape (N, 3).
+    """
+    middle = values[[path.MIDDLE_ROW, path.MIDDLE_COLUMN]]
+    tangents = (seen[:, :2] - middle) / (2.0 * float(middle.max()))
+    return np.asarray(1.0 / seen[:, 2:] - 1.0 + 0.5 * values[path.ASLANT] * tangents**2)

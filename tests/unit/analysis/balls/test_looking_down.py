@@ -1,0 +1,99 @@
+"""Flights that drift away from a camera which looks down, projected point by point."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from analysis.arrays import Floats
+from analysis.balls.flight import path
+from analysis.balls.flight.fit import fit_flights
+from analysis.balls.flight.flights import Flights, Observed, Start
+from analysis.balls.flight.known import Ball, Known, View
+
+FOCAL, LOOK, AWAY_M, ABOVE_M = 700.0, 0.06, 1.5, 0.25
+DRIFT, ACROSS = 0.03, 0.05
+RATE, NOISE, RADIUS = 240.0, 0.004, 20.0
+G = 9.80665
+BOUNCES = [(0.3, 2.4, 1.9), (0.3 + 2 * 1.9 / G, 1.9, 1.45)]
+LEAN_PX = -18.0
+"""Of a place, by a relative change of the outline: only the lower rim is seen."""
+
+
+def ahead_and_place(times: Floats) -> tuple[Floats, Floats]:
+    """Return distances along the line of sight, and rows and columns that a pinhole sees."""
+    up = np.empty(len(times))
+    for k, t in enumerate(times):
+        past = [b for b in BOUNCES if b[0] <= t]
+        begun, rises = (past[-1][0], past[-1][2]) if past else (BOUNCES[0][0], -BOUNCES[0][1])
+        up[k] = rises * (t - begun) - 0.5 * G * (t - begun) ** 2
+    y, z = up - ABOVE_M, AWAY_M + DRIFT * (times - BOUNCES[0][0])
+    ahead = math.cos(LOOK) * z - math.sin(LOOK) * y
+    over = math.sin(LOOK) * z + math.cos(LOOK) * y
+    return ahead, np.stack(
+        [239.5 - FOCAL * over / ahead, 99.5 + FOCAL * ACROSS * (times - 0.5) / ahead], axis=1
+    )
+
+
+def observed(seed: int, *, round_of_one_size: bool) -> Observed:
+    """Places as they are, or as a fit with one radius for all gives them."""
+    times = np.arange(0, 0.95, 1 / RATE)
+    ahead, places = ahead_and_place(times)
+    at_contact = float(ahead_and_place(np.array([BOUNCES[0][0]]))[0][0])
+    rng = np.random.default_rng(seed)
+    leans = np.zeros_like(places)
+    if round_of_one_size:
+        leans[:, 0] = LEAN_PX
+        # Across the line of sight a sphere is seen longer by half of the squared tangent.
+        longer = 0.5 * ((places[:, 0] - 239.5) / FOCAL) ** 2
+        places[:, 0] -= LEAN_PX * (at_contact / ahead - 1.0 + longer)
+    places = places + NOISE * rng.standard_normal(places.shape)
+    return Observed(np.arange(len(times)), times, places, np.full(places.shape, NOISE), leans)
+
+
+def fitted(seen: Observed) -> Flights:
+    times = np.array([b[0] for b in BOUNCES])
+    scale = FOCAL / AWAY_M
+    across = np.full(2, scale * ACROSS)
+    down = np.stack([[scale * b[1] * 1.01 for b in BOUNCES], across], axis=1)
+    up = np.stack([[-scale * b[2] * 0.99 for b in BOUNCES], across], axis=1)
+    places = ahead_and_place(times)[1]
+    ball = Ball(2 * RADIUS / scale, density=7800.0, air_density=0.0001)
+    known = Known(ball, View(480, 200, 1 / RATE, 0.0), radius_px=RADIUS)
+    found = fit_flights(seen, Start(times + 0.0005, places, down, up), known)
+    assert found is not None
+    return found
+
+
+def beside(flights: Flights) -> tuple[Floats, Floats]:
+    """Return speeds beside the normal, before and after each bounce, m/s, and their errors."""
+    scale = flights.scale_px_per_m
+    slopes = flights.contact_slopes[:, [2, 4]]
+    variances = np.einsum("bkp,pq,bkq->bk", slopes, flights.covariance, slopes)
+    return flights.contacts[:, [2, 4]] / scale, np.sqrt(variances) / scale
+
+
+@pytest.mark.parametrize("round_of_one_size", [False, True], ids=["as they are", "of one radius"])
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_level_plate_is_level_though_a_ball_drifts_away_over_it(
+    round_of_one_size: bool, seed: int
+) -> None:
+    flights = fitted(observed(seed, round_of_one_size=round_of_one_size))
+    tilt_sigma = math.sqrt(flights.covariance[path.TILT, path.TILT])
+    assert abs(flights.values[path.TILT]) < 3 * tilt_sigma
+    speeds, sigmas = beside(flights)
+    assert (np.abs(speeds - ACROSS) < 3 * sigmas).all()
+    # No more than a plate that is level by eye leaves open.
+    assert sigmas.max() < 0.075
+
+
+def test_outlines_held_round_and_of_one_size_are_taken_out_of_the_places() -> None:
+    seen = observed(3, round_of_one_size=True)
+    flights = fitted(seen)
+    off = flights.observed.places - ahead_and_place(seen.times_s)[1]
+    used = flights.used
+    # But for a shift, which flights do not tell.
+    assert np.std(off[used, 0]) < 0.03
+    assert np.std(seen.places[used, 0] - ahead_and_place(seen.times_s)[1][used, 0]) > 0.15
