@@ -111,7 +111,7 @@ def test_few_shots_and_frames_give_e_and_no_error() -> None:
     data = poses(SOFT)
     one = data.of_shots(np.arange(60) == 3)
     frames = np.abs(np.arange(data.times_s.shape[1]) - 11.5) > 5
-    for few in (one, data.without(np.tile(frames, (60, 1)))):
+    for few in (one, data.without(np.tile(frames, (60, 1))).of_shots(np.arange(60) < 20)):
         assert robust_fit(few, [EFFECT]).fit.parameters()["e"].value == pytest.approx(
             0.74, abs=0.03
         )
@@ -138,13 +138,12 @@ def test_modulus_and_duration_are_each_others_inverse() -> None:
 def test_a_scale_that_is_off_as_stated_leads_to_no_other_law() -> None:
     """Twelve shots as precise as films give them; every length 0.15 % too long."""
     noise = Noise(centre_px=0.0075, rotation_rad=4e-4)
-    for seed in (1, 2, 3):
-        nature = Nature(forces=Forces(), drag_coefficient=AIR)
-        exact = posed(run_campaign(nature, seed, shots=12, noise=noise))
-        long = replace(exact, position=1.0015 * exact.position, drag_coefficient=0.42)
-        data = replace(long, slow=replace(long.slow, scale=1e-3))
-        found = robust_fit(data, [EFFECT]).fit
-        named = found.parameters()
-        assert named["lasting-contact.kappa"].value == pytest.approx(0.15, abs=2e-3)
-        assert named["lasting-contact.zeta"].value == pytest.approx(0.05, abs=0.01)
-        assert abs(found.systematics()["image-scale.s"].value - 1.5e-3) < 4e-4
+    nature = Nature(forces=Forces(), drag_coefficient=AIR)
+    exact = posed(run_campaign(nature, 1, shots=12, noise=noise))
+    long = replace(exact, position=1.0015 * exact.position, drag_coefficient=0.42)
+    data = replace(long, slow=replace(long.slow, scale=1e-3))
+    found = robust_fit(data, [EFFECT]).fit
+    named = found.parameters()
+    assert named["lasting-contact.kappa"].value == pytest.approx(0.15, abs=2e-3)
+    assert named["lasting-contact.zeta"].value == pytest.approx(0.05, abs=0.01)
+    assert abs(found.systematics()["image-scale.s"].value - 1.5e-3) < 4e-4

@@ -14,8 +14,8 @@ from analysis.model.data.bounces import bounces_of
 from analysis.model.data.gather import gather
 from analysis.model.data.poses import PoseData
 from analysis.model.data.reading import stream_poses
-from analysis.model.fitting.fit import START, fit_campaign
-from analysis.model.fitting.robust_fit import robust_fit
+from analysis.model.fitting.fit import START
+from analysis.model.fitting.robust_fit import RobustFit, robust_fit
 from analysis.model.predict.contact import contact_outcome, differentiated_contact
 from analysis.model.predict.start import first_states
 from analysis.model.predict.state import MOTION, SIZE, TILT
@@ -71,6 +71,11 @@ def test_no_frame_counts_in_two_bounces(marked: Path) -> None:
         assert len(used) == len(set(used))
 
 
+@pytest.fixture(scope="module")
+def fitted(marked: Path) -> RobustFit:
+    return robust_fit(posed(marked))
+
+
 def test_law_air_and_tilt_are_those_of_the_simulated_ball(marked: Path) -> None:
     verdict = explain(posed(marked), CATALOGUE)
     assert (verdict.verdict, verdict.effects) == ("effect", ("lasting-contact",))
@@ -90,6 +95,7 @@ def explained(plain: Path) -> Verdict:
     return explain(posed(plain), CATALOGUE)
 
 
+@pytest.mark.long
 def test_a_ball_without_markers_shows_air_and_restitution_that_falls_with_speed(
     explained: Verdict,
 ) -> None:
@@ -127,12 +133,13 @@ def test_slopes_by_a_kick_are_those_of_states_that_are_moved(plain: Path) -> Non
         assert found == pytest.approx((ahead - behind) / 2e-3, abs=1e-6)
 
 
-def test_streamed_bounces_give_the_same_numbers(marked: Path) -> None:
-    memory, stream = robust_fit(posed(marked)).fit, robust_fit(stream_poses(marked)[1]).fit
+def test_streamed_bounces_give_the_same_numbers(marked: Path, fitted: RobustFit) -> None:
+    memory, stream = fitted.fit, robust_fit(stream_poses(marked)[1]).fit
     assert np.array_equal(memory.theory.vector, stream.theory.vector)
     assert memory.chi2 == stream.chi2
 
 
+@pytest.mark.long
 def test_what_makes_no_sense_on_a_plate_is_not_offered(explained: Verdict) -> None:
     offered = {c.effect.name for c in explained.ranking.candidates}
     assert not offered & {"mass-mismatch", "radius-mismatch"}
@@ -145,8 +152,10 @@ def test_a_ball_that_only_rises_is_refused_with_what_is_missing(tmp_path: Path) 
         gather(folder)
 
 
-def test_the_fit_does_not_depend_on_where_a_shots_time_begins(marked: Path) -> None:
+def test_the_fit_does_not_depend_on_where_a_shots_time_begins(
+    marked: Path, fitted: RobustFit
+) -> None:
     rows = next(iter(read_poses(marked / "poses.csv").values()))["a"]
     first, again = bounces_of(rows), bounces_of(rows[3:])
     assert [row.t_s for row in first[0]][3:] == [row.t_s for row in again[0]]
-    assert fit_campaign(posed(marked)).converged
+    assert fitted.fit.converged

@@ -14,9 +14,10 @@ from tests.unit.analysis.model.hard_spheres import Hidden, campaign
 from tests.unit.analysis.model.proposals.hidden import campaign as of_the_world
 
 HIDDEN = {"restitution-temperature": 0.008, "friction-spin": 0.2, "attraction": 20.0}
+DEAR = pytest.param("attraction", marks=pytest.mark.long)
 
 
-@pytest.fixture(scope="module", params=HIDDEN)
+@pytest.fixture(scope="module", params=["restitution-temperature", "friction-spin", DEAR])
 def verdict(request: pytest.FixtureRequest) -> Verdict:
     return explain(of_the_world({request.param: HIDDEN[request.param]}, 3), CATALOGUE)
 

@@ -80,7 +80,12 @@ def test_friction_makes_no_slope_of_a_level_plate(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("meeting", "plate"), [(WALL, "normal = [0.0, 2.0, 0.0]"), (SLOPE, ""), (CEILING, "")]
+    ("meeting", "plate"),
+    [
+        (WALL, "normal = [0.0, 2.0, 0.0]"),
+        (SLOPE, ""),
+        pytest.param(CEILING, "", marks=pytest.mark.long),
+    ],
 )
 def test_fit_gives_the_law_and_the_lean_of_any_plate(
     meeting: Meeting, plate: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]

@@ -91,6 +91,7 @@ def test_momentum_and_its_moment_are_kept_by_the_simulated_contact() -> None:
     assert np.allclose(whole(parted)[1], whole(free)[1], rtol=1e-3)
 
 
+@pytest.mark.long
 def test_the_law_of_unlike_spheres_is_found_from_their_poses(
     campaign: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

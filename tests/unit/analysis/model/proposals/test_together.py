@@ -10,7 +10,13 @@ import pytest
 from analysis.errors import ProposalRefusedError
 from analysis.model.data.poses import PoseData
 from analysis.model.proposals.channels import Sums
-from analysis.model.proposals.together import OwnSums, own_sums, place, propose_together
+from analysis.model.proposals.together import (
+    OwnSums,
+    Together,
+    own_sums,
+    place,
+    propose_together,
+)
 from tests.unit.analysis.model.proposals.hidden import campaign
 
 LAW = "restitution-temperature"
@@ -23,9 +29,13 @@ def campaigns(*sizes: float) -> tuple[PoseData, ...]:
     return tuple(campaign({LAW: size}, 20 + k) for k, size in enumerate(sizes))
 
 
+@cache
+def of_four() -> Together:
+    return propose_together(campaigns(FAINT, FAINT, FAINT, FAINT), ())
+
+
 def test_a_law_too_faint_for_one_campaign_is_found_in_several() -> None:
-    found = propose_together(campaigns(FAINT, FAINT, FAINT, FAINT), ())
-    first = found.forms[0]
+    first = of_four().forms[0]
     assert (first.slot, first.argument) == ("e", "temperature_c")
     assert abs(first.amplitude - FAINT) < 4 * first.sigma or first.shape != "linear"
     assert first.p_alike > 1e-3
@@ -58,8 +68,8 @@ def test_the_mapper_does_the_work_and_gets_nothing_but_campaigns() -> None:
         return [function(item) for item in items]  # type: ignore[operator,attr-defined]
 
     given = campaigns(FAINT, FAINT, FAINT, FAINT)
-    there, here = propose_together(given, (), mapped), propose_together(given, ())
-    named = [(one.slot, one.argument) for one in here.forms]
+    there = propose_together(given, (), mapped)
+    named = [(one.slot, one.argument) for one in of_four().forms]
     assert [(one.slot, one.argument) for one in there.forms] == named
     assert len(seen) == 2
 
