@@ -8,9 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.arrays import Floats
-from analysis.collision.operator import States, inverse_masses, surface_velocity
-from analysis.effects.contact.spring_slider import rebound
-from analysis.effects.contact.tangential_compliance import STIFFNESS_RATIO
+from analysis.collision.operator import States, surface_velocity
+from analysis.effects.contact.tangential_compliance import (
+    LEAST_FRICTION,
+    POISSON_RATIO,
+    friction_reach,
+    lever_of,
+    maw_curve,
+    walton_curve,
+)
 from analysis.model.agreement.outcome import Outcomes, outcomes
 from analysis.model.data.stream import CampaignData, whole
 from analysis.model.data.tables import Data
@@ -80,21 +86,21 @@ def impact_plane(campaign: CampaignData, fit: Fit) -> Plane:
         data, outcomes(projector(data, fit), contact_columns(data, states, fit.theory))
     )
     x = speed / approach
-    corner = _friction(data, fit) / (1 + fit.theory.law.beta0)
+    law, lever = fit.theory.law, lever_of(data.bodies)
+    corner = friction_reach(law, lever) / (1 + law.beta0)
     law_x = _places(corner, float(x.max()))
-    walton, maw = _curves(data, fit, law_x)
     return Plane(
         shots=data.shots[told],
         x=x[told],
         y=((along + change) / approach)[told],
         sigma=(sigma / approach)[told],
-        e=fit.theory.law.e,
-        mu=fit.theory.law.mu,
-        beta0=fit.theory.law.beta0,
+        e=law.e,
+        mu=law.mu,
+        beta0=law.beta0,
         law_x=law_x,
-        walton=walton,
-        maw=maw,
-        poisson_ratio=(2 - 2 * STIFFNESS_RATIO) / (2 - STIFFNESS_RATIO),
+        walton=walton_curve(law, lever, law_x),
+        maw=maw_curve(law.e, max(law.mu, LEAST_FRICTION), lever, law_x),
+        poisson_ratio=POISSON_RATIO,
     )
 
 
@@ -121,19 +127,3 @@ def _places(corner: float, farthest: float) -> Floats:
     near = np.linspace(0.0, CORNER_REACH * corner, CURVE)
     end = max(1.05 * farthest, CORNER_REACH * corner)
     return np.unique(np.concatenate([near, [corner], np.linspace(near[-1], end, CURVE)]))
-
-
-def _friction(data: Data, fit: Fit) -> float:
-    """Return mu (1 + e) (1 + 1/K), what friction takes off v_s / |v_n| at most."""
-    along, across = inverse_masses(data.bodies)
-    return fit.theory.law.mu * (1 + fit.theory.law.e) * across / along
-
-
-def _curves(data: Data, fit: Fit, x: Floats) -> tuple[Floats, Floats]:
-    along, across = inverse_masses(data.bodies)
-    law = fit.theory.law
-    walton = np.maximum(-law.beta0 * x, x - _friction(data, fit))
-    unit = max(law.mu, 1e-6) / STIFFNESS_RATIO
-    chi = STIFFNESS_RATIO * across / along / 2
-    maw = unit * rebound(x / unit, chi, np.full(x.shape, law.e))
-    return walton, maw

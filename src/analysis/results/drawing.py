@@ -9,11 +9,12 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from analysis.arrays import Floats
 from analysis.collision.operator import WaltonLaw
+from analysis.effects.contact.tangential_compliance import POISSON_RATIO, maw_curve, walton_curve
 from analysis.figures.palette import FAILS, FLOOR, GREY, MEASURED, SPHERE_B
 from analysis.figures.sheet import blank, plain
 from analysis.results.campaign import Results
-from analysis.results.curves import POISSON_RATIO, maw_curve, regression_curve, walton_curve
 from analysis.results.impacts import V_N
+from analysis.results.lines import regression_curve
 from analysis.results.published import THESIS
 from analysis.results.tables import NEAR, corner_of, curve_places
 

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from analysis.arrays import Floats
 from analysis.collision.coefficients import HELD
-from analysis.collision.operator import Body, inverse_masses
+from analysis.collision.operator import Body
+from analysis.effects.contact.tangential_compliance import lever_of
 
 V_N, V_S, V_N_AFTER, V_S_AFTER = range(4)
 """Where the velocities stand in a row."""
@@ -104,12 +105,6 @@ class Impacts:
     def approach(self) -> Floats:
         """Return the approach speed -v_n, m/s, shape (S,)."""
         return np.asarray(-self.velocities[:, V_N])
-
-
-def lever_of(bodies: tuple[Body, Body]) -> float:
-    """Return 1 + 1/K: inverse effective mass across the normal over that along it."""
-    along, across = inverse_masses(bodies)
-    return across / along
 
 
 def measured_impacts(

@@ -22,6 +22,7 @@ from scipy.special import log_ndtr
 
 from analysis.arrays import Floats
 from analysis.collision.operator import WaltonLaw
+from analysis.effects.contact.tangential_compliance import friction_reach
 from analysis.results.impacts import V_N, V_N_AFTER, V_S, V_S_AFTER, Impacts
 
 LEAST_OPENING = 1e-3
@@ -78,11 +79,6 @@ class Likelihood:
     normal_sigma: Floats
     chi2: Floats
     slides: Floats
-
-
-def friction_reach(law: WaltonLaw, lever: float) -> float:
-    """Return mu (1 + e) (1 + 1/K), what friction takes off v_s / |v_n| at most."""
-    return law.mu * (1 + law.e) * lever
 
 
 def transition(law: WaltonLaw, lever: float) -> float:

@@ -16,9 +16,10 @@ from analysis import chi_squared
 from analysis.arrays import Floats
 from analysis.birge import variance_ratio
 from analysis.collision.operator import WaltonLaw
+from analysis.effects.contact.tangential_compliance import friction_reach, walton_curve
 from analysis.quantity import Quantity
 from analysis.results.impacts import SHARED, V_N, V_N_AFTER, V_S, V_S_AFTER, Impacts
-from analysis.results.likelihood import Likelihood, friction_reach, likelihood
+from analysis.results.likelihood import Likelihood, likelihood
 from analysis.results.minimum import minimum
 
 NAMES = ("e", "mu", "beta0")
@@ -245,3 +246,14 @@ def _fitted(impacts: Impacts, start: WaltonLaw, names: tuple[str, ...]) -> Lines
         freedom=values - len(names),
         shared=np.zeros_like(curvature),
     )
+
+
+def regression_curve(found: Lines, lever: float, x: Floats) -> Floats:
+    """Return the same of a regression, with the lines alone that its shots determine."""
+    if "mu" not in found.fitted:
+        return np.asarray(
+            -found.law.beta0 * x if "beta0" in found.fitted else np.full_like(x, np.nan)
+        )
+    if "beta0" not in found.fitted:
+        return np.asarray(x - friction_reach(found.law, lever))
+    return walton_curve(found.law, lever, x)

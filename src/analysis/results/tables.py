@@ -13,10 +13,11 @@ from numpy.typing import NDArray
 
 from analysis.arrays import Floats
 from analysis.collision.operator import WaltonLaw
+from analysis.effects.contact.tangential_compliance import maw_curve
 from analysis.results.campaign import Results
-from analysis.results.curves import maw_curve, regression_curve
 from analysis.results.impacts import V_N, Impacts
 from analysis.results.likelihood import transition
+from analysis.results.lines import regression_curve
 from analysis.results.published import THESIS
 from analysis.results.ratios import Ratio, velocities
 

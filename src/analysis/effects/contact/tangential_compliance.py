@@ -7,12 +7,20 @@ from dataclasses import replace
 import numpy as np
 
 from analysis.arrays import Floats
-from analysis.collision.operator import Encounter, Operator, Outcome, inverse_masses
+from analysis.collision.operator import (
+    Body,
+    Encounter,
+    Operator,
+    Outcome,
+    WaltonLaw,
+    inverse_masses,
+)
 from analysis.effects.contact.spring_slider import Pressing, line_of_springs, rebound, single_spring
 from analysis.effects.effect import ContactEffect, Parameter, Values
 
 STIFFNESS_RATIO = 6 / 7
 """2 (1 - nu) / (2 - nu) for like spheres of Poisson's ratio 1/4, as in thesis, section 7.1."""
+POISSON_RATIO = (2 - 2 * STIFFNESS_RATIO) / (2 - STIFFNESS_RATIO)
 OTHER_LAWS: tuple[tuple[float, Pressing], ...] = (
     (0.7, line_of_springs),
     (1.0, line_of_springs),
@@ -40,6 +48,34 @@ def compliant(encounter: Encounter, stiffness_ratio: float, pressing: Pressing) 
     chi = stiffness_ratio * give_t / give_n / 2
     after = unit * rebound(speed / unit, chi, encounter.e, pressing)
     return np.asarray((speed - after) / give_t)
+
+
+def lever_of(bodies: tuple[Body, Body]) -> float:
+    """Return 1 + 1/K: inverse effective mass across the normal over that along it."""
+    along, across = inverse_masses(bodies)
+    return across / along
+
+
+def friction_reach(law: WaltonLaw, lever: float) -> float:
+    """Return mu (1 + e) (1 + 1/K), what friction takes off v_s / |v_n| at most."""
+    return law.mu * (1 + law.e) * lever
+
+
+def walton_curve(law: WaltonLaw, lever: float, x: Floats) -> Floats:
+    """Return v_s' / |v_n| of equations (7-1) at v_s / |v_n|; `lever` is that of `lever_of`."""
+    return np.asarray(np.maximum(-law.beta0 * x, x - friction_reach(law, lever)))
+
+
+def maw_curve(e: float, mu: float, lever: float, x: Floats) -> Floats:
+    """Return v_s' / |v_n| of compliant spheres (N. Maw et al., Wear 38, 101 (1976)), same e and mu.
+
+    At v_s / |v_n|, of spheres of `POISSON_RATIO`; `lever` is 1 + 1/K. Not a number without
+    friction.
+    """
+    if not mu > 0:
+        return np.full_like(x, np.nan)
+    unit = mu / STIFFNESS_RATIO
+    return np.asarray(unit * rebound(x / unit, STIFFNESS_RATIO * lever / 2, np.full_like(x, e)))
 
 
 def effect_at(

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from analysis.collision.operator import WaltonLaw
+from analysis.effects.contact.tangential_compliance import maw_curve, walton_curve
 from analysis.model.data.gather import gather
 from analysis.model.data.tables import ContactTable
 from analysis.model.fitting.fit import fit_campaign
 from analysis.results.campaign import Results, results
-from analysis.results.curves import maw_curve, walton_curve
 from analysis.results.drawing import plane_figure, residual_figure, restitution_figure
 from analysis.results.lines import Lines
 from analysis.results.tables import tables
