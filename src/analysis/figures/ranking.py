@@ -24,14 +24,14 @@ def ranking_figure(title: str, ranking: Ranking) -> Figure:
     shown = _shown(ranking)
     groups = alias_groups(ranking)
     note = (
-        "Score: root of the fall of χ² that the effect promises. Effects with one letter are not "
+        "Score: root of the expected drop of χ². Effects with one letter are not "
         f"told apart by\nthese shots (correlations above {SHOWN_ALIAS:g}). Grey: an amplitude "
         "outside the plausible range."
     )
     figure = sheet(9.2, 1.9 + 0.28 * max(len(shown), 2), title, note)
     axes, texts = figure.subplots(1, 2, width_ratios=[1.0, 1.05], sharey=True)
     plain(axes, "x")
-    scores = [float(np.sqrt(c.fall)) for c in shown]
+    scores = [float(np.sqrt(c.delta_chi2)) for c in shown]
     colours = [MEASURED if c.plausible else DOUBTED for c in shown]
     axes.barh(range(len(shown)), scores, color=colours, height=0.66)
     texts.axis("off")

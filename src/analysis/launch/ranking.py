@@ -36,7 +36,7 @@ class LaunchCandidate:
     ----------
     effect
         The effect.
-    fall
+    delta_chi2
         Delta chi-squared: predicted by the score test, or reached if the effect is in the fit.
     amplitudes, sigmas
         Of each of its parameters, in their units, shape (parameters,).
@@ -51,7 +51,7 @@ class LaunchCandidate:
     """
 
     effect: LaunchEffect
-    fall: float
+    delta_chi2: float
     amplitudes: Floats
     sigmas: Floats
     p_value: float
@@ -63,7 +63,7 @@ class LaunchCandidate:
     def score(self) -> float:
         """Signed root of the fall for one parameter, the root for several."""
         sign = np.sign(self.amplitudes[0]) if len(self.amplitudes) == 1 else 1.0
-        return float(sign * np.sqrt(self.fall))
+        return float(sign * np.sqrt(self.delta_chi2))
 
     @property
     def plausible(self) -> bool:
@@ -104,7 +104,7 @@ def rank_launch(launch: LaunchFit, effects: Sequence[LaunchEffect], seed: int = 
     candidates = [
         LaunchCandidate(
             effect=effect,
-            fall=fall,
+            delta_chi2=delta_chi2,
             amplitudes=block.whitening @ block.whitening.T @ sums.gradient[block.columns],
             sigmas=np.sqrt((block.whitening**2).sum(axis=1)),
             p_value=p,
@@ -113,11 +113,11 @@ def rank_launch(launch: LaunchFit, effects: Sequence[LaunchEffect], seed: int = 
             seen=block.freedom == len(effect.parameters),
             fitted=effect.name in fitted,
         )
-        for effect, block, fall, p in zip(effects, blocks, falls, p_values, strict=True)
+        for effect, block, delta_chi2, p in zip(effects, blocks, falls, p_values, strict=True)
     ]
     order = sorted(
         range(len(blocks)),
-        key=lambda k: (not candidates[k].seen, candidates[k].fitted, -candidates[k].fall),
+        key=lambda k: (not candidates[k].seen, candidates[k].fitted, -candidates[k].delta_chi2),
     )
     aliases = alias_matrix(sums.matrix, [blocks[k] for k in order])
     return LaunchRanking(tuple(candidates[k] for k in order), aliases)

@@ -50,9 +50,9 @@ class JitterScore:
     amplitude, sigma
         Standard deviation of a frame's time by maximum likelihood, and its error, s; near zero,
         where likelihood has no curvature in it, the amplitude whose square is one standard error.
-    fall
+    delta_chi2
         Of minus twice the logarithm of the likelihood, from no jitter to that amplitude.
-    p_fall
+    p_delta_chi2
         Of that fall: half of one degree of freedom, as a variance cannot be negative.
     """
 
@@ -60,8 +60,8 @@ class JitterScore:
     p_value: float
     amplitude: float
     sigma: float
-    fall: float
-    p_fall: float
+    delta_chi2: float
+    p_delta_chi2: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -184,8 +184,8 @@ def _estimated(z: float, likelihood: _Likelihood) -> JitterScore:
         method="bounded",
         options={"xatol": 1e-10 * most},
     )
-    fall = likelihood.minus_twice_log(0.0) - float(found.fun)
-    ratio, fall = (float(found.x), fall) if fall > 0 else (0.0, 0.0)
+    delta_chi2 = likelihood.minus_twice_log(0.0) - float(found.fun)
+    ratio, delta_chi2 = (float(found.x), delta_chi2) if delta_chi2 > 0 else (0.0, 0.0)
     variance = ratio * likelihood.noise(ratio)
     amplitude = float(np.sqrt(variance))
     # Of the variance w; d s = d w / (2 s).
@@ -195,6 +195,8 @@ def _estimated(z: float, likelihood: _Likelihood) -> JitterScore:
         p_value=float(ndtr(-z)),
         amplitude=amplitude,
         sigma=min(spread / (2 * amplitude), spread**0.5) if amplitude > 0 else spread**0.5,
-        fall=fall,
-        p_fall=0.5 * float(chi_squared.chance_of_more(fall, 1)) if fall > 0 else 1.0,
+        delta_chi2=delta_chi2,
+        p_delta_chi2=0.5 * float(chi_squared.chance_of_more(delta_chi2, 1))
+        if delta_chi2 > 0
+        else 1.0,
     )

@@ -29,12 +29,12 @@ OTHER_VALUES = ((0.0, 2.0), (50.0, 100.0), (500.0, 1000.0))
 """Middles and widths of columns: a threshold in pressure is not reached by a temperature."""
 
 
-def first_fault(effect: Effect, *, has_own_numbers: bool) -> Complaint | None:
+def first_fault(effect: Effect, *, has_literal_numbers: bool) -> Complaint | None:
     """Return the first thing that is wrong and what to do about it; None: all is well.
 
     Parameters
     ----------
-    has_own_numbers
+    has_literal_numbers
         The function uses numbers that may have a unit; then its parameter's unit is not checked.
 
     Raises
@@ -53,7 +53,12 @@ def first_fault(effect: Effect, *, has_own_numbers: bool) -> Complaint | None:
         found = _influence(effect, k, off, columns)
         if found is not None and _is_seen_elsewhere(effect, k, columns):
             found = None
-        if found is None and not has_own_numbers and not columns.names_read and parameter.off == 0:
+        if (
+            found is None
+            and not has_literal_numbers
+            and not columns.names_read
+            and parameter.off == 0
+        ):
             found = _unit(effect, k)
         if found:
             return f"parameter {parameter.symbol} {found[0]}", found[1]

@@ -108,7 +108,7 @@ UNITLESS = ("numpy", "math", "dataclasses", "analysis.collision", "analysis.effe
 """Modules whose functions and types bring no number with a unit into a formula."""
 
 
-def has_own_numbers(function: Callable[..., Any]) -> bool:
+def has_literal_numbers(function: Callable[..., Any]) -> bool:
     """Whether a function, or one of its file that it calls, uses a number that may have a unit.
 
     Such are constants of its file, values that a closure holds or that arguments have by default,
@@ -171,7 +171,7 @@ def checked(effect: Effect, path: Path, line: int) -> Effect:
     watched = guarded(effect, path, line)
     for mine, tried in zip((effect, *effect.variants), (watched, *watched.variants), strict=True):
         function = function_of(mine)
-        found = behaviour.first_fault(tried, has_own_numbers=has_own_numbers(function))
+        found = behaviour.first_fault(tried, has_literal_numbers=has_literal_numbers(function))
         if found:
             place = function_line(path, function) or line
             raise EffectFault(Fault(path, place, effect.name, *found))

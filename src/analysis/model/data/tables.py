@@ -112,7 +112,7 @@ class ContactTable:
         return np.asarray(np.isinf(spins).any(axis=2) & moves)
 
     @property
-    def own_numbers(self) -> NDArray[np.intp]:
+    def nuisance_count(self) -> NDArray[np.intp]:
         """Return how many of each shot's own numbers are determined, shape (S,).
 
         Each that is tabulated of the state before contact determines one; where a spin is not, two

@@ -55,7 +55,7 @@ def with_scatter_as_noise(table: ContactTable, theory: Theory | None = None) -> 
 
 def _factors(table: ContactTable, fit: Fit) -> Floats:
     """Return by what the sigmas of each channel are to be multiplied, shape (channels,)."""
-    left = fit.shot_residuals - fit.own_numbers
+    left = fit.shot_residuals - fit.nuisance_count
     if fit.freedom < 1 or not (left > 0).any():
         raise ValueError(
             f"{fit.residuals} numbers leave no scatter about {fit.residuals - fit.freedom} fitted "

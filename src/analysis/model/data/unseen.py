@@ -49,7 +49,7 @@ def numbers_of_bounces(data: PoseData) -> NDArray[np.bool_]:
 def fitted_numbers(data: Data) -> NDArray[np.intp]:
     """Return how many of each shot's own numbers its data determine, shape (S,)."""
     if isinstance(data, ContactTable):
-        return data.own_numbers
+        return data.nuisance_count
     unknown = spins_unknown(data)
     if data.on_plate:
         # Of a kick what lies along the normal, +X, has no effect.

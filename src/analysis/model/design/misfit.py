@@ -49,7 +49,7 @@ def require_one_that_fits(fits: Sequence[Fit]) -> None:
 def to_add_first(
     data: PoseData, fit: Fit, effects: Sequence[Effect], asked: Collection[str] = ()
 ) -> str | None:
-    """Return the name of the effect that promises most of what a fit lacks; None where none does.
+    """Return the name of the effect with the largest expected drop; None where none does.
 
     A law that takes the operator's place comes before all others, as in a verdict: an effect beside
     a wrong law makes up for it.

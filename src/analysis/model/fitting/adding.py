@@ -29,7 +29,7 @@ ten campaigns."""
 RIVAL_SHOTS = 40
 """Of a campaign of twice as many and more, so many are asked first whether a family may win."""
 TRUSTED_NEAR = 1.03
-"""Times its promise a family comes down that is begun near its minimum: 1.003 to 1.024 seen."""
+"""Times its expected drop a family begun near its minimum comes down: 1.003 to 1.024 seen."""
 NEAR, MOST_STARTS = 20.0, 4
 """Starts whose loss in the scan is this near the least are fitted, so many at most."""
 

@@ -100,7 +100,7 @@ def fit_campaign(
         residuals=int(measured.sum()) + last.theory.given - len(LAW),
         shot_chi2=chi2,
         shot_residuals=measured,
-        own_numbers=own,
+        nuisance_count=own,
         converged=converged,
         scatter=start.scatter if start is not None and data.jitter_s > 0 else {},
     )

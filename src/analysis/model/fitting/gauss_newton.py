@@ -37,10 +37,10 @@ Summed = tuple[ShotStates, NormalEquations]
 LARGEST_LAW_STEP = np.array([0.1, 0.05, 0.3])
 JOINT_ITERATIONS = 30
 LITTLE_FALL, NO_FALL = 0.1, 0.01
-"""Two steps that bring little, or one that brings nothing, are the last ones; a step that promises
-nothing is not taken."""
+"""Two steps that bring little, or one that brings nothing, are the last ones; a step whose expected
+drop is nothing is not taken."""
 TRUSTED = 2.0
-"""Times its promise a fit may come down that has not begun far away."""
+"""Times its expected drop a fit may come down that has not begun far away."""
 ROUGH = 0.01
 """Share of all that steps have brought, below which two in a row end a rough fit."""
 NEGLIGIBLE = 1e-3
@@ -82,7 +82,7 @@ class Place:
         M (P, P) and g (P,), the prior in.
     cost
         Chi-squared and what the prior adds to it.
-    own_promise
+    own_drop
         By how much the shots' own numbers alone could lower it, to first order.
     stands
         Of the shots, part by part.
@@ -92,7 +92,7 @@ class Place:
     matrix: Floats
     gradient: Floats
     cost: float
-    own_promise: float
+    own_drop: float
     stands: Kept[Stand]
 
     def step(self) -> Floats:
@@ -121,11 +121,11 @@ class Place:
 
     def reach(self) -> float:
         """Return by how much the cost would be lowered at best, if the law were linear."""
-        return self.promise(self._within())
+        return self.expected_drop(self._within())
 
-    def promise(self, step: Floats) -> float:
+    def expected_drop(self, step: Floats) -> float:
         """Return by how much a joint step and the shots' own would lower the cost, if linear."""
-        return float(self.gradient @ step) + self.own_promise
+        return float(self.gradient @ step) + self.own_drop
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,12 +135,12 @@ class Purpose:
     Attributes
     ----------
     beat
-        Cost of another fit: once this one promises not to come below it, it is left.
+        Cost of another fit: once this one is not expected to come below it, it is left.
     roughly
         Whether it is enough to see how far it comes down: steps that bring less than a hundredth
         of what all have brought are the last then.
     trusted
-        Times its promise a fit may come down.
+        Times its expected drop a fit may come down.
     """
 
     beat: float = np.inf
@@ -196,7 +196,7 @@ def linearised(parts: Iterable[Summed], theory: Theory, keep: Keeper) -> Place:
     """Add up parts that were linearised about a theory."""
     count = len(theory.vector)
     matrix, gradient = np.zeros((count, count)), np.zeros(count)
-    cost, promise = prior_cost(theory), 0.0
+    cost, expected_drop = prior_cost(theory), 0.0
     stands = keep(Stand)
     for states, sums in parts:
         right = np.concatenate([sums.state_gradient[..., None], sums.coupling], axis=2)
@@ -205,11 +205,11 @@ def linearised(parts: Iterable[Summed], theory: Theory, keep: Keeper) -> Place:
         matrix += sums.shared.sum(axis=0) - taken[:, 1:]
         gradient += sums.shared_gradient.sum(axis=0) - taken[:, 0]
         cost += float(sums.chi2.sum())
-        promise += float((sums.state_gradient * solved[..., 0]).sum())
+        expected_drop += float((sums.state_gradient * solved[..., 0]).sum())
         stands.append(Stand(states, sums.chi2, solved[..., 0], solved[..., 1:]))
     centre, information = theory.prior
     gradient -= (theory.vector - centre) * information
-    return Place(theory, with_prior(matrix, information), gradient, cost, promise, stands)
+    return Place(theory, with_prior(matrix, information), gradient, cost, expected_drop, stands)
 
 
 def summed(data: Data, states: ShotStates, theory: Theory) -> Summed:
@@ -221,7 +221,7 @@ def summed(data: Data, states: ShotStates, theory: Theory) -> Summed:
 def _searched(data: CampaignData, place: Place) -> Place:
     """Take the longest share of the joint step that lowers chi-squared; none: stay."""
     step = place.step()
-    if place.promise(step) < NO_FALL:
+    if place.expected_drop(step) < NO_FALL:
         return place
     for share in SHARES:
         moved = place.theory.at(place.theory.vector + share * step)

@@ -134,7 +134,7 @@ def bad_shots(fit: FitSummary, gone: int = 0) -> NDArray[np.bool_]:
 
 
 def _quality(fit: FitSummary) -> tuple[Floats, Floats]:
-    freedom = np.maximum(fit.shot_residuals - fit.own_numbers, 1.0)
+    freedom = np.maximum(fit.shot_residuals - fit.nuisance_count, 1.0)
     return fit.shot_chi2 / freedom, freedom
 
 

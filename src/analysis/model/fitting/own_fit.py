@@ -38,7 +38,8 @@ def _fit_some(
 ) -> tuple[ShotStates, NDArray[np.bool_]]:
     """Take a few damped steps with every shot; return their states, and which are done, (S,).
 
-    A shot is done whose step changed little, or that came down and whose next step promises little.
+    A shot is done whose step changed little, or that came down and whose next has a small expected
+    drop.
     """
     damping = np.full(len(states.time_s), 1e-3)
     sums = _own_equations(data, states, theory)

@@ -33,7 +33,7 @@ class FitSummary:
         Total chi-squared and number of residuals that enter it.
     shot_chi2, shot_residuals
         By shot, shape (S,).
-    own_numbers
+    nuisance_count
         How many of each shot's own numbers the data determine, shape (S,).
     converged
         Whether a further step would lower chi-squared by less than what matters.
@@ -47,14 +47,14 @@ class FitSummary:
     residuals: int
     shot_chi2: Floats
     shot_residuals: NDArray[np.intp]
-    own_numbers: NDArray[np.intp]
+    nuisance_count: NDArray[np.intp]
     converged: bool
     scatter: Mapping[str, Quantity] = field(default_factory=dict)
 
     @property
     def freedom(self) -> int:
         """Residuals less fitted numbers."""
-        return self.residuals - int(self.own_numbers.sum()) - len(self.theory.names)
+        return self.residuals - int(self.nuisance_count.sum()) - len(self.theory.names)
 
     @property
     def chi2_per_dof(self) -> float:

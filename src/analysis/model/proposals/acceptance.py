@@ -19,9 +19,9 @@ from analysis.model.proposals.products import main_groups
 from analysis.model.proposals.proposed import Accepted
 from analysis.model.proposals.refine import (
     CARRIERS,
-    Promise,
     Refitted,
     Rival,
+    ScoredForm,
     refitted,
     with_free_constants,
 )
@@ -35,7 +35,7 @@ from analysis.model.verdict.crossvalidation import (
 )
 
 OPTIMISM = 2.0
-"""Times its promise what a form may bring shots left out: promises are straight lines."""
+"""Times its expected drop what a form may bring shots left out: scores are linear."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,7 +50,7 @@ class Gate:
         The scores of all forms there.
     name
         Of the form's effect in the fit.
-    least_fall
+    least_drop
         By how much it must lower the error on shots left out.
     """
 
@@ -58,23 +58,23 @@ class Gate:
     before: Stage
     screen: Screen
     name: str
-    least_fall: float
+    least_drop: float
 
-    def may_help(self, promise: Promise) -> bool:
+    def may_help(self, scored: ScoredForm) -> bool:
         """Whether a form may lower the error on shots left out by as much as it must.
 
         Squares of shots left out fall by what chi-squared falls, less what chance brings.
         """
         error, noise = self.before.error, self.before.fit.chi2_per_dof
         counted = 0.5 / error.sampling**2
-        needed = error.value**2 - max(error.value - self.least_fall, 0.0) ** 2
-        return OPTIMISM * promise.fall * noise > needed * counted
+        needed = error.value**2 - max(error.value - self.least_drop, 0.0) ** 2
+        return OPTIMISM * scored.delta_chi2 * noise > needed * counted
 
     def passed(self, chosen: Rival, rivals: Sequence[Rival]) -> Accepted | None:
         """Return a form as it goes in, with those of its rivals that are alike; None: it fails."""
         data, before = self.data, self.before
-        promise = _promise(chosen)
-        if _carried(promise, len(data.shots)) or not self.may_help(promise):
+        scored = _scored(chosen)
+        if _carried(scored, len(data.shots)) or not self.may_help(scored):
             return None
         found = _refitted(data, before.fit, chosen, self.name)
         least = found.worth - ALIAS_WITHIN
@@ -85,9 +85,9 @@ class Gate:
         both = folds_by_chance(len(data.shots)), folds
         error, on_blocks = prediction_errors(data, found.fit, both)
         gains = np.sort(before.error.by_shot - error.by_shot)
-        fall = before.error.value - error.value
+        drop = before.error.value - error.value
         # Without the two that gain most, the others must gain too.
-        if fall <= self.least_fall or gains[:-CARRIERS].sum() <= 0:
+        if drop <= self.least_drop or gains[:-CARRIERS].sum() <= 0:
             return None
         if on_blocks.value >= prediction_error(data, before.fit, folds=folds).value:
             return None
@@ -112,11 +112,11 @@ class Gate:
 def groups_of(one: Rival) -> set[tuple[str, str]]:
     """Return the groups in which a form is scored: of a freed product its arguments' too."""
     own = {one.form.group}
-    return own | main_groups(one.form) if _promise(one).zeros_sought else own
+    return own | main_groups(one.form) if _scored(one).zeros_sought else own
 
 
-def _promise(one: Rival) -> Promise:
-    return one.promise if isinstance(one, Refitted) else one
+def _scored(one: Rival) -> ScoredForm:
+    return one.scored if isinstance(one, Refitted) else one
 
 
 def _refitted(data: Data, fit: Fit, one: Rival, name: str) -> Refitted:
@@ -129,10 +129,10 @@ def _nearly_the_same(first: Form, second: Form) -> bool:
     return first.argument == second.argument and impulses == 1
 
 
-def _carried(promise: Promise, shots: int) -> bool:
-    """Whether two shots hold most of a promise, and the others hardly ask for it."""
-    rest = promise.fall * (1.0 - promise.carried_share)
-    return promise.carried_share > most_carried(shots) and rest < LEAST_SIGMAS**2
+def _carried(scored: ScoredForm, shots: int) -> bool:
+    """Whether two shots hold most of an expected drop, and the others hardly ask for it."""
+    rest = scored.delta_chi2 * (1.0 - scored.carried_share)
+    return scored.carried_share > most_carried(shots) and rest < LEAST_SIGMAS**2
 
 
 def _determined(found: Refitted) -> bool:

@@ -36,7 +36,7 @@ class Confirmation:
         Names of the effects that were fitted too.
     shots
         How many were used.
-    fall
+    delta_chi2
         Of chi-squared that the form brings, in units of the noise.
     p_value
         Chance of such a fall where the form is not there.
@@ -49,7 +49,7 @@ class Confirmation:
     effect: Effect
     beside: tuple[str, ...]
     shots: int
-    fall: float
+    delta_chi2: float
     p_value: float
     error_before: float
     error_after: float
@@ -112,16 +112,16 @@ def confirm(data: Data, given: Sequence[Effect], effect: Effect) -> Confirmation
     fitted, fit = added(base.data, base.fit, effect)
     path = [stage_of(base.data, base.fit), stage_of(fitted, fit)]
     evidence, (before, after) = weighed_again(base.evidence, path, fitted.jitter_s)
-    fall = max((before.fit.chi2 - after.fit.chi2) / max(after.fit.chi2_per_dof, 1e-12), 0.0)
+    delta_chi2 = max((before.fit.chi2 - after.fit.chi2) / max(after.fit.chi2_per_dof, 1e-12), 0.0)
     errors = before.error.value, after.error.value
     shots, found = len(evidence.data.shots), after.fit.parameters()
-    return _confirmation((effect, given), shots, fall, errors, found)
+    return _confirmation((effect, given), shots, delta_chi2, errors, found)
 
 
 def _confirmation(
     tested: tuple[Effect, Sequence[Effect]],
     shots: int,
-    fall: float,
+    delta_chi2: float,
     errors: tuple[float, float],
     parameters: Mapping[str, Quantity],
 ) -> Confirmation:
@@ -131,8 +131,8 @@ def _confirmation(
         effect=effect,
         beside=tuple(one.name for one in given),
         shots=shots,
-        fall=fall,
-        p_value=float(chi_squared.chance_of_more(max(fall, 0.0), len(effect.parameters))),
+        delta_chi2=delta_chi2,
+        p_value=float(chi_squared.chance_of_more(max(delta_chi2, 0.0), len(effect.parameters))),
         error_before=errors[0],
         error_after=errors[1],
         parameters={

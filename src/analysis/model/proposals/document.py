@@ -156,7 +156,7 @@ def confirmation_document(campaign: str, found: Confirmation) -> Json:
         "with": list(found.beside),
         "effect": found.effect.name,
         "confirmed": found.confirmed,
-        "fall": found.fall,
+        "fall": found.delta_chi2,
         "p_value": max(found.p_value, SMALLEST_P),
         "error_before": found.error_before,
         "error_after": found.error_after,

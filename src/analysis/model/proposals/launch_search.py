@@ -194,18 +194,18 @@ def _refitted(
     launch: LaunchFit, forms: Sequence[LaunchForm], sums: Sums, passing: set[tuple[str, str]]
 ) -> list[_Tried]:
     """Fit the likeliest forms of each group again, the most worth first."""
-    promised, start = [], 0
+    scored, start = [], 0
     for form in forms:
         block = sums.of(np.arange(start, start + len(form.symbols)))
         start += len(form.symbols)
         if block.seen.all() and form.group in passing:
             solved = np.linalg.lstsq(block.matrix, block.gradient, rcond=1e-10)[0]
-            promised.append((float(block.gradient @ solved), form))
+            scored.append((float(block.gradient @ solved), form))
     best: dict[tuple[str, str, str], tuple[float, LaunchForm]] = {}
-    for fall, form in promised:
+    for delta_chi2, form in scored:
         key = form.quantity, form.argument, form.shape_name
-        if key not in best or fall > best[key][0]:
-            best[key] = fall, form
+        if key not in best or delta_chi2 > best[key][0]:
+            best[key] = delta_chi2, form
     chosen = sorted(best.values(), key=lambda pair: -pair[0])[:MOST_REFITTED]
     tried = []
     for _, form in chosen:

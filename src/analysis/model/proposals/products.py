@@ -16,14 +16,14 @@ from analysis.model.proposals.arguments import Argument
 from analysis.model.proposals.channels import Channels, Form
 from analysis.model.proposals.forms.form import ContactForm
 from analysis.model.proposals.forms.shapes import LINEAR, POWER
-from analysis.model.proposals.refine import Promise
+from analysis.model.proposals.refine import ScoredForm
 
 FARTHEST = 20.0
 """Of a zero from the mean of the shots, in their standard deviations: beyond it one argument is as
 good as alone."""
 
 
-def freed_products(channels: Channels, forms: Sequence[Form]) -> list[Promise]:
+def freed_products(channels: Channels, forms: Sequence[Form]) -> list[ScoredForm]:
     """Return every product at its likeliest zeros, the most worth first."""
     products = [f for f in forms if isinstance(f, ContactForm) and len(f.arguments) == 2]
     if not products:
@@ -47,9 +47,9 @@ def freed_products(channels: Channels, forms: Sequence[Form]) -> list[Promise]:
         )
         moved = _at_zeros(form, solved, channels)
         if moved is not None:
-            fall = float(block.gradient @ solved) / channels.noise_scale**2
-            found.append(Promise(moved, fall, solved[:1], 0.0, zeros_sought=True))
-    return sorted(found, key=lambda promise: -promise.worth)
+            delta_chi2 = float(block.gradient @ solved) / channels.noise_scale**2
+            found.append(ScoredForm(moved, delta_chi2, solved[:1], 0.0, zeros_sought=True))
+    return sorted(found, key=lambda scored: -scored.worth)
 
 
 def main_groups(form: Form) -> set[tuple[str, str]]:

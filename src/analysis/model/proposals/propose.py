@@ -29,8 +29,8 @@ from analysis.model.proposals.admissible import FEWEST_SHOTS, Admitted, admitted
 from analysis.model.proposals.channels import Channels, Form, channels_of
 from analysis.model.proposals.launch_search import propose_launch
 from analysis.model.proposals.proposed import Accepted, Proposed
-from analysis.model.proposals.refine import Promise, Refitted, Rival, with_free_constants
-from analysis.model.proposals.rivals import apart, least_beside, promises_of, rivals_of
+from analysis.model.proposals.refine import Refitted, Rival, ScoredForm, with_free_constants
+from analysis.model.proposals.rivals import apart, least_beside, rivals_of, score_groups
 from analysis.model.proposals.screen import contact_forms, screened
 from analysis.model.rank.candidate import Ranking
 from analysis.model.rank.leaders import FIRST_LEVEL, LATER_LEVEL, Leader, in_order
@@ -173,10 +173,10 @@ def _step(state: _State) -> _State | None:
     screen = screened(channels, forms, np.random.default_rng(0))
     threshold = screen.threshold(state.level)
     passing = {group for group, score in screen.groups().items() if score >= threshold}
-    promises = promises_of(channels, screen, forms) if passing else []
+    scored_forms = score_groups(channels, screen, forms) if passing else []
     name = f"{NAME}-{len(state.accepted) + 1}"
-    gate = Gate(state.data, state.last, screen, name, _least_fall(state))
-    rivals, known = _competed(state, gate, channels, promises, forms)
+    gate = Gate(state.data, state.last, screen, name, _least_drop(state))
+    rivals, known = _competed(state, gate, channels, scored_forms, forms)
     if known.first is not None and (not rivals or known.worth > rivals[0].worth - PREFERRED):
         leader, stage = known.first
         return _moved(state, stage, whole(leader.data))
@@ -190,13 +190,13 @@ def _step(state: _State) -> _State | None:
                 accepted,
                 before=following.path[-2],
                 after=following.last,
-                alike_effects=tuple(x.name for x in known.believed if x.unbiased_fall > near),
+                alike_effects=tuple(x.name for x in known.believed if x.unbiased_delta_chi2 > near),
             )
             return replace(following, accepted=(*state.accepted, accepted))
     return None
 
 
-def _least_fall(state: _State) -> float:
+def _least_drop(state: _State) -> float:
     """Return by how much a form must lower the error: a later one by a share of what was there.
 
     What asks for less beside a law that is found may be the measurement itself.
@@ -223,32 +223,32 @@ class _Known:
 
     @property
     def worth(self) -> float:
-        return self.first[0].unbiased_fall if self.first else 0.0
+        return self.first[0].unbiased_delta_chi2 if self.first else 0.0
 
 
 def _competed(
     state: _State,
     gate: Gate,
     channels: Channels,
-    promises: Sequence[Promise],
+    scored_forms: Sequence[ScoredForm],
     forms: Sequence[Form],
 ) -> tuple[list[Rival], _Known]:
     """Return forms and effects of the catalogue, refitted where they may come first or alike.
 
-    Those that promise more are refitted first: few of the others are worth it then.
+    Those of a larger expected drop are refitted first: few of the others are worth it then.
     """
     ranking = rank(state.data, state.last.fit, state.catalogue)
     fitted = state.data, state.last.fit, gate.name
-    helpful = any(gate.may_help(promise) for promise in promises)
-    offered = max((c.fall for c in ranking.candidates if c.seen), default=0.0)
-    if not promises or promises[0].worth < offered:
-        known = _known(state, ranking, promises[0] if promises else None)
+    helpful = any(gate.may_help(scored) for scored in scored_forms)
+    offered = max((c.delta_chi2 for c in ranking.candidates if c.seen), default=0.0)
+    if not scored_forms or scored_forms[0].worth < offered:
+        known = _known(state, ranking, scored_forms[0] if scored_forms else None)
         if helpful:
-            return rivals_of(fitted, channels, promises, forms, known.worth), known
-        return [*promises], known
-    rivals: list[Rival] = [*promises]
+            return rivals_of(fitted, channels, scored_forms, forms, known.worth), known
+        return [*scored_forms], known
+    rivals: list[Rival] = [*scored_forms]
     if helpful:
-        rivals = rivals_of(fitted, channels, promises, forms)
+        rivals = rivals_of(fitted, channels, scored_forms, forms)
     return rivals, _known(state, ranking, rivals[0])
 
 

@@ -75,7 +75,7 @@ class Accepted:
         }
         scales = self.form.freed(self.name).parameters[len(self.form.symbols) :]
         values = self.form.constants[len(self.form.constants) - len(scales) :]
-        held = zip(scales, values, self.found.promise.widths, strict=False)
+        held = zip(scales, values, self.found.scored.widths, strict=False)
         for scale, value, width in held:
             found.setdefault(scale.symbol, Quantity(float(value), width, scale.unit))
         return found

@@ -1,4 +1,4 @@
-"""What a slot and an argument promise at their best: every shape at its likeliest constants."""
+"""The best form of a slot and an argument by score: every shape at its likeliest constants."""
 
 from __future__ import annotations
 
@@ -34,12 +34,12 @@ CARRIERS = 2
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Promise:
+class ScoredForm:
     """A form at its likeliest constants.
 
     Attributes
     ----------
-    fall
+    delta_chi2
         Of chi-squared that its amplitudes would bring, in units of the noise.
     start
         These amplitudes.
@@ -52,7 +52,7 @@ class Promise:
     """
 
     form: Form
-    fall: float
+    delta_chi2: float
     start: Floats
     carried_share: float
     widths: tuple[float, ...] = ()
@@ -71,34 +71,36 @@ class Promise:
         charge += OF_FADING if _fades(self.form) else 0.0
         charge += OF_IMPULSE if self.form.slot in IMPULSES else 0.0
         charge += OF_ZEROS if self.zeros_sought else 0.0
-        return self.fall - PENALTY * sought - charge
+        return self.delta_chi2 - PENALTY * sought - charge
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Refitted:
     """A form in a fit of its own, beside all that was fitted before."""
 
-    promise: Promise
+    scored: ScoredForm
     name: str
     fit: Fit
-    fall: float
+    delta_chi2: float
 
     @property
     def form(self) -> Form:
         """The form."""
-        return self.promise.form
+        return self.scored.form
 
     @property
     def worth(self) -> float:
         """Fall as the refit brought it, less what constants bring by chance."""
-        return self.promise.worth - self.promise.fall + self.fall
+        return self.scored.worth - self.scored.delta_chi2 + self.delta_chi2
 
 
-Rival = Promise | Refitted
+Rival = ScoredForm | Refitted
 """A form with what it is worth: as its score has it, or as a fit of its own."""
 
 
-def promised(channels: Channels, group: tuple[str, str], forms: Sequence[Form]) -> list[Promise]:
+def score_forms(
+    channels: Channels, group: tuple[str, str], forms: Sequence[Form]
+) -> list[ScoredForm]:
     """Return the best form of each shape of a group, the most worth first."""
     own = [form for form in forms if form.group == group]
     finer: list[Form] = []
@@ -116,21 +118,21 @@ def promised(channels: Channels, group: tuple[str, str], forms: Sequence[Form]) 
             if shape.name == form.shape.name:
                 spread = spread_of(argument.of(channels.encounter)[:, 0])
                 finer += shaped(channels, form.slot, argument, shape, spread, fine=FINE)
-    tried: dict[tuple[str, str], list[Promise]] = {}
-    for promise in _promises(channels, finer):
-        tried.setdefault((promise.form.shape_name, _variable(promise.form)), []).append(promise)
-    best = [_with_widths(promises) for promises in tried.values()]
-    return sorted(best, key=lambda promise: -promise.worth)[:MOST_SHAPES]
+    tried: dict[tuple[str, str], list[ScoredForm]] = {}
+    for scored in _score(channels, finer):
+        tried.setdefault((scored.form.shape_name, _variable(scored.form)), []).append(scored)
+    best = [_with_widths(scored_forms) for scored_forms in tried.values()]
+    return sorted(best, key=lambda scored: -scored.worth)[:MOST_SHAPES]
 
 
-def _with_widths(tried: Sequence[Promise]) -> Promise:
-    """Return the best of the promises of one shape, and how well these shots hold its constants."""
-    best = max(tried, key=lambda promise: promise.fall)
+def _with_widths(tried: Sequence[ScoredForm]) -> ScoredForm:
+    """Return the best form of one shape, and how well these shots hold its constants."""
+    best = max(tried, key=lambda scored: scored.delta_chi2)
     count = len(best.form.free)
     if best.form.free == OF_A_PRODUCT or not count:
         return best
     values = np.array([one.form.constants[-count:] for one in tried])
-    near = values[np.array([one.fall > best.fall - 1.0 for one in tried])]
+    near = values[np.array([one.delta_chi2 > best.delta_chi2 - 1.0 for one in tried])]
     # A range that holds one value that is tried alone is no wider than the way to the next.
     gaps = [np.diff(np.unique(column)) for column in values.T]
     least = np.array([gap.min() if gap.size else np.inf for gap in gaps])
@@ -150,7 +152,7 @@ def _variable(form: Form) -> str:
     return form.arguments[0].symbol if isinstance(form, ContactForm) else ""
 
 
-def _promises(channels: Channels, forms: Sequence[Form]) -> list[Promise]:
+def _score(channels: Channels, forms: Sequence[Form]) -> list[ScoredForm]:
     columns = columns_of(forms)
     weights = [channels.weights(form, number) for form, number in columns]
     sums = channels.summed(weights)
@@ -163,24 +165,26 @@ def _promises(channels: Channels, forms: Sequence[Form]) -> list[Promise]:
             continue
         block = sums.of(own)
         amplitudes = np.linalg.lstsq(block.matrix, block.gradient, rcond=1e-10)[0]
-        fall = float(block.gradient @ amplitudes)
+        delta_chi2 = float(block.gradient @ amplitudes)
         by_shot = np.stack(
             [weights[k][1] * channels.by_shot.gradient[:, weights[k][0]] for k in own], axis=1
         )
         loudest = np.argsort(by_shot @ amplitudes)[-CARRIERS:]
         rest = block.gradient - by_shot[loudest].sum(axis=0)
         left = float(rest @ np.linalg.lstsq(block.matrix, rest, rcond=1e-10)[0])
-        share = 1.0 - left / fall if fall > 0 else 1.0
-        found.append(Promise(form, fall / noise, np.asarray(amplitudes, np.float64), share))
+        share = 1.0 - left / delta_chi2 if delta_chi2 > 0 else 1.0
+        found.append(
+            ScoredForm(form, delta_chi2 / noise, np.asarray(amplitudes, np.float64), share)
+        )
     return found
 
 
-def refitted(data: Data, fit: Fit, promise: Promise, name: str) -> Refitted:
+def refitted(data: Data, fit: Fit, scored: ScoredForm, name: str) -> Refitted:
     """Fit again with a form, its constants held."""
-    theory = fit.theory.with_effect(promise.form.effect(name))
+    theory = fit.theory.with_effect(scored.form.effect(name))
     again = fit_campaign(data, theory, fit)
     noise = max(again.chi2_per_dof, 1e-12)
-    return Refitted(promise, name, again, (fit.chi2 - again.chi2) / noise)
+    return Refitted(scored, name, again, (fit.chi2 - again.chi2) / noise)
 
 
 def with_free_constants(data: Data, found: Refitted) -> tuple[Refitted, Fit]:
@@ -206,8 +210,8 @@ def with_free_constants(data: Data, found: Refitted) -> tuple[Refitted, Fit]:
     again = fit_campaign(data, theory, freed)
     if not np.isfinite(values).all() or again.chi2 > found.fit.chi2 + 1e-6:
         return found, found.fit
-    fall = found.fall + (found.fit.chi2 - again.chi2) / max(again.chi2_per_dof, 1e-12)
-    return Refitted(replace(found.promise, form=moved), found.name, again, fall), freed
+    delta_chi2 = found.delta_chi2 + (found.fit.chi2 - again.chi2) / max(again.chi2_per_dof, 1e-12)
+    return Refitted(replace(found.scored, form=moved), found.name, again, delta_chi2), freed
 
 
 def _values(fit: Fit, name: str) -> Floats:

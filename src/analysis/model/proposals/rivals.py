@@ -13,11 +13,11 @@ from analysis.model.proposals.forms.impulses import IMPULSES
 from analysis.model.proposals.products import freed_products, main_groups
 from analysis.model.proposals.refine import (
     MOST_GROUPS,
-    Promise,
     Refitted,
     Rival,
-    promised,
+    ScoredForm,
     refitted,
+    score_forms,
     with_free_constants,
 )
 from analysis.model.proposals.screen import Screen
@@ -27,30 +27,30 @@ SLACK = 8.0
 """Deviance by which finer constants and a refit may bring a group nearer to the best."""
 MOST_FREED = 2
 REFIT_SHARE = 0.1
-"""Of the best promise, by which a refit may differ from it: promises are straight lines."""
+"""Of the largest expected drop, by which a refit may differ from it: scores are linear."""
 FARTHEST_OFF, STRAIGHT_TO = 0.9, 1000.0
-"""Share of a fall by which its promise may miss it where it is large, and how large that is."""
+"""Share of a drop by which the expected one may miss it where large, and how large that is."""
 
 
 def least_beside(worth: float) -> float:
-    """Return the promise below which nothing comes near what has this worth, of another kind.
+    """Return the worth by score below which nothing of another kind comes near this worth.
 
-    Promises are straight lines: exact where a fall is small, and ever less the larger it is.
+    Scores are linear: exact where a drop is small, and ever less the larger it is.
     """
     share = min(FARTHEST_OFF, REFIT_SHARE + worth / STRAIGHT_TO)
     return worth * (1.0 - share) - ALIAS_WITHIN - SLACK / 2
 
 
-def promises_of(channels: Channels, screen: Screen, forms: Sequence[Form]) -> list[Promise]:
+def score_groups(channels: Channels, screen: Screen, forms: Sequence[Form]) -> list[ScoredForm]:
     """Return the likeliest forms of the groups whose scores come near the best, best first."""
-    found = [p for group in _nearest(screen) for p in promised(channels, group, forms)]
-    return sorted(found, key=lambda promise: -promise.worth)
+    found = [p for group in _nearest(screen) for p in score_forms(channels, group, forms)]
+    return sorted(found, key=lambda scored: -scored.worth)
 
 
 def rivals_of(
     fitted: tuple[Data, Fit, str],
     channels: Channels,
-    promises: Sequence[Promise],
+    scored_forms: Sequence[ScoredForm],
     forms: Sequence[Form],
     known: float = 0.0,
 ) -> list[Rival]:
@@ -60,8 +60,8 @@ def rivals_of(
     ----------
     fitted
         What was fitted, the fit, and the name that a form has in a refit.
-    promises
-        As `promises_of` returns them.
+    scored_forms
+        As `score_groups` returns them.
     known
         Worth of the best effect of the catalogue, refitted.
 
@@ -69,12 +69,12 @@ def rivals_of(
     -------
     The most worth first.
     """
-    top = max((promise.worth for promise in promises), default=0.0)
+    top = max((scored.worth for scored in scored_forms), default=0.0)
     if top < least_beside(known):
         return []
     least = top - ALIAS_WITHIN - SLACK / 2 - REFIT_SHARE * top
-    near = [promise for promise in promises if _may_reach(promise, least)]
-    exact = max((promise.fall for promise in near), default=0.0) < SMALL_FALL
+    near = [scored for scored in scored_forms if _may_reach(scored, least)]
+    exact = max((scored.delta_chi2 for scored in near), default=0.0) < SMALL_FALL
     found = [p if exact and isinstance(p.form, ContactForm) else _refit(fitted, p) for p in near]
     found.sort(key=lambda one: -one.worth)
     products = freed_products(channels, forms)
@@ -87,13 +87,13 @@ def rivals_of(
     return sorted([*leading, *found, *_alike(found, products)], key=lambda one: -one.worth)
 
 
-def _freed(fitted: tuple[Data, Fit, str], product: Promise) -> Rival:
+def _freed(fitted: tuple[Data, Fit, str], product: ScoredForm) -> Rival:
     """Refit a product with its zeros free."""
     data, fit, name = fitted
     return with_free_constants(data, refitted(data, fit, product, name))[0]
 
 
-def _alike(found: Sequence[Rival], products: Sequence[Promise]) -> list[Promise]:
+def _alike(found: Sequence[Rival], products: Sequence[ScoredForm]) -> list[ScoredForm]:
     """Return the likeliest product of the argument that leads, where shots do not rule it out.
 
     A product whose zero lies off the shots is nearly its other argument by itself.
@@ -101,10 +101,10 @@ def _alike(found: Sequence[Rival], products: Sequence[Promise]) -> list[Promise]
     if not found:
         return []
     lead = found[0]
-    promise = lead.promise if isinstance(lead, Refitted) else lead
-    within = promise.worth - ALIAS_WITHIN
+    scored = lead.scored if isinstance(lead, Refitted) else lead
+    within = scored.worth - ALIAS_WITHIN
     own = (p for p in products if lead.form.group in main_groups(p.form))
-    return [p for p in own if within < p.worth <= promise.worth][:1]
+    return [p for p in own if within < p.worth <= scored.worth][:1]
 
 
 def _nearest(screen: Screen) -> list[tuple[str, str]]:
@@ -114,16 +114,16 @@ def _nearest(screen: Screen) -> list[tuple[str, str]]:
     return others + [group for group in near if group[0] in IMPULSES][: MOST_GROUPS // 2]
 
 
-def _may_reach(promise: Promise, least: float) -> bool:
+def _may_reach(scored: ScoredForm, least: float) -> bool:
     """Whether a refit may bring a form so far; exponents in flight are tried too coarsely."""
-    return promise.worth > least or not isinstance(promise.form, ContactForm)
+    return scored.worth > least or not isinstance(scored.form, ContactForm)
 
 
-def _refit(fitted: tuple[Data, Fit, str], promise: Promise) -> Refitted:
+def _refit(fitted: tuple[Data, Fit, str], scored: ScoredForm) -> Refitted:
     data, fit, name = fitted
-    found = refitted(data, fit, promise, name)
+    found = refitted(data, fit, scored, name)
     # An exponent and a frequency are scored at a few values only.
-    in_frames = not isinstance(promise.form, ContactForm)
+    in_frames = not isinstance(scored.form, ContactForm)
     return with_free_constants(data, found)[0] if in_frames else found
 
 

@@ -160,8 +160,8 @@ def _blocks(
     found = []
     for key, rows in places.items():
         block = sums.of(np.array(rows))
-        fall = block.gradient @ np.linalg.lstsq(block.matrix, block.gradient, rcond=1e-10)[0]
-        beyond = float(fall) / noise_scale**2 - (len(rows) - 1)
+        delta_chi2 = block.gradient @ np.linalg.lstsq(block.matrix, block.gradient, rcond=1e-10)[0]
+        beyond = float(delta_chi2) / noise_scale**2 - (len(rows) - 1)
         found.append((forms[key], float(np.sqrt(max(beyond, 0.0)))))
     return tuple(found)
 

@@ -23,7 +23,7 @@ class Candidate:
     ----------
     effect
         The effect, in the variant with the largest expected drop.
-    fall
+    delta_chi2
         Expected drop of chi-squared, in units of the noise as it was found; none for an amplitude
         of the sign that nature does not have.
     freedom
@@ -51,7 +51,7 @@ class Candidate:
     """
 
     effect: Effect
-    fall: float
+    delta_chi2: float
     freedom: int
     amplitudes: Floats
     sigmas: Floats
@@ -70,19 +70,19 @@ class Candidate:
         """Signed root of the fall for one parameter, the root for several."""
         if len(self.amplitudes) == 1 and np.isfinite(self.sigmas[0]):
             return float(self.amplitudes[0] / self.sigmas[0])
-        return float(np.sqrt(self.fall))
+        return float(np.sqrt(self.delta_chi2))
 
     @property
     def plausible(self) -> bool:
         """Whether every amplitude lies in its believed range, its error allowed for."""
         return believed(self.effect, self.amplitudes, self.sigmas)
 
-    def chance_of(self, fall: float, values: Floats) -> float:
+    def chance_of(self, delta_chi2: float, values: Floats) -> float:
         """Return the chance of a fall, in units of the noise, at fitted values (parameters,)."""
         if one_sided(self.effect):
             risen = values[0] > self.effect.off[0]
-            return float(chance_of_falls(np.array(fall if risen else 0.0), 1, one_sided=True))
-        return float(chance_of_falls(np.array(fall), self.freedom, one_sided=False))
+            return float(chance_of_falls(np.array(delta_chi2 if risen else 0.0), 1, one_sided=True))
+        return float(chance_of_falls(np.array(delta_chi2), self.freedom, one_sided=False))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

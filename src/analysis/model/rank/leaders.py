@@ -25,9 +25,9 @@ FIRST_LEVEL, LATER_LEVEL = 0.03, 0.01
 of an effect already accepted."""
 MOST_REFITTED = 10
 SMALL_FALL = 64.0
-"""Eight standard errors: refits then bring what scores promise."""
-LEAST_PROMISED = 0.1
-"""Share of the best promise below which no refit comes out first, however large the effect."""
+"""Eight standard errors: refits then bring the expected drop."""
+LEAST_EXPECTED = 0.1
+"""Share of the largest expected drop below which no refit comes out first, however large."""
 DURATION_SIGMAS = 3.0
 """A duration that is not so many standard errors from zero is that of no lasting contact."""
 WITHIN = 0.03
@@ -46,7 +46,7 @@ class Leader:
         The data it was fitted to: with a scatter in, their noise is another.
     values
         Of its parameters, as fitted.
-    fall
+    delta_chi2
         Of chi-squared, as the refit really brought it.
     criterion
         Fall in units of the noise, less ln(shots) for each parameter: half of BIC's difference.
@@ -60,7 +60,7 @@ class Leader:
     data: CampaignData
     fit: Fit
     values: Floats
-    fall: float
+    delta_chi2: float
     criterion: float
     plausible: bool
     carried: bool
@@ -71,9 +71,9 @@ class Leader:
         return self.candidate.effect.name
 
     @property
-    def unbiased_fall(self) -> float:
+    def unbiased_delta_chi2(self) -> float:
         """Fall in units of the noise, less what chance alone brings."""
-        return self.fall / max(self.fit.chi2_per_dof, 1e-12) - self.candidate.freedom
+        return self.delta_chi2 / max(self.fit.chi2_per_dof, 1e-12) - self.candidate.freedom
 
 
 def refitted(
@@ -85,22 +85,22 @@ def refitted(
     least: float = 0.0,
     beat: float = np.inf,
 ) -> list[Leader]:
-    """Refit every candidate whose promise passes a family-wise level, and mark the carried ones.
+    """Refit candidates whose expected drop passes a family-wise level, and mark the carried ones.
 
-    One is carried if two shots hold most of it and the others alone do not promise enough. Those
+    One is carried if two shots hold most of its drop and the others alone do not pass. Those
     whose likelihood ratio, after the refit, no longer passes are left out.
 
     Parameters
     ----------
     least
-        Promised fall below which none is refitted: what else may go in brings more.
+        Expected drop below which none is refitted: what else may go in brings more.
     beat
         Cost of a fit with what else may go in: a refit that stays above it is left.
     """
     invited = [
         c
         for c in ranking.candidates
-        if c.seen and not c.of_measurement and c.p_familywise < level and c.fall >= least
+        if c.seen and not c.of_measurement and c.p_familywise < level and c.delta_chi2 >= least
     ]
     threshold, most = ranking.threshold(level), most_carried(len(data.shots))
     leaders: list[Leader] = []
@@ -115,7 +115,7 @@ def refitted(
     return [
         leader
         for leader in leaders
-        if leader.candidate.chance_of(leader.fall / noise, leader.values)
+        if leader.candidate.chance_of(leader.delta_chi2 / noise, leader.values)
         <= threshold * leader.candidate.weight
     ]
 
@@ -135,13 +135,13 @@ def _bar(leaders: Sequence[Leader], within: float) -> float:
         return float(np.inf)
     best = min(sure, key=lambda leader: leader.fit.chi2)
     alike = 2 * ALIAS_WITHIN * max(best.fit.chi2_per_dof, 1.0)
-    return best.fit.chi2 + prior_cost(best.fit.theory) + max(within * best.fall, alike)
+    return best.fit.chi2 + prior_cost(best.fit.theory) + max(within * best.delta_chi2, alike)
 
 
 def _settled(fit: Fit, leaders: Sequence[Leader], beat: float) -> list[Leader]:
     """Follow the fits to their end that may come out first, or look like the one that does."""
     best = min(leaders, key=lambda leader: leader.fit.chi2)
-    near = min(best.fit.chi2 + WITHIN * max(best.fall, 0.0), beat)
+    near = min(best.fit.chi2 + WITHIN * max(best.delta_chi2, 0.0), beat)
     settled: list[Leader] = []
     for leader in sorted(leaders, key=lambda each: each.fit.chi2):
         if leader.fit.converged or leader.fit.chi2 > near:
@@ -156,9 +156,9 @@ def _settled(fit: Fit, leaders: Sequence[Leader], beat: float) -> list[Leader]:
 
 
 def _by_others(candidate: Candidate) -> float:
-    """Return the chance of what a candidate promises without its two loudest shots."""
-    fall = candidate.fall * (1 - candidate.carried_share)
-    return candidate.chance_of(fall, candidate.amplitudes)
+    """Return the chance of the drop expected without the two most influential shots."""
+    delta_chi2 = candidate.delta_chi2 * (1 - candidate.carried_share)
+    return candidate.chance_of(delta_chi2, candidate.amplitudes)
 
 
 def _worth_it(candidates: Sequence[Candidate], shots: int) -> Sequence[Candidate]:
@@ -169,11 +169,11 @@ def _worth_it(candidates: Sequence[Candidate], shots: int) -> Sequence[Candidate
     """
     if not candidates:
         return candidates
-    least = LEAST_PROMISED * candidates[0].fall
-    candidates = [candidate for candidate in candidates if candidate.fall > least]
-    if candidates[0].fall > SMALL_FALL or not candidates[0].plausible:
+    least = LEAST_EXPECTED * candidates[0].delta_chi2
+    candidates = [candidate for candidate in candidates if candidate.delta_chi2 > least]
+    if candidates[0].delta_chi2 > SMALL_FALL or not candidates[0].plausible:
         return candidates[:MOST_REFITTED]
-    worth = [c.fall - c.freedom * float(np.log(max(shots, 2))) for c in candidates]
+    worth = [c.delta_chi2 - c.freedom * float(np.log(max(shots, 2))) for c in candidates]
     near = [c for c, w in zip(candidates, worth, strict=True) if w > max(worth) - 2 * ALIAS_WITHIN]
     return near[:MOST_REFITTED]
 
@@ -186,8 +186,8 @@ def in_order(leaders: Sequence[Leader]) -> list[Leader]:
     ordered = sorted(leaders, key=lambda leader: -leader.criterion)
     if not ordered or ordered[0].plausible:
         return ordered
-    least = BELIEVED_SHARE * ordered[0].fall
-    first = [x for x in ordered if x.plausible and x.fall > least]
+    least = BELIEVED_SHARE * ordered[0].delta_chi2
+    first = [x for x in ordered if x.plausible and x.delta_chi2 > least]
     return [*first, *(x for x in ordered if x not in first)]
 
 
@@ -199,11 +199,14 @@ def alias_set(chosen: Leader, leaders: Sequence[Leader], ranking: Ranking) -> tu
     it is not ruled out by luck with more of them. One that contains the chosen effect is no alias
     of it but a larger model.
     """
-    fall = chosen.unbiased_fall
+    delta_chi2 = chosen.unbiased_delta_chi2
     rivals = [c.effect.name for c in ranking.candidates]
     here = rivals.index(chosen.name)
-    foretold = dict(zip(rivals, fall * (1 - ranking.imitated[here]), strict=True))
-    behind = {x.name: min(fall - x.unbiased_fall, chosen.criterion - x.criterion) for x in leaders}
+    foretold = dict(zip(rivals, delta_chi2 * (1 - ranking.imitated[here]), strict=True))
+    behind = {
+        x.name: min(delta_chi2 - x.unbiased_delta_chi2, chosen.criterion - x.criterion)
+        for x in leaders
+    }
     near = [
         candidate.effect.name
         for candidate in ranking.candidates
@@ -220,7 +223,7 @@ def _refit(
 ) -> Leader | None:
     """Return a candidate refitted; None where these shots tell nothing of its law.
 
-    It is left where it stands once it promises to stay above a bar.
+    It is left where it stands once its expected drop leaves it above a bar.
     """
     if isinstance(candidate.effect, ScatterEffect) and not isinstance(data, ContactTable):
         return _with_scatter(data, fit, candidate, candidate.effect)
@@ -235,7 +238,7 @@ def _leader(
     """Return what a candidate's refit has come to, from the fits before and with it."""
     (fit, refit), effect = fits, candidate.law or candidate.effect
     count = len(effect.parameters)
-    fall = fit.chi2 - refit.chi2
+    delta_chi2 = fit.chi2 - refit.chi2
     values = refit.theory.vector[-count:]
     sigmas = np.sqrt(np.diag(refit.covariance))[-count:] * np.sqrt(refit.chi2_per_dof)
     freedom = candidate.freedom if candidate.law is None else count - 1
@@ -245,8 +248,8 @@ def _leader(
         data=data,
         fit=refit,
         values=values,
-        fall=fall,
-        criterion=fall / max(refit.chi2_per_dof, 1e-12) - penalty,
+        delta_chi2=delta_chi2,
+        criterion=delta_chi2 / max(refit.chi2_per_dof, 1e-12) - penalty,
         plausible=believed(effect, values, sigmas) and _lasts(candidate, values, sigmas),
         carried=carried,
     )
@@ -268,8 +271,8 @@ def _with_scatter(
         data=jittered,
         fit=refit,
         values=candidate.amplitudes,
-        fall=candidate.fall * fit.chi2_per_dof,
-        criterion=candidate.fall - float(np.log(max(len(data.shots), 2))),
+        delta_chi2=candidate.delta_chi2 * fit.chi2_per_dof,
+        criterion=candidate.delta_chi2 - float(np.log(max(len(data.shots), 2))),
         plausible=candidate.plausible,
         carried=False,
     )

@@ -42,9 +42,9 @@ def with_places_moved(
         assert not isinstance(part, ContactTable)  # noqa: S101
         weight += float((part.position_sigma[np.isfinite(part.position_sigma)] ** -2).sum())
     limit = data.slow.between_m
-    judged = []
+    marked = []
     for one in candidates:
-        moved = scale * float(np.sqrt(one.fall / weight))
+        moved = scale * float(np.sqrt(one.delta_chi2 / weight))
         known = one.seen and one.effect.name in stated
-        judged.append(replace(one, moved_m=moved, of_measurement=moved < limit) if known else one)
-    return judged
+        marked.append(replace(one, moved_m=moved, of_measurement=moved < limit) if known else one)
+    return marked

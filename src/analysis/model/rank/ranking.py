@@ -1,7 +1,7 @@
 """Which effects may be missing: all candidates scored in one pass.
 
 Linearised around the fit, each shot's own numbers and the fitted parameters projected out, a
-candidate promises a fall in chi-squared of z^2 = g' M^-1 g and an amplitude of M^-1 g, exact for
+candidate has an expected drop in chi-squared of z^2 = g' M^-1 g and an amplitude M^-1 g, exact for
 small effects. The score is a signpost; the verdict is the refit.
 """
 
@@ -52,7 +52,7 @@ def rank(data: CampaignData, fit: Fit, effects: Sequence[Effect], seed: int = 0)
             chance = rng.random(DRAWS)
             smallest = np.minimum(smallest, np.where(chance < ONE_SIDED, chance, 1.0))
     scored = [_with_familywise(c, smallest) for c in chosen]
-    order = sorted(range(len(scored)), key=lambda k: (not scored[k].seen, -scored[k].fall))
+    order = sorted(range(len(scored)), key=lambda k: (not scored[k].seen, -scored[k].delta_chi2))
     ranked = tuple(scored[k] for k in order)
     return Ranking(ranked, *_likeness(shifts, order), np.sort(smallest), scale)
 
@@ -106,7 +106,7 @@ def _shifts(
             scale,
             effect=forms[i][1],
             block=blocks[i],
-            fall=falls[i],
+            delta_chi2=falls[i],
             p=p_values[i],
             carriers=tuple(int(n) for n in data.shots[list(places)]),
             share=share,
@@ -150,7 +150,7 @@ def _candidate(
     *,
     effect: Effect,
     block: Block,
-    fall: float,
+    delta_chi2: float,
     p: float,
     carriers: tuple[int, ...],
     share: float,
@@ -165,7 +165,7 @@ def _candidate(
         sigmas = scale * np.sqrt((block.whitening**2).sum(axis=1))
     return Candidate(
         effect=effect,
-        fall=float(fall),
+        delta_chi2=float(delta_chi2),
         freedom=block.freedom,
         amplitudes=amplitudes,
         sigmas=sigmas,
@@ -182,11 +182,11 @@ def _candidate(
 def _scattered(score: JitterScore | None, effect: ScatterEffect) -> Candidate:
     return Candidate(
         effect=effect,
-        fall=0.0 if score is None else score.fall,
+        delta_chi2=0.0 if score is None else score.delta_chi2,
         freedom=1,
         amplitudes=np.array([0.0 if score is None else score.amplitude]),
         sigmas=np.array([np.inf if score is None else score.sigma]),
-        p_value=1.0 if score is None else score.p_fall,
+        p_value=1.0 if score is None else score.p_delta_chi2,
         p_familywise=1.0,
         seen=score is not None,
         carriers=(),

@@ -19,7 +19,7 @@ LOUDEST = 2
 
 def is_far_off(fit: FitSummary) -> bool:
     """Tell whether a fit leaves more than noise, and not in two of its shots alone."""
-    own = fit.shot_residuals - fit.own_numbers
+    own = fit.shot_residuals - fit.nuisance_count
     if len(own) < FEWEST or fit.p_chi2 > FAR_OFF:
         return False
     loudest = np.argsort(fit.shot_chi2 - own)[-LOUDEST:]

@@ -27,7 +27,7 @@ from analysis.model.verdict.gain import is_shared
 
 MOST_ACCEPTED, MOST_TRIED = 5, 3
 SHADOW = 0.5
-"""Share of an effect's promise that a better one, not believed, could bring in its stead."""
+"""Share of an effect's expected drop that a better one, not believed, could bring in its stead."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -165,8 +165,8 @@ def _gains(present: Stage, stage: Stage, *, trusting: bool) -> bool:
     gains = before - after
     if is_far_off(present.fit):
         gains = np.log(np.maximum(before, 1.0) / np.maximum(after, 1.0))
-    fall = (present.fit.chi2 - stage.fit.chi2) / max(stage.fit.chi2_per_dof, 1e-12)
-    return float(gains.sum()) > 0.0 and (trusting or is_shared(gains, fall))
+    delta_chi2 = (present.fit.chi2 - stage.fit.chi2) / max(stage.fit.chi2_per_dof, 1e-12)
+    return float(gains.sum()) > 0.0 and (trusting or is_shared(gains, delta_chi2))
 
 
 def _shadow(leader: Leader, passed: Sequence[Leader], ranking: Ranking) -> bool:

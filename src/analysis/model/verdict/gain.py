@@ -37,7 +37,7 @@ def ranks_of(values: Floats) -> Floats:
     return (np.cumsum(count) - (count - 1) / 2)[place]
 
 
-def is_shared(gains: Floats, fall: float) -> bool:
+def is_shared(gains: Floats, delta_chi2: float) -> bool:
     """Tell whether the shots share a gain, given the fall of chi-squared in units of the noise.
 
     Parameters
@@ -46,7 +46,7 @@ def is_shared(gains: Floats, fall: float) -> bool:
         By how much the whitened squares of each shot left out fall, shape (S,).
     """
     attainable = signed_rank(np.arange(1.0, len(gains) + 1.0))
-    expected = 0.5 * float(np.sqrt(max(fall, 0.0))) - ALLOWED
+    expected = 0.5 * float(np.sqrt(max(delta_chi2, 0.0))) - ALLOWED
     asked = min(expected, MOST_ASKED, OF_ATTAINABLE * attainable)
-    rest = np.sort(gains)[:-BEST] if len(gains) > 2 * BEST and fall > STRONG else gains
+    rest = np.sort(gains)[:-BEST] if len(gains) > 2 * BEST and delta_chi2 > STRONG else gains
     return signed_rank(gains) > asked and float(rest.sum()) > 0

@@ -109,7 +109,7 @@ def _candidate(candidate: LaunchCandidate, likes: list[str]) -> dict[str, Any]:
         "fitted": candidate.fitted,
         "seen": seen,
         "score": candidate.score if seen else None,
-        "promised_fall": candidate.fall,
+        "promised_fall": candidate.delta_chi2,
         "p_value": max(candidate.p_value, SMALLEST_P),
         "p_familywise": candidate.p_familywise,
         "plausible": candidate.plausible if seen else None,

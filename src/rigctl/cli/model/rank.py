@@ -92,7 +92,7 @@ def _add_candidate(table: Table, candidate: Candidate, likes: list[str]) -> None
     table.add_row(
         candidate.effect.name,
         f"{candidate.score:.1f}",
-        f"{candidate.fall:.1f}",
+        f"{candidate.delta_chi2:.1f}",
         f"{candidate.p_familywise:.4f}",
         f"{parameter.symbol} = {amplitude.concise()}",
         unit_word(parameter.unit),

@@ -58,7 +58,7 @@ def test_the_amplitude_is_found_within_its_error() -> None:
         found = scored(seed, JITTER_S)
         pulls.append((found.amplitude - JITTER_S) / found.sigma)
         assert found.z > 5
-        assert found.p_fall < 1e-6
+        assert found.p_delta_chi2 < 1e-6
     assert abs(np.mean(pulls)) < 3 / np.sqrt(12)
     assert 0.5 < np.std(pulls) < 1.7
 
@@ -77,13 +77,13 @@ def test_misstated_noise_alone_is_no_jitter() -> None:
 def test_noise_and_jitter_in_proportion_leave_the_score_and_scale_the_amplitude() -> None:
     one, twice = scored(3, JITTER_S), scored(3, 2 * JITTER_S, noise=2.0)
     assert twice.z == pytest.approx(one.z, rel=1e-9)
-    assert twice.fall == pytest.approx(one.fall, rel=1e-6)
+    assert twice.delta_chi2 == pytest.approx(one.delta_chi2, rel=1e-6)
     assert twice.amplitude == pytest.approx(2 * one.amplitude, rel=1e-4)
 
 
 def test_no_amplitude_is_claimed_where_residuals_are_calmer_along_the_tracks() -> None:
     calm = next(found for found in (scored(k, 0.0) for k in range(20)) if found.z < -0.5)
-    assert (calm.amplitude, calm.fall, calm.p_fall) == (0.0, 0.0, 1.0)
+    assert (calm.amplitude, calm.delta_chi2, calm.p_delta_chi2) == (0.0, 0.0, 1.0)
     assert 0 < calm.sigma < JITTER_S
 
 

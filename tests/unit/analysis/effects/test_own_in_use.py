@@ -75,7 +75,7 @@ def test_the_others_are_ranked_as_if_it_were_not_there(
     ranking, [fault] = without_faulty(effects, lambda left: rank(data, fit, left))
     alone = rank(data, fit, FEW)
     assert [c.effect.name for c in ranking.candidates] == [c.effect.name for c in alone.candidates]
-    assert [c.fall for c in ranking.candidates] == [c.fall for c in alone.candidates]
+    assert [c.delta_chi2 for c in ranking.candidates] == [c.delta_chi2 for c in alone.candidates]
     assert named in fault.what
     assert fault.line == line_here(text_of(function))
 

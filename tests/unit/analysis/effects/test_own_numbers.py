@@ -12,7 +12,7 @@ import pytest
 from analysis.collision.operator import inverse_masses
 from analysis.effects.contact import friction_speed, velocity_offset
 from analysis.effects.flight import drag, wind
-from analysis.effects.own.checking import has_own_numbers
+from analysis.effects.own.checking import has_literal_numbers
 
 SPEED = 2.0
 HELD = SimpleNamespace(speed=2.0)
@@ -74,9 +74,9 @@ WITH = [
 
 @pytest.mark.parametrize("function", WITH)
 def test_a_number_that_may_have_a_unit_is_seen(function: Callable[..., object]) -> None:
-    assert has_own_numbers(function)
+    assert has_literal_numbers(function)
 
 
 @pytest.mark.parametrize("function", [pure, itself, drag.accelerate])
 def test_whole_numbers_and_halves_have_none(function: Callable[..., object]) -> None:
-    assert not has_own_numbers(function)
+    assert not has_literal_numbers(function)

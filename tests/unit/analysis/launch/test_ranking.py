@@ -37,7 +37,7 @@ def test_what_is_missing_comes_first_with_its_amplitude(name: str) -> None:
     assert not first.fitted
     assert first.p_familywise < 0.001
     assert abs(first.amplitudes[0] - true) < 4 * first.sigmas[0]
-    assert first.score**2 == pytest.approx(first.fall)
+    assert first.score**2 == pytest.approx(first.delta_chi2)
 
 
 @pytest.mark.parametrize("name", FAULTS)
@@ -51,7 +51,7 @@ def test_the_promise_is_kept_by_a_refit(name: str) -> None:
     refit = fit_touches(touches, settings, (*effects, candidate.effect))
     before, _ = base.compared.whitened(base.scatter)
     after, _ = refit.compared.whitened(base.scatter)
-    assert (before**2).sum() - (after**2).sum() == pytest.approx(candidate.fall, rel=0.15)
+    assert (before**2).sum() - (after**2).sum() == pytest.approx(candidate.delta_chi2, rel=0.15)
 
 
 def test_nothing_is_claimed_where_only_friction_is_there() -> None:
@@ -85,7 +85,7 @@ def test_taking_friction_out_costs_what_its_score_says() -> None:
     without = fit_touches(touches, settings, ())
     before, _ = without.compared.whitened(with_it.scatter)
     after, _ = with_it.compared.whitened(with_it.scatter)
-    assert (before**2).sum() - (after**2).sum() == pytest.approx(score.fall, rel=0.2)
+    assert (before**2).sum() - (after**2).sum() == pytest.approx(score.delta_chi2, rel=0.2)
 
 
 def test_what_the_settings_hold_nothing_on_cannot_be_seen() -> None:
@@ -128,5 +128,5 @@ def test_an_effect_that_has_one_sign_is_not_scored_by_the_other() -> None:
         one for one in ranked(Faults(rolling=-0.4)).candidates if one.effect.name == "tube-spin"
     )
     assert backwards.amplitudes[0] == pytest.approx(-0.4, abs=0.1)
-    assert (backwards.fall, backwards.p_value) == (0.0, 1.0)
+    assert (backwards.delta_chi2, backwards.p_value) == (0.0, 1.0)
     assert not backwards.plausible

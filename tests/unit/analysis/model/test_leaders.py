@@ -36,9 +36,9 @@ def test_a_refit_a_little_short_of_its_promise_is_kept_if_it_passes_the_level(se
     data = replace(data, position=data.position * (1 + 8e-4))
     ranking, leaders = led(data, "image-scale")
     # By itself an effect passes the level at 1.88 or 2.17 standard errors.
-    assert ranking.candidates[0].fall > 10
+    assert ranking.candidates[0].delta_chi2 > 10
     assert [leader.name for leader in leaders] == ["image-scale"]
-    assert leaders[0].fall == pytest.approx(ranking.candidates[0].fall, rel=0.2)
+    assert leaders[0].delta_chi2 == pytest.approx(ranking.candidates[0].delta_chi2, rel=0.2)
 
 
 def test_the_level_of_one_candidate_is_that_of_its_own_p() -> None:

@@ -67,7 +67,7 @@ def test_without_orientations_what_only_spin_can_show_is_not_scored() -> None:
     data = campaign(20, 9)
     blind = replace(data, rotation_sigma=np.full_like(data.rotation_sigma, np.inf))
     ranking = rank(blind, fit_campaign(blind), EFFECTS)
-    assert all(np.isfinite(c.fall) for c in ranking.candidates)
+    assert all(np.isfinite(c.delta_chi2) for c in ranking.candidates)
     assert {type(c.seen) for c in ranking.candidates} == {bool}
 
 

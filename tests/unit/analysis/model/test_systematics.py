@@ -75,7 +75,7 @@ def test_an_offset_that_the_pattern_may_have_is_no_finding() -> None:
     assert told.p_familywise < 0.001
     assert untold.p_familywise > 0.05
     # Two spheres, each 15 um in some direction, against 12 um in each of three.
-    assert untold.fall < 2 * (1.5e-5 / PATTERN_M) ** 2 + 6
+    assert untold.delta_chi2 < 2 * (1.5e-5 / PATTERN_M) ** 2 + 6
 
 
 def test_a_centre_of_mass_far_beyond_the_pattern_is_found_all_the_same() -> None:
@@ -85,7 +85,7 @@ def test_a_centre_of_mass_far_beyond_the_pattern_is_found_all_the_same() -> None
     first = ranking.candidates[0]
     assert first.effect.name == "mass-offset"
     assert first.p_familywise < 0.001
-    assert refitted(data, fit, ranking, 0.03)[0].fall < fit.chi2
+    assert refitted(data, fit, ranking, 0.03)[0].delta_chi2 < fit.chi2
 
 
 def test_without_a_common_body_frame_there_is_no_pattern_to_blame() -> None:

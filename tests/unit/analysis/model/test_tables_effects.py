@@ -53,7 +53,7 @@ def test_effects_of_flight_camera_clock_and_body_cannot_be_seen(tmp_path: Path, 
         if candidate.seen:
             assert np.isfinite([*candidate.amplitudes, *candidate.sigmas, candidate.score]).all()
         else:
-            assert candidate.fall == 0.0
+            assert candidate.delta_chi2 == 0.0
 
 
 def test_scalars_of_like_spheres_show_neither_masses_nor_spins_about_the_normal(

@@ -39,7 +39,7 @@ def assert_same_fit(found: Fit, wanted: Fit) -> None:
     assert found.theory.names == wanted.theory.names
     for name in ("chi2", "residuals", "freedom", "converged", "scatter"):
         assert getattr(found, name) == getattr(wanted, name), name
-    for name in ("covariance", "shot_chi2", "shot_residuals", "own_numbers"):
+    for name in ("covariance", "shot_chi2", "shot_residuals", "nuisance_count"):
         np.testing.assert_array_equal(getattr(found, name), getattr(wanted, name), name)
     np.testing.assert_array_equal(found.theory.vector, wanted.theory.vector)
     np.testing.assert_array_equal(found.states.time_s, wanted.states.time_s)
@@ -49,7 +49,7 @@ def assert_same_fit(found: Fit, wanted: Fit) -> None:
 def assert_same_ranking(found: Ranking, wanted: Ranking) -> None:
     for one, other in zip(found.candidates, wanted.candidates, strict=True):
         assert one.effect.name == other.effect.name
-        assert (one.fall, one.p_familywise) == (other.fall, other.p_familywise)
+        assert (one.delta_chi2, one.p_familywise) == (other.delta_chi2, other.p_familywise)
         assert (one.carriers, one.carried_share) == (other.carriers, other.carried_share)
         np.testing.assert_array_equal(one.amplitudes, other.amplitudes)
         np.testing.assert_array_equal(one.sigmas, other.sigmas)

@@ -97,7 +97,7 @@ def test_the_file_of_every_form_does_what_the_form_does() -> None:
 
 def effect_of_file(one: Accepted, form: ContactForm) -> ContactEffect:
     """Return the effect of the file that is written for a form."""
-    accepted = replace(one, found=replace(one.found, promise=replace(one.found.promise, form=form)))
+    accepted = replace(one, found=replace(one.found, scored=replace(one.found.scored, form=form)))
     text = text_of(accepted, Origin("nylon", "1", ("lasting-contact",)))
     ast.parse(text)
     scope: dict[str, object] = {}
