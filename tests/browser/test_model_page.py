@@ -66,6 +66,10 @@ def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
     running.end()
 
 
+LEAST_MAP = 200
+"""Width of the map, px: less shows no cell."""
+
+
 def test_a_hidden_effect_is_found_added_answered_and_revealed(page: Page, served: Any) -> None:
     folder = challenge(served.folder / "hidden", SEED)
     page.goto(f"{served.url}/model?folder={quote(str(folder))}&view=tables")
@@ -73,6 +77,7 @@ def test_a_hidden_effect_is_found_added_answered_and_revealed(page: Page, served
     expect(page.get_by_test_id("verdict")).to_contain_text("missing")
     for size in SCREENS:
         page.set_viewport_size(size)
+        assert width_of(page, "heat-map") > LEAST_MAP
         assert read_in_rows(page) == ["compare", "where-it-fails", "missing", "error-path"]
     before = error_now(page)
     page.get_by_test_id(f"add-{HIDDEN}").click()
@@ -93,6 +98,12 @@ def test_a_hidden_effect_is_found_added_answered_and_revealed(page: Page, served
     expect(page.get_by_test_id("truth")).to_contain_text("The mirror is not at 45°")
     page.get_by_test_id("undo").click()
     expect(page.get_by_test_id("error-now")).to_contain_text(f"{before:.3f}")
+
+
+def width_of(page: Page, testid: str) -> float:
+    """Return the width of the plot within a part, px, once the browser has laid it out."""
+    plot = page.get_by_test_id(testid).locator(".main-svg").first
+    return float(plot.evaluate("plot => plot.getBoundingClientRect().width"))
 
 
 def test_a_plot_that_is_hidden_while_its_panel_changes_throws_nothing(

@@ -12,7 +12,8 @@ from rigctl.cli.store.report import report as write_report
 
 pytestmark = pytest.mark.long
 
-PHONE, DESK = {"width": 390, "height": 800}, {"width": 1280, "height": 900}
+PHONE, TABLET = {"width": 390, "height": 800}, {"width": 768, "height": 900}
+DESK = {"width": 1280, "height": 900}
 
 
 @pytest.fixture(scope="module")
@@ -35,12 +36,18 @@ def opened(browser: Browser, report: Path, size: dict[str, int], scheme: str) ->
     return page
 
 
-@pytest.mark.parametrize("size", [PHONE, DESK], ids=["phone", "desk"])
+BEYOND = """() => [...document.querySelectorAll(".key div")]
+  .filter((one) => one.scrollWidth > one.clientWidth).map((one) => one.textContent)"""
+"""Key numbers that reach out of their tile."""
+
+
+@pytest.mark.parametrize("size", [PHONE, TABLET, DESK], ids=["phone", "tablet", "desk"])
 def test_it_loads_nothing_and_fits_the_window(
     browser: Browser, report: Path, size: dict[str, int]
 ) -> None:
     page = opened(browser, report, size, "light")
     assert page.evaluate("document.documentElement.scrollWidth") <= size["width"]
+    assert page.evaluate(BEYOND) == []
     assert page.locator("figure svg").count() == 3
     for figure in page.locator("figure svg").all():
         assert figure.bounding_box()["height"] > 150

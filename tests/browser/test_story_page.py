@@ -54,7 +54,9 @@ def test_a_hidden_effect_is_moved_added_and_kept_by_a_reload(page: Page, served:
     expect(card).to_contain_text("The mirror is not at 45°")
     assert card.locator("math").count() == 1
     drawing = card.locator("img")
-    assert drawing.evaluate("picture => picture.naturalWidth") > 0
+    # It is fetched once it is near the screen.
+    drawing.scroll_into_view_if_needed()
+    page.wait_for_function("picture => picture.naturalWidth > 0", arg=drawing.element_handle())
 
     without = preview_error(page)
     the_film_shows_the_gap(page)

@@ -114,10 +114,15 @@ def main() -> None:
         _tell(connection, *_answer(order["function"], order["arguments"], progress))
 
 
-def _load(module: str) -> None:
-    """Load what an order will need; one that cannot be loaded is the order's failure."""
+def _load(name: str) -> None:
+    """Load what an order will need; one that cannot be loaded is the order's failure.
+
+    A module that has a function `prepare` says by it what else can be made ready.
+    """
     with suppress(Exception):
-        importlib.import_module(module)
+        module = importlib.import_module(name)
+        if (prepare := getattr(module, "prepare", None)) is not None:
+            prepare()
 
 
 def _answer(function: str, arguments: Json, progress: Progress) -> tuple[str | None, ...]:

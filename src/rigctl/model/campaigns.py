@@ -13,7 +13,7 @@ from analysis.campaign import FRAMES, POSES
 from analysis.exchange.pose_table import Spheres
 from analysis.exchange.shot_list import EXCLUDED, ShotRow
 from analysis.model.data.columns import ShotColumns
-from analysis.model.data.gather import gather, gather_poses, nothing_seen, pose_data, usable
+from analysis.model.data.gather import every_shot, gather, gather_poses, nothing_seen, usable
 from analysis.model.data.parts import SHOTS_AT_ONCE
 from analysis.model.data.poses import PoseData
 from analysis.model.data.reading import Reading, stream_poses
@@ -119,8 +119,9 @@ def poses_from(name: str, files: Sequence[MeasuredFiles]) -> PoseData:
     require_one_setup(name, setups)
     slow = [shot.slow for shot in shots if shot.slow is not None]
     setup = typical(shots[0].setup, slow)
-    data = pose_data({s.row.shot: s.spheres for s in shots}, [s.row for s in shots], setup)
-    if len(usable(data).shots) == 0:
+    spheres = {s.row.shot: s.spheres for s in shots}
+    data = usable(every_shot(spheres, [s.row for s in shots], setup))
+    if len(data.shots) == 0:
         raise AnalysisInputError(nothing_seen(setup), part=f"campaign {name}")
     return data
 

@@ -13,6 +13,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any, cast
+
+from numba.core import registry
 
 from analysis.effects.own.dropping import without_faulty
 from analysis.effects.own.fault import Fault
@@ -52,6 +55,17 @@ from rigctl.model.seen_effects import require_seen
 from rigctl.model.tabulated_campaigns import is_tabulated, require_poses, tabulated
 from rigctl.progress import Progress
 from rigctl.store import reading
+
+
+def prepare() -> None:
+    """Have ready what a fit begins with, in a process that waits for its order.
+
+    Machine code that is taken from the cache needs tables of all operations: a fifth of a second.
+    """
+    # The compiler's library has no hints of types.
+    target = cast("Any", registry.cpu_target)
+    target.typing_context.refresh()
+    target.target_context.refresh()
 
 
 def fit_job(asked: Json, progress: Progress) -> Json:

@@ -17,6 +17,15 @@ MOST_KEPT = 200
 READ_BACK = 30
 """So many entries of the audit are shown from before the start."""
 
+JOBS = {
+    "picture": "comparing the model with",
+    "explain": "finding what is missing in",
+    "path": "following a shot of",
+    "next": "choosing next shots of",
+    "propose": "looking for a law of",
+}
+"""What a job does, where its kind as REST names it does not say it."""
+
 
 @dataclass(frozen=True, slots=True)
 class Happening:
@@ -82,7 +91,8 @@ class Feed:
     def _job(self, job: Job) -> None:
         self._tell()
         why = f": {job.failure}" if job.failure else ""
-        self._once(f"job {job.id}", "job", f"{job.kind} of {job.subject} {job.state}{why}")
+        what = JOBS.get(job.kind, f"{job.kind} of")
+        self._once(f"job {job.id}", "job", f"{what} {job.subject}: {job.state}{why}")
 
     def _tell(self) -> None:
         self.told = next(self._told)

@@ -268,6 +268,8 @@ def _flat(section: Mapping[str, Any], before: str = "") -> Iterable[tuple[str, s
 
 
 def _text(value: object) -> str:
+    if isinstance(value, float):
+        return f"{value:.12g}"
     return value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
 
 

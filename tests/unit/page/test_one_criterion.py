@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from analysis.model.verdict.standing import Word, standing_of
 from analysis.schema.verdict import VerdictReport
 from rigctl.page.model.next import asked_for
-from rigctl.page.model.story.words import missing_words, where
+from rigctl.page.model.story.words import compared, missing_words, where
 from rigctl.page.model.verdict import sentence
 from tests.unit.analysis.model.reported import reported
 
@@ -40,7 +40,13 @@ def fits(draw: st.DrawFn, added: tuple[str, ...]) -> Json:
         "prediction_error": draw(st.sampled_from([0.97, 1.002, 1.02, 3.0])),
         "with": list(added),
         "stages": [
-            {"quantities": [{"quantity": "spin", "p_familywise": draw(chance)} for _ in range(2)]}
+            {
+                "quantities": [
+                    {"quantity": "spin", "p_familywise": draw(chance), "error": 1.8}
+                    | {"size": 0.01, "unit": "rad/s"}
+                    for _ in range(2)
+                ]
+            }
         ],
         "cells": [
             {
@@ -92,7 +98,10 @@ def test_what_the_verdict_calls_missing_is_missing_in_story_and_next_shots(
     assert is_missing == (named in NAMES or named == "nothing that is known")
     if any("wrong" in words for words in told):
         assert is_missing
+    said = compared(path[-1], standing)
     if good:
+        assert "wrong" not in said
+        assert "no noise" not in said
         assert named == "nothing"
         assert asked_for(standing) == "None are needed: these shots show nothing that is missing."
     if named in NAMES:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from rigctl.page.shots.refused import AGAIN, remedy
+from rigctl.page.shots.overlay import Overlays
+from rigctl.page.shots.refused import AGAIN, end_apart, remedy
 from rigctl.settings import ShotSettings
 from tests.unit.page.test_guide_progress import limits
 
@@ -51,3 +52,23 @@ def test_what_is_set_instead_lies_within_the_limits_of_the_rig() -> None:
     narrow = limits(offset_mm=(8.0, 24.0), pressure_kpa=(5.0, 30.0))
     assert remedy("contact", fired(offset=24), narrow, DIAMETER_M).settings.offset_mm == 8.0
     assert remedy("contact", fired(5, 5), narrow, DIAMETER_M).settings.pressure_a_kpa == 30.0
+
+
+def frame(between_px: float) -> dict[str, object]:
+    """Return what is found of two spheres of radius 20 px whose centres are so far apart."""
+    front = [
+        {"sphere": name, "view": "front", "row": 80.0, "column": column, "radius": 20.0}
+        for name, column in (("a", 60.0), ("b", 60.0 + between_px))
+    ]
+    above = [{**one, "view": "top", "column": 0.0} for one in front]
+    return {"outlines": [*front, *above]}
+
+
+def test_a_film_that_ends_before_the_spheres_meet_is_called_too_short() -> None:
+    nearer, touching = [90.0, 80.0, 70.0], [60.0, 40.0, 39.9]
+    apart = [end_apart(Overlays([frame(d) for d in row], None, None)) for row in (nearer, touching)]
+    assert apart == [True, False]
+    assert not end_apart(Overlays([frame(d) for d in (70.0, 50.0, 65.0)], None, None))
+    assert not end_apart(Overlays([{"outlines": []}], None, None))
+    said = remedy("contact", fired(a=20, b=20), limits(), DIAMETER_M, ends_apart=True)
+    assert said.happened.startswith("The film ends before the spheres meet")

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from analysis.model.verdict.standing import Standing, Word
 from rigctl.model.known_effects import ALL_EFFECTS, effect_document
 from rigctl.page.model.story.cards import HERE, card_of, in_plain
 from rigctl.page.model.story.preview import preview
@@ -102,4 +103,15 @@ def test_a_constant_error_is_called_one_and_a_course_is_told_by_its_ends() -> No
     said = where(cell | {"covariate": "always"}, constant, None)
     assert "wrong in all shots alike, by +15.8 mrad on average" in said
     assert "goes wrong" not in said
-    assert "measured is 16 mrad below the model where that is least" in where(cell, course, None)
+    turning = where(cell, course, None)
+    assert "Measured is 16 mrad below the model in the first pictures" in turning
+    assert turning.endswith("14.4 mrad above the model in the last.")
+    warmer = where(cell | {"covariate": "temperature_c"}, course, None)
+    assert "16 mrad below the model where it is least" in warmer
+
+
+def test_a_quantity_that_stands_out_at_the_floor_is_named_beside_what_all_say_together() -> None:
+    rows = [row("image X", 1.79, 1e-4), row("common spin", 1.01, 0.4)]
+    said = compared({"stages": [{"quantities": rows}]}, Standing(Word.FLOOR))
+    assert said.startswith("Over everything together the model errs no more than the noise.")
+    assert "Of 2 quantities the measured height alone stands out, by 80 mm/s: 1.79 times" in said

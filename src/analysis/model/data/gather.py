@@ -108,8 +108,8 @@ def gather_poses(folder: Path) -> tuple[str, PoseData]:
     else:
         shots, setup = _measured_now(folder, setup)
     counting = set(shots) - {row.shot for row in rows if row.is_excluded}
-    data = pose_data(shots, rows, setup) if counting else None
-    if data is None or len(usable(data).shots) == 0:
+    data = usable(every_shot(shots, rows, setup)) if counting else None
+    if data is None or len(data.shots) == 0:
         raise InputError(folder, nothing_seen(setup))
     return name, data
 
@@ -142,23 +142,30 @@ def _measured_now(folder: Path, setup: Setup) -> tuple[Shots, Setup]:
 
 
 def pose_data(shots: Shots, rows: Sequence[ShotRow], setup: Setup) -> PoseData:
+    """Put poses into arrays as `every_shot`, without shots whose frames do not show both spheres.
+
+    Where none does, all stay.
+    """
+    data = every_shot(shots, rows, setup)
+    shown = usable(data)
+    return shown if len(shown.shots) > 0 else data
+
+
+def every_shot(shots: Shots, rows: Sequence[ShotRow], setup: Setup) -> PoseData:
     """Put poses into arrays, frames of both spheres side by side, shots padded to the longest.
 
-    Shots that a person excluded are left out and named, and those whose frames do not show both
-    spheres. Errors that are not stated are guessed.
+    Shots that a person excluded are left out and named. Errors that are not stated are guessed.
     """
     columns = ShotColumns(rows)
     counting = [own for number, own in shots.items() if number not in columns.excluded]
     stated = stated_poses(shots, columns, setup, plate_of(setup, counting))
     errors = zip(stated_medians(stated), GUESSES, strict=True)
-    data = replace(
+    return replace(
         with_guesses(stated, *(typical_error(medians, guess) for medians, guess in errors)),
         covariates=columns.covariates(fired(stated)),
         unused=columns.unused(fired(stated)),
         camera=replace(setup.camera, exposure_s=columns.exposure_s(fired(stated))),
     )
-    shown = usable(data)
-    return shown if len(shown.shots) > 0 else data
 
 
 def fired(data: PoseData) -> NDArray[np.intp]:
@@ -194,7 +201,7 @@ def stated_poses(shots: Shots, columns: ShotColumns, setup: Setup, plate: Plate)
             for row in shots[number].get(name, ()):
                 k = place[row.frame]
                 times[s, k] = row.t_s
-                position[s, k, i] = np.nan_to_num(row.position)
+                position[s, k, i] = row.position
                 position_sigma[s, k, i] = row.position_sigma
                 if row.quaternion is not None:
                     quaternions[s, k, i] = row.quaternion
@@ -203,7 +210,7 @@ def stated_poses(shots: Shots, columns: ShotColumns, setup: Setup, plate: Plate)
     return PoseData(
         shots=np.array(numbers, dtype=np.intp),
         times_s=times,
-        position=position,
+        position=np.nan_to_num(position),
         position_sigma=position_sigma,
         rotation=_matrices(quaternions),
         rotation_sigma=turn_sigma,

@@ -18,8 +18,8 @@ COMPARABLE = 0.5
 """A candidate that is not plausible is mentioned from this share of the best one's drop on."""
 
 
-def verdict_sentence(found: VerdictReport) -> str:
-    """Say the verdict."""
+def verdict_sentence(found: VerdictReport, *, errors: bool = True) -> str:
+    """Say the verdict; without `errors` where they stand beside it."""
     name, used = found.campaign, found.used
     if used < FEWEST:
         return f"{name}: {too_few(used)}{_would_explain(found)}"
@@ -28,9 +28,9 @@ def verdict_sentence(found: VerdictReport) -> str:
     if found.verdict == "effect":
         several = len(found.effects) > 1
         what = "missing effects are" if several else "missing effect is"
-        return f"{name}: the {what} {_listed(found.effects)}; {_fall(found)}."
+        return f"{name}: the {what} {_listed(found.effects)}{_fall(found) if errors else ''}."
     if found.verdict == "alias":
-        return f"{name}: {_alike(found)}: these shots cannot tell; {_fall(found)}."
+        return f"{name}: {_alike(found)}: these shots cannot tell{_fall(found) if errors else ''}."
     return _unexplained(found)
 
 
@@ -137,7 +137,7 @@ def _fall(found: VerdictReport) -> str:
     first, last = found.path[0], found.path[-1]
     it = "them" if len(found.effects) > 1 else "it"
     return (
-        f"with {it} the error on shots left out falls from {first.prediction_error:.3f} to "
+        f"; with {it} the error on shots left out falls from {first.prediction_error:.3f} to "
         f"{last.prediction_error:.3f} of the noise{_each(found)}"
     )
 

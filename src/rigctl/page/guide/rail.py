@@ -171,13 +171,17 @@ class Rail:
                 "are fired and measured by themselves. Pause, Abort and STOP are always there."
             )
         if now.step == SWEEP:
-            return f"{now.measured} shots of “{now.campaign}” are measured; {ENOUGH} are enough."
+            are = "shot is" if now.measured == 1 else "shots are"
+            return f"{now.measured} {are} measured of “{now.campaign}”; {ENOUGH} are enough."
         if now.step == COMPARE:
             return (
                 f"{now.measured} shots are measured. Now hold them against the model: where it is "
                 "wrong, something is missing in it."
             )
-        return "That was the whole way: fired, measured, compared. The verdict stands below."
+        return (
+            "That was the whole way: fired, measured, compared. Below stands the verdict, then "
+            "where the model fails and what is missing: add it in step 3, and the error falls."
+        )
 
     def _met(self) -> str:
         """Say in numbers what the shot that was measured last did."""
@@ -199,6 +203,8 @@ class Rail:
             _lead("Let it fire 30 more", self._thirty())
         elif now.step == COMPARE and not self._place.startswith("/model/"):
             _lead("Compare with the model", f"/model/{now.campaign}")
+        elif now.step == OVER:
+            _lead("Then: take a challenge", "/model", look="line tab")
 
     def _thirty(self) -> str:
         limits = self._desk.daemon.configuration.limits
@@ -210,8 +216,8 @@ class Rail:
         return any(sweep.state in RUNS for sweep in found)
 
 
-def _lead(text: str, address: str) -> None:
-    button(text, lambda: ui.navigate.to(address), look="fill", testid="guide-next")
+def _lead(text: str, address: str, look: str = "fill") -> None:
+    button(text, lambda: ui.navigate.to(address), look=look, testid="guide-next")
 
 
 def any_measured(desk: Desk) -> bool:

@@ -84,7 +84,7 @@ class ChallengePanel:
             for place in game.places(self._folder, taken, clues()):
                 self._look_button(place, self._look)
         if taken < len(game.HINT_COSTS):
-            words = f"{HINTS[taken]}: a hint for {game.HINT_COSTS[taken]} points"
+            words = f"{HINTS[taken]} A hint for {game.HINT_COSTS[taken]} points"
             button(words, self._take_hint, testid="take-hint")
 
     @staticmethod

@@ -42,7 +42,8 @@ def compare(found: Json) -> None:
         count = sum(len(stage["quantities"]) for stage in found["stages"])
         if fails:
             worst = sorted(row["p_familywise"] for row in fails)[:SHOWN][-1]
-            shown = [row for row in fails if row["p_familywise"] <= worst][:SHOWN]
+            least = [row for row in fails if row["p_familywise"] <= worst]
+            shown = sorted(least, key=lambda row: -row["error"])[:SHOWN]
             facts(headings, [_line(row) for row in shown], "agreement")
         few = "" if len(fails) <= SHOWN else f" Of the others the {SHOWN} least likely stand above."
         ui.label(f"{count - len(fails)} of {count} quantities agree within the noise.{few}")

@@ -130,12 +130,20 @@ def _line(candidate: Json, ranked: _Ranked) -> None:
         said = ui.label(f"{abs(candidate['score']):.1f} σ").classes("dim")
         said.tooltip(f"p {chance(candidate['p_familywise'])}. {CHANCE}")
     ui.label(ranked.letters.get(effect["effect"], "")).classes("cell number")
-    _amplitude(candidate, effect["parameters"][0])
+    _amplitude(candidate, effect["parameters"])
     ui.label(f"{candidate['promised_fall']:.0f}").classes("cell number")
 
 
-def _amplitude(candidate: Json, parameter: Json) -> None:
+def _amplitude(candidate: Json, parameters: Sequence[Json]) -> None:
+    """Place what a candidate's size is estimated to be, beside the range that is expected of it."""
     symbol, value = next(iter(candidate["amplitudes"].items()))
+    parameter = next((one for one in parameters if one["symbol"] == symbol), None)
+    if parameter is None:
+        # Of an effect that is ranked as a share of itself at its usual size.
+        with ui.element("div").classes("cell number"):
+            ui.label(with_error(value))
+            ui.label("of its usual size").classes("dim")
+        return
     low, high = parameter["plausible"]
     unit = in_unit(parameter)
     with ui.element("div").classes("cell number"):

@@ -11,7 +11,7 @@ from rigctl.model.next_words import sentence, sweep_of
 from rigctl.page.desk import Desk
 from rigctl.page.model.next_rows import is_table, next_measurements, none_needed
 from rigctl.page.model.state import ModelState, Question
-from rigctl.page.model.story.cards import in_plain, named
+from rigctl.page.model.story.cards import in_plain, titled
 from rigctl.page.parts.tables import Line, facts
 from rigctl.page.parts.waiting import Waiting
 from rigctl.page.parts.widgets import button
@@ -19,7 +19,7 @@ from rigctl.page.sweeps.broad import broad_sweep
 from rigctl.page.sweeps.form import form_address, shot_headings
 
 NONE = "none"
-NO_EFFECT = f"No further effect ({NONE})"
+NO_EFFECT = "No further effect"
 PROBABILITY = 0.9
 MORE_SHOTS = frozenset({Word.FEW, Word.UNSURE, Word.UNEXPLAINED})
 
@@ -101,7 +101,7 @@ class NextShots:
             ).classes("aside")
 
     def _select(self, names: list[str], place: int) -> None:
-        options = {name: named(name) for name in names} | {NONE: NO_EFFECT}
+        options = {name: titled(name) for name in names} | {NONE: NO_EFFECT}
         chosen = ui.select(options, value=self._pair[place], with_input=True)
         chosen.props(f"outlined dense options-dense data-testid=tell-{place}")
         chosen.props(f'aria-label="{("effect", "to distinguish it from")[place]}"')

@@ -21,7 +21,7 @@ from rigctl.page.model.story.cards import in_plain, slider_script
 from rigctl.page.model.story.ghost import ghost_script
 from rigctl.page.model.story.view import Story
 from rigctl.page.model.story.words import cells_in_plain, in_words
-from rigctl.page.model.verdict import Verdict, Wording
+from rigctl.page.model.verdict import Verdict, Wording, without_numbers
 from rigctl.page.parts.following import following
 from rigctl.page.parts.plotting import expect_plots
 from rigctl.page.parts.presence import kept_page
@@ -168,7 +168,12 @@ def _counted(found: dict[str, object]) -> str:
 LEAST_SHOTS = 3
 
 
-IN_STORY = Wording(lambda verdict: in_plain(cells_in_plain(verdict)), in_story, in_words)
+IN_STORY = Wording(
+    verdict=lambda verdict: in_plain(cells_in_plain(verdict)),
+    found=without_numbers,
+    law=in_story,
+    finding=in_words,
+)
 
 
 def model_pages(desk: Desk) -> None:

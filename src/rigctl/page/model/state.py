@@ -44,6 +44,7 @@ class ModelState:
     concluded: VerdictReport | None = None
     _answers: dict[Effects, Json] = field(default_factory=dict)
     _jobs: dict[Effects, str] = field(default_factory=dict)
+    _asked: set[Effects] = field(default_factory=set)
 
     def stages(self) -> list[Effects]:
         """Return the way to the present effects, from the base model on."""
@@ -78,6 +79,7 @@ class ModelState:
     def ask_trial(self, effect: str) -> None:
         """Ask for the fit with one more effect, which is looked at and not yet added."""
         stage = (*self.effects, effect)
+        self._asked.add(stage)
         if stage not in self._answers and stage not in self._jobs:
             with suppress(RigError):
                 self._jobs[stage] = self.source.ask("picture", stage).id
@@ -85,6 +87,10 @@ class ModelState:
     def tried(self, effect: str) -> Json | None:
         """Return the answer with one more effect; None while it is computed, or if it cannot be."""
         return self._answers.get((*self.effects, effect))
+
+    def has_tried(self, effect: str) -> bool:
+        """Say whether the fit with one more effect was asked for, whatever came of it."""
+        return (*self.effects, effect) in self._asked
 
     def tries(self, effect: str) -> str:
         """Return the job that fits one more effect; empty while none does."""

@@ -33,11 +33,25 @@ MARKS = {True: ("good", "✓"), False: ("bad", "!"), None: ("open", "?")}
 """Look and mark of a verdict: all is well, something is missing, these shots do not say."""
 
 
+def unnamed(found: VerdictReport, *, errors: bool = True) -> str:
+    """Say with what the whole way ended, without the campaign's name."""
+    return verdict_sentence(found, errors=errors).removeprefix(f"{found.campaign}: ")
+
+
+def without_numbers(found: VerdictReport) -> str:
+    """Say it as `unnamed`, without errors: those of the same fits stand in the story."""
+    return unnamed(found, errors=False)
+
+
 @dataclass(frozen=True, slots=True)
 class Wording:
-    """How a view says things: sentences of a verdict, those of a proposed law, and findings."""
+    """How a view says things: sentences of a verdict, those of a proposed law, and findings.
+
+    `found` says with what the whole way ended.
+    """
 
     verdict: Callable[[str], str] = str
+    found: Callable[[VerdictReport], str] = unnamed
     law: Callable[[str], str] = on_page
     finding: Callable[[Json], str] = named
 
@@ -56,6 +70,7 @@ class Verdict:
         wording: Wording = Wording(),
     ) -> None:
         self._state, self._take, self._worded = state, take, wording.verdict
+        self._found_words = wording.found
         self._finding = wording.finding
         jobs = state.source.daemon.jobs
         self._asked = Question(lambda: state.source.ask("explain"), jobs.job)
@@ -79,6 +94,9 @@ class Verdict:
     def show(self) -> None:
         """Place what is known now."""
         present = self._state.present
+        if present is None and not self._state.failure and not self._state.path():
+            # What is waited for stands below, with its step and the time left.
+            return
         lead, rest, good = ("Comparing model and measurement …", "", None)
         if self._state.failure:
             lead = "Model and measurement were not compared."
@@ -116,8 +134,7 @@ class Verdict:
             ui.label(self._asked.failure).classes("note")
         found = self._state.concluded
         if found is not None and self._asked.answer is not None:
-            told = verdict_sentence(found).removeprefix(f"{found.campaign}: ")
-            said = f"Found by itself: {told}"
+            said = f"Found by itself: {self._found_words(found)}"
             ui.label(self._worded(said)).props("data-testid=explained")
             for doubt in doubts(found):
                 ui.label(doubt).classes("note")

@@ -81,7 +81,7 @@ class Where:
                 ui.label("click a cell, then a point").classes("aside").tooltip(HELP)
                 ui.space()
                 self._blocks()
-            with ui.element("div").classes("columns where"):
+            with ui.element("div").classes("columns half"):
                 self._map = plot(self._heat_map()).props("data-testid=heat-map")
                 self._map.on("plotly_click", self._on_cell)
                 with ui.element("div").classes("stack").props("data-testid=residuals"):

@@ -12,7 +12,8 @@ class Quantity:
     Attributes
     ----------
     per_si
-        How many of the unit make one of the SI unit that results hold.
+        How many of the unit make one of the SI unit that results hold; negative where the page
+        shows the opposite.
     """
 
     name: str
@@ -29,10 +30,12 @@ COEFFICIENTS = {
         "Tangential restitution, -v_s′ / v_s: 1 reverses the sliding, -1 leaves it.",
     ),
     "v_n": Quantity(
-        "approach v_n",
+        "approach |v_n|",
         "m/s",
-        "Normal relative velocity before contact, (V_b - V_a) · n at the point of contact, with n "
-        "from a to b: negative while the spheres approach (section 7.1).",
+        "Speed of approach along the line of centres. Files hold v_n with its sign, the normal "
+        "relative velocity (V_b - V_a) · n with n from a to b: negative while the spheres "
+        "approach (section 7.1).",
+        per_si=-1.0,
     ),
     "v_n_after": Quantity(
         "parting v_n′", "m/s", "Normal relative velocity after contact; positive while they part."

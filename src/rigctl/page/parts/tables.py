@@ -89,7 +89,7 @@ def with_error(value: Mapping[str, Any], factor: float = 1.0) -> str:
     if value["value"] is None:
         return "not determined"
     number, sigma = factor * float(value["value"]), value.get("sigma")
-    sigma = None if sigma is None else factor * sigma
+    sigma = None if sigma is None else abs(factor) * sigma
     if sigma is None or not sigma > 0:
         return f"{number:.4g}"
     exponent = math.floor(math.log10(sigma))

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from html import escape
@@ -67,7 +68,14 @@ class Remedy:
         return f"/?{urlencode({'fill': self.settings.model_dump_json(exclude_none=True)})}"
 
 
-def remedy(step: str, settings: ShotSettings, limits: Limits, diameter_m: float) -> Remedy:
+def remedy(
+    step: str,
+    settings: ShotSettings,
+    limits: Limits,
+    diameter_m: float,
+    *,
+    ends_apart: bool = False,
+) -> Remedy:
     """Return what a refusal at a step means for a shot with these settings.
 
     Parameters
@@ -76,9 +84,16 @@ def remedy(step: str, settings: ShotSettings, limits: Limits, diameter_m: float)
         Of the analysis that refused it, as the result names it.
     diameter_m
         Of the spheres, m.
+    ends_apart
+        Whether the spheres still come nearer to each other where the film ends.
     """
     if step in OF_THE_PATHS and (found := _of_the_paths(settings, limits, diameter_m)):
         return found
+    if ends_apart:
+        happened = "The film ends before the spheres meet: they left their tubes late, or slowly."
+        return Remedy(
+            happened, f"{AGAIN}: the next launch will hardly be as late.", AGAIN, settings
+        )
     happened = PICTURES.get(step, "The analysis found nothing that it could measure.")
     return Remedy(
         happened, LOOK.get(step, f"{AGAIN}: such a shot may come by chance."), AGAIN, settings
@@ -162,6 +177,7 @@ def refused_card(desk: Desk, shot: ShotRecord, result: Json, why: str) -> None:
             shot.settings,
             configuration.limits,
             configuration.spheres[0].diameter_m,
+            ends_apart=result["step"] == "contact" and end_apart(Overlays.of(result)),
         )
         ui.label(said.happened)
         with suppress(RigError):
@@ -192,6 +208,25 @@ def _picture(desk: Desk, shot: ShotRecord, result: Json) -> None:
         sanitize=False,
     ).classes("wide")
     ui.label(f"F{text[1:]}.").classes("note")
+
+
+def end_apart(overlays: Overlays) -> bool:
+    """Say whether the spheres come nearer up to the last frame that shows both, and do not touch.
+
+    In the front view, as the view from above hides an offset.
+    """
+    gaps = [gap for found in overlays.frames if (gap := _gap(found["outlines"])) is not None]
+    return len(gaps) > 1 and 0.0 < gaps[-1] == min(gaps)
+
+
+def _gap(outlines: Sequence[Json]) -> float | None:
+    """Return how far apart the two outlines of the front view are, pixels; None: not both seen."""
+    front = {one["sphere"]: one for one in outlines if one.get("view", "front") == "front"}
+    if len(front) < 2:
+        return None
+    a, b = front["a"], front["b"]
+    between = math.hypot(a["row"] - b["row"], a["column"] - b["column"])
+    return float(between - a["radius"] - b["radius"])
 
 
 def telling_frame(overlays: Overlays, otherwise: int) -> int:

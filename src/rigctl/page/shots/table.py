@@ -29,6 +29,10 @@ def column(name: str, label: str, align: str = "right", **more: object) -> Colum
 ROOMY: dict[str, Any] = {"classes": "roomy", "headerClasses": "roomy"}
 """Of a column that a telephone has no room for."""
 SIGNED: dict[str, Any] = {":format": "value => String(value ?? '').replace('-', '−')"}
+PLACES: dict[str, Any] = {
+    ":format": "value => typeof value === 'number' ? value.toFixed(4).replace('-', '−') : value"
+}
+"""Of coefficients, so that their digits stand below each other."""
 WHY: dict[str, Any] = {"style": "white-space: normal; min-width: 190px; line-height: 1.3"}
 FIRED = [
     column("number", "shot"),
@@ -49,10 +53,10 @@ MEASURED_COLUMNS = [
     *FIRED,
     column("v_n", "v_n, m/s", **SIGNED, **ROOMY),
     column("v_s", "v_s, m/s", **SIGNED, **ROOMY),
-    column("e", "e"),
-    column("e_sigma", "±\u00a0of\u00a0e", **ROOMY),
-    column("beta", "β", **SIGNED),
-    column("beta_sigma", "±\u00a0of\u00a0β", **ROOMY),
+    column("e", "e", **PLACES),
+    column("e_sigma", "±\u00a0of\u00a0e", **PLACES, **ROOMY),
+    column("beta", "β", **PLACES),
+    column("beta_sigma", "±\u00a0of\u00a0β", **PLACES, **ROOMY),
     column("failure", "why not", "left", **WHY),
     column("tags", "tags", "left"),
 ]
@@ -60,6 +64,8 @@ MEASURED_COLUMNS = [
 
 HEADINGS = {
     **{name: about.meaning for name, about in COEFFICIENTS.items()},
+    "v_n": "Approach along the line of centres, with the sign that files have: negative while the "
+    "spheres approach.",
     "pressure_a": SETTINGS["pressure_a_kpa"].meaning,
     "pressure_b": SETTINGS["pressure_b_kpa"].meaning,
     "pressure": SETTINGS["pressure_a_kpa"].meaning,

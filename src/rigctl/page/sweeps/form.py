@@ -65,7 +65,7 @@ class SweepForm:
                 self._fields = {"repeat": _repeat(float(self._proposed.repeat))}
             known = None if self._proposed is None else self._proposed.campaign
             self._campaign = CampaignField(known or "sweep")
-            self._shuffle = ui.checkbox("in a drawn order", value=True).props("dense")
+            self._shuffle = ui.checkbox("in random order", value=True).props("dense")
             self._shuffle.tooltip("so that a drift in time is no effect of a setting")
             self._said = ui.label().classes("note").props("data-testid=sweep-text role=status")
             self._start = button("Start", self._on_start, look="main fill", testid="start-sweep")

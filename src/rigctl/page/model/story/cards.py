@@ -92,6 +92,12 @@ def in_plain(text: str) -> str:
     return NAME.sub(plain, text)
 
 
+def titled(name: str) -> str:
+    """Return an effect's title; another name as it is."""
+    said = _cards().get(name)
+    return name if said is None else said["title"]
+
+
 def named(name: str) -> str:
     """Return an effect's title with its name in brackets; another name as it is."""
     said = _cards().get(name)

@@ -40,10 +40,10 @@ class Unseen:
         return f"{three_figures(self.value)} {self.unit}"
 
     def sentence(self) -> str:
-        """Return how well shots that were left out are predicted."""
+        """Return how well shots that the fit has not seen are predicted."""
         if self.floor is None:
-            return f"Shots left out are predicted to {self.said()}"
-        return f"The error on shots left out is {three_figures(self.value)} times the noise"
+            return f"Unseen shots are predicted to {self.said()}"
+        return f"The error on unseen shots is {three_figures(self.value)} times the noise"
 
 
 def three_figures(value: float) -> str:

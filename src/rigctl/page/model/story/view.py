@@ -7,7 +7,7 @@ from html import escape
 
 from nicegui import ui
 
-from analysis.model.verdict.standing import AT_THE_FLOOR, standing_of
+from analysis.model.verdict.standing import AT_THE_FLOOR, Word, standing_of
 from analysis.schema.verdict import VerdictReport
 from rigctl.documents import Json
 from rigctl.page.desk import Desk
@@ -39,8 +39,8 @@ OTHERS = 4
 class Story:
     """Four steps, drawn anew with each answer; `take` has the model taken with other effects.
 
-    The first and the last are drawn at once, the others with `rank`: a browser needs a second for
-    all of them.
+    Of the first answer step 1 is drawn at once, of a later one step 4, where it was asked for; the
+    others with `rank`: a browser needs a second for all of them.
     `last` is where more can be placed after them.
     """
 
@@ -50,7 +50,7 @@ class Story:
         self._after: Json | None = None
         self._effect, self._waits = "", ""
         self._is_behind = self._is_before = False
-        self._known = 0
+        self._known, self._late = 0, self._fourth
         self._film = ShotFilm(desk, state, self._film_chosen)
         self._where = WhereItFails(self._to_film, lambda: self._film.shot)
         with ui.element("div").classes("stack story"):
@@ -74,16 +74,20 @@ class Story:
         known, self._known = self._known, len(path)
         if found is not None and (found is not self._shown or known != len(path)):
             # A reloaded page may hear of the model with an effect before it hears of it without.
+            opens = self._shown is None
             self._shown, self._is_before = found, False
             self._look_at_stage()
             seen = self._seen(found) if found is self._state.present else []
             self._effect = seen[0]["effect"] if seen else ""
-            if self._effect:
+            standing = self._state.standing
+            if self._effect and not (standing is not None and standing.word is Word.FLOOR):
                 self._state.ask_trial(self._effect)
             self._after = None
             self._rail.refresh()
-            self._first.refresh()
-            self._fourth.refresh()
+            now, self._late = self._first, self._fourth
+            if not opens:
+                now, self._late = self._late, now
+            now.refresh()
             self._is_behind = True
 
     def rank(self) -> None:
@@ -91,6 +95,7 @@ class Story:
         fitted = self._effect and self._waits != self._state.tries(self._effect)
         if self._is_behind:
             self._is_behind = False
+            self._late.refresh()
             self._second.refresh()
             self._draw()
         elif fitted:
@@ -155,7 +160,7 @@ class Story:
             return
         found = self._stages[-1]
         self._title(1, "Compare", self._turner)
-        _lede(compared(found), "story-compare")
+        _lede(compared(found, standing_of(self._stages, self._concluded())), "story-compare")
         with ui.element("div").classes("columns compared"):
             self._film.place()
             with ui.element("div").classes("stack"):
@@ -260,9 +265,15 @@ class Story:
         left_out(found)
 
     def _wait(self) -> bool:
-        """Place what is said while the effect is fitted; say whether it is."""
+        """Place what is said while the effect is fitted, or a button for it where nothing asks it.
+
+        False where the fit has been and gave no size.
+        """
         if not self._waits:
-            return False
+            if self._state.has_tried(self._effect):
+                return False
+            button("Fit it in full", lambda: self._try(self._effect), testid="fit-in-full")
+            return True
         title = "Fitting it in full, the slider comes with the answer"
         Waiting(self._desk, title, lambda: self._waits, "trying")
         return True

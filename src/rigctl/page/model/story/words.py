@@ -145,8 +145,8 @@ def failing(found: Json) -> list[Json]:
     return sorted(rows, key=lambda row: (row["p_familywise"] >= SURE, -row["error"]))
 
 
-def compared(found: Json) -> str:
-    """Say how wrong the model is at its worst."""
+def compared(found: Json, standing: Standing | None = None) -> str:
+    """Say how wrong the model is at its worst, without contradicting how it stands over all."""
     wrong = [row for row in failing(found) if row["p_familywise"] < SURE]
     if found.get("estimated"):
         worst = failing(found)[0]
@@ -160,12 +160,26 @@ def compared(found: Json) -> str:
             "Everything that was measured agrees with the model, as far as the noise lets one see."
         )
     worst = wrong[0]
+    if standing is not None and standing.word is Word.FLOOR:
+        rest = "alone stands" if len(wrong) == 1 else f"and {len(wrong) - 1} more stand"
+        return (
+            "Over everything together the model errs no more than the noise. Of "
+            f"{len(failing(found))} quantities the {channel(worst['quantity'])} {rest} out, by "
+            f"{sized(worst)}: {worst['error']:.3g} times its noise."
+        )
     return (
         f"The model gets the {channel(worst['quantity'])} wrong by {sized(worst)}: "
         f"{worst['error']:.3g} times the noise, so this is no noise."
     )
 
 
+ENDS = {
+    "ln v_n": ("in slow hits", "in fast ones"),
+    "ln v_s/v_n": ("in hits that are nearly head on", "in grazing ones"),
+    "order": ("in the first shots", "in the last"),
+    "time": ("in the first pictures", "in the last"),
+}
+"""Which shots or pictures lie at the two ends of a covariate."""
 MISSING = {
     Word.UNEXPLAINED: "nothing that is known",
     Word.FEW: "too few shots",
@@ -206,9 +220,10 @@ def where(cell: Json, points: Json, standing: Standing | None) -> str:
         )
     places = {"first": 0, "middle": len(mean) // 2, "last": len(mean) - 1}
     least, middle, most = (_beside(mean[place], unit) for place in places.values())
+    first, last = ENDS.get(cell["covariate"], ("where it is least", "where it is most"))
     return (
-        f"The {channel(cell['channel'])} goes wrong with the {covariate(cell['covariate'])}: "
-        f"measured is {least} where that is least, {middle} in the middle, {most} where it is most."
+        f"The {channel(cell['channel'])} goes wrong with the {covariate(cell['covariate'])}. "
+        f"Measured is {least} {first}, {middle} in the middle, {most} {last}."
     )
 
 
